@@ -1,0 +1,45 @@
+"""Errors a user can cause, each with the thing, the value and the remedy in one line."""
+
+
+class PrsmError(Exception):
+    """Base of every error that this package raises on purpose."""
+
+
+class FileError(PrsmError, ValueError):
+    """A mechanism file cannot be read: names the file, the table, the key, the value, the remedy."""
+
+
+class MissingDataError(PrsmError, ValueError):
+    """A quantity needs data that the mechanism does not have."""
+
+
+class UnknownNameError(PrsmError, ValueError):
+    """A name (field, quantity, example, method) that does not exist or is ambiguous."""
+
+
+class MissingExtraError(PrsmError, ImportError):
+    """An optional dependency is not installed."""
+
+
+def missing_extra(extra: str, purpose: str, error: ImportError) -> MissingExtraError:
+    """Build the error for an optional dependency that is absent.
+
+    **Arguments:**
+
+    - `extra`: the extra of this package that brings the dependency.
+    - `purpose`: what the caller wanted to do, as a gerund ("reading mechanism files").
+    - `error`: the import error that was caught.
+    """
+    return MissingExtraError(
+        f"{purpose} needs the module {error.name!r}, which is not installed; "
+        f"install the extra: pip install 'prsm-jax[{extra}]'"
+    )
+
+
+def closest(name: str, known) -> str:
+    """A short hint that names the nearest known names."""
+    import difflib
+
+    known = sorted(known)
+    near = difflib.get_close_matches(name, known, n=3, cutoff=0.5)
+    return f"did you mean {' or '.join(near)}?" if near else f"known: {', '.join(known)}"

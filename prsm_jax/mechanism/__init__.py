@@ -1,0 +1,56 @@
+"""The mechanism: a frozen pytree in SI units. This room imports no other."""
+
+from ._bodies import (
+    Carrier as Carrier,
+    Gear as Gear,
+    GivenStiffness as GivenStiffness,
+    Material as Material,
+    Nut as Nut,
+    RingGear as RingGear,
+    Roller as Roller,
+    Screw as Screw,
+    Support as Support,
+)
+from ._design_problem import (
+    Constraint as Constraint,
+    DesignProblem as DesignProblem,
+    Objective as Objective,
+    Variable as Variable,
+)
+from ._fields import Scalar as Scalar, as_scalar as as_scalar
+from ._friction import (
+    ConstantDrag as ConstantDrag,
+    CoulombFriction as CoulombFriction,
+    Friction as Friction,
+    RollingHysteresis as RollingHysteresis,
+    SpinFriction as SpinFriction,
+    SplineFriction as SplineFriction,
+    ThreadFriction as ThreadFriction,
+    ThrustBearingFriction as ThrustBearingFriction,
+    ViscousFriction as ViscousFriction,
+)
+from ._masses import (
+    body_inertia as body_inertia,
+    body_mass as body_mass,
+    material_of as material_of,
+    nut_outer_radius as nut_outer_radius,
+    stage_mass as stage_mass,
+)
+from ._mechanism import (
+    CURVATURE_CONVENTIONS as CURVATURE_CONVENTIONS,
+    CurvatureConvention as CurvatureConvention,
+    DutyCycle as DutyCycle,
+    Mechanism as Mechanism,
+    OperatingPoint as OperatingPoint,
+    Stage as Stage,
+)
+from ._parameters import (
+    DESIGN_VARIABLES as DESIGN_VARIABLES,
+    DesignVariable as DesignVariable,
+    Parameter as Parameter,
+    all_parameters as all_parameters,
+    find_parameters as find_parameters,
+    get_parameter as get_parameter,
+    set_parameter as set_parameter,
+)
+from ._thread import Thread as Thread

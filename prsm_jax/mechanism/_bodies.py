@@ -1,0 +1,113 @@
+"""The bodies of a stage: masses given, or dimensions from which they follow."""
+
+import equinox as eqx
+
+from ._fields import Scalar, choice, number, optional_number
+
+
+class Material(eqx.Module):
+    """An isotropic elastic material."""
+
+    youngs_modulus: Scalar = number("Pa", "Young's modulus, E")
+    poisson_ratio: Scalar = number("1", "Poisson's ratio, ν")
+    density: Scalar | None = optional_number("kg/m³", "density, for masses derived from dimensions")
+
+
+class Support(eqx.Module):
+    """Springs from a body to the housing; an absent one is not there."""
+
+    radial_stiffness: Scalar | None = optional_number(
+        "N/m", "bending (radial) stiffness of the support, equal in x and y"
+    )
+    torsional_stiffness: Scalar | None = optional_number(
+        "N/m", "torsional stiffness as a force per tangential displacement u = r θ"
+    )
+
+
+class Screw(eqx.Module):
+    """The screw; its outer radius is the nominal one of the thread."""
+
+    mass: Scalar | None = optional_number("kg", "mass; from length and density when absent")
+    inertia: Scalar | None = optional_number("kg·m²", "moment of inertia about the axis")
+    length: Scalar | None = optional_number("m", "length of the cylinder")
+    bore_radius: Scalar | None = optional_number("m", "radius of a central bore")
+    material: Material | None = None
+    support: Support | None = None
+
+
+class Roller(eqx.Module):
+    """One roller; its outer radius is the nominal one of the thread."""
+
+    mass: Scalar | None = optional_number("kg", "mass; from length and density when absent")
+    inertia: Scalar | None = optional_number("kg·m²", "moment of inertia about its own axis")
+    length: Scalar | None = optional_number("m", "length of the cylinder")
+    bore_radius: Scalar | None = optional_number("m", "radius of a central bore")
+    material: Material | None = None
+
+
+class Nut(eqx.Module):
+    """The nut: a sleeve whose inner radius is the nominal one of the thread."""
+
+    mass: Scalar | None = optional_number("kg", "mass; from dimensions and density when absent")
+    inertia: Scalar | None = optional_number("kg·m²", "moment of inertia about the axis")
+    length: Scalar | None = optional_number("m", "length of the sleeve")
+    wall_thickness: Scalar | None = optional_number(
+        "m", "wall outside the nominal thread radius; the outer radius follows"
+    )
+    material: Material | None = None
+    support: Support | None = None
+
+
+class RingGear(eqx.Module):
+    """The ring gear: an annulus whose inner radius is the pitch radius."""
+
+    mass: Scalar | None = optional_number("kg", "mass; from dimensions and density when absent")
+    inertia: Scalar | None = optional_number("kg·m²", "moment of inertia about the axis")
+    length: Scalar | None = optional_number("m", "axial width of the annulus")
+    wall_thickness: Scalar | None = optional_number("m", "rim outside the pitch radius")
+    material: Material | None = None
+    support: Support | None = None
+
+
+class Carrier(eqx.Module):
+    """The carriers (planet cages): annuli centred on the circle of the roller axes."""
+
+    mass: Scalar | None = optional_number("kg", "mass of one carrier")
+    inertia: Scalar | None = optional_number("kg·m²", "moment of inertia of one carrier")
+    length: Scalar | None = optional_number("m", "axial thickness of one annulus")
+    radial_width: Scalar | None = optional_number("m", "radial width of the annulus")
+    count: int = choice("number of carriers in the stage (one at either end: 2)", default=2)
+    material: Material | None = None
+    support: Support | None = None
+
+
+class Gear(eqx.Module):
+    """The gear pair that times the rollers: a spur gear at the roller's ends in a ring gear.
+
+    Its pitch circles are the nominal circles of the threads, so the module 2 r_R / z_R and the
+    number of ring gear teeth n z_R follow from the thread.
+    """
+
+    roller_teeth: Scalar = number("1", "number of teeth of the roller's gear, z_R")
+    face_width: Scalar = number("m", "face width")
+    pressure_angle: Scalar = number("rad", "pressure angle")
+    roller_profile_shift: Scalar = number("1", "profile shift coefficient of the roller", default=0)
+    ring_profile_shift: Scalar = number("1", "profile shift coefficient of the ring", default=0)
+    helix_angle: Scalar = number("rad", "helix angle of the gear teeth", default=0)
+    mesh_factor: Scalar = number(
+        "1", "mesh stiffness over single-tooth stiffness (0.75 ε_α + 0.25 in ISO 6336-1)", default=1
+    )
+
+
+class GivenStiffness(eqx.Module):
+    """Stiffnesses taken as given (measured, or from a paper) instead of being derived."""
+
+    screw_roller: Scalar | None = optional_number(
+        "N/m", "thread contact stiffness of one roller with the screw, all its threads"
+    )
+    nut_roller: Scalar | None = optional_number(
+        "N/m", "thread contact stiffness of one roller with the nut, all its threads"
+    )
+    ring_roller: Scalar | None = optional_number(
+        "N/m", "gear mesh stiffness of one roller with the ring gear"
+    )

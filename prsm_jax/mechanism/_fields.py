@@ -1,0 +1,43 @@
+"""How numbers enter the mechanism: as scalar arrays that can be differentiated."""
+
+from typing import TypeAlias
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+Scalar: TypeAlias = Float[Array, ""]
+
+
+def as_scalar(value) -> Array:
+    """A floating-point array of `value`, keeping the dtype of an array that is floating already."""
+    if isinstance(value, int | float):
+        # An explicit dtype: a weakly typed leaf would compile everything a second time.
+        return jnp.asarray(value, dtype=jnp.result_type(float))
+    array = jnp.asarray(value)
+    return array if jnp.issubdtype(array.dtype, jnp.floating) else array.astype(float)
+
+
+def _as_optional_scalar(value):
+    return None if value is None else as_scalar(value)
+
+
+def number(unit: str, description: str, **kwargs):
+    """A required number (a differentiable leaf), with its SI unit and meaning as metadata."""
+    return eqx.field(
+        converter=as_scalar, metadata={"unit": unit, "description": description}, **kwargs
+    )
+
+
+def optional_number(unit: str, description: str):
+    """A number that may be absent; `None` leaves the physics that needs it untraced."""
+    return eqx.field(
+        converter=_as_optional_scalar,
+        default=None,
+        metadata={"unit": unit, "description": description},
+    )
+
+
+def choice(description: str, **kwargs):
+    """A static choice: part of the pytree's structure, never traced."""
+    return eqx.field(static=True, metadata={"description": description}, **kwargs)

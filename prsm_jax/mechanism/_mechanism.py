@@ -1,0 +1,95 @@
+"""The mechanism: stages, operating point and duty cycle, as one frozen pytree in SI units."""
+
+from typing import Literal, TypeAlias
+
+import equinox as eqx
+from jaxtyping import Array, Float
+
+from ._bodies import Carrier, Gear, GivenStiffness, Material, Nut, RingGear, Roller, Screw
+from ._design_problem import DesignProblem
+from ._fields import Scalar, as_scalar, choice, number, optional_number
+from ._friction import Friction
+from ._thread import Thread
+
+CurvatureConvention: TypeAlias = Literal["exact", "lisowski2014", "wu2022"]
+CURVATURE_CONVENTIONS: tuple[CurvatureConvention, ...] = ("exact", "lisowski2014", "wu2022")
+
+
+class Stage(eqx.Module):
+    """One planetary roller screw: threads, bodies, gear, stiffnesses taken as given, friction.
+
+    Leaves (traced, differentiable): every number. Static: `roller_count`, `curvature`,
+    `carrier.count`, and which of the optional parts are there at all.
+
+    **Raises:** `ValueError` at construction for a roller count below 1 or an unknown curvature
+    convention. Numbers are not checked here, because they may be traced: the file layer checks
+    what it reads, and `prsm_jax.check` reports findings.
+    """
+
+    thread: Thread
+    roller_count: int = choice("number of rollers, N")
+    screw: Screw = Screw()
+    roller: Roller = Roller()
+    nut: Nut = Nut()
+    carrier: Carrier | None = None
+    ring_gear: RingGear | None = None
+    gear: Gear | None = None
+    material: Material | None = None
+    stiffness: GivenStiffness | None = None
+    friction: Friction | None = None
+    engaged_threads: Scalar | None = optional_number(
+        "1", "threads of one roller that carry load, per side, z"
+    )
+    curvature: CurvatureConvention = choice(
+        "where the contact curvatures come from", default="exact"
+    )
+
+    def __check_init__(self):
+        if self.roller_count < 1:
+            raise ValueError(
+                f"roller_count is {self.roller_count}; a stage needs at least one roller"
+            )
+        if self.curvature not in CURVATURE_CONVENTIONS:
+            raise ValueError(
+                f"curvature is {self.curvature!r}; choose one of {', '.join(CURVATURE_CONVENTIONS)}"
+            )
+
+
+class OperatingPoint(eqx.Module):
+    """The steady operating point: prescribed screw speed and load on the last nut."""
+
+    speed: Scalar = number("rad/s", "screw speed; negative when the load drives the screw back")
+    load: Scalar = number("N", "axial load on the last nut, against its motion at positive speed")
+    duration: Scalar | None = optional_number("s", "length of a transient simulation")
+
+
+class DutyCycle(eqx.Module):
+    """A sequence of operating phases."""
+
+    duration: Float[Array, " phases"] = eqx.field(
+        converter=as_scalar, metadata={"unit": "s", "description": "length of each phase"}
+    )
+    speed: Float[Array, " phases"] = eqx.field(
+        converter=as_scalar, metadata={"unit": "rad/s", "description": "screw speed in each phase"}
+    )
+    load: Float[Array, " phases"] = eqx.field(
+        converter=as_scalar, metadata={"unit": "N", "description": "axial load in each phase"}
+    )
+
+
+class Mechanism(eqx.Module):
+    """A planetary roller screw mechanism of one or several stages.
+
+    A frozen pytree in SI units. The stages share the screw speed through splines; nut k − 1
+    carries screw k. Static: `title` and the design problem (bounds and limits are not physics).
+    """
+
+    stages: tuple[Stage, ...]
+    operating_point: OperatingPoint | None = None
+    duty_cycle: DutyCycle | None = None
+    title: str = choice("a name for reports", default="")
+    design_problem: DesignProblem | None = choice("the [optimise] table of the file", default=None)
+
+    def __check_init__(self):
+        if not self.stages:
+            raise ValueError("stages is empty; a mechanism needs at least one stage")
