@@ -29,6 +29,7 @@ from ._friction import (
     ThrustBearingFriction as ThrustBearingFriction,
     ViscousFriction as ViscousFriction,
 )
+from ._line_contact import LineContact as LineContact
 from ._masses import (
     body_inertia as body_inertia,
     body_mass as body_mass,

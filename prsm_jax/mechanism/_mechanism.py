@@ -9,6 +9,7 @@ from ._bodies import Carrier, Gear, GivenStiffness, Material, Nut, RingGear, Rol
 from ._design_problem import DesignProblem
 from ._fields import Scalar, as_scalar, choice, number, optional_number
 from ._friction import Friction
+from ._line_contact import LineContact
 from ._thread import Thread
 
 CurvatureConvention: TypeAlias = Literal["exact", "lisowski2014", "wu2022"]
@@ -37,6 +38,7 @@ class Stage(eqx.Module):
     material: Material | None = None
     stiffness: GivenStiffness | None = None
     friction: Friction | None = None
+    line_contact: LineContact | None = None
     engaged_threads: Scalar | None = optional_number(
         "1", "threads of one roller that carry load, per side, z"
     )

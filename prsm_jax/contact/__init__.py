@@ -1,0 +1,22 @@
+"""Contact mechanics of the threads."""
+
+from ._approximations import APPROXIMATIONS as APPROXIMATIONS
+from ._axis_ratio import axis_ratio_of as axis_ratio_of
+from ._conventions import ContactFrame as ContactFrame, contact_frames as contact_frames
+from ._elliptic import (
+    associated_elliptic_integrals as associated_elliptic_integrals,
+    complete_elliptic_integrals as complete_elliptic_integrals,
+)
+from ._hertz import (
+    HertzContact as HertzContact,
+    HertzMethod as HertzMethod,
+    contact_modulus as contact_modulus,
+    hertz_contact as hertz_contact,
+)
+from ._thread_contact import (
+    StageContact as StageContact,
+    ThreadContactSide as ThreadContactSide,
+    engaged_threads as engaged_threads,
+    side_contact as side_contact,
+    stage_contact as stage_contact,
+)

@@ -1,0 +1,84 @@
+"""Thread contacts of one stage under load."""
+
+import equinox as eqx
+
+from .._errors import MissingDataError
+from ..geometry import Meshing, mesh
+from ..mechanism import Scalar, Stage, material_of
+from ._conventions import ContactFrame, contact_frames
+from ._hertz import HertzContact, HertzMethod, contact_modulus, hertz_contact
+
+
+class ThreadContactSide(eqx.Module):
+    """One thread contact on one side of a roller, all engaged threads sharing equally."""
+
+    hertz: HertzContact
+    normal_force: Scalar
+    #: Axial secant stiffness of one contact, F_a/δ_a with δ_a = δ F_n/F_a [N/m].
+    axial_stiffness: Scalar
+    #: Axial stiffness of all engaged threads of one roller in parallel [N/m].
+    roller_stiffness: Scalar
+
+
+class StageContact(eqx.Module):
+    """Thread contacts of one stage: screw side and nut side."""
+
+    screw: ThreadContactSide
+    nut: ThreadContactSide
+
+
+def engaged_threads(stage: Stage) -> Scalar:
+    """Number of load-carrying threads of one roller per side.
+
+    **Raises:** `MissingDataError` if the stage does not give it.
+    """
+    if stage.engaged_threads is None:
+        raise MissingDataError(
+            "the stage has no engaged_threads; give stage.engaged_threads, the number of threads "
+            "of one roller that carry load"
+        )
+    return stage.engaged_threads
+
+
+def side_contact(
+    stage: Stage, side: str, frame: ContactFrame, normal_force: Scalar, method: HertzMethod
+) -> ThreadContactSide:
+    """One contact under its normal force [N], on the `"screw"` or the `"nut"` side."""
+    modulus = contact_modulus(material_of(stage, "roller"), material_of(stage, side))
+    curvature = frame.curvature
+    hertz = hertz_contact(
+        normal_force, curvature.total, curvature.difference_squared, modulus, method
+    )
+    axial = hertz.stiffness / frame.normal_per_axial**2
+    return ThreadContactSide(hertz, normal_force, axial, axial * engaged_threads(stage))
+
+
+def stage_contact(
+    stage: Stage,
+    load: Scalar,
+    meshing: Meshing | None = None,
+    method: HertzMethod = "exact",
+) -> StageContact:
+    """Thread contacts of a stage under an axial load, shared equally and without friction.
+
+    Every roller carries `load / N` and every one of its engaged threads an equal part of that, so
+    a contact carries the axial force F_a = load/(N z) and the normal force F_a · F_n/F_a of the
+    stage's curvature convention.
+
+    **Arguments:**
+
+    - `stage`: the stage; needs materials and `engaged_threads`.
+    - `load`: axial load on the nut [N].
+    - `meshing`: its meshing, if known already.
+    - `method`: Hertz method.
+
+    **Raises:** `MissingDataError` if materials or engaged threads are not given.
+    """
+    if meshing is None:
+        meshing = mesh(stage.thread)
+    axial_force = load / (stage.roller_count * engaged_threads(stage))
+    screw, nut = contact_frames(stage.thread, meshing, stage.curvature)
+    return StageContact(
+        screw=side_contact(stage, "screw", screw, axial_force * screw.normal_per_axial, method),
+        nut=side_contact(stage, "nut", nut, axial_force * nut.normal_per_axial, method),
+    )

@@ -1,0 +1,72 @@
+"""What a number may be: finite, and where its name or its unit says so, positive or in a range."""
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Limit:
+    """The physical range of a number [SI], with the words that an error message uses."""
+
+    lower: float
+    upper: float
+    words: str
+    lower_allowed: bool = False
+    upper_allowed: bool = False
+
+    def admits(self, value: float) -> bool:
+        """Whether a value is finite and in the range."""
+        above = value > self.lower or (self.lower_allowed and value == self.lower)
+        below = value < self.upper or (self.upper_allowed and value == self.upper)
+        return math.isfinite(value) and above and below
+
+
+ANY = Limit(-math.inf, math.inf, "finite")
+POSITIVE = Limit(0.0, math.inf, "more than 0")
+NOT_NEGATIVE = Limit(0.0, math.inf, "0 or more", lower_allowed=True)
+SHARE = Limit(0.0, 1.0, "from 0 to 1", lower_allowed=True, upper_allowed=True)
+ACUTE_ANGLE = Limit(0.0, math.pi / 2, "between 0 and 90 deg, both excluded")
+SLANT = Limit(-math.pi / 2, math.pi / 2, "between -90 and 90 deg, both excluded")
+#: Enough for any roller screw, and few enough that a slip of the pen does not fill the memory.
+ROLLERS = Limit(1, 1000, "a whole number from 1 to 1000", lower_allowed=True, upper_allowed=True)
+COUNT = Limit(1, 100, "a whole number from 1 to 100", lower_allowed=True, upper_allowed=True)
+
+_BY_NAME = {
+    "starts": Limit(2.0, math.inf, "more than 2 (the screw radius is (starts - 2) r_R)"),
+    "starts_at_fixed_pitch": Limit(2.0, math.inf, "more than 2"),
+    "contact_angle": ACUTE_ANGLE,
+    "flank_angle": ACUTE_ANGLE,
+    "pressure_angle": ACUTE_ANGLE,
+    "screw_profile_angle": ACUTE_ANGLE,
+    "roller_profile_angle": ACUTE_ANGLE,
+    "lead_angle": SLANT,
+    "helix_angle": SLANT,
+    "poisson_ratio": Limit(-1.0, 0.5, "between -1 and 0.5, both excluded"),
+    "bore_radius": NOT_NEGATIVE,
+    "screw_addendum": NOT_NEGATIVE,
+    "roller_addendum": NOT_NEGATIVE,
+    "coefficient": NOT_NEGATIVE,
+    "loss_factor": SHARE,
+    "torque": NOT_NEGATIVE,
+    "engaged_threads": POSITIVE,
+    "roller_teeth": POSITIVE,
+    "mesh_factor": POSITIVE,
+    "roller_count": ROLLERS,
+    "count": COUNT,
+}
+_BY_UNIT = {
+    "m": POSITIVE,
+    "s": POSITIVE,
+    "kg": POSITIVE,
+    "kg·m²": POSITIVE,
+    "kg/m³": POSITIVE,
+    "Pa": POSITIVE,
+    # A free body is a support of stiffness zero, and no contact one of the given stiffnesses.
+    "N/m": NOT_NEGATIVE,
+    "N·s/m": NOT_NEGATIVE,
+}
+
+
+def limit_of(name: str, unit: str) -> Limit:
+    """The limit of a number by its name, else by its SI unit, else finite."""
+    return _BY_NAME.get(name) or _BY_UNIT.get(unit) or ANY

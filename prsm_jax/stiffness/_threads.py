@@ -1,0 +1,54 @@
+"""Thread contact stiffness of one roller, given or from Hertz contact."""
+
+from collections.abc import Callable
+
+import equinox as eqx
+
+from .._errors import MissingDataError
+from ..contact import StageContact
+from ..mechanism import Scalar, Stage
+
+
+class ThreadStiffness(eqx.Module):
+    """Thread contact stiffness of one roller, all its engaged threads in parallel [N/m]."""
+
+    screw_roller: Scalar
+    nut_roller: Scalar
+
+
+def thread_stiffness(stage: Stage, contact: Callable[[], StageContact]) -> ThreadStiffness:
+    """Thread contact stiffness of one roller with screw and nut [N/m].
+
+    Given numbers are taken as they are; what is not given is the axial secant stiffness of a
+    Hertz contact times the number of engaged threads (Wu et al. 2022, equations 36 to 47).
+
+    **Arguments:**
+
+    - `stage`: the stage.
+    - `contact`: gives the thread contacts; called only if a stiffness has to be derived.
+    """
+    given = stage.stiffness
+    screw = None if given is None else given.screw_roller
+    nut = None if given is None else given.nut_roller
+    if screw is not None and nut is not None:
+        return ThreadStiffness(screw, nut)
+    try:
+        derived = contact()
+    except MissingDataError as error:
+        raise MissingDataError(
+            f"thread contact stiffness: {error} — or give stage.stiffness.screw_roller and "
+            "stage.stiffness.nut_roller"
+        ) from error
+    return ThreadStiffness(
+        derived.screw.roller_stiffness if screw is None else screw,
+        derived.nut.roller_stiffness if nut is None else nut,
+    )
+
+
+def axial_stiffness(stage: Stage, threads: ThreadStiffness) -> Scalar:
+    """Axial contact stiffness between screw and nut: both contacts in series, rollers in parallel.
+
+    Shafts and teeth are taken as rigid [N/m].
+    """
+    in_series = 1 / (1 / threads.screw_roller + 1 / threads.nut_roller)
+    return stage.roller_count * in_series
