@@ -1,4 +1,47 @@
-"""prsm_jax: differentiable modelling of planetary roller screw mechanisms in JAX."""
+"""prsm_jax: differentiable modelling of planetary roller screw mechanisms in JAX.
+
+Data flows one way, and the folders are named after it: file → mechanism → geometry → contact →
+stiffness → modal, dynamics → quantities → sensitivity, optimise, sweep → report. `validation`
+compares with published numbers, `cli` is the command line.
+"""
 
 from ._precision import to_precision as to_precision  # first: it enables float64
+from ._errors import (
+    FileError as FileError,
+    MissingDataError as MissingDataError,
+    MissingExtraError as MissingExtraError,
+    PrsmError as PrsmError,
+    UnknownNameError as UnknownNameError,
+)
+from ._physics import traced_physics as traced_physics
 from ._version import __version__ as __version__
+from .contact import hertz_contact as hertz_contact, thread_contacts as thread_contacts
+from .dynamics import (
+    Scenario as Scenario,
+    SteadyState as SteadyState,
+    Transient as Transient,
+    simulate as simulate,
+    steady_state as steady_state,
+)
+from .geometry import Finding as Finding, check as check, mesh as mesh
+from .mechanism import (
+    Constraint as Constraint,
+    DesignProblem as DesignProblem,
+    Mechanism as Mechanism,
+    Objective as Objective,
+    OperatingPoint as OperatingPoint,
+    Stage as Stage,
+    Thread as Thread,
+    Variable as Variable,
+    all_parameters as all_parameters,
+    get_parameter as get_parameter,
+    set_parameter as set_parameter,
+)
+from .modal import Modes as Modes, modal as modal
+from .quantities import (
+    Quantity as Quantity,
+    available_quantities as available_quantities,
+    catalogue as catalogue,
+    compute as compute,
+    quantity as quantity,
+)

@@ -54,7 +54,8 @@ def _scopes(jaxpr) -> set[str]:
             if _PREFIX in part:
                 found.add(part.split(_PREFIX, 1)[1].rstrip(")"))
         for inner in jax.tree.leaves(
-            list(equation.params.values()), is_leaf=lambda x: hasattr(x, "eqns") or hasattr(x, "jaxpr")
+            list(equation.params.values()),
+            is_leaf=lambda x: hasattr(x, "eqns") or hasattr(x, "jaxpr"),
         ):
             inner = getattr(inner, "jaxpr", inner)
             if hasattr(inner, "eqns"):

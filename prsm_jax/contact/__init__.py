@@ -20,3 +20,4 @@ from ._thread_contact import (
     side_contact as side_contact,
     stage_contact as stage_contact,
 )
+from ._contacts import load_of as load_of, thread_contacts as thread_contacts

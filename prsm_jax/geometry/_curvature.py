@@ -21,9 +21,7 @@ class RelativeCurvature(eqx.Module):
     rolling: Scalar
 
 
-def relative_curvature(
-    slope: Float[Array, "2"], hessian: Float[Array, "2 2"]
-) -> RelativeCurvature:
+def relative_curvature(slope: Float[Array, "2"], hessian: Float[Array, "2 2"]) -> RelativeCurvature:
     """Project the Hessian of an axial gap onto the common tangent plane.
 
     With the common slope g = ∇z the tangent plane has the metric G = I + g gᵀ, and the gap along
@@ -42,9 +40,7 @@ def relative_curvature(
     steepness = jnp.sum(slope**2)
     cosine = 1 / jnp.sqrt(1 + steepness)
     # G^{-1/2} = I − g gᵀ (1 − cos γ)/|g|², and (1 − cos γ)/|g|² = cos²γ/(1 + cos γ).
-    whitening = jnp.eye(2, dtype=slope.dtype) - jnp.outer(slope, slope) * (
-        cosine**2 / (1 + cosine)
-    )
+    whitening = jnp.eye(2, dtype=slope.dtype) - jnp.outer(slope, slope) * (cosine**2 / (1 + cosine))
     tensor = cosine * whitening @ hessian @ whitening
     total = (tensor[0, 0] + tensor[1, 1]) / 2
     difference_squared = ((tensor[0, 0] - tensor[1, 1]) / 2) ** 2 + tensor[0, 1] ** 2

@@ -88,9 +88,11 @@ class Gear(eqx.Module):
     number of ring gear teeth n z_R follow from the thread.
     """
 
-    roller_teeth: Scalar = number("1", "number of teeth of the roller's gear, z_R")
-    face_width: Scalar = number("m", "face width")
     pressure_angle: Scalar = number("rad", "pressure angle")
+    roller_teeth: Scalar | None = optional_number(
+        "1", "number of teeth of the roller's gear, z_R; needed for the mesh stiffness"
+    )
+    face_width: Scalar | None = optional_number("m", "face width; needed for the mesh stiffness")
     roller_profile_shift: Scalar = number("1", "profile shift coefficient of the roller", default=0)
     ring_profile_shift: Scalar = number("1", "profile shift coefficient of the ring", default=0)
     helix_angle: Scalar = number("rad", "helix angle of the gear teeth", default=0)

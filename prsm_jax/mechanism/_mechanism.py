@@ -95,3 +95,9 @@ class Mechanism(eqx.Module):
     def __check_init__(self):
         if not self.stages:
             raise ValueError("stages is empty; a mechanism needs at least one stage")
+        first = self.stages[0].friction
+        if first is not None and first.spline is not None:
+            raise ValueError(
+                "stage 1 has friction.spline, but the first screw does not move axially; "
+                "remove it, or give it to the stage whose screw slides in a spline"
+            )

@@ -103,7 +103,9 @@ DESIGN_VARIABLES: tuple[DesignVariable, ...] = (
 )
 
 
-def _walk(module: eqx.Module, prefix: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], dict, bool]]:
+def _walk(
+    module: eqx.Module, prefix: tuple[str, ...]
+) -> Iterator[tuple[tuple[str, ...], dict, bool]]:
     """Yield (path, metadata, static) of every number that is present in a module."""
     for field in dataclasses.fields(module):
         value = getattr(module, field.name)

@@ -21,3 +21,4 @@ from ._system import (
     VibrationSystem as VibrationSystem,
     vibration_system as vibration_system,
 )
+from ._modal import modal as modal

@@ -2,6 +2,7 @@
 
 import jax.numpy as jnp
 
+from .._errors import MissingDataError
 from .._physics import physics
 from ..mechanism import Gear, Scalar, Stage
 
@@ -18,7 +19,11 @@ def tooth_flexibility(gear: Gear, starts: Scalar) -> Scalar:
 
     - `gear`: the gear pair; z₁ = z_R, x₁ on the roller, z₂ = n z_R, x₂ on the ring.
     - `starts`: number of thread starts n, the ratio of the gear pair.
+
+    **Raises:** `MissingDataError` if the number of teeth is not given.
     """
+    if gear.roller_teeth is None:
+        raise MissingDataError("the gear has no roller_teeth; give stage.gear.roller_teeth")
     first, second = gear.roller_teeth, starts * gear.roller_teeth
     shift_first, shift_second = gear.roller_profile_shift, gear.ring_profile_shift
     return (
@@ -45,7 +50,11 @@ def gear_mesh_stiffness(gear: Gear, starts: Scalar) -> Scalar:
 
     - `gear`: the gear pair.
     - `starts`: number of thread starts n.
+
+    **Raises:** `MissingDataError` if the number of teeth or the face width is not given.
     """
+    if gear.face_width is None:
+        raise MissingDataError("the gear has no face_width; give stage.gear.face_width")
     factors = _CORRECTION * _RIM * _BASIC_RACK * jnp.cos(gear.helix_angle)
     single = factors / tooth_flexibility(gear, starts) * _PASCAL_PER_UNIT
     return single * gear.face_width * gear.mesh_factor

@@ -1,0 +1,45 @@
+"""Thread contacts of a whole mechanism."""
+
+import jax.numpy as jnp
+
+from .._errors import MissingDataError
+from ..mechanism import Mechanism, Scalar
+from ._hertz import HertzMethod
+from ._thread_contact import StageContact, stage_contact
+
+
+def load_of(mechanism: Mechanism, load: float | Scalar | None) -> Scalar:
+    """The axial load: given, or that of the operating point [N].
+
+    **Raises:** `MissingDataError` if there is neither.
+    """
+    if load is None:
+        if mechanism.operating_point is None:
+            raise MissingDataError(
+                "no load: the mechanism has no operating point; pass load=… or give "
+                "[operating_point] load"
+            )
+        load = mechanism.operating_point.load
+    return jnp.asarray(load, mechanism.stages[0].thread.lead.dtype)
+
+
+def thread_contacts(
+    mechanism: Mechanism,
+    load: float | Scalar | None = None,
+    *,
+    method: HertzMethod = "exact",
+) -> tuple[StageContact, ...]:
+    """Hertz contacts of screw and nut side of every stage, under a static load.
+
+    The stages are in series, so each carries the whole load; friction is left out here.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism, with materials and engaged threads.
+    - `load`: axial load [N]; default that of the operating point. Its magnitude counts.
+    - `method`: Hertz method.
+
+    **Raises:** `MissingDataError` if load, materials or engaged threads are not given.
+    """
+    magnitude = jnp.abs(load_of(mechanism, load))
+    return tuple(stage_contact(stage, magnitude, method=method) for stage in mechanism.stages)

@@ -1,0 +1,19 @@
+"""Rigid-body dynamics with friction: steady state and transients."""
+
+from ._contact_losses import has_contact_losses as has_contact_losses
+from ._kinematics import (
+    StageKinematics as StageKinematics,
+    free_carrier_ratio as free_carrier_ratio,
+    ideal_carrier_ratio as ideal_carrier_ratio,
+    slip_velocity as slip_velocity,
+    stage_kinematics as stage_kinematics,
+    travel_per_turn as travel_per_turn,
+)
+from ._scenario import Scenario as Scenario, default_scenario as default_scenario
+from ._steady import (
+    SteadyState as SteadyState,
+    all_kinematics as all_kinematics,
+    steady_state as steady_state,
+)
+from ._transient import simulate as simulate, states_at as states_at
+from ._transient_result import SolverReport as SolverReport, Transient as Transient

@@ -1,0 +1,112 @@
+"""Resisting moments inside the contact ellipses: spin and rolling hysteresis.
+
+The relative angular velocity of screw (or nut) and roller is parallel to the axis; its part along
+the common normal spins the ellipse, its part in the tangent plane rolls it. Both moments oppose
+it, so each contact adds one resisting moment about the axis, Σ M |∂ω_i/∂ω_z|.
+"""
+
+import equinox as eqx
+import jax.numpy as jnp
+
+from .._errors import MissingDataError
+from .._physics import physics
+from ..contact import HertzContact, contact_frames, engaged_threads, side_contact
+from ..geometry import RelativeCurvature
+from ..mechanism import Friction, RollingHysteresis, Scalar, SpinFriction, Stage
+from ._kinematics import StageKinematics
+
+
+class ResistingMoment(eqx.Module):
+    """Moments about the axis of one roller that resist its turning on one side, by cause [N·m].
+
+    `None` where the mechanism does not name the loss.
+    """
+
+    spin: Scalar | None
+    rolling_hysteresis: Scalar | None
+
+    @property
+    def total(self) -> Scalar | float:
+        """Sum of the moments that are there [N·m]."""
+        return sum(part for part in (self.spin, self.rolling_hysteresis) if part is not None)
+
+
+def has_contact_losses(friction: Friction | None) -> bool:
+    """Whether any loss inside the contact ellipses is modelled."""
+    return friction is not None and not (
+        friction.spin is None and friction.rolling_hysteresis is None
+    )
+
+
+@physics("spin_friction")
+def spin_moment(law: SpinFriction, hertz: HertzContact, force: Scalar) -> Scalar:
+    """Moment that resists spinning of a Hertz ellipse, 3/8 μ F a E(m) [N·m].
+
+    Coulomb friction over the ellipse with full spin (Johnson 1985; Harris and Kotzalas 2006).
+    """
+    ellipse = hertz.semi_major * hertz.second_elliptic_integral
+    return 3 / 8 * law.coefficient * force * ellipse
+
+
+@physics("rolling_hysteresis")
+def rolling_moment(
+    law: RollingHysteresis, hertz: HertzContact, curvature: RelativeCurvature, force: Scalar
+) -> Scalar:
+    """Moment that resists rolling of a Hertz ellipse by hysteresis, 3/16 α F l [N·m].
+
+    `l` is the half-length of the ellipse in the rolling direction, from
+    1/l² = cos²ψ/a² + sin²ψ/b² with the angle ψ between rolling direction and major axis
+    (Johnson 1985, equation 9.2).
+    """
+    difference_squared = curvature.difference_squared
+    elongated = difference_squared > 0
+    difference = jnp.sqrt(jnp.where(elongated, difference_squared, 1.0))
+    # The gap coefficient in the rolling direction is A cos²ψ + B sin²ψ.
+    sine_squared = jnp.where(
+        elongated, (curvature.rolling - curvature.total / 2) / difference + 0.5, 0.5
+    )
+    loaded = hertz.semi_minor > 0
+    major = jnp.where(loaded, hertz.semi_major, 1.0)
+    minor = jnp.where(loaded, hertz.semi_minor, 1.0)
+    length = 1 / jnp.sqrt((1 - sine_squared) / major**2 + sine_squared / minor**2)
+    return 3 / 16 * law.loss_factor * force * jnp.where(loaded, length, 0.0)
+
+
+def resisting_moments(
+    stage: Stage, kinematics: StageKinematics, screw_force: Scalar, nut_force: Scalar
+) -> tuple[ResistingMoment, ResistingMoment]:
+    """Resisting moments about the axis on the screw and the nut side of one roller.
+
+    **Arguments:**
+
+    - `stage`: the stage; needs materials and engaged threads for the contact ellipses.
+    - `kinematics`: its kinematics.
+    - `screw_force`, `nut_force`: normal force of one roller, all its threads together [N].
+
+    **Raises:** `MissingDataError` if the contact ellipses cannot be computed.
+    """
+    friction = stage.friction
+    assert friction is not None
+    frames = contact_frames(stage.thread, kinematics.meshing, stage.curvature)
+    sides = (kinematics.meshing.screw, kinematics.meshing.nut)
+    moments = []
+    for name, frame, side, force in zip(
+        ("screw", "nut"), frames, sides, (screw_force, nut_force), strict=True
+    ):
+        try:
+            threads = engaged_threads(stage)
+            hertz = side_contact(stage, name, frame, force / threads, "exact").hertz
+        except MissingDataError as error:
+            raise MissingDataError(f"spin and rolling losses need the ellipses: {error}") from error
+        along_normal = jnp.abs(side.normal[2])
+        in_plane = jnp.hypot(side.normal[0], side.normal[1])
+        spin, rolling = friction.spin, friction.rolling_hysteresis
+        moments.append(
+            ResistingMoment(
+                spin=None if spin is None else spin_moment(spin, hertz, force) * along_normal,
+                rolling_hysteresis=None
+                if rolling is None
+                else rolling_moment(rolling, hertz, frame.curvature, force) * in_plane,
+            )
+        )
+    return moments[0], moments[1]

@@ -1,0 +1,73 @@
+"""Slip at the screw–roller contact, in the frame that turns with the carrier."""
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..geometry import Meshing, mesh
+from ..mechanism import Scalar, Stage, Thread
+
+
+class StageKinematics(eqx.Module):
+    """What the motion of one stage needs of its geometry.
+
+    The slip is linear in the two speeds: `v = Ω slip_per_screw − ω (drive, 0)`. The thread runs
+    along the roller's axis at `lead / 2π` per radian, whatever the carrier does.
+    """
+
+    thread: Thread
+    meshing: Meshing
+    #: ∂v/∂Ω of the slip of the screw over the roller [m/rad].
+    slip_per_screw: Float[Array, "3"]
+    #: ∂/∂ω of the velocity of the roller's contact point, in the transverse plane [m/rad].
+    drive: Float[Array, "2"]
+
+    @property
+    def relative_spin_ratio(self) -> Scalar:
+        """(n − 1): the roller turns about its axis at −(n − 1) ω."""
+        return self.thread.starts - 1
+
+
+def stage_kinematics(stage: Stage) -> StageKinematics:
+    """Mesh one stage and collect its slip vectors (Li et al. 2020, equation 13)."""
+    thread = stage.thread
+    meshing = mesh(thread)
+    side, starts = meshing.screw, thread.starts
+    screw_angle, roller_angle = side.contact_angle_position, side.roller_angle_position
+    screw = side.contact_radius * jnp.stack([-jnp.sin(screw_angle), jnp.cos(screw_angle)])
+    roller = side.roller_contact_radius * jnp.stack([jnp.sin(roller_angle), jnp.cos(roller_angle)])
+    axial = thread.lead / (2 * jnp.pi)
+    return StageKinematics(
+        thread=thread,
+        meshing=meshing,
+        slip_per_screw=jnp.concatenate([screw, axial[None]]),
+        drive=screw + starts * roller,
+    )
+
+
+def slip_velocity(
+    kinematics: StageKinematics, screw_speed: Scalar, carrier_speed: Scalar
+) -> Float[Array, "3"]:
+    """Velocity of the screw's contact point over the roller's [m/s]."""
+    in_plane = kinematics.slip_per_screw[:2] * screw_speed - kinematics.drive * carrier_speed
+    return jnp.concatenate([in_plane, (kinematics.slip_per_screw[2] * screw_speed)[None]])
+
+
+def free_carrier_ratio(kinematics: StageKinematics) -> Scalar:
+    """Steady carrier ratio ζ∞ = ω/Ω when nothing but thread friction acts on the rollers.
+
+    The friction then has no component along ∂v_R/∂ω, which is linear in ω: geometry alone
+    decides, not friction or load.
+    """
+    drive = kinematics.drive
+    return kinematics.slip_per_screw[:2] @ drive / (drive @ drive)
+
+
+def ideal_carrier_ratio(thread: Thread) -> Scalar:
+    """Carrier ratio of rolling without slip on the nominal circles, r_s / (2 a)."""
+    return thread.screw_radius / (2 * thread.centre_distance)
+
+
+def travel_per_turn(stages, upto: int) -> Scalar:
+    """Axial travel of the nut of stage `upto` (1-based count) per radian of screw turn [m/rad]."""
+    return sum(stage.thread.lead for stage in stages[:upto]) / (2 * jnp.pi)

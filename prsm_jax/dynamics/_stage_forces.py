@@ -1,0 +1,126 @@
+"""Forces in one stage at given speeds (the screw side decides; the rest follows by balance)."""
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._errors import MissingDataError
+from ..mechanism import Scalar, Stage, body_inertia, body_mass
+from ._contact_losses import ResistingMoment, has_contact_losses, resisting_moments
+from ._kinematics import StageKinematics
+from ._thread_friction import normal_force, thread_friction
+
+
+class Motion(eqx.Module):
+    """Instantaneous motion of one stage."""
+
+    screw_speed: Scalar
+    carrier_speed: Scalar
+    slip: Float[Array, "3"]
+    #: Unit vector of the slip; at standstill that of the motion about to begin.
+    direction: Float[Array, "3"]
+    #: Sense of turning of screw over roller, Ω + (n − 1) ω, and of roller over nut: +1 or −1.
+    screw_sense: Scalar
+    nut_sense: Scalar
+    #: Axial acceleration of nut and rollers z̈ [m/s²]; `None` at constant speed, which leaves the
+    #: masses untraced.
+    axial_acceleration: Scalar | None = None
+
+
+class StageForces(eqx.Module):
+    """Forces on one roller of a stage, and what the rollers together do to screw and carrier."""
+
+    #: Normal force of the screw on one roller, all threads together, F [N].
+    contact_force: Scalar
+    #: Friction of the screw on one roller [N].
+    friction: Float[Array, "3"]
+    #: Force of the screw on one roller, F n̂ + f [N].
+    screw_on_roller: Float[Array, "3"]
+    #: Normal force of the nut on one roller [N].
+    nut_contact_force: Scalar
+    screw_moment: ResistingMoment | None
+    nut_moment: ResistingMoment | None
+    #: Axial force of all rollers on the screw [N].
+    axial_on_screw: Scalar
+    #: Torque of all rollers on the screw about its axis [N·m].
+    torque_on_screw: Scalar
+    #: Generalised force of all rollers on the carrier speed [N·m].
+    carrier_drive: Scalar
+
+
+def axial_inertia(stage: Stage) -> Scalar:
+    """Mass that moves axially with the nut: N m_R + m_n + the carriers [kg]."""
+    mass = stage.roller_count * body_mass(stage, "roller") + body_mass(stage, "nut")
+    carrier = stage.carrier
+    if carrier is not None:
+        try:
+            mass = mass + carrier.count * body_mass(stage, "carrier")
+        except MissingDataError:
+            # Papers give the carriers' inertia without their mass; it is small beside the nut's.
+            pass
+    return mass
+
+
+def stage_forces(
+    stage: Stage, kinematics: StageKinematics, motion: Motion, axial_force: Scalar
+) -> StageForces:
+    """All forces of the rollers of one stage.
+
+    Axial balance of rollers, nut and carriers: `N (F |n_z| − f_z) = F_n − m z̈`
+    (Li et al. 2020, equations 17 and 25; Li et al. 2021, equation 26).
+
+    **Arguments:**
+
+    - `stage`, `kinematics`: the stage and its meshing.
+    - `motion`: speeds and slip.
+    - `axial_force`: F_n − m z̈, what the rollers together carry axially [N].
+    """
+    count = stage.roller_count
+    law = None if stage.friction is None else stage.friction.thread
+    screw_side, nut_side = kinematics.meshing.screw, kinematics.meshing.nut
+    per_force, constant = thread_friction(law, motion.slip, motion.direction)
+    force = normal_force(screw_side.normal, per_force, constant, axial_force / count)
+    friction = force * per_force + constant
+    on_roller = force * screw_side.normal + friction
+    nut_axial = -on_roller[2]
+    if motion.axial_acceleration is not None:
+        nut_axial = nut_axial + body_mass(stage, "roller") * motion.axial_acceleration
+    nut_force = nut_axial / nut_side.normal[2]
+
+    screw_moment = nut_moment = None
+    radius, angle = screw_side.contact_radius, screw_side.contact_angle_position
+    arm = radius * jnp.stack([-jnp.sin(angle), jnp.cos(angle)])
+    torque = -count * arm @ on_roller[:2]
+    drive = count * friction[:2] @ kinematics.drive
+    if has_contact_losses(stage.friction):
+        screw_moment, nut_moment = resisting_moments(stage, kinematics, force, nut_force)
+        on_screw_side = count * motion.screw_sense * screw_moment.total
+        on_nut_side = count * motion.nut_sense * nut_moment.total
+        torque = torque - on_screw_side
+        drive = drive - kinematics.relative_spin_ratio * (on_screw_side + on_nut_side)
+    return StageForces(
+        contact_force=force,
+        friction=friction,
+        screw_on_roller=on_roller,
+        nut_contact_force=nut_force,
+        screw_moment=screw_moment,
+        nut_moment=nut_moment,
+        axial_on_screw=-count * on_roller[2],
+        torque_on_screw=torque,
+        carrier_drive=drive,
+    )
+
+
+def carrier_inertia(stage: Stage) -> Scalar:
+    """Inertia that the carrier speed moves: n_P J_P + N J_R (n − 1)² + N m_R a² [kg·m²].
+
+    n_P carriers, rollers turning at −(n − 1) ω about their axes and circling with them
+    (Li et al. 2021, equation 11).
+    """
+    thread, count = stage.thread, stage.roller_count
+    spinning = body_inertia(stage, "roller") * (thread.starts - 1) ** 2
+    circling = body_mass(stage, "roller") * thread.centre_distance**2
+    inertia = count * (spinning + circling)
+    if stage.carrier is not None:
+        inertia = inertia + stage.carrier.count * body_inertia(stage, "carrier")
+    return inertia

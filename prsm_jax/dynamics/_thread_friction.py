@@ -1,0 +1,66 @@
+"""Friction laws between screw and roller threads.
+
+A law says what force acts on the roller: a part proportional to the normal force along the slip
+direction, and a part proportional to the slip itself. A new law is one more function here.
+"""
+
+import functools
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._physics import physics
+from ..mechanism import CoulombFriction, Scalar, ThreadFriction, ViscousFriction
+
+
+def slip_direction(slip: Float[Array, "3"]) -> Float[Array, "3"]:
+    """Unit vector along the slip; zero, with zero derivative, where nothing slips."""
+    square = jnp.sum(slip**2)
+    slipping = square > 0
+    length = jnp.sqrt(jnp.where(slipping, square, 1.0))
+    return jnp.where(slipping, slip / length, 0.0)
+
+
+@functools.singledispatch
+def thread_friction(
+    law: ThreadFriction | None, slip: Float[Array, "3"], direction: Float[Array, "3"]
+) -> tuple[Float[Array, "3"], Float[Array, "3"]]:
+    """Friction on one roller: force per unit of normal force, and force independent of it [N].
+
+    **Arguments:**
+
+    - `law`: the friction law, or `None` for none.
+    - `slip`: slip velocity of the screw over the roller [m/s].
+    - `direction`: its unit vector (known even at standstill, from the sense of turning).
+    """
+    raise TypeError(f"no thread friction law is known for {type(law).__name__}")
+
+
+@thread_friction.register
+def _none(law: None, slip, direction):
+    return jnp.zeros_like(slip), jnp.zeros_like(slip)
+
+
+@thread_friction.register
+@physics("coulomb_friction")
+def _coulomb(law: CoulombFriction, slip, direction):
+    return law.coefficient * direction, jnp.zeros_like(slip)
+
+
+@thread_friction.register
+@physics("viscous_friction")
+def _viscous(law: ViscousFriction, slip, direction):
+    return jnp.zeros_like(slip), law.coefficient * slip
+
+
+def normal_force(
+    normal: Float[Array, "3"],
+    per_force: Float[Array, "3"],
+    constant: Float[Array, "3"],
+    axial: Scalar,
+) -> Scalar:
+    """Normal force on one roller from its axial balance F (|n_z| − μ v_z/‖v‖) = F_a + f_z [N].
+
+    The mechanism locks where the bracket vanishes.
+    """
+    return (axial + constant[2]) / (-normal[2] - per_force[2])

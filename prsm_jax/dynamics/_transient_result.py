@@ -1,0 +1,163 @@
+"""Time histories of a transient."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from ..mechanism import Mechanism, body_inertia, body_mass
+from ._chain import StageState
+from ._kinematics import StageKinematics, travel_per_turn
+from ._power import losses
+from ._roller_balance import roller_support_forces
+from ._scenario import Scenario
+from ._stage_forces import axial_inertia, carrier_inertia
+
+_MEANINGS = (
+    "successful",
+    "out of steps: the scene is stiffer or longer than max_steps allows; raise max_steps, shorten "
+    "the duration, or loosen rtol and atol",
+    "step size too small: the slip or the normal force jumps; check the thread for self-locking",
+    "an implicit step could not be solved: check for a contact that is pulled (negative load), "
+    "self-locking, or a meshing that did not converge",
+)
+
+
+class SolverReport(eqx.Module):
+    """How the integration went."""
+
+    steps: Int[Array, ""]
+    rejected: Int[Array, ""]
+    #: 0 when successful; see `result`.
+    code: Int[Array, ""]
+    name: str = eqx.field(static=True)
+
+    @property
+    def result(self) -> str:
+        """What `code` means, and what to do about it."""
+        return _MEANINGS[int(self.code)]
+
+
+class Transient(eqx.Module):
+    """Time histories; stage × time where a stage is concerned."""
+
+    time: Float[Array, " times"]
+    screw_speed: Float[Array, " times"]
+    carrier_speed: Float[Array, "stages times"]
+    #: ω/Ω; 0 while the screw stands still.
+    carrier_ratio: Float[Array, "stages times"]
+    efficiency: Float[Array, " times"]
+    drive_torque: Float[Array, " times"]
+    contact_force: Float[Array, "stages times"]
+    screw_roller_axial_force: Float[Array, "stages times"]
+    ring_gear_force: Float[Array, "stages times"]
+    carrier_force: Float[Array, "stages times"]
+    spline_friction: Float[Array, "stages times"]
+    stage_torque: Float[Array, "stages times"]
+    #: Power of each modelled loss [W].
+    losses: dict[str, Float[Array, " times"]]
+    #: |drive − load − losses − kinetic energy rate| over the largest of these powers.
+    power_balance_residual: Float[Array, " times"]
+    #: Moment balance of the rollers about their axes, relative: Newton against Lagrange.
+    newton_residual: Float[Array, "stages times"]
+    solver: SolverReport
+
+
+def _kinetic_power(mechanism: Mechanism, carrier_speed, acceleration, speed, screw_acceleration):
+    """Rate of the kinetic energy of all bodies [W]."""
+    stages = mechanism.stages
+    power = sum(
+        carrier_inertia(stage) * carrier_speed[index] * acceleration[index]
+        for index, stage in enumerate(stages)
+    )
+    if screw_acceleration is None:
+        return power
+    for index, stage in enumerate(stages):
+        moved = axial_inertia(stage) * travel_per_turn(stages, index + 1) ** 2
+        moved = moved + body_inertia(stage, "screw")
+        if index > 0:
+            moved = moved + body_mass(stage, "screw") * travel_per_turn(stages, index) ** 2
+        power = power + moved * speed * screw_acceleration
+    return power
+
+
+def histories(
+    mechanism: Mechanism,
+    kinematics: tuple[StageKinematics, ...],
+    scenario: Scenario,
+    times: Float[Array, " times"],
+    carrier_speed: Float[Array, "times stages"],
+    states: tuple[StageState, ...],
+    accelerations: Float[Array, "times stages"],
+    report: SolverReport,
+) -> Transient:
+    """Turn states at the sample times into the histories that users ask for."""
+    travel = travel_per_turn(mechanism.stages, len(mechanism.stages))
+
+    def at(time, carriers, instant: tuple[StageState, ...], acceleration):
+        speed, load, screw_acceleration = scenario.speed_at(time), scenario.load_at(time), None
+        if callable(scenario.speed):
+            _, screw_acceleration = jax.jvp(scenario.speed_at, (time,), (jnp.ones_like(time),))
+        torque = instant[0].screw.drive_torque
+        supports = [
+            roller_support_forces(stage, geometry, state, acceleration[index])
+            for index, (stage, geometry, state) in enumerate(
+                zip(mechanism.stages, kinematics, instant, strict=True)
+            )
+        ]
+        lost = losses(mechanism, kinematics, instant, speed)
+        kinetic = _kinetic_power(mechanism, carriers, acceleration, speed, screw_acceleration)
+        drive_power, load_power = torque * speed, load * travel * speed
+        gross = jnp.max(jnp.abs(jnp.stack([drive_power, load_power, kinetic])))
+        imbalance = drive_power - load_power - sum(lost.values()) - kinetic
+        driving = speed * load >= 0
+        useful = jnp.where(driving, load * travel, torque)
+        spent = jnp.where(driving, torque, load * travel)
+        moving = speed != 0
+        return {
+            "screw_speed": speed,
+            "carrier_ratio": jnp.where(moving, carriers / jnp.where(moving, speed, 1.0), 0.0),
+            "efficiency": jnp.where(spent != 0, useful / jnp.where(spent != 0, spent, 1.0), 0.0),
+            "drive_torque": torque,
+            "contact_force": jnp.stack([s.forces.contact_force for s in instant]),
+            "screw_roller_axial_force": jnp.stack(
+                [
+                    -s.forces.contact_force * k.meshing.screw.normal[2]
+                    for s, k in zip(instant, kinematics, strict=True)
+                ]
+            ),
+            "ring_gear_force": jnp.stack([s.ring_gear_force for s in supports]),
+            "carrier_force": jnp.stack([s.carrier_force for s in supports]),
+            "spline_friction": jnp.stack(
+                [
+                    jnp.zeros_like(torque)
+                    if s.screw.spline_friction is None
+                    else s.screw.spline_friction
+                    for s in instant
+                ]
+            ),
+            "stage_torque": jnp.stack([s.screw.drive_torque for s in instant]),
+            "losses": lost,
+            "power_balance_residual": jnp.abs(imbalance) / jnp.where(gross > 0, gross, 1.0),
+            "newton_residual": jnp.stack(
+                [
+                    jnp.abs(support.moment_residual)
+                    / (state.forces.contact_force * geometry.thread.roller_radius)
+                    for support, state, geometry in zip(supports, instant, kinematics, strict=True)
+                ]
+            ),
+        }
+
+    rows = jax.vmap(at)(times, carrier_speed, states, accelerations)
+    per_stage = (
+        "carrier_ratio",
+        "contact_force",
+        "screw_roller_axial_force",
+        "ring_gear_force",
+        "carrier_force",
+        "spline_friction",
+        "stage_torque",
+        "newton_residual",
+    )
+    rows = {name: row.T if name in per_stage else row for name, row in rows.items()}
+    return Transient(time=times, carrier_speed=carrier_speed.T, solver=report, **rows)

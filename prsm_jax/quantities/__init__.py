@@ -1,0 +1,21 @@
+"""The catalogue of quantities that sensitivities, optimisation, sweeps and reports share.
+
+A quantity of your own is one function of an `Analysis` under the `quantity` decorator.
+"""
+
+from . import (
+    _contact as _contact,
+    _dimensions as _dimensions,
+    _operation as _operation,
+    _vibration as _vibration,
+)
+from ._analysis import Analysis as Analysis
+from ._catalogue import (
+    Quantity as Quantity,
+    available_quantities as available_quantities,
+    catalogue as catalogue,
+    component_names as component_names,
+    compute as compute,
+    find_quantity as find_quantity,
+    quantity as quantity,
+)

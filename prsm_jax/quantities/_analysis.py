@@ -1,0 +1,113 @@
+"""One analysis of a mechanism, evaluated piece by piece as quantities ask for it."""
+
+from functools import cached_property
+
+import jax.numpy as jnp
+
+from ..contact import StageContact, load_of, stage_contact
+from ..dynamics import StageKinematics, SteadyState, all_kinematics, steady_state
+from ..mechanism import Mechanism, Scalar
+from ..modal import (
+    ModeGroup,
+    VibrationSystem,
+    carrier_mode,
+    roller_modes,
+    torsional_modes,
+    transverse_modes,
+    vibration_system,
+)
+from ..stiffness import ThreadStiffness, thread_stiffness
+
+
+class Analysis:
+    """Intermediate results that quantities share; each is computed at most once, on demand.
+
+    Lives for one trace of one `compute`. What no quantity asks for is never traced.
+    """
+
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        speed: float | Scalar | None = None,
+        load: float | Scalar | None = None,
+    ):
+        self.mechanism = mechanism
+        self._speed, self._load = speed, load
+
+    @cached_property
+    def kinematics(self) -> tuple[StageKinematics, ...]:
+        """Meshing and slip of every stage."""
+        return all_kinematics(self.mechanism)
+
+    @cached_property
+    def load(self) -> Scalar:
+        """Magnitude of the axial load [N]."""
+        return jnp.abs(load_of(self.mechanism, self._load))
+
+    @cached_property
+    def steady(self) -> SteadyState:
+        """Steady state in the sense of the operating point."""
+        return steady_state(self.mechanism, self._speed, self._load, self.kinematics)
+
+    def driven(self, sense: int) -> SteadyState:
+        """Steady state when the screw drives (+1) or is driven back (−1) at the same speed."""
+        return self._forward if sense > 0 else self._backward
+
+    def _with_sense(self, sense: int) -> SteadyState:
+        speed = self._speed
+        if speed is None and self.mechanism.operating_point is not None:
+            speed = self.mechanism.operating_point.speed
+        turning = None if speed is None else sense * jnp.abs(speed)
+        return steady_state(self.mechanism, turning, self.load, self.kinematics)
+
+    @cached_property
+    def _forward(self) -> SteadyState:
+        return self._with_sense(1)
+
+    @cached_property
+    def _backward(self) -> SteadyState:
+        return self._with_sense(-1)
+
+    @cached_property
+    def contacts(self) -> tuple[StageContact, ...]:
+        """Hertz contacts of every stage."""
+        return tuple(
+            stage_contact(stage, self.load, geometry.meshing)
+            for stage, geometry in zip(self.mechanism.stages, self.kinematics, strict=True)
+        )
+
+    @cached_property
+    def threads(self) -> tuple[ThreadStiffness, ...]:
+        """Thread contact stiffness of every stage; contacts only where it is not given."""
+        return tuple(
+            thread_stiffness(stage, lambda index=index: self.contacts[index])
+            for index, stage in enumerate(self.mechanism.stages)
+        )
+
+    @cached_property
+    def systems(self) -> tuple[VibrationSystem, ...]:
+        """Masses and springs of every stage."""
+        return tuple(
+            vibration_system(stage, threads)
+            for stage, threads in zip(self.mechanism.stages, self.threads, strict=True)
+        )
+
+    @cached_property
+    def torsional(self) -> tuple[ModeGroup, ...]:
+        """Torsional modes of every stage."""
+        return tuple(torsional_modes(system) for system in self.systems)
+
+    @cached_property
+    def transverse(self) -> tuple[ModeGroup, ...]:
+        """Transverse modes of every stage."""
+        return tuple(transverse_modes(system) for system in self.systems)
+
+    @cached_property
+    def roller(self) -> tuple[ModeGroup | None, ...]:
+        """Roller modes of every stage; `None` with three rollers."""
+        return tuple(roller_modes(system) for system in self.systems)
+
+    @cached_property
+    def carrier(self) -> tuple[ModeGroup | None, ...]:
+        """Carrier mode of every stage; `None` without a carrier."""
+        return tuple(carrier_mode(system) for system in self.systems)

@@ -1,0 +1,123 @@
+"""The catalogue of quantities: the vocabulary of sensitivities, optimisation, sweeps, reports."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import equinox as eqx
+import numpy as np
+from jaxtyping import Array
+
+from .._errors import MissingDataError, UnknownNameError, closest
+from ..mechanism import Mechanism, Scalar
+from ._analysis import Analysis
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A quantity with its name, symbol, SI unit, description and function of an `Analysis`.
+
+    `dimensions` names the axes of its value: none for a number, `stage` or `mode` for an array.
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    description: str
+    function: Callable[[Analysis], Array]
+    dimensions: tuple[str, ...] = ()
+
+
+_CATALOGUE: dict[str, Quantity] = {}
+
+
+def quantity(
+    name: str, symbol: str, unit: str, description: str, dimensions: tuple[str, ...] = ()
+) -> Callable[[Callable[[Analysis], Array]], Callable[[Analysis], Array]]:
+    """Add a function of an `Analysis` to the catalogue; the way to add a quantity of your own.
+
+    **Raises:** `ValueError` if the name is taken.
+    """
+
+    def register(function: Callable[[Analysis], Array]) -> Callable[[Analysis], Array]:
+        if name in _CATALOGUE:
+            raise ValueError(f"the quantity {name!r} exists already; choose another name")
+        _CATALOGUE[name] = Quantity(name, symbol, unit, description, function, dimensions)
+        return function
+
+    return register
+
+
+def catalogue() -> tuple[Quantity, ...]:
+    """All known quantities, in the order in which they were added."""
+    return tuple(_CATALOGUE.values())
+
+
+def find_quantity(name: str) -> Quantity:
+    """The quantity of a name.
+
+    **Raises:** `UnknownNameError` with the nearest names.
+    """
+    if name not in _CATALOGUE:
+        raise UnknownNameError(f"unknown quantity {name!r}; {closest(name, _CATALOGUE)}")
+    return _CATALOGUE[name]
+
+
+def compute(
+    mechanism: Mechanism,
+    quantities: Iterable[str],
+    *,
+    speed: float | Scalar | None = None,
+    load: float | Scalar | None = None,
+) -> dict[str, Array]:
+    """Evaluate quantities by name, and nothing that they do not need.
+
+    Jittable, differentiable and vmappable over a batched mechanism.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism.
+    - `quantities`: names from the catalogue.
+    - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
+
+    **Raises:** `UnknownNameError` for an unknown name; `MissingDataError`, naming the quantity,
+    where the mechanism lacks data for it.
+    """
+    analysis = Analysis(mechanism, speed, load)
+    values = {}
+    for name in quantities:
+        found = find_quantity(name)
+        try:
+            values[name] = found.function(analysis)
+        except MissingDataError as error:
+            raise MissingDataError(f"quantity {name!r}: {error}") from error
+    return values
+
+
+def available_quantities(mechanism: Mechanism) -> tuple[str, ...]:
+    """Names of the quantities that a mechanism has the data for (nothing is evaluated)."""
+    names = []
+    for name in _CATALOGUE:
+        try:
+            eqx.filter_eval_shape(lambda m, name=name: compute(m, [name]), mechanism)
+        except (MissingDataError, ValueError):
+            continue
+        names.append(name)
+    return tuple(names)
+
+
+def component_names(name: str, shape: tuple[int, ...]) -> list[str]:
+    """Names of the numbers in a value: the quantity itself, or `name[1]`, `name[2]`, …"""
+    if not shape:
+        return [name]
+    return [f"{name}[{','.join(str(i + 1) for i in index)}]" for index in np.ndindex(*shape)]
+
+
+__all__ = [
+    "Quantity",
+    "available_quantities",
+    "catalogue",
+    "component_names",
+    "compute",
+    "find_quantity",
+    "quantity",
+]

@@ -1,0 +1,83 @@
+"""Quantities of the thread contacts."""
+
+import jax.numpy as jnp
+
+from ..stiffness import axial_stiffness as stage_axial_stiffness
+from ._analysis import Analysis
+from ._catalogue import quantity
+
+
+def _over_stages(analysis: Analysis, side: str, name: str):
+    return jnp.stack([getattr(getattr(c, side).hertz, name) for c in analysis.contacts])
+
+
+@quantity("max_pressure", "p₀", "Pa", "largest Hertz pressure of all thread contacts")
+def max_pressure(analysis: Analysis):
+    both = [_over_stages(analysis, side, "max_pressure") for side in ("screw", "nut")]
+    return jnp.max(jnp.stack(both))
+
+
+@quantity("max_pressure_screw", "p₀_s", "Pa", "Hertz pressure on the screw side", ("stage",))
+def max_pressure_screw(analysis: Analysis):
+    return _over_stages(analysis, "screw", "max_pressure")
+
+
+@quantity("max_pressure_nut", "p₀_n", "Pa", "Hertz pressure on the nut side", ("stage",))
+def max_pressure_nut(analysis: Analysis):
+    return _over_stages(analysis, "nut", "max_pressure")
+
+
+@quantity("semi_major_screw", "a_s", "m", "major semi-axis on the screw side", ("stage",))
+def semi_major_screw(analysis: Analysis):
+    return _over_stages(analysis, "screw", "semi_major")
+
+
+@quantity("semi_minor_screw", "b_s", "m", "minor semi-axis on the screw side", ("stage",))
+def semi_minor_screw(analysis: Analysis):
+    return _over_stages(analysis, "screw", "semi_minor")
+
+
+@quantity("approach_screw", "δ_s", "m", "normal approach on the screw side", ("stage",))
+def approach_screw(analysis: Analysis):
+    return _over_stages(analysis, "screw", "approach")
+
+
+@quantity("approach_nut", "δ_n", "m", "normal approach on the nut side", ("stage",))
+def approach_nut(analysis: Analysis):
+    return _over_stages(analysis, "nut", "approach")
+
+
+@quantity(
+    "thread_stiffness_screw",
+    "k_sR",
+    "N/m",
+    "thread contact stiffness of one roller with the screw",
+    ("stage",),
+)
+def thread_stiffness_screw(analysis: Analysis):
+    return jnp.stack([threads.screw_roller for threads in analysis.threads])
+
+
+@quantity(
+    "thread_stiffness_nut",
+    "k_nR",
+    "N/m",
+    "thread contact stiffness of one roller with the nut",
+    ("stage",),
+)
+def thread_stiffness_nut(analysis: Analysis):
+    return jnp.stack([threads.nut_roller for threads in analysis.threads])
+
+
+@quantity(
+    "axial_stiffness",
+    "K_a",
+    "N/m",
+    "axial contact stiffness of the mechanism, all stages in series, shafts rigid",
+)
+def axial_stiffness(analysis: Analysis):
+    stages = [
+        stage_axial_stiffness(stage, threads)
+        for stage, threads in zip(analysis.mechanism.stages, analysis.threads, strict=True)
+    ]
+    return 1 / sum(1 / stiffness for stiffness in stages)

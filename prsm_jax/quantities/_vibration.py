@@ -1,0 +1,99 @@
+"""Quantities of the natural vibration."""
+
+import jax.numpy as jnp
+
+from .._errors import MissingDataError
+from ..stiffness import ring_roller_stiffness
+from ._analysis import Analysis
+from ._catalogue import quantity
+
+#: A mode is mesh-dominated when more than this share of its strain energy is in the contacts.
+_DOMINANT = 0.5
+
+
+def _lowest(groups):
+    return jnp.min(jnp.concatenate([group.frequencies for group in groups]))
+
+
+def _lowest_mesh_dominated(groups):
+    found = [
+        jnp.where(group.mesh_energy_share > _DOMINANT, group.frequencies, jnp.inf)
+        for group in groups
+    ]
+    return jnp.min(jnp.concatenate(found))
+
+
+def _all(groups):
+    return jnp.concatenate([group.frequencies for group in groups])
+
+
+@quantity(
+    "torsional_frequencies", "f_t", "Hz", "torsional natural frequencies, by stage", ("mode",)
+)
+def torsional_frequencies(analysis: Analysis):
+    return _all(analysis.torsional)
+
+
+@quantity(
+    "transverse_frequencies",
+    "f_x",
+    "Hz",
+    "transverse natural frequencies (each double), by stage",
+    ("mode",),
+)
+def transverse_frequencies(analysis: Analysis):
+    return _all(analysis.transverse)
+
+
+@quantity("roller_frequency", "f_R", "Hz", "roller natural frequency (N − 3 fold)", ("stage",))
+def roller_frequency(analysis: Analysis):
+    groups = [group for group in analysis.roller if group is not None]
+    if len(groups) < len(analysis.roller):
+        raise MissingDataError("a stage with three rollers has no roller modes")
+    return _all(groups)
+
+
+@quantity("carrier_frequency", "f_c", "Hz", "carrier natural frequency", ("stage",))
+def carrier_frequency(analysis: Analysis):
+    groups = [group for group in analysis.carrier if group is not None]
+    if len(groups) < len(analysis.carrier):
+        raise MissingDataError("a stage has no carrier; give [stage.carrier]")
+    return _all(groups)
+
+
+@quantity("lowest_torsional_frequency", "f_t1", "Hz", "lowest torsional natural frequency")
+def lowest_torsional_frequency(analysis: Analysis):
+    return _lowest(analysis.torsional)
+
+
+@quantity(
+    "lowest_mesh_torsional_frequency",
+    "f_tm",
+    "Hz",
+    "lowest torsional natural frequency with most of its strain energy in the contacts",
+)
+def lowest_mesh_torsional_frequency(analysis: Analysis):
+    return _lowest_mesh_dominated(analysis.torsional)
+
+
+@quantity("lowest_transverse_frequency", "f_x1", "Hz", "lowest transverse natural frequency")
+def lowest_transverse_frequency(analysis: Analysis):
+    return _lowest(analysis.transverse)
+
+
+@quantity(
+    "lowest_mesh_transverse_frequency",
+    "f_xm",
+    "Hz",
+    "lowest transverse natural frequency with most of its strain energy in the contacts",
+)
+def lowest_mesh_transverse_frequency(analysis: Analysis):
+    return _lowest_mesh_dominated(analysis.transverse)
+
+
+@quantity("gear_mesh_stiffness", "k_rR", "N/m", "gear mesh stiffness of one roller", ("stage",))
+def gear_mesh_stiffness(analysis: Analysis):
+    found = [ring_roller_stiffness(stage) for stage in analysis.mechanism.stages]
+    if any(stiffness is None for stiffness in found):
+        raise MissingDataError("a stage has no gear; give [stage.gear]")
+    return jnp.stack([stiffness for stiffness in found if stiffness is not None])
