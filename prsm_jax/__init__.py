@@ -5,7 +5,6 @@ stiffness → modal, dynamics → quantities → sensitivity, optimise, sweep �
 compares with published numbers, `cli` is the command line.
 """
 
-from ._precision import to_precision as to_precision  # first: it enables float64
 from ._errors import (
     FileError as FileError,
     MissingDataError as MissingDataError,
@@ -14,6 +13,7 @@ from ._errors import (
     UnknownNameError as UnknownNameError,
 )
 from ._physics import traced_physics as traced_physics
+from ._precision import to_precision as to_precision  # first: it enables float64
 from ._version import __version__ as __version__
 from .contact import hertz_contact as hertz_contact, thread_contacts as thread_contacts
 from .dynamics import (

@@ -2,6 +2,7 @@
 
 from ._approximations import APPROXIMATIONS as APPROXIMATIONS
 from ._axis_ratio import axis_ratio_of as axis_ratio_of
+from ._contacts import load_of as load_of, thread_contacts as thread_contacts
 from ._conventions import ContactFrame as ContactFrame, contact_frames as contact_frames
 from ._elliptic import (
     associated_elliptic_integrals as associated_elliptic_integrals,
@@ -20,4 +21,3 @@ from ._thread_contact import (
     side_contact as side_contact,
     stage_contact as stage_contact,
 )
-from ._contacts import load_of as load_of, thread_contacts as thread_contacts

@@ -11,7 +11,7 @@ from fractions import Fraction
 
 from ._limits import Limit
 
-_NUMBER = r"[+-]?(?:\d{1,40}(?:\.\d{0,40})?|\.\d{1,40})(?:[eE][+-]?\d{1,3})?"
+_NUMBER = r"[+-]?(?:\d{1,40}(?:\.\d{0,40})?|\.\d{1,40})(?:[eE][+-]?\d{1,3})?(?![\d.])"
 _PLAIN_NUMBER = re.compile(_NUMBER)
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*", re.DOTALL)
 _LONGEST_TEXT = 200
@@ -39,9 +39,11 @@ def _written_units(unit: str) -> tuple[str, ...]:
     return WRITTEN_UNITS.get(unit, ())
 
 
-def wanted(unit: str) -> str:
-    """What to give for a number of this SI unit, in words for an error message."""
-    if unit in ("1", ""):
+def wanted(unit: str | None) -> str:
+    """What to give for a number of this SI unit (`None`: any), in words for an error message."""
+    if unit is None:
+        return 'give a string with a unit such as "10 mm", or a bare number in SI'
+    if unit == "1":
         return "give a plain number"
     written = _written_units(unit)
     example = f'a string with a unit such as "10 {written[0]}"' if written else "a string"
@@ -69,9 +71,12 @@ def read_quantity(text: str, unit: str | None) -> float:
 
     match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST_TEXT else None
     if match is None:
-        raise ValueError(f"not a number with a unit; {wanted(unit or '1')}")
+        raise ValueError(f"not a number with a unit; {wanted(unit)}")
     number, expression = match.groups()
-    factor, dimension = unit_factor(expression)
+    try:
+        factor, dimension = unit_factor(expression)
+    except ValueError as error:
+        raise ValueError(f"{error}; {wanted(unit)}") from error
     if unit is not None:
         expected = unit_factor(unit)[1]
         if dimension != expected:
@@ -93,7 +98,7 @@ def read_number(value, unit: str | None, limit: Limit) -> float:
     elif isinstance(value, int | float) and not isinstance(value, bool):
         number = _rounded(Fraction(value)) if isinstance(value, int) else value
     else:
-        raise ValueError(f"not a number; {wanted(unit or '1')}")
+        raise ValueError(f"not a number; {wanted(unit)}")
     if not math.isfinite(number):
         raise ValueError("not a finite number")
     if not limit.admits(number):
@@ -138,6 +143,11 @@ def _in_unit(value: float, factor: Fraction) -> str | None:
     return None
 
 
+def _length(text: str) -> int:
+    # A power of ten is shorter to write than to read.
+    return len(text) + (4 if "e" in text else 0)
+
+
 def write_number(value: float, unit: str) -> str:
     """A number as TOML: a string with the unit that needs the fewest digits, or bare.
 
@@ -155,7 +165,7 @@ def write_number(value: float, unit: str) -> str:
         text = "-0" if math.copysign(1, value) < 0 else "0"
         if value != 0:
             text = _in_unit(value, unit_factor(written)[0])
-        if text is not None and (best is None or len(text) < len(best[0])):
+        if text is not None and (best is None or _length(text) < _length(best[0])):
             best = (text, written)
     if best is None:
         return bare_number(value)
@@ -167,4 +177,6 @@ def write_number(value: float, unit: str) -> str:
 
 def bare_number(value: float) -> str:
     """A float as TOML, in the shortest form that reads back exactly."""
-    return str(int(value)) if value.is_integer() and 0 < abs(value) < 1e9 else repr(value)
+    if value == 0 or not math.isfinite(value):
+        return repr(value)
+    return _decimal_text(Decimal(repr(value)).normalize())

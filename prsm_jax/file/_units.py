@@ -25,6 +25,8 @@ WRITTEN_UNITS: dict[str, tuple[str, ...]] = {
     "kg·m²": ("kg mm^2", "kg m^2"),
     "kg/m³": ("kg/m^3",),
     "s": ("s", "ms"),
+    "Hz": ("kHz", "Hz"),
+    "W": ("W",),
 }
 
 _DEFINITIONS = """
@@ -66,7 +68,7 @@ percent = 0.01
 Dimension = frozenset[tuple[str, Fraction]]
 
 _LONGEST = 60
-_FACTOR = re.compile(r"([A-Za-zµμ°_]{1,24})(?:(?:\^|\*\*)(-?[1-9])|([²³]))?")
+_FACTOR = re.compile(r"([A-Za-zµμ°]{1,24})(?:(?:\^|\*\*)(-?[1-9])|([²³]))?")
 _AROUND_OPERATORS = re.compile(r" ?(\*\*|[\^*·/]) ?")
 _SUPERSCRIPTS = {"²": 2, "³": 3}
 _KINDS = {
@@ -92,7 +94,8 @@ _KINDS = {
 
 @functools.cache
 def _registry() -> pint.UnitRegistry:
-    registry = pint.UnitRegistry(None, non_int_type=Fraction)
+    # pint's annotations know neither an empty registry nor exact numbers, both documented.
+    registry = pint.UnitRegistry(None, non_int_type=Fraction)  # type: ignore[arg-type]
     registry.load_definitions(_DEFINITIONS.strip().splitlines())
     return registry
 
@@ -107,8 +110,8 @@ def _unit(name: str) -> tuple[Fraction, dict[str, Fraction]]:
         factor, base = registry.get_base_units(registry.Unit(name))
     except (pint.errors.PintError, KeyError, AttributeError, ValueError, TypeError) as error:
         raise ValueError(f"there is no unit {name!r} here") from error
-    dimension = {str(k): Fraction(v) for k, v in base.dimensionality.items()}
-    return Fraction(factor), dimension
+    dimension = {str(k): Fraction(str(v)) for k, v in base.dimensionality.items()}
+    return Fraction(str(factor)), dimension
 
 
 @functools.lru_cache(maxsize=256)

@@ -1,10 +1,10 @@
 """Thread geometry: where the flanks touch, how they are curved, and whether parts fit."""
 
-from ._curvature import RelativeCurvature as RelativeCurvature
-from ._meshing import Meshing as Meshing, ThreadContact as ThreadContact, mesh as mesh
 from ._checks import (
     Finding as Finding,
     check as check,
     roller_clearance as roller_clearance,
     roller_major_radius as roller_major_radius,
 )
+from ._curvature import RelativeCurvature as RelativeCurvature
+from ._meshing import Meshing as Meshing, ThreadContact as ThreadContact, mesh as mesh

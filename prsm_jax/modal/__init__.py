@@ -6,6 +6,7 @@ from ._assembly import (
     transverse_block as transverse_block,
 )
 from ._eigen import generalised_eigen as generalised_eigen, symmetric_eigen as symmetric_eigen
+from ._modal import modal as modal
 from ._modes import (
     ModeGroup as ModeGroup,
     Modes as Modes,
@@ -21,4 +22,3 @@ from ._system import (
     VibrationSystem as VibrationSystem,
     vibration_system as vibration_system,
 )
-from ._modal import modal as modal
