@@ -6,7 +6,7 @@ class PrsmError(Exception):
 
 
 class FileError(PrsmError, ValueError):
-    """A mechanism file cannot be read: names the file, the table, the key, the value, the remedy."""
+    """A mechanism file cannot be read: names file, table, key, value and remedy."""
 
 
 class MissingDataError(PrsmError, ValueError):

@@ -38,7 +38,7 @@ def traced_physics(function: Callable, *args) -> set[str]:
     - `function`: any function of arrays and pytrees.
     - `args`: its arguments; Equinox modules may hold static fields.
 
-    **Returns:** the set of names given to `physics` that appear in the jaxpr, nested calls included.
+    **Returns:** the names given to `physics` that appear in the jaxpr, nested calls included.
     """
     import equinox as eqx
 

@@ -70,4 +70,7 @@ def ideal_carrier_ratio(thread: Thread) -> Scalar:
 
 def travel_per_turn(stages, upto: int) -> Scalar:
     """Axial travel of the nut of stage `upto` (1-based count) per radian of screw turn [m/rad]."""
-    return sum(stage.thread.lead for stage in stages[:upto]) / (2 * jnp.pi)
+    travel = jnp.zeros_like(stages[0].thread.lead)
+    for stage in stages[:upto]:
+        travel = travel + stage.thread.lead
+    return travel / (2 * jnp.pi)

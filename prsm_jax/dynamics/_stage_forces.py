@@ -1,5 +1,7 @@
 """Forces in one stage at given speeds (the screw side decides; the rest follows by balance)."""
 
+import contextlib
+
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -53,11 +55,9 @@ def axial_inertia(stage: Stage) -> Scalar:
     mass = stage.roller_count * body_mass(stage, "roller") + body_mass(stage, "nut")
     carrier = stage.carrier
     if carrier is not None:
-        try:
+        # Papers give the carriers' inertia without their mass; it is small beside the nut's.
+        with contextlib.suppress(MissingDataError):
             mass = mass + carrier.count * body_mass(stage, "carrier")
-        except MissingDataError:
-            # Papers give the carriers' inertia without their mass; it is small beside the nut's.
-            pass
     return mass
 
 

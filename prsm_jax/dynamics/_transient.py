@@ -205,11 +205,19 @@ def simulate(
         code=_code(solution.result),
         name={"implicit": "Kvaerno5 with Newton", "explicit": "Tsit5"}[method],
     )
-    if throw and not isinstance(report.code, jax.core.Tracer) and int(report.code) != 0:
+    if throw and _is_concrete(report.code) and int(report.code) != 0:
         raise PrsmError(f"the transient did not finish: {report.result}")
     return histories(
         mechanism, kinematics, scenario, times, carrier_speed, states, accelerations, report
     )
+
+
+def _is_concrete(array: Array) -> bool:
+    try:
+        int(array)
+    except jax.errors.ConcretizationTypeError:
+        return False
+    return True
 
 
 def _code(result) -> Int[Array, ""]:

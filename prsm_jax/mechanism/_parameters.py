@@ -82,7 +82,7 @@ DESIGN_VARIABLES: tuple[DesignVariable, ...] = (
     DesignVariable(
         "screw_radius",
         "m",
-        "nominal screw radius at fixed starts; roller, nut and centre distance follow in proportion",
+        "nominal screw radius at fixed starts; roller, nut and centre distance follow",
         lambda t: t.screw_radius,
         lambda t, v: _with(t, roller_radius=v / (t.starts - 2)),
     ),

@@ -15,10 +15,10 @@ class Thread(eqx.Module):
     | free | follows when it moves |
     |---|---|
     | `lead` $L$ | pitch $p = L/n$ and the helix angles |
-    | `starts` $n$ | screw radius $(n-2) r_R$, nut radius $n r_R$, centre distance, pitch, ring gear teeth |
-    | `roller_radius` $r_R$ | all radii, in proportion (the ratio is set by `starts`), gear module |
-    | `contact_angle` $\lambda$ | flank angle $\alpha = 90° - \lambda$; profile radius if not given |
-    | `roller_profile_radius` $\rho$ | nothing; when absent it is $r_R / \sin\alpha$, arc centre on the roller axis |
+    | `starts` $n$ | radii of screw $(n-2) r_R$ and nut $n r_R$, centre distance, pitch, ring gear |
+    | `roller_radius` $r_R$ | all radii, in proportion (`starts` sets the ratio), gear module |
+    | `contact_angle` $\lambda$ | flank angle $\alpha = 90° - \lambda$; default profile radius |
+    | `roller_profile_radius` $\rho$ | nothing; when absent it is $r_R / \sin\alpha$ |
 
     To hold another dimension fixed, move one of the named design variables instead
     (`prsm_jax.mechanism.design_variables`), for example `roller_radius_at_fixed_screw_radius`.

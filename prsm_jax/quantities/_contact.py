@@ -80,4 +80,4 @@ def axial_stiffness(analysis: Analysis):
         stage_axial_stiffness(stage, threads)
         for stage, threads in zip(analysis.mechanism.stages, analysis.threads, strict=True)
     ]
-    return 1 / sum(1 / stiffness for stiffness in stages)
+    return 1 / jnp.sum(1 / jnp.stack(stages))
