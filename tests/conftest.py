@@ -1,0 +1,35 @@
+"""What all tests share: strict JAX, checked array types, one compilation cache, quiet hypothesis."""
+
+import os
+import tempfile
+from pathlib import Path
+
+import jaxtyping
+
+# Before the package is imported: every annotated function checks the shapes that it is given.
+_hook = jaxtyping.install_import_hook("prsm_jax", "beartype.beartype")
+
+import hypothesis  # noqa: E402
+import jax  # noqa: E402
+
+jax.config.update("jax_numpy_rank_promotion", "raise")
+jax.config.update("jax_numpy_dtype_promotion", "strict")
+
+# Workers of one run compile many of the same programs, and so does the next run.
+_CACHE = Path(
+    os.environ.get("PRSM_TEST_CACHE", Path(tempfile.gettempdir()) / f"prsm-jax-tests-{os.getuid()}")
+)
+jax.config.update("jax_compilation_cache_dir", str(_CACHE))
+jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
+jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
+
+# Compiling dwarfs a deadline, and failures must be the same on every machine.
+hypothesis.settings.register_profile(
+    "prsm",
+    deadline=None,
+    max_examples=30,
+    derandomize=True,
+    database=None,
+    suppress_health_check=[hypothesis.HealthCheck.too_slow],
+)
+hypothesis.settings.load_profile("prsm")

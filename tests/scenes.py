@@ -1,0 +1,97 @@
+"""Mechanisms that several tests use, and the compiled functions that they share.
+
+A compiled function takes the mechanism as an argument, so every mechanism of the same structure
+uses the same program: build variants with `prsm.set_parameter` or `eqx.tree_at`.
+"""
+
+import functools
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+
+import prsm_jax as prsm
+from prsm_jax import file
+from prsm_jax.contact import stage_contact as _stage_contact
+from prsm_jax.mechanism import (
+    Carrier,
+    CoulombFriction,
+    Friction,
+    Gear,
+    Material,
+    Mechanism,
+    Nut,
+    OperatingPoint,
+    Roller,
+    Screw,
+    Stage,
+    Thread,
+)
+
+STEEL = Material(210e9, 0.3, 7850.0)
+
+#: Every test that reads a shipped example gets the same object.
+example = functools.cache(file.load)
+
+mesh = eqx.filter_jit(prsm.mesh)
+modal = eqx.filter_jit(prsm.modal)
+stage_contact = eqx.filter_jit(_stage_contact)
+_steady = eqx.filter_jit(prsm.steady_state)
+_simulate = eqx.filter_jit(functools.partial(prsm.simulate, throw=False))
+
+
+def array(value):
+    """A float64 array; a Python float would be a static argument and compile anew."""
+    return jnp.asarray(value, jnp.float64)
+
+
+def steady_state(mechanism, speed=None, load=None):
+    """Compiled `prsm.steady_state` at a speed and a load, or at the operating point."""
+    point = mechanism.operating_point
+    return _steady(
+        mechanism,
+        array(point.speed if speed is None else speed),
+        array(point.load if load is None else load),
+    )
+
+
+def simulate(mechanism, scenario=None, **options):
+    """Compiled `prsm.simulate`; the caller looks at `solver.code`."""
+    return _simulate(mechanism, scenario, **options)
+
+
+def thread(roller_radius=4e-3, lead=10e-3, contact_angle=np.pi / 4, starts=5.0, **more):
+    """Thread geometry in metres and radians."""
+    return Thread(
+        lead=lead,
+        starts=starts,
+        roller_radius=roller_radius,
+        contact_angle=contact_angle,
+        **more,
+    )
+
+
+def stage(roller_count=10, friction=None, geometry=None, **more):
+    """A stage with masses, materials and engaged threads; Coulomb friction unless given."""
+    defaults = {
+        "screw": Screw(mass=0.76, inertia=1.7e-4),
+        "roller": Roller(mass=0.03, inertia=4e-7),
+        "nut": Nut(mass=2.2, inertia=9e-4),
+        "carrier": Carrier(inertia=1e-5),
+        "gear": Gear(np.radians(20)),
+        "material": STEEL,
+        "engaged_threads": 20.0,
+    }
+    if friction is None:
+        friction = Friction(thread=CoulombFriction(0.05))
+    return Stage(
+        thread=thread() if geometry is None else geometry,
+        roller_count=roller_count,
+        friction=friction,
+        **(defaults | more),
+    )
+
+
+def mechanism(*stages, speed=100.0, load=7000.0, duration=None):
+    """A mechanism of stages, one by default."""
+    return Mechanism(stages or (stage(),), OperatingPoint(speed, load, duration))
