@@ -8,25 +8,99 @@ radius with the slope tan α. Heights are counted from the flanks at the nominal
 """
 
 import jax.numpy as jnp
+from jaxtyping import Array, Float
 
 from ..mechanism import Scalar, Thread
 
 
-def _arc_height(thread: Thread, radius: Scalar) -> Scalar:
-    """√(ρ² − d²) with d = r − (r_R − ρ sin α): height of the roller's profile arc [m].
+def _arc(thread: Thread, radius: Scalar) -> tuple[Scalar, Scalar]:
+    """Height √(ρ² − d²) of the roller's profile arc and its offset d = r − (r_R − ρ sin α) [m].
 
-    Beyond the end of the arc (|d| > ρ) there is no flank; the height is continued by a constant,
-    whose zero slope keeps a diverging root search finite.
+    Beyond the end of the arc (|d| > ρ) there is no flank; there the height is that of the
+    shallowest arc that still rises, whose steep but finite slope sends a root search back.
     """
     profile_radius = thread.profile_radius
     offset = radius - thread.roller_radius + profile_radius * jnp.sin(thread.flank_angle)
-    square = profile_radius**2 - offset**2
-    on_arc = square > 0
-    return jnp.where(on_arc, jnp.sqrt(jnp.where(on_arc, square, 1.0)), 0.0)
+    # A hundredth of ρ above its end the arc is already steeper than any thread flank.
+    floor = 1e-4 * profile_radius**2
+    return jnp.sqrt(jnp.maximum(profile_radius**2 - offset**2, floor)), offset
+
+
+def _arc_height(thread: Thread, radius: Scalar) -> Scalar:
+    return _arc(thread, radius)[0]
 
 
 def _arc_top(thread: Thread) -> Scalar:
     return thread.profile_radius * jnp.cos(thread.flank_angle)
+
+
+def _polar(x: Scalar, y: Scalar) -> tuple[Scalar, Float[Array, "2"], Float[Array, "2"]]:
+    """Radius and the radial and tangential unit vectors of a point."""
+    radius = jnp.hypot(x, y)
+    return radius, jnp.stack([x, y]) / radius, jnp.stack([-y, x]) / radius
+
+
+def _helicoid_slope(point, profile_slope: Scalar, lead: Scalar) -> Float[Array, "2"]:
+    """∇z = f' e + (lead/2π)/r t of a helicoid."""
+    radius, radial, tangential = point
+    return profile_slope * radial + lead / (2 * jnp.pi * radius) * tangential
+
+
+def _helicoid_hessian(
+    point, profile_slope: Scalar, profile_bend: Scalar | float, lead: Scalar
+) -> Float[Array, "2 2"]:
+    """∇∇z = f'' e eᵀ + f'/r t tᵀ − (lead/2π)/r² (e tᵀ + t eᵀ) of a helicoid."""
+    radius, radial, tangential = point
+    mixed = jnp.outer(radial, tangential)
+    return (
+        profile_bend * jnp.outer(radial, radial)
+        + profile_slope / radius * jnp.outer(tangential, tangential)
+        - lead / (2 * jnp.pi * radius**2) * (mixed + mixed.T)
+    )
+
+
+def screw_side_slopes(
+    thread: Thread, x: Scalar, y: Scalar
+) -> tuple[Float[Array, "2"], Float[Array, "2"]]:
+    """Gradients of the loaded screw and roller flanks over the point (x, y).
+
+    They are equal where the flanks touch: common normal.
+
+    **Arguments:**
+
+    - `thread`: the thread geometry.
+    - `x`, `y`: transverse coordinates about the screw axis, roller axis at (a, 0) [m].
+    """
+    screw = _polar(x, y)
+    roller = _polar(x - thread.centre_distance, y)
+    height, offset = _arc(thread, roller[0])
+    return (
+        _helicoid_slope(screw, jnp.tan(thread.flank_angle), thread.lead),
+        _helicoid_slope(roller, -offset / height, thread.pitch),
+    )
+
+
+def screw_side_hessian(thread: Thread, x: Scalar, y: Scalar) -> Float[Array, "2 2"]:
+    """Hessian of `screw_side_gap` over the transverse plane [1/m]."""
+    screw = _polar(x, y)
+    roller = _polar(x - thread.centre_distance, y)
+    height, offset = _arc(thread, roller[0])
+    # f = √(ρ² − d²): f' = −d/f, f'' = −ρ²/f³.
+    bend = -(thread.profile_radius**2) / height**3
+    return _helicoid_hessian(
+        screw, jnp.tan(thread.flank_angle), 0.0, thread.lead
+    ) - _helicoid_hessian(roller, -offset / height, bend, thread.pitch)
+
+
+def nut_side_hessian(thread: Thread, x: Scalar, y: Scalar) -> Float[Array, "2 2"]:
+    """Hessian of `nut_side_gap` over the transverse plane [1/m]."""
+    nut = _polar(x, y)
+    roller = _polar(x - thread.centre_distance, y)
+    height, offset = _arc(thread, roller[0])
+    bend = thread.profile_radius**2 / height**3
+    return _helicoid_hessian(roller, offset / height, bend, thread.pitch) - _helicoid_hessian(
+        nut, jnp.tan(thread.flank_angle), 0.0, thread.lead
+    )
 
 
 def screw_side_gap(thread: Thread, x: Scalar, y: Scalar) -> Scalar:

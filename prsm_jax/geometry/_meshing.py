@@ -1,14 +1,13 @@
 """Where the threads touch: the points of common normal between roller, screw and nut."""
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from .._physics import physics
 from ..mechanism import Scalar, Thread
 from ._curvature import RelativeCurvature, relative_curvature
-from ._flanks import nut_side_gap, screw_side_gap
+from ._flanks import nut_side_hessian, screw_side_gap, screw_side_hessian, screw_side_slopes
 
 #: Newton steps allowed; from the starting values below four are enough over the whole range.
 _MAXIMUM_STEPS = 32
@@ -55,8 +54,10 @@ def starting_angles(thread: Thread) -> tuple[Scalar, Scalar]:
     return screw_angle, screw_angle * ratio
 
 
-def _gap_gradient(thread: Thread, point: Float[Array, "2"]) -> Float[Array, "2"]:
-    return jax.grad(lambda p: screw_side_gap(thread, p[0], p[1]))(point)
+def _slope_difference(unknown: Float[Array, "2"], thread: Thread) -> Float[Array, "2"]:
+    x, y = unknown * thread.centre_distance
+    screw, roller = screw_side_slopes(thread, x, y)
+    return screw - roller
 
 
 def _solve(thread: Thread) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
@@ -72,7 +73,7 @@ def _solve(thread: Thread) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
     tolerance = 1e-12 if centre.dtype == jnp.float64 else 1e-5
     solver = optimistix.Newton(rtol=tolerance, atol=tolerance)
     solution = optimistix.root_find(
-        lambda unknown, geometry: _gap_gradient(geometry, unknown * geometry.centre_distance),
+        _slope_difference,
         solver,
         start / centre,
         args=thread,
@@ -109,25 +110,20 @@ def mesh(thread: Thread) -> Meshing:
     centre = thread.centre_distance
     point, converged = _solve(thread)
     x, y = point[0], point[1]
-    screw_radius = jnp.hypot(x, y)
-    radial, tangential = point / screw_radius, jnp.stack([-y, x]) / screw_radius
-    slope = jnp.tan(thread.flank_angle) * radial
-    slope = slope + thread.lead / (2 * jnp.pi * screw_radius) * tangential
-    hessian = jax.hessian(lambda p: screw_side_gap(thread, p[0], p[1]))(point)
+    slope, _ = screw_side_slopes(thread, x, y)
     screw = ThreadContact(
-        contact_radius=screw_radius,
+        contact_radius=jnp.hypot(x, y),
         contact_angle_position=jnp.arctan2(y, x),
         roller_contact_radius=jnp.hypot(x - centre, y),
         roller_angle_position=jnp.arctan2(y, centre - x),
         normal=_unit_normal(slope, 1.0),
-        curvature=relative_curvature(slope, hessian),
+        curvature=relative_curvature(slope, screw_side_hessian(thread, x, y)),
     )
 
-    nut_point = jnp.stack([thread.nut_radius, jnp.zeros_like(centre)])
     nut_slope = jnp.stack(
         [jnp.tan(thread.flank_angle), thread.lead / (2 * jnp.pi * thread.nut_radius)]
     )
-    nut_hessian = jax.hessian(lambda p: nut_side_gap(thread, p[0], p[1]))(nut_point)
+    nut_hessian = nut_side_hessian(thread, thread.nut_radius, jnp.zeros_like(centre))
     nut = ThreadContact(
         contact_radius=thread.nut_radius,
         contact_angle_position=jnp.zeros_like(centre),

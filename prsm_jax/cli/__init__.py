@@ -1,0 +1,3 @@
+"""The command line: `prsm VERB FILE-or-EXAMPLE`."""
+
+from ._main import main as main

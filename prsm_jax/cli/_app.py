@@ -1,0 +1,13 @@
+"""The verbs."""
+
+from cyclopts import App
+
+from .._version import __version__
+
+app = App(
+    name="prsm",
+    help="Planetary roller screw mechanisms: analyse, differentiate, improve.",
+    version=__version__,
+)
+
+from . import _analyse as _analyse, _design as _design, _lists as _lists  # noqa: E402

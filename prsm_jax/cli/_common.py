@@ -1,0 +1,120 @@
+"""Options that every verb shares, and how results leave the program."""
+
+import json
+import math
+import os
+import secrets
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any
+
+import jax
+import numpy as np
+from cyclopts import Parameter
+
+from ..mechanism import Mechanism
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Output:
+    """Where results go."""
+
+    json: Annotated[
+        str | None,
+        Parameter(
+            name="--json",
+            allow_leading_hyphen=True,
+            help="Write the results as one JSON object to this file, or to stdout for '-'.",
+        ),
+    ] = None
+    out: Annotated[
+        Path | None, Parameter(name="--out", help="Folder for pictures and files.")
+    ] = None
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Common(Output):
+    """Options of the verbs that read a mechanism."""
+
+    settings: Annotated[
+        list[str],
+        Parameter(
+            name="--set",
+            negative="",
+            help="Set a number by its name, with a unit: --set 'lead=12 mm'. May be repeated.",
+        ),
+    ] = field(default_factory=list)
+
+    def load(self, source: str) -> Mechanism:
+        """Read the mechanism and apply the settings."""
+        from ..file import apply_settings, load
+
+        mechanism = load(source)
+        return apply_settings(mechanism, self.settings) if self.settings else mechanism
+
+
+def plain(value: Any) -> Any:
+    """Arrays and dataclass-like containers as what JSON knows; numbers that are not finite, null."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, jax.Array | np.ndarray | np.generic):
+        return plain(np.asarray(value).tolist())
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Path):
+        return str(value)
+    return value
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a file whole or not at all."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
+    try:
+        temporary.write_text(text, encoding="utf-8")
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def emit(output: Output, results: Mapping[str, Any], text: str) -> None:
+    """Send results where they were asked for: JSON to a file or stdout, else text to stdout."""
+    if output.json is None:
+        print(text.rstrip())
+        return
+    encoded = json.dumps(plain(results), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    if output.json == "-":
+        sys.stdout.write(encoded)
+    else:
+        write_text(Path(output.json), encoded)
+
+
+def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
+    """A plain-text table; numbers to six significant digits."""
+    from io import StringIO
+
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    grid = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
+    for index, name in enumerate(columns):
+        grid.add_column(name, justify="left" if index == 0 else "right", overflow="fold")
+    for row in rows:
+        grid.add_row(*(f"{cell:.6g}" if isinstance(cell, float) else str(cell) for cell in row))
+    stream = StringIO()
+    Console(file=stream, width=120, color_system=None).print(grid)
+    return "\n".join(line.rstrip() for line in stream.getvalue().splitlines()) + "\n"
+
+
+def words_of(text: str | None) -> list[str] | None:
+    """A comma-separated option as a list."""
+    if text is None:
+        return None
+    return [word.strip() for word in text.split(",") if word.strip()]

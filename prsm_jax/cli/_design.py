@@ -1,0 +1,1 @@
+"""Verbs that improve a design (filled in with the rooms they call)."""
