@@ -1,0 +1,62 @@
+# Two commands on a fresh machine with Python 3.11 or newer, git and make:
+#   make demo   analyse, differentiate and improve a real mechanism into out/demo/
+#   make test   run all tests
+# Both create the environment in .venv first, if it is not there or out of date.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+DEMO_STAMP := $(VENV)/.installed-demo
+TEST_STAMP := $(VENV)/.installed-test
+WORKERS ?= 2
+
+.PHONY: help demo test lint bench docs notebooks clean
+
+help:
+	@echo "make demo       analyse and improve the actuator example into out/demo/"
+	@echo "make test       run all tests"
+	@echo "make lint       ruff and pyright"
+	@echo "make bench      error against run time, all cases, into out/bench/"
+	@echo "make docs       build the documentation into out/docs/"
+	@echo "make notebooks  rebuild the notebooks from their paired scripts"
+
+$(BIN)/python:
+	@echo "creating the environment in $(VENV)"
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "Python 3.11 or newer is needed; set PYTHON=..."; exit 1; }
+	@$(PYTHON) -m venv $(VENV)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade pip
+
+$(DEMO_STAMP): pyproject.toml constraints.txt | $(BIN)/python
+	@echo "installing prsm_jax (this takes a minute or two the first time)"
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[all]'
+	@touch $@
+
+$(TEST_STAMP): pyproject.toml constraints.txt | $(BIN)/python
+	@echo "installing prsm_jax with its test tools (this takes a minute or two the first time)"
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test,lint]'
+	@touch $@ $(DEMO_STAMP)
+
+demo: $(DEMO_STAMP)
+	@$(BIN)/prsm demo --out out/demo
+
+test: $(TEST_STAMP)
+	$(BIN)/python -m pytest -n $(WORKERS)
+
+lint: $(TEST_STAMP)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/pyright
+
+bench: $(TEST_STAMP)
+	$(BIN)/python -m benchmarks --out out/bench
+
+docs: | $(BIN)/python
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[all,docs]'
+	$(BIN)/sphinx-build -W -b html docs out/docs
+
+notebooks: $(TEST_STAMP)
+	$(BIN)/jupytext --to notebook --execute notebooks/*.py
+
+clean:
+	rm -rf out .pytest_cache .ruff_cache .hypothesis
