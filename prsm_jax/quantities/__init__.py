@@ -16,6 +16,7 @@ from ._catalogue import (
     catalogue as catalogue,
     component_names as component_names,
     compute as compute,
+    compute_checked as compute_checked,
     find_quantity as find_quantity,
     quantity as quantity,
 )

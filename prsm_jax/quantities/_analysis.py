@@ -3,7 +3,9 @@
 from functools import cached_property
 
 import jax.numpy as jnp
+from jaxtyping import Array, Bool
 
+from .._errors import MissingDataError
 from ..contact import StageContact, load_of, stage_contact
 from ..dynamics import StageKinematics, SteadyState, all_kinematics, steady_state
 from ..mechanism import Mechanism, Scalar
@@ -33,11 +35,54 @@ class Analysis:
     ):
         self.mechanism = mechanism
         self._speed, self._load = speed, load
+        self._flags: list[Bool[Array, ""]] = []
+
+    def require(self, flag: Bool[Array, ""]) -> None:
+        """Let a quantity say, in a trace, whether the numbers it rests on can be used."""
+        self._flags.append(flag)
+
+    @property
+    def valid(self) -> Bool[Array, ""]:
+        """Whether everything evaluated so far can be used; what nobody asked for has no say.
+
+        False where the threads do not mesh, a contact would have to pull, or the carrier or a
+        contact ellipse has no solution.
+        """
+        # `cached_property` stores what has been evaluated under its own name.
+        evaluated = self.__dict__
+        flags = list(self._flags)
+        if "kinematics" in evaluated:
+            flags += [geometry.meshing.converged for geometry in self.kinematics]
+        flags += [
+            evaluated[name].valid
+            for name in ("steady", "_forward", "_backward")
+            if name in evaluated
+        ]
+        if "contacts" in evaluated:
+            flags += [
+                side.hertz.semi_major >= 0
+                for stage in self.contacts
+                for side in (stage.screw, stage.nut)
+            ]
+        return jnp.stack(flags).all() if flags else jnp.asarray(True)
 
     @cached_property
     def kinematics(self) -> tuple[StageKinematics, ...]:
         """Meshing and slip of every stage."""
         return all_kinematics(self.mechanism)
+
+    @cached_property
+    def speed(self) -> Scalar:
+        """Screw speed: given, or that of the operating point [rad/s]."""
+        speed = self._speed
+        if speed is None:
+            if self.mechanism.operating_point is None:
+                raise MissingDataError(
+                    "no speed: the mechanism has no operating point; pass speed=… or give "
+                    "[operating_point] speed"
+                )
+            speed = self.mechanism.operating_point.speed
+        return jnp.asarray(speed, self.mechanism.stages[0].thread.lead.dtype)
 
     @cached_property
     def load(self) -> Scalar:
@@ -54,10 +99,7 @@ class Analysis:
         return self._forward if sense > 0 else self._backward
 
     def _with_sense(self, sense: int) -> SteadyState:
-        speed = self._speed
-        if speed is None and self.mechanism.operating_point is not None:
-            speed = self.mechanism.operating_point.speed
-        turning = None if speed is None else sense * jnp.abs(speed)
+        turning = sense * jnp.abs(self.speed)
         return steady_state(self.mechanism, turning, self.load, self.kinematics)
 
     @cached_property

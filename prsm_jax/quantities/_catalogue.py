@@ -1,11 +1,13 @@
 """The catalogue of quantities: the vocabulary of sensitivities, optimisation, sweeps, reports."""
 
+import functools
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import equinox as eqx
+import jax
 import numpy as np
-from jaxtyping import Array
+from jaxtyping import Array, Bool
 
 from .._errors import MissingDataError, UnknownNameError, closest
 from ..mechanism import Mechanism, Scalar
@@ -82,7 +84,28 @@ def compute(
     **Raises:** `UnknownNameError` for an unknown name; `MissingDataError`, naming the quantity,
     where the mechanism lacks data for it.
     """
+    return _evaluate(Analysis(mechanism, speed, load), quantities)
+
+
+def compute_checked(
+    mechanism: Mechanism,
+    quantities: Iterable[str],
+    *,
+    speed: float | Scalar | None = None,
+    load: float | Scalar | None = None,
+) -> tuple[dict[str, Array], Bool[Array, ""]]:
+    """As `compute`, and whether the values can be used.
+
+    The flag is false where the threads do not mesh, a contact would have to pull, or a solver
+    below found nothing; the values may look harmless all the same. It speaks only for what the
+    quantities needed, and does not look for values that are not finite.
+    """
     analysis = Analysis(mechanism, speed, load)
+    values = _evaluate(analysis, quantities)
+    return values, analysis.valid
+
+
+def _evaluate(analysis: Analysis, quantities: Iterable[str]) -> dict[str, Array]:
     values = {}
     for name in quantities:
         found = find_quantity(name)
@@ -93,15 +116,45 @@ def compute(
     return values
 
 
-def available_quantities(mechanism: Mechanism) -> tuple[str, ...]:
-    """Names of the quantities that a mechanism has the data for (nothing is evaluated)."""
-    names = []
-    for name in _CATALOGUE:
-        try:
-            eqx.filter_eval_shape(lambda m, name=name: compute(m, [name]), mechanism)
-        except (MissingDataError, ValueError):
-            continue
-        names.append(name)
+def available_quantities(
+    mechanism: Mechanism,
+    among: Iterable[str] | None = None,
+    *,
+    speed: float | Scalar | None = None,
+    load: float | Scalar | None = None,
+) -> tuple[str, ...]:
+    """Names of the quantities that a mechanism has the data for (nothing is evaluated).
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism.
+    - `among`: names to choose from; default the whole catalogue.
+    - `speed`, `load`: operating point that will be given [rad/s, N].
+
+    **Raises:** `UnknownNameError` for an unknown name in `among`.
+    """
+    candidates = tuple(find_quantity(name) for name in (_CATALOGUE if among is None else among))
+    shapes = eqx.filter_eval_shape(lambda *given: given, mechanism, speed, load)
+    leaves, structure = jax.tree.flatten(shapes)
+    return _available(structure, tuple(leaves), candidates)
+
+
+@functools.lru_cache(maxsize=64)
+def _available(structure, leaves: tuple, candidates: tuple[Quantity, ...]) -> tuple[str, ...]:
+    # Which data there are is a matter of structure; a trace takes seconds.
+    names: list[str] = []
+
+    def try_all(mechanism: Mechanism, speed, load):
+        # One trace for all: quantities share their intermediate results.
+        analysis = Analysis(mechanism, speed, load)
+        for candidate in candidates:
+            try:
+                candidate.function(analysis)
+            except ValueError:
+                continue
+            names.append(candidate.name)
+
+    eqx.filter_eval_shape(try_all, *jax.tree.unflatten(structure, leaves))
     return tuple(names)
 
 
@@ -118,6 +171,7 @@ __all__ = [
     "catalogue",
     "component_names",
     "compute",
+    "compute_checked",
     "find_quantity",
     "quantity",
 ]

@@ -92,18 +92,17 @@ for _name, _description in (
 @quantity("nut_speed", "v_n", "m/s", "axial speed of the last nut, magnitude")
 def nut_speed(analysis: Analysis):
     stages = analysis.mechanism.stages
-    point = analysis.mechanism.operating_point
-    if point is None:
-        raise MissingDataError("the mechanism has no operating point; give [operating_point]")
-    return jnp.abs(point.speed) * travel_per_turn(stages, len(stages))
+    return jnp.abs(analysis.speed) * travel_per_turn(stages, len(stages))
 
 
 @quantity("duty_efficiency", "η_duty", "1", "output over input energy of the duty cycle")
 def duty_efficiency(analysis: Analysis):
     duty = _duty(analysis)
+    kinematics = analysis.kinematics
     phases = jax.vmap(
-        lambda speed, load: steady_state(analysis.mechanism, speed, load, analysis.kinematics)
+        lambda speed, load: steady_state(analysis.mechanism, speed, load, kinematics)
     )(duty.speed, duty.load)
+    analysis.require(phases.valid.all())
     output = jnp.sum(phases.output_power * duty.duration)
     return output / jnp.sum(phases.input_power * duty.duration)
 

@@ -1,0 +1,96 @@
+"""The Jacobian of quantities with respect to named parameters, in one differentiation."""
+
+from collections.abc import Sequence
+from typing import Literal, TypeAlias
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from ..mechanism import Mechanism, Parameter, Scalar
+from ..quantities import compute_checked
+
+Mode: TypeAlias = Literal["auto", "forward", "reverse"]
+
+
+def _complete(mechanism: Mechanism, parameters: Sequence[Parameter]) -> Mechanism:
+    """The same mechanism with every number that the parameters set present as a leaf.
+
+    A number that follows from others while it is absent (the roller's profile radius) is written
+    out as what it follows from, so that its value and its derivatives stay the same.
+    """
+    for parameter in parameters:
+        written = parameter.set(mechanism, parameter.get(mechanism))
+        if jax.tree.structure(written) != jax.tree.structure(mechanism):
+            mechanism = written
+    return mechanism
+
+
+def jacobian(
+    mechanism: Mechanism,
+    quantities: Sequence[str],
+    parameters: Sequence[Parameter],
+    speed: Scalar | None,
+    load: Scalar | None,
+    mode: Mode,
+) -> tuple[
+    Float[Array, " quantities"],
+    Float[Array, "quantities parameters"],
+    Bool[Array, ""],
+    dict[str, tuple[int, ...]],
+]:
+    """Values of all quantities, end to end, and their derivatives, each parameter moved alone.
+
+    The parameters become directions in the space of all numbers of the mechanism, so the physics
+    is traced and differentiated once however many there are, and moving one is not disturbed by
+    another in the list that depends on it.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism.
+    - `quantities`: names from the catalogue.
+    - `parameters`: single numbers of the mechanism, none of them static.
+    - `speed`, `load`: operating point, or `None` for that of the mechanism.
+    - `mode`: forward costs one pass per parameter, reverse one per quantity; `"auto"` takes the
+      smaller number.
+
+    **Returns:** the values, the Jacobian, whether the values can be used, and the shape of each
+    quantity.
+    """
+    shapes: dict[str, tuple[int, ...]] = {}
+
+    def evaluate(complete: Mechanism):
+        values, valid = compute_checked(complete, quantities, speed=speed, load=load)
+        shapes.update({name: value.shape for name, value in values.items()})
+        return jnp.concatenate([jnp.ravel(values[name]) for name in quantities]), valid
+
+    def direction(parameter: Parameter):
+        value = parameter.get(mechanism)
+        return jax.jvp(
+            lambda moved: _complete(parameter.set(mechanism, moved), parameters),
+            (value,),
+            (jnp.ones_like(value),),
+        )
+
+    pairs = [direction(parameter) for parameter in parameters]
+    complete = pairs[0][0]
+    directions = jax.tree.map(lambda *leaves: jnp.stack(leaves), *[d for _, d in pairs])
+    if mode == "auto":
+        # A quantity has at least one component; counting them costs a trace of the physics.
+        few = len(parameters) <= len(quantities)
+        few = few or len(parameters) <= jax.eval_shape(evaluate, complete)[0].shape[0]
+        mode = "forward" if few else "reverse"
+    if mode == "forward":
+        values, push, valid = jax.linearize(evaluate, complete, has_aux=True)
+        return values, jax.vmap(push, out_axes=1)(directions), valid, shapes
+    values, pull, valid = jax.vjp(evaluate, complete, has_aux=True)
+    count = values.shape[0]
+    (cotangents,) = jax.vmap(pull)(jnp.eye(count, dtype=values.dtype))
+    products = jax.tree.map(
+        lambda cotangent, tangent: (
+            cotangent.reshape(count, -1) @ tangent.reshape(len(parameters), -1).T
+        ),
+        cotangents,
+        directions,
+    )
+    return values, sum(jax.tree.leaves(products)), valid, shapes

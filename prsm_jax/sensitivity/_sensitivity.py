@@ -1,0 +1,153 @@
+"""Sensitivities of any quantities to any numbers of a mechanism."""
+
+from collections.abc import Iterable, Sequence
+
+import equinox as eqx
+import jax.numpy as jnp
+
+from .._errors import MissingDataError
+from ..mechanism import Mechanism, Parameter, Scalar, find_parameters
+from ..quantities import available_quantities, component_names, find_quantity
+from ._derivatives import Mode, jacobian
+from ._table import Sensitivity
+
+#: What an engineer asks first; those that the mechanism has no data for are left out.
+DEFAULT_QUANTITIES = (
+    "efficiency",
+    "drive_torque",
+    "max_pressure",
+    "axial_stiffness",
+    "lowest_torsional_frequency",
+    "lowest_mesh_torsional_frequency",
+    "lowest_transverse_frequency",
+    "lowest_mesh_transverse_frequency",
+)
+DEFAULT_PARAMETERS = ("lead", "contact_angle", "roller_radius")
+_MODES = ("auto", "forward", "reverse")
+
+
+def sensitivity(
+    mechanism: Mechanism,
+    quantities: Iterable[str] | None = None,
+    parameters: Iterable[str] | None = None,
+    *,
+    speed: float | Scalar | None = None,
+    load: float | Scalar | None = None,
+    mode: Mode = "auto",
+) -> Sensitivity:
+    r"""Exact derivatives of quantities with respect to parameters, by automatic differentiation.
+
+    Each parameter moves alone, and what follows from it moves with it as `Thread` says; a name
+    that means several stages moves all of them by equal amounts, so its derivative is the sum
+    over the stages $\sum_k g_k$ and its elasticity $\sum_k g_k p_k / q$, the response to one per
+    cent more in every stage. Compiled once per structure of the mechanism; can itself be used
+    under `jax.jit`, `jax.vmap` and `jax.grad`.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism.
+    - `quantities`: names from the catalogue; an array gives one row per component. Default: those
+      of `DEFAULT_QUANTITIES` that the mechanism has the data for.
+    - `parameters`: names of numbers of the mechanism. Default: lead, contact angle, roller radius.
+    - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
+    - `mode`: `"forward"`, `"reverse"`, or `"auto"`: forward where there are no more parameters
+      than quantities.
+
+    **Returns:** a `Sensitivity`.
+
+    **Raises:** `UnknownNameError` for an unknown name; `ValueError` for a static parameter, an
+    empty list or an unknown mode; `MissingDataError` where the mechanism lacks data.
+    """
+    if mode not in _MODES:
+        raise ValueError(f"mode is {mode!r}; choose one of {', '.join(_MODES)}")
+    names = _quantity_names(mechanism, quantities, speed, load)
+    parameters = tuple(DEFAULT_PARAMETERS if parameters is None else parameters)
+    if not parameters:
+        raise ValueError("parameters is empty; name at least one")
+    _numbers(mechanism, parameters)
+    speed, load = _traced(speed), _traced(load)
+    return _sensitivity(mechanism, names, parameters, speed, load, mode)
+
+
+def _traced(value: float | Scalar | None) -> Scalar | None:
+    # A Python number would be a constant of the program, and another speed another program.
+    return None if value is None else jnp.asarray(value, jnp.result_type(float))
+
+
+def _quantity_names(mechanism: Mechanism, quantities, speed, load) -> tuple[str, ...]:
+    if quantities is None:
+        names = available_quantities(mechanism, DEFAULT_QUANTITIES, speed=speed, load=load)
+        if not names:
+            raise MissingDataError(
+                f"the mechanism has data for none of the default quantities "
+                f"({', '.join(DEFAULT_QUANTITIES)}); name the quantities"
+            )
+        return names
+    if isinstance(quantities, str):
+        raise ValueError(f"quantities is the text {quantities!r}; give a list of names")
+    names = tuple(quantities)
+    if not names:
+        raise ValueError("quantities is empty; name at least one")
+    for name in names:
+        find_quantity(name)
+    return names
+
+
+def _numbers(mechanism: Mechanism, names: Sequence[str]) -> list[tuple[Parameter, ...]]:
+    """The numbers behind each name, one per stage that has it."""
+    groups = []
+    for name in names:
+        found = find_parameters(mechanism, name)
+        for parameter in found:
+            if parameter.static:
+                raise ValueError(
+                    f"parameter {name!r} is a whole number and has no derivative; sweep over it "
+                    "instead"
+                )
+        groups.append(found)
+    return groups
+
+
+@eqx.filter_jit
+def _sensitivity(
+    mechanism: Mechanism,
+    quantities: tuple[str, ...],
+    parameters: tuple[str, ...],
+    speed: Scalar | None,
+    load: Scalar | None,
+    mode: Mode,
+) -> Sensitivity:
+    groups = _numbers(mechanism, parameters)
+    numbers = [parameter for group in groups for parameter in group]
+    values, derivatives, valid, shapes = jacobian(mechanism, quantities, numbers, speed, load, mode)
+    points = jnp.stack([parameter.get(mechanism) for parameter in numbers])
+    known = jnp.isfinite(values) & (values != 0)
+    relative = derivatives * points / jnp.where(known, values, 1.0)[:, None]
+    relative = jnp.where(known[:, None], relative, 0.0)
+    gradient, elasticity, current = [], [], []
+    first = 0
+    for group in groups:
+        columns = slice(first, first + len(group))
+        gradient.append(jnp.sum(derivatives[:, columns], axis=1))
+        elasticity.append(jnp.sum(relative[:, columns], axis=1))
+        current.append(points[columns])
+        first += len(group)
+    components = [component_names(name, shapes[name]) for name in quantities]
+    labels = tuple(label for labels in components for label in labels)
+    units = tuple(
+        find_quantity(name).unit
+        for name, labels in zip(quantities, components, strict=True)
+        for _ in labels
+    )
+    return Sensitivity(
+        values=values,
+        gradient=jnp.stack(gradient, axis=1),
+        elasticity=jnp.stack(elasticity, axis=1),
+        elasticity_defined=known,
+        parameter_values=tuple(current),
+        valid=valid,
+        quantities=labels,
+        parameters=parameters,
+        quantity_units=units,
+        parameter_units=tuple(group[0].unit for group in groups),
+    )
