@@ -1,4 +1,4 @@
-"""What all tests share: strict JAX, checked array types, one compilation cache, quiet hypothesis."""
+"""What all tests share: strict JAX, checked shapes, one compilation cache, quiet hypothesis."""
 
 import os
 import tempfile
