@@ -8,12 +8,13 @@ import numpy as np
 from cyclopts import Parameter
 
 from ..contact import thread_contacts
-from ..dynamics import default_scenario, simulate as run_transient, steady_state
+from ..dynamics import Scenario, default_scenario, simulate as run_transient, steady_state
 from ..geometry import check as run_checks, mesh
 from ..mechanism import Mechanism
 from ..modal import modal as run_modal
 from ._app import app
-from ._common import Common, emit, table
+from ._common import Common, emit, plain, table
+from ._programs import run_stored
 
 _DEFAULT = Common()
 
@@ -23,30 +24,26 @@ def check(file: str, *, common: Common = _DEFAULT) -> int:
     """Does the mechanism fit together? Prints findings; exit status 1 if one is an error."""
     findings = run_checks(common.load(file))
     rows = [(f.name, f.severity, f.stage, f.message) for f in findings]
-    text = table("Findings", ["name", "severity", "stage", "what"], rows) if rows else "no findings"
+
+    def text() -> str:
+        columns = ["name", "severity", "stage", "what"]
+        return table("Findings", columns, rows) if rows else "no findings"
+
     keys = ("name", "severity", "stage", "value", "limit", "message")
     emit(common, {"findings": [{k: getattr(f, k) for k in keys} for f in findings]}, text)
     return int(any(f.severity == "error" for f in findings))
 
 
-@eqx.filter_jit
-def _contacts(mechanism: Mechanism):
-    meshings = tuple(mesh(stage.thread) for stage in mechanism.stages)
-    return meshings, thread_contacts(mechanism)
-
-
-@app.command
-def contact(file: str, *, common: Common = _DEFAULT) -> int:
-    """Thread contacts under the operating load: position, ellipse, pressure, stiffness."""
-    mechanism = common.load(file)
-    meshings, contacts = _contacts(mechanism)
-    stages, rows = [], []
-    for number, (meshing, pair) in enumerate(zip(meshings, contacts, strict=True), start=1):
-        sides: dict[str, Any] = {"stage": number, "converged": bool(meshing.converged)}
+def _contacts(mechanism: Mechanism) -> dict[str, Any]:
+    """Numbers of every stage and side, by the names of the JSON."""
+    stages = []
+    for stage, pair in zip(mechanism.stages, thread_contacts(mechanism), strict=True):
+        meshing = mesh(stage.thread)
+        sides: dict[str, Any] = {"converged": meshing.converged}
         for name in ("screw", "nut"):
             where, result = getattr(meshing, name), getattr(pair, name)
             hertz = result.hertz
-            side = {
+            sides[name] = {
                 "contact_radius_m": where.contact_radius,
                 "contact_angle_position_rad": where.contact_angle_position,
                 "roller_contact_radius_m": where.roller_contact_radius,
@@ -61,8 +58,20 @@ def contact(file: str, *, common: Common = _DEFAULT) -> int:
                 "axial_stiffness_n_per_m": result.axial_stiffness,
                 "roller_stiffness_n_per_m": result.roller_stiffness,
             }
-            sides[name] = {key: float(value) for key, value in side.items()}
-            side = sides[name]
+        stages.append(sides)
+    return {"stages": stages}
+
+
+@app.command
+def contact(file: str, *, common: Common = _DEFAULT) -> int:
+    """Thread contacts under the operating load: position, ellipse, pressure, stiffness."""
+    mechanism = common.load(file)
+    results = plain(run_stored("contact", _contacts, mechanism))
+    rows = []
+    for number, stage in enumerate(results["stages"], start=1):
+        stage["stage"] = number
+        for name in ("screw", "nut"):
+            side = stage[name]
             rows.append(
                 (
                     f"{number} {name}",
@@ -76,10 +85,9 @@ def contact(file: str, *, common: Common = _DEFAULT) -> int:
                     side["stiffness_n_per_m"] / 1e6,
                 )
             )
-        stages.append(sides)
     columns = ["stage side", "r mm", "φ deg", "F_n N", "a mm", "b mm", "p₀ MPa", "δ µm", "F/δ N/µm"]
-    emit(common, {"stages": stages}, table(f"Thread contacts: {file}", columns, rows))
-    return int(not all(stage["converged"] for stage in stages))
+    emit(common, results, lambda: table(f"Thread contacts: {file}", columns, rows))
+    return int(not all(stage["converged"] for stage in results["stages"]))
 
 
 @app.command
@@ -103,23 +111,15 @@ def modal(
     while index < len(frequencies):
         rows.append((families[index], float(frequencies[index]), multiplicities[index]))
         index += multiplicities[index]
-    text = table(f"Natural frequencies: {file}, stage {stage}", ["family", "f Hz", "times"], rows)
-    emit(common, results, text)
+    title = f"Natural frequencies: {file}, stage {stage}"
+    emit(common, results, lambda: table(title, ["family", "f Hz", "times"], rows))
     return 0
 
 
-_steady = eqx.filter_jit(lambda mechanism: steady_state(mechanism))
-
-
-@app.command
-def steady(file: str, *, common: Common = _DEFAULT) -> int:
-    """Steady state: efficiency, torque, forces, every loss by name, power balance."""
-    mechanism = common.load(file)
-    state = _steady(mechanism)
-    point = mechanism.operating_point
-    results = {
-        "speed_rad_per_s": None if point is None else point.speed,
-        "load_n": None if point is None else point.load,
+def _steady(mechanism: Mechanism) -> dict[str, Any]:
+    """The steady state by the names of the JSON."""
+    state = steady_state(mechanism)
+    return {
         "efficiency": state.efficiency,
         "carrier_ratio": state.carrier_ratio,
         "drive_torque_nm": state.drive_torque,
@@ -132,41 +132,53 @@ def steady(file: str, *, common: Common = _DEFAULT) -> int:
         "input_power_w": state.input_power,
         "output_power_w": state.output_power,
         "power_balance_residual": state.power_balance_residual,
-        "valid": bool(state.valid),
+        "valid": state.valid,
     }
+
+
+@app.command
+def steady(file: str, *, common: Common = _DEFAULT) -> int:
+    """Steady state: efficiency, torque, forces, every loss by name, power balance."""
+    mechanism = common.load(file)
+    results = plain(run_stored("steady", _steady, mechanism))
+    point = mechanism.operating_point
+    if point is not None:
+        results |= {"speed_rad_per_s": float(point.speed), "load_n": float(point.load)}
+    emit(common, results, lambda: _steady_table(file, results))
+    return int(not results["valid"])
+
+
+def _steady_table(file: str, results: dict[str, Any]) -> str:
     rows: list[tuple[str, Any]] = [
-        ("efficiency", float(state.efficiency)),
-        ("drive torque N·m", float(state.drive_torque)),
-        ("input power W", float(state.input_power)),
-        ("output power W", float(state.output_power)),
-        *((f"loss: {name} W", float(power)) for name, power in state.losses.items()),
-        ("power balance residual", f"{float(state.power_balance_residual):.1e}"),
+        ("efficiency", results["efficiency"]),
+        ("drive torque N·m", results["drive_torque_nm"]),
+        ("input power W", results["input_power_w"]),
+        ("output power W", results["output_power_w"]),
+        *((f"loss: {name} W", power) for name, power in results["losses_w"].items()),
+        ("power balance residual", f"{results['power_balance_residual']:.1e}"),
     ]
     for number, (ratio, force) in enumerate(
-        zip(state.carrier_ratio, state.contact_force, strict=True), start=1
+        zip(results["carrier_ratio"], results["contact_force_n"], strict=True), start=1
     ):
-        rows.append((f"stage {number}: carrier ratio", float(ratio)))
-        rows.append((f"stage {number}: contact force of one roller N", float(force)))
-    if not state.valid:
+        rows.append((f"stage {number}: carrier ratio", ratio))
+        rows.append((f"stage {number}: contact force of one roller N", force))
+    if not results["valid"]:
         rows.append(("valid", "no: the thread locks, or the meshing has no solution"))
-    emit(common, results, table(f"Steady state: {file}", ["", ""], rows))
-    return int(not state.valid)
+    return table(f"Steady state: {file}", ["", ""], rows)
 
 
 @app.command
 def simulate(
     file: str,
     *,
-    method: Annotated[
-        Literal["implicit", "explicit"], Parameter(help="Integrator.")
-    ] = "implicit",
+    method: Annotated[Literal["implicit", "explicit"], Parameter(help="Integrator.")] = "implicit",
     samples: Annotated[int, Parameter(help="Number of times in the result.")] = 201,
     common: Common = _DEFAULT,
 ) -> int:
     """Transient after a step of the screw speed, from rollers at rest."""
     mechanism = common.load(file)
-    scenario = eqx.tree_at(lambda s: s.speed, default_scenario(mechanism), replace_fn=lambda s: s)
-    scenario = type(scenario)(scenario.speed, scenario.load, scenario.duration, samples=samples)
+    point = default_scenario(mechanism)
+    scenario = Scenario(point.speed, point.load, point.duration, samples=samples)
     run = eqx.filter_jit(
         lambda m, s: run_transient(m, s, method=method, gradient="reverse", throw=False)
     )(mechanism, scenario)
@@ -196,14 +208,18 @@ def simulate(
     ]
     for number, ratios in enumerate(run.carrier_ratio, start=1):
         rows.append((f"stage {number}: carrier ratio", float(ratios[0]), float(ratios[-1])))
-    text = table(f"Transient: {file}", ["", "start", "end"], rows)
-    text += f"{solver['name']}: {solver['steps']} steps, {solver['rejected']} rejected, "
-    text += solver["result"]
+    picture = None
     if common.out is not None:
         from ..report import transient_chart
 
         common.out.mkdir(parents=True, exist_ok=True)
-        transient_chart(run).savefig(common.out / "transient.png")
-        text += f"\npicture: {common.out / 'transient.png'}"
+        picture = common.out / "transient.png"
+        transient_chart(run).savefig(picture)
+
+    def text() -> str:
+        summary = f"{solver['name']}: {solver['steps']} steps, {solver['rejected']} rejected, "
+        summary += solver["result"] + ("" if picture is None else f"\npicture: {picture}")
+        return table(f"Transient: {file}", ["", "start", "end"], rows) + summary
+
     emit(common, results, text)
     return int(run.solver.code != 0)

@@ -5,7 +5,7 @@ import math
 import os
 import secrets
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -30,9 +30,9 @@ class Output:
             help="Write the results as one JSON object to this file, or to stdout for '-'.",
         ),
     ] = None
-    out: Annotated[
-        Path | None, Parameter(name="--out", help="Folder for pictures and files.")
-    ] = None
+    out: Annotated[Path | None, Parameter(name="--out", help="Folder for pictures and files.")] = (
+        None
+    )
 
 
 @Parameter(name="*")
@@ -58,7 +58,7 @@ class Common(Output):
 
 
 def plain(value: Any) -> Any:
-    """Arrays and dataclass-like containers as what JSON knows; numbers that are not finite, null."""
+    """Arrays and containers as what JSON knows; numbers that are not finite become null."""
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, jax.Array | np.ndarray | np.generic):
@@ -83,10 +83,13 @@ def write_text(path: Path, text: str) -> None:
         temporary.unlink(missing_ok=True)
 
 
-def emit(output: Output, results: Mapping[str, Any], text: str) -> None:
-    """Send results where they were asked for: JSON to a file or stdout, else text to stdout."""
+def emit(output: Output, results: Mapping[str, Any], text: Callable[[], str]) -> None:
+    """Send results where they were asked for: JSON to a file or stdout, else text to stdout.
+
+    The text is made only if it is shown, because tables take time to import.
+    """
     if output.json is None:
-        print(text.rstrip())
+        print(text().rstrip())
         return
     encoded = json.dumps(plain(results), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     if output.json == "-":
@@ -96,21 +99,23 @@ def emit(output: Output, results: Mapping[str, Any], text: str) -> None:
 
 
 def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
-    """A plain-text table; numbers to six significant digits."""
+    """A plain-text table; numbers right-aligned, to six significant digits."""
     from io import StringIO
 
     from rich import box
     from rich.console import Console
     from rich.table import Table
 
-    grid = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
+    grid = Table(box=box.SIMPLE_HEAD, show_header=any(columns))
     for index, name in enumerate(columns):
-        grid.add_column(name, justify="left" if index == 0 else "right", overflow="fold")
+        numeric = all(isinstance(row[index], int | float) for row in rows)
+        grid.add_column(name, justify="right" if numeric else "left", overflow="fold")
     for row in rows:
         grid.add_row(*(f"{cell:.6g}" if isinstance(cell, float) else str(cell) for cell in row))
     stream = StringIO()
     Console(file=stream, width=120, color_system=None).print(grid)
-    return "\n".join(line.rstrip() for line in stream.getvalue().splitlines()) + "\n"
+    lines = (line.rstrip() for line in stream.getvalue().splitlines())
+    return "\n".join([title, *(line for line in lines if line)]) + "\n"
 
 
 def words_of(text: str | None) -> list[str] | None:

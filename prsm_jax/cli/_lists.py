@@ -19,8 +19,8 @@ def quantities(*, output: Output = _DEFAULT) -> int:
         for q in catalogue()
     ]
     rows = [tuple(entry.values()) for entry in known]
-    text = table("Quantities", ["name", "symbol", "unit", "description"], rows)
-    emit(output, {"quantities": known}, text)
+    columns = ["name", "symbol", "unit", "description"]
+    emit(output, {"quantities": known}, lambda: table("Quantities", columns, rows))
     return 0
 
 
@@ -34,9 +34,9 @@ def example(
     from ..file import example_names, example_text
 
     if name is None:
-        emit(output, {"examples": example_names()}, "\n".join(example_names()))
+        emit(output, {"examples": example_names()}, lambda: "\n".join(example_names()))
     else:
-        emit(output, {"name": name, "text": example_text(name)}, example_text(name))
+        emit(output, {"name": name, "text": example_text(name)}, lambda: example_text(name))
     return 0
 
 
@@ -50,5 +50,5 @@ def validate(
     from ..validation import table as validation_table, validate as run
 
     rows = run(source) if source is not None else run()
-    emit(output, {"rows": [row.to_dict() for row in rows]}, validation_table(rows))
+    emit(output, {"rows": [row.to_dict() for row in rows]}, lambda: validation_table(rows))
     return 0

@@ -1,0 +1,80 @@
+"""Traced programs kept between runs, so that a warm start only has to import JAX.
+
+JAX's own cache saves compiling but not tracing and lowering, which for a steady state take as long
+as importing JAX. Here the lowered program is kept as well, under a key that changes with anything
+it depends on: the mechanism's structure, this package's files, JAX and the platform.
+"""
+
+import hashlib
+import os
+import secrets
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import equinox as eqx
+import jax
+
+from ..mechanism import Mechanism
+
+_PACKAGE = Path(__file__).parent.parent
+
+
+def _fingerprint() -> str:
+    """Names, sizes and times of this package's source files."""
+    files = sorted(_PACKAGE.rglob("*.py"))
+    stats = [(str(f.relative_to(_PACKAGE)), f.stat().st_size, f.stat().st_mtime_ns) for f in files]
+    return repr(stats)
+
+
+def _key(name: str, leaves: list, structure: Any) -> str:
+    shapes = [(leaf.shape, str(leaf.dtype)) for leaf in leaves]
+    parts = (name, jax.__version__, jax.default_backend(), shapes, str(structure), _fingerprint())
+    return hashlib.sha256(repr(parts).encode()).hexdigest()
+
+
+def run_stored(
+    name: str, function: Callable[[Mechanism], dict[str, Any]], mechanism: Mechanism
+) -> dict[str, Any]:
+    """Evaluate `function(mechanism)` compiled, keeping the lowered program for the next run.
+
+    **Arguments:**
+
+    - `name`: names the function in the key.
+    - `function`: a pure function of the mechanism to a dictionary of arrays (dictionaries and
+      lists inside are fine).
+    - `mechanism`: the mechanism.
+    """
+    folder = jax.config.jax_compilation_cache_dir  # type: ignore[attr-defined]
+    try:
+        import flatbuffers  # noqa: F401
+        from jax import export
+    except ModuleNotFoundError:
+        folder = None
+    if not folder:
+        return eqx.filter_jit(function)(mechanism)
+
+    leaves, structure = jax.tree.flatten(mechanism)
+    path = Path(folder) / "programs" / _key(name, leaves, structure)
+    exported = None
+    # A program that is cut short, or from a JAX that cannot read it, is simply made again.
+    try:
+        exported = export.deserialize(bytearray(path.read_bytes()))
+    except Exception:
+        exported = None
+    if exported is None:
+        program = jax.jit(lambda *numbers: function(jax.tree.unflatten(structure, numbers)))
+        exported = export.export(program)(*leaves)
+        _write(path, bytes(exported.serialize()))
+    return jax.jit(exported.call)(*leaves)
+
+
+def _write(path: Path, data: bytes) -> None:
+    """Keep a program; a folder that cannot be written is no reason to fail."""
+    temporary = path.with_name(f".{path.name[:16]}.{secrets.token_hex(4)}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        temporary.write_bytes(data)
+        os.replace(temporary, path)
+    except OSError:
+        temporary.unlink(missing_ok=True)
