@@ -28,8 +28,10 @@ SHARE = Limit(0.0, 1.0, "from 0 to 1", lower_allowed=True, upper_allowed=True)
 ACUTE_ANGLE = Limit(0.0, math.pi / 2, "between 0 and 90 deg, both excluded")
 SLANT = Limit(-math.pi / 2, math.pi / 2, "between -90 and 90 deg, both excluded")
 #: Enough for any roller screw, and few enough that a slip of the pen does not fill the memory.
-ROLLERS = Limit(1, 1000, "a whole number from 1 to 1000", lower_allowed=True, upper_allowed=True)
-COUNT = Limit(1, 100, "a whole number from 1 to 100", lower_allowed=True, upper_allowed=True)
+ROLLERS = Limit(
+    1.0, 1000.0, "a whole number from 1 to 1000", lower_allowed=True, upper_allowed=True
+)
+COUNT = Limit(1.0, 100.0, "a whole number from 1 to 100", lower_allowed=True, upper_allowed=True)
 
 _BY_NAME = {
     "starts": Limit(2.0, math.inf, "more than 2 (the screw radius is (starts - 2) r_R)"),

@@ -46,7 +46,7 @@ gram = 1e-3 * kilogram = g
 tonne = 1000 * kilogram = t
 minute = 60 * second = min
 hour = 60 * minute = h
-turn = 6.2831853071795864769252867665590057683943387987502 * radian = turn = revolution = rev
+turn = 6.2831853071795864769252867665590057683943387987502 * radian = _ = revolution = rev
 degree = turn / 360 = deg = °
 rpm = turn / minute
 hertz = 1 / second = Hz

@@ -1,0 +1,28 @@
+"""How the classes of the mechanism become tables: what reading and writing agree on."""
+
+import re
+import types
+import typing
+
+import equinox as eqx
+
+
+def module_classes(hint) -> tuple[type[eqx.Module], ...]:
+    """The classes of the mechanism that a type hint allows; empty for numbers and choices."""
+    union = typing.get_origin(hint) in (typing.Union, types.UnionType)
+    members = typing.get_args(hint) if union else (hint,)
+    return tuple(m for m in members if isinstance(m, type) and issubclass(m, eqx.Module))
+
+
+def law_names(classes: tuple[type, ...]) -> dict[str, type]:
+    """The value of the key `law` for each class of a union.
+
+    The class's name in lower case without the last word, if all share it: `CoulombFriction` in a
+    union of frictions is `coulomb`.
+    """
+    words = {cls: re.findall(r"[A-Z][a-z0-9]*", cls.__name__) for cls in classes}
+    same_ending = len({parts[-1] for parts in words.values()}) == 1
+    return {
+        "_".join(parts[:-1] if same_ending and len(parts) > 1 else parts).lower(): cls
+        for cls, parts in words.items()
+    }

@@ -1,0 +1,159 @@
+"""Reading: TOML text to a mechanism in SI, or one clear error."""
+
+import dataclasses
+import tomllib
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .._errors import FileError, closest, missing_extra
+from ..mechanism import DutyCycle, Mechanism
+from ._checks import check_together
+from ._examples import example_names, example_text
+from ._messages import Misplaced, file_error, one_line
+
+if TYPE_CHECKING:
+    from ._table import Table
+
+_LARGEST_FILE = 1_000_000
+# A dotted key of thousands of parts takes tomllib seconds: its time grows with their square.
+_MOST_DOTS_IN_A_LINE = 100
+
+
+def load(source: str | Path) -> Mechanism:
+    """Read a mechanism.
+
+    **Arguments:**
+
+    - `source`: the name of a shipped example, or the path of a TOML file.
+
+    **Returns:** the mechanism, in SI units.
+
+    **Raises:** `FileError`, with one line that names file, table, key, value and what is allowed;
+    `MissingExtraError` if pydantic or pint is not installed.
+    """
+    if isinstance(source, str) and source in example_names():
+        return loads(example_text(source), name=source)
+    return loads(_text_of(source), name=str(source))
+
+
+def _text_of(source: str | Path) -> str:
+    name = one_line(str(source), 300)
+    try:
+        path = Path(source)
+        if path.is_dir():
+            raise FileError(f"{name}: is a folder; give a TOML file or the name of an example")
+        if not path.is_file():
+            hint = closest(name, example_names())
+            raise FileError(f"{name}: there is no such file, nor an example of that name; {hint}")
+        with path.open("rb") as file:
+            data = file.read(_LARGEST_FILE + 1)
+    except (OSError, ValueError, TypeError) as error:
+        if isinstance(error, FileError):
+            raise
+        reason = getattr(error, "strerror", None) or error
+        raise FileError(f"{name}: cannot be read: {reason}") from error
+    if len(data) > _LARGEST_FILE:
+        raise FileError(f"{name}: is larger than {_LARGEST_FILE} bytes; this cannot be a mechanism")
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise FileError(
+            f"{name}: is not UTF-8 text (byte {error.start}); save it as UTF-8"
+        ) from error
+
+
+def loads(text: str, name: str = "<string>") -> Mechanism:
+    """Read a mechanism from TOML text.
+
+    **Arguments:**
+
+    - `text`: the text.
+    - `name`: what error messages call it.
+
+    **Returns:** the mechanism, in SI units.
+
+    **Raises:** `FileError`, with one line that names table, key, value and what is allowed;
+    `MissingExtraError` if pydantic or pint is not installed.
+    """
+    data = _parse(text, name)
+    try:
+        return _mechanism(_validated(data, name))
+    except Misplaced as error:
+        raise file_error(name, data, [(error.place, error.message)]) from error
+    except RecursionError as error:
+        raise file_error(name, data, [((), "is nested too deeply")]) from error
+
+
+def _parse(text: str, name: str) -> dict:
+    try:
+        # A lone surrogate cannot be in a file, but it can be in a Python string.
+        size = len(text.encode("utf-8"))
+    except UnicodeEncodeError as error:
+        raise file_error(name, {}, [((), "contains characters that are not text")]) from error
+    if size > _LARGEST_FILE:
+        message = f"is larger than {_LARGEST_FILE} bytes; this cannot be a mechanism"
+        raise file_error(name, {}, [((), message)])
+    for number, line in enumerate(text.split("\n"), start=1):
+        if line.count(".") > _MOST_DOTS_IN_A_LINE:
+            message = f"line {number} has more than {_MOST_DOTS_IN_A_LINE} dots; split it"
+            raise file_error(name, {}, [((), message)])
+    try:
+        return tomllib.loads(text)
+    except RecursionError as error:
+        raise file_error(name, {}, [((), "is nested too deeply")]) from error
+    except ValueError as error:
+        raise file_error(name, {}, [((), f"is not valid TOML: {error}")]) from error
+
+
+def _validated(data: dict, name: str) -> "Table":
+    try:
+        import pint  # noqa: F401
+        from pydantic import ValidationError
+
+        from ._schema import document
+    except ModuleNotFoundError as error:
+        raise missing_extra("file", "reading mechanism files", error) from error
+    try:
+        return document().model_validate(data)
+    except ValidationError as error:
+        problems = []
+        for item in error.errors(include_url=False, include_input=False):
+            key = item.get("ctx", {}).get("key")
+            place = item["loc"] if key is None else (*item["loc"], key)
+            problems.append((place, item["msg"]))
+        raise file_error(name, data, problems) from error
+
+
+def _mechanism(table: "Table") -> Mechanism:
+    from ._optimise_table import design_problem
+    from ._schema import module_of
+
+    content = {field: getattr(table, field) for field in type(table).model_fields}
+    stages = []
+    for index, stage in enumerate(content["stage"]):
+        try:
+            stages.append(module_of(stage))
+        except ValueError as error:
+            raise Misplaced(("stage", index), str(error)) from error
+    point, rows, optimise = (content[k] for k in ("operating_point", "duty_cycle", "optimise"))
+    try:
+        mechanism = Mechanism(
+            tuple(stages),
+            None if point is None else module_of(point),  # type: ignore[arg-type]
+            None if rows is None else _duty_cycle(rows),
+            content["title"],
+        )
+    except ValueError as error:
+        raise Misplaced((), str(error)) from error
+    check_together(mechanism)
+    if optimise is None:
+        return mechanism
+    # The names of its variables have a meaning only once there is a mechanism.
+    return dataclasses.replace(mechanism, design_problem=design_problem(optimise, mechanism))
+
+
+def _duty_cycle(rows: list) -> DutyCycle:
+    names = type(rows[0]).model_fields
+    return DutyCycle(**{k: np.array([getattr(row, k) for row in rows], float) for k in names})

@@ -1,0 +1,56 @@
+"""Settings from the command line: `--set KEY=VALUE`, with the names and units of a file."""
+
+from collections.abc import Iterable
+
+from .._errors import FileError, UnknownNameError, missing_extra
+from ..mechanism import Mechanism, find_parameters, set_parameter
+from ._checks import check_together
+from ._limits import limit_of
+from ._messages import Misplaced, one_line, table_name
+from ._numbers import is_plain_number, read_integer, read_number
+
+
+def _apply(mechanism: Mechanism, key: str, text: str) -> Mechanism:
+    parameter = find_parameters(mechanism, key)[0]
+    limit = limit_of(parameter.path.rsplit(".", 1)[-1], parameter.unit)
+    if parameter.static:
+        whole = text.removeprefix("+").isascii() and text.removeprefix("+").isdigit()
+        value = read_integer(int(text) if whole and len(text) < 20 else text, limit)
+    else:
+        bare = float(text) if is_plain_number(text) else text
+        value = read_number(bare, parameter.unit, limit)
+    return set_parameter(mechanism, key, value)
+
+
+def apply_settings(mechanism: Mechanism, settings: Iterable[str]) -> Mechanism:
+    """A mechanism with some numbers set by name, in order.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism.
+    - `settings`: texts `KEY=VALUE`: a parameter or design variable as `find_parameters` takes it,
+      and a value with a unit (`"lead=12 mm"`) or bare in SI.
+
+    **Returns:** the mechanism that has them all.
+
+    **Raises:** `FileError`, with one line that names the setting and what is allowed.
+    """
+    shown = ""
+    for setting in settings:
+        key, equals, text = (part.strip() for part in setting.partition("="))
+        shown = f"--set {one_line(setting, 100)}"
+        if not (key and equals and text):
+            raise FileError(f'{shown}: must be KEY=VALUE, such as "lead=12 mm"')
+        try:
+            mechanism = _apply(mechanism, key, text)
+        except ModuleNotFoundError as error:
+            raise missing_extra("file", "reading units", error) from error
+        except (UnknownNameError, ValueError) as error:
+            raise FileError(one_line(f"{shown}: {error}", 700)) from error
+    try:
+        # After the last one: two settings may fit each other, but neither the old mechanism.
+        check_together(mechanism)
+    except Misplaced as error:
+        place = f"{table_name(error.place[:-1])}: {error.place[-1]}"
+        raise FileError(f"after {shown}: {place} {error.message}") from error
+    return mechanism

@@ -1,0 +1,189 @@
+"""Writing: a mechanism to TOML text that reads back to exactly the same mechanism."""
+
+import contextlib
+import dataclasses
+import json
+import math
+import os
+import secrets
+import typing
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import equinox as eqx
+import numpy as np
+
+from .._errors import FileError, UnknownNameError, missing_extra
+from ..mechanism import DesignProblem, DutyCycle, Mechanism, find_parameters
+from ._layout import law_names, module_classes
+from ._numbers import bare_number, write_number
+from ._read import loads
+
+
+def _string(text: str) -> str:
+    # JSON's escapes are TOML's, but for the one control character that JSON leaves as it is.
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _number(value, unit: str, key: str) -> str:
+    if np.ndim(value) != 0:
+        raise FileError(
+            f"{key} has shape {np.shape(value)}; a batch of mechanisms is written one by one"
+        )
+    number = float(value)
+    if not math.isfinite(number):
+        raise FileError(f"{key} is {number}; a file holds finite numbers only")
+    return bare_number(number) if unit == "1" else write_number(number, unit)
+
+
+def _module(module: eqx.Module, header: str, law: str | None = None) -> Iterator[str]:
+    """The lines of a table: its own keys first, as TOML wants it, then its tables."""
+    if law is not None:
+        yield f"law = {_string(law)}"
+    hints = typing.get_type_hints(type(module))
+    inner: list[str] = []
+    for field in dataclasses.fields(module):
+        value = getattr(module, field.name)
+        if value is None:
+            continue
+        if isinstance(value, eqx.Module):
+            inner.extend(_inner_table(field, value, hints[field.name], f"{header}.{field.name}"))
+        elif "unit" in field.metadata:
+            key = f"{header}.{field.name}"
+            yield f"{field.name} = {_number(value, field.metadata['unit'], key)}"
+        elif isinstance(value, str):
+            yield f"{field.name} = {_string(value)}"
+        else:
+            yield f"{field.name} = {value}"
+    yield from inner
+
+
+def _inner_table(field: dataclasses.Field, value: eqx.Module, hint, header: str) -> list[str]:
+    classes = module_classes(hint)
+    law = None
+    if len(classes) > 1:
+        law = next(name for name, cls in law_names(classes).items() if cls is type(value))
+    lines = list(_module(value, header, law))
+    if not lines:
+        # A body without data is what its absence means, where the class says so by its default.
+        return [] if isinstance(field.default, eqx.Module) else ["", f"[{header}]"]
+    has_keys = lines[0] != ""
+    return ["", f"[{header}]", *lines] if has_keys else lines
+
+
+def _duty_cycle(duty_cycle: DutyCycle) -> Iterator[str]:
+    fields = dataclasses.fields(duty_cycle)
+    columns = [np.asarray(getattr(duty_cycle, field.name)) for field in fields]
+    if any(column.ndim != 1 or len(column) != len(columns[0]) for column in columns):
+        raise FileError("duty_cycle has columns that are not of one length, or a batch of them")
+    for row in zip(*columns, strict=True):
+        yield from ("", "[[duty_cycle]]")
+        for field, value in zip(fields, row, strict=True):
+            yield f"{field.name} = {_number(value, field.metadata['unit'], 'duty_cycle')}"
+
+
+def _optimise(
+    problem: DesignProblem, mechanism: Mechanism, quantity_units: Mapping[str, str]
+) -> Iterator[str]:
+    yield from ("", "[optimise]")
+    first = problem.objectives[0] if len(problem.objectives) == 1 else None
+    short = first is not None and first.weight == 1.0
+    if first is not None and short:
+        yield f"{first.sense} = {_string(first.quantity)}"
+    for key in ("starts", "seed"):
+        yield f"{key} = {getattr(problem, key)}"
+    yield f"method = {_string(problem.method)}"
+    for objective in () if short else problem.objectives:
+        yield from ("", "[[optimise.objective]]")
+        yield f"quantity = {_string(objective.quantity)}"
+        yield f"sense = {_string(objective.sense)}"
+        yield f"weight = {_number(objective.weight, '1', 'weight')}"
+    for variable in problem.variables:
+        yield from ("", "[[optimise.variable]]", f"name = {_string(variable.name)}")
+        unit = find_parameters(mechanism, variable.name)[0].unit
+        for side in ("lower", "upper"):
+            yield f"{side} = {_number(getattr(variable, side), unit, variable.name)}"
+    for constraint in problem.constraints:
+        yield from ("", "[[optimise.constraint]]", f"quantity = {_string(constraint.quantity)}")
+        for side in ("lower", "upper", "equal"):
+            limit = getattr(constraint, side)
+            if limit is not None:
+                unit = quantity_units.get(constraint.quantity, "1")
+                yield f"{side} = {_number(limit, unit, constraint.quantity)}"
+
+
+def _lines(mechanism: Mechanism, quantity_units: Mapping[str, str]) -> Iterator[str]:
+    yield f"title = {_string(mechanism.title)}"
+    if mechanism.operating_point is not None:
+        yield from ("", "[operating_point]")
+        yield from _module(mechanism.operating_point, "operating_point")
+    for stage in mechanism.stages:
+        yield from ("", "[[stage]]")
+        yield from _module(stage, "stage")
+    if mechanism.duty_cycle is not None:
+        yield from _duty_cycle(mechanism.duty_cycle)
+    if mechanism.design_problem is not None:
+        yield from _optimise(mechanism.design_problem, mechanism, quantity_units)
+
+
+def dumps(mechanism: Mechanism, quantity_units: Mapping[str, str] | None = None) -> str:
+    """A mechanism as TOML text with units.
+
+    Every number is written in the engineering unit that needs the fewest digits and reads back
+    to the same double, so `loads(dumps(m))` is exactly `m`.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism, with concrete numbers (not traced, not a batch).
+    - `quantity_units`: SI units of the quantities that constraints limit; the limits of others are
+        written as bare SI numbers.
+
+    **Returns:** the text.
+
+    **Raises:** `FileError` if the mechanism could not be read back, for example because a length
+    is negative; `MissingExtraError` if pydantic or pint is not installed.
+    """
+    try:
+        import pint  # noqa: F401
+        import pydantic  # noqa: F401
+    except ModuleNotFoundError as error:
+        raise missing_extra("file", "writing mechanism files", error) from error
+    try:
+        text = "\n".join(_lines(mechanism, quantity_units or {})) + "\n"
+    except UnknownNameError as error:
+        raise FileError(f"the [optimise] table cannot be written: {error}") from error
+    loads(text, name="the mechanism to write")
+    return text
+
+
+def dump(
+    mechanism: Mechanism,
+    path: str | Path,
+    quantity_units: Mapping[str, str] | None = None,
+) -> None:
+    """Write a mechanism to a TOML file, all of it or nothing.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism, with concrete numbers.
+    - `path`: the file; one that is there is replaced.
+    - `quantity_units`: as for `dumps`.
+
+    **Raises:** `FileError` if the mechanism cannot be written or the file not be made; a file that
+    was there is then as it was.
+    """
+    text = dumps(mechanism, quantity_units)
+    target = Path(path)
+    # Beside the target, because only within one file system is a rename atomic.
+    temporary = target.with_name(f".{target.name}.{secrets.token_hex(4)}.tmp")
+    try:
+        with temporary.open("x", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(temporary, target)
+    except OSError as error:
+        raise FileError(f"{target}: cannot be written: {error.strerror or error}") from error
+    finally:
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)

@@ -1,0 +1,171 @@
+"""Any mechanism that a file can hold survives a round trip, bit for bit.
+
+The strategies are made from the classes as the schema is, so a new field is tested at once.
+"""
+
+import dataclasses
+import typing
+
+import equinox as eqx
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings, strategies as st
+
+import prsm_jax.file as file
+from prsm_jax.file._layout import module_classes
+from prsm_jax.file._limits import limit_of
+from prsm_jax.mechanism import (
+    Constraint,
+    DesignProblem,
+    DutyCycle,
+    Mechanism,
+    Objective,
+    OperatingPoint,
+    Stage,
+    Variable,
+)
+
+_NAMES = st.from_regex(r"[a-z][a-z_]{0,20}", fullmatch=True)
+_LARGEST = 1e120
+
+
+def numbers(name: str, unit: str) -> st.SearchStrategy[float]:
+    """Any double that the limit of this name and unit admits, up to 1e120."""
+    limit = limit_of(name, unit)
+    return st.floats(max(limit.lower, -_LARGEST), min(limit.upper, _LARGEST)).filter(limit.admits)
+
+
+def _field(field: dataclasses.Field, hint) -> st.SearchStrategy:
+    classes = module_classes(hint)
+    if classes:
+        present = st.one_of([modules(cls) for cls in classes])
+    elif "unit" in field.metadata:
+        present = numbers(field.name, field.metadata["unit"])
+    elif hint is int:
+        limit = limit_of(field.name, "1")
+        present = st.integers(int(limit.lower), int(limit.upper))
+    else:
+        present = st.sampled_from(typing.get_args(hint))
+    return st.one_of(st.none(), present) if type(None) in typing.get_args(hint) else present
+
+
+@st.composite
+def modules(draw, cls: type[eqx.Module]):
+    """A module of a class with any of its optional parts."""
+    hints = typing.get_type_hints(cls)
+    values = {f.name: draw(_field(f, hints[f.name])) for f in dataclasses.fields(cls)}
+    if cls is Stage:
+        # Dimensions that must fit each other are scaled to do so.
+        thread = values["thread"]
+        radius = float(thread.roller_radius)
+        bound = {"screw": (float(thread.starts) - 2) * radius, "roller": radius}
+        for body, outer in bound.items():
+            part = values[body]
+            bore = draw(st.one_of(st.none(), st.floats(0, 0.99))) if outer > 1e-300 else None
+            values[body] = dataclasses.replace(
+                part, bore_radius=None if bore is None else bore * outer
+            )
+        values["carrier"] = _narrowed(values["carrier"], bound["screw"] + radius)
+        line = values["line_contact"]
+        if line is not None:
+            values["line_contact"] = dataclasses.replace(
+                line,
+                screw_minor_radius=1e-3,
+                screw_major_radius=2e-3,
+                roller_minor_radius=1e-3,
+                roller_major_radius=2e-3,
+            )
+    return cls(**values)
+
+
+def _narrowed(carrier, radius: float):
+    if carrier is None or carrier.radial_width is None:
+        return carrier
+    width = min(float(carrier.radial_width), radius)
+    return dataclasses.replace(carrier, radial_width=width)
+
+
+@st.composite
+def _variables(draw):
+    chosen = draw(
+        st.lists(
+            st.sampled_from(["lead", "roller_radius", "contact_angle"]), min_size=1, unique=True
+        )
+    )
+    variables = []
+    for name in chosen:
+        unit = "rad" if name == "contact_angle" else "m"
+        pair = st.tuples(numbers(name, unit), numbers(name, unit)).filter(lambda b: b[0] != b[1])
+        variables.append(Variable(name, *sorted(draw(pair))))
+    return tuple(variables)
+
+
+@st.composite
+def design_problems(draw):
+    """A design problem with any number of objectives and constraints."""
+    finite = st.floats(allow_nan=False, allow_infinity=False)
+    objectives = st.builds(
+        Objective,
+        _NAMES,
+        st.sampled_from(["maximise", "minimise"]),
+        st.one_of(st.just(1.0), finite),
+    )
+    constraints = st.one_of(
+        st.builds(Constraint, _NAMES, lower=finite),
+        st.builds(Constraint, _NAMES, upper=finite),
+        st.builds(Constraint, _NAMES, equal=finite),
+    )
+    return DesignProblem(
+        draw(_variables()),
+        tuple(draw(st.lists(objectives, min_size=1, max_size=3))),
+        tuple(draw(st.lists(constraints, max_size=3))),
+        draw(st.integers(1, 100)),
+        draw(st.integers(0, 2**32 - 1)),
+        draw(_NAMES),
+    )
+
+
+@st.composite
+def duty_cycles(draw):
+    """A duty cycle of one to five phases."""
+    size = draw(st.integers(1, 5))
+    columns = {
+        field.name: np.array(
+            draw(
+                st.lists(numbers(field.name, field.metadata["unit"]), min_size=size, max_size=size)
+            )
+        )
+        for field in dataclasses.fields(DutyCycle)
+    }
+    return DutyCycle(**columns)
+
+
+def _without_first_spline(stages: list[Stage]) -> tuple[Stage, ...]:
+    first = stages[0]
+    if first.friction is not None:
+        friction = dataclasses.replace(first.friction, spline=None)
+        first = dataclasses.replace(first, friction=friction)
+    return (first, *stages[1:])
+
+
+@st.composite
+def mechanisms(draw):
+    """Any mechanism that a file can hold."""
+    return Mechanism(
+        _without_first_spline(draw(st.lists(modules(Stage), min_size=1, max_size=2))),
+        draw(st.one_of(st.none(), modules(OperatingPoint))),
+        draw(st.one_of(st.none(), duty_cycles())),
+        draw(st.text(st.characters(exclude_categories=["Cs"]), max_size=20)),
+        draw(st.one_of(st.none(), design_problems())),
+    )
+
+
+# The tests' shape checks sample long tuples at random, here of modules that a strategy builds.
+@pytest.mark.filterwarnings("ignore:Do not use the `random` module inside strategies")
+@settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck))
+@given(mechanisms())
+def test_any_mechanism_survives_exactly(identical, mechanism):
+    again = file.loads(file.dumps(mechanism))
+    assert identical(mechanism, again)
+    assert again.design_problem == mechanism.design_problem
+    assert again.title == mechanism.title

@@ -1,0 +1,129 @@
+"""Numbers with units: exact both ways, strict about dimensions."""
+
+import contextlib
+import math
+from fractions import Fraction
+
+import pytest
+from hypothesis import given, settings, strategies as st
+
+from prsm_jax.file._limits import ANY, limit_of
+from prsm_jax.file._numbers import bare_number, read_number, read_quantity, write_number
+from prsm_jax.file._units import WRITTEN_UNITS, unit_factor
+
+_FINITE = st.floats(allow_nan=False, allow_infinity=False)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("24 mm", "m", 0.024),
+        ("24mm", "m", 0.024),
+        ("  24   mm ", "m", 0.024),
+        ("0.325 mm", "m", 0.000325),
+        ("1 in", "m", 0.0254),
+        ("45 deg", "rad", math.pi / 4),
+        ("45°", "rad", math.pi / 4),
+        ("1000 rpm", "rad/s", 1000 * 2 * math.pi / 60),
+        ("-1500 rpm", "rad/s", -50 * math.pi),
+        ("7 kN", "N", 7000.0),
+        ("51.94 kg mm^2", "kg·m²", 51.94e-6),
+        ("51.94 kg*mm**2", "kg·m²", 51.94e-6),
+        ("51.94 kg·mm²", "kg·m²", 51.94e-6),
+        ("25 N s/m", "N·s/m", 25.0),
+        ("25 N·s / m", "N·s/m", 25.0),
+        ("25 N s m^-1", "N·s/m", 25.0),
+        ("7.85 g/cm^3", "kg/m³", 7850.0),
+        ("207.8 N/µm", "N/m", 2.078e8),
+        ("207.8 N/um", "N/m", 2.078e8),
+        ("5e-3 ms", "s", 5e-6),
+        ("1 1/s", "Hz", 1.0),
+        ("0.5", "1", 0.5),
+        ("5 percent", "1", 0.05),
+    ],
+)
+def test_units_read(text, unit, value):
+    assert read_quantity(text, unit) == pytest.approx(value, rel=2.3e-16)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "message"),
+    [
+        ("10 kg", "m", "wrong unit: a mass where a length is wanted"),
+        ("10", "m", "wrong unit: a plain number where a length is wanted"),
+        ("25 Hz", "rad/s", "wrong unit: a frequency where an angular speed is wanted"),
+        ("1 N m/rad", "N/m", "wrong unit: a stiffness in rotation where a stiffness is wanted"),
+        ("1 deg", "1", "wrong unit: an angle where a plain number is wanted"),
+        ("1 m^9/s", "m", r"wrong unit: length\^9 time\^-1 where"),
+        ("10 furlong", "m", "there is no unit 'furlong' here"),
+        ("mm", "m", "not a number with a unit"),
+        ("", "m", "not a number with a unit"),
+        ("nan mm", "m", "not a number with a unit"),
+        ("1_000 mm", "m", "cannot read the unit"),
+        ("9**9**9**9 mm", "m", "cannot read the unit"),
+        ("1 mm^99999999", "m", "cannot read the unit"),
+        ("1 mm*", "m", "cannot read the unit"),
+        ("1 (mm)", "m", "cannot read the unit"),
+        ("1 " + "mm*" * 100, "m", "not a number with a unit"),
+        ("1 " + "mm*" * 30, "m", "too long"),
+        ("1" * 100 + " mm", "m", "not a number with a unit"),
+        ("1e99999 mm", "m", "there is no unit 'e' here"),
+        ("1 __import__", "m", "cannot read the unit"),
+    ],
+)
+def test_units_refused(text, unit, message):
+    with pytest.raises(ValueError, match=message):
+        read_quantity(text, unit)
+
+
+@settings(max_examples=500, deadline=None)
+@given(_FINITE, st.sampled_from([*WRITTEN_UNITS, "1"]))
+def test_any_double_survives_in_any_unit(value, unit):
+    text = bare_number(value) if unit == "1" else write_number(value, unit)
+    read = read_number(text[1:-1] if text[0] == '"' else float(text), unit, ANY)
+    assert read.hex() == value.hex()
+    assert len(text) < 50
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.decimals(-1000, 1000, places=3), st.sampled_from(list(WRITTEN_UNITS)))
+def test_reading_is_correctly_rounded(number, unit):
+    for written in WRITTEN_UNITS[unit]:
+        exact = Fraction(number) * unit_factor(written)[0]
+        assert read_quantity(f"{number} {written}", unit) == float(exact)
+
+
+@settings(max_examples=300, deadline=200)
+@given(st.text(max_size=300))
+def test_any_text_is_read_or_refused(text):
+    with contextlib.suppress(ValueError):
+        assert isinstance(read_quantity(text, "m"), float)
+
+
+@settings(max_examples=200, deadline=200)
+@given(
+    st.from_regex(
+        r"[0-9e.+-]{1,12} ?[a-zµ°]{1,4}([*/ ^²·-]{1,2}[a-z0-9]{1,3}){0,4}", fullmatch=True
+    )
+)
+def test_near_units_are_read_or_refused(text):
+    with contextlib.suppress(ValueError):
+        assert isinstance(read_quantity(text, None), float)
+
+
+def test_limits_by_name_and_by_unit():
+    assert not limit_of("lead", "m").admits(0.0)
+    assert limit_of("bore_radius", "m").admits(0.0)
+    assert not limit_of("contact_angle", "rad").admits(math.pi / 2)
+    assert not limit_of("poisson_ratio", "1").admits(0.5)
+    assert limit_of("load", "N").admits(-1.0)
+    assert not limit_of("load", "N").admits(math.inf)
+    assert not limit_of("starts", "1").admits(2.0)
+
+
+def test_every_unit_is_defined_once(caplog):
+    """Pint only logs a second definition, and a log record would end up on stderr."""
+    from prsm_jax.file import _units
+
+    _units._registry.__wrapped__()
+    assert caplog.text == ""
