@@ -1,0 +1,96 @@
+"""Findings: each appears when it should, with the numbers that it names, and only then."""
+
+import equinox as eqx
+import numpy as np
+import pytest
+from scenes import array, example, stage, thread
+
+import prsm_jax as prsm
+from prsm_jax import file
+from prsm_jax.geometry import roller_clearance
+from prsm_jax.mechanism import Gear
+
+
+def _findings(one):
+    return {finding.name: finding for finding in prsm.check(prsm.Mechanism((one,)))}
+
+
+def test_sound_mechanism_has_only_the_note_on_tooth_thickness():
+    found = _findings(stage())
+    assert set(found) == {"tooth_thickness"}
+    assert found["tooth_thickness"].severity == "note"
+
+
+def test_feasible_ratio():
+    found = _findings(stage(geometry=thread(starts=4.6), roller_count=5))["feasible_ratio"]
+    assert found.severity == "error"
+    assert found.value == pytest.approx(4.6)
+    assert found.limit == 5
+    assert "4.6" in found.message
+
+
+def test_ratio_derived_from_radii_is_not_refused_for_its_rounding():
+    assert "feasible_ratio" not in _findings(stage(geometry=thread(starts=5 * (1 + 1e-15))))
+
+
+def test_roller_clearance():
+    """2 a sin(π/N) against 2 r_R: with a = 4 r_R twelve rollers fit, thirteen do not."""
+    fits, touches = stage(12), stage(13)
+    assert "roller_clearance" not in _findings(fits)
+    found = _findings(touches)["roller_clearance"]
+    assert found.severity == "error"
+    assert found.value == pytest.approx(2 * 16e-3 * np.sin(np.pi / 13) - 8e-3, rel=1e-12)
+    assert float(roller_clearance(fits)) > 0
+    taller = stage(12, geometry=thread(roller_addendum=0.4e-3))
+    expected = float(roller_clearance(fits)) - 0.8e-3
+    assert float(roller_clearance(taller)) == pytest.approx(expected, rel=1e-12)
+    assert "roller_clearance" in _findings(taller)
+
+
+@pytest.mark.parametrize(
+    ("teeth", "count", "severity"), [(16.0, 10, None), (16.0, 7, "note"), (16.5, 10, "error")]
+)
+def test_gear_assembly(teeth, count, severity):
+    gear = Gear(np.radians(20), roller_teeth=teeth)
+    found = _findings(stage(count, gear=gear)).get("gear_assembly")
+    assert (found.severity if found else None) == severity
+    if severity == "note":
+        # 80 teeth over 7 rollers leave 3/7 of a tooth.
+        assert "3/7" in found.message
+
+
+def test_meshing():
+    """A profile radius far below r_R / sin α ends its arc before the flanks become parallel."""
+    short = thread(lead=40e-3, roller_profile_radius=2.9e-3)
+    found = _findings(stage(geometry=short))["meshing"]
+    assert found.severity == "error"
+    assert found.value == pytest.approx(2.9e-3)
+
+
+def test_contact_on_flank():
+    """The contact lies 0.055 mm (screw) and 0.011 mm (roller) above the nominal radii."""
+    low = stage(geometry=thread(screw_addendum=0.05e-3, roller_addendum=0.02e-3))
+    found = _findings(low)["contact_on_flank"]
+    assert found.severity == "warning"
+    assert "screw" in found.message
+    assert found.value == pytest.approx(12.055213e-3, abs=1e-9)
+    high = stage(geometry=thread(screw_addendum=0.06e-3, roller_addendum=0.02e-3))
+    assert "contact_on_flank" not in _findings(high)
+
+
+def test_findings_name_their_stage():
+    good, bad = stage(), stage(13)
+    found = prsm.check(prsm.Mechanism((good, bad)))
+    assert [f.stage for f in found if f.name == "roller_clearance"] == [2]
+
+
+@pytest.mark.parametrize("name", file.example_names())
+def test_shipped_examples_can_be_built(name):
+    """No errors, but for the annular roller, whose radii no threaded roller can have."""
+    errors = {f.name for f in prsm.check(example(name)) if f.severity == "error"}
+    assert errors == ({"feasible_ratio"} if name == "ring_roller" else set())
+
+
+def test_check_never_raises_on_a_broken_design():
+    broken = eqx.tree_at(lambda t: t.lead, thread(), array(0.4))
+    assert isinstance(prsm.check(prsm.Mechanism((stage(geometry=broken),))), tuple)

@@ -1,0 +1,310 @@
+"""Vibration: cyclic symmetry against the full problem, assembled here a second time."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+from scenes import array, example, modal
+
+import prsm_jax as prsm
+from prsm_jax.modal import (
+    CarrierBody,
+    CentralBody,
+    VibrationSystem,
+    dense_matrices,
+    symmetric_eigen,
+    symmetric_modes,
+)
+
+_modes = eqx.filter_jit(symmetric_modes)
+_many_modes = eqx.filter_jit(eqx.filter_vmap(symmetric_modes))
+_dense = eqx.filter_jit(dense_matrices)
+_symmetric = jax.jit(symmetric_eigen)
+
+SIGNS = {"screw": 1, "ring_gear": -1, "nut": -1}
+
+
+def _system(count, draw, names=("screw", "ring_gear", "nut"), carrier=True, supported=True):
+    """A system with numbers from `draw(low, high)`, decades of them."""
+    held = 1.0 if supported else 0.0
+    bodies = tuple(
+        CentralBody(
+            mass=array(draw(1e-2, 1e1)),
+            equivalent_mass=array(draw(1e-2, 1e1)),
+            mesh_stiffness=array(draw(1e7, 1e9)),
+            radial_support=array(held * draw(1e4, 1e9)),
+            torsional_support=array(held * draw(1e4, 1e9)),
+            roller_sign=SIGNS[name],
+            name=name,
+        )
+        for name in names
+    )
+    body = CarrierBody(array(draw(1e-1, 1e0)), array(held * draw(1e5, 1e7)))
+    return VibrationSystem(bodies, array(draw(1e-2, 1e-1)), body if carrier else None, count)
+
+
+def _random(generator):
+    def draw(low, high):
+        return float(np.exp(generator.uniform(np.log(low), np.log(high))))
+
+    return draw
+
+
+def _assembled(system, phases):
+    """K and M of all degrees of freedom, spring by spring: Wu et al. 2022, equations 7 to 27."""
+    count, bodies = system.roller_count, system.bodies
+    first_roller = 3 * len(bodies)
+    size = first_roller + count + (system.carrier is not None)
+    stiffness, mass = np.zeros((size, size)), np.zeros(size)
+    mass[first_roller:] = float(system.roller_equivalent_mass)
+    for index, (body, phase) in enumerate(zip(bodies, phases, strict=True)):
+        start = 3 * index
+        mass[start : start + 3] = [body.mass, body.mass, body.equivalent_mass]
+        supports = [body.radial_support, body.radial_support, body.torsional_support]
+        stiffness[range(start, start + 3), range(start, start + 3)] = supports
+        for roller in range(count):
+            position = 2 * np.pi * roller / count
+            angle = phase - position if body.name == "screw" else phase + position
+            stretch = np.zeros(size)
+            stretch[start : start + 3] = [-np.sin(angle), np.cos(angle), 1]
+            stretch[first_roller + roller] = 1 if body.name == "screw" else -1
+            stiffness += float(body.mesh_stiffness) * np.outer(stretch, stretch)
+    if system.carrier is not None:
+        mass[-1] = float(system.carrier.equivalent_mass)
+        stiffness[-1, -1] = float(system.carrier.torsional_support)
+    return stiffness, mass
+
+
+def _squares(stiffness, mass):
+    """ω² ascending, by LAPACK; good to about 1e-15 of the largest."""
+    return np.linalg.eigvalsh(stiffness / np.sqrt(np.outer(mass, mass)))
+
+
+@pytest.mark.parametrize("count", [3, 8, 30])
+def test_symmetry_reduction_equals_the_full_problem(count):
+    """Random systems; phases drawn too, because the frequencies do not depend on them.
+
+    LAPACK's ω² are good to 1e-15 of the largest one, absolutely; 1e-13 allows for the size.
+    """
+    generator = np.random.default_rng(count)
+    systems = [_system(count, _random(generator)) for _ in range(20)]
+    batch = jax.tree.map(lambda *leaves: jnp.stack(leaves), *systems)
+    modes = _many_modes(batch)
+    for index, system in enumerate(systems):
+        found = np.sort(
+            np.concatenate(
+                [np.repeat(np.asarray(g.frequencies[index]), g.multiplicity) for g in modes.groups]
+            )
+        )
+        assert found.shape == (count + 10,)
+        expected = _squares(*_assembled(system, generator.uniform(-np.pi, np.pi, 3)))
+        difference = (2 * np.pi * found) ** 2 - expected
+        assert np.max(np.abs(difference)) < 1e-13 * expected[-1]
+
+
+def test_trace_identity():
+    """The sum of all ω² is the trace of M⁻¹K: no mode is lost or counted twice."""
+    system = _system(7, _random(np.random.default_rng(5)))
+    stiffness, mass = _assembled(system, np.zeros(3))
+    squares = (2 * np.pi * np.asarray(_modes(system).frequencies)) ** 2
+    assert squares.sum() == pytest.approx(np.sum(np.diagonal(stiffness) / mass), rel=1e-13)
+
+
+def test_assembly_of_the_package():
+    """`dense_matrices` against the second assembly, with phases."""
+    system = _system(5, _random(np.random.default_rng(1)))
+    phases = np.array([0.3, -1.2, 2.5])
+    stiffness, mass = _dense(system, jnp.asarray(phases))
+    expected_stiffness, expected_mass = _assembled(system, phases)
+    largest = np.max(np.abs(expected_stiffness))
+    np.testing.assert_allclose(stiffness, expected_stiffness, rtol=0, atol=1e-15 * largest)
+    np.testing.assert_allclose(mass, expected_mass, rtol=1e-15)
+
+
+@given(st.integers(0, 10**6), st.floats(-np.pi, np.pi))
+def test_stiffness_is_positive_semidefinite(seed, phase):
+    """By construction, supported or not."""
+    for supported in (True, False):
+        system = _system(5, _random(np.random.default_rng(seed)), supported=supported)
+        stiffness, _ = _dense(system, jnp.asarray([phase, 2 * phase, -phase]))
+        values = np.linalg.eigvalsh(stiffness)
+        assert values[0] > -1e-14 * values[-1]
+
+
+@pytest.mark.parametrize(
+    ("names", "carrier"),
+    [
+        (("screw", "nut"), True),
+        (("screw", "nut"), False),
+        (("screw", "ring_gear", "nut"), False),
+    ],
+)
+def test_without_ring_gear_or_carrier(names, carrier):
+    """Their degrees of freedom are not there, and the rest is still exact."""
+    system = _system(7, _random(np.random.default_rng(3)), names, carrier)
+    modes = _modes(system)
+    expected = _squares(*_assembled(system, np.zeros(len(names))))
+    found = (2 * np.pi * np.asarray(modes.frequencies)) ** 2
+    assert found.shape == (3 * len(names) + 7 + carrier,)
+    assert np.max(np.abs(found - expected)) < 1e-13 * expected[-1]
+    assert (modes.group("carrier") is not None) == carrier
+    families = modes.families
+    assert families.count("transverse") == 2 * (len(names) + 1)
+    assert families.count("torsional") == len(names) + 1
+    assert families.count("roller") == 4
+
+
+def test_rigid_modes():
+    """Without supports: all turn together, all shift in x or y, and the carrier is free."""
+    modes = _modes(_system(7, _random(np.random.default_rng(4)), supported=False))
+    assert modes.families[:4] == ("rigid",) * 4
+    assert "rigid" not in modes.families[4:]
+    # Rounding of ω² is 1e-16 of the largest, so 1e-8 in frequency.
+    assert np.all(modes.frequencies[:4] < 1e-7 * modes.frequencies[-1])
+
+
+def test_three_rollers_have_no_roller_modes():
+    modes = _modes(_system(3, _random(np.random.default_rng(6))))
+    assert modes.group("roller") is None
+    assert modes.frequencies.shape == (13,)
+
+
+def test_roller_modes_in_closed_form():
+    """Harmonics ≥ 2: ω² = (k_s + k_r + k_n)/m_eq, N − 3 times."""
+    system = _system(7, _random(np.random.default_rng(7)))
+    total = sum(float(body.mesh_stiffness) for body in system.bodies)
+    expected = np.sqrt(total / float(system.roller_equivalent_mass)) / (2 * np.pi)
+    group = _modes(system).group("roller")
+    assert group.multiplicity == 4
+    np.testing.assert_allclose(group.frequencies, [expected], rtol=1e-15)
+
+
+def test_mesh_energy_shares():
+    """Strain energy of each mode, spring by spring, in the full problem.
+
+    The modes are grouped by family, so a torsional one is found by its frequency.
+    """
+    system = _system(7, _random(np.random.default_rng(8)))
+    stiffness, mass = _assembled(system, np.zeros(3))
+    supports = np.zeros_like(mass)
+    for index, body in enumerate(system.bodies):
+        held = [body.radial_support, body.radial_support, body.torsional_support]
+        supports[3 * index : 3 * index + 3] = held
+    scale = np.sqrt(mass)
+    squares, shapes = np.linalg.eigh(stiffness / np.outer(scale, scale))
+    shapes = shapes / scale[:, None]
+    modes = _modes(system)
+    for family in ("torsional", "transverse"):
+        group = modes.group(family)
+        for frequency, share in zip(group.frequencies, group.mesh_energy_share, strict=True):
+            nearest = np.argmin(np.abs(squares - (2 * np.pi * float(frequency)) ** 2))
+            held = supports @ shapes[:, nearest] ** 2
+            assert share == pytest.approx(1 - held / squares[nearest], abs=1e-9)
+
+
+def _graded(seed, ratio):
+    """A positive definite 4×4 matrix D A D, A well conditioned, D² spread over `ratio`."""
+    generator = np.random.default_rng(seed)
+    grades = np.exp(generator.uniform(-0.25, 0.25, 4) * np.log(ratio))
+    grades[:2] = ratio**-0.25, ratio**0.25
+    off = generator.uniform(-0.3, 0.3, (4, 4))
+    well = np.eye(4) + np.triu(off, 1) + np.triu(off, 1).T
+    graded = np.outer(grades, grades) * well
+    return np.triu(graded) + np.triu(graded, 1).T
+
+
+@pytest.mark.parametrize("ratio", [1.0, 1e4, 1e8, 1e12])
+def test_jacobi_is_accurate_for_every_eigenvalue(ratio):
+    """Stiffness ratios up to 1e12 against mpmath: each eigenvalue to 1e-13 of itself.
+
+    LAPACK's smallest would be wrong by 1e-4 here: it is good to 1e-16 of the largest.
+    """
+    for seed in range(5):
+        matrix = _graded(seed, ratio)
+        with mpmath.workdps(60):
+            values = mpmath.eigsy(mpmath.matrix(matrix.tolist()), eigvals_only=True)
+            expected = np.sort([float(v) for v in values])
+        found, vectors = _symmetric(jnp.asarray(matrix))
+        np.testing.assert_allclose(found, expected, rtol=1e-13)
+        np.testing.assert_allclose(vectors.T @ vectors, np.eye(4), atol=1e-14)
+
+
+@pytest.mark.parametrize("ratio", [1e3, 1e6, 1e12])
+def test_torsional_block_with_stiff_and_soft_springs(ratio):
+    """Supports `ratio` times softer than the contacts, all in 60 digits.
+
+    A support that is 1e-12 of a contact loses twelve of its digits when both are summed on the
+    diagonal of one float64 matrix; what remains is 1e-15 × ratio of the lowest eigenvalue.
+    """
+    system = _system(7, _random(np.random.default_rng(11)))
+    softened = eqx.tree_at(
+        lambda s: [b.torsional_support for b in s.bodies],
+        system,
+        [b.mesh_stiffness / array(ratio) for b in system.bodies],
+    )
+    with mpmath.workdps(60):
+        block = mpmath.zeros(4)
+        masses = [mpmath.mpf(float(b.equivalent_mass)) for b in softened.bodies]
+        masses.append(mpmath.mpf(float(softened.roller_equivalent_mass)))
+        for index, body in enumerate(softened.bodies):
+            spring = mpmath.mpf(float(body.mesh_stiffness))
+            block[index, index] = mpmath.mpf(float(body.torsional_support)) + 7 * spring
+            block[index, 3] = block[3, index] = body.roller_sign * mpmath.sqrt(7) * spring
+            block[3, 3] += spring
+        for i in range(4):
+            for j in range(4):
+                block[i, j] /= mpmath.sqrt(masses[i] * masses[j])
+        squares = mpmath.eigsy(block, eigvals_only=True)
+        expected = np.sort([float(mpmath.sqrt(v) / (2 * mpmath.pi)) for v in squares])
+    found = np.sort(np.asarray(_modes(softened).group("torsional").frequencies))
+    np.testing.assert_allclose(found[1:], expected[1:], rtol=1e-13)
+    assert found[0] == pytest.approx(expected[0], rel=1e-13 + 2e-15 * ratio)
+
+
+def test_eigenvalue_derivatives_survive_a_repeated_root():
+    """Forward and reverse stay finite, and the sum of both roots has its true derivative."""
+    doubled = jnp.diag(jnp.asarray([2.0, 2.0, 5.0, 7.0]))
+    direction = jnp.asarray(np.random.default_rng(2).normal(size=(4, 4)))
+    direction = direction + direction.T
+
+    def total(step):
+        values, _ = symmetric_eigen(doubled + step * direction)
+        return values[0] + values[1]
+
+    for derivative in (jax.jacfwd(total), jax.jacrev(total)):
+        trace = float(direction[0, 0] + direction[1, 1])
+        assert derivative(array(0.0)) == pytest.approx(trace, rel=1e-13)
+
+
+def test_scaling_of_a_whole_mechanism():
+    """k → 4k everywhere doubles every frequency; masses × 4 halve them."""
+    wu = example("wu2022")
+    base = modal(wu).frequencies
+
+    def scaled(names):
+        moved = wu
+        for parameter in prsm.all_parameters(wu):
+            if parameter.path.rsplit(".", 1)[1] in names:
+                moved = parameter.set(moved, 4 * parameter.get(moved))
+        return moved
+
+    springs = ("radial_stiffness", "torsional_stiffness", "screw_roller", "nut_roller")
+    stiffer, heavier = scaled((*springs, "ring_roller")), scaled(("mass", "inertia"))
+    np.testing.assert_allclose(modal(stiffer).frequencies, 2 * base, rtol=1e-13)
+    np.testing.assert_allclose(modal(heavier).frequencies, base / 2, rtol=1e-13)
+
+
+@pytest.mark.usefixtures("unchecked")
+def test_errors_name_the_remedy():
+    wu = example("wu2022")
+    with pytest.raises(ValueError, match="stages 1 to 1"):
+        prsm.modal(wu, stage=2)
+    few = prsm.set_parameter(wu, "roller_count", 2)
+    with pytest.raises(ValueError, match="at least 3"):
+        prsm.modal(few)
+    without = eqx.tree_at(lambda m: m.stages[0].nut.mass, wu, None)
+    with pytest.raises(prsm.MissingDataError, match=r"stage\.nut\.mass"):
+        prsm.modal(without)
