@@ -23,6 +23,14 @@ from .dynamics import (
     simulate as simulate,
     steady_state as steady_state,
 )
+from .file import (
+    dump as dump,
+    dumps as dumps,
+    example_names as example_names,
+    example_text as example_text,
+    load as load,
+    loads as loads,
+)
 from .geometry import Finding as Finding, check as check, mesh as mesh
 from .mechanism import (
     Constraint as Constraint,

@@ -54,8 +54,8 @@ from ._parameters import (
     get_parameter as get_parameter,
     set_parameter as set_parameter,
 )
+from ._thread import Thread as Thread
 from ._together import (
     check_independent as check_independent,
     set_parameters as set_parameters,
 )
-from ._thread import Thread as Thread

@@ -127,13 +127,14 @@ def _descend(tree, path: tuple[str, ...]):
 def _at(where: Callable, static: bool, path: tuple[str, ...]):
     """Getter and setter for the number at `path` below `where(mechanism)`."""
 
-    def get(mechanism: Mechanism):
+    # No annotations on these: shape checking would decorate them anew at every call.
+    def get(mechanism):
         return _descend(where(mechanism), path)
 
-    def set_traced(mechanism: Mechanism, value) -> Mechanism:
+    def set_traced(mechanism, value):
         return eqx.tree_at(lambda m: _descend(where(m), path), mechanism, value)
 
-    def set_static(mechanism: Mechanism, value) -> Mechanism:
+    def set_static(mechanism, value):
         if int(value) != value:
             raise ValueError(f"{path[-1]} is {value}; it must be a whole number")
 
@@ -154,10 +155,10 @@ def _stage_at(index: int) -> Callable:
 
 
 def _design_parameter(index: int, variable: DesignVariable) -> Parameter:
-    def get(mechanism: Mechanism):
+    def get(mechanism):
         return variable.get(mechanism.stages[index].thread)
 
-    def set_(mechanism: Mechanism, value) -> Mechanism:
+    def set_(mechanism, value):
         moved = variable.set(mechanism.stages[index].thread, value)
         return eqx.tree_at(lambda m: m.stages[index].thread, mechanism, moved)
 

@@ -4,6 +4,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._physics import physics
+from ._block import SpringBlock
 from ._system import VibrationSystem
 
 
@@ -12,49 +13,54 @@ def roller_corner(system: VibrationSystem):
     return sum(body.mesh_stiffness for body in system.bodies)
 
 
-def _arrowhead(diagonal, coupling, corner) -> Float[Array, "n n"]:
-    """Symmetric matrix with a diagonal, one last row and column of couplings, and a corner."""
-    size = len(diagonal)
-    diagonal, coupling = jnp.stack([*diagonal, corner]), jnp.stack(coupling)
-    matrix = jnp.diag(diagonal)
-    return matrix.at[size, :size].set(coupling).at[:size, size].set(coupling)
-
-
-@physics("torsional_block")
-def torsional_block(system: VibrationSystem) -> tuple[Float[Array, "n n"], Float[Array, " n"]]:
-    """Harmonic 0 of the rollers: torsional modes in (u of each body, all rollers alike).
-
-    Diagonal `K_ju + N k_j`, couplings `±√N k_j`, corner `k_s + k_r + k_n`.
-
-    **Returns:** stiffness matrix [N/m] and the diagonal of the mass matrix [kg].
-    """
-    count = system.roller_count
-    stiffness = _arrowhead(
-        [b.torsional_support + count * b.mesh_stiffness for b in system.bodies],
-        [b.roller_sign * count**0.5 * b.mesh_stiffness for b in system.bodies],
-        roller_corner(system),
+def _block(system: VibrationSystem, support: str, mass: str, share: float) -> SpringBlock:
+    bodies = system.bodies
+    stiffness = jnp.stack([body.mesh_stiffness for body in bodies])
+    masses = [*(getattr(body, mass) for body in bodies), system.roller_equivalent_mass]
+    return SpringBlock(
+        support=jnp.stack([getattr(body, support) for body in bodies]),
+        mesh=stiffness,
+        mass=jnp.stack(masses),
+        factor=jnp.asarray((share * system.roller_count) ** 0.5, stiffness.dtype),
+        signs=tuple(body.roller_sign for body in bodies),
     )
-    mass = jnp.stack([*(b.equivalent_mass for b in system.bodies), system.roller_equivalent_mass])
-    return stiffness, mass
 
 
-@physics("transverse_block")
-def transverse_block(system: VibrationSystem) -> tuple[Float[Array, "n n"], Float[Array, " n"]]:
+@physics("torsional_springs")
+def torsional_springs(system: VibrationSystem) -> SpringBlock:
+    """Harmonic 0 of the rollers: torsional modes in (u of each body, all rollers alike)."""
+    return _block(system, "torsional_support", "equivalent_mass", 1.0)
+
+
+@physics("transverse_springs")
+def transverse_springs(system: VibrationSystem) -> SpringBlock:
     """Harmonic 1 of the rollers: transverse modes, each of them twice.
 
-    Diagonal `K_jx + N/2 k_j`, couplings `±√(N/2) k_j`, corner `k_s + k_r + k_n`. The phases of
-    the contacts drop out: they only turn the modes.
+    The phases of the contacts drop out: they only turn the modes.
+    """
+    return _block(system, "radial_support", "mass", 0.5)
+
+
+def torsional_block(
+    system: VibrationSystem,
+) -> tuple[Float[Array, "n n"], Float[Array, " n"]]:
+    """Reduced torsional matrices: diagonal `K_ju + N k_j`, couplings `±√N k_j`, corner `Σ k_j`.
 
     **Returns:** stiffness matrix [N/m] and the diagonal of the mass matrix [kg].
     """
-    half = system.roller_count / 2
-    stiffness = _arrowhead(
-        [b.radial_support + half * b.mesh_stiffness for b in system.bodies],
-        [b.roller_sign * half**0.5 * b.mesh_stiffness for b in system.bodies],
-        roller_corner(system),
-    )
-    mass = jnp.stack([*(b.mass for b in system.bodies), system.roller_equivalent_mass])
-    return stiffness, mass
+    springs = torsional_springs(system)
+    return springs.stiffness_matrix(), springs.mass
+
+
+def transverse_block(
+    system: VibrationSystem,
+) -> tuple[Float[Array, "n n"], Float[Array, " n"]]:
+    """Reduced transverse matrices: diagonal `K_jx + N/2 k_j`, couplings `±√(N/2) k_j`.
+
+    **Returns:** stiffness matrix [N/m] and the diagonal of the mass matrix [kg].
+    """
+    springs = transverse_springs(system)
+    return springs.stiffness_matrix(), springs.mass
 
 
 @physics("dense_assembly")

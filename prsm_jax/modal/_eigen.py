@@ -1,6 +1,4 @@
-"""Eigenvalues of small symmetric matrices, with derivatives that survive repeated roots."""
-
-import functools
+"""Eigenvalues and eigenvectors of small symmetric matrices by cyclic Jacobi rotations."""
 
 import jax
 import jax.numpy as jnp
@@ -34,7 +32,6 @@ def _rotate(matrix, vectors, p: int, q: int):
         row[p], row[q] = cosine * row[p] - sine * row[q], sine * row[p] + cosine * row[q]
 
 
-@functools.partial(jax.custom_jvp)
 def symmetric_eigen(
     matrix: Float[Array, "n n"],
 ) -> tuple[Float[Array, " n"], Float[Array, "n n"]]:
@@ -43,9 +40,7 @@ def symmetric_eigen(
     Cyclic Jacobi with unrolled rotations: relative accuracy for positive definite matrices, and
     under `vmap` one fused kernel instead of a LAPACK call per matrix.
 
-    Derivatives: dλ_i = v_iᵀ dA v_i, dv_i = Σ_j v_j (v_jᵀ dA v_i)/(λ_i − λ_j) with the terms of
-    equal eigenvalues left out. Single eigenvalues are differentiable; where two of this matrix
-    cross, the derivative belongs to the vectors that happen to be chosen.
+    Not meant to be differentiated: `block_modes` has derivatives.
 
     **Arguments:**
 
@@ -63,17 +58,6 @@ def symmetric_eigen(
     columns = jnp.stack([jnp.stack(row) for row in vectors])
     order = jnp.argsort(values)
     return values[order], columns[:, order]
-
-
-@symmetric_eigen.defjvp
-def _symmetric_eigen_jvp(primals, tangents):
-    (matrix,), (tangent,) = primals, tangents
-    values, vectors = symmetric_eigen(matrix)
-    rotated = vectors.T @ ((tangent + tangent.T) / 2) @ vectors
-    gaps = values[None, :] - values[:, None]
-    distinct = gaps != 0
-    inverse = jnp.where(distinct, 1 / jnp.where(distinct, gaps, 1.0), 0.0)
-    return (values, vectors), (jnp.diagonal(rotated), vectors @ (inverse * rotated))
 
 
 def generalised_eigen(

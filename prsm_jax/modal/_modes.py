@@ -5,11 +5,12 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._physics import physics
-from ._assembly import roller_corner, torsional_block, transverse_block
-from ._eigen import generalised_eigen
+from ._assembly import roller_corner, torsional_springs, transverse_springs
+from ._block import SpringBlock, block_modes, mesh_energy_share
 from ._system import VibrationSystem
 
-#: A frequency whose square is below this share of the largest one is a rigid-body motion.
+#: A frequency below this share of the largest one is a rigid-body motion: rounding leaves it at
+#: about 1e-16, and no spring is that soft.
 _RIGID_SHARE = 1e-13
 
 
@@ -46,7 +47,7 @@ class Modes(eqx.Module):
         largest = max((float(g.frequencies.max()) for g in self.groups), default=0.0)
         for group in self.groups:
             for value in group.frequencies.tolist():
-                rigid = value**2 <= _RIGID_SHARE * largest**2
+                rigid = value <= _RIGID_SHARE * largest
                 family = "rigid" if rigid else group.family
                 rows += [(value, family, group.multiplicity)] * group.multiplicity
         return sorted(rows, key=lambda row: row[0])
@@ -67,36 +68,27 @@ class Modes(eqx.Module):
 
 
 def _frequency(eigenvalue: Float[Array, " modes"]) -> Float[Array, " modes"]:
-    """√λ/2π with value and derivative 0 for rigid motions, where rounding leaves λ at ±1e-16."""
+    """√λ/2π; value and derivative 0 where nothing holds the body."""
     elastic = eigenvalue > 0
     root = jnp.sqrt(jnp.where(elastic, eigenvalue, 1.0))
     return jnp.where(elastic, root, 0.0) / (2 * jnp.pi)
 
 
-def _block_modes(block, supports, multiplicity: int, family: str) -> ModeGroup:
-    stiffness, mass = block
-    values, shapes = generalised_eigen(stiffness, mass)
-    # The roller coordinate, last, has no support of its own.
-    held = jnp.sum(jnp.stack(supports)[:, None] * shapes[:-1] ** 2, axis=0)
-    total = jnp.sum(shapes * (stiffness @ shapes), axis=0)
-    strained = total > 0
-    share = jnp.where(strained, 1 - held / jnp.where(strained, total, 1.0), 0.0)
-    # Rounding at a rigid motion gives noise of either sign; the smallest share is none.
-    return ModeGroup(_frequency(values), jnp.clip(share, 0.0, 1.0), multiplicity, family)
+def _group(block: SpringBlock, multiplicity: int, family: str) -> ModeGroup:
+    values, shapes = block_modes(block)
+    return ModeGroup(_frequency(values), mesh_energy_share(block, shapes), multiplicity, family)
 
 
 @physics("torsional_modes")
 def torsional_modes(system: VibrationSystem) -> ModeGroup:
     """Modes in which all rollers turn alike (harmonic 0), each simple."""
-    supports = [body.torsional_support for body in system.bodies]
-    return _block_modes(torsional_block(system), supports, 1, "torsional")
+    return _group(torsional_springs(system), 1, "torsional")
 
 
 @physics("transverse_modes")
 def transverse_modes(system: VibrationSystem) -> ModeGroup:
     """Modes in which screw, ring gear and nut move sideways (harmonic ±1), each double."""
-    supports = [body.radial_support for body in system.bodies]
-    return _block_modes(transverse_block(system), supports, 2, "transverse")
+    return _group(transverse_springs(system), 2, "transverse")
 
 
 @physics("roller_modes")

@@ -1,0 +1,36 @@
+"""Running the command line inside the test process, where compiled programs are shared."""
+
+import json
+
+import jax
+import pytest
+
+from prsm_jax.cli import main
+
+
+@pytest.fixture
+def prsm(monkeypatch, tmp_path, capsys):
+    """`prsm(*words)` gives exit status, stdout and stderr; the working directory is empty."""
+    shared = jax.config.jax_compilation_cache_dir
+    monkeypatch.setenv("PRSM_JAX_CACHE", str(shared or ""))
+    monkeypatch.chdir(tmp_path)
+
+    def run(*words):
+        status = main([str(word) for word in words])
+        captured = capsys.readouterr()
+        return status, captured.out, captured.err
+
+    yield run
+    jax.config.update("jax_compilation_cache_dir", shared)
+
+
+@pytest.fixture
+def prsm_json(prsm):
+    """`prsm_json(*words)` gives the JSON object that `--json -` prints, and nothing else."""
+
+    def run(*words, status=0):
+        code, out, err = prsm(*words, "--json", "-")
+        assert (code, err) == (status, "")
+        return json.loads(out)
+
+    return run
