@@ -93,4 +93,5 @@ def jacobian(
         cotangents,
         directions,
     )
-    return values, sum(jax.tree.leaves(products)), valid, shapes
+    derivatives = jnp.sum(jnp.stack(jax.tree.leaves(products)), axis=0)
+    return values, derivatives, valid, shapes

@@ -3,8 +3,8 @@
 import math
 
 import equinox as eqx
-import jax
 import numpy as np
+from jax.core import Tracer
 from jaxtyping import Array, Bool, Float
 
 
@@ -74,7 +74,7 @@ class Sensitivity(eqx.Module):
             )
 
     def __str__(self) -> str:
-        if isinstance(self.gradient, jax.core.Tracer) or self.gradient.ndim != 2:
+        if isinstance(self.gradient, Tracer) or self.gradient.ndim != 2:
             shape = self.gradient.shape
             return f"Sensitivity of shape {shape}: {self.quantities} × {self.parameters}"
         return "\n".join(_lines(self))

@@ -1,0 +1,111 @@
+"""Searches in a box without constraints, with optax."""
+
+from collections.abc import Callable
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ._evaluator import Guarded
+from ._search import SearchResult
+
+#: Steps halved this often have shrunk below rounding.
+_HALVINGS = 40
+#: Share of the predicted decrease that a step has to achieve (Nocedal and Wright 2006, 3.1).
+_SUFFICIENT = 1e-4
+_LEARNING_RATE = 0.05
+
+
+def _projected(position: np.ndarray, gradient: np.ndarray) -> float:
+    """Size of the projected gradient: what is left where a bound stops the descent."""
+    return float(np.max(np.abs(position - np.clip(position - gradient, 0.0, 1.0))))
+
+
+def adam(
+    functions: Guarded,
+    start: np.ndarray,
+    tolerance: float,
+    maximum: int,
+    report: Callable[[np.ndarray], None],
+) -> SearchResult:
+    """Adam, projected onto the box, its rate falling to zero along a cosine."""
+    import optax
+
+    optimiser = optax.adam(optax.cosine_decay_schedule(_LEARNING_RATE, maximum))
+
+    @jax.jit
+    def advance(gradient, state, position):
+        update, state = optimiser.update(gradient, state, position)
+        return optax.projections.projection_box(position + update, 0.0, 1.0), state
+
+    position = last = start
+    state = optimiser.init(jnp.asarray(start))
+    for iteration in range(1, maximum + 1):
+        functions.cost(position)
+        if not functions.evaluator.point(position).good:
+            # Adam looks at no values, so it cannot step back: this is as far as it gets.
+            return SearchResult(last, "stopped before a design that fails", iteration)
+        last = position
+        gradient = functions.gradient(position)
+        if _projected(position, gradient) <= tolerance:
+            return SearchResult(position, "projected gradient below tolerance", iteration)
+        moved, state = advance(jnp.asarray(gradient), state, jnp.asarray(position))
+        position = np.asarray(moved)
+        report(position)
+    return SearchResult(position, "iteration limit reached", maximum)
+
+
+def lbfgs(
+    functions: Guarded,
+    start: np.ndarray,
+    tolerance: float,
+    maximum: int,
+    report: Callable[[np.ndarray], None],
+) -> SearchResult:
+    """L-BFGS on x = (1 − cos πz)/2, which maps the line onto the box, bounds included.
+
+    A bound is an ordinary point of z with slope zero, so a start there is moved inside first.
+    """
+    import optax
+
+    optimiser = optax.scale_by_lbfgs(memory_size=10)
+    update = jax.jit(optimiser.update)
+
+    def position_of(angle: np.ndarray) -> np.ndarray:
+        return (1 - np.cos(np.pi * angle)) / 2
+
+    def slope_of(angle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+        return gradient * np.pi / 2 * np.sin(np.pi * angle)
+
+    inside = np.clip(start, 1e-2, 1 - 1e-2)
+    if not functions.evaluator.point(inside).good:
+        inside = start
+    angle = np.arccos(1 - 2 * inside) / np.pi
+    state = optimiser.init(jnp.asarray(angle))
+    position = position_of(angle)
+    cost = functions.cost(position)
+    for iteration in range(1, maximum + 1):
+        gradient = functions.gradient(position)
+        if _projected(position, gradient) <= tolerance:
+            return SearchResult(position, "projected gradient below tolerance", iteration)
+        slope = slope_of(angle, gradient)
+        scaled, state = update(jnp.asarray(slope), state, jnp.asarray(angle))
+        direction = -np.asarray(scaled)
+        if direction @ slope >= 0:
+            direction, state = -slope, optimiser.init(jnp.asarray(angle))
+        # Half the box is as far as any step makes sense.
+        direction = direction * min(1.0, 0.5 / max(float(np.max(np.abs(direction))), 1e-300))
+        step = 1.0
+        for _ in range(_HALVINGS):
+            trial = angle + step * direction
+            trial_cost = functions.cost(position_of(trial))
+            good = functions.evaluator.point(position_of(trial)).good
+            if good and trial_cost <= cost + _SUFFICIENT * step * float(direction @ slope):
+                break
+            step /= 2
+        else:
+            return SearchResult(position, "no further decrease along the direction", iteration)
+        angle, cost = trial, trial_cost
+        position = position_of(angle)
+        report(position)
+    return SearchResult(position, "iteration limit reached", maximum)

@@ -1,0 +1,228 @@
+"""The result of an optimisation: before, after, how it got there, and how good it is."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..mechanism import DesignProblem, Mechanism
+
+
+@dataclass(frozen=True)
+class Design:
+    """One design: its variables, objective and constrained quantities [SI].
+
+    `usable` is false where it fails (no meshing, a value that is not finite); `violation` is the
+    largest violation of a constraint, relative to its limit.
+    """
+
+    variables: dict[str, float]
+    objective: float
+    constraints: dict[str, float]
+    usable: bool
+    violation: float
+
+    def to_dict(self) -> dict:
+        """Plain numbers for JSON; `None` where one is not finite."""
+        return {
+            "variables": {name: _plain(value) for name, value in self.variables.items()},
+            "objective": _plain(self.objective),
+            "constraints": {name: _plain(value) for name, value in self.constraints.items()},
+            "usable": self.usable,
+            "violation": _plain(self.violation),
+        }
+
+
+@dataclass(frozen=True)
+class ConstraintReport:
+    """A constraint at the optimum [SI].
+
+    `limit` is the active limit, or the nearest where none is active. `multiplier` is the change
+    of the best objective per unit by which that limit is raised.
+    """
+
+    name: str
+    unit: str
+    value: float
+    lower: float | None
+    upper: float | None
+    equal: float | None
+    limit: float
+    active: bool
+    satisfied: bool
+    multiplier: float
+
+    def to_dict(self) -> dict:
+        """Plain numbers for JSON."""
+        numbers = ("value", "limit", "lower", "upper", "equal", "multiplier")
+        return {
+            "quantity": self.name,
+            "unit": self.unit,
+            **{name: _plain(getattr(self, name)) for name in numbers},
+            "active": self.active,
+            "satisfied": self.satisfied,
+        }
+
+
+@dataclass(frozen=True)
+class Run:
+    """The search from one start; histories have one entry per iterate, the start included."""
+
+    start: Design
+    #: `None` if not one usable design was met.
+    end: Design | None
+    objective_history: tuple[float, ...]
+    #: Largest violation of a constraint, relative to its limit.
+    violation_history: tuple[float, ...]
+    #: Values of the variables [SI].
+    variable_history: tuple[dict[str, float], ...]
+    #: Values of the constrained quantities [SI].
+    constraint_history: tuple[dict[str, float], ...]
+    kkt_residual: float
+    #: Designs that failed and from which the search stepped back.
+    failures: int
+    iterations: int
+    message: str
+
+    def to_dict(self) -> dict:
+        """Plain numbers for JSON."""
+        return {
+            "start": self.start.to_dict(),
+            "end": None if self.end is None else self.end.to_dict(),
+            "objective_history": [_plain(value) for value in self.objective_history],
+            "violation_history": [_plain(value) for value in self.violation_history],
+            "kkt_residual": _plain(self.kkt_residual),
+            "failures": self.failures,
+            "iterations": self.iterations,
+            "message": self.message,
+        }
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """The best feasible design that was found; prints itself.
+
+    `converged` means: feasible, and `kkt_residual` (stationarity, violation and complementarity
+    in scaled units, from exact gradients and independent of the method) within the tolerance.
+    """
+
+    #: The optimised mechanism, a pytree like the one that was given.
+    mechanism: Mechanism
+    problem: DesignProblem
+    method: str
+    #: The design as it was, which may lie outside the bounds.
+    start: Design
+    optimum: Design
+    constraints: tuple[ConstraintReport, ...]
+    #: Variables at a bound: `"lower"` or `"upper"`.
+    bounds_active: dict[str, str]
+    #: Change of the best objective per unit by which the active bound is raised [SI].
+    bound_multipliers: dict[str, float]
+    converged: bool
+    kkt_residual: float
+    stationarity: float
+    message: str
+    runs: tuple[Run, ...]
+    #: Which of the runs found the optimum.
+    best_run: int
+    evaluations: int
+    derivative_evaluations: int
+    variable_units: dict[str, str]
+
+    @property
+    def objective_history(self) -> tuple[float, ...]:
+        """Objective along the best run."""
+        return self.runs[self.best_run].objective_history
+
+    @property
+    def violated(self) -> tuple[str, ...]:
+        """Names of the constraints that the optimum violates."""
+        return tuple(report.name for report in self.constraints if not report.satisfied)
+
+    def to_dict(self) -> dict:
+        """Plain numbers for JSON; `None` where one is not finite."""
+        return {
+            "start": self.start.to_dict(),
+            "optimum": self.optimum.to_dict(),
+            "objective": [
+                {"quantity": term.quantity, "sense": term.sense, "weight": term.weight}
+                for term in self.problem.objectives
+            ],
+            "objective_history": [_plain(value) for value in self.objective_history],
+            "constraints": [report.to_dict() for report in self.constraints],
+            "bounds_active": dict(self.bounds_active),
+            "bound_multipliers": {k: _plain(v) for k, v in self.bound_multipliers.items()},
+            "converged": self.converged,
+            "kkt_residual": _plain(self.kkt_residual),
+            "stationarity": _plain(self.stationarity),
+            "method": self.method,
+            "message": self.message,
+            "evaluations": self.evaluations,
+            "derivative_evaluations": self.derivative_evaluations,
+            "best_run": self.best_run,
+            "runs": [run.to_dict() for run in self.runs],
+            "variable_units": dict(self.variable_units),
+        }
+
+    def __str__(self) -> str:
+        return "\n".join(_lines(self))
+
+
+def _plain(value: float | None) -> float | None:
+    return None if value is None or not math.isfinite(value) else float(value)
+
+
+def _lines(best: Optimum) -> list[str]:
+    terms = " + ".join(
+        (f"{term.weight:g} " if term.weight != 1 else "") + term.quantity
+        for term in best.problem.objectives
+    )
+    sense = "/".join(dict.fromkeys(term.sense for term in best.problem.objectives))
+    bounds = {v.name: f"[{v.lower:.5g}, {v.upper:.5g}]" for v in best.problem.variables}
+    rows = [["", "start", "optimum", "limits", ""]]
+    rows.append(
+        [f"{sense} {terms}", f"{best.start.objective:.7g}", f"{best.optimum.objective:.7g}", "", ""]
+    )
+    for name, value in best.optimum.variables.items():
+        at = best.bounds_active.get(name)
+        rows.append(
+            [
+                f"{name} [{best.variable_units[name]}]",
+                f"{best.start.variables[name]:.6g}",
+                f"{value:.6g}",
+                bounds[name],
+                f"at {at} bound" if at else "",
+            ]
+        )
+    for report in best.constraints:
+        if report.equal is not None:
+            limits = f"= {report.equal:.5g}"
+        else:
+            low = "" if report.lower is None else f">= {report.lower:.5g}"
+            high = "" if report.upper is None else f"<= {report.upper:.5g}"
+            limits = " ".join(filter(None, (low, high)))
+        state = "VIOLATED" if not report.satisfied else "active" if report.active else ""
+        rows.append(
+            [
+                f"{report.name} [{report.unit}]",
+                f"{best.start.constraints[report.name]:.6g}",
+                f"{report.value:.6g}",
+                limits,
+                state,
+            ]
+        )
+    widths = np.max([[len(cell) for cell in row] for row in rows], axis=0)
+    lines = [
+        "  ".join(
+            cell.ljust(width) if column in (0, 4) else cell.rjust(width)
+            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in rows
+    ]
+    lines.append("")
+    lines.append(f"{'converged' if best.converged else 'NOT CONVERGED'}: {best.message}")
+    lines.append(
+        f"{best.method}, run {best.best_run + 1} of {len(best.runs)}, "
+        f"{best.evaluations} evaluations, {best.derivative_evaluations} of derivatives"
+    )
+    return lines

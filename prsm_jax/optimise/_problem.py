@@ -1,0 +1,137 @@
+"""What to optimise: from the mechanism's own design problem, or from arguments."""
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from ..mechanism import (
+    Constraint,
+    DesignProblem,
+    Mechanism,
+    Objective,
+    Variable,
+    check_independent,
+    find_parameters,
+)
+from ..quantities import find_quantity
+
+
+def problem_of(
+    mechanism: Mechanism, problem: DesignProblem | None, variables, maximise, minimise, constraints
+) -> DesignProblem:
+    """The design problem: each part from its argument, or else from `problem` or the mechanism.
+
+    **Raises:** `ValueError` where a part is missing or wrong; `UnknownNameError` for unknown names.
+    """
+    if problem is None:
+        problem = mechanism.design_problem
+    found_variables = _variables(variables) if variables is not None else None
+    found_objectives = None
+    if maximise is not None or minimise is not None:
+        found_objectives = (*_objectives(maximise, "maximise"), *_objectives(minimise, "minimise"))
+    found_constraints = _constraints(constraints) if constraints is not None else None
+    if problem is None:
+        if found_variables is None or found_objectives is None:
+            raise ValueError(
+                "the mechanism has no design problem; give variables and maximise or minimise, "
+                "or an [optimise] table in its file"
+            )
+        problem = DesignProblem(found_variables, found_objectives, found_constraints or ())
+    else:
+        problem = DesignProblem(
+            problem.variables if found_variables is None else found_variables,
+            problem.objectives if found_objectives is None else found_objectives,
+            problem.constraints if found_constraints is None else found_constraints,
+            problem.starts,
+            problem.seed,
+            problem.method,
+        )
+    if not problem.variables:
+        raise ValueError("the design problem has no variables; give at least one")
+    if not problem.objectives:
+        raise ValueError("the design problem has no objective; give maximise or minimise")
+    for term in (*problem.objectives, *problem.constraints):
+        find_quantity(term.quantity)
+    return problem
+
+
+def _variables(given) -> tuple[Variable, ...]:
+    if isinstance(given, Mapping):
+        rows = []
+        for name, bounds in given.items():
+            try:
+                lower, upper = bounds
+            except (TypeError, ValueError):
+                raise ValueError(
+                    f"variable {name!r} has the bounds {bounds!r}; give (lower, upper)"
+                ) from None
+            rows.append(Variable(name, float(lower), float(upper)))
+        return tuple(rows)
+    return tuple(given)
+
+
+def _objectives(given: str | Mapping | Iterable | None, sense) -> tuple[Objective, ...]:
+    if given is None:
+        return ()
+    if isinstance(given, str):
+        return (Objective(given, sense),)
+    if isinstance(given, Mapping):
+        return tuple(Objective(name, sense, float(weight)) for name, weight in given.items())
+    raise ValueError(f"{sense} is {given!r}; give a quantity, or a dictionary of weights")
+
+
+def _constraints(given) -> tuple[Constraint, ...]:
+    if not isinstance(given, Mapping):
+        return tuple(given)
+    rows = []
+    for name, limits in given.items():
+        if isinstance(limits, int | float):
+            rows.append(Constraint(name, equal=float(limits)))
+            continue
+        try:
+            lower, upper = limits
+        except (TypeError, ValueError):
+            raise ValueError(
+                f"constraint on {name!r} has the limits {limits!r}; give (lower, upper), with "
+                "None for no limit, or one number for an equality"
+            ) from None
+        rows.append(
+            Constraint(
+                name,
+                None if lower is None else float(lower),
+                None if upper is None else float(upper),
+            )
+        )
+    return tuple(rows)
+
+
+def present_design(mechanism: Mechanism, variables: tuple[Variable, ...]) -> np.ndarray:
+    """Present values of the variables [SI].
+
+    **Raises:** `ValueError` for a static variable, bounds that are not finite, two variables that
+    move the same number, or stages that do not agree on a value.
+    """
+    values = []
+    for variable in variables:
+        if not (np.isfinite(variable.lower) and np.isfinite(variable.upper)):
+            raise ValueError(
+                f"variable {variable.name!r} has the bounds ({variable.lower}, {variable.upper}); "
+                "both must be finite"
+            )
+        found = find_parameters(mechanism, variable.name)
+        if any(parameter.static for parameter in found):
+            raise ValueError(
+                f"variable {variable.name!r} is a whole number and cannot be varied smoothly; "
+                "sweep over it instead"
+            )
+        present = [float(parameter.get(mechanism)) for parameter in found]
+        if not np.allclose(present, present[0], rtol=1e-12, atol=0.0):
+            listed = ", ".join(f"{value:g}" for value in present)
+            paths = " or ".join(parameter.path for parameter in found)
+            raise ValueError(
+                f"variable {variable.name!r} differs between the stages ({listed}), so there is "
+                f"no common start; name the stage: {paths}"
+            )
+        values.append(present[0])
+    check_independent(mechanism, [variable.name for variable in variables])
+    return np.array(values)

@@ -1,0 +1,3 @@
+"""Quantities over a grid of designs, as a labelled data set."""
+
+from ._sweep import DEFAULT_CHUNK as DEFAULT_CHUNK, sweep as sweep

@@ -1,0 +1,75 @@
+"""Labels: arrays over a grid become a data set with names, units and descriptions."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .._version import __version__
+from ..mechanism import Mechanism
+from ..quantities import Quantity, find_quantity
+from ._axes import Grid
+
+if TYPE_CHECKING:
+    import xarray
+
+
+def labelled(
+    mechanism: Mechanism,
+    grid: Grid,
+    values: dict[str, np.ndarray],
+    failed: np.ndarray,
+    point: dict,
+) -> "xarray.Dataset":
+    """The data set of a sweep.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism.
+    - `grid`: the axes.
+    - `values`: quantities, the axes of the grid in front.
+    - `failed`: which designs failed.
+    - `point`: `speed` and `load` that were given for all designs, or `None`.
+    """
+    import xarray
+
+    over = tuple(axis.name for axis in grid.axes)
+    coordinates: dict = {
+        axis.name: (axis.name, axis.values, {"units": axis.unit, "long_name": axis.description})
+        for axis in grid.axes
+    }
+    variables: dict = {}
+    for name, array in values.items():
+        quantity = find_quantity(name)
+        attributes = {
+            "units": quantity.unit,
+            "long_name": quantity.description,
+            "symbol": quantity.symbol,
+        }
+        own = _dimensions(quantity, array.shape[len(over) :], len(mechanism.stages))
+        if "stage" in own:
+            numbers = np.arange(1, len(mechanism.stages) + 1)
+            coordinates["stage"] = ("stage", numbers, {"long_name": "number of the stage"})
+        variables[name] = ((*over, *own), array, attributes)
+    variables["failed"] = (
+        over,
+        failed,
+        {"long_name": "no meshing, a pulling contact, or a value that is not finite"},
+    )
+    attributes = {
+        "title": mechanism.title,
+        "points": grid.points,
+        "failed": int(failed.sum()),
+        "prsm_jax_version": __version__,
+    }
+    attributes |= {name: float(value) for name, value in point.items() if value is not None}
+    return xarray.Dataset(variables, coordinates, attributes)
+
+
+def _dimensions(quantity: Quantity, shape: tuple[int, ...], stages: int) -> tuple[str, ...]:
+    """Names of a quantity's own dimensions; only stages are shared between quantities."""
+    names = []
+    for index, length in enumerate(shape):
+        known = quantity.dimensions[index] if index < len(quantity.dimensions) else f"{index + 1}"
+        shared = known == "stage" and length == stages
+        names.append(known if shared else f"{quantity.name}_{known}")
+    return tuple(names)

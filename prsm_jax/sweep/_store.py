@@ -1,0 +1,54 @@
+"""A sweep on disk: a zarr store that is either complete or not there."""
+
+import os
+import shutil
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .._errors import missing_extra
+
+if TYPE_CHECKING:
+    import xarray
+
+#: What marks a directory as a zarr store, format 3 and 2.
+_MARKS = ("zarr.json", ".zgroup")
+
+
+def check_store(store: str | os.PathLike) -> None:
+    """Check, before anything is computed, that a store can be written.
+
+    **Raises:** `MissingExtraError` without zarr; `ValueError` if the path holds something that is
+    not a zarr store, or its parent directory is not there.
+    """
+    try:
+        import zarr  # noqa: F401
+    except ImportError as error:
+        raise missing_extra("sweep", "a zarr store", error) from error
+    path = Path(store)
+    if not path.absolute().parent.is_dir():
+        raise ValueError(f"store {path}: the directory {path.parent} is not there; create it")
+    if path.exists() and not any((path / mark).exists() for mark in _MARKS):
+        empty = path.is_dir() and not any(path.iterdir())
+        if not empty:
+            raise ValueError(
+                f"store {path} exists and is not a zarr store; remove it or choose another path"
+            )
+
+
+def write_store(dataset: "xarray.Dataset", store: str | os.PathLike) -> None:
+    """Write a data set as a zarr store (format 3), under a temporary name until it is complete."""
+    path = Path(store).absolute()
+    with tempfile.TemporaryDirectory(prefix=f".{path.name}-", dir=path.parent) as temporary:
+        new, old = Path(temporary) / "new", Path(temporary) / "old"
+        # Consolidated metadata is not part of format 3, and zarr warns when it is written.
+        dataset.to_zarr(new, mode="w", zarr_format=3, consolidated=False)
+        if path.exists():
+            os.replace(path, old)
+        try:
+            os.replace(new, path)
+        except OSError:
+            if old.exists():
+                os.replace(old, path)
+            raise
+        shutil.rmtree(old, ignore_errors=True)

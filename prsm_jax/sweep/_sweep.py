@@ -1,0 +1,198 @@
+"""Sweeps: quantities over the full grid of any parameters."""
+
+import os
+from collections.abc import Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING
+
+import jax.numpy as jnp
+import numpy as np
+
+from .._errors import MissingDataError, missing_extra
+from ..mechanism import Mechanism, Scalar
+from ..quantities import find_quantity
+from ._axes import Grid, grid_of
+from ._dataset import labelled
+from ._program import evaluate_chunk
+
+if TYPE_CHECKING:
+    import xarray
+
+#: Designs per compiled call: large enough to hide the call, small enough to stay in the cache.
+DEFAULT_CHUNK = 2048
+
+
+def sweep(
+    mechanism: Mechanism,
+    axes: Mapping[str, Iterable[float]],
+    quantities: Iterable[str],
+    *,
+    speed: float | Scalar | None = None,
+    load: float | Scalar | None = None,
+    chunk: int = DEFAULT_CHUNK,
+    progress: bool = False,
+    store: str | os.PathLike | None = None,
+) -> "xarray.Dataset":
+    """Evaluate quantities on the full grid of some parameters.
+
+    The designs are computed in chunks of fixed size by one compiled program; every combination
+    of static parameters (`roller_count`) has a program of its own. Memory beyond the result does
+    not grow with the grid. A design that fails, because its threads do not mesh, a contact would
+    have to pull, or a value is not finite, is marked in `failed` and is NaN in all quantities;
+    the other designs do not notice.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism.
+    - `axes`: values [SI] by the name of a parameter, among them `operating_point.speed` and
+      whole numbers such as `roller_count`; in the order of the data set's dimensions.
+    - `quantities`: names from the catalogue.
+    - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
+    - `chunk`: designs per compiled call.
+    - `progress`: show a progress bar.
+    - `store`: directory to write as a zarr store; one that is there is replaced when the new one
+      is complete.
+
+    **Returns:** an `xarray.Dataset` with one variable per quantity and the boolean `failed`,
+    over the axes (then `stage`, or modes). Units are in the attributes `units`; the attributes
+    `points` and `failed` of the data set count designs.
+
+    **Raises:** `UnknownNameError` for an unknown name; `ValueError` for axes that are empty, not
+    finite, or move the same number, and for a `store` that would replace something else;
+    `MissingDataError` where the mechanism lacks data; `MissingExtraError` without xarray, or
+    without zarr or tqdm where they are asked for.
+    """
+    try:
+        import xarray  # noqa: F401
+    except ImportError as error:
+        raise missing_extra("sweep", "a sweep", error) from error
+    if isinstance(quantities, str):
+        raise ValueError(f"quantities is the text {quantities!r}; give a list of names")
+    # A quantity asked for twice is one variable all the same.
+    names = tuple(dict.fromkeys(quantities))
+    if not names:
+        raise ValueError("quantities is empty; name at least one")
+    for name in names:
+        find_quantity(name)
+    if chunk < 1:
+        raise ValueError(f"chunk is {chunk}; it must be at least 1")
+    grid = grid_of(mechanism, axes, {"speed": speed, "load": load})
+    if store is not None:
+        from ._store import check_store
+
+        check_store(store)
+    point = {
+        name: None if value is None else jnp.asarray(value, jnp.result_type(float))
+        for name, value in (("speed", speed), ("load", load))
+    }
+    with _progress_bar(grid.points, progress) as bar:
+        values, failed = _evaluate(mechanism, grid, names, point, chunk, bar)
+    dataset = labelled(mechanism, grid, values, failed, point)
+    if store is not None:
+        from ._store import write_store
+
+        write_store(dataset, store)
+    return dataset
+
+
+def _evaluate(
+    mechanism: Mechanism, grid: Grid, names: tuple[str, ...], point: dict, chunk: int, bar
+) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """All quantities over the grid, and which designs failed."""
+    traced = grid.traced
+    shape = tuple(len(axis.values) for axis in traced)
+    axes = tuple(jnp.asarray(axis.values) for axis in traced)
+    axis_names = tuple(axis.name for axis in traced)
+    total = int(np.prod(shape))
+    size = min(chunk, total)
+    failed = np.ones(grid.shape, dtype=bool)
+    values: dict[str, np.ndarray] = {}
+
+    for where, words, chosen in grid.combinations(mechanism):
+
+        def run(start: int, chosen=chosen):
+            found, bad = evaluate_chunk(
+                chosen,
+                axis_names,
+                axes,
+                names,
+                jnp.asarray(start),
+                size,
+                point["speed"],
+                point["load"],
+            )
+            return (
+                start,
+                {name: np.asarray(value) for name, value in found.items()},
+                np.asarray(bad),
+            )
+
+        part: dict[str, np.ndarray] = {}
+        part_failed = np.ones(total, dtype=bool)
+        try:
+            for start, found, bad in _in_threads(run, range(0, total, size)):
+                count = min(size, total - start)
+                for name, value in found.items():
+                    if name not in part:
+                        part[name] = np.full((total, *value.shape[1:]), np.nan, value.dtype)
+                    part[name][start : start + count] = value[:count]
+                part_failed[start : start + count] = bad[:count]
+                bar.update(count)
+        except MissingDataError as error:
+            if words:
+                raise MissingDataError(f"at {words}: {error}") from error
+            raise
+        for name, value in part.items():
+            if name not in values:
+                values[name] = np.full((*grid.shape, *value.shape[1:]), np.nan, value.dtype)
+            if values[name].shape[len(grid.shape) :] != value.shape[1:]:
+                raise ValueError(
+                    f"quantity {name!r} has {value.shape[1:]} components at {words} and "
+                    f"{values[name].shape[len(grid.shape) :]} before; sweep the two apart"
+                )
+            values[name][where] = value.reshape(*shape, *value.shape[1:])
+        failed[where] = part_failed.reshape(shape)
+    return values, failed
+
+
+def _in_threads(run, starts):
+    """Run all chunks, first one alone: it compiles the program that the others use.
+
+    XLA runs one chunk mostly on one core, so the chunks are what is done in parallel; a window
+    of as many chunks as there are threads bounds what is in flight.
+    """
+    starts = list(starts)
+    yield run(starts[0])
+    workers = min(os.cpu_count() or 1, len(starts) - 1)
+    if workers < 2:
+        yield from map(run, starts[1:])
+        return
+    with ThreadPoolExecutor(workers) as pool:
+        waiting = []
+        for start in starts[1:]:
+            waiting.append(pool.submit(run, start))
+            if len(waiting) > workers:
+                yield waiting.pop(0).result()
+        for future in waiting:
+            yield future.result()
+
+
+class _NoBar:
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        return None
+
+    def update(self, count: int) -> None:
+        pass
+
+
+def _progress_bar(points: int, progress: bool):
+    if not progress:
+        return _NoBar()
+    try:
+        import tqdm
+    except ImportError as error:
+        raise missing_extra("sweep", "a progress bar", error) from error
+    return tqdm.tqdm(total=points, unit=" designs", unit_scale=True, desc="sweep")
