@@ -1,0 +1,29 @@
+"""Published numbers beside the computed ones, with verdicts.
+
+A paper is one module that registers functions of rows under the paper's name.
+"""
+
+from ._registry import rows_of as rows_of, sources as sources, validate as validate
+from ._row import (
+    VERDICTS as VERDICTS,
+    Row as Row,
+    Verdict as Verdict,
+    at_most as at_most,
+    differs as differs,
+    misprint as misprint,
+    number as number,
+    trend as trend,
+)
+from ._table import markdown as markdown, summary as summary, table as table
+
+# The sources, in the order of the table.
+from . import (  # isort: skip
+    _wu2022 as _wu2022,
+    _wu2022_frequencies as _wu2022_frequencies,
+    _wu2022_trends as _wu2022_trends,
+    _li2020 as _li2020,
+    _li2021 as _li2021,
+    _lisowski2014 as _lisowski2014,
+    _shape_function as _shape_function,
+    _closed_forms as _closed_forms,
+)

@@ -1,0 +1,107 @@
+"""The shipped examples and how they are run here: one compiled program for many rows.
+
+Compiling dominates the run time, so both two-stage papers share one structure, and variations
+only change numbers.
+"""
+
+import dataclasses
+import functools
+from typing import Any
+
+import equinox as eqx
+import jax
+import numpy as np
+
+from ..dynamics import Scenario, SteadyState, Transient, simulate, steady_state
+from ..file import load
+from ..mechanism import Mechanism, ThrustBearingFriction, as_scalar, set_parameter
+
+_SAMPLES = 2001
+
+
+@functools.cache
+def example(name: str) -> Mechanism:
+    """A shipped example, loaded once."""
+    return load(name)
+
+
+@functools.cache
+def two_stages(name: str) -> Mechanism:
+    """`li2020_two_stage` or `li2021_two_stage`, in one structure.
+
+    Li et al. 2021 neglect the friction of the thrust bearing; a coefficient of 0 says the same.
+    """
+    mechanism = dataclasses.replace(example(name), title="")
+    first, second = mechanism.stages
+    if second.friction is not None and second.friction.thrust_bearing is None:
+        friction = dataclasses.replace(
+            second.friction, thrust_bearing=ThrustBearingFriction(as_scalar(0.0), as_scalar(1.0))
+        )
+        second = dataclasses.replace(second, friction=friction)
+    return dataclasses.replace(mechanism, stages=(first, second))
+
+
+def _numpy(tree) -> Any:
+    return jax.tree.map(lambda leaf: np.asarray(leaf) if eqx.is_array(leaf) else leaf, tree)
+
+
+@eqx.filter_jit
+def _simulate(mechanism: Mechanism) -> Transient:
+    point = mechanism.operating_point
+    assert point is not None
+    assert point.duration is not None
+    scenario = Scenario(point.speed, point.load, point.duration, samples=_SAMPLES)
+    return simulate(mechanism, scenario, gradient="forward")
+
+
+@eqx.filter_jit
+def _steady(mechanism: Mechanism, speed, load) -> SteadyState:
+    return steady_state(mechanism, speed, load)
+
+
+def _varied(name: str, changes: tuple[tuple[str, float], ...]) -> Mechanism:
+    mechanism = two_stages(name)
+    for path, value in changes:
+        mechanism = set_parameter(mechanism, path, value)
+    return mechanism
+
+
+@functools.cache
+def transient(name: str, *changes: tuple[str, float]) -> Transient:
+    """Transient of a two-stage example from rollers at rest, with numbers changed by name."""
+    run = _numpy(_simulate(_varied(name, changes)))
+    if int(run.solver.code) != 0:
+        raise RuntimeError(f"the transient of {name} did not finish: {run.solver.result}")
+    return run
+
+
+@functools.cache
+def steady(name: str, *changes: tuple[str, float], sense: float = 1.0) -> SteadyState:
+    """Steady state of a two-stage example; `sense` −1 lets the load drive the screw back."""
+    mechanism = _varied(name, changes)
+    point = mechanism.operating_point
+    assert point is not None
+    return _numpy(_steady(mechanism, sense * point.speed, point.load))
+
+
+@functools.cache
+def steady_example(name: str) -> SteadyState:
+    """Steady state of a shipped example at its own operating point."""
+    mechanism = example(name)
+    point = mechanism.operating_point
+    assert point is not None
+    return _numpy(_steady(mechanism, point.speed, point.load))
+
+
+def settling_time(run: Transient, stage: int, within: float) -> float:
+    """When a carrier comes, and stays, within a relative distance of its steady ratio [s].
+
+    **Arguments:**
+
+    - `run`: the transient.
+    - `stage`: index of the stage, from 0.
+    - `within`: relative distance.
+    """
+    ratio = np.asarray(run.carrier_ratio[stage])
+    outside = np.nonzero(np.abs(ratio / ratio[-1] - 1) > within)[0]
+    return float(run.time[outside[-1] + 1]) if len(outside) else 0.0

@@ -1,0 +1,107 @@
+"""Rows as text: a plain table, a Markdown table, and counts."""
+
+import textwrap
+from collections.abc import Sequence
+
+from ._registry import sources
+from ._row import VERDICTS, Row, Verdict
+
+#: Widths of item, published, computed and difference; the verdict takes what it needs.
+_ITEM, _PUBLISHED, _COMPUTED, _DIFFERENCE, _VERDICT = 40, 20, 24, 9, 18
+
+
+def _number(value: float | str, unit: str = "1") -> str:
+    if isinstance(value, str):
+        return value
+    text = f"{value:.6g}"
+    return text if unit == "1" else f"{text} {unit}"
+
+
+def _difference(row: Row) -> str:
+    if row.relative_difference is None:
+        return ""
+    percent = 100 * row.relative_difference
+    # Below what any paper prints, digits would only show rounding.
+    if abs(percent) < 1e-3:
+        return "0 %"
+    return f"{percent:+.2g} %" if abs(percent) < 99.5 else f"{percent:+.0f} %"
+
+
+def _cells(row: Row) -> list[list[str]]:
+    columns = (
+        (row.item, _ITEM),
+        (_number(row.published, row.unit), _PUBLISHED),
+        (_number(row.computed, row.unit), _COMPUTED),
+        (_difference(row), _DIFFERENCE),
+        (row.verdict, _VERDICT),
+    )
+    return [textwrap.wrap(text, width) or [""] for text, width in columns]
+
+
+def _lines(row: Row) -> list[str]:
+    cells = _cells(row)
+    widths = (_ITEM, _PUBLISHED, _COMPUTED, _DIFFERENCE, _VERDICT)
+    lines = []
+    for index in range(max(map(len, cells))):
+        parts = [cell[index] if index < len(cell) else "" for cell in cells]
+        padded = [part.ljust(width) for part, width in zip(parts, widths, strict=True)]
+        lines.append("  ".join(padded).rstrip())
+    return lines
+
+
+def table(rows: Sequence[Row], width: int = 120) -> str:
+    """The rows as a plain-text table, grouped by source, with the notes below their rows.
+
+    A note that repeats the one before it is not printed again.
+
+    **Arguments:**
+
+    - `rows`: what `validate` returned, or some of it.
+    - `width`: at least 120 columns are used by the numbers; notes are wrapped to `width`.
+    """
+    citations = sources()
+    lines: list[str] = []
+    source = note = None
+    for row in rows:
+        if row.source != source:
+            source, note = row.source, None
+            heading = f"{source}: {citations.get(source, '')}".rstrip(": ")
+            header = ("published", "computed", "differs", "verdict")
+            widths = (_PUBLISHED, _COMPUTED, _DIFFERENCE, _VERDICT)
+            names = "  ".join(n.ljust(w) for n, w in zip(header, widths, strict=True)).rstrip()
+            lines += ["", *textwrap.wrap(heading, width), f"{'item':{_ITEM}}  {names}", "-" * width]
+        lines += _lines(row)
+        if row.note and row.note != note:
+            lines += textwrap.wrap(row.note, width, initial_indent="    ", subsequent_indent="    ")
+        note = row.note
+    return "\n".join(lines).lstrip("\n")
+
+
+def markdown(rows: Sequence[Row]) -> str:
+    """The rows as a Markdown table."""
+    head = ("source", "item", "published", "computed", "difference", "verdict", "note")
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    for row in rows:
+        cells = (
+            row.source,
+            row.item,
+            _number(row.published, row.unit),
+            _number(row.computed, row.unit),
+            _difference(row),
+            row.verdict,
+            row.note,
+        )
+        lines.append("| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |")
+    return "\n".join(lines)
+
+
+def summary(rows: Sequence[Row]) -> dict[str, dict[Verdict, int]]:
+    """How often each verdict was given: by source, and under `"all"` altogether.
+
+    Every verdict is a key of every count, so that a missing one reads 0.
+    """
+    counts = {name: dict.fromkeys(VERDICTS, 0) for name in (*(r.source for r in rows), "all")}
+    for row in rows:
+        counts[row.source][row.verdict] += 1
+        counts["all"][row.verdict] += 1
+    return counts

@@ -1,0 +1,64 @@
+"""One pair of threads in Hertz contact, by curvature convention: one program for two papers."""
+
+import dataclasses
+import functools
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ..contact import stage_contact
+from ..mechanism import CURVATURE_CONVENTIONS, Stage, Thread, as_scalar
+from ._examples import example
+
+#: Axial forces on the pair of threads [N].
+LOADS = (25.0, 50.0, 100.0)
+
+
+@dataclasses.dataclass(frozen=True)
+class PairOfThreads:
+    """Largest pressure [Pa] and axial secant stiffness [N/m] at each of `LOADS`."""
+
+    pressure: np.ndarray
+    axial_stiffness: np.ndarray
+
+
+@eqx.filter_jit
+def _contacts(stage: Stage, loads):
+    def at(load):
+        return {
+            name: stage_contact(dataclasses.replace(stage, curvature=name), load)
+            for name in CURVATURE_CONVENTIONS
+        }
+
+    return jax.vmap(at)(loads)
+
+
+@functools.cache
+def pairs_of_threads(name: str) -> dict[str, dict[str, PairOfThreads]]:
+    """Contacts of one pair of threads of an example, by curvature convention and side.
+
+    Only thread and material of the example count: a roller with one loaded thread.
+    """
+    whole = example(name).stages[0]
+    assert whole.material is not None
+    thread = Thread(
+        lead=whole.thread.lead,
+        starts=whole.thread.starts,
+        roller_radius=whole.thread.roller_radius,
+        contact_angle=whole.thread.contact_angle,
+    )
+    material = dataclasses.replace(whole.material, density=None)
+    stage = Stage(thread=thread, roller_count=1, material=material, engaged_threads=as_scalar(1.0))
+    found = _contacts(stage, jnp.asarray(LOADS))
+    return {
+        convention: {
+            side: PairOfThreads(
+                np.asarray(getattr(contact, side).hertz.max_pressure),
+                np.asarray(getattr(contact, side).axial_stiffness),
+            )
+            for side in ("screw", "nut")
+        }
+        for convention, contact in found.items()
+    }

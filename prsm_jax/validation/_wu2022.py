@@ -1,0 +1,170 @@
+"""Wu et al. 2022: dimensions and parameters, Tables 3 and 4."""
+
+import dataclasses
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..mechanism import body_inertia
+from ..stiffness import gear_mesh_stiffness
+from ._examples import example
+from ._registry import rows_of
+from ._row import Row, differs, misprint, number
+from ._thread_contacts import LOADS, pairs_of_threads
+
+#: Axial force on one thread at which contact stiffnesses are quoted [N].
+_THREAD_LOAD = LOADS[-1]
+#: Where an identity leaves nothing but rounding.
+_EXACT = 1e-9
+_CITATION = "L. Wu, S. Ma, P. Deng, Q. Huang, Electronics 11 (2022) 1395"
+
+
+@rows_of("wu2022", _CITATION)
+def dimensions() -> Iterator[Row]:
+    """Table 3."""
+    stage = example("wu2022").stages[0]
+    thread, gear = stage.thread, stage.gear
+    assert gear is not None
+    assert gear.roller_teeth is not None
+    roller = 2e3 * float(thread.roller_radius)
+    screw, nut = 2e3 * float(thread.screw_radius), 2e3 * float(thread.nut_radius)
+    identity = "exactly, from the roller's 8 mm and 5 starts by r_n = r_s + 2 r_R = n r_R"
+    for name, printed, diameter in (("screw", "24", screw), ("nut", "40", nut)):
+        item = f"Table 3: nominal diameter of the {name}"
+        yield number(item, printed, diameter, "mm", tolerance=_EXACT, note=identity)
+    screw_angle, angle = (
+        np.degrees(float(value)) for value in (thread.screw_helix_angle, thread.roller_helix_angle)
+    )
+    yield number("Table 3: helix angle of the screw", "7.55", screw_angle, "°")
+    yield number("Table 3: helix angle of roller and nut", "4.55", angle, "°")
+    starts = np.pi * nut * np.tan(np.radians(4.55)) / 2
+    yield misprint(
+        "Table 3: number of starts of the nut",
+        "1",
+        starts,
+        correct="5",
+        note="from the printed helix angle 4.55°, pitch 2 mm and diameter 40 mm; one start would "
+        "have 0.91°, and the roller would slip in the nut",
+    )
+    yield differs(
+        "Table 3: major below minor diameter of the nut, 39.26 and 41.05 mm",
+        "39.26",
+        41.05,
+        "mm",
+        because="an internal thread has its crest inside: the two labels are exchanged",
+    )
+    yield differs(
+        "Table 3: radius of the roller's profile",
+        "4.956",
+        1e3 * float(thread.profile_radius),
+        "mm",
+        because="the arc of equation 36 is centred on the roller's axis, r_R/sin 45°; 4.956 mm is "
+        f"that of a roller of {2 * 4.956 * np.sin(np.pi / 4):.2f} mm, not of {roller:.0f} mm "
+        "(the paper compares itself with one of 7 mm in section 4)",
+    )
+    module = roller / float(gear.roller_teeth)
+    note = "exactly, 2 r_R/z"
+    yield number("Table 3: module of the gears", "0.5", module, "mm", tolerance=_EXACT, note=note)
+    teeth = float(gear.roller_teeth * thread.starts)
+    note = "exactly, n z"
+    yield number("Table 3: teeth of the ring gear", "80", teeth, tolerance=_EXACT, note=note)
+
+
+@rows_of("wu2022")
+def masses() -> Iterator[Row]:
+    """Table 4, inertias."""
+    stage = example("wu2022").stages[0]
+    thread = stage.thread
+    for name, body, radius, printed in (
+        ("screw", "screw", thread.screw_radius, "1.822e-4"),
+        ("roller", "roller", thread.roller_radius, "5.216e-7"),
+        ("nut", "nut", thread.nut_radius, "8.636e-4"),
+        ("ring gear", "ring_gear", thread.nut_radius, "4.48e-5"),
+        ("carrier", "carrier", thread.centre_distance, "5.888e-6"),
+    ):
+        part = getattr(stage, body)
+        ring = float(part.mass * radius**2)
+        note = "m r² with the nominal radius, the inertia of a thin ring"
+        if body in ("screw", "roller"):
+            solid = dataclasses.replace(part, inertia=None, length=1.0)
+            half = float(body_inertia(dataclasses.replace(stage, **{body: solid}), body))
+            note += f"; a solid cylinder of that mass has half of it, {half:.3e}"
+        yield misprint(
+            f"Table 4: moment of inertia of the {name}",
+            printed,
+            ring,
+            "kg·m²",
+            correct=printed,
+            note=note,
+        )
+
+
+@rows_of("wu2022")
+def stiffnesses() -> Iterator[Row]:
+    """Table 4, thread contacts, gear, screw."""
+    stage = example("wu2022").stages[0]
+    thread, gear = stage.thread, stage.gear
+    assert gear is not None
+    single = {
+        name: {side: float(contact.axial_stiffness[-1]) for side, contact in sides.items()}
+        for name, sides in pairs_of_threads("wu2022").items()
+    }
+    pair = single["wu2022"]
+    printed = {"screw": 2.078e8, "nut": 2.198e8}
+    threads = {side: printed[side] / pair[side] for side in printed}
+    common = float(np.sqrt(threads["screw"] * threads["nut"]))
+    loads = {side: _THREAD_LOAD * (threads[side] / 16) ** 3 for side in printed}
+    for side in printed:
+        yield differs(
+            f"Table 4: thread contact stiffness, {side} and one roller",
+            f"{printed[side]:.3e}",
+            pair[side] * common,
+            "N/m",
+            because="neither load, number of threads nor material are given. Equations 36 to 47 "
+            f"give {pair[side]:.4g} N/m for one thread at an axial {_THREAD_LOAD:.0f} N (E 212 "
+            f"GPa, ν 0.29), so {threads[side]:.2f} such threads, or 16 at {loads[side]:.1f} N; "
+            f"here {common:.2f} threads for either side",
+        )
+    others = ", ".join(
+        f"{single[name]['nut'] / single[name]['screw']:.4f} ({name})"
+        for name in single
+        if name != "wu2022"
+    )
+    yield differs(
+        "Table 4: ratio of the thread contact stiffnesses, nut to screw",
+        f"{2.198 / 2.078:.4f}",
+        pair["nut"] / pair["screw"],
+        because="no load, number of threads or material reaches the printed ratio: all of them "
+        f"cancel when both sides have the same. Other curvature conventions give {others}",
+    )
+    width = float(gear_mesh_stiffness(gear, thread.starts))
+    yield differs(
+        "Table 4: gear mesh stiffness, equations 48 to 50 at 10 mm face width",
+        "2.464e8",
+        width,
+        "N/m",
+        because="the printed value is 1.5 times that of one pair of teeth",
+    )
+    meshing = dataclasses.replace(gear, mesh_factor=1.5)
+    yield number(
+        "Table 4: gear mesh stiffness, 1.5 times one pair of teeth",
+        "2.464e8",
+        float(gear_mesh_stiffness(meshing, thread.starts)),
+        "N/m",
+        note="the paper does not mention the factor: 0.75 ε_α + 0.25 of ISO 6336-1 with ε_α = 5/3, "
+        "or a face width of 15 mm",
+    )
+    material = stage.material
+    assert material is not None
+    radius = float(thread.screw_radius)
+    shear = float(material.youngs_modulus / (2 * (1 + material.poisson_ratio)))
+    torsional = shear * np.pi / 2 * radius**4 / 0.35
+    yield differs(
+        "Table 4: torsional stiffness of the screw",
+        "6.241e4",
+        torsional / radius**2,
+        "N/m",
+        because="printed in N·m/rad but used on the displacement u = r θ, so it is in N/m; a solid "
+        "shaft of 24 mm and 0.35 m (1.24 kg; the table has 1.265 kg) has G I_p/l = "
+        f"{torsional:.0f} N·m/rad, in N/m the value beside",
+    )
