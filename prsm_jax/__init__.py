@@ -46,6 +46,7 @@ from .mechanism import (
     set_parameter as set_parameter,
 )
 from .modal import Modes as Modes, modal as modal
+from .optimise import Optimum as Optimum, optimise as optimise
 from .quantities import (
     Quantity as Quantity,
     available_quantities as available_quantities,
@@ -53,3 +54,5 @@ from .quantities import (
     compute as compute,
     quantity as quantity,
 )
+from .sensitivity import Sensitivity as Sensitivity, sensitivity as sensitivity
+from .sweep import sweep as sweep

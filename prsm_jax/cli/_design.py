@@ -1,1 +1,126 @@
-"""Verbs that improve a design (filled in with the rooms they call)."""
+"""Verbs that improve a design: sensitivity, optimise, sweep."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from cyclopts import Parameter
+
+from .._errors import PrsmError
+from ..mechanism import Mechanism, get_parameter
+from ..optimise import optimise as run_optimise
+from ..quantities import catalogue
+from ..sensitivity import sensitivity as run_sensitivity
+from ..sweep import sweep as run_sweep
+from ._app import app
+from ._common import Common, emit, words_of
+
+_DEFAULT = Common()
+_NAMES = "Names from `prsm quantities`, separated by commas."
+
+
+@app.command
+def sensitivity(
+    file: str,
+    *,
+    quantities: Annotated[str | None, Parameter(help=_NAMES)] = None,
+    parameters: Annotated[
+        str | None, Parameter(help="Names of numbers in the file, separated by commas.")
+    ] = None,
+    common: Common = _DEFAULT,
+) -> int:
+    """Exact derivatives of quantities with respect to parameters, in SI and relative."""
+    table = run_sensitivity(common.load(file), words_of(quantities), words_of(parameters))
+    if common.out is not None:
+        from ..report import save_figure, sensitivity_bars
+
+        common.out.mkdir(parents=True, exist_ok=True)
+        save_figure(sensitivity_bars(table), common.out / "sensitivity")
+    emit(common, table.to_dict(), lambda: str(table))
+    return int(not bool(table.valid))
+
+
+@app.command
+def optimise(
+    file: str,
+    *,
+    method: Annotated[
+        str | None, Parameter(help="auto, slsqp, trust-constr, lbfgs or adam.")
+    ] = None,
+    starts: Annotated[int | None, Parameter(help="Number of starts.")] = None,
+    common: Common = _DEFAULT,
+) -> int:
+    """Improve the design as the file's [optimise] table asks; writes the optimised file.
+
+    The optimised mechanism is written to the folder of --out (default out/optimise); exit status
+    1 if no design satisfies the constraints and the optimality conditions.
+    """
+    from ..file import dump
+
+    mechanism = common.load(file)
+    best = run_optimise(mechanism, method=method, starts=starts, progress=common.json != "-")
+    folder = Path("out/optimise") if common.out is None else common.out
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{Path(file).stem}-optimised.toml"
+    dump(best.mechanism, path, {quantity.name: quantity.unit for quantity in catalogue()})
+    results = best.to_dict() | {"mechanism": path}
+    emit(common, results, lambda: f"{best}\n\noptimised mechanism: {path}")
+    return int(not best.converged)
+
+
+def _axis(mechanism: Mechanism, text: str, settings) -> tuple[str, np.ndarray]:
+    """`NAME=FIRST:LAST:COUNT` or `NAME=VALUE,VALUE,…`, values as in `--set`."""
+    name, equals, given = (part.strip() for part in text.partition("="))
+    if not (name and equals and given):
+        raise PrsmError(f"--axis {text}: must be NAME=FIRST:LAST:COUNT or NAME=VALUE,VALUE,…")
+
+    def value(word: str) -> float:
+        return float(get_parameter(settings(mechanism, [f"{name}={word.strip()}"]), name))
+
+    parts = given.split(":")
+    if len(parts) == 1:
+        return name, np.asarray([value(word) for word in given.split(",")])
+    if len(parts) != 3 or not parts[2].strip().isdigit() or int(parts[2]) < 2:
+        raise PrsmError(
+            f"--axis {text}: a range is FIRST:LAST:COUNT with a count of at least 2, such as "
+            "'lead=5 mm:15 mm:11'"
+        )
+    return name, np.linspace(value(parts[0]), value(parts[1]), int(parts[2]))
+
+
+@app.command
+def sweep(
+    file: str,
+    *,
+    axis: Annotated[
+        list[str],
+        Parameter(
+            negative="",
+            help="NAME=FIRST:LAST:COUNT or NAME=VALUE,VALUE,…, such as 'lead=5 mm:15 mm:11'; "
+            "repeat for a grid.",
+        ),
+    ],
+    quantities: Annotated[str, Parameter(help=_NAMES)] = "efficiency,max_pressure",
+    common: Common = _DEFAULT,
+) -> int:
+    """Quantities over the full grid of any parameters, into a zarr store in --out (default out)."""
+    from ..file import apply_settings
+
+    mechanism = common.load(file)
+    axes = dict(_axis(mechanism, text, apply_settings) for text in axis)
+    folder = Path("out") if common.out is None else common.out
+    store = folder / f"{Path(file).stem}-sweep.zarr"
+    folder.mkdir(parents=True, exist_ok=True)
+    data = run_sweep(
+        mechanism, axes, words_of(quantities) or [], progress=common.json != "-", store=store
+    )
+    points, failed = int(data.attrs["points"]), int(data.attrs["failed"])
+    results: dict[str, Any] = {"store": store, "points": points, "failed": failed}
+    if common.out is not None and len(axes) == 2:
+        from ..report import save_figure, sweep_map
+
+        for name in words_of(quantities) or []:
+            if data[name].ndim == 2:
+                save_figure(sweep_map(data, name), common.out / f"sweep-{name}")
+    emit(common, results, lambda: f"{points} designs, {failed} failed: {store}")
+    return 0
