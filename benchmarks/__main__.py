@@ -1,0 +1,54 @@
+"""`python -m benchmarks [case …] [--quick] [--out DIR]`, or `--list`."""
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+from .cases import case_names, find_case
+from .harness import FULL, QUICK, Case, draw, measure, write
+
+
+def _arguments(argv: list[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument("cases", nargs="*", metavar="case", help="which cases; default all")
+    parser.add_argument("--quick", action="store_true", help="smaller problems, fewer repeats")
+    parser.add_argument(
+        "--out", type=Path, default=Path("out/benchmarks"), help="folder for the results"
+    )
+    parser.add_argument("--list", action="store_true", help="name the cases and stop")
+    arguments = parser.parse_args(argv)
+    unknown = sorted(set(arguments.cases) - set(case_names()))
+    if unknown:
+        parser.error(f"unknown case {', '.join(unknown)}; choose from {', '.join(case_names())}")
+    return arguments
+
+
+def run(case: Case, folder: Path, *, quick: bool) -> None:
+    """Measure one case and write its JSON, table and charts."""
+    measured = []
+    for problem in case.problems:
+        start = time.perf_counter()
+        rows = measure(problem, QUICK if quick else FULL)
+        measured.append((problem, rows))
+        chart = draw(problem, rows, folder / f"{case.name}-{problem.name}.png")
+        print(f"{case.name}: {problem.title}: {time.perf_counter() - start:.1f} s, {chart}")
+    written = write(case, measured, folder, quick=quick)
+    print(f"{case.name}: {', '.join(str(path) for path in written)}", flush=True)
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Entry point; returns the exit status."""
+    arguments = _arguments(argv)
+    chosen = arguments.cases or case_names()
+    for name in chosen:
+        case = find_case(name, quick=arguments.quick)
+        if arguments.list:
+            print(f"{case.name:12} {case.description}")
+        else:
+            run(case, arguments.out, quick=arguments.quick)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,21 @@
+"""The cases: every module here offers `case(quick)`, and its name is the case's name."""
+
+import importlib
+import pkgutil
+
+from ..harness import Case
+
+
+def case_names() -> tuple[str, ...]:
+    """Names of all cases, in alphabetical order."""
+    return tuple(sorted(module.name for module in pkgutil.iter_modules(__path__)))
+
+
+def find_case(name: str, *, quick: bool) -> Case:
+    """Build a case by name, smaller if `quick`.
+
+    **Raises:** `ValueError` for an unknown name.
+    """
+    if name not in case_names():
+        raise ValueError(f"there is no case {name!r}; choose from {', '.join(case_names())}")
+    return importlib.import_module(f"{__name__}.{name}").case(quick)

@@ -1,0 +1,308 @@
+"""Natural frequencies: reduced by symmetry against dense eigensolvers, values and derivatives."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from prsm_jax.file import load
+from prsm_jax.mechanism import set_parameter
+from prsm_jax.modal import (
+    VibrationSystem,
+    dense_matrices,
+    symmetric_modes,
+    vibration_system,
+)
+from prsm_jax.stiffness import thread_stiffness
+
+from ..harness import Case, Method, Prepared, Problem, Reference
+from ..references.vibration import (
+    DIGITS,
+    NUMBERS,
+    frequencies,
+    mass_terms,
+    stiffness_terms,
+)
+
+_FREQUENCIES = "all frequencies"
+_ELASTICITIES = "elasticities of all frequencies"
+
+
+def _base_system(count: int) -> VibrationSystem:
+    """The stage of Wu et al. 2022, Tables 3 and 4, with `count` rollers."""
+    stage = set_parameter(load("wu2022"), "roller_count", count).stages[0]
+
+    def no_contacts():
+        raise AssertionError("the example gives its contact stiffnesses")
+
+    return vibration_system(stage, thread_stiffness(stage, no_contacts))
+
+
+def _numbers(system: VibrationSystem) -> np.ndarray:
+    leaves = np.array([float(leaf) for leaf in jax.tree.leaves(system)])
+    assert len(leaves) == NUMBERS
+    return leaves
+
+
+def _random_systems(count: int, designs: int, spread: float) -> np.ndarray:
+    """Numbers of random designs: each number of the base by a random factor within ±spread
+    decades."""
+    random = np.random.default_rng(1395)
+    factors = 10 ** random.uniform(-spread, spread, (designs, NUMBERS))
+    return _numbers(_base_system(count)) * factors
+
+
+def _unflatten(count: int):
+    treedef = jax.tree.structure(_base_system(count))
+    return lambda numbers: jax.tree.unflatten(treedef, list(numbers))
+
+
+def _dense(system: VibrationSystem):
+    """Eigenvalues of the full matrix, scaled by the diagonal masses."""
+    stiffness, mass = dense_matrices(system)
+    weight = 1 / jnp.sqrt(mass)
+    values = jnp.linalg.eigvalsh(stiffness * weight[:, None] * weight[None, :])
+    # Rounding can leave a soft mode below zero.
+    return jnp.sqrt(jnp.maximum(values, 1e-300)) / (2 * jnp.pi)
+
+
+def _arrowhead(system: VibrationSystem, support: str, mass: str, share: float) -> jax.Array:
+    """One block of the symmetry, scaled by its masses: diagonal K_j + c² k_j, couplings ± c k_j,
+    corner Σ k_j, where c² is the number of rollers that take part."""
+    factor, bodies = (share * system.roller_count) ** 0.5, system.bodies
+    springs = jnp.stack([body.mesh_stiffness for body in bodies])
+    supports = jnp.stack([getattr(body, support) for body in bodies])
+    signs = jnp.array([float(body.roller_sign) for body in bodies])
+    masses = jnp.stack([*(getattr(b, mass) for b in bodies), system.roller_equivalent_mass])
+    coupling = (factor * signs * springs)[:, None]
+    matrix = jnp.block(
+        [
+            [jnp.diag(supports + factor**2 * springs), coupling],
+            [coupling.T, jnp.sum(springs)[None, None]],
+        ]
+    )
+    weight = 1 / jnp.sqrt(masses)
+    return matrix * weight[:, None] * weight[None, :]
+
+
+def _blocks_by_lapack(system: VibrationSystem):
+    """The two small blocks of the symmetry, but solved by LAPACK."""
+    values = []
+    for matrix, repeats in (
+        (_arrowhead(system, "torsional_support", "equivalent_mass", 1.0), 1),
+        (_arrowhead(system, "radial_support", "mass", 0.5), 2),
+    ):
+        found = jnp.maximum(jnp.linalg.eigvalsh(matrix), 1e-300)
+        values.append(jnp.repeat(found, repeats))
+    roller = sum(body.mesh_stiffness for body in system.bodies) / system.roller_equivalent_mass
+    values.append(jnp.repeat(roller, system.roller_count - 3))
+    assert system.carrier is not None
+    values.append(jnp.atleast_1d(system.carrier.torsional_support / system.carrier.equivalent_mass))
+    return jnp.sqrt(jnp.sort(jnp.concatenate(values))) / (2 * jnp.pi)
+
+
+def _reduced(system: VibrationSystem):
+    return symmetric_modes(system).frequencies
+
+
+def _vmapped(name, quantity, solve, numbers: np.ndarray, batches, dtype=jnp.float64) -> Method:
+    """`solve` of one design's numbers, vmapped over batches of several sizes."""
+    jitted = jax.jit(jax.vmap(solve))
+
+    def prepare(batch):
+        inputs = jnp.asarray(numbers[:batch], dtype)
+        return Prepared(lambda: jitted(inputs), batch, lambda out: {quantity: out})
+
+    return Method(name, prepare, batches, "designs at once")
+
+
+def _chunked(name, quantity, solve, numbers: np.ndarray, chunks) -> Method:
+    """The same over all designs, in chunks that stay in the cache."""
+
+    def prepare(chunk):
+        inputs = jnp.asarray(numbers)
+        jitted = jax.jit(lambda rows: jax.lax.map(solve, rows, batch_size=chunk))
+        return Prepared(lambda: jitted(inputs), len(numbers), lambda out: {quantity: out})
+
+    return Method(name, prepare, chunks, f"{len(numbers)} designs in chunks of")
+
+
+class _NumPy:
+    """Matrices and eigenvalues outside of JAX."""
+
+    def __init__(self, count: int):
+        self.stiffness_terms, self.mass_terms = stiffness_terms(count), mass_terms(count)
+
+    def matrices(self, numbers):
+        mass = numbers @ self.mass_terms
+        return np.tensordot(numbers, self.stiffness_terms, axes=(-1, 0)), mass
+
+    def by_scipy(self, numbers):
+        from scipy.linalg import eigh
+
+        rows = []
+        for row in numbers:
+            stiffness, mass = self.matrices(row)
+            values = eigh(stiffness, np.diag(mass), eigvals_only=True)
+            rows.append(np.sqrt(np.maximum(values, 0.0)) / (2 * np.pi))
+        return np.array(rows)
+
+    def by_numpy(self, numbers):
+        stiffness, mass = self.matrices(numbers)
+        weight = 1 / np.sqrt(mass)
+        values = np.linalg.eigvalsh(stiffness * weight[:, :, None] * weight[:, None, :])
+        return np.sqrt(np.maximum(values, 0.0)) / (2 * np.pi)
+
+    def elasticities(self, numbers):
+        """Analytic: ½ p φᵀ(∂K/∂p − λ ∂M/∂p)φ / λ with the shapes of SciPy."""
+        from scipy.linalg import eigh
+
+        rows = []
+        for row in numbers:
+            stiffness, mass = self.matrices(row)
+            values, shapes = eigh(stiffness, np.diag(mass))
+            elastic = np.einsum(
+                "ik,pij,jk->kp", shapes, self.stiffness_terms, shapes, optimize=True
+            )
+            inertial = np.einsum("ik,pi->kp", shapes**2, self.mass_terms)
+            rows.append(row * (elastic - values[:, None] * inertial) / (2 * values[:, None]))
+        return np.array(rows)
+
+    def differences(self, numbers, step=1e-5):
+        """Central differences of log frequencies by log numbers."""
+        rows = []
+        for row in numbers:
+            moved = row * np.exp(step * np.concatenate([np.eye(NUMBERS), -np.eye(NUMBERS)]))
+            logs = np.log(self.by_scipy(moved))
+            rows.append(((logs[:NUMBERS] - logs[NUMBERS:]) / (2 * step)).T)
+        return np.array(rows)
+
+
+def _rival(name, quantity, solve, numbers: np.ndarray) -> Method:
+    return Method(
+        name,
+        lambda _: Prepared(lambda: solve(numbers), len(numbers), lambda out: {quantity: out}),
+        kind="rival",
+    )
+
+
+def _values_problem(
+    name: str, title: str, count: int, spread: float, quick: bool, *, largest: int
+) -> Problem:
+    numbers = _random_systems(count, largest, spread)
+    unflatten, rival = _unflatten(count), _NumPy(count)
+    compared = 2 if quick else 8
+    dense_batch = 200 if quick else 1_000
+    batches = [size for size in (1_000, 10_000, 100_000) if size <= largest]
+
+    def reference():
+        rows = [frequencies(row, count)[0] for row in numbers[:compared]]
+        return {_FREQUENCIES: Reference(np.array(rows))}
+
+    def solve(solver):
+        return lambda row: solver(unflatten(row))
+
+    return Problem(
+        name=name,
+        title=title,
+        instance="design",
+        methods=[
+            _vmapped(
+                "reduced",
+                _FREQUENCIES,
+                solve(_reduced),
+                numbers,
+                batches[-1:] if quick else batches,
+            ),
+            _chunked(
+                "reduced, lax.map",
+                _FREQUENCIES,
+                solve(_reduced),
+                numbers,
+                (500,) if quick else (1_000, 4_000),
+            ),
+            _vmapped(
+                "reduced, float32",
+                _FREQUENCIES,
+                solve(_reduced),
+                numbers,
+                batches[-1:],
+                jnp.float32,
+            ),
+            _vmapped(
+                "reduced, LAPACK", _FREQUENCIES, solve(_blocks_by_lapack), numbers, [dense_batch]
+            ),
+            _vmapped("dense, jax eigvalsh", _FREQUENCIES, solve(_dense), numbers, [dense_batch]),
+            _rival("SciPy eigh(K, M)", _FREQUENCIES, rival.by_scipy, numbers[: dense_batch // 4]),
+            _rival("NumPy eigvalsh, batched", _FREQUENCIES, rival.by_numpy, numbers[:dense_batch]),
+        ],
+        reference=reference,
+        reference_note=f"mpmath eigsy of the full matrix at {DIGITS} digits, {compared} designs",
+        baseline="SciPy eigh(K, M)",
+    )
+
+
+def _gradient_problem(count: int, quick: bool) -> Problem:
+    numbers = _random_systems(count, 2_000 if quick else 10_000, 0.1)
+    unflatten, rival = _unflatten(count), _NumPy(count)
+    dense_batch, compared = (100, 2) if quick else (500, 8)
+
+    def reference():
+        rows = [frequencies(row, count, elasticities=True)[1] for row in numbers[:compared]]
+        # Elasticities are shares of one (of a half, for stiffnesses): judged absolutely.
+        return {_ELASTICITIES: Reference(np.array(rows), scale=1.0)}
+
+    def elasticities(solver):
+        def logarithms(logs):
+            return jnp.log(solver(unflatten(jnp.exp(logs))))
+
+        return lambda row: jax.jacfwd(logarithms)(jnp.log(row))
+
+    return Problem(
+        name="derivatives",
+        title=f"Derivatives of all frequencies by all {NUMBERS} numbers, N = {count}",
+        instance="design",
+        methods=[
+            _vmapped("reduced", _ELASTICITIES, elasticities(_reduced), numbers, [len(numbers)]),
+            _chunked("reduced, lax.map", _ELASTICITIES, elasticities(_reduced), numbers, (1_000,)),
+            _vmapped(
+                "dense, jax eigvalsh", _ELASTICITIES, elasticities(_dense), numbers, [dense_batch]
+            ),
+            _rival(
+                "SciPy eigh, analytic", _ELASTICITIES, rival.elasticities, numbers[:dense_batch]
+            ),
+            _rival(
+                "SciPy eigh, central differences",
+                _ELASTICITIES,
+                rival.differences,
+                numbers[: dense_batch // 10],
+            ),
+        ],
+        reference=reference,
+        reference_note=f"mpmath eigenvectors at {DIGITS} digits, {compared} designs",
+        baseline="SciPy eigh, analytic",
+    )
+
+
+def case(quick: bool) -> Case:
+    """The case of this module; most of a quick run is compilation, so it has fewer problems."""
+    largest = 2_000 if quick else 100_000
+    problems = [
+        _values_problem(
+            f"rollers_{count}",
+            f"Natural frequencies, N = {count}",
+            count,
+            0.1,
+            quick,
+            largest=largest,
+        )
+        for count in ((7,) if quick else (3, 7, 12, 30))
+    ]
+    if not quick:
+        title = "Natural frequencies, N = 7, numbers spread over ±6 decades"
+        problems.append(_values_problem("extreme", title, 7, 6.0, quick, largest=10_000))
+    problems.append(_gradient_problem(7, quick))
+    return Case(
+        "frequencies",
+        "Natural frequencies by symmetry against dense eigensolvers, and their derivatives",
+        problems,
+    )

@@ -1,0 +1,184 @@
+"""Transients: diffrax inside the package against SciPy's solvers, by tolerance."""
+
+import functools
+from typing import Literal
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from prsm_jax import Scenario, simulate
+from prsm_jax.file import load
+
+from ..harness import Case, Method, Prepared, Problem, Reference
+from ..references.dynamics import Chain
+
+_RATIO, _EFFICIENCY = "carrier ratios", "efficiency"
+_MECHANISM = "li2020_two_stage"
+_SAMPLES = 201
+#: Absolute tolerance over relative tolerance; all solvers have the same.
+_ABSOLUTE = 1e-2
+#: Tight enough that the solution below it is rounding: agrees with Radau at 1e-12 to 1e-12.
+_TIGHT = 3e-14
+
+
+def _histories(chains: list[Chain], duration: float, solver: str, rtol: float):
+    """Carrier ratios and efficiency at the sample times, one trajectory after the other."""
+    from scipy.integrate import solve_ivp
+
+    times = np.linspace(0.0, duration, _SAMPLES)
+    ratios, efficiencies = [], []
+    for chain in chains:
+        found = solve_ivp(
+            chain.rate,
+            (0.0, duration),
+            np.zeros(len(chain.stages)),
+            method=solver,
+            t_eval=times,
+            rtol=rtol,
+            atol=rtol * _ABSOLUTE,
+        )
+        if found.status != 0 or found.y.shape[1] != _SAMPLES:
+            found.y = np.full((len(chain.stages), _SAMPLES), np.nan)
+        ratios.append(found.y)
+        efficiencies.append([chain.efficiency(state) for state in found.y.T.tolist()])
+    return np.array(ratios), np.array(efficiencies)
+
+
+def _named(out):
+    return {_RATIO: np.asarray(out[0]), _EFFICIENCY: np.asarray(out[1])}
+
+
+def _rival(name: str, chains, duration, solver, tolerances) -> Method:
+    def prepare(rtol):
+        return Prepared(lambda: _histories(chains, duration, solver, rtol), len(chains), _named)
+
+    return Method(name, prepare, tolerances, "rtol", "rival")
+
+
+@functools.cache
+def _jitted(method: Literal["implicit", "explicit"], batched: bool):
+    """`simulate` with speed, load, duration and tolerance traced: one compilation for all."""
+    mechanism = load(_MECHANISM)
+
+    def solve(speed, force, duration, rtol):
+        run = simulate(
+            mechanism,
+            Scenario(speed, force, duration, samples=_SAMPLES),
+            method=method,
+            gradient="forward",
+            rtol=rtol,
+            atol=rtol * _ABSOLUTE,
+            throw=False,
+        )
+        failed = run.solver.code != 0
+        ratio = jnp.where(failed, jnp.nan, run.carrier_ratio)
+        steps = run.solver.steps + run.solver.rejected
+        return ratio, jnp.where(failed, jnp.nan, run.efficiency), steps
+
+    if batched:
+        return jax.jit(jax.vmap(solve, in_axes=(0, 0, None, None)))
+    # Not a batch of one: vmap turns every branch into a select.
+    return jax.jit(lambda s, f, *rest: jax.tree.map(lambda x: x[None], solve(s[0], f[0], *rest)))
+
+
+def _ours(method: Literal["implicit", "explicit"], operations, duration, tolerances) -> Method:
+    """The package's transient over a batch of operating points."""
+    speeds, loads = (jnp.asarray(column) for column in zip(*operations, strict=True))
+    jitted = _jitted(method, len(operations) > 1)
+
+    def prepare(rtol):
+        def note(out):
+            steps = np.asarray(out[2])
+            few, many = int(steps.min()), int(steps.max())
+            return f"{few} steps" if few == many else f"{few} to {many} steps"
+
+        return Prepared(
+            lambda: jitted(speeds, loads, duration, rtol), len(operations), _named, note
+        )
+
+    return Method(method, prepare, tolerances, "rtol")
+
+
+def _settle(quick: bool, count: int) -> Problem:
+    """The two-stage settle of Li et al. 2020: 1 ms from rollers at rest."""
+    mechanism = load(_MECHANISM)
+    random = np.random.default_rng(38)
+    operations = [(100.0, 7000.0)]
+    operations += list(
+        zip(random.uniform(50, 200, count - 1), random.uniform(3e3, 1e4, count - 1), strict=True)
+    )
+    first = Chain(mechanism, 100.0, 7000.0)
+    chains = [first.with_operation(speed, force) for speed, force in operations]
+    duration, compared = 1e-3, min(count, 3 if quick else 10)
+    tolerances = (1e-3, 1e-6, 1e-9) if quick else tuple(10.0**-k for k in range(3, 11))
+    some = chains[: min(count, 5)]
+
+    def reference():
+        ratios, efficiencies = _histories(chains[:compared], duration, "DOP853", _TIGHT)
+        # A history starts at zero; its errors are measured by its final value.
+        return {
+            _RATIO: Reference(ratios, scale=np.abs(ratios[:, :, -1:])),
+            _EFFICIENCY: Reference(efficiencies),
+        }
+
+    return Problem(
+        name="settle" if count == 1 else f"settle_batch_{count}",
+        title="Two-stage settle (Li et al. 2020), 1 ms, "
+        + ("one trajectory" if count == 1 else f"batch of {count}"),
+        instance="trajectory",
+        methods=[
+            _ours("implicit", operations, duration, tolerances),
+            _ours("explicit", operations, duration, tolerances),
+            _rival("SciPy LSODA", some, duration, "LSODA", tolerances),
+            _rival("SciPy Radau", some[:1], duration, "Radau", tolerances),
+        ],
+        reference=reference,
+        reference_note=(
+            f"SciPy DOP853 at rtol {_TIGHT:g} on an independent right-hand side, {compared} "
+            "trajectories; ratios are scaled by their final value"
+        ),
+        baseline="SciPy LSODA",
+    )
+
+
+def _extreme(quick: bool) -> Problem:
+    """0.01 rad/s for 10 s: the carriers settle within about 1e-7 s, a stiffness of 1e8."""
+    mechanism = load(_MECHANISM)
+    speed, force, duration = 0.01, 7000.0, 10.0
+    chain = Chain(mechanism, speed, force)
+    tolerances = (1e-3, 1e-6) if quick else (1e-3, 1e-4, 1e-6, 1e-8, 1e-10)
+
+    def reference():
+        # At the first sample after the start the transient is over by 1e7 time constants.
+        steady = chain.steady_ratios()
+        ratios = np.zeros((len(steady), _SAMPLES))
+        ratios[:, 1:] = np.array(steady)[:, None]
+        efficiencies = [chain.efficiency(state) for state in ratios.T.tolist()]
+        return {
+            _RATIO: Reference(ratios[None], scale=np.array(steady)[None, :, None]),
+            _EFFICIENCY: Reference(np.array([efficiencies])),
+        }
+
+    return Problem(
+        name="extreme",
+        title="Two stages at 0.01 rad/s for 10 s (1e8 time constants)",
+        instance="trajectory",
+        methods=[
+            _ours("implicit", [(speed, force)], duration, tolerances),
+            _rival("SciPy LSODA", [chain], duration, "LSODA", tolerances),
+            _rival("SciPy Radau", [chain], duration, "Radau", tolerances),
+        ],
+        reference=reference,
+        reference_note="closed form: the start, and the steady state at every later sample",
+        baseline="SciPy Radau",
+    )
+
+
+def case(quick: bool) -> Case:
+    """The case of this module."""
+    return Case(
+        "transient",
+        "Carriers settling: implicit and explicit solvers by tolerance, against SciPy",
+        [_settle(quick, 1), _settle(quick, 10 if quick else 100), _extreme(quick)],
+    )

@@ -1,0 +1,173 @@
+"""JSON and Markdown from measurements."""
+
+import datetime
+import importlib.metadata
+import json
+import os
+import platform
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import jax
+
+from ._atomic import written_whole
+from .case import Case, Problem
+from .measure import ErrorSummary, Measurement
+
+#: Raised by one when a key changes its meaning or goes; new keys do not raise it.
+SCHEMA = 1
+
+_PACKAGES = ("prsm-jax", "jax", "jaxlib", "diffrax", "equinox", "optimistix", "numpy", "scipy")
+_PACKAGES = (*_PACKAGES, "mpmath")
+
+#: Measurements of one case, problem by problem.
+Measured = Sequence[tuple[Problem, Sequence[Measurement]]]
+
+
+def _processor() -> str:
+    try:
+        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
+            if line.startswith("model name"):
+                return line.split(":", 1)[1].strip()
+    except OSError:
+        pass
+    return platform.processor() or platform.machine()
+
+
+def _machine() -> dict[str, Any]:
+    """The machine without anything that names it: no host, no user, no paths."""
+    affinity = getattr(os, "sched_getaffinity", None)
+    return {
+        "system": platform.system(),
+        "processor": _processor(),
+        "cores": len(affinity(0)) if affinity else os.cpu_count(),
+        "devices": [f"{device.platform}: {device.device_kind}" for device in jax.devices()],
+    }
+
+
+def _versions() -> dict[str, str]:
+    versions = {"python": platform.python_version()}
+    for package in _PACKAGES:
+        try:
+            versions[package] = importlib.metadata.version(package)
+        except importlib.metadata.PackageNotFoundError:
+            continue
+    return versions
+
+
+def _setting(row: Measurement) -> dict[str, Any] | None:
+    if row.setting is None:
+        return None
+    return {"name": row.setting_name, "value": row.setting}
+
+
+def _result(row: Measurement) -> dict[str, Any]:
+    return {
+        "method": row.method,
+        "kind": row.kind,
+        "setting": _setting(row),
+        "instances": row.instances,
+        "samples": row.samples,
+        "first_call_s": row.first_call,
+        "best_s": row.best,
+        "median_s": row.median,
+        "per_second": 1 / row.best,
+        "speed_ratio": row.speed_ratio,
+        "errors": {
+            quantity: {
+                "max": error.maximum,
+                "median": error.median,
+                "compared": error.compared,
+                "not_finite": error.not_finite,
+            }
+            for quantity, error in row.errors.items()
+        },
+        "note": row.note,
+    }
+
+
+def document(case: Case, measured: Measured, *, quick: bool) -> dict[str, Any]:
+    """Everything that is known about one case, as JSON-able data (see `benchmarks/README.md`)."""
+    return {
+        "schema": SCHEMA,
+        "case": case.name,
+        "description": case.description,
+        "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        "quick": quick,
+        "machine": _machine(),
+        "versions": _versions(),
+        "problems": [
+            {
+                "name": problem.name,
+                "title": problem.title,
+                "instance": problem.instance,
+                "reference": problem.reference_note,
+                "baseline": problem.baseline,
+                "results": [_result(row) for row in rows],
+            }
+            for problem, rows in measured
+        ],
+    }
+
+
+def _time(seconds: float) -> str:
+    for factor, unit in ((1.0, "s"), (1e3, "ms"), (1e6, "µs")):
+        if seconds * factor >= 1:
+            return f"{seconds * factor:.3g} {unit}"
+    return f"{seconds * 1e9:.3g} ns"
+
+
+def _error(error: ErrorSummary) -> str:
+    if error.maximum is None or error.median is None:
+        return "none finite"
+    text = f"{error.maximum:.1e} / {error.median:.1e}"
+    return text + (f" ({error.not_finite} not finite)" if error.not_finite else "")
+
+
+def _setting_text(row: Measurement) -> str:
+    if row.setting is None:
+        return ""
+    value = f"{row.setting:g}" if isinstance(row.setting, float) else str(row.setting)
+    return f"{row.setting_name} {value}"
+
+
+def table(case: Case, measured: Measured) -> str:
+    """The measurements of a case as Markdown."""
+    lines = [f"# {case.name}", "", case.description, ""]
+    for problem, rows in measured:
+        quantities = list(rows[0].errors)
+        header = ["method", "setting", f"time per {problem.instance} (best / median)"]
+        header += ["per second", f"speed against {problem.baseline}"]
+        header += [f"error in {name} (max / median)" for name in quantities]
+        header += ["first call", "note"]
+        lines += [f"## {problem.title}", "", f"Reference: {problem.reference_note}", ""]
+        lines += [_row(header), _row(["---"] * len(header))]
+        for row in rows:
+            cells = [row.method + (" (rival)" if row.kind == "rival" else ""), _setting_text(row)]
+            cells += [f"{_time(row.best)} / {_time(row.median)}", f"{1 / row.best:.3g}"]
+            cells += [f"{row.speed_ratio:.3g}"]
+            cells += [_error(row.errors[name]) for name in quantities]
+            cells += [_time(row.first_call), row.note]
+            lines.append(_row(cells))
+        lines.append("")
+    return "\n".join(lines)
+
+
+def _row(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cells) + " |"
+
+
+def write(case: Case, measured: Measured, folder: Path, *, quick: bool) -> tuple[Path, Path]:
+    """Write `<case>.json` and `<case>.md`, each whole or not at all; returns their paths."""
+    json_path, table_path = folder / f"{case.name}.json", folder / f"{case.name}.md"
+    content = document(case, measured, quick=quick)
+    with written_whole(json_path) as temporary:
+        # NaN is not JSON: better an error here than a file that other programs refuse.
+        temporary.write_text(
+            json.dumps(content, indent=1, allow_nan=False, ensure_ascii=False) + "\n",
+            encoding="utf-8",
+        )
+    with written_whole(table_path) as temporary:
+        temporary.write_text(table(case, measured), encoding="utf-8")
+    return json_path, table_path

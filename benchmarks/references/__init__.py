@@ -1,0 +1,1 @@
+"""High-precision references, written apart from the package from the published equations."""
