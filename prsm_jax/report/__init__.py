@@ -1,0 +1,19 @@
+"""Pictures and reports for engineers: millimetres, rpm, kilonewtons, megapascals, degrees."""
+
+from ._contact_ellipses import contact_ellipses as contact_ellipses
+from ._cross_section import cross_section as cross_section
+from ._data import ReportData as ReportData, analyse as analyse
+from ._frequency_chart import frequency_chart as frequency_chart
+from ._loss_chart import loss_chart as loss_chart
+from ._optimisation import (
+    Change as Change,
+    Limit as Limit,
+    Optimisation as Optimisation,
+    summarise_optimisation as summarise_optimisation,
+)
+from ._optimisation_chart import optimisation_chart as optimisation_chart
+from ._sensitivity_bars import sensitivity_bars as sensitivity_bars
+from ._style import save_figure as save_figure
+from ._sweep_map import sweep_map as sweep_map
+from ._transient_chart import settling_time as settling_time, transient_chart as transient_chart
+from ._write import write_report as write_report

@@ -1,0 +1,163 @@
+"""What a report is about: one analysis, every part of it optional."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import equinox as eqx
+import jax.numpy as jnp
+
+from .._errors import MissingDataError, PrsmError
+from ..contact import StageContact, load_of, stage_contact
+from ..dynamics import SteadyState, Transient, simulate, steady_state
+from ..geometry import Finding, Meshing, check, mesh
+from ..mechanism import Mechanism, find_parameters
+from ..modal import Modes, modal
+from ._optimisation import Optimisation
+
+
+@dataclass(frozen=True)
+class ReportData:
+    """Results to report; a part that is `None` or empty is left out.
+
+    `analyse` fills it; `dataclasses.replace` adds to it. Sequences run over the stages.
+    """
+
+    mechanism: Mechanism
+    title: str
+    findings: tuple[Finding, ...] = ()
+    meshings: tuple[Meshing, ...] | None = None
+    contacts: tuple[StageContact, ...] | None = None
+    modes: tuple[Modes, ...] | None = None
+    #: At the operating point, and with the screw driving and the load driving it back.
+    steady: SteadyState | None = None
+    forward: SteadyState | None = None
+    backward: SteadyState | None = None
+    transient: Transient | None = None
+    #: Result of `sensitivity`.
+    sensitivity: Any = None
+    optimisation: Optimisation | None = None
+    #: The analysis of the optimised mechanism.
+    improved: "ReportData | None" = None
+    #: Parts that could not be analysed, with the reason.
+    left_out: tuple[tuple[str, str], ...] = ()
+    #: Where the mechanism came from (file or example), and the command that made the report.
+    source: str = ""
+    command: str = ""
+
+
+# Compiled once for each structure of a mechanism: before and after an optimisation share them.
+_meshings = eqx.filter_jit(lambda mechanism: tuple(mesh(s.thread) for s in mechanism.stages))
+_modal = eqx.filter_jit(modal)
+_steady = eqx.filter_jit(steady_state)
+_simulate = eqx.filter_jit(simulate)
+
+
+@eqx.filter_jit
+def _contacts(mechanism: Mechanism, meshings: tuple[Meshing, ...]) -> tuple[StageContact, ...]:
+    load = jnp.abs(load_of(mechanism, None))
+    return tuple(
+        stage_contact(stage, load, meshing)
+        for stage, meshing in zip(mechanism.stages, meshings, strict=True)
+    )
+
+
+def analyse(
+    mechanism: Mechanism,
+    *,
+    title: str | None = None,
+    source: str = "",
+    command: str = "",
+    sensitivity: Any = None,
+    optimisation: Optimisation | None = None,
+    improved: Mechanism | None = None,
+    transient: bool = True,
+) -> ReportData:
+    """Analyse a mechanism at its operating point for a report.
+
+    A part for which the mechanism lacks data is left out, with the reason.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism.
+    - `title`: heading of the report; default the mechanism's title.
+    - `source`, `command`: provenance, as text.
+    - `sensitivity`: a table from `prsm_jax.sensitivity`, if there is one.
+    - `optimisation`: from `summarise_optimisation`, if there was one.
+    - `improved`: the optimised mechanism; it is analysed as well.
+    - `transient`: whether to simulate, where the operating point has a duration.
+    """
+    left_out: list[tuple[str, str]] = []
+    given, mechanism = mechanism, _written_out(mechanism)
+
+    def attempt(part: str, function: Callable, *args) -> Any:
+        try:
+            return function(*args)
+        except (MissingDataError, PrsmError, ValueError) as error:
+            left_out.append((part, str(error)))
+            return None
+
+    meshings = _meshings(mechanism)
+    contacts = attempt("contact", _contacts, mechanism, meshings)
+    modes = attempt("vibration", _all_modes, mechanism)
+    steady = attempt("steady state", _steady_states, mechanism) or (None, None, None)
+    history = attempt("transient", _history, mechanism) if transient else None
+    return ReportData(
+        mechanism=given,
+        title=title or mechanism.title or "Planetary roller screw mechanism",
+        findings=check(mechanism),
+        meshings=meshings,
+        contacts=contacts,
+        modes=modes,
+        steady=steady[0],
+        forward=steady[1],
+        backward=steady[2],
+        transient=history,
+        sensitivity=sensitivity,
+        optimisation=optimisation,
+        improved=None
+        if improved is None
+        else analyse(improved, title="after the optimisation", transient=transient),
+        left_out=tuple(left_out),
+        source=source,
+        command=command,
+    )
+
+
+def _written_out(mechanism: Mechanism) -> Mechanism:
+    """The same mechanism with every design variable present as a number of its own.
+
+    A variable that follows from others while it is absent (the roller's profile radius) is present
+    after an optimisation; written out before it as well, both run through the same programs.
+    """
+    if mechanism.design_problem is not None:
+        for variable in mechanism.design_problem.variables:
+            for parameter in find_parameters(mechanism, variable.name):
+                mechanism = parameter.set(mechanism, parameter.get(mechanism))
+    return mechanism
+
+
+def _all_modes(mechanism: Mechanism) -> tuple[Modes, ...]:
+    return tuple(_modal(mechanism, stage=i) for i in range(1, len(mechanism.stages) + 1))
+
+
+def _steady_states(mechanism: Mechanism) -> tuple[SteadyState, SteadyState, SteadyState]:
+    point = mechanism.operating_point
+    if point is None:
+        raise MissingDataError("the mechanism has no operating point; give [operating_point]")
+    speed, load = jnp.abs(point.speed), jnp.abs(point.load)
+    return (
+        _steady(mechanism, point.speed, point.load),
+        _steady(mechanism, speed, load),
+        _steady(mechanism, -speed, load),
+    )
+
+
+def _history(mechanism: Mechanism) -> Transient | None:
+    point = mechanism.operating_point
+    if point is None or point.duration is None:
+        raise MissingDataError("the operating point has no duration to simulate")
+    run = _simulate(mechanism, throw=False)
+    if int(run.solver.code) != 0:
+        raise PrsmError(f"the simulation did not finish: {run.solver.result}")
+    return run

@@ -1,0 +1,111 @@
+"""Units for the eye: SI numbers as an engineer writes them."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import SupportsFloat
+
+MINUS = "\N{MINUS SIGN}"
+#: A space that neither breaks a line nor is as wide as one between words.
+_THIN = "\N{NARROW NO-BREAK SPACE}"
+
+
+@dataclass(frozen=True)
+class DisplayUnit:
+    """A unit as it is shown, and how many of it make one SI unit."""
+
+    label: str
+    per_si: float
+
+    def __call__(self, value):
+        """An SI number, or array of them, in this unit."""
+        return value * self.per_si
+
+
+#: For each SI unit the units it is shown in, the smallest first.
+_SHOWN: dict[str, tuple[DisplayUnit, ...]] = {
+    "m": (DisplayUnit("µm", 1e6), DisplayUnit("mm", 1e3)),
+    "rad": (DisplayUnit("deg", 180 / math.pi),),
+    "rad/s": (DisplayUnit("rpm", 30 / math.pi),),
+    "N": (DisplayUnit("N", 1.0), DisplayUnit("kN", 1e-3)),
+    "N/m": (DisplayUnit("N/µm", 1e-6),),
+    "N·m": (DisplayUnit("N·m", 1.0),),
+    "N·s/m": (DisplayUnit("N·s/m", 1.0),),
+    "Pa": (DisplayUnit("MPa", 1e-6),),
+    "kg": (DisplayUnit("g", 1e3), DisplayUnit("kg", 1.0)),
+    "kg·m²": (DisplayUnit("kg·mm²", 1e6),),
+    "kg/m³": (DisplayUnit("kg/m³", 1.0),),
+    "s": (DisplayUnit("ms", 1e3), DisplayUnit("s", 1.0)),
+    "Hz": (DisplayUnit("Hz", 1.0), DisplayUnit("kHz", 1e-3)),
+    "W": (DisplayUnit("W", 1.0), DisplayUnit("kW", 1e-3)),
+    "m/s": (DisplayUnit("mm/s", 1e3), DisplayUnit("m/s", 1.0)),
+    "1": (DisplayUnit("", 1.0),),
+}
+#: The smallest magnitude, in its own unit, for which the larger of two units is taken.
+_WORTH = {"mm": 0.1, "kN": 1.0, "kg": 0.1, "s": 0.1, "kHz": 10.0, "kW": 10.0, "m/s": 1.0}
+_PERCENT = DisplayUnit("%", 100.0)
+
+
+def is_efficiency(quantity: str) -> bool:
+    """Whether a quantity of the catalogue is a ratio of powers, shown in per cent."""
+    return "efficiency" in quantity
+
+
+def display_unit(
+    unit: str, values: Iterable[float] | float | int = (), quantity: str = ""
+) -> DisplayUnit:
+    """The unit in which SI numbers are shown.
+
+    **Arguments:**
+
+    - `unit`: SI unit as in the catalogue of quantities; an unknown one is shown as it is.
+    - `values`: the numbers to be shown together; the largest decides between mm and µm.
+    - `quantity`: name of the quantity, if any: efficiencies are shown in per cent.
+    """
+    if unit == "1" and is_efficiency(quantity):
+        return _PERCENT
+    choices = _SHOWN.get(unit, (DisplayUnit(unit, 1.0),))
+    numbers = [values] if isinstance(values, int | float) else list(values)
+    largest = max((abs(float(v)) for v in numbers if math.isfinite(v)), default=math.inf)
+    if largest == 0:
+        return choices[-1]
+    fitting = [c for c in choices if c(largest) >= _WORTH.get(c.label, 0.0)]
+    return fitting[-1] if fitting else choices[0]
+
+
+def number(value: SupportsFloat, digits: int = 4) -> str:
+    """A number with so many significant digits, without an exponent where it can be read so."""
+    value = float(value)
+    if not math.isfinite(value):
+        return "not defined" if math.isnan(value) else ("∞" if value > 0 else MINUS + "∞")
+    if value == 0:
+        return "0"
+    power = math.floor(math.log10(abs(value)))
+    if -5 < power < 7:
+        text = f"{value:.{max(0, digits - 1 - power)}f}"
+    else:
+        mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
+        text = f"{mantissa}·10{_superscript(int(exponent))}"
+    return text.replace("-", MINUS)
+
+
+def _superscript(exponent: int) -> str:
+    digits = "⁰¹²³⁴⁵⁶⁷⁸⁹"
+    return ("⁻" if exponent < 0 else "") + "".join(digits[int(d)] for d in str(abs(exponent)))
+
+
+def in_unit(value: SupportsFloat, unit: DisplayUnit, digits: int = 4) -> str:
+    """An SI number in a display unit, with its label."""
+    text = number(unit(float(value)), digits)
+    return text if not unit.label else f"{text}{_THIN}{unit.label}"
+
+
+def show(value: SupportsFloat, unit: str, quantity: str = "", digits: int = 4) -> str:
+    """An SI number in the unit that suits it, with the unit's label."""
+    return in_unit(value, display_unit(unit, float(value), quantity), digits)
+
+
+def trimmed(value: SupportsFloat, decimals: int = 3) -> str:
+    """A dimension as on a drawing: no zeros at the end."""
+    text = f"{float(value):.{decimals}f}".rstrip("0").rstrip(".")
+    return ("0" if text in ("", "-0") else text).replace("-", MINUS)

@@ -1,0 +1,149 @@
+"""The drawing is the mechanism: every circle and every flank has the size it should have."""
+
+import math
+
+import numpy as np
+import pytest
+from matplotlib.patches import Circle
+from report_checks import assert_printable
+
+from prsm_jax import set_parameter
+from prsm_jax.report import cross_section
+from prsm_jax.report._drawing_dimensions import drawing_dimensions
+from prsm_jax.report._thread_profile import (
+    nut_profile,
+    roller_half_thickness,
+    roller_profile,
+    screw_profile,
+    straight_half_thickness,
+    tooth_centres,
+)
+
+
+@pytest.fixture(scope="module")
+def larger(actuator):
+    return set_parameter(set_parameter(actuator, "roller_radius", 4.4e-3), "lead", 14e-3)
+
+
+@pytest.fixture(scope="module")
+def both(actuator, larger):
+    return cross_section({"Before": actuator, "After": larger})
+
+
+def _circles(axes):
+    found: dict[str, list] = {}
+    for patch in axes.patches:
+        if isinstance(patch, Circle):
+            found.setdefault(str(patch.get_label()), []).append(patch)
+    return found
+
+
+def test_circles_have_the_radii_of_the_mechanism(both, actuator, larger):
+    views = [axes for axes in both.axes if "roller" in _circles(axes)]
+    for axes, mechanism in zip(views, (actuator, larger), strict=True):
+        circles, stage = _circles(axes), mechanism.stages[0]
+        thread = stage.thread
+        expected = {
+            "screw": thread.screw_radius,
+            "bore": stage.screw.bore_radius,
+            "nut thread": thread.nut_radius,
+            "nut outside": thread.nut_radius + stage.nut.wall_thickness,
+            "ring gear outside": thread.nut_radius + stage.ring_gear.wall_thickness,
+        }
+        for name, radius in expected.items():
+            assert circles[name][0].get_radius() == pytest.approx(1e3 * float(radius))
+        assert len(circles["roller"]) == stage.roller_count
+        for roller in circles["roller"]:
+            assert roller.get_radius() == pytest.approx(1e3 * float(thread.roller_radius))
+            distance = math.hypot(*roller.center)
+            assert distance == pytest.approx(1e3 * float(thread.centre_distance))
+
+
+def test_all_views_of_a_row_have_one_scale(both):
+    # Pixels per millimetre along both axes; the detail row has its own, larger scale.
+    scales = []
+    for axes in both.axes:
+        across = axes.get_window_extent().width / np.ptp(axes.get_xlim())
+        along = axes.get_window_extent().height / np.ptp(axes.get_ylim())
+        assert across == pytest.approx(along, rel=1e-9)
+        scales.append(across)
+    transverse, axial, detail, *after = scales
+    assert transverse == pytest.approx(axial, rel=1e-9)
+    assert after == pytest.approx([transverse, axial, detail], rel=1e-9)
+    assert detail > 2 * axial
+
+
+def test_before_and_after_can_be_printed(both):
+    assert_printable(both)
+    assert both.get_size_inches()[0] * 25.4 == pytest.approx(180)
+
+
+def test_a_mechanism_without_dimensions_says_what_is_missing(wu2022):
+    figure = cross_section({"Wu et al. 2022": wu2022})
+    assert_printable(figure)
+    words = " ".join(text.get_text() for text in figure.texts)
+    assert "N = 7 rollers" in words
+    for missing in ("nut wall", "screw length", "roller length", "nut length"):
+        assert missing in words
+
+
+def test_dimensions_are_written_in_millimetres(both):
+    words = {text.get_text() for axes in both.axes for text in axes.texts}
+    assert {"a = 16", "Ø8 roller", "Ø24 screw", "Ø60 outside", "nut 80", "roller 50"} <= words
+    assert {"a = 17.6", "Ø8.8 roller", "Ø26.4 screw", "Ø64 outside"} <= words
+    assert any("lead 14, 5 starts" in w for w in words)
+
+
+def test_flanks_are_straight_and_the_roller_is_an_arc(actuator):
+    dims = drawing_dimensions(actuator)
+    heights = np.linspace(-0.3, 0.3, 9)
+    straight = straight_half_thickness(dims, heights)
+    slope = -math.tan(dims.flank_angle)
+    np.testing.assert_allclose(np.diff(straight) / np.diff(heights), slope, rtol=1e-12)
+    # Points of the flank lie on a circle of the profile radius about its centre.
+    half = roller_half_thickness(dims, heights)
+    radius, angle = dims.profile_radius, dims.flank_angle
+    centre = dims.pitch / 4 - radius * math.cos(angle)
+    distance = np.hypot(half - centre, heights + radius * math.sin(angle))
+    np.testing.assert_allclose(distance, radius, rtol=1e-12)
+
+
+def test_threads_do_not_cut_into_each_other(actuator, larger):
+    for mechanism in (actuator, larger):
+        dims = drawing_dimensions(mechanism)
+        # Over common heights a tooth and the gap that it stands in: thickness adds up to a pitch
+        # at most, and to exactly that at the nominal radius.
+        height = np.linspace(-dims.roller_dedendum, dims.roller_addendum, 21)
+        room = dims.pitch / 2 - straight_half_thickness(dims, -height)
+        thick = roller_half_thickness(dims, height)
+        assert (thick <= room + 1e-12).all()
+        assert roller_half_thickness(dims, 0.0) == pytest.approx(dims.pitch / 4)
+
+
+def test_the_single_start_roller_is_half_a_pitch_off_on_its_other_side(actuator):
+    dims = drawing_dimensions(actuator)
+    lower = tooth_centres(dims, -10.0, 10.0, shifted=False)
+    upper = tooth_centres(dims, -10.0, 10.0, shifted=True)
+    assert np.allclose(np.mod(upper - lower[0], dims.pitch), dims.pitch / 2)
+    assert screw_profile(dims, upper)[1].max() == pytest.approx(
+        dims.screw_radius + dims.screw_addendum
+    )
+    assert nut_profile(dims, lower)[1].min() == pytest.approx(dims.nut_radius - dims.screw_addendum)
+    assert roller_profile(dims, upper, 1)[1].max() <= dims.nut_radius + dims.roller_addendum + 1e-9
+
+
+def test_contact_points_come_from_the_meshing(actuator):
+    dims = drawing_dimensions(actuator)
+    assert dims.screw_contact is not None
+    # Lead 10 mm, screw 24 mm, roller 8 mm, 45 degrees: 12.055213 mm at 2.995858 degrees.
+    radius = math.hypot(dims.screw_contact.x, dims.screw_contact.y)
+    assert radius == pytest.approx(12.055213, abs=1e-6)
+    angle = math.degrees(math.atan2(dims.screw_contact.y, dims.screw_contact.x))
+    assert angle == pytest.approx(-2.995858, abs=1e-6)
+
+
+def test_wrong_requests_are_named(actuator):
+    with pytest.raises(ValueError, match="one to three mechanisms, not 0"):
+        cross_section({})
+    with pytest.raises(ValueError, match="stage is 2"):
+        cross_section({"one": actuator}, stage=2)
