@@ -1,14 +1,21 @@
 """Verbs that analyse one mechanism: check, contact, modal, steady, simulate."""
 
 import math
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import equinox as eqx
 import numpy as np
 from cyclopts import Parameter
 
 from ..contact import thread_contacts
-from ..dynamics import Scenario, default_scenario, simulate as run_transient, steady_state
+from ..dynamics import (
+    Method,
+    Scenario,
+    Transient,
+    default_scenario,
+    simulate as run_transient,
+    steady_state,
+)
 from ..geometry import check as run_checks, mesh
 from ..mechanism import Mechanism
 from ..modal import modal as run_modal
@@ -62,14 +69,21 @@ def _contacts(mechanism: Mechanism) -> dict[str, Any]:
     return {"stages": stages}
 
 
+def contact_results(mechanism: Mechanism) -> dict[str, Any]:
+    """What `prsm contact --json` prints."""
+    results = plain(run_stored("contact", _contacts, mechanism))
+    for number, stage in enumerate(results["stages"], start=1):
+        stage["stage"] = number
+    return results
+
+
 @app.command
 def contact(file: str, *, common: Common = _DEFAULT) -> int:
     """Thread contacts under the operating load: position, ellipse, pressure, stiffness."""
     mechanism = common.load(file)
-    results = plain(run_stored("contact", _contacts, mechanism))
+    results = contact_results(mechanism)
     rows = []
     for number, stage in enumerate(results["stages"], start=1):
-        stage["stage"] = number
         for name in ("screw", "nut"):
             side = stage[name]
             rows.append(
@@ -90,6 +104,20 @@ def contact(file: str, *, common: Common = _DEFAULT) -> int:
     return int(not all(stage["converged"] for stage in results["stages"]))
 
 
+_modes = eqx.filter_jit(run_modal)
+
+
+def modal_results(mechanism: Mechanism, stage: int = 1) -> dict[str, Any]:
+    """What `prsm modal --json` prints."""
+    modes = _modes(mechanism, stage=stage)
+    return {
+        "stage": stage,
+        "frequencies_hz": np.asarray(modes.frequencies).tolist(),
+        "families": modes.families,
+        "multiplicities": modes.multiplicities,
+    }
+
+
 @app.command
 def modal(
     file: str,
@@ -98,19 +126,13 @@ def modal(
     common: Common = _DEFAULT,
 ) -> int:
     """Natural frequencies and families of one stage."""
-    modes = eqx.filter_jit(lambda m: run_modal(m, stage=stage))(common.load(file))
-    frequencies = np.asarray(modes.frequencies)
-    families, multiplicities = modes.families, modes.multiplicities
-    results = {
-        "stage": stage,
-        "frequencies_hz": frequencies,
-        "families": families,
-        "multiplicities": multiplicities,
-    }
+    results = modal_results(common.load(file), stage)
+    frequencies = results["frequencies_hz"]
     rows, index = [], 0
     while index < len(frequencies):
-        rows.append((families[index], float(frequencies[index]), multiplicities[index]))
-        index += multiplicities[index]
+        times = results["multiplicities"][index]
+        rows.append((results["families"][index], frequencies[index], times))
+        index += times
     title = f"Natural frequencies: {file}, stage {stage}"
     emit(common, results, lambda: table(title, ["family", "f Hz", "times"], rows))
     return 0
@@ -136,14 +158,19 @@ def _steady(mechanism: Mechanism) -> dict[str, Any]:
     }
 
 
-@app.command
-def steady(file: str, *, common: Common = _DEFAULT) -> int:
-    """Steady state: efficiency, torque, forces, every loss by name, power balance."""
-    mechanism = common.load(file)
+def steady_results(mechanism: Mechanism) -> dict[str, Any]:
+    """What `prsm steady --json` prints."""
     results = plain(run_stored("steady", _steady, mechanism))
     point = mechanism.operating_point
     if point is not None:
         results |= {"speed_rad_per_s": float(point.speed), "load_n": float(point.load)}
+    return results
+
+
+@app.command
+def steady(file: str, *, common: Common = _DEFAULT) -> int:
+    """Steady state: efficiency, torque, forces, every loss by name, power balance."""
+    results = steady_results(common.load(file))
     emit(common, results, lambda: _steady_table(file, results))
     return int(not results["valid"])
 
@@ -167,28 +194,17 @@ def _steady_table(file: str, results: dict[str, Any]) -> str:
     return table(f"Steady state: {file}", ["", ""], rows)
 
 
-@app.command
-def simulate(
-    file: str,
-    *,
-    method: Annotated[Literal["implicit", "explicit"], Parameter(help="Integrator.")] = "implicit",
-    samples: Annotated[int, Parameter(help="Number of times in the result.")] = 201,
-    common: Common = _DEFAULT,
-) -> int:
-    """Transient after a step of the screw speed, from rollers at rest."""
-    mechanism = common.load(file)
+def _transient(mechanism: Mechanism, method: Method, samples: int) -> Transient:
     point = default_scenario(mechanism)
     scenario = Scenario(point.speed, point.load, point.duration, samples=samples)
-    run = eqx.filter_jit(
-        lambda m, s: run_transient(m, s, method=method, gradient="reverse", throw=False)
-    )(mechanism, scenario)
-    solver = {
-        "name": run.solver.name,
-        "steps": int(run.solver.steps),
-        "rejected": int(run.solver.rejected),
-        "result": run.solver.result,
-    }
-    results = {
+    return _simulate(mechanism, scenario, method=method, gradient="reverse", throw=False)
+
+
+_simulate = eqx.filter_jit(run_transient)
+
+
+def _history(run: Transient) -> dict[str, Any]:
+    return {
         "time_s": run.time,
         "carrier_ratio": run.carrier_ratio,
         "efficiency": run.efficiency,
@@ -200,8 +216,32 @@ def simulate(
         "spline_friction_n": run.spline_friction,
         "losses_w": run.losses,
         "power_balance_residual": run.power_balance_residual,
-        "solver": solver,
+        "solver": {
+            "name": run.solver.name,
+            "steps": int(run.solver.steps),
+            "rejected": int(run.solver.rejected),
+            "result": run.solver.result,
+        },
     }
+
+
+def simulate_results(mechanism: Mechanism, samples: int = 201) -> dict[str, Any]:
+    """What `prsm simulate --json` prints."""
+    return plain(_history(_transient(mechanism, "implicit", samples)))
+
+
+@app.command
+def simulate(
+    file: str,
+    *,
+    method: Annotated[Method, Parameter(help="Integrator.")] = "implicit",
+    samples: Annotated[int, Parameter(help="Number of times in the result.")] = 201,
+    common: Common = _DEFAULT,
+) -> int:
+    """Transient after a step of the screw speed, from rollers at rest."""
+    run = _transient(common.load(file), method, samples)
+    results = _history(run)
+    solver = results["solver"]
     rows: list[tuple[Any, ...]] = [
         ("efficiency", float(run.efficiency[0]), float(run.efficiency[-1])),
         ("drive torque N·m", float(run.drive_torque[0]), float(run.drive_torque[-1])),

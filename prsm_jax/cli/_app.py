@@ -10,4 +10,9 @@ app = App(
     version=__version__,
 )
 
-from . import _analyse as _analyse, _design as _design, _lists as _lists  # noqa: E402
+from . import (  # noqa: E402
+    _analyse as _analyse,
+    _demo as _demo,
+    _design as _design,
+    _lists as _lists,
+)

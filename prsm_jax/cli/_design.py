@@ -35,7 +35,10 @@ def sensitivity(
         from ..report import save_figure, sensitivity_bars
 
         common.out.mkdir(parents=True, exist_ok=True)
-        save_figure(sensitivity_bars(table), common.out / "sensitivity")
+        save_figure(
+            sensitivity_bars(table.quantities, table.parameters, table.elasticity),
+            common.out / "sensitivity",
+        )
     emit(common, table.to_dict(), lambda: str(table))
     return int(not bool(table.valid))
 

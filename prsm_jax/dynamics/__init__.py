@@ -15,5 +15,10 @@ from ._steady import (
     all_kinematics as all_kinematics,
     steady_state as steady_state,
 )
-from ._transient import simulate as simulate, states_at as states_at
+from ._transient import (
+    Gradient as Gradient,
+    Method as Method,
+    simulate as simulate,
+    states_at as states_at,
+)
 from ._transient_result import SolverReport as SolverReport, Transient as Transient

@@ -3,7 +3,17 @@
 import equinox as eqx
 import jax.numpy as jnp
 
-from ..mechanism import Mechanism, Scalar, Stage, body_inertia, body_mass
+from .._physics import physics
+from ..mechanism import (
+    ConstantDrag,
+    Mechanism,
+    Scalar,
+    SplineFriction,
+    Stage,
+    ThrustBearingFriction,
+    body_inertia,
+    body_mass,
+)
 from ._kinematics import StageKinematics, travel_per_turn
 from ._stage_forces import Motion, StageForces, axial_inertia, stage_forces
 
@@ -31,6 +41,31 @@ class StageState(eqx.Module):
     screw: ScrewForces
     #: Load on this stage's nut [N].
     nut_load: Scalar
+
+
+@physics("drag")
+def _drag_torque(law: ConstantDrag, sense: Scalar) -> Scalar:
+    return law.torque * sense
+
+
+@physics("spline_friction")
+def _spline_force_per_torque(law: SplineFriction, sense: Scalar) -> Scalar:
+    return law.coefficient / law.radius * sense
+
+
+@physics("thrust_bearing_friction")
+def _bearing_torque_per_force(law: ThrustBearingFriction, sense: Scalar) -> Scalar:
+    return law.coefficient * law.radius * sense
+
+
+@physics("screw_inertia")
+def _torque_of_inertia(stage: Stage, acceleration: Scalar) -> Scalar:
+    return body_inertia(stage, "screw") * acceleration
+
+
+@physics("screw_inertia")
+def _force_of_inertia(stage: Stage, acceleration: Scalar) -> Scalar:
+    return body_mass(stage, "screw") * acceleration
 
 
 def _coupled_frictions(torque, force, per_force, per_torque):
@@ -68,21 +103,21 @@ def _screw_forces(
     torque, axial = -forces.torque_on_screw, forces.axial_on_screw
     drag = None
     if friction is not None and friction.drag is not None:
-        drag = friction.drag.torque * sense
+        drag = _drag_torque(friction.drag, sense)
         torque = torque + drag
     if next_screw is not None:
         torque = torque + next_screw.drive_torque
         if next_screw.spline_friction is not None:
             axial = axial - next_screw.spline_friction
     if screw_acceleration is not None:
-        torque = torque + body_inertia(stage, "screw") * screw_acceleration
+        torque = torque + _torque_of_inertia(stage, screw_acceleration)
     if axial_acceleration is not None:
-        axial = axial - body_mass(stage, "screw") * axial_acceleration
+        axial = axial - _force_of_inertia(stage, axial_acceleration)
 
     spline = None if friction is None else friction.spline
     bearing = None if friction is None else friction.thrust_bearing
-    per_torque = None if spline is None else spline.coefficient / spline.radius * sense
-    per_force = None if bearing is None else bearing.coefficient * bearing.radius * sense
+    per_torque = None if spline is None else _spline_force_per_torque(spline, sense)
+    per_force = None if bearing is None else _bearing_torque_per_force(bearing, sense)
     if per_torque is not None and per_force is not None:
         torque, axial = _coupled_frictions(torque, axial, per_force, per_torque)
     elif per_force is not None:

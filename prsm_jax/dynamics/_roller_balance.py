@@ -3,7 +3,8 @@
 import equinox as eqx
 import jax.numpy as jnp
 
-from ..mechanism import Scalar, Stage, body_inertia, body_mass
+from .._physics import physics
+from ..mechanism import Gear, Scalar, Stage, body_inertia, body_mass
 from ._chain import StageState
 from ._kinematics import StageKinematics
 
@@ -19,6 +20,13 @@ class RollerSupportForces(eqx.Module):
     carrier_force: Scalar
     #: Residual of the roller's moment balance about its axis [N·m].
     moment_residual: Scalar
+
+
+@physics("gear_tooth_force")
+def _tooth_forces(gear: Gear, tangential: Scalar) -> tuple[Scalar, Scalar]:
+    """Radial force (towards the axis, so negative) and magnitude of a tooth force [N]."""
+    magnitude = jnp.abs(tangential)
+    return -magnitude * jnp.tan(gear.pressure_angle), magnitude / jnp.cos(gear.pressure_angle)
 
 
 def roller_support_forces(
@@ -62,9 +70,10 @@ def roller_support_forces(
             both = inertia * carrier_acceleration / (stage.roller_count * thread.centre_distance)
             pin_tangential = -both / 2
     gear_tangential = (tangential_inertia - on_roller[1]) / 2 - pin_tangential
-    pressure_angle = 0.0 if stage.gear is None else stage.gear.pressure_angle
-    gear_radial = -jnp.abs(gear_tangential) * jnp.tan(pressure_angle)
-    pin_radial = (inward - on_roller[0]) / 2 - gear_radial
+    pin_radial, gear_force = (inward - on_roller[0]) / 2, jnp.abs(gear_tangential)
+    if stage.gear is not None:
+        gear_radial, gear_force = _tooth_forces(stage.gear, gear_tangential)
+        pin_radial = pin_radial - gear_radial
 
     side = kinematics.meshing.screw
     arm, angle = side.roller_contact_radius, side.roller_angle_position
@@ -80,7 +89,7 @@ def roller_support_forces(
         moment = moment - body_inertia(stage, "roller") * spin_acceleration
     return RollerSupportForces(
         ring_gear_tangential=gear_tangential,
-        ring_gear_force=jnp.abs(gear_tangential) / jnp.cos(pressure_angle),
+        ring_gear_force=gear_force,
         carrier_force=_norm(pin_radial, pin_tangential),
         moment_residual=moment,
     )

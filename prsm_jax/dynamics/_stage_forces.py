@@ -7,6 +7,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._errors import MissingDataError
+from .._physics import physics
 from ..mechanism import Scalar, Stage, body_inertia, body_mass
 from ._contact_losses import ResistingMoment, has_contact_losses, resisting_moments
 from ._kinematics import StageKinematics
@@ -50,6 +51,7 @@ class StageForces(eqx.Module):
     carrier_drive: Scalar
 
 
+@physics("axial_inertia")
 def axial_inertia(stage: Stage) -> Scalar:
     """Mass that moves axially with the nut: N m_R + m_n + the carriers [kg]."""
     mass = stage.roller_count * body_mass(stage, "roller") + body_mass(stage, "nut")
@@ -111,6 +113,7 @@ def stage_forces(
     )
 
 
+@physics("carrier_inertia")
 def carrier_inertia(stage: Stage) -> Scalar:
     """Inertia that the carrier speed moves: n_P J_P + N J_R (n − 1)² + N m_R a² [kg·m²].
 

@@ -1,0 +1,97 @@
+"""The main job in one command: analyse, differentiate, improve, report."""
+
+import json
+import time
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from ..mechanism import Mechanism
+from ..optimise import optimise
+from ..quantities import catalogue
+from ..sensitivity import sensitivity
+from ._analyse import contact_results, modal_results, simulate_results, steady_results
+from ._app import app
+from ._common import Common, plain
+
+_DEFAULT = Common()
+
+
+def _all_results(mechanism: Mechanism) -> dict[str, Any]:
+    """What the verbs contact, modal, steady and simulate give for one mechanism."""
+    return {
+        "contact": contact_results(mechanism),
+        "modal": modal_results(mechanism),
+        "steady": steady_results(mechanism),
+        "simulate": simulate_results(mechanism),
+    }
+
+
+@app.command
+def demo(
+    file: Annotated[
+        str, Parameter(help="A file or example with [operating_point] and [optimise].")
+    ] = "actuator",
+    *,
+    common: Common = _DEFAULT,
+) -> int:
+    """Analyse, differentiate and improve a mechanism, and write a report with pictures.
+
+    Writes report.html, report.md, figures, results.json and optimised.toml to --out (default
+    out/demo).
+    """
+    from ..file import dumps, loads
+    from ..report import analyse, summarise_optimisation, write_report
+
+    began = time.perf_counter()
+
+    def say(what: str) -> None:
+        print(f"[{time.perf_counter() - began:5.1f} s] {what}", flush=True)
+
+    say(f"reading {file}")
+    mechanism = common.load(file)
+    problem = mechanism.design_problem
+    if problem is None:
+        raise ValueError(f"{file} has no [optimise] table; give one, or use the example actuator")
+
+    say("differentiating: exact sensitivities to " + ", ".join(v.name for v in problem.variables))
+    table = sensitivity(mechanism, parameters=[variable.name for variable in problem.variables])
+    print(table)
+
+    say(f"optimising from {problem.starts} starts")
+    best = optimise(mechanism)
+    print(best)
+
+    units = {quantity.name: quantity.unit for quantity in catalogue()}
+    text = dumps(best.mechanism, units)
+    # From here on the improved mechanism is what its file says, so that the report's numbers are
+    # those that anyone gets who analyses the file.
+    improved = loads(text, name="optimised.toml")
+
+    say("analysing both designs: contact, vibration, steady state, transient")
+    results = {
+        "before": _all_results(mechanism),
+        "after": _all_results(improved),
+        "sensitivity": table.to_dict(),
+        "optimise": best.to_dict() | {"mechanism": "optimised.toml"},
+    }
+    folder = Path("out/demo") if common.out is None else common.out
+    data = analyse(
+        mechanism,
+        source=file,
+        command=f"prsm demo {file} --out {folder}",
+        sensitivity=table,
+        optimisation=summarise_optimisation(best),
+        improved=improved,
+    )
+    say("drawing and writing the report")
+    encoded = json.dumps(plain(results), indent=2, ensure_ascii=False, allow_nan=False)
+    report = write_report(
+        folder, data, attachments={"results.json": encoded + "\n", "optimised.toml": text}
+    )
+    say("done; look at")
+    print(f"  {report}  (everything, in one file)")
+    for name in ("report.md", "figures", "results.json", "optimised.toml"):
+        print(f"  {folder / name}")
+    return int(not best.converged)
