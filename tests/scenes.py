@@ -15,6 +15,7 @@ from prsm_jax import file
 from prsm_jax.contact import stage_contact as _stage_contact
 from prsm_jax.mechanism import (
     Carrier,
+    ConstantDrag,
     CoulombFriction,
     Friction,
     Gear,
@@ -23,12 +24,28 @@ from prsm_jax.mechanism import (
     Nut,
     OperatingPoint,
     Roller,
+    RollingHysteresis,
     Screw,
+    SpinFriction,
+    SplineFriction,
     Stage,
     Thread,
+    ThrustBearingFriction,
 )
 
 STEEL = Material(210e9, 0.3, 7850.0)
+
+ALL_LOSSES = Friction(
+    thread=CoulombFriction(0.06),
+    spin=SpinFriction(0.05),
+    rolling_hysteresis=RollingHysteresis(0.01),
+    spline=SplineFriction(0.1, 12e-3),
+    thrust_bearing=ThrustBearingFriction(0.005, 20e-3),
+    drag=ConstantDrag(0.05),
+)
+#: Those that a first stage can have: its screw does not slide in a spline.
+FIRST_STAGE_LOSSES = eqx.tree_at(lambda f: f.spline, ALL_LOSSES, None)
+LOSS_NAMES = {"thread_sliding", "spin", "rolling_hysteresis", "spline", "thrust_bearing", "drag"}
 
 #: Every test that reads a shipped example gets the same object.
 example = functools.cache(file.load)
