@@ -42,3 +42,19 @@ def unchecked():
     jaxtyping.config.update("jaxtyping_disable", True)
     yield
     jaxtyping.config.update("jaxtyping_disable", False)
+
+
+@pytest.fixture
+def own_quantities(monkeypatch):
+    """Adds quantities to the catalogue for one test: a name of its own and a function.
+
+    Compiled programs are kept by name, so a name must not mean two things in one session.
+    """
+    from prsm_jax.quantities import _catalogue, quantity
+
+    monkeypatch.setattr(_catalogue, "_CATALOGUE", dict(_catalogue._CATALOGUE))
+
+    def add(name, function):
+        quantity(name, "q", "1", "a quantity of one test")(function)
+
+    return add

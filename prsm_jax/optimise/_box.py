@@ -21,6 +21,11 @@ def _projected(position: np.ndarray, gradient: np.ndarray) -> float:
     return float(np.max(np.abs(position - np.clip(position - gradient, 0.0, 1.0))))
 
 
+def _optax_promotion():
+    """Optax counts its steps in int32 and mixes them with int64, which strict promotion refuses."""
+    return jax.numpy_dtype_promotion("standard")
+
+
 def adam(
     functions: Guarded,
     start: np.ndarray,
@@ -35,7 +40,8 @@ def adam(
 
     @jax.jit
     def advance(gradient, state, position):
-        update, state = optimiser.update(gradient, state, position)
+        with _optax_promotion():
+            update, state = optimiser.update(gradient, state, position)
         return optax.projections.projection_box(position + update, 0.0, 1.0), state
 
     position = last = start
@@ -69,7 +75,11 @@ def lbfgs(
     import optax
 
     optimiser = optax.scale_by_lbfgs(memory_size=10)
-    update = jax.jit(optimiser.update)
+
+    @jax.jit
+    def precondition(slope, state, angle):
+        with _optax_promotion():
+            return optimiser.update(slope, state, angle)
 
     def position_of(angle: np.ndarray) -> np.ndarray:
         return (1 - np.cos(np.pi * angle)) / 2
@@ -89,7 +99,7 @@ def lbfgs(
         if _projected(position, gradient) <= tolerance:
             return SearchResult(position, "projected gradient below tolerance", iteration)
         slope = slope_of(angle, gradient)
-        scaled, state = update(jnp.asarray(slope), state, jnp.asarray(angle))
+        scaled, state = precondition(jnp.asarray(slope), state, jnp.asarray(angle))
         direction = -np.asarray(scaled)
         if direction @ slope >= 0:
             direction, state = -slope, optimiser.init(jnp.asarray(angle))

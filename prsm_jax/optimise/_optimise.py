@@ -19,9 +19,9 @@ _ITERATIONS = {"adam": 2000, "lbfgs": 500, "slsqp": 300, "trust-constr": 3000}
 
 def optimise(
     mechanism: Mechanism,
-    variables: Mapping[str, tuple[float, float]] | Iterable[Variable] | None = None,
-    maximise: str | Mapping[str, float] | None = None,
-    minimise: str | Mapping[str, float] | None = None,
+    variables: Mapping[str, tuple] | Iterable[Variable] | None = None,
+    maximise: str | Mapping | None = None,
+    minimise: str | Mapping | None = None,
     constraints: Mapping | Iterable[Constraint] | None = None,
     *,
     problem: DesignProblem | None = None,

@@ -122,7 +122,7 @@ def _sensitivity(
     values, derivatives, valid, shapes = jacobian(mechanism, quantities, numbers, speed, load, mode)
     points = jnp.stack([parameter.get(mechanism) for parameter in numbers])
     known = jnp.isfinite(values) & (values != 0)
-    relative = derivatives * points / jnp.where(known, values, 1.0)[:, None]
+    relative = derivatives * points[None, :] / jnp.where(known, values, 1.0)[:, None]
     relative = jnp.where(known[:, None], relative, 0.0)
     gradient, elasticity, current = [], [], []
     first = 0

@@ -80,12 +80,12 @@ class Sensitivity(eqx.Module):
         return "\n".join(_lines(self))
 
 
-def _plain(array) -> list:
+def _plain(array) -> list | float | None:
     """Nested lists of floats, `None` for what JSON has no number for."""
     array = np.asarray(array, dtype=float)
     if array.ndim == 0:
         value = float(array)
-        return value if math.isfinite(value) else None  # type: ignore[return-value]
+        return value if math.isfinite(value) else None
     return [_plain(row) for row in array]
 
 

@@ -24,7 +24,7 @@ DEFAULT_CHUNK = 2048
 
 def sweep(
     mechanism: Mechanism,
-    axes: Mapping[str, Iterable[float]],
+    axes: Mapping[str, Iterable],
     quantities: Iterable[str],
     *,
     speed: float | Scalar | None = None,
@@ -150,7 +150,7 @@ def _evaluate(
                     f"quantity {name!r} has {value.shape[1:]} components at {words} and "
                     f"{values[name].shape[len(grid.shape) :]} before; sweep the two apart"
                 )
-            values[name][where] = value.reshape(*shape, *value.shape[1:])
+            values[name][where] = value.reshape((*shape, *value.shape[1:]))
         failed[where] = part_failed.reshape(shape)
     return values, failed
 
