@@ -69,18 +69,22 @@ def _exact(meshing: Meshing) -> tuple[ContactFrame, ContactFrame]:
 
 
 def contact_frames(
-    thread: Thread, meshing: Meshing, convention: CurvatureConvention
+    thread: Thread, meshing: Meshing | None, convention: CurvatureConvention
 ) -> tuple[ContactFrame, ContactFrame]:
     """Curvatures and force factors of the screw and the nut side.
 
     **Arguments:**
 
     - `thread`: the thread geometry.
-    - `meshing`: the meshing of that thread (used by `"exact"` only).
+    - `meshing`: the meshing of that thread; only `"exact"` needs it.
     - `convention`: `"exact"`, `"lisowski2014"` or `"wu2022"`.
+
+    **Raises:** `ValueError` for `"exact"` without a meshing.
     """
     if convention == "lisowski2014":
         return _lisowski2014(thread)
     if convention == "wu2022":
         return _wu2022(thread)
+    if meshing is None:
+        raise ValueError("curvature is 'exact' but meshing is None; pass mesh(thread)")
     return _exact(meshing)

@@ -69,12 +69,12 @@ def stage_contact(
 
     - `stage`: the stage; needs materials and `engaged_threads`.
     - `load`: axial load on the nut [N].
-    - `meshing`: its meshing, if known already.
+    - `meshing`: its meshing, if known already; only the `"exact"` convention looks at it.
     - `method`: Hertz method.
 
     **Raises:** `MissingDataError` if materials or engaged threads are not given.
     """
-    if meshing is None:
+    if meshing is None and stage.curvature == "exact":
         meshing = mesh(stage.thread)
     axial_force = load / (stage.roller_count * engaged_threads(stage))
     screw, nut = contact_frames(stage.thread, meshing, stage.curvature)

@@ -114,8 +114,13 @@ class Analysis:
     def contacts(self) -> tuple[StageContact, ...]:
         """Hertz contacts of every stage."""
         return tuple(
-            stage_contact(stage, self.load, geometry.meshing)
-            for stage, geometry in zip(self.mechanism.stages, self.kinematics, strict=True)
+            stage_contact(
+                stage,
+                self.load,
+                # Other conventions have closed forms for the curvatures.
+                self.kinematics[index].meshing if stage.curvature == "exact" else None,
+            )
+            for index, stage in enumerate(self.mechanism.stages)
         )
 
     @cached_property
