@@ -140,8 +140,8 @@ def _dimensions(sheet: Sheet, dims: DrawingDimensions, half: float) -> None:
         sheet.horizontal_dimension(
             -roller, roller, below, f"roller {trimmed(dims.roller_length)}", dims.centre_distance
         )
-    sheet.scale_bar(half - 10, below + sheet.paper(0.9), 10)
+    left, right = sheet.axes.get_xlim()
+    sheet.scale_bar(right - sheet.paper(2) - 10, below + sheet.paper(0.9), 10)
     if dims.screw_length is not None and dims.screw_length / 2 > half:
-        sheet.text(
-            -half, below, f"screw {trimmed(dims.screw_length)},\nbroken off", ha="left", va="center"
-        )
+        words = f"screw {trimmed(dims.screw_length)},\nbroken off"
+        sheet.text(left + sheet.paper(2), below, words, ha="left", va="center")

@@ -22,11 +22,13 @@ from ._style import (
 _MARGIN, _GUTTER, _HEADING, _FOOT = 2.0, 5.0, 12.0, 16.0
 #: Height between screw and nut in the enlarged detail of the largest mechanism, on paper [mm].
 _DETAIL = 38.0
+#: Room for words beside a view, on paper [mm].
+_WORDS = 17.0
 
 
 @drawn
 def cross_section(mechanisms: Mapping[str, Mechanism], *, stage: int = 1) -> Figure:
-    """Draw one or several mechanisms to one scale, side by side.
+    """Draw one or two mechanisms to one scale, side by side.
 
     Each has a view along the axis (screw with its bore, rollers at their places, nut, pitch circle
     of the gear, carriers, contact points from the meshing), a half-section along the axis and a
@@ -35,28 +37,29 @@ def cross_section(mechanisms: Mapping[str, Mechanism], *, stage: int = 1) -> Fig
 
     **Arguments:**
 
-    - `mechanisms`: by label, for example `{"before": …, "after": …}`; up to three.
+    - `mechanisms`: by label, for example `{"before": …, "after": …}`; up to two.
     - `stage`: which stage, counted from 1.
 
     **Returns:** a matplotlib figure, A4 wide; dimensions in mm.
 
-    **Raises:** `ValueError` without a mechanism, with more than three, or for a stage that is not
+    **Raises:** `ValueError` without a mechanism, with more than two, or for a stage that is not
     there; `MissingExtraError` without matplotlib.
     """
-    if not 1 <= len(mechanisms) <= 3:
+    if not 1 <= len(mechanisms) <= 2:
         raise ValueError(
-            f"cross_section draws one to three mechanisms, not {len(mechanisms)}; draw the others "
+            f"cross_section draws one or two mechanisms, not {len(mechanisms)}; draw the others "
             "in a second picture"
         )
     dims = {label: drawing_dimensions(m, stage) for label, m in mechanisms.items()}
     every = list(dims.values())
     # One mechanism spreads over the page: along the axis beside across it.
-    columns = max(2, len(dims))
-    width = (PAGE_WIDTH - 2 * _MARGIN - (columns - 1) * _GUTTER) / columns
+    width = (PAGE_WIDTH - 2 * _MARGIN - _GUTTER) / 2
     widest = max(
         max(2 * d.drawn_outer_radius, 2 * _axial_section.drawn_half_length(d)) for d in every
     )
-    scale = min(width / (widest + 4.0), 4.0)
+    # Beside the nut there must be room for words.
+    room = (width / 2 - _WORDS) / max(d.nut_radius for d in every)
+    scale = min(width / (widest + 4.0), room, 4.0)
     outer = max(d.drawn_outer_radius for d in every)
     detail_scale = _DETAIL / max(_thread_detail.detail_height(d) for d in every)
     across = 2 * scale * outer + _transverse_view.ABOVE + _transverse_view.BELOW
@@ -111,12 +114,12 @@ def _at(figure: Figure, x: float, y: float) -> tuple[float, float]:
 
 def _heading(figure: Figure, left: float, top: float, label: str, dims: DrawingDimensions) -> None:
     figure.text(
-        *_at(figure, left, top + 8.0), label, fontsize=TITLE, fontweight="bold", va="center"
+        *_at(figure, left, top + 8.5), label, fontsize=TITLE, fontweight="bold", va="center"
     )
     words = f"N = {dims.roller_count} rollers"
     if dims.not_given:
-        words += f"   (not given, drawn broken off: {', '.join(dims.not_given)})"
-    figure.text(*_at(figure, left, top + 3.5), words, fontsize=SMALL, color=INK, va="center")
+        words += f"\nnot given: {', '.join(dims.not_given)}"
+    figure.text(*_at(figure, left, top + 5.5), words, fontsize=SMALL, color=INK, va="top")
 
 
 def _legend(

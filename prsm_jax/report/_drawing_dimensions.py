@@ -80,13 +80,13 @@ class DrawingDimensions:
     @property
     def not_given(self) -> tuple[str, ...]:
         """What the drawing has to leave open, in words."""
-        names = {
-            "nut wall": self.nut_outer_radius,
-            "screw length": self.screw_length,
-            "roller length": self.roller_length,
-            "nut length": self.nut_length,
+        lengths = {
+            "screw": self.screw_length,
+            "roller": self.roller_length,
+            "nut": self.nut_length,
         }
-        return tuple(name for name, value in names.items() if value is None)
+        names = ["nut wall"] if self.nut_outer_radius is None else []
+        return (*names, *(f"{body} length" for body, value in lengths.items() if value is None))
 
 
 def _millimetres(value) -> float | None:

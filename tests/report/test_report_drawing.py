@@ -8,6 +8,7 @@ from matplotlib.patches import Circle
 from report_checks import assert_printable
 
 from prsm_jax import set_parameter
+from prsm_jax.file import load
 from prsm_jax.report import cross_section
 from prsm_jax.report._drawing_dimensions import drawing_dimensions
 from prsm_jax.report._thread_profile import (
@@ -79,12 +80,21 @@ def test_before_and_after_can_be_printed(both):
 
 
 def test_a_mechanism_without_dimensions_says_what_is_missing(wu2022):
+    assert_printable(cross_section({"Before": wu2022, "After": wu2022}))
     figure = cross_section({"Wu et al. 2022": wu2022})
     assert_printable(figure)
     words = " ".join(text.get_text() for text in figure.texts)
     assert "N = 7 rollers" in words
     for missing in ("nut wall", "screw length", "roller length", "nut length"):
         assert missing in words
+
+
+@pytest.mark.parametrize("name", ["li2021_two_stage", "ring_roller", "lisowski2014"])
+def test_other_mechanisms_can_be_printed(name):
+    mechanism = load(name)
+    number = len(mechanism.stages)
+    assert_printable(cross_section({"one": mechanism}, stage=number))
+    assert_printable(cross_section({"one": mechanism, "other": mechanism}, stage=number))
 
 
 def test_dimensions_are_written_in_millimetres(both):
@@ -143,7 +153,7 @@ def test_contact_points_come_from_the_meshing(actuator):
 
 
 def test_wrong_requests_are_named(actuator):
-    with pytest.raises(ValueError, match="one to three mechanisms, not 0"):
+    with pytest.raises(ValueError, match="one or two mechanisms, not 0"):
         cross_section({})
     with pytest.raises(ValueError, match="stage is 2"):
         cross_section({"one": actuator}, stage=2)
