@@ -1,0 +1,316 @@
+"""What a mechanism does not model leaves no trace in the program; what it models does.
+
+Every law is labelled in the jaxpr. Each case shows both sides, so a label that is lost, or a law
+that is always there, fails. Tracing only: nothing is compiled.
+"""
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from scenes import FIRST_STAGE_LOSSES, array, example, mechanism, stage, thread
+
+import prsm_jax as prsm
+from prsm_jax.mechanism import (
+    Carrier,
+    ConstantDrag,
+    CoulombFriction,
+    Friction,
+    GivenStiffness,
+    RollingHysteresis,
+    SpinFriction,
+    SplineFriction,
+    ThrustBearingFriction,
+    ViscousFriction,
+)
+
+COULOMB = CoulombFriction(0.05)
+
+#: Loss of a stage, the label of its law, and what else it brings along.
+LOSSES = {
+    "coulomb": (Friction(thread=COULOMB), "coulomb_friction", set()),
+    "viscous": (Friction(thread=ViscousFriction(25.0)), "viscous_friction", set()),
+    "spin": (
+        Friction(thread=COULOMB, spin=SpinFriction(0.05)),
+        "spin_friction",
+        {"hertz", "carrier_balance", "coulomb_friction"},
+    ),
+    "rolling hysteresis": (
+        Friction(thread=COULOMB, rolling_hysteresis=RollingHysteresis(0.01)),
+        "rolling_hysteresis",
+        {"hertz", "carrier_balance", "coulomb_friction"},
+    ),
+    "spline": (Friction(spline=SplineFriction(0.1, 12e-3)), "spline_friction", set()),
+    "thrust bearing": (
+        Friction(thrust_bearing=ThrustBearingFriction(0.005, 20e-3)),
+        "thrust_bearing_friction",
+        set(),
+    ),
+    "drag": (Friction(drag=ConstantDrag(0.05)), "drag", set()),
+}
+ALL_LABELS = {label for _, label, _ in LOSSES.values()} | {"hertz", "carrier_balance"}
+#: Always there in a steady state with gears.
+ALWAYS = {"steady_state", "meshing", "gear_tooth_force"}
+
+
+def _steady(one):
+    return prsm.traced_physics(prsm.steady_state, one)
+
+
+def _two_stages(friction):
+    return mechanism(stage(friction=Friction()), stage(friction=friction, geometry=thread(5e-3)))
+
+
+@pytest.mark.parametrize("name", LOSSES)
+def test_each_loss_is_traced_only_where_it_is_modelled(name):
+    friction, label, company = LOSSES[name]
+    assert _steady(_two_stages(friction)) == ALWAYS | {label} | company
+    assert not _steady(_two_stages(Friction())) & ALL_LABELS
+
+
+@pytest.mark.parametrize("name", LOSSES)
+def test_each_loss_is_traced_in_transients_only_where_it_is_modelled(name):
+    friction, label, company = LOSSES[name]
+    scenario = prsm.Scenario(array(100.0), array(7e3), array(1e-3), samples=3)
+
+    def run(one):
+        return prsm.simulate(one, scenario, method="explicit", throw=False).efficiency
+
+    # The carrier's balance is a differential equation here.
+    expected = ({label} | company) - {"carrier_balance"}
+    found = prsm.traced_physics(run, _two_stages(friction))
+    assert found & (ALL_LABELS - {"carrier_balance"}) == expected
+    assert {"carrier_dynamics", "carrier_inertia"} <= found
+
+
+def test_no_friction_at_all():
+    one = mechanism(stage())
+    without = eqx.tree_at(lambda m: m.stages[0].friction, one, None)
+    assert _steady(without) == ALWAYS
+    assert _steady(one) == ALWAYS | {"coulomb_friction"}
+
+
+def test_no_gear():
+    assert "gear_tooth_force" in _steady(mechanism(stage()))
+    assert "gear_tooth_force" not in _steady(mechanism(stage(gear=None)))
+
+
+class _Ramp(eqx.Module):
+    rate: float = 1.0
+
+    def __call__(self, time):
+        return 100.0 + self.rate * time
+
+
+@pytest.mark.parametrize(("speed", "traced"), [(array(100.0), False), (_Ramp(), True)])
+def test_constant_speed_leaves_inertia_but_the_carriers_untraced(speed, traced):
+    scenario = prsm.Scenario(speed, array(7e3), array(1e-3), samples=3)
+    found = prsm.traced_physics(
+        lambda m: prsm.simulate(m, scenario, method="explicit", throw=False).drive_torque,
+        mechanism(stage()),
+    )
+    assert ("screw_inertia" in found) == traced
+    assert ("axial_inertia" in found) == traced
+    assert "carrier_inertia" in found
+
+
+def test_constant_speed_does_not_even_need_the_masses_of_screw_and_nut():
+    bare = eqx.tree_at(
+        lambda m: [
+            m.stages[0].screw.mass,
+            m.stages[0].screw.inertia,
+            m.stages[0].nut.mass,
+            m.stages[0].nut.inertia,
+        ],
+        mechanism(stage()),
+        [None] * 4,
+    )
+
+    def run(speed):
+        scenario = prsm.Scenario(speed, array(7e3), array(1e-3), samples=3)
+        return eqx.filter_eval_shape(
+            lambda m: prsm.simulate(m, scenario, method="explicit", throw=False), bare
+        )
+
+    assert run(array(100.0)).efficiency.shape == (3,)
+    with pytest.raises(prsm.MissingDataError, match="nut has neither mass"):
+        run(_Ramp())
+
+
+def _wu(**parts):
+    """Wu's stage with parts exchanged or taken away."""
+    one = example("wu2022")
+    names = list(parts)
+    return eqx.tree_at(
+        lambda m: [getattr(m.stages[0], name) for name in names],
+        one,
+        [parts[name] for name in names],
+        is_leaf=lambda x: x is None,
+    )
+
+
+def _modal(one):
+    return prsm.traced_physics(prsm.modal, one)
+
+
+BLOCKS = {
+    "modal",
+    "torsional_modes",
+    "torsional_springs",
+    "transverse_modes",
+    "transverse_springs",
+    "roller_modes",
+    "carrier_mode",
+}
+
+
+def test_given_stiffnesses_leave_contact_and_gear_untraced():
+    """All three given: neither meshing nor Hertz nor ISO 6336."""
+    assert _modal(_wu()) == BLOCKS
+    derived = _modal(_wu(stiffness=None))
+    # Wu's curvatures are closed forms: no meshing either.
+    assert derived == BLOCKS | {"hertz", "gear_mesh_stiffness"}
+    partly = _modal(_wu(stiffness=GivenStiffness(2.078e8, 2.198e8)))
+    assert partly == BLOCKS | {"gear_mesh_stiffness"}
+    threads = _modal(_wu(stiffness=GivenStiffness(ring_roller=2.464e8)))
+    assert threads == BLOCKS | {"hertz"}
+
+
+def test_no_ring_gear():
+    """Without a ring gear its mesh stiffness is not computed, and its row is not there."""
+    without = _wu(ring_gear=None, stiffness=GivenStiffness(2.078e8, 2.198e8))
+    assert _modal(without) == BLOCKS
+    modes = eqx.filter_eval_shape(prsm.modal, without)
+    assert modes.group("torsional").frequencies.shape == (3,)
+    assert eqx.filter_eval_shape(prsm.modal, _wu()).group("torsional").frequencies.shape == (4,)
+
+
+def test_no_carrier():
+    assert _modal(_wu(carrier=None)) == BLOCKS - {"carrier_mode"}
+    assert "carrier_mode" in _modal(_wu(carrier=Carrier(inertia=1e-5)))
+
+
+def test_three_rollers_have_no_roller_modes():
+    three = prsm.set_parameter(example("wu2022"), "roller_count", 3)
+    assert _modal(three) == BLOCKS - {"roller_modes"}
+
+
+@pytest.mark.parametrize(
+    ("convention", "meshed"), [("exact", True), ("wu2022", False), ("lisowski2014", False)]
+)
+def test_only_exact_curvatures_need_the_meshing(convention, meshed):
+    one = mechanism(stage(curvature=convention))
+    found = prsm.traced_physics(lambda m: prsm.compute(m, ["max_pressure"]), one)
+    assert found == {"hertz"} | ({"meshing"} if meshed else set())
+
+
+#: Quantity, and the laws that it may trace in the actuator, which has data for everything.
+NEEDS = {
+    "centre_distance": set(),
+    "mass": set(),
+    "roller_clearance": set(),
+    "equivalent_load": set(),
+    "nut_speed": set(),
+    "axial_gap": {"meshing"},
+    "gear_mesh_stiffness": {"gear_mesh_stiffness"},
+    "max_pressure": {"meshing", "hertz"},
+    "axial_stiffness": {"meshing", "hertz"},
+    "carrier_frequency": {"meshing", "hertz", "gear_mesh_stiffness", "carrier_mode"},
+    "lowest_torsional_frequency": {
+        "meshing",
+        "hertz",
+        "gear_mesh_stiffness",
+        "torsional_modes",
+        "torsional_springs",
+    },
+    "lowest_transverse_frequency": {
+        "meshing",
+        "hertz",
+        "gear_mesh_stiffness",
+        "transverse_modes",
+        "transverse_springs",
+    },
+    "roller_frequency": {"meshing", "hertz", "gear_mesh_stiffness", "roller_modes"},
+    "efficiency": ALWAYS
+    | {
+        "hertz",
+        "carrier_balance",
+        "coulomb_friction",
+        "spin_friction",
+        "rolling_hysteresis",
+        "thrust_bearing_friction",
+        "drag",
+    },
+}
+
+
+@pytest.mark.parametrize("name", NEEDS)
+def test_a_quantity_evaluates_nothing_that_it_does_not_need(name):
+    found = prsm.traced_physics(lambda m: prsm.compute(m, [name]), example("actuator"))
+    assert found == NEEDS[name]
+
+
+def test_carrier_ratio_without_contact_losses_is_geometry():
+    one = mechanism(stage())
+    assert prsm.traced_physics(lambda m: prsm.compute(m, ["carrier_ratio"]), one) == {"meshing"}
+    lossy = mechanism(stage(friction=FIRST_STAGE_LOSSES))
+    assert "steady_state" in prsm.traced_physics(
+        lambda m: prsm.compute(m, ["carrier_ratio"]), lossy
+    )
+
+
+def _equations(jaxpr):
+    """All equations of a jaxpr, nested ones included."""
+    count = 0
+    for equation in jaxpr.eqns:
+        count += 1
+        for value in equation.params.values():
+            for inner in value if isinstance(value, tuple | list) else (value,):
+                inner = getattr(inner, "jaxpr", inner)
+                if hasattr(inner, "eqns"):
+                    count += _equations(inner)
+    return count
+
+
+def _size(one, names):
+    jaxpr, _, _ = eqx.filter_make_jaxpr(lambda m: prsm.compute(m, names))(one)
+    return _equations(jaxpr.jaxpr)
+
+
+def test_what_quantities_share_is_evaluated_once():
+    """Two pressures cost little more than one; all of the steady state no second steady state."""
+    one = example("actuator")
+    pressure = _size(one, ["max_pressure_screw"])
+    assert _size(one, ["max_pressure_screw", "max_pressure_nut"]) < 1.1 * pressure
+    efficiency = _size(one, ["efficiency"])
+    shared = _size(one, ["efficiency", "drive_torque", "contact_force", "loss_power"])
+    assert shared < 1.05 * efficiency
+    assert _size(one, ["efficiency", "axial_stiffness"]) < efficiency + pressure
+
+
+def test_a_smaller_mechanism_is_a_smaller_program():
+    """Not only labels: the number of equations falls with every part that is left out."""
+    full = mechanism(stage(friction=FIRST_STAGE_LOSSES))
+    sizes = [_size(full, ["efficiency"])]
+    for name in ("spin", "rolling_hysteresis", "thrust_bearing", "drag", "thread"):
+        full = eqx.tree_at(lambda m, name=name: getattr(m.stages[0].friction, name), full, None)
+        sizes.append(_size(full, ["efficiency"]))
+    assert all(np.diff(sizes) < 0)
+
+
+def test_the_search_finds_labels_inside_transformations():
+    """`traced_physics` would be blind if it missed laws under jit, grad, vmap or loops."""
+    one = mechanism(stage())
+
+    def efficiency(m):
+        return prsm.steady_state(m).efficiency
+
+    batch = eqx.filter_vmap(lambda lead: prsm.set_parameter(one, "lead", lead))(
+        jnp.asarray([5e-3, 1e-2])
+    )
+    for function, argument in (
+        (eqx.filter_jit(efficiency), one),
+        (eqx.filter_grad(efficiency), one),
+        (eqx.filter_vmap(efficiency), batch),
+    ):
+        assert {"coulomb_friction", "meshing"} <= prsm.traced_physics(function, argument)
