@@ -1,5 +1,6 @@
 """Log–log charts of error against run time."""
 
+import copy
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -11,6 +12,8 @@ from .measure import Measurement
 
 #: Errors below are drawn here: a value that agrees to the last bit has no place on a log axis.
 _FLOOR = 1e-17
+#: An axis that spans less than this factor has labels at 2 and 5 as well.
+_NARROW = 50.0
 
 _COLOURS = (
     "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000", "#7f7f7f",
@@ -75,7 +78,7 @@ def draw(problem: Problem, measured: Sequence[Measurement], path: Path) -> Path:
     - `path`: where the picture goes; written whole or not at all.
     """
     from matplotlib.figure import Figure
-    from matplotlib.ticker import LogLocator, NullFormatter
+    from matplotlib.ticker import LogFormatterSciNotation, LogLocator, NullFormatter
 
     quantities = list(measured[0].errors)
     methods = [method.name for method in problem.methods]
@@ -83,6 +86,7 @@ def draw(problem: Problem, measured: Sequence[Measurement], path: Path) -> Path:
     width = max(8.0, 1.5 + 4.6 * len(quantities))
     figure = Figure(figsize=(width, 4.9 + 0.24 * legend_rows), dpi=110, layout="constrained")
     panels = figure.subplots(1, len(quantities), squeeze=False, sharey=True)[0]
+    every_label = LogFormatterSciNotation(labelOnlyBase=False, minor_thresholds=(9.0, 9.0))
     lines = []
     for axes, quantity in zip(panels, quantities, strict=True):
         lines = [
@@ -96,9 +100,14 @@ def draw(problem: Problem, measured: Sequence[Measurement], path: Path) -> Path:
         axes.set_xlabel(f"run time per {problem.instance} [s]")
         axes.grid(which="major", color="0.85", linewidth=0.8)
         axes.set_axisbelow(True)
-        for axis in (axes.xaxis, axes.yaxis):
+        for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
             axis.set_major_locator(LogLocator(numticks=9))
             axis.set_minor_formatter(NullFormatter())
+            if high < _NARROW * low:
+                # Powers of ten alone would leave one label, or none.
+                axis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
+                axis.set_minor_formatter(copy.copy(every_label))
+                axis.set_tick_params(which="minor", labelsize=8)
     panels[0].set_ylabel("relative error, largest (stroke: to the median) [1]")
     figure.suptitle(problem.title, fontsize=12)
     figure.legend(handles=lines, loc="outside lower center", ncols=2, fontsize=9, frameon=False)
