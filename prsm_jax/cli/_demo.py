@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from ..mechanism import Mechanism
+from ..mechanism import Mechanism, find_parameters, get_parameter, set_parameter
 from ..optimise import optimise
 from ..quantities import catalogue
 from ..sensitivity import sensitivity
@@ -54,6 +54,13 @@ def demo(
     problem = mechanism.design_problem
     if problem is None:
         raise ValueError(f"{file} has no [optimise] table; give one, or use the example actuator")
+
+    # A number that the file leaves to follow (the profile radius) is given before the improvement
+    # as well as after it: one structure, and everything is compiled once.
+    for variable in problem.variables:
+        if len(find_parameters(mechanism, variable.name)) == 1:
+            value = get_parameter(mechanism, variable.name)
+            mechanism = set_parameter(mechanism, variable.name, value)
 
     say("differentiating: exact sensitivities to " + ", ".join(v.name for v in problem.variables))
     table = sensitivity(mechanism, parameters=[variable.name for variable in problem.variables])

@@ -156,7 +156,9 @@ def simulate(
       5/4, for short scenes).
     - `gradient`: `"both"` (either mode through one program), `"reverse"` (checkpointed, bounded
       memory for long scenes) or `"forward"` (for few parameters).
-    - `rtol`, `atol`: tolerances on the carrier ratio.
+    - `rtol`, `atol`: tolerances on the carrier ratio, of the steps. Between the large steps of the
+      implicit method the samples are interpolated to third order: at the default their largest
+      error is about 1e-6 while the carriers still accelerate (`benchmarks`, case transient).
     - `max_steps`: steps allowed; running out of them is reported in `solver`, never hidden.
     - `throw`: raise if the solver fails. Inside a trace nothing is raised and the result code in
       `solver.code` tells.

@@ -117,6 +117,27 @@ def _check_gear(stage: Stage, number: int) -> Finding | None:
     )
 
 
+def _check_carrier(stage: Stage, number: int) -> Finding | None:
+    """The carrier's annulus, centred on the roller axes, must pass between screw and nut."""
+    carrier, thread = stage.carrier, stage.thread
+    if carrier is None or carrier.radial_width is None:
+        return None
+    addendum = 0.0 if thread.screw_addendum is None else thread.screw_addendum
+    inner = thread.centre_distance - carrier.radial_width / 2
+    gap = float(inner - thread.screw_radius - addendum)
+    if gap > 0:
+        return None
+    return Finding(
+        "carrier_clearance",
+        "error",
+        number,
+        gap,
+        0.0,
+        f"the carrier, {float(carrier.radial_width) * 1e3:.4g} mm wide, cuts {-gap * 1e3:.4g} mm "
+        "into the screw's thread; make it narrower",
+    )
+
+
 def _check_meshing(stage: Stage, number: int) -> list[Finding]:
     meshing, thread = mesh(stage.thread), stage.thread
     if not bool(meshing.converged):
@@ -175,9 +196,10 @@ def _check_meshing(stage: Stage, number: int) -> list[Finding]:
 def check(mechanism: Mechanism) -> tuple[Finding, ...]:
     """Kinematic and geometric checks of a mechanism, as named findings.
 
-    Names: `feasible_ratio`, `roller_clearance`, `gear_assembly`, `meshing`, `contact_on_flank`,
-    `tooth_thickness`. Nothing is raised; a mechanism without findings gives an empty tuple. Needs
-    concrete numbers: inside a trace use the quantities instead (`roller_clearance`, …).
+    Names: `feasible_ratio`, `roller_clearance`, `gear_assembly`, `carrier_clearance`, `meshing`,
+    `contact_on_flank`, `tooth_thickness`. Nothing is raised; a mechanism without findings gives
+    an empty tuple. Needs concrete numbers: inside a trace use the quantities instead
+    (`roller_clearance`, …).
 
     **Arguments:**
 
@@ -185,7 +207,7 @@ def check(mechanism: Mechanism) -> tuple[Finding, ...]:
     """
     findings: list[Finding] = []
     for number, stage in enumerate(mechanism.stages, start=1):
-        single = (_check_ratio, _check_clearance, _check_gear)
+        single = (_check_ratio, _check_clearance, _check_gear, _check_carrier)
         findings += [f for f in (c(stage, number) for c in single) if f is not None]
         findings += _check_meshing(stage, number)
     return tuple(findings)
