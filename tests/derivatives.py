@@ -1,0 +1,76 @@
+"""Compiled derivatives of quantities, shared by the tests of gradients.
+
+One direction at a time: such programs compile in half the time of whole Jacobians.
+"""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from scenes import example
+
+import prsm_jax as prsm
+
+VARIABLES = ("lead", "contact_angle", "roller_radius")
+QUANTITIES = (
+    "torsional_frequencies",
+    "transverse_frequencies",
+    "roller_frequency",
+    "carrier_frequency",
+    "efficiency",
+    "max_pressure_screw",
+    "max_pressure_nut",
+    "thread_stiffness_screw",
+    "thread_stiffness_nut",
+    "axial_stiffness",
+)
+
+
+def shipped(name):
+    """A shipped example; the actuator with its profile radius given, as in its optimisation."""
+    found = example(name)
+    if name == "actuator":
+        radius = prsm.get_parameter(found, "roller_profile_radius")
+        found = prsm.set_parameter(found, "roller_profile_radius", radius)
+    return found
+
+
+def _evaluate(mechanism, changes, quantities):
+    """Quantities, one after the other, with the variables changed by these shares."""
+    moved = mechanism
+    for variable, change in zip(VARIABLES, changes, strict=True):
+        for number in range(1, len(mechanism.stages) + 1):
+            path = f"stage.{number}.{variable}"
+            value = prsm.get_parameter(mechanism, path)
+            moved = prsm.set_parameter(moved, path, value * (1 + change))
+    found = prsm.compute(moved, quantities)
+    return jnp.concatenate([jnp.ravel(found[name]) for name in quantities])
+
+
+@eqx.filter_jit
+def value_and_slope(mechanism, changes, direction, quantities):
+    """Quantities and their derivative along a direction of relative changes, forward mode."""
+    return jax.jvp(lambda c: _evaluate(mechanism, c, quantities), (changes,), (direction,))
+
+
+@eqx.filter_jit
+def pulled_back(mechanism, weights, quantities):
+    """Gradient of a weighted sum of quantities, reverse mode: to all numbers, and to changes."""
+    nothing = jnp.zeros(len(VARIABLES))
+    _, pullback = eqx.filter_vjp(lambda m, c: _evaluate(m, c, quantities), mechanism, nothing)
+    return pullback(weights)
+
+
+def forward(mechanism, quantities):
+    """Values, and their derivatives to relative changes of the variables [quantity, variable]."""
+    nothing, columns = jnp.zeros(len(VARIABLES)), []
+    for direction in jnp.eye(len(VARIABLES)):
+        values, slope = value_and_slope(mechanism, nothing, direction, quantities)
+        columns.append(np.asarray(slope))
+    return np.asarray(values), np.stack(columns, axis=1)
+
+
+def reverse(mechanism, quantities, size):
+    """Gradients to the whole mechanism, one per quantity, and the derivatives as in `forward`."""
+    rows = [pulled_back(mechanism, weights, quantities) for weights in jnp.eye(size)]
+    return [row[0] for row in rows], np.stack([np.asarray(row[1]) for row in rows])

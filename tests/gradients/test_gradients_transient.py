@@ -1,0 +1,59 @@
+"""Derivatives of a transient, through the solver, against central differences."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from scenes import array, mechanism, stage
+
+import prsm_jax as prsm
+from prsm_jax.mechanism import CoulombFriction, Friction
+
+VARIABLES = ("lead", "contact_angle", "roller_radius")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["implicit", "explicit"])
+def test_forward_and_reverse_against_differences(method):
+    """Half way through the run-up, where everything still moves.
+
+    The solver's tolerance is 1e-11; steps that change with the parameters leave noise of that
+    size, which a step of 1 % turns into 1e-9 per relative change, a hundredth of the bound.
+    """
+    one = mechanism(stage(friction=Friction(thread=CoulombFriction(0.1))))
+    base = jnp.stack([prsm.get_parameter(one, name) for name in VARIABLES])
+
+    def evaluate(changes):
+        moved = one
+        for name, value, change in zip(VARIABLES, base, changes, strict=True):
+            moved = prsm.set_parameter(moved, name, value * (1 + change))
+        scenario = prsm.Scenario(array(100.0), array(5e3), array(0.1e-3), samples=3)
+        run = prsm.simulate(
+            moved, scenario, method=method, rtol=1e-11, atol=1e-13, max_steps=256, throw=False
+        )
+        return jnp.stack([run.efficiency[1], run.carrier_ratio[0, 1], run.drive_torque[2]])
+
+    @eqx.filter_jit
+    def everything(offsets):
+        nothing = jnp.zeros(3)
+        return (
+            evaluate(nothing),
+            jax.jacfwd(evaluate)(nothing),
+            jax.jacrev(evaluate)(nothing),
+            jax.lax.map(evaluate, offsets),
+        )
+
+    step, weights = 1e-2, np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280])
+    rows = [
+        sign * k * step * np.eye(3)[v] for v in range(3) for sign in (1, -1) for k in range(1, 5)
+    ]
+    values, forward, reverse, moved = everything(jnp.asarray(np.array(rows)))
+    moved = np.asarray(moved).reshape(3, 2, 4, -1)
+    differences = np.einsum("k,vkq->qv", weights, moved[:, 0] - moved[:, 1]) / step
+    assert np.max(np.abs(differences)) > 0.1
+    np.testing.assert_allclose(forward, differences, rtol=1e-6, atol=1e-7)
+    np.testing.assert_allclose(reverse, differences, rtol=1e-6, atol=1e-7)
+    np.testing.assert_allclose(forward, reverse, rtol=1e-9, atol=1e-10)
+    # Still far from the end, so that the solver mattered.
+    assert 0 < values[1] < 0.36
