@@ -191,7 +191,7 @@ def _run(
 
 
 def _best(evaluator: Evaluator, ends: list, tolerance: float) -> int:
-    """The feasible run of least cost; of those as good as it, the one nearest to optimality."""
+    """The feasible run of least cost; of those as good as it, the first that converged."""
     usable = [index for index, end in enumerate(ends) if end is not None]
     if not usable:
         return 0
@@ -200,4 +200,5 @@ def _best(evaluator: Evaluator, ends: list, tolerance: float) -> int:
         return min(usable, key=lambda i: evaluator.violation(ends[i][0]))
     least = min(evaluator.cost(ends[i][0]) for i in feasible)
     level = [i for i in feasible if evaluator.cost(ends[i][0]) <= least + tolerance]
-    return min(level, key=lambda i: ends[i][1].residual)
+    # The first start is the present design: its history is the one that a reader understands.
+    return min(level, key=lambda i: (max(ends[i][1].residual, tolerance), i))
