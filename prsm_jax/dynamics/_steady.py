@@ -68,7 +68,9 @@ def _carrier_ratio(
     slip, drive = kinematics.slip_per_screw, kinematics.drive
     length = jnp.sqrt(drive @ drive)
     along = slip[:2] @ drive / length
-    across_squared = slip @ slip - along**2
+    # A cross product: at small leads the slip is nearly all along d, and slip² − along² is noise.
+    across = (slip[0] * drive[1] - slip[1] * drive[0]) / length
+    across_squared = across**2 + slip[2] ** 2
 
     def resistance(ratio: Scalar) -> tuple[Scalar, Scalar]:
         """Resisting generalised force and normal force of one roller at a carrier ratio."""

@@ -1,8 +1,10 @@
 """Quantities of the thread contacts."""
 
+import functools
+
 import jax.numpy as jnp
 
-from ..stiffness import axial_stiffness as stage_axial_stiffness
+from ..stiffness import axial_stiffness as stage_axial_stiffness, in_series
 from ._analysis import Analysis
 from ._catalogue import quantity
 
@@ -80,4 +82,4 @@ def axial_stiffness(analysis: Analysis):
         stage_axial_stiffness(stage, threads)
         for stage, threads in zip(analysis.mechanism.stages, analysis.threads, strict=True)
     ]
-    return 1 / jnp.sum(1 / jnp.stack(stages))
+    return functools.reduce(in_series, stages)

@@ -8,5 +8,6 @@ from ._gear import (
 from ._threads import (
     ThreadStiffness as ThreadStiffness,
     axial_stiffness as axial_stiffness,
+    in_series as in_series,
     thread_stiffness as thread_stiffness,
 )

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 import equinox as eqx
+import jax.numpy as jnp
 
 from .._errors import MissingDataError
 from ..contact import StageContact
@@ -45,10 +46,16 @@ def thread_stiffness(stage: Stage, contact: Callable[[], StageContact]) -> Threa
     )
 
 
+def in_series(first: Scalar, second: Scalar) -> Scalar:
+    """Stiffness of two springs in series; without load both are 0, and so is the result [N/m]."""
+    total = first + second
+    stiff = total > 0
+    return first * jnp.where(stiff, second / jnp.where(stiff, total, 1.0), 0.0)
+
+
 def axial_stiffness(stage: Stage, threads: ThreadStiffness) -> Scalar:
     """Axial contact stiffness between screw and nut: both contacts in series, rollers in parallel.
 
     Shafts and teeth are taken as rigid [N/m].
     """
-    in_series = 1 / (1 / threads.screw_roller + 1 / threads.nut_roller)
-    return stage.roller_count * in_series
+    return stage.roller_count * in_series(threads.screw_roller, threads.nut_roller)
