@@ -1,0 +1,162 @@
+"""The verbs that improve a design, and the demo: its optimum and its claims."""
+
+import json
+import tomllib
+
+import equinox as eqx
+import numpy as np
+import pytest
+
+import prsm_jax
+from prsm_jax import file
+from tests import scenes
+
+_compute = eqx.filter_jit(
+    lambda m: prsm_jax.compute(m, ["efficiency", "max_pressure", "drive_torque"])
+)
+
+
+def test_sensitivity_json(prsm_json):
+    results = prsm_json(
+        "sensitivity",
+        "wu2022",
+        "--quantities",
+        "efficiency,carrier_frequency",
+        "--parameters",
+        "lead,roller_radius",
+    )
+    assert results["quantities"] == ["efficiency", "carrier_frequency[1]"]
+    assert results["parameters"] == ["lead", "roller_radius"]
+    assert np.shape(results["gradient"]) == np.shape(results["elasticity"]) == (2, 2)
+    # ω² = K/(J/a² + N m) and a is proportional to the roller radius: closed form.
+    stage = scenes.example("wu2022").stages[0]
+    turning = float(stage.carrier.inertia / stage.thread.centre_distance**2)
+    circling = 7 * float(stage.roller.mass)
+    assert results["elasticity"][1][1] == pytest.approx(turning / (turning + circling), rel=1e-10)
+
+
+def test_optimise_writes_a_file_that_gives_the_same_numbers(prsm_json, tmp_path):
+    results = prsm_json("optimise", "actuator", "--starts", "1", "--out", tmp_path / "new")
+    assert results.keys() >= {
+        "start",
+        "optimum",
+        "objective_history",
+        "constraints",
+        "converged",
+        "mechanism",
+    }
+    assert results["converged"]
+    again = file.load(results["mechanism"])
+    values = _compute(again)
+    assert float(values["efficiency"]) == pytest.approx(results["optimum"]["objective"], rel=1e-13)
+    limits = {c["quantity"]: c for c in results["constraints"]}
+    for name in ("max_pressure", "drive_torque"):
+        assert float(values[name]) == pytest.approx(limits[name]["value"], rel=1e-12)
+        assert {"value", "limit", "active"} <= limits[name].keys()
+
+
+def test_sweep_writes_a_store(prsm_json, tmp_path):
+    results = prsm_json(
+        "sweep",
+        "wu2022",
+        "--axis",
+        "lead=5 mm:15 mm:3",
+        "--axis",
+        "roller_count=5,9",
+        "--quantities",
+        "efficiency",
+        "--out",
+        tmp_path,
+    )
+    assert (results["points"], results["failed"]) == (6, 0)
+    import xarray
+
+    data = xarray.open_zarr(results["store"], consolidated=False)
+    np.testing.assert_allclose(data["lead"], [5e-3, 10e-3, 15e-3])
+    assert data["efficiency"].shape == (3, 2)
+
+
+@pytest.mark.parametrize(
+    "axis", ["lead", "lead=1:2", "lead=5 mm:x:3", "leed=1,2", "lead=5 kg,6 kg"]
+)
+def test_a_bad_axis_is_one_line(prsm, tmp_path, axis):
+    status, out, err = prsm("sweep", "wu2022", "--axis", axis, "--out", tmp_path / "o")
+    assert (status, out) == (2, "")
+    assert len(err.strip().splitlines()) == 1
+    assert not (tmp_path / "o").exists()
+
+
+@pytest.fixture(scope="module")
+def optimum():
+    mechanism = scenes.example("actuator")
+    return mechanism, prsm_jax.optimise(mechanism)
+
+
+def test_the_optimum_is_at_limits_that_are_named(optimum):
+    _, best = optimum
+    assert best.converged
+    assert best.kkt_residual < 1e-6
+    # Four variables: three active limits and an interior contact angle.
+    active = {c.name for c in best.constraints if c.active}
+    assert active == {"max_pressure", "nut_outer_diameter", "drive_torque"}
+    assert not best.bounds_active
+    assert best.optimum.objective > best.start.objective
+
+
+@pytest.mark.slow
+def test_brute_force_finds_nothing_better(optimum):
+    """A grid over the whole box: no feasible design is better, and the best is a step away."""
+    mechanism, best = optimum
+    problem = mechanism.design_problem
+    counts = {"lead": 16, "contact_angle": 13, "roller_radius": 16, "roller_profile_radius": 13}
+    axes = {v.name: np.linspace(v.lower, v.upper, counts[v.name]) for v in problem.variables}
+    # The optimum's own values are on the grid too, so that its neighbours are.
+    for name, values in axes.items():
+        step = values[1] - values[0]
+        optimal = best.optimum.variables[name]
+        axes[name] = np.unique(np.concatenate([values, optimal + step * np.array([-0.1, 0, 0.1])]))
+    names = ["efficiency", *(c.quantity for c in problem.constraints)]
+    data = prsm_jax.sweep(mechanism, axes, names)
+    feasible = ~data["failed"].values
+    for constraint in problem.constraints:
+        values = data[constraint.quantity].values
+        # The optimum itself lies on its limits to rounding.
+        if constraint.upper is not None:
+            feasible &= values <= constraint.upper * (1 + 1e-9)
+        if constraint.lower is not None:
+            feasible &= values >= constraint.lower * (1 - 1e-9)
+    found = data["efficiency"].values[feasible]
+    assert feasible.sum() > 100
+    assert found.max() == pytest.approx(best.optimum.objective, abs=1e-9)
+    # Without the limits there are better designs: the comparison can fail.
+    assert np.nanmax(data["efficiency"].values) > best.optimum.objective + 0.005
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(900)
+def test_demo(prsm, tmp_path):
+    """Everything is there, and the optimised file gives the numbers that the report claims."""
+    folder = tmp_path / "demo"
+    status, out, err = prsm("demo", "--out", folder)
+    assert status == 0, err
+    assert str(folder / "report.html") in out
+    for name in ("report.html", "report.md", "results.json", "optimised.toml"):
+        assert (folder / name).stat().st_size > 1000
+    pictures = {path.stem for path in (folder / "figures").glob("*.png")}
+    assert pictures >= {
+        "before_after",
+        "frequencies",
+        "transient",
+        "sensitivities",
+        "optimisation",
+        "losses",
+    }
+    results = json.loads((folder / "results.json").read_text())
+    assert tomllib.loads((folder / "optimised.toml").read_text())["stage"]
+    improved = file.load(folder / "optimised.toml")
+    state = scenes.steady_state(improved)
+    claimed = results["optimise"]["optimum"]["objective"]
+    assert float(state.efficiency) == pytest.approx(claimed, rel=1e-12)
+    assert results["after"]["steady"]["efficiency"] == pytest.approx(claimed, rel=1e-12)
+    # The report says so in words: per cent with the digits that it prints.
+    assert f"{100 * claimed:.2f}" in (folder / "report.md").read_text()
