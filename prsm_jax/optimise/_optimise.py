@@ -7,11 +7,12 @@ import numpy as np
 
 from ..mechanism import Constraint, DesignProblem, Mechanism, Scalar, Variable
 from ._evaluator import Evaluator, Guarded, Point
+from ._methods import find_search
 from ._optimality import Optimality, optimality
 from ._optimum import Optimum, Run
 from ._problem import present_design, problem_of
 from ._reporting import Reporter, optimum_of, run_report
-from ._search import Search, find_search
+from ._search import Search
 from ._starts import starting_positions
 
 _ITERATIONS = {"adam": 2000, "lbfgs": 500, "slsqp": 300, "trust-constr": 3000}

@@ -50,7 +50,9 @@ def test_values_and_derivatives_are_finite(name):
         assert len(leaves) == numbers
         assert all(np.all(np.isfinite(leaf)) for leaf in leaves)
     scale = np.maximum(np.abs(values)[:, None], np.abs(by_forward))
-    assert np.all(np.abs(by_reverse - by_forward) <= 1e-11 * scale)
+    # At a lead of a micrometre the slip is 1e-5 of the velocities that it is the difference of.
+    tolerance = 1e-8 if float(mechanism.stages[0].thread.lead) < 1e-5 else 1e-11
+    assert np.all(np.abs(by_reverse - by_forward) <= tolerance * scale)
 
 
 def test_circular_case_is_circular():

@@ -1,0 +1,215 @@
+"""The house: layers point down only, doors only re-export, imports are light, files are short."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import prsm_jax
+
+ROOT = Path(prsm_jax.__file__).parent
+#: Each room and the rooms that it may use, directly. `_name` modules of the package serve all.
+LAYERS = {
+    "mechanism": set(),
+    "file": {"mechanism"},
+    "geometry": {"mechanism"},
+    "contact": {"mechanism", "geometry"},
+    "stiffness": {"mechanism", "geometry", "contact"},
+    "modal": {"mechanism", "geometry", "contact", "stiffness"},
+    "dynamics": {"mechanism", "geometry", "contact", "stiffness"},
+}
+LAYERS["quantities"] = set(LAYERS) - {"file"}
+_PHYSICS = LAYERS["quantities"] | {"quantities"}
+LAYERS["sensitivity"] = LAYERS["optimise"] = LAYERS["sweep"] = _PHYSICS
+LAYERS["validation"] = _PHYSICS | {"file"}
+LAYERS["report"] = _PHYSICS | {"file", "sensitivity", "optimise", "sweep", "validation"}
+LAYERS["cli"] = set(LAYERS)
+#: Not imported with the package, but where they are used.
+HEAVY = (
+    "diffrax",
+    "optimistix",
+    "lineax",
+    "optax",
+    "scipy.optimize",
+    "xarray",
+    "zarr",
+    "matplotlib",
+    "pydantic",
+    "pint",
+    "tomlkit",
+    "jinja2",
+    "cyclopts",
+    "rich",
+    "tqdm",
+    "mpmath",
+)
+
+
+def _files():
+    return sorted(path for path in ROOT.rglob("*.py"))
+
+
+def _room(path):
+    parts = path.relative_to(ROOT).parts
+    return parts[0] if len(parts) > 1 else None
+
+
+def _imports(path):
+    """Names of imported modules inside the package, as parts below it; inner imports included."""
+    package = path.relative_to(ROOT).parts[:-1]
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom):
+            if node.level:
+                base = package[: len(package) - node.level + 1]
+                inner = (*base, *(node.module.split(".") if node.module else ()))
+            elif (node.module or "").split(".")[0] == "prsm_jax":
+                inner = tuple(node.module.split(".")[1:])
+            else:
+                continue
+            # `from . import _contact` and `from .. import file` name modules, too.
+            yield inner
+            for alias in node.names:
+                if ROOT.joinpath(*inner, alias.name).is_dir() or (
+                    ROOT.joinpath(*inner, f"{alias.name}.py").is_file()
+                ):
+                    yield (*inner, alias.name)
+        elif isinstance(node, ast.Import):
+            for alias in node.names:
+                parts = alias.name.split(".")
+                if parts[0] == "prsm_jax":
+                    yield tuple(parts[1:])
+
+
+def _rooms_used(path):
+    """Rooms that a file imports from; the package's own door counts as all of them."""
+    for inner in _imports(path):
+        if not inner:
+            yield "prsm_jax"
+        elif (ROOT / inner[0]).is_dir():
+            yield inner[0]
+
+
+def test_every_room_has_its_place():
+    rooms = {path.name for path in ROOT.iterdir() if (path / "__init__.py").exists()}
+    assert rooms <= set(LAYERS)
+    assert {"mechanism", "geometry", "contact", "stiffness", "modal", "dynamics"} <= rooms
+
+
+def test_the_order_itself_has_no_cycles():
+    remaining = dict(LAYERS)
+    while remaining:
+        free = {room for room, below in remaining.items() if not below & set(remaining)}
+        assert free
+        remaining = {room: below for room, below in remaining.items() if room not in free}
+
+
+@pytest.mark.parametrize("room", LAYERS)
+def test_layers_point_down_only(room):
+    """No file of a room imports from a room that is not below it, not even inside a function."""
+    wrong = [
+        f"{path.relative_to(ROOT)} imports {used}"
+        for path in _files()
+        if _room(path) == room
+        for used in _rooms_used(path)
+        if used != room and used not in LAYERS[room] and not (room == "cli" and used == "prsm_jax")
+    ]
+    assert not wrong
+
+
+def test_rooms_are_entered_by_their_doors():
+    """Another room's private modules are not imported: only what its `__init__` re-exports."""
+    wrong = []
+    for path in _files():
+        for inner in _imports(path):
+            if len(inner) > 1 and inner[0] != _room(path) and inner[-1].startswith("_"):
+                wrong.append(f"{path.relative_to(ROOT)} imports {'.'.join(inner)}")
+    assert not wrong
+
+
+def test_no_cycles_between_files():
+    """Neither between rooms nor inside one; imports inside functions count."""
+    names = {path.relative_to(ROOT).with_suffix("").parts: path for path in _files()}
+    graph = {}
+    for name, path in names.items():
+        targets = set()
+        for inner in _imports(path):
+            # A name re-exported by the own door would be a cycle by itself, so doors count.
+            for candidate in (inner, (*inner, "__init__")):
+                if candidate in names and candidate != name:
+                    targets.add(candidate)
+        if name[-1] == "__init__":
+            targets = {t for t in targets if t[: len(name) - 1] == name[:-1]}
+        graph[name] = targets
+    finished, open_ = set(), []
+
+    def visit(name):
+        assert name not in open_, f"cycle: {[*open_[open_.index(name) :], name]}"
+        if name in finished:
+            return
+        open_.append(name)
+        for target in graph[name]:
+            # The package's own door is at the top; the command line may use it.
+            if target != ("__init__",):
+                visit(target)
+        open_.pop()
+        finished.add(name)
+
+    for name in graph:
+        visit(name)
+
+
+@pytest.mark.parametrize(
+    "door", [path for path in _files() if path.name == "__init__.py"], ids=lambda p: p.parent.name
+)
+def test_doors_only_re_export(door):
+    """A docstring and `from ._module import name as name`; a lazy door may say so in a function."""
+    allowed = (ast.ImportFrom, ast.Expr, ast.FunctionDef, ast.Assign, ast.AnnAssign, ast.If)
+    tree = ast.parse(door.read_text(encoding="utf-8"))
+    for node in tree.body:
+        assert isinstance(node, allowed), f"line {node.lineno}"
+        if isinstance(node, ast.ImportFrom) and node.level:
+            for alias in node.names:
+                assert alias.asname == alias.name, f"{alias.name}: write `as {alias.name}`"
+        if isinstance(node, ast.FunctionDef):
+            # PEP 562: names that would pull in heavy modules are looked up on first use.
+            assert node.name in ("__getattr__", "__dir__")
+    assert ast.get_docstring(tree)
+
+
+def test_import_pulls_in_none_of_the_heavy_modules():
+    """In a fresh interpreter; each of them costs what a warm start of the whole package costs."""
+    code = f"import sys, prsm_jax; print([m for m in {HEAVY!r} if m in sys.modules])"
+    result = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=True
+    )
+    assert result.stdout.strip() == "[]"
+
+
+def test_import_enables_float64():
+    code = "import prsm_jax, jax; print(jax.numpy.zeros(1).dtype)"
+    result = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    assert result.stdout.strip() == "float64"
+
+
+def test_files_are_short():
+    """Past 400 lines there is a second concept in a file; the median stays near 150."""
+    lengths = {
+        path.relative_to(ROOT): len(path.read_text(encoding="utf-8").splitlines())
+        for path in _files()
+        if path.name != "__init__.py"
+    }
+    assert not {path: lines for path, lines in lengths.items() if lines > 400}
+    assert sorted(lengths.values())[len(lengths) // 2] <= 160
+
+
+def test_every_module_says_what_it_is():
+    missing = [
+        str(path.relative_to(ROOT))
+        for path in _files()
+        if not ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))
+    ]
+    assert not missing
