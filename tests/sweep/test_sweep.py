@@ -93,12 +93,12 @@ def test_numbers_that_are_not_finite_are_failures(own_quantities):
 
 
 def test_whole_numbers_are_an_axis():
-    """p₀ ∝ N^{-1/3}: the load is shared by the rollers."""
+    """Each of N rollers carries 1/N of the load."""
     counts = [6, 8, 12]
-    data = sweep(mechanism(), {"lead": [8e-3, 9e-3], "roller_count": counts}, ["max_pressure"])
-    assert data.max_pressure.dims == ("lead", "roller_count")
-    ratio = data.max_pressure / data.max_pressure.sel(roller_count=6)
-    expected = np.broadcast_to((np.array(counts) / 6) ** (-1 / 3), (2, 3))
+    data = sweep(mechanism(), {"lead": [8e-3, 9e-3], "roller_count": counts}, ["contact_force"])
+    assert data.contact_force.dims == ("lead", "roller_count", "stage")
+    ratio = data.contact_force[..., 0] / data.contact_force[..., 0].sel(roller_count=6)
+    expected = np.broadcast_to(6 / np.array(counts), (2, 3))
     np.testing.assert_allclose(ratio, expected, rtol=1e-12)
     assert data.roller_count.dtype == np.int64
 
@@ -128,9 +128,9 @@ def test_given_operating_point():
     bare = eqx.tree_at(
         lambda m: m.operating_point, mechanism(), None, is_leaf=lambda leaf: leaf is None
     )
-    data = sweep(bare, {"lead": [10e-3]}, ["max_pressure", "nut_speed"], speed=200.0, load=7000.0)
-    reference = sweep(mechanism(), {"lead": [10e-3]}, ["max_pressure"])
-    np.testing.assert_allclose(data.max_pressure, reference.max_pressure, rtol=1e-13)
+    data = sweep(bare, {"lead": [10e-3]}, ["contact_force", "nut_speed"], speed=200.0, load=7000.0)
+    reference = sweep(mechanism(), {"lead": [10e-3]}, ["contact_force"])
+    np.testing.assert_allclose(data.contact_force, reference.contact_force, rtol=1e-13)
     np.testing.assert_allclose(data.nut_speed, [200 * 10e-3 / (2 * np.pi)], rtol=1e-13)
     assert data.attrs["load"] == 7000.0
 
