@@ -1,4 +1,4 @@
-"""The verbs."""
+"""The command line, without its verbs yet: each verb's module adds itself to it."""
 
 from cyclopts import App
 
@@ -8,11 +8,4 @@ app = App(
     name="prsm",
     help="Planetary roller screw mechanisms: analyse, differentiate, improve.",
     version=__version__,
-)
-
-from . import (  # noqa: E402
-    _analyse as _analyse,
-    _demo as _demo,
-    _design as _design,
-    _lists as _lists,
 )

@@ -38,7 +38,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ModuleNotFoundError as error:
         print(f"prsm: {missing_extra('cli', 'the command line', error)}", file=sys.stderr)
         return 2
-    from ._app import app
+    from ._verbs import app
 
     _keep_compiled_programs()
     words = list(sys.argv[1:] if arguments is None else arguments)

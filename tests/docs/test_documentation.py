@@ -43,7 +43,7 @@ def test_toml_blocks_load(page):
 
 
 def test_readme_names_every_verb():
-    from prsm_jax.cli._app import app
+    from prsm_jax.cli._verbs import app
 
     verbs = {name for name in app if not name.startswith("-")}
     text = (ROOT / "README.md").read_text()

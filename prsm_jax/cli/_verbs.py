@@ -1,0 +1,9 @@
+"""The command line with all its verbs: importing a verb's module attaches it."""
+
+from . import (
+    _analyse as _analyse,
+    _demo as _demo,
+    _design as _design,
+    _lists as _lists,
+)
+from ._app import app as app
