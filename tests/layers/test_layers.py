@@ -68,13 +68,11 @@ def _imports(path):
                 inner = tuple(node.module.split(".")[1:])
             else:
                 continue
-            # `from . import _contact` and `from .. import file` name modules, too.
-            yield inner
             for alias in node.names:
-                if ROOT.joinpath(*inner, alias.name).is_dir() or (
-                    ROOT.joinpath(*inner, f"{alias.name}.py").is_file()
-                ):
-                    yield (*inner, alias.name)
+                # `from . import _contact` and `from .. import file` name modules, not the door.
+                named = ROOT.joinpath(*inner, alias.name)
+                module = named.is_dir() or named.with_suffix(".py").is_file()
+                yield (*inner, alias.name) if module else inner
         elif isinstance(node, ast.Import):
             for alias in node.names:
                 parts = alias.name.split(".")

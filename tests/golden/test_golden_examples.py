@@ -1,0 +1,58 @@
+"""Numbers of the shipped examples as they were, so that a change shows.
+
+These say nothing about right or wrong: `literature` and `analytic` do. When a number changes on
+purpose, look at the difference, then write the new ones with
+
+    python tests/golden/test_golden_examples.py
+"""
+
+import json
+import sys
+from pathlib import Path
+
+import equinox as eqx
+import numpy as np
+import pytest
+
+import prsm_jax as prsm
+from prsm_jax import file
+
+FOLDER = Path(__file__).parent
+
+
+def _computed(name):
+    """Every quantity that an example has the data for, as plain lists."""
+    mechanism = file.load(name)
+    names = prsm.available_quantities(mechanism)
+    program = eqx.filter_jit(lambda m: prsm.compute(m, names))
+    return {key: np.asarray(value).tolist() for key, value in program(mechanism).items()}
+
+
+def _path(name):
+    return FOLDER / f"{name}.json"
+
+
+@pytest.mark.parametrize("name", file.example_names())
+def test_quantities_are_what_they_were(name):
+    """To 1e-9: far below what a change of physics does, far above another machine's rounding.
+
+    A frequency of a rigid mode is rounding itself; a nanohertz is nothing.
+    """
+    stored = json.loads(_path(name).read_text(encoding="utf-8"))
+    computed = _computed(name)
+    assert sorted(computed) == sorted(stored)
+    for quantity, expected in stored.items():
+        found = np.asarray(computed[quantity])
+        absolute = 1e-9 if prsm.quantities.find_quantity(quantity).unit == "Hz" else 0.0
+        np.testing.assert_allclose(found, expected, rtol=1e-9, atol=absolute, err_msg=quantity)
+
+
+def test_every_example_has_its_numbers_and_no_others():
+    assert {path.stem for path in FOLDER.glob("*.json")} == set(file.example_names())
+
+
+if __name__ == "__main__":
+    for example_name in file.example_names():
+        text = json.dumps(_computed(example_name), indent=1, sort_keys=True)
+        _path(example_name).write_text(text + "\n", encoding="utf-8")
+        print(f"wrote {_path(example_name)}", file=sys.stderr)
