@@ -1,24 +1,26 @@
 """Verbs that analyse one mechanism: check, contact, modal, steady, simulate."""
 
 import math
+from collections.abc import Sequence
 from typing import Annotated, Any
 
 import equinox as eqx
 import numpy as np
 from cyclopts import Parameter
 
-from ..contact import thread_contacts
+from ..contact import StageContact, thread_contacts
 from ..dynamics import (
     Method,
     Scenario,
+    SteadyState,
     Transient,
     default_scenario,
     simulate as run_transient,
     steady_state,
 )
-from ..geometry import check as run_checks, mesh
-from ..mechanism import Mechanism
-from ..modal import modal as run_modal
+from ..geometry import Meshing, check as run_checks, mesh
+from ..mechanism import Mechanism, OperatingPoint
+from ..modal import Modes, modal as run_modal
 from ._app import app
 from ._common import Common, emit, plain, table
 from ._programs import run_stored
@@ -41,12 +43,13 @@ def check(file: str, *, common: Common = _DEFAULT) -> int:
     return int(any(f.severity == "error" for f in findings))
 
 
-def _contacts(mechanism: Mechanism) -> dict[str, Any]:
-    """Numbers of every stage and side, by the names of the JSON."""
+def contact_results(
+    meshings: Sequence[Meshing], contacts: Sequence[StageContact]
+) -> dict[str, Any]:
+    """Thread contacts by the names of the JSON."""
     stages = []
-    for stage, pair in zip(mechanism.stages, thread_contacts(mechanism), strict=True):
-        meshing = mesh(stage.thread)
-        sides: dict[str, Any] = {"converged": meshing.converged}
+    for meshing, pair in zip(meshings, contacts, strict=True):
+        sides: dict[str, Any] = {"stage": len(stages) + 1, "converged": meshing.converged}
         for name in ("screw", "nut"):
             where, result = getattr(meshing, name), getattr(pair, name)
             hertz = result.hertz
@@ -69,19 +72,16 @@ def _contacts(mechanism: Mechanism) -> dict[str, Any]:
     return {"stages": stages}
 
 
-def contact_results(mechanism: Mechanism) -> dict[str, Any]:
-    """What `prsm contact --json` prints."""
-    results = plain(run_stored("contact", _contacts, mechanism))
-    for number, stage in enumerate(results["stages"], start=1):
-        stage["stage"] = number
-    return results
+def _contacts(mechanism: Mechanism) -> dict[str, Any]:
+    meshings = [mesh(stage.thread) for stage in mechanism.stages]
+    return contact_results(meshings, thread_contacts(mechanism))
 
 
 @app.command
 def contact(file: str, *, common: Common = _DEFAULT) -> int:
     """Thread contacts under the operating load: position, ellipse, pressure, stiffness."""
     mechanism = common.load(file)
-    results = contact_results(mechanism)
+    results = plain(run_stored("contact", _contacts, mechanism))
     rows = []
     for number, stage in enumerate(results["stages"], start=1):
         for name in ("screw", "nut"):
@@ -107,9 +107,8 @@ def contact(file: str, *, common: Common = _DEFAULT) -> int:
 _modes = eqx.filter_jit(run_modal)
 
 
-def modal_results(mechanism: Mechanism, stage: int = 1) -> dict[str, Any]:
-    """What `prsm modal --json` prints."""
-    modes = _modes(mechanism, stage=stage)
+def modal_results(modes: Modes, stage: int = 1) -> dict[str, Any]:
+    """Natural frequencies by the names of the JSON."""
     return {
         "stage": stage,
         "frequencies_hz": np.asarray(modes.frequencies).tolist(),
@@ -126,7 +125,7 @@ def modal(
     common: Common = _DEFAULT,
 ) -> int:
     """Natural frequencies and families of one stage."""
-    results = modal_results(common.load(file), stage)
+    results = modal_results(_modes(common.load(file), stage=stage), stage)
     frequencies = results["frequencies_hz"]
     rows, index = [], 0
     while index < len(frequencies):
@@ -138,10 +137,9 @@ def modal(
     return 0
 
 
-def _steady(mechanism: Mechanism) -> dict[str, Any]:
-    """The steady state by the names of the JSON."""
-    state = steady_state(mechanism)
-    return {
+def steady_results(state: SteadyState, point: OperatingPoint | None) -> dict[str, Any]:
+    """A steady state by the names of the JSON."""
+    results = {
         "efficiency": state.efficiency,
         "carrier_ratio": state.carrier_ratio,
         "drive_torque_nm": state.drive_torque,
@@ -156,21 +154,19 @@ def _steady(mechanism: Mechanism) -> dict[str, Any]:
         "power_balance_residual": state.power_balance_residual,
         "valid": state.valid,
     }
-
-
-def steady_results(mechanism: Mechanism) -> dict[str, Any]:
-    """What `prsm steady --json` prints."""
-    results = plain(run_stored("steady", _steady, mechanism))
-    point = mechanism.operating_point
     if point is not None:
-        results |= {"speed_rad_per_s": float(point.speed), "load_n": float(point.load)}
+        results |= {"speed_rad_per_s": point.speed, "load_n": point.load}
     return results
+
+
+def _steady(mechanism: Mechanism) -> dict[str, Any]:
+    return steady_results(steady_state(mechanism), mechanism.operating_point)
 
 
 @app.command
 def steady(file: str, *, common: Common = _DEFAULT) -> int:
     """Steady state: efficiency, torque, forces, every loss by name, power balance."""
-    results = steady_results(common.load(file))
+    results = plain(run_stored("steady", _steady, common.load(file)))
     emit(common, results, lambda: _steady_table(file, results))
     return int(not results["valid"])
 
@@ -203,7 +199,8 @@ def _transient(mechanism: Mechanism, method: Method, samples: int) -> Transient:
 _simulate = eqx.filter_jit(run_transient)
 
 
-def _history(run: Transient) -> dict[str, Any]:
+def transient_results(run: Transient) -> dict[str, Any]:
+    """A transient by the names of the JSON."""
     return {
         "time_s": run.time,
         "carrier_ratio": run.carrier_ratio,
@@ -225,11 +222,6 @@ def _history(run: Transient) -> dict[str, Any]:
     }
 
 
-def simulate_results(mechanism: Mechanism, samples: int = 201) -> dict[str, Any]:
-    """What `prsm simulate --json` prints."""
-    return plain(_history(_transient(mechanism, "implicit", samples)))
-
-
 @app.command
 def simulate(
     file: str,
@@ -240,7 +232,7 @@ def simulate(
 ) -> int:
     """Transient after a step of the screw speed, from rollers at rest."""
     run = _transient(common.load(file), method, samples)
-    results = _history(run)
+    results = transient_results(run)
     solver = results["solver"]
     rows: list[tuple[Any, ...]] = [
         ("efficiency", float(run.efficiency[0]), float(run.efficiency[-1])),

@@ -7,25 +7,30 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from ..mechanism import Mechanism, find_parameters, get_parameter, set_parameter
+from ..mechanism import find_parameters, get_parameter, set_parameter
 from ..optimise import optimise
 from ..quantities import catalogue
+from ..report import ReportData
 from ..sensitivity import sensitivity
-from ._analyse import contact_results, modal_results, simulate_results, steady_results
+from ._analyse import contact_results, modal_results, steady_results, transient_results
 from ._app import app
 from ._common import Common, plain
 
 _DEFAULT = Common()
 
 
-def _all_results(mechanism: Mechanism) -> dict[str, Any]:
-    """What the verbs contact, modal, steady and simulate give for one mechanism."""
-    return {
-        "contact": contact_results(mechanism),
-        "modal": modal_results(mechanism),
-        "steady": steady_results(mechanism),
-        "simulate": simulate_results(mechanism),
-    }
+def _all_results(data: ReportData) -> dict[str, Any]:
+    """What the verbs contact, modal, steady and simulate give, as far as it was analysed."""
+    results: dict[str, Any] = {}
+    if data.meshings is not None and data.contacts is not None:
+        results["contact"] = contact_results(data.meshings, data.contacts)
+    if data.modes is not None:
+        results["modal"] = modal_results(data.modes[0])
+    if data.steady is not None:
+        results["steady"] = steady_results(data.steady, data.mechanism.operating_point)
+    if data.transient is not None:
+        results["simulate"] = transient_results(data.transient)
+    return results
 
 
 @app.command
@@ -77,12 +82,6 @@ def demo(
     improved = loads(text, name="optimised.toml")
 
     say("analysing both designs: contact, vibration, steady state, transient")
-    results = {
-        "before": _all_results(mechanism),
-        "after": _all_results(improved),
-        "sensitivity": table.to_dict(),
-        "optimise": best.to_dict() | {"mechanism": "optimised.toml"},
-    }
     folder = Path("out/demo") if common.out is None else common.out
     data = analyse(
         mechanism,
@@ -92,6 +91,12 @@ def demo(
         optimisation=summarise_optimisation(best),
         improved=improved,
     )
+    results = {
+        "before": _all_results(data),
+        "after": {} if data.improved is None else _all_results(data.improved),
+        "sensitivity": table.to_dict(),
+        "optimise": best.to_dict() | {"mechanism": "optimised.toml"},
+    }
     say("drawing and writing the report")
     encoded = json.dumps(plain(results), indent=2, ensure_ascii=False, allow_nan=False)
     report = write_report(
