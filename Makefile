@@ -56,7 +56,7 @@ docs: | $(BIN)/python
 	$(BIN)/sphinx-build -W -b html docs out/docs
 
 notebooks: $(TEST_STAMP)
-	$(BIN)/jupytext --to notebook --execute notebooks/*.py
+	$(BIN)/python notebooks/build.py
 
 clean:
 	rm -rf out .pytest_cache .ruff_cache .hypothesis

@@ -6,6 +6,7 @@ from jaxtyping import Array, Bool, Float
 
 from .._errors import MissingDataError
 from .._physics import physics
+from .._root import find_root
 from ..mechanism import CoulombFriction, Mechanism, Scalar, Stage, ViscousFriction
 from ._chain import StageState, chain_forces
 from ._contact_losses import has_contact_losses, resisting_moments
@@ -95,28 +96,25 @@ def _carrier_ratio(
             "spin and rolling losses resist the rollers, and only thread friction can drive them; "
             "give [stage.friction.thread]"
         )
-    import optimistix
 
     def ratio_at(share: Scalar) -> Scalar:
         slip_along = share * jnp.sqrt(across_squared / (1 - share**2))
         return (along - slip_along) / length
 
-    def residual(share, _):
+    def residual(share: Scalar) -> Scalar:
         # A trial share of one or more has no slip that could balance it.
         bounded = jnp.clip(share, -0.999, 0.999)
         resisting, force = resistance(ratio_at(bounded))
         return share - resisting / (law.coefficient * force * length)
 
-    tolerance = 1e-13 if along.dtype == jnp.float64 else 1e-5
-    solution = optimistix.root_find(
+    share, found = find_root(
         residual,
-        optimistix.Newton(rtol=tolerance, atol=tolerance),
         jnp.zeros_like(along),
+        tolerance=1e-13 if along.dtype == jnp.float64 else 1e-5,
         max_steps=20,
-        throw=False,
     )
-    found = (solution.result == optimistix.RESULTS.successful) & (jnp.abs(solution.value) < 0.999)
-    return ratio_at(jnp.clip(solution.value, -0.999, 0.999)), found
+    found = found & (jnp.abs(share) < 0.999)
+    return ratio_at(jnp.clip(share, -0.999, 0.999)), found
 
 
 def _unit_slip(kinematics: StageKinematics, ratio: Scalar) -> Float[Array, "3"]:

@@ -5,6 +5,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from .._physics import physics
+from .._root import find_root
 from ..mechanism import Scalar, Thread
 from ._curvature import RelativeCurvature, relative_curvature
 from ._flanks import nut_side_hessian, screw_side_gap, screw_side_hessian, screw_side_slopes
@@ -62,25 +63,19 @@ def _slope_difference(unknown: Float[Array, "2"], thread: Thread) -> Float[Array
 
 def _solve(thread: Thread) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
     """Common-normal point (x, y) of the screw side, by Newton with implicit derivatives."""
-    import optimistix
-
     centre = thread.centre_distance
     # The unknowns are in units of the centre distance, so that one tolerance fits every size.
     # A roller profile radius off the axis changes the arc's curvature but not its slope at the
     # nominal radius, so the same estimate serves as a start.
     angle, _ = starting_angles(thread)
     start = jnp.stack([thread.screw_radius * jnp.cos(angle), -thread.screw_radius * jnp.sin(angle)])
-    tolerance = 1e-12 if centre.dtype == jnp.float64 else 1e-5
-    solver = optimistix.Newton(rtol=tolerance, atol=tolerance)
-    solution = optimistix.root_find(
-        _slope_difference,
-        solver,
+    unknown, found = find_root(
+        lambda unknown: _slope_difference(unknown, thread),
         start / centre,
-        args=thread,
+        tolerance=1e-12 if centre.dtype == jnp.float64 else 1e-5,
         max_steps=_MAXIMUM_STEPS,
-        throw=False,
     )
-    return solution.value * centre, solution.result == optimistix.RESULTS.successful
+    return unknown * centre, found
 
 
 def _unit_normal(slope: Float[Array, "2"], sign: float) -> Float[Array, "3"]:
