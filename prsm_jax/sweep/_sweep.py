@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Iterable, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
 import jax.numpy as jnp
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
     import xarray
 
 #: Designs per compiled call: large enough to hide the call, small enough to stay in the cache.
-DEFAULT_CHUNK = 2048
+DEFAULT_CHUNK = 4096
 
 
 def sweep(
@@ -109,34 +108,29 @@ def _evaluate(
     values: dict[str, np.ndarray] = {}
 
     for where, words, chosen in grid.combinations(mechanism):
-
-        def run(start: int, chosen=chosen):
-            found, bad = evaluate_chunk(
-                chosen,
-                axis_names,
-                axes,
-                names,
-                jnp.asarray(start),
-                size,
-                point["speed"],
-                point["load"],
-            )
-            return (
-                start,
-                {name: np.asarray(value) for name, value in found.items()},
-                np.asarray(bad),
-            )
-
         part: dict[str, np.ndarray] = {}
         part_failed = np.ones(total, dtype=bool)
         try:
-            for start, found, bad in _in_threads(run, range(0, total, size)):
+            # One chunk at a time: XLA's CPU client can deadlock when programs that share its
+            # thread pool run at once, and one program keeps the cores busy by itself.
+            for start in range(0, total, size):
+                found, bad = evaluate_chunk(
+                    chosen,
+                    axis_names,
+                    axes,
+                    names,
+                    jnp.asarray(start),
+                    size,
+                    point["speed"],
+                    point["load"],
+                )
                 count = min(size, total - start)
-                for name, value in found.items():
+                for name, array in found.items():
+                    value = np.asarray(array)
                     if name not in part:
                         part[name] = np.full((total, *value.shape[1:]), np.nan, value.dtype)
                     part[name][start : start + count] = value[:count]
-                part_failed[start : start + count] = bad[:count]
+                part_failed[start : start + count] = np.asarray(bad)[:count]
                 bar.update(count)
         except MissingDataError as error:
             if words:
@@ -153,28 +147,6 @@ def _evaluate(
             values[name][where] = value.reshape((*shape, *value.shape[1:]))
         failed[where] = part_failed.reshape(shape)
     return values, failed
-
-
-def _in_threads(run, starts):
-    """Run all chunks, first one alone: it compiles the program that the others use.
-
-    XLA runs one chunk mostly on one core, so the chunks are what is done in parallel; a window
-    of as many chunks as there are threads bounds what is in flight.
-    """
-    starts = list(starts)
-    yield run(starts[0])
-    workers = min(os.cpu_count() or 1, len(starts) - 1)
-    if workers < 2:
-        yield from map(run, starts[1:])
-        return
-    with ThreadPoolExecutor(workers) as pool:
-        waiting = []
-        for start in starts[1:]:
-            waiting.append(pool.submit(run, start))
-            if len(waiting) > workers:
-                yield waiting.pop(0).result()
-        for future in waiting:
-            yield future.result()
 
 
 class _NoBar:
