@@ -8,7 +8,7 @@ import pytest
 import prsm_jax as prsm
 
 ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), ROOT / "benchmarks/README.md"]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 
 
 def blocks(page: Path, language: str) -> list[str]:
@@ -26,7 +26,7 @@ def test_python_blocks_run(page, capsys):
     from prsm_jax.quantities import _catalogue
 
     known = dict(_catalogue._CATALOGUE)
-    namespace: dict = {}
+    namespace: dict = {"__name__": "documentation", "__package__": None}
     try:
         for block in blocks(page, "python"):
             exec(compile(block, str(page), "exec"), namespace)

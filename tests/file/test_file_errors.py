@@ -53,7 +53,7 @@ CASES = [
     ('bore_radius = "4 mm"', 'bore_radius = "12 mm"',
      r'\[\[stage\]\] 1 screw: bore_radius = "12 mm": must be less than the screw\'s nominal '
      r"radius, 12 mm"),
-    ('radial_width = "7 mm"', 'radial_width = "32 mm"', "must be less than twice the radius"),
+    ('radial_width = "6 mm"', 'radial_width = "32 mm"', "must be less than twice the radius"),
     ('law = "coulomb"', 'law = "columb"',
      r'\[\[stage\]\] 1 friction.thread: law = "columb": choose one of "coulomb", "viscous"'),
     ('law = "coulomb"', "", 'friction.thread: law: is missing; choose one of "coulomb"'),
@@ -85,10 +85,10 @@ CASES = [
      r"\[\[optimise.variable\]\] 1: lower = .* an angle where"),
     ('lower = "5 mm"', 'lower = "25 mm"', "must be below upper"),
     ('lower = "5 mm"', 'lower = "-5 mm"', "must be more than 0"),
-    ('upper = "3 GPa"', "",
+    ('upper = "1.9 GPa"', "",
      r"\[\[optimise.constraint\]\] 1: .* no limit; give lower, upper or equal"),
-    ('upper = "3 GPa"', "upper = 1\nequal = 1", "has equal and a bound"),
-    ('upper = "3 GPa"', 'upper = "3 quux"', "there is no unit 'quux' here"),
+    ('upper = "1.9 GPa"', "upper = 1\nequal = 1", "has equal and a bound"),
+    ('upper = "1.9 GPa"', 'upper = "3 quux"', "there is no unit 'quux' here"),
 ]  # fmt: skip
 
 

@@ -36,8 +36,8 @@ def test_units_of_limits_are_written_when_the_caller_knows_them():
     text = file.dumps(
         mechanism, {"max_pressure": "Pa", "lowest_mesh_torsional_frequency": "Hz", "unused": "m"}
     )
-    assert 'upper = "3 GPa"' in text
-    assert 'lower = "1 kHz"' in text
+    assert 'upper = "1.9 GPa"' in text
+    assert 'lower = "8.6 kHz"' in text
     assert file.loads(text).design_problem == mechanism.design_problem
 
 

@@ -3,6 +3,7 @@
 import importlib.util
 from pathlib import Path
 
+import jax
 import jupytext
 import pytest
 
@@ -18,7 +19,10 @@ _spec.loader.exec_module(build)
 @pytest.mark.timeout(900)
 @pytest.mark.filterwarnings("default")  # those of the kernel's own machinery are not ours
 @pytest.mark.parametrize("script", build.scripts(), ids=lambda path: path.stem)
-def test_a_notebook_runs(script):
+def test_a_notebook_runs(script, monkeypatch):
+    # The kernel is a process of its own; let it share what the tests have compiled.
+    monkeypatch.setenv("JAX_COMPILATION_CACHE_DIR", jax.config.jax_compilation_cache_dir)
+    monkeypatch.setenv("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.1")
     notebook = build.execute(script)
     pictures = [
         output
