@@ -1,6 +1,7 @@
 """Where the threads touch: the points of common normal between roller, screw and nut."""
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
@@ -127,4 +128,8 @@ def mesh(thread: Thread) -> Meshing:
         normal=_unit_normal(nut_slope, -1.0),
         curvature=relative_curvature(nut_slope, nut_hessian),
     )
-    return Meshing(screw, nut, screw_side_gap(thread, x, y), converged)
+    # XLA's CPU compiler (jaxlib 0.10.2, pass reshape-mover) computes wrong reverse derivatives, by
+    # some per cent, when it optimises the root's derivative together with what uses the contact.
+    return jax.lax.optimization_barrier(
+        Meshing(screw, nut, screw_side_gap(thread, x, y), converged)
+    )
