@@ -8,6 +8,7 @@ import pytest
 from scenes import array, mechanism, stage
 
 import prsm_jax as prsm
+from prsm_jax.dynamics import slip_velocity, stage_kinematics
 from prsm_jax.mechanism import CoulombFriction, Friction
 
 VARIABLES = ("lead", "contact_angle", "roller_radius")
@@ -18,8 +19,8 @@ VARIABLES = ("lead", "contact_angle", "roller_radius")
 def test_forward_and_reverse_against_differences(method):
     """Half way through the run-up, where everything still moves.
 
-    The solver's tolerance is 1e-11; steps that change with the parameters leave noise of that
-    size, which a step of 1 % turns into 1e-9 per relative change, a hundredth of the bound.
+    The solver's tolerance is 1e-9; steps that change with the parameters leave noise of that
+    size in the differences, which a step of 1 % turns into 1e-7 per relative change.
     """
     one = mechanism(stage(friction=Friction(thread=CoulombFriction(0.1))))
     base = jnp.stack([prsm.get_parameter(one, name) for name in VARIABLES])
@@ -30,9 +31,9 @@ def test_forward_and_reverse_against_differences(method):
             moved = prsm.set_parameter(moved, name, value * (1 + change))
         scenario = prsm.Scenario(array(100.0), array(5e3), array(0.1e-3), samples=3)
         run = prsm.simulate(
-            moved, scenario, method=method, rtol=1e-11, atol=1e-13, max_steps=256, throw=False
+            moved, scenario, method=method, rtol=1e-9, atol=1e-11, max_steps=256, throw=False
         )
-        return jnp.stack([run.efficiency[1], run.carrier_ratio[0, 1], run.drive_torque[2]])
+        return jnp.stack([run.efficiency[1], run.carrier_ratio[0, 1], run.carrier_ratio[0, 2]])
 
     @eqx.filter_jit
     def everything(offsets):
@@ -52,11 +53,33 @@ def test_forward_and_reverse_against_differences(method):
     moved = np.asarray(moved).reshape(3, 2, 4, -1)
     differences = np.einsum("k,vkq->qv", weights, moved[:, 0] - moved[:, 1]) / step
     assert np.max(np.abs(differences)) > 0.1
-    np.testing.assert_allclose(forward, differences, rtol=1e-6, atol=1e-7)
-    np.testing.assert_allclose(reverse, differences, rtol=1e-6, atol=1e-7)
+    np.testing.assert_allclose(forward, differences, rtol=1e-6, atol=2e-7)
+    np.testing.assert_allclose(reverse, differences, rtol=1e-6, atol=2e-7)
     # The two modes are two programs. Where rounding makes them take different explicit steps, each
     # derivative carries its own error of the size of the bound above.
     same = {"implicit": 1e-9, "explicit": 1e-6}[method]
     np.testing.assert_allclose(forward, reverse, rtol=same, atol=same / 10)
+    # Alone, each reverse derivative is a program of its own, compiled differently.
+    alone = eqx.filter_jit(jax.grad(lambda changes: evaluate(changes)[2]))(jnp.zeros(3))
+    np.testing.assert_allclose(alone, forward[2], rtol=1e-9, atol=1e-10)
     # Still far from the end, so that the solver mattered.
     assert 0 < values[1] < 0.36
+
+
+def test_reverse_derivative_of_the_slip_direction():
+    """The smallest program that jaxlib 0.10.2 gets wrong on a CPU, by 18 %, if it is let.
+
+    Its reshape-mover pass breaks programs in which the meshing's root, its transposed derivative
+    and the slip are optimised together; a barrier behind the meshing keeps them apart.
+    """
+    one = stage(friction=Friction(thread=CoulombFriction(0.1)))
+
+    def axial_direction(angle):
+        moved = eqx.tree_at(lambda s: s.thread.contact_angle, one, angle)
+        slip = slip_velocity(stage_kinematics(moved), array(100.0), array(20.0))
+        return slip[2] / jnp.sqrt(slip @ slip)
+
+    angle = array(np.pi / 4)
+    forward = jax.jit(jax.jacfwd(axial_direction))(angle)
+    reverse = jax.jit(jax.grad(axial_direction))(angle)
+    assert reverse == pytest.approx(float(forward), rel=1e-12)
