@@ -1,16 +1,48 @@
 """Settings from the command line: `--set KEY=VALUE`, with the names and units of a file."""
 
+import dataclasses
 from collections.abc import Iterable
 
 from .._errors import FileError, UnknownNameError, missing_extra
-from ..mechanism import Mechanism, find_parameters, set_parameter
+from ..mechanism import (
+    CURVATURE_CONVENTIONS,
+    Mechanism,
+    find_parameters,
+    set_parameter,
+)
 from ._checks import check_together
 from ._limits import limit_of
 from ._messages import Misplaced, one_line, table_name
 from ._numbers import is_plain_number, read_integer, read_number
 
 
+#: Settings that are words rather than numbers, with what they may be.
+_CHOICES = {"curvature": CURVATURE_CONVENTIONS}
+
+
+def _apply_choice(mechanism: Mechanism, key: str, text: str) -> Mechanism:
+    """Set a word in all stages, or in the one that `stage.N.…` names."""
+    *place, name = key.split(".")
+    allowed = _CHOICES[name]
+    if text not in allowed:
+        raise ValueError(f"{text!r} is none of {', '.join(allowed)}")
+    number = place[1] if len(place) == 2 else None
+    if place[:1] not in ([], ["stage"]) or len(place) > 2:
+        raise UnknownNameError(f"unknown parameter {key!r}; did you mean {name}?")
+    if number is not None and number not in {str(i + 1) for i in range(len(mechanism.stages))}:
+        raise UnknownNameError(
+            f"parameter {key!r}: the mechanism has {len(mechanism.stages)} stage(s)"
+        )
+    stages = tuple(
+        dataclasses.replace(stage, **{name: text}) if number in (None, str(index)) else stage
+        for index, stage in enumerate(mechanism.stages, start=1)
+    )
+    return dataclasses.replace(mechanism, stages=stages)
+
+
 def _apply(mechanism: Mechanism, key: str, text: str) -> Mechanism:
+    if key.rsplit(".", 1)[-1] in _CHOICES:
+        return _apply_choice(mechanism, key, text)
     parameter = find_parameters(mechanism, key)[0]
     limit = limit_of(parameter.path.rsplit(".", 1)[-1], parameter.unit)
     if parameter.static:
