@@ -15,7 +15,6 @@ from ._limits import limit_of
 from ._messages import Misplaced, one_line, table_name
 from ._numbers import is_plain_number, read_integer, read_number
 
-
 #: Settings that are words rather than numbers, with what they may be.
 _CHOICES = {"curvature": CURVATURE_CONVENTIONS}
 
