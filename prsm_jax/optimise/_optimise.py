@@ -45,10 +45,10 @@ def optimise(
     **Arguments:**
 
     - `mechanism`: the mechanism; the first start is its present design, moved into the bounds.
-    - `variables`: (lower, upper) bounds [SI] by the name of a parameter, or `Variable`s.
+    - `variables`: (lower, upper) bounds [SI] by the name of a parameter, or `Variable` objects.
     - `maximise`, `minimise`: a quantity, or weights by quantity; together they form one sum.
     - `constraints`: (lower, upper) limits [SI] by quantity, `None` for no limit, one number for an
-      equality; or `Constraint`s. A quantity with components is limited in each.
+      equality; or `Constraint` objects. A quantity with components is limited in each.
     - `problem`: supplies what the arguments above leave out; default that of the mechanism.
     - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
     - `method`: `"slsqp"` or `"trust-constr"` (SciPy), or, for bounds only, `"lbfgs"` or `"adam"`
