@@ -76,7 +76,7 @@ def stage_contact(
     """
     if meshing is None and stage.curvature == "exact":
         meshing = mesh(stage.thread)
-    axial_force = load / (stage.roller_count * engaged_threads(stage))
+    axial_force = load / (stage.present_roller_count * engaged_threads(stage))
     screw, nut = contact_frames(stage.thread, meshing, stage.curvature)
     return StageContact(
         screw=side_contact(stage, "screw", screw, axial_force * screw.normal_per_axial, method),

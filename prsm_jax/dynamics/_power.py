@@ -31,7 +31,7 @@ def losses(
     for index, (stage, geometry, state) in enumerate(
         zip(mechanism.stages, kinematics, states, strict=True)
     ):
-        count, motion, forces = stage.roller_count, state.motion, state.forces
+        count, motion, forces = stage.present_roller_count, state.motion, state.forces
         friction = stage.friction
         if friction is None:
             continue

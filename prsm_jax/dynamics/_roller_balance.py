@@ -4,7 +4,7 @@ import equinox as eqx
 import jax.numpy as jnp
 
 from .._physics import physics
-from ..mechanism import Gear, Scalar, Stage, body_inertia, body_mass
+from ..mechanism import Gear, Scalar, Stage, body_inertia, mean_roller_inertia, mean_roller_mass
 from ._chain import StageState
 from ._kinematics import StageKinematics
 
@@ -56,18 +56,20 @@ def roller_support_forces(
     mass_known = stage.roller.mass is not None or stage.roller.length is not None
     inward = jnp.zeros_like(forces.contact_force)
     if mass_known:
-        mass = body_mass(stage, "roller")
+        mass = mean_roller_mass(stage)
         inward = -mass * motion.carrier_speed**2 * thread.centre_distance
     pin_tangential = jnp.zeros_like(inward)
     tangential_inertia = jnp.zeros_like(inward)
     if carrier_acceleration is not None:
-        tangential_inertia = (
-            body_mass(stage, "roller") * carrier_acceleration * thread.centre_distance
-        )
+        tangential_inertia = mean_roller_mass(stage) * carrier_acceleration * thread.centre_distance
         if stage.carrier is not None:
             # Both carriers together turn by what all rollers push on their pins.
             inertia = stage.carrier.count * body_inertia(stage, "carrier")
-            both = inertia * carrier_acceleration / (stage.roller_count * thread.centre_distance)
+            both = (
+                inertia
+                * carrier_acceleration
+                / (stage.present_roller_count * thread.centre_distance)
+            )
             pin_tangential = -both / 2
     gear_tangential = (tangential_inertia - on_roller[1]) / 2 - pin_tangential
     pin_radial, gear_force = (inward - on_roller[0]) / 2, jnp.abs(gear_tangential)
@@ -86,7 +88,7 @@ def roller_support_forces(
         moment = moment + motion.nut_sense * forces.nut_moment.total
     if carrier_acceleration is not None:
         spin_acceleration = -kinematics.relative_spin_ratio * carrier_acceleration
-        moment = moment - body_inertia(stage, "roller") * spin_acceleration
+        moment = moment - mean_roller_inertia(stage) * spin_acceleration
     return RollerSupportForces(
         ring_gear_tangential=gear_tangential,
         ring_gear_force=gear_force,

@@ -8,7 +8,14 @@ from jaxtyping import Array, Float
 
 from .._errors import MissingDataError
 from .._physics import physics
-from ..mechanism import Scalar, Stage, body_inertia, body_mass
+from ..mechanism import (
+    Scalar,
+    Stage,
+    body_inertia,
+    body_mass,
+    mean_roller_inertia,
+    mean_roller_mass,
+)
 from ._contact_losses import ResistingMoment, has_contact_losses, resisting_moments
 from ._kinematics import StageKinematics
 from ._thread_friction import normal_force, thread_friction
@@ -54,7 +61,7 @@ class StageForces(eqx.Module):
 @physics("axial_inertia")
 def axial_inertia(stage: Stage) -> Scalar:
     """Mass that moves axially with the nut: N m_R + m_n + the carriers [kg]."""
-    mass = stage.roller_count * body_mass(stage, "roller") + body_mass(stage, "nut")
+    mass = stage.present_roller_count * mean_roller_mass(stage) + body_mass(stage, "nut")
     carrier = stage.carrier
     if carrier is not None:
         # Papers give the carriers' inertia without their mass; it is small beside the nut's.
@@ -77,7 +84,7 @@ def stage_forces(
     - `motion`: speeds and slip.
     - `axial_force`: F_n − m z̈, what the rollers together carry axially [N].
     """
-    count = stage.roller_count
+    count = stage.present_roller_count
     law = None if stage.friction is None else stage.friction.thread
     screw_side, nut_side = kinematics.meshing.screw, kinematics.meshing.nut
     per_force, constant = thread_friction(law, motion.slip, motion.direction)
@@ -86,7 +93,7 @@ def stage_forces(
     on_roller = force * screw_side.normal + friction
     nut_axial = -on_roller[2]
     if motion.axial_acceleration is not None:
-        nut_axial = nut_axial + body_mass(stage, "roller") * motion.axial_acceleration
+        nut_axial = nut_axial + mean_roller_mass(stage) * motion.axial_acceleration
     nut_force = nut_axial / nut_side.normal[2]
 
     screw_moment = nut_moment = None
@@ -120,9 +127,9 @@ def carrier_inertia(stage: Stage) -> Scalar:
     n_P carriers, rollers turning at −(n − 1) ω about their axes and circling with them
     (Li et al. 2021, equation 11).
     """
-    thread, count = stage.thread, stage.roller_count
-    spinning = body_inertia(stage, "roller") * (thread.starts - 1) ** 2
-    circling = body_mass(stage, "roller") * thread.centre_distance**2
+    thread, count = stage.thread, stage.present_roller_count
+    spinning = mean_roller_inertia(stage) * (thread.starts - 1) ** 2
+    circling = mean_roller_mass(stage) * thread.centre_distance**2
     inertia = count * (spinning + circling)
     if stage.carrier is not None:
         inertia = inertia + stage.carrier.count * body_inertia(stage, "carrier")

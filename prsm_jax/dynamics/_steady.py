@@ -78,7 +78,7 @@ def _carrier_ratio(
         direction_slip = _unit_slip(kinematics, ratio)
         direction = sense * slip_direction(direction_slip)
         per_force, constant = thread_friction(law, speed * direction_slip, direction)
-        axial = axial_force / stage.roller_count
+        axial = axial_force / stage.present_roller_count
         force = normal_force(kinematics.meshing.screw.normal, per_force, constant, axial)
         on_roller = force * kinematics.meshing.screw.normal + force * per_force + constant
         nut_force = -on_roller[2] / kinematics.meshing.nut.normal[2]

@@ -11,6 +11,12 @@ from ._bodies import (
     Screw as Screw,
     Support as Support,
 )
+from ._damping import (
+    Damping as Damping,
+    ModalDamping as ModalDamping,
+    RayleighDamping as RayleighDamping,
+    StructuralDamping as StructuralDamping,
+)
 from ._design_problem import (
     Constraint as Constraint,
     DesignProblem as DesignProblem,
@@ -34,6 +40,8 @@ from ._masses import (
     body_inertia as body_inertia,
     body_mass as body_mass,
     material_of as material_of,
+    mean_roller_inertia as mean_roller_inertia,
+    mean_roller_mass as mean_roller_mass,
     nut_outer_radius as nut_outer_radius,
     stage_mass as stage_mass,
 )
@@ -59,3 +67,4 @@ from ._together import (
     check_independent as check_independent,
     set_parameters as set_parameters,
 )
+from ._unequal_roller import UnequalRoller as UnequalRoller, total_factor as total_factor

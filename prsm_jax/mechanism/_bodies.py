@@ -17,11 +17,21 @@ class Support(eqx.Module):
     """Springs from a body to the housing; an absent one is not there."""
 
     radial_stiffness: Scalar | None = optional_number(
-        "N/m", "bending (radial) stiffness of the support, equal in x and y"
+        "N/m", "bending (radial) stiffness of the support, equal in x and y unless y has its own"
     )
     torsional_stiffness: Scalar | None = optional_number(
         "N/m", "torsional stiffness as a force per tangential displacement u = r θ"
     )
+    radial_stiffness_y: Scalar | None = optional_number(
+        "N/m", "bending stiffness in y where it differs from that in x (radial_stiffness)"
+    )
+
+    def __check_init__(self):
+        if self.radial_stiffness_y is not None and self.radial_stiffness is None:
+            raise ValueError(
+                "the support has radial_stiffness_y but no radial_stiffness, which is the one in "
+                "x; give both (0 N/m where there is no spring)"
+            )
 
 
 class Screw(eqx.Module):
@@ -36,13 +46,33 @@ class Screw(eqx.Module):
 
 
 class Roller(eqx.Module):
-    """One roller; its outer radius is the nominal one of the thread."""
+    """One roller; its outer radius is the nominal one of the thread.
+
+    **Raises:** `ValueError` at construction if the support holds what a pin cannot: rollers turn
+    freely on their pins, and the pins are isotropic.
+    """
 
     mass: Scalar | None = optional_number("kg", "mass; from length and density when absent")
     inertia: Scalar | None = optional_number("kg·m²", "moment of inertia about its own axis")
     length: Scalar | None = optional_number("m", "length of the cylinder")
     bore_radius: Scalar | None = optional_number("m", "radius of a central bore")
     material: Material | None = None
+    #: Pins of the roller in the carriers; when given, rollers move in translation too.
+    support: Support | None = None
+
+    def __check_init__(self):
+        if self.support is None:
+            return
+        if self.support.torsional_stiffness is not None:
+            raise ValueError(
+                "roller.support has torsional_stiffness, but a roller turns freely on its pins; "
+                "remove it"
+            )
+        if self.support.radial_stiffness_y is not None:
+            raise ValueError(
+                "roller.support has radial_stiffness_y, but the pins of a roller are isotropic; "
+                "give radial_stiffness alone"
+            )
 
 
 class Nut(eqx.Module):

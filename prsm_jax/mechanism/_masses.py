@@ -10,6 +10,7 @@ from .._errors import MissingDataError
 from ._bodies import Carrier, Material, Nut, RingGear, Roller, Screw
 from ._fields import Scalar
 from ._mechanism import Stage
+from ._unequal_roller import total_factor
 
 
 def material_of(stage: Stage, body: str) -> Material:
@@ -102,6 +103,27 @@ def body_inertia(stage: Stage, body: str) -> Scalar:
     return body_mass(stage, body) * (outer**2 + inner**2) / 2
 
 
+def _mean(stage: Stage, nominal: Scalar) -> Scalar:
+    total = total_factor(stage.unequal_roller, stage.roller_count, "mass_factor")
+    return nominal if isinstance(total, int) else nominal * (total / stage.present_roller_count)
+
+
+def mean_roller_mass(stage: Stage) -> Scalar:
+    """Mean mass of the rollers that are there [kg]; `body_mass` where all are equal.
+
+    **Raises:** `MissingDataError` as `body_mass`.
+    """
+    return _mean(stage, body_mass(stage, "roller"))
+
+
+def mean_roller_inertia(stage: Stage) -> Scalar:
+    """Mean moment of inertia of the rollers that are there about their own axes [kg·m²].
+
+    **Raises:** `MissingDataError` as `body_inertia`.
+    """
+    return _mean(stage, body_inertia(stage, "roller"))
+
+
 def nut_outer_radius(stage: Stage) -> Scalar:
     """Outer radius of the nut r_n + wall [m]."""
     wall = _needs(stage.nut.wall_thickness, "nut", "wall_thickness", "outer radius")
@@ -109,9 +131,9 @@ def nut_outer_radius(stage: Stage) -> Scalar:
 
 
 def stage_mass(stage: Stage) -> Scalar:
-    """Mass of all bodies of a stage: screw, N rollers, nut, and ring gear and carriers if there."""
+    """Mass of all bodies of a stage [kg]: screw, rollers, nut; ring gear and carriers if there."""
     mass = body_mass(stage, "screw") + body_mass(stage, "nut")
-    mass = mass + stage.roller_count * body_mass(stage, "roller")
+    mass = mass + stage.present_roller_count * mean_roller_mass(stage)
     if stage.ring_gear is not None:
         mass = mass + body_mass(stage, "ring_gear")
     if stage.carrier is not None:

@@ -6,11 +6,13 @@ import equinox as eqx
 from jaxtyping import Array, Float
 
 from ._bodies import Carrier, Gear, GivenStiffness, Material, Nut, RingGear, Roller, Screw
+from ._damping import Damping
 from ._design_problem import DesignProblem
 from ._fields import Scalar, as_scalar, choice, number, optional_number
 from ._friction import Friction
 from ._line_contact import LineContact
 from ._thread import Thread
+from ._unequal_roller import UnequalRoller, check_unequal_rollers
 
 CurvatureConvention: TypeAlias = Literal["exact", "lisowski2014", "wu2022"]
 CURVATURE_CONVENTIONS: tuple[CurvatureConvention, ...] = ("exact", "lisowski2014", "wu2022")
@@ -20,15 +22,19 @@ class Stage(eqx.Module):
     """One planetary roller screw: threads, bodies, gear, stiffnesses taken as given, friction.
 
     Leaves (traced, differentiable): every number. Static: `roller_count`, `curvature`,
-    `carrier.count`, and which of the optional parts are there at all.
+    `carrier.count`, which rollers are unequal or missing, and which of the optional parts are
+    there at all.
 
-    **Raises:** `ValueError` at construction for a roller count below 1 or an unknown curvature
-    convention. Numbers are not checked here, because they may be traced: the file layer checks
-    what it reads, and `prsm_jax.check` reports findings.
+    `roller_count` is the number of places, evenly spaced; `present_roller_count` that of the
+    rollers in them. The load is shared equally by those that are there, whatever their stiffness.
+
+    **Raises:** `ValueError` at construction for a roller count below 1, unequal rollers that do
+    not fit it, or an unknown curvature convention. Numbers are not checked here, because they may
+    be traced: the file layer checks what it reads, and `prsm_jax.check` reports findings.
     """
 
     thread: Thread
-    roller_count: int = choice("number of rollers, N")
+    roller_count: int = choice("number of rollers (of their places, if some are missing), N")
     screw: Screw = Screw()
     roller: Roller = Roller()
     nut: Nut = Nut()
@@ -38,6 +44,7 @@ class Stage(eqx.Module):
     material: Material | None = None
     stiffness: GivenStiffness | None = None
     friction: Friction | None = None
+    damping: Damping | None = None
     line_contact: LineContact | None = None
     engaged_threads: Scalar | None = optional_number(
         "1", "threads of one roller that carry load, per side, z"
@@ -45,6 +52,7 @@ class Stage(eqx.Module):
     curvature: CurvatureConvention = choice(
         "where the contact curvatures come from", default="exact"
     )
+    unequal_roller: tuple[UnequalRoller, ...] = eqx.field(converter=tuple, default=())
 
     def __check_init__(self):
         if self.roller_count < 1:
@@ -55,6 +63,12 @@ class Stage(eqx.Module):
             raise ValueError(
                 f"curvature is {self.curvature!r}; choose one of {', '.join(CURVATURE_CONVENTIONS)}"
             )
+        check_unequal_rollers(self.unequal_roller, self.roller_count)
+
+    @property
+    def present_roller_count(self) -> int:
+        """Number of rollers that are there: they share the load and have mass."""
+        return self.roller_count - sum(roller.missing for roller in self.unequal_roller)
 
 
 class OperatingPoint(eqx.Module):

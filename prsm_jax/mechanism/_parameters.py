@@ -3,7 +3,8 @@
 One vocabulary serves files, `--set`, sensitivities, sweeps and optimisation. A name is a dotted
 path as in the file (`stage.thread.lead`, `operating_point.load`), or any ending of it that is
 unambiguous (`lead`, `screw.mass`). `stage.2.lead` means the second stage; without a number it
-means every stage that has the field, moved together.
+means every stage that has the field, moved together. Unequal rollers go by their number:
+`stage.1.unequal_roller.3.stiffness_factor`.
 """
 
 import dataclasses
@@ -112,6 +113,11 @@ def _walk(
         path = (*prefix, field.name)
         if isinstance(value, eqx.Module):
             yield from _walk(value, path)
+        elif isinstance(value, tuple):
+            # An element keeps the number that it gives itself, whatever its place in the tuple.
+            for element in value:
+                inner = _walk(element, (*path, str(element.number)))
+                yield from (found for found in inner if not found[2])
         elif field.metadata.get("static") and isinstance(value, int):
             yield path, dict(field.metadata), True
         elif "unit" in field.metadata and value is not None:
@@ -120,7 +126,10 @@ def _walk(
 
 def _descend(tree, path: tuple[str, ...]):
     for name in path:
-        tree = getattr(tree, name)
+        if isinstance(tree, tuple):
+            tree = next(element for element in tree if element.number == int(name))
+        else:
+            tree = getattr(tree, name)
     return tree
 
 

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 
 from .._errors import MissingDataError
 from ..contact import StageContact
-from ..mechanism import Scalar, Stage
+from ..mechanism import Scalar, Stage, total_factor
 
 
 class ThreadStiffness(eqx.Module):
@@ -58,4 +58,5 @@ def axial_stiffness(stage: Stage, threads: ThreadStiffness) -> Scalar:
 
     Shafts and teeth are taken as rigid [N/m].
     """
-    return stage.roller_count * in_series(threads.screw_roller, threads.nut_roller)
+    count = total_factor(stage.unequal_roller, stage.roller_count, "stiffness_factor")
+    return count * in_series(threads.screw_roller, threads.nut_roller)
