@@ -14,6 +14,14 @@ def module_classes(hint) -> tuple[type[eqx.Module], ...]:
     return tuple(m for m in members if isinstance(m, type) and issubclass(m, eqx.Module))
 
 
+def row_class(hint) -> type[eqx.Module] | None:
+    """The class of the elements of a tuple of modules, which is an array of tables in a file."""
+    if typing.get_origin(hint) is not tuple:
+        return None
+    classes = module_classes(typing.get_args(hint)[0])
+    return classes[0] if classes else None
+
+
 def law_names(classes: tuple[type, ...]) -> dict[str, type]:
     """The value of the key `law` for each class of a union.
 

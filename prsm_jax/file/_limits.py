@@ -31,6 +31,7 @@ SLANT = Limit(-math.pi / 2, math.pi / 2, "between -90 and 90 deg, both excluded"
 ROLLERS = Limit(
     1.0, 1000.0, "a whole number from 1 to 1000", lower_allowed=True, upper_allowed=True
 )
+ROLLER_NUMBER = Limit(1.0, 1000.0, "a whole number from 1 to the number of rollers", True, True)
 COUNT = Limit(1.0, 100.0, "a whole number from 1 to 100", lower_allowed=True, upper_allowed=True)
 
 _BY_NAME = {
@@ -49,11 +50,18 @@ _BY_NAME = {
     "roller_addendum": NOT_NEGATIVE,
     "coefficient": NOT_NEGATIVE,
     "loss_factor": SHARE,
+    "ratio": Limit(0.0, 1.0, "0 or more and less than 1", lower_allowed=True),
+    "mass_coefficient": NOT_NEGATIVE,
+    "stiffness_coefficient": NOT_NEGATIVE,
+    "stiffness_factor": POSITIVE,
+    "mass_factor": POSITIVE,
+    "position_offset": SLANT,
     "torque": NOT_NEGATIVE,
     "engaged_threads": POSITIVE,
     "roller_teeth": POSITIVE,
     "mesh_factor": POSITIVE,
     "roller_count": ROLLERS,
+    "number": ROLLER_NUMBER,
     "count": COUNT,
 }
 _BY_UNIT = {

@@ -29,10 +29,12 @@ def table_name(place: Sequence[str | int]) -> str:
     numbered = [i for i, part in enumerate(place) if isinstance(part, int)]
     if not numbered:
         return f"[{'.'.join(map(str, place))}]" if place else ""
-    at = numbered[-1]
-    header = ".".join(str(part) for part in place[:at] if isinstance(part, str))
-    within = ".".join(map(str, place[at + 1 :]))
-    return f"[[{header}]] {int(place[at]) + 1} {within}".rstrip()
+    words = []
+    for at in numbered:
+        header = ".".join(str(part) for part in place[:at] if isinstance(part, str))
+        words.append(f"[[{header}]] {int(place[at]) + 1}")
+    words.append(".".join(map(str, place[numbered[-1] + 1 :])))
+    return " ".join(words).rstrip()
 
 
 def _follow(data, place: Place) -> tuple[list[str | int], object]:

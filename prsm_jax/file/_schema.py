@@ -15,17 +15,19 @@ import equinox as eqx
 from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model
 
 from ..mechanism import DutyCycle, OperatingPoint, Stage
-from ._layout import law_names, module_classes
+from ._layout import law_names, module_classes, row_class
 from ._limits import limit_of
 from ._numbers import read_integer, read_number
 from ._optimise_table import OptimiseTable
-from ._table import Table, checked, problem, read_choice, read_tables, read_text
+from ._table import Table, checked, problem, read_boolean, read_choice, read_tables, read_text
 
 
 def _number_or_choice(field: dataclasses.Field, hint) -> Any:
     unit = field.metadata.get("unit")
     if unit is not None:
         return Annotated[float, checked(read_number, unit, limit_of(field.name, unit))]
+    if hint is bool:
+        return Annotated[bool, checked(read_boolean)]
     if hint is int:
         return Annotated[int, checked(read_integer, limit_of(field.name, "1"))]
     if typing.get_origin(hint) is Literal:
@@ -61,6 +63,14 @@ def _table_type(classes: tuple[type, ...]) -> Any:
     return Annotated[typing.Union[members], discriminator, check]  # noqa: UP007
 
 
+def _kind(field: dataclasses.Field, hint) -> Any:
+    row = row_class(hint)
+    if row is not None:
+        return Annotated[list[table_of(row)], BeforeValidator(read_tables)]  # pyright: ignore[reportInvalidTypeForm]
+    classes = module_classes(hint)
+    return _table_type(classes) if classes else _number_or_choice(field, hint)
+
+
 def _meaning(field: dataclasses.Field) -> str:
     unit, text = field.metadata.get("unit", "1"), field.metadata.get("description", "")
     return text if unit == "1" or not text else f"{text} [{unit}]"
@@ -74,8 +84,7 @@ def table_of(cls: type, law: str | None = None) -> type[Table]:
     if law is not None:
         fields["law"] = (Annotated[str, checked(read_text)], ...)
     for field in dataclasses.fields(cls):
-        classes = module_classes(hints[field.name])
-        kind = _table_type(classes) if classes else _number_or_choice(field, hints[field.name])
+        kind = _kind(field, hints[field.name])
         if field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING:
             fields[field.name] = (kind, Field(description=_meaning(field)))
         else:
@@ -111,5 +120,8 @@ def module_of(table: Table) -> eqx.Module:
     values = {}
     for name in table.model_fields_set - {"law"}:
         value = getattr(table, name)
-        values[name] = module_of(value) if isinstance(value, Table) else value
+        if isinstance(value, list):
+            values[name] = tuple(module_of(row) for row in value)
+        else:
+            values[name] = module_of(value) if isinstance(value, Table) else value
     return table.module(**values)

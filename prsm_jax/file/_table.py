@@ -74,6 +74,13 @@ def read_name(value) -> str:
     return value
 
 
+def read_boolean(value) -> bool:
+    """True or false. **Raises:** `ValueError` if it is anything else."""
+    if not isinstance(value, bool):
+        raise ValueError("must be true or false")
+    return value
+
+
 def read_choice(value, allowed: tuple[str, ...]) -> str:
     """One of several words. **Raises:** `ValueError` if it is none of them."""
     if not isinstance(value, str) or value not in allowed:

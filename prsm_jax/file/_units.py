@@ -24,8 +24,9 @@ WRITTEN_UNITS: dict[str, tuple[str, ...]] = {
     "kg": ("kg", "g"),
     "kg·m²": ("kg mm^2", "kg m^2"),
     "kg/m³": ("kg/m^3",),
-    "s": ("s", "ms"),
+    "s": ("s", "ms", "us"),
     "Hz": ("kHz", "Hz"),
+    "1/s": ("1/s",),
     "W": ("W",),
 }
 

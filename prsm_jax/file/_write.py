@@ -15,7 +15,7 @@ import numpy as np
 
 from .._errors import FileError, UnknownNameError, missing_extra
 from ..mechanism import DesignProblem, DutyCycle, Mechanism, find_parameters
-from ._layout import law_names, module_classes
+from ._layout import law_names, module_classes, row_class
 from ._numbers import bare_number, write_number
 from ._read import loads
 
@@ -46,13 +46,19 @@ def _module(module: eqx.Module, header: str, law: str | None = None) -> Iterator
         value = getattr(module, field.name)
         if value is None:
             continue
-        if isinstance(value, eqx.Module):
+        if row_class(hints[field.name]) is not None:
+            for row in value:
+                inner.extend(("", f"[[{header}.{field.name}]]", *_module(row, header)))
+        elif isinstance(value, eqx.Module):
             inner.extend(_inner_table(field, value, hints[field.name], f"{header}.{field.name}"))
         elif "unit" in field.metadata:
             key = f"{header}.{field.name}"
             yield f"{field.name} = {_number(value, field.metadata['unit'], key)}"
         elif isinstance(value, str):
             yield f"{field.name} = {_string(value)}"
+        elif isinstance(value, bool):
+            if value != field.default:
+                yield f"{field.name} = {str(value).lower()}"
         else:
             yield f"{field.name} = {value}"
     yield from inner

@@ -15,7 +15,7 @@ class UnequalRoller(eqx.Module):
     factors, or one that differs in nothing.
     """
 
-    number: int = choice("which roller, from 1 to the number of rollers")
+    number: int = choice("number of the roller, from 1 at the angle 0")
     stiffness_factor: Scalar | None = optional_number(
         "1", "stiffness of this roller's meshes (screw, ring gear, nut) over the others'"
     )
@@ -37,8 +37,8 @@ class UnequalRoller(eqx.Module):
         ]
         if self.missing and differs:
             raise ValueError(
-                f"unequal_roller {self.number} is missing, so that {' and '.join(differs)} of it "
-                "mean nothing; remove them, or missing"
+                f"unequal_roller {self.number} is missing and has {' and '.join(differs)}, which "
+                "mean nothing then; remove them, or missing"
             )
         if not self.missing and not differs:
             raise ValueError(

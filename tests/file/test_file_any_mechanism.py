@@ -12,7 +12,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 import prsm_jax.file as file
-from prsm_jax.file._layout import module_classes
+from prsm_jax.file._layout import module_classes, row_class
 from prsm_jax.file._limits import limit_of
 from prsm_jax.mechanism import (
     Constraint,
@@ -21,7 +21,10 @@ from prsm_jax.mechanism import (
     Mechanism,
     Objective,
     OperatingPoint,
+    Roller,
     Stage,
+    Support,
+    UnequalRoller,
     Variable,
 )
 
@@ -37,10 +40,14 @@ def numbers(name: str, unit: str) -> st.SearchStrategy[float]:
 
 def _field(field: dataclasses.Field, hint) -> st.SearchStrategy:
     classes = module_classes(hint)
+    if row_class(hint) is not None:
+        return st.just(())  # filled when the number of rollers is known
     if classes:
         present = st.one_of([modules(cls) for cls in classes])
     elif "unit" in field.metadata:
         present = numbers(field.name, field.metadata["unit"])
+    elif hint is bool:
+        present = st.booleans()
     elif hint is int:
         limit = limit_of(field.name, "1")
         present = st.integers(int(limit.lower), int(limit.upper))
@@ -54,7 +61,12 @@ def modules(draw, cls: type[eqx.Module]):
     """A module of a class with any of its optional parts."""
     hints = typing.get_type_hints(cls)
     values = {f.name: draw(_field(f, hints[f.name])) for f in dataclasses.fields(cls)}
+    if cls is Support and values["radial_stiffness"] is None:
+        values["radial_stiffness_y"] = None
+    if cls is Roller and values["support"] is not None:
+        values["support"] = Support(values["support"].radial_stiffness)
     if cls is Stage:
+        values["unequal_roller"] = draw(unequal_rollers(values["roller_count"]))
         # Dimensions that must fit each other are scaled to do so.
         thread = values["thread"]
         radius = float(thread.roller_radius)
@@ -76,6 +88,21 @@ def modules(draw, cls: type[eqx.Module]):
                 roller_major_radius=2e-3,
             )
     return cls(**values)
+
+
+@st.composite
+def unequal_rollers(draw, roller_count: int):
+    """Some rollers of a stage that differ, at least one of them being there."""
+    chosen = draw(st.lists(st.integers(1, roller_count), max_size=3, unique=True))
+    rollers = []
+    for index, number in enumerate(chosen):
+        missing = index > 0 and draw(st.booleans())
+        names = ("stiffness_factor", "mass_factor", "position_offset")
+        differing = () if missing else draw(st.sets(st.sampled_from(names), min_size=1))
+        units = {name: "rad" if name == "position_offset" else "1" for name in differing}
+        values = {name: draw(numbers(name, unit)) for name, unit in sorted(units.items())}
+        rollers.append(UnequalRoller(number, missing=missing, **values))
+    return tuple(rollers)
 
 
 def _narrowed(carrier, radius: float):
