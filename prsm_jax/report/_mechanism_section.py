@@ -67,7 +67,8 @@ def _stage_rows(stage: Stage):
     def angle(value) -> str:
         return f"{trimmed(math.degrees(float(value)), 2)}°"
 
-    yield "rollers", str(stage.roller_count)
+    there, places = stage.present_roller_count, stage.roller_count
+    yield "rollers", str(there) if there == places else f"{there} in {places} places"
     yield "thread starts of screw and nut", trimmed(float(thread.starts))
     yield "lead", length(thread.lead)
     yield "pitch", length(thread.pitch)
