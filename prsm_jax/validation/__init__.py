@@ -19,7 +19,10 @@ from ._table import markdown as markdown, summary as summary, table as table
 # The sources, in the order of the table.
 from . import (  # isort: skip
     _wu2022 as _wu2022,
+    _wu2022_parts as _wu2022_parts,
     _wu2022_frequencies as _wu2022_frequencies,
+    _wu2022_shapes as _wu2022_shapes,
+    _wu2022_indefinite as _wu2022_indefinite,
     _wu2022_trends as _wu2022_trends,
     _li2020 as _li2020,
     _li2021 as _li2021,

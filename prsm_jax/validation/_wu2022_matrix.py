@@ -4,6 +4,9 @@ Kept apart from the toolkit's model on purpose: it exists to reproduce and expla
 """
 
 import dataclasses
+import itertools
+from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,6 +25,7 @@ class _Body:
     radial: float
     torsional: float
     mesh: float
+    phase: float
     roller_sign: int
     torsion_sign: int
     corner_sign: int
@@ -39,6 +43,10 @@ def _bodies(stage: Stage) -> tuple[_Body, ...]:
         "ring_gear": float(given.ring_roller),
         "nut": float(given.nut_roller) * projection,
     }
+    assert stage.gear is not None
+    # α_s, α_r and α_n of equations 7 to 13, for which the paper prints no values: the transverse
+    # modes of Table 6 point where these put them.
+    thread_phase, gear_phase = float(thread.contact_angle), float(stage.gear.pressure_angle)
     bodies = []
     for name, mesh in meshes.items():
         part = getattr(stage, name)
@@ -51,6 +59,7 @@ def _bodies(stage: Stage) -> tuple[_Body, ...]:
                 radial=float(part.support.radial_stiffness),
                 torsional=float(part.support.torsional_stiffness),
                 mesh=mesh,
+                phase=gear_phase if name == "ring_gear" else thread_phase,
                 roller_sign=sign,
                 torsion_sign=sign,
                 corner_sign=-sign,
@@ -59,79 +68,123 @@ def _bodies(stage: Stage) -> tuple[_Body, ...]:
     return tuple(bodies)
 
 
-def published_matrices(stage: Stage, roller_count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Matrix and mass diagonal whose eigenvalue magnitudes are the frequencies of Table 5.
+def _mass_diagonal(stage: Stage, roller_count: int) -> np.ndarray:
+    carrier = stage.carrier
+    assert carrier is not None
+    assert carrier.inertia is not None
+    radius = float(stage.thread.centre_distance)
+    rollers = roller_count * ROLLER_MASS
+    bodies = [(body.mass, body.mass, body.equivalent_mass) for body in _bodies(stage)]
+    inertia = carrier.count * float(carrier.inertia) / radius**2
+    return np.array([*np.ravel(bodies), *[ROLLER_MASS] * roller_count, inertia + rollers])
 
-    The couplings are those of the springs `δ = gᵀq`, but on the diagonal the springs count
-    negative for all translations, for the torsion of ring gear and nut, and for the rollers as
-    held by the screw. A spring that is stretched then gives energy back, so the matrix is
-    indefinite: −K, +K and the couplings belong to no common energy.
+
+def _supports(stage: Stage, roller_count: int) -> np.ndarray:
+    carrier = stage.carrier
+    assert carrier is not None
+    assert carrier.support is not None
+    assert carrier.support.torsional_stiffness is not None
+    bodies = [(body.radial, body.radial, body.torsional) for body in _bodies(stage)]
+    torsional = float(carrier.support.torsional_stiffness)
+    return np.array([*np.ravel(bodies), *[0.0] * roller_count, torsional])
+
+
+def _springs(stage: Stage, roller_count: int) -> Iterator[tuple[_Body, slice, int, np.ndarray]]:
+    """Every mesh spring: its body, where body and roller stand in q, and g on the body."""
+    angles = 2 * np.pi * np.arange(roller_count) / roller_count
+    for index, body in enumerate(_bodies(stage)):
+        for roller, position in enumerate(angles):
+            angle = body.phase - body.roller_sign * position
+            row = np.array([-np.sin(angle), np.cos(angle), 1.0])
+            yield body, slice(3 * index, 3 * index + 3), 9 + roller, row
+
+
+def stable_matrices(stage: Stage, roller_count: int) -> tuple[np.ndarray, np.ndarray]:
+    """The toolkit's model, `Σ k g gᵀ` and supports, with the numbers and phases of the published.
+
+    **Arguments and returns:** as `published_matrices`.
+    """
+    matrix = np.diag(_supports(stage, roller_count))
+    for body, place, other, row in _springs(stage, roller_count):
+        spring = np.zeros(len(matrix))
+        spring[place], spring[other] = row, body.roller_sign
+        matrix += body.mesh * np.outer(spring, spring)
+    return matrix, _mass_diagonal(stage, roller_count)
+
+
+def published_matrices(stage: Stage, roller_count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Matrix and mass diagonal that Tables 5 and 6 follow from, in the paper's coordinates.
+
+    The springs stretch by `δ = gᵀq`, so a stiffness matrix has `+k g²` on the diagonal and
+    `±k g` in the couplings of body and roller. In this one the diagonal is negative for all
+    translations, for the torsion of ring gear and nut, and for the rollers as held by the screw,
+    and every coupling has the opposite sign. Frequencies fix the signs on the diagonal, mode
+    shapes those of the couplings and the phases of the contacts. A spring that is stretched then
+    gives energy back: the matrix is indefinite, and belongs to no elastic structure.
 
     **Arguments:**
 
     - `stage`: the stage with the numbers of Table 4.
     - `roller_count`: N.
+
+    **Returns:** the matrix [N/m] and the mass diagonal [kg], in
+    q = [x, y, u of screw, ring gear, nut; u of each roller; u of the carrier].
     """
-    bodies = _bodies(stage)
-    angles = 2 * np.pi * np.arange(roller_count) / roller_count
-    size = 9 + roller_count + 1
-    matrix, mass = np.zeros((size, size)), np.zeros(size)
-    for index, body in enumerate(bodies):
-        place = slice(3 * index, 3 * index + 3)
+    matrix = np.diag(_supports(stage, roller_count))
+    for body, place, other, row in _springs(stage, roller_count):
         signs = np.array([-1.0, -1.0, body.torsion_sign])
-        mass[place] = body.mass, body.mass, body.equivalent_mass
-        matrix[place, place] += np.diag([body.radial, body.radial, body.torsional])
-        for roller, position in enumerate(angles):
-            angle = -body.roller_sign * position
-            row = np.array([-np.sin(angle), np.cos(angle), 1.0])
-            other = 9 + roller
-            matrix[place, place] += body.mesh * np.diag(signs * row**2)
-            matrix[other, other] += body.corner_sign * body.mesh
-            matrix[place, other] += body.mesh * body.roller_sign * row
-            matrix[other, place] += body.mesh * body.roller_sign * row
-    mass[9:-1] = ROLLER_MASS
-    carrier = stage.carrier
-    assert carrier is not None
-    assert carrier.inertia is not None
-    assert carrier.support is not None
-    assert carrier.support.torsional_stiffness is not None
-    radius = float(stage.thread.centre_distance)
-    mass[-1] = carrier.count * float(carrier.inertia) / radius**2 + roller_count * ROLLER_MASS
-    matrix[-1, -1] = float(carrier.support.torsional_stiffness)
-    return matrix, mass
+        matrix[place, place] += body.mesh * np.diag(signs * row**2)
+        matrix[other, other] += body.corner_sign * body.mesh
+        matrix[place, other] -= body.mesh * body.roller_sign * row
+        matrix[other, place] -= body.mesh * body.roller_sign * row
+    return matrix, _mass_diagonal(stage, roller_count)
 
 
-def published_modes(stage: Stage, roller_count: int) -> dict[str, tuple[float, bool]]:
-    """Frequency √|ω²|/2π [Hz] of every column of Table 5, and whether ω² is negative.
+def eigen(matrix: np.ndarray, mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Eigenvalues ω², ascending, and mass-normalised eigenvectors in columns."""
+    weight = 1 / np.sqrt(mass)
+    values, vectors = np.linalg.eigh(matrix * np.outer(weight, weight))
+    return values, vectors * weight[:, None]
 
-    The columns are told apart by multiplicity: simple roots (the carrier's first), double roots,
-    and the (N − 3)-fold one.
+
+class PublishedMode(NamedTuple):
+    """One column of Tables 5 and 6: `√|ω²|/2π` [Hz], whether ω² < 0, mass-normalised shapes."""
+
+    frequency: float
+    negative: bool
+    shapes: np.ndarray
+
+
+def published_modes(stage: Stage, roller_count: int) -> dict[str, PublishedMode]:
+    """The columns of Table 5, told apart by multiplicity.
+
+    Simple roots are `f2` to `f5` (the carrier's `f1`), double ones `t1` to `t4`, the (N − 3)-fold
+    one `r`. The shapes of a column are as many as its root has multiplicity.
+
+    **Arguments:** as `published_matrices`.
     """
     matrix, mass = published_matrices(stage, roller_count)
-    weight = 1 / np.sqrt(mass)
-    values = np.linalg.eigvalsh(matrix * np.outer(weight, weight))
-    clusters: list[list[float]] = []
-    scale = float(np.abs(values).max())
-    for value in values.tolist():
-        if clusters and abs(value - clusters[-1][-1]) < 1e-9 * scale:
-            clusters[-1].append(value)
-        else:
-            clusters.append([value])
+    values, vectors = eigen(matrix, mass)
+    near = 1e-9 * float(np.abs(values).max())
+    starts = [0, *(np.nonzero(np.diff(values) > near)[0] + 1).tolist(), len(values)]
     carrier = matrix[-1, -1] / mass[-1]
     corner = sum(b.corner_sign * b.mesh for b in _bodies(stage)) / ROLLER_MASS
-    found: dict[str, tuple[float, bool]] = {}
-    simple, double = [], []
-    for cluster in clusters:
-        value = cluster[0]
-        entry = (float(np.sqrt(abs(value)) / (2 * np.pi)), value < 0)
-        if abs(value - corner) < 1e-9 * scale:
-            found["r"] = entry
-        elif abs(value - carrier) < 1e-9 * scale:
-            found["f1"] = entry
-        elif len(cluster) == 1:
-            simple.append(entry)
+    found: dict[str, PublishedMode] = {}
+    simple: list[PublishedMode] = []
+    double: list[PublishedMode] = []
+    for start, stop in itertools.pairwise(starts):
+        value = float(values[start])
+        frequency = float(np.sqrt(abs(value)) / (2 * np.pi))
+        mode = PublishedMode(frequency, value < 0, vectors[:, start:stop])
+        if abs(value - corner) < near:
+            found["r"] = mode
+        elif abs(value - carrier) < near:
+            found["f1"] = mode
+        elif stop - start == 1:
+            simple.append(mode)
         else:
-            double.append(entry)
-    found |= {f"f{2 + index}": entry for index, entry in enumerate(sorted(simple))}
-    found |= {f"t{1 + index}": entry for index, entry in enumerate(sorted(double))}
+            double.append(mode)
+    for letter, first, modes in (("f", 2, simple), ("t", 1, double)):
+        ordered = sorted(modes, key=lambda mode: mode.frequency)
+        found |= {f"{letter}{first + index}": mode for index, mode in enumerate(ordered)}
     return found

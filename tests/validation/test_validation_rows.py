@@ -168,7 +168,7 @@ def test_the_published_matrix_is_indefinite(count):
     values = np.linalg.eigvalsh(matrix * np.outer(weight, weight))
     assert len(values) == count + 10
     assert int((values < 0).sum()) == 6
-    negative = {mode for mode, (_, below) in published_modes(stage, count).items() if below}
+    negative = {name for name, mode in published_modes(stage, count).items() if mode.negative}
     assert negative == {"t1", "t2", "f3", "f5"}
 
 
