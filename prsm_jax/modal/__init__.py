@@ -1,7 +1,10 @@
 """Bending–torsional vibration of one stage."""
 
 from ._assembly import (
+    coordinates as coordinates,
     dense_matrices as dense_matrices,
+    harmonic_network as harmonic_network,
+    spring_network as spring_network,
     torsional_block as torsional_block,
     torsional_springs as torsional_springs,
     transverse_block as transverse_block,
@@ -12,11 +15,33 @@ from ._block import (
     block_modes as block_modes,
     mesh_energy_share as mesh_energy_share,
 )
+from ._dense import (
+    FrequencySlopes as FrequencySlopes,
+    dense_modes as dense_modes,
+    directional_derivatives as directional_derivatives,
+    family_modes as family_modes,
+    stage_modes as stage_modes,
+)
 from ._eigen import generalised_eigen as generalised_eigen, symmetric_eigen as symmetric_eigen
+from ._energy import (
+    kinetic_energy_shares as kinetic_energy_shares,
+    strain_energy_shares as strain_energy_shares,
+)
+from ._families import FAMILIES as FAMILIES, family_shares as family_shares
 from ._modal import modal as modal
-from ._modes import (
-    ModeGroup as ModeGroup,
-    Modes as Modes,
+from ._modes import ModeGroup as ModeGroup, Modes as Modes
+from ._spring_modes import (
+    SpringModes as SpringModes,
+    clusters as clusters,
+    directional_slopes as directional_slopes,
+    spring_modes as spring_modes,
+)
+from ._spring_network import (
+    Coordinate as Coordinate,
+    Spring as Spring,
+    SpringNetwork as SpringNetwork,
+)
+from ._symmetric import (
     carrier_mode as carrier_mode,
     roller_modes as roller_modes,
     symmetric_modes as symmetric_modes,
@@ -26,6 +51,8 @@ from ._modes import (
 from ._system import (
     CarrierBody as CarrierBody,
     CentralBody as CentralBody,
+    RollerScatter as RollerScatter,
+    RollerTranslation as RollerTranslation,
     VibrationSystem as VibrationSystem,
     vibration_system as vibration_system,
 )

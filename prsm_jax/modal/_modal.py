@@ -6,13 +6,26 @@ from .._physics import physics
 from ..contact import load_of, stage_contact
 from ..mechanism import Mechanism, Scalar
 from ..stiffness import thread_stiffness
-from ._modes import Modes, symmetric_modes
+from ._dense import stage_modes
+from ._modes import Modes
 from ._system import vibration_system
 
 
 @physics("modal")
-def modal(mechanism: Mechanism, *, stage: int = 1, load: float | Scalar | None = None) -> Modes:
+def modal(
+    mechanism: Mechanism,
+    *,
+    stage: int = 1,
+    load: float | Scalar | None = None,
+    shapes: bool = False,
+) -> Modes:
     """Natural frequencies and families of one stage, bending–torsional (Wu et al. 2022).
+
+    Equal, evenly spaced rollers on supports that are equal in x and y are solved by symmetry, at
+    a cost that does not depend on N; a mechanism that says otherwise (`unequal_roller`,
+    `radial_stiffness_y`) by all its degrees of freedom. Which of the two is traced is decided by
+    what the mechanism mentions, not by its numbers. Rollers move in translation too where
+    `roller.support` is given.
 
     **Arguments:**
 
@@ -21,9 +34,10 @@ def modal(mechanism: Mechanism, *, stage: int = 1, load: float | Scalar | None =
     - `stage`: which stage, counted from 1. Each stage vibrates on its own in this model.
     - `load`: axial load at which the contact stiffness is taken [N]; default that of the operating
       point, and not needed where the stiffnesses are given.
+    - `shapes`: also give mass-normalised mode shapes and energy shares.
 
     **Raises:** `MissingDataError` if data are missing; `ValueError` for a stage that is not
-    there, or fewer than 3 rollers.
+    there.
     """
     if not 1 <= stage <= len(mechanism.stages):
         raise ValueError(f"stage is {stage}; the mechanism has stages 1 to {len(mechanism.stages)}")
@@ -31,4 +45,4 @@ def modal(mechanism: Mechanism, *, stage: int = 1, load: float | Scalar | None =
     threads = thread_stiffness(
         chosen, lambda: stage_contact(chosen, jnp.abs(load_of(mechanism, load)))
     )
-    return symmetric_modes(vibration_system(chosen, threads))
+    return stage_modes(vibration_system(chosen, threads), shapes=shapes)

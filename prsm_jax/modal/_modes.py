@@ -1,17 +1,22 @@
-"""Natural frequencies and families of one stage, by cyclic symmetry."""
+"""Natural frequencies, families and shapes of one stage: what an analysis returns."""
+
+from collections.abc import Callable
 
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from .._physics import physics
-from ._assembly import roller_corner, torsional_springs, transverse_springs
-from ._block import SpringBlock, block_modes, mesh_energy_share
+from ._energy import kinetic_energy_shares, strain_energy_shares
+from ._families import FAMILIES, family_shares
+from ._spring_modes import clusters
+from ._spring_network import Coordinate, SpringNetwork
 from ._system import VibrationSystem
 
 #: A frequency below this share of the largest one is a rigid-body motion: rounding leaves it at
 #: about 1e-16, and no spring is that soft.
 _RIGID_SHARE = 1e-13
+#: Family of a group whose modes no symmetry tells apart.
+COUPLED = "coupled"
 
 
 class ModeGroup(eqx.Module):
@@ -23,43 +28,139 @@ class ModeGroup(eqx.Module):
     mesh_energy_share: Float[Array, " modes"]
     multiplicity: int = eqx.field(static=True)
     family: str = eqx.field(static=True)
+    #: Mass-normalised shapes [1/√kg], where they were asked for.
+    shapes: Float[Array, "coordinates modes multiplicity"] | None = None
 
 
 class Modes(eqx.Module):
-    """Natural frequencies of one stage.
+    """Natural frequencies of one stage, and on request its mode shapes.
 
     `frequencies` lists all degrees of freedom in ascending order, repeated roots repeated;
-    `families` and `multiplicities` go with it. The order, and with it `families`, depends on
-    values and is therefore only available outside of a trace; inside one use `groups`.
+    `families`, `multiplicities` and the columns of `shapes` go with it. The order, and with it
+    `families`, depends on values and is therefore only available outside of a trace; inside one
+    use `groups`. Where the stage is symmetric, groups are its families. Where it is not, one
+    group named `coupled` has all modes but the carrier's.
+
+    What can be differentiated: frequencies (of a stage that is not symmetric with the reservation
+    of `spring_modes` at repeated roots), energy shares, and the shapes of simple roots.
     """
 
     groups: tuple[ModeGroup, ...]
+    system: VibrationSystem | None = None
+    network: SpringNetwork | None = None
+
+    def _repeated(self) -> Float[Array, " degrees"]:
+        return jnp.concatenate([jnp.repeat(g.frequencies, g.multiplicity) for g in self.groups])
 
     @property
     def frequencies(self) -> Float[Array, " degrees"]:
         """All natural frequencies, ascending, repeated roots repeated [Hz]."""
-        return jnp.sort(
-            jnp.concatenate([jnp.repeat(g.frequencies, g.multiplicity) for g in self.groups])
+        return jnp.sort(self._repeated())
+
+    def _asked(self) -> tuple[VibrationSystem, SpringNetwork]:
+        if self.system is None or self.network is None:
+            raise ValueError("the mode shapes were not asked for; call modal(..., shapes=True)")
+        return self.system, self.network
+
+    @property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """The degrees of freedom: the rows of `shapes`.
+
+        **Raises:** `ValueError` if shapes were not asked for.
+        """
+        return self._asked()[1].coordinates
+
+    @property
+    def shapes(self) -> Float[Array, "coordinates degrees"]:
+        """Mass-normalised mode shapes, one column for each entry of `frequencies` [1/√kg].
+
+        Rotations are displacements u = r θ on the nominal circle. The shapes of a repeated root
+        are one orthonormal choice among many, and a shape's sign is arbitrary.
+
+        **Raises:** `ValueError` if shapes were not asked for.
+        """
+        size = len(self.coordinates)
+        columns = []
+        for group in self.groups:
+            assert group.shapes is not None
+            columns.append(group.shapes.reshape(size, -1))
+        order = jnp.argsort(self._repeated(), stable=True)
+        return jnp.concatenate(columns, axis=1)[:, order]
+
+    def _averaged(self, shares: Callable[[Array], dict[str, Array]]) -> dict[str, Array]:
+        """Shares of every mode, alike for all members of a repeated root."""
+        found: list[dict[str, Array]] = []
+        for group in self.groups:
+            assert group.shapes is not None
+            size, modes, multiplicity = group.shapes.shape
+            each = shares(group.shapes.reshape(size, -1))
+            if group.family == COUPLED:
+                members = clusters(group.frequencies**2).astype(group.frequencies.dtype)
+                weight = members / jnp.sum(members, axis=1, keepdims=True)
+                means = {name: weight @ row for name, row in each.items()}
+            else:
+                means = {
+                    name: jnp.mean(row.reshape(modes, multiplicity), axis=1)
+                    for name, row in each.items()
+                }
+            found.append({k: jnp.repeat(v, multiplicity) for k, v in means.items()})
+        order = jnp.argsort(self._repeated(), stable=True)
+        return {name: jnp.concatenate([row[name] for row in found])[order] for name in found[0]}
+
+    def kinetic_energy_shares(self, *, each_roller: bool = False) -> dict[str, Array]:
+        """Share of the kinetic energy in each body, for each entry of `frequencies`.
+
+        The mean over the members of a repeated root, which does not depend on their choice.
+
+        **Raises:** `ValueError` if shapes were not asked for.
+        """
+        _, network = self._asked()
+        return self._averaged(
+            lambda shapes: kinetic_energy_shares(network, shapes, each_roller=each_roller)
+        )
+
+    def strain_energy_shares(self, *, each_spring: bool = False) -> dict[str, Array]:
+        """Share of the strain energy in each kind of spring, for each entry of `frequencies`.
+
+        Modes that are held by supports are told apart from those of the contacts by these shares;
+        a rigid motion has none. The mean over the members of a repeated root.
+
+        **Raises:** `ValueError` if shapes were not asked for.
+        """
+        _, network = self._asked()
+        return self._averaged(
+            lambda shapes: strain_energy_shares(network, shapes, each_spring=each_spring)
         )
 
     def _labels(self) -> list[tuple[float, str, int]]:
         rows = []
         largest = max((float(g.frequencies.max()) for g in self.groups), default=0.0)
         for group in self.groups:
-            for value in group.frequencies.tolist():
-                rigid = value <= _RIGID_SHARE * largest
-                family = "rigid" if rigid else group.family
+            names = [group.family] * len(group.frequencies)
+            if group.family == COUPLED:
+                names = [FAMILIES[at] for at in self._family_indices(group)]
+            for value, name in zip(group.frequencies.tolist(), names, strict=True):
+                family = "rigid" if value <= _RIGID_SHARE * largest else name
                 rows += [(value, family, group.multiplicity)] * group.multiplicity
         return sorted(rows, key=lambda row: row[0])
 
+    def _family_indices(self, group: ModeGroup) -> list[int]:
+        system, network = self._asked()
+        assert group.shapes is not None
+        shares = family_shares(system, network, group.shapes[..., 0])
+        return jnp.argmax(shares, axis=0).tolist()
+
     @property
     def families(self) -> tuple[str, ...]:
-        """Family of each entry of `frequencies`: rigid, carrier, torsional, transverse, roller."""
+        """Family of each entry of `frequencies`: rigid, carrier, torsional, transverse, roller.
+
+        By symmetry; where there is none, the family in which most of the mode's kinetic energy is.
+        """
         return tuple(family for _, family, _ in self._labels())
 
     @property
     def multiplicities(self) -> tuple[int, ...]:
-        """Multiplicity by symmetry of each entry of `frequencies`."""
+        """Multiplicity by symmetry of each entry of `frequencies`; 1 where there is none."""
         return tuple(multiplicity for _, _, multiplicity in self._labels())
 
     def group(self, family: str) -> ModeGroup | None:
@@ -67,66 +168,8 @@ class Modes(eqx.Module):
         return next((g for g in self.groups if g.family == family), None)
 
 
-def _frequency(eigenvalue: Float[Array, " modes"]) -> Float[Array, " modes"]:
-    """√λ/2π; value and derivative 0 where nothing holds the body."""
+def frequency(eigenvalue: Float[Array, " modes"]) -> Float[Array, " modes"]:
+    """√λ/2π [Hz]; value and derivative 0 where nothing holds the body."""
     elastic = eigenvalue > 0
     root = jnp.sqrt(jnp.where(elastic, eigenvalue, 1.0))
     return jnp.where(elastic, root, 0.0) / (2 * jnp.pi)
-
-
-def _group(block: SpringBlock, multiplicity: int, family: str) -> ModeGroup:
-    values, shapes = block_modes(block)
-    return ModeGroup(_frequency(values), mesh_energy_share(block, shapes), multiplicity, family)
-
-
-@physics("torsional_modes")
-def torsional_modes(system: VibrationSystem) -> ModeGroup:
-    """Modes in which all rollers turn alike (harmonic 0), each simple."""
-    return _group(torsional_springs(system), 1, "torsional")
-
-
-@physics("transverse_modes")
-def transverse_modes(system: VibrationSystem) -> ModeGroup:
-    """Modes in which screw, ring gear and nut move sideways (harmonic ±1), each double."""
-    return _group(transverse_springs(system), 2, "transverse")
-
-
-@physics("roller_modes")
-def roller_modes(system: VibrationSystem) -> ModeGroup | None:
-    """Modes in which only rollers turn: ω² = (k_s + k_r + k_n) r_R²/J_R, N − 3 times."""
-    if system.roller_count == 3:
-        return None
-    value = roller_corner(system) / system.roller_equivalent_mass
-    frequencies = _frequency(jnp.atleast_1d(value))
-    return ModeGroup(frequencies, jnp.ones_like(frequencies), system.roller_count - 3, "roller")
-
-
-@physics("carrier_mode")
-def carrier_mode(system: VibrationSystem) -> ModeGroup | None:
-    """The carrier on its support: ω² = K_cu / (J_c/r_c² + N m_R)."""
-    if system.carrier is None:
-        return None
-    value = system.carrier.torsional_support / system.carrier.equivalent_mass
-    frequencies = _frequency(jnp.atleast_1d(value))
-    return ModeGroup(frequencies, jnp.zeros_like(frequencies), 1, "carrier")
-
-
-def symmetric_modes(system: VibrationSystem) -> Modes:
-    """All natural frequencies of a stage with equal, evenly spaced rollers.
-
-    The discrete Fourier transform over the rollers splits the N + 10 degrees of freedom exactly
-    into one small matrix for harmonic 0 (torsional), one for harmonics ±1 (transverse, double),
-    a closed form for all higher harmonics (roller, N − 3 times) and the carrier, so the cost does
-    not depend on N and repeated roots never meet in one matrix.
-
-    **Arguments:**
-
-    - `system`: masses and springs from `vibration_system`.
-    """
-    groups = (
-        carrier_mode(system),
-        torsional_modes(system),
-        transverse_modes(system),
-        roller_modes(system),
-    )
-    return Modes(tuple(group for group in groups if group is not None))

@@ -1,5 +1,6 @@
 """One analysis of a mechanism, evaluated piece by piece as quantities ask for it."""
 
+from collections.abc import Callable
 from functools import cached_property
 
 import jax.numpy as jnp
@@ -11,9 +12,12 @@ from ..dynamics import StageKinematics, SteadyState, all_kinematics, steady_stat
 from ..mechanism import Mechanism, Scalar
 from ..modal import (
     ModeGroup,
+    Modes,
     VibrationSystem,
     carrier_mode,
+    family_modes,
     roller_modes,
+    stage_modes,
     torsional_modes,
     transverse_modes,
     vibration_system,
@@ -142,19 +146,39 @@ class Analysis:
     @cached_property
     def torsional(self) -> tuple[ModeGroup, ...]:
         """Torsional modes of every stage."""
-        return tuple(torsional_modes(system) for system in self.systems)
+        return tuple(self._families("torsional", torsional_modes))
 
     @cached_property
     def transverse(self) -> tuple[ModeGroup, ...]:
         """Transverse modes of every stage."""
-        return tuple(transverse_modes(system) for system in self.systems)
+        return tuple(self._families("transverse", transverse_modes))
+
+    def _families(self, family: str, by_symmetry: Callable[[VibrationSystem], ModeGroup]):
+        for index, system in enumerate(self.systems):
+            # One family by itself, where symmetry allows: the others are then not traced.
+            if system.symmetric:
+                yield by_symmetry(system)
+            else:
+                group = family_modes(self.modes[index], family)
+                assert group is not None
+                yield group
+
+    @cached_property
+    def modes(self) -> tuple[Modes, ...]:
+        """All modes of every stage."""
+        return tuple(stage_modes(system) for system in self.systems)
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether families are separate by symmetry in every stage."""
+        return all(system.symmetric for system in self.systems)
 
     @cached_property
     def roller(self) -> tuple[ModeGroup | None, ...]:
-        """Roller modes of every stage; `None` with three rollers."""
+        """Roller modes of every symmetric stage; `None` with three rollers."""
         return tuple(roller_modes(system) for system in self.systems)
 
     @cached_property
     def carrier(self) -> tuple[ModeGroup | None, ...]:
-        """Carrier mode of every stage; `None` without a carrier."""
+        """Carrier mode of every stage; `None` where it does not move on its own."""
         return tuple(carrier_mode(system) for system in self.systems)

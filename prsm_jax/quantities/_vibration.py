@@ -27,10 +27,24 @@ def _all(groups):
     return jnp.concatenate([group.frequencies for group in groups])
 
 
+def _needs_symmetry(analysis: Analysis) -> None:
+    if not analysis.symmetric:
+        raise MissingDataError(
+            "a stage has unequal rollers, fewer than 3, or supports that differ in x and y, so its "
+            "families are not separate; ask for natural_frequencies or a lowest_… frequency"
+        )
+
+
+@quantity("natural_frequencies", "f", "Hz", "all natural frequencies, by stage", ("mode",))
+def natural_frequencies(analysis: Analysis):
+    return jnp.concatenate([modes.frequencies for modes in analysis.modes])
+
+
 @quantity(
     "torsional_frequencies", "f_t", "Hz", "torsional natural frequencies, by stage", ("mode",)
 )
 def torsional_frequencies(analysis: Analysis):
+    _needs_symmetry(analysis)
     return _all(analysis.torsional)
 
 
@@ -42,11 +56,13 @@ def torsional_frequencies(analysis: Analysis):
     ("mode",),
 )
 def transverse_frequencies(analysis: Analysis):
+    _needs_symmetry(analysis)
     return _all(analysis.transverse)
 
 
 @quantity("roller_frequency", "f_R", "Hz", "roller natural frequency (N − 3 fold)", ("stage",))
 def roller_frequency(analysis: Analysis):
+    _needs_symmetry(analysis)
     groups = [group for group in analysis.roller if group is not None]
     if len(groups) < len(analysis.roller):
         raise MissingDataError("a stage with three rollers has no roller modes")
@@ -57,7 +73,10 @@ def roller_frequency(analysis: Analysis):
 def carrier_frequency(analysis: Analysis):
     groups = [group for group in analysis.carrier if group is not None]
     if len(groups) < len(analysis.carrier):
-        raise MissingDataError("a stage has no carrier; give [stage.carrier]")
+        raise MissingDataError(
+            "a stage has no carrier that moves on its own; give [stage.carrier], and no "
+            "[stage.roller.support]"
+        )
     return _all(groups)
 
 

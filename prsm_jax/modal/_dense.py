@@ -1,0 +1,124 @@
+"""Modes of any stage, symmetric or not, from all its degrees of freedom at once."""
+
+import dataclasses
+from collections.abc import Callable
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._physics import physics
+from ..mechanism import Scalar
+from ._assembly import spring_network
+from ._families import FAMILIES, family_shares
+from ._modes import COUPLED, ModeGroup, Modes, frequency
+from ._spring_modes import directional_slopes, spring_modes
+from ._symmetric import carrier_mode, meshed_share, symmetric_modes
+from ._system import VibrationSystem
+
+
+@physics("dense_modes")
+def dense_modes(system: VibrationSystem) -> Modes:
+    """All natural frequencies, shapes and families without any use of symmetry.
+
+    For rollers that differ in stiffness, mass or position, that are missing, or fewer than 3, and
+    for supports that differ in x and y; a symmetric stage gives what `symmetric_modes` gives.
+    Derivatives at repeated roots: see `spring_modes`.
+
+    **Arguments:**
+
+    - `system`: masses and springs from `vibration_system`.
+    """
+    network = spring_network(system)
+    # A carrier on its own would mix with a mode that happens to have its frequency.
+    alone = carrier_mode(system, shapes=True)
+    rest = network if alone is None else spring_network(dataclasses.replace(system, carrier=None))
+    modes = spring_modes(rest)
+    share = meshed_share(rest, modes.shapes)
+    shapes = modes.shapes
+    groups: tuple[ModeGroup, ...] = ()
+    if alone is not None:
+        shapes = jnp.concatenate([shapes, jnp.zeros_like(shapes[:1])])
+        groups = (alone,)
+    coupled = ModeGroup(frequency(modes.eigenvalues), share, 1, COUPLED, shapes[..., None])
+    return Modes((*groups, coupled), system, network)
+
+
+def family_modes(modes: Modes, family: str) -> ModeGroup | None:
+    """The modes of one family, whether symmetry or only their motion tells the families apart.
+
+    **Arguments:**
+
+    - `modes`: of a symmetric stage, or of any other.
+    - `family`: one of `FAMILIES`.
+
+    **Returns:** the group, or `None` if the stage has no such modes by its structure. Without
+    symmetry it has an entry for every mode: frequency infinite where it belongs to another family
+    (ascending, so those come last).
+    """
+    group = modes.group(family)
+    coupled = modes.group(COUPLED)
+    if group is not None or coupled is None:
+        return group
+    assert modes.system is not None
+    assert modes.network is not None
+    assert coupled.shapes is not None
+    shares = family_shares(modes.system, modes.network, coupled.shapes[..., 0])
+    belongs = jnp.argmax(shares, axis=0) == FAMILIES.index(family)
+    found = jnp.where(belongs, coupled.frequencies, jnp.inf)
+    order = jnp.argsort(found)
+    return ModeGroup(found[order], coupled.mesh_energy_share[order], 1, family)
+
+
+class FrequencySlopes(eqx.Module):
+    """Natural frequencies along a path, and how each sets out from where it is."""
+
+    #: Ascending, repeated roots repeated [Hz].
+    frequencies: Float[Array, " degrees"]
+    #: One-sided derivative of each entry as the path's parameter grows [Hz per its unit].
+    forward: Float[Array, " degrees"]
+    #: One-sided derivative of each entry as it comes from below [Hz per its unit].
+    backward: Float[Array, " degrees"]
+
+
+@physics("directional_derivatives")
+def directional_derivatives(
+    system_at: Callable[[Scalar], VibrationSystem], at: float | Scalar = 0.0
+) -> FrequencySlopes:
+    """One-sided derivatives of every natural frequency along a path of systems.
+
+    A repeated root that the path splits has no derivative, but each member of it has one in each
+    direction: from the eigenvalues of `Φᵀ (K′ − λ M′) Φ` in the root's subspace. They differ by
+    direction, so no `jax.grad` can give them. Derivatives that hold in every direction are those
+    of a cluster's mean, which `spring_modes` and `dense_modes` have.
+
+    **Arguments:**
+
+    - `system_at`: gives the system for a value of the path's parameter; differentiable.
+    - `at`: where on the path.
+    """
+    place = jnp.asarray(at, jnp.result_type(float))
+    network, change = jax.jvp(
+        lambda t: spring_network(system_at(t)), (place,), (jnp.ones_like(place),)
+    )
+    values, forward, backward = directional_slopes(network, change)
+    frequencies = frequency(values)
+    elastic = frequencies > 0
+    # f = √λ/2π; where nothing holds the body f leaves zero with a slope only if λ grows with t².
+    rate = jnp.where(elastic, 1 / (8 * jnp.pi**2 * jnp.where(elastic, frequencies, 1.0)), 0.0)
+    return FrequencySlopes(frequencies, rate * forward, rate * backward)
+
+
+def stage_modes(system: VibrationSystem, *, shapes: bool = False) -> Modes:
+    """Modes by the path that the scene allows: symmetric where its structure is, else dense."""
+    return symmetric_modes(system, shapes=shapes) if system.symmetric else dense_modes(system)
+
+
+__all__ = [
+    "FrequencySlopes",
+    "dense_modes",
+    "directional_derivatives",
+    "family_modes",
+    "stage_modes",
+]

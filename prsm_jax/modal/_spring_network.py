@@ -1,0 +1,116 @@
+"""A linear vibrating system as masses and springs: what every matrix here is made from."""
+
+import dataclasses
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Inexact
+
+
+@dataclasses.dataclass(frozen=True)
+class Coordinate:
+    """One degree of freedom: a body, and the direction in which it moves.
+
+    Directions: `x`, `y` of a body on the axis; `u = r θ`, the rotation of any body as a
+    displacement on its nominal circle, anticlockwise positive; `radial`, `tangential` of a roller,
+    in the frame of its own place around the screw.
+    """
+
+    body: str
+    direction: str
+
+    def __str__(self) -> str:
+        return f"{self.body} {self.direction}"
+
+
+@dataclasses.dataclass(frozen=True)
+class Spring:
+    """The name of a spring, with the number of its roller where there is one for each."""
+
+    name: str
+    roller: int | None = None
+
+    def __str__(self) -> str:
+        return self.name if self.roller is None else f"{self.name} {self.roller}"
+
+
+class SpringNetwork(eqx.Module):
+    """Springs and masses: spring s stretches by `rows[s] @ q`, coordinate j has `mass[j]`.
+
+    The stiffness matrix is `Σ k g gᵀ` over the springs, so it is positive semidefinite by
+    construction, and every energy is a sum of positive terms in which nothing cancels.
+    """
+
+    #: Stiffness of each spring [N/m].
+    stiffness: Float[Array, " springs"]
+    #: Elongation of each spring per unit of each coordinate; complex in a harmonic of a symmetry.
+    rows: Inexact[Array, "springs coordinates"]
+    #: Mass that goes with each coordinate [kg].
+    mass: Float[Array, " coordinates"]
+    coordinates: tuple[Coordinate, ...] = eqx.field(static=True)
+    springs: tuple[Spring, ...] = eqx.field(static=True)
+
+    def stiffness_matrix(self) -> Inexact[Array, "coordinates coordinates"]:
+        """K = Gᵀ diag(k) G [N/m]."""
+        return self.rows.conj().T @ (self.stiffness[:, None].astype(self.rows.dtype) * self.rows)
+
+    def index(self, coordinate: str) -> int:
+        """Where a coordinate is, by its name such as `"screw u"` or `"roller 3 u"`.
+
+        **Raises:** `ValueError` if there is none of that name, with those that there are.
+        """
+        names = [str(known) for known in self.coordinates]
+        if coordinate not in names:
+            raise ValueError(f"coordinate is {coordinate!r}; choose one of {', '.join(names)}")
+        return names.index(coordinate)
+
+
+def _widest(arrays: list[Array]):
+    """The dtype that holds all of them: complex if any is."""
+    found = [array.dtype for array in arrays]
+    return next((t for t in found if jnp.issubdtype(t, jnp.complexfloating)), found[0])
+
+
+class NetworkBuilder:
+    """Collects springs, all those of one kind at once; only used to put a network together."""
+
+    def __init__(self, coordinates: tuple[Coordinate, ...]):
+        self._coordinates = coordinates
+        self._places = {coordinate: place for place, coordinate in enumerate(coordinates)}
+        self._springs: list[Spring] = []
+        self._stiffness: list[Array] = []
+        self._rows: list[Array] = []
+
+    def add(self, springs: tuple[Spring, ...], stiffness, elongation: list) -> None:
+        """Springs of one kind.
+
+        **Arguments:**
+
+        - `springs`: their names.
+        - `stiffness`: of each, or one for all [N/m].
+        - `elongation`: pairs of a coordinate (or one coordinate for each spring) and the
+          elongation per unit of it (one for each spring, or one for all).
+        """
+        count = len(springs)
+        values = [jnp.asarray(value) for _, value in elongation]
+        dtype = _widest(values)
+        rows = jnp.zeros((count, len(self._coordinates)), dtype)
+        for (touched, _), value in zip(elongation, values, strict=True):
+            touched = [touched] * count if isinstance(touched, Coordinate) else touched
+            columns = np.array([self._places[coordinate] for coordinate in touched])
+            rows = rows.at[np.arange(count), columns].set(value.astype(dtype))
+        self._springs += springs
+        self._stiffness.append(jnp.broadcast_to(stiffness, (count,)))
+        self._rows.append(rows)
+
+    def network(self, mass: dict) -> SpringNetwork:
+        """The network, with the mass of every coordinate [kg]."""
+        dtype = _widest(self._rows)
+        return SpringNetwork(
+            stiffness=jnp.concatenate(self._stiffness),
+            rows=jnp.concatenate([rows.astype(dtype) for rows in self._rows]),
+            mass=jnp.stack([mass[coordinate] for coordinate in self._coordinates]),
+            coordinates=self._coordinates,
+            springs=tuple(self._springs),
+        )

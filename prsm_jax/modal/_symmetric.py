@@ -1,0 +1,147 @@
+"""Modes of a symmetric stage, family by family; the cost does not depend on the rollers' number."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._physics import physics
+from ._assembly import (
+    harmonic_network,
+    is_mesh,
+    roller_corner,
+    spring_network,
+    torsional_springs,
+    transverse_springs,
+)
+from ._block import SpringBlock, block_modes, mesh_energy_share
+from ._energy import strain_energy_shares
+from ._modes import ModeGroup, Modes, frequency
+from ._shapes import carrier_shape, harmonic_shapes
+from ._spring_modes import spring_modes
+from ._spring_network import Coordinate, SpringNetwork
+from ._system import VibrationSystem
+
+_ROLLER = Coordinate("roller", "u")
+
+
+def meshed_share(network: SpringNetwork, shapes) -> Float[Array, " modes"]:
+    """Share of each mode's strain energy in the contacts; 0 for a rigid motion."""
+    shares = strain_energy_shares(network, shapes)
+    return sum((row for name, row in shares.items() if is_mesh(name)), jnp.zeros(shapes.shape[-1]))
+
+
+def _of_block(
+    system: VibrationSystem, block: SpringBlock, family: str, harmonic: int, shapes: bool
+) -> ModeGroup:
+    values, small = block_modes(block)
+    whole = None
+    if shapes:
+        direction = "uw"[harmonic]
+        amplitudes = {
+            Coordinate(body.name, direction): row
+            for body, row in zip(system.bodies, small[:-1], strict=True)
+        }
+        whole = harmonic_shapes(system, harmonic, amplitudes | {_ROLLER: small[-1]})
+    share = mesh_energy_share(block, small)
+    return ModeGroup(frequency(values), share, harmonic + 1, family, whole)
+
+
+def _of_harmonic(system: VibrationSystem, family: str, harmonic: int, shapes: bool) -> ModeGroup:
+    network = harmonic_network(system, harmonic)
+    modes = spring_modes(network)
+    whole = None
+    if shapes:
+        amplitudes = dict(zip(network.coordinates, modes.shapes, strict=True))
+        whole = harmonic_shapes(system, harmonic, amplitudes)
+    multiplicity = system.roller_count - 3 if harmonic == 2 else harmonic + 1
+    share = meshed_share(network, modes.shapes)
+    return ModeGroup(frequency(modes.eigenvalues), share, multiplicity, family, whole)
+
+
+@physics("torsional_modes")
+def torsional_modes(system: VibrationSystem, *, shapes: bool = False) -> ModeGroup:
+    """Modes in which all rollers turn alike (harmonic 0), each simple."""
+    if system.translation is not None:
+        return _of_harmonic(system, "torsional", 0, shapes)
+    return _of_block(system, torsional_springs(system), "torsional", 0, shapes)
+
+
+@physics("transverse_modes")
+def transverse_modes(system: VibrationSystem, *, shapes: bool = False) -> ModeGroup:
+    """Modes in which screw, ring gear and nut move sideways (harmonic ±1), each double."""
+    if system.translation is not None:
+        return _of_harmonic(system, "transverse", 1, shapes)
+    return _of_block(system, transverse_springs(system), "transverse", 1, shapes)
+
+
+@physics("roller_modes")
+def roller_modes(system: VibrationSystem, *, shapes: bool = False) -> ModeGroup | None:
+    """Modes in which only rollers move, N − 3 times.
+
+    Rollers that only rotate have one, ω² = (k_s + k_r + k_n) r_R²/J_R.
+    """
+    if system.roller_count == 3:
+        return None
+    if system.translation is not None:
+        return _of_harmonic(system, "roller", 2, shapes)
+    value = jnp.atleast_1d(roller_corner(system) / system.roller_equivalent_mass)
+    whole = None
+    if shapes:
+        amplitude = jnp.atleast_1d(system.roller_equivalent_mass**-0.5)
+        whole = harmonic_shapes(system, 2, {_ROLLER: amplitude})
+    frequencies = frequency(value)
+    share = jnp.ones_like(frequencies)
+    return ModeGroup(frequencies, share, system.roller_count - 3, "roller", whole)
+
+
+@physics("carrier_mode")
+def carrier_mode(system: VibrationSystem, *, shapes: bool = False) -> ModeGroup | None:
+    """The carrier on its support: ω² = K_cu / (J_c/r_c² + N m_R).
+
+    `None` without a carrier, and where rollers move in translation: then it moves with them.
+    """
+    if system.carrier is None or system.translation is not None:
+        return None
+    value = system.carrier.torsional_support / system.carrier.equivalent_mass
+    frequencies = frequency(jnp.atleast_1d(value))
+    whole = carrier_shape(system) if shapes else None
+    return ModeGroup(frequencies, jnp.zeros_like(frequencies), 1, "carrier", whole)
+
+
+def symmetric_modes(system: VibrationSystem, *, shapes: bool = False) -> Modes:
+    """All natural frequencies of a stage with equal, evenly spaced rollers.
+
+    The discrete Fourier transform over the rollers splits the N + 10 degrees of freedom exactly
+    into one small matrix for harmonic 0 (torsional), one for harmonics ±1 (transverse, double),
+    one for all higher harmonics (roller, N − 3 times) and the carrier, so the cost does not depend
+    on N and repeated roots never meet in one matrix.
+
+    **Arguments:**
+
+    - `system`: masses and springs from `vibration_system`.
+    - `shapes`: also give the mode shapes.
+
+    **Raises:** `ValueError` if the system is not symmetric by its structure.
+    """
+    if not system.symmetric:
+        raise ValueError(
+            "the system is not symmetric (unequal or fewer than 3 rollers, or supports that differ "
+            "in x and y); use dense_modes"
+        )
+    groups = (
+        carrier_mode(system, shapes=shapes),
+        torsional_modes(system, shapes=shapes),
+        transverse_modes(system, shapes=shapes),
+        roller_modes(system, shapes=shapes),
+    )
+    found = tuple(group for group in groups if group is not None)
+    return Modes(found, system, spring_network(system)) if shapes else Modes(found)
+
+
+__all__ = [
+    "carrier_mode",
+    "meshed_share",
+    "roller_modes",
+    "symmetric_modes",
+    "torsional_modes",
+    "transverse_modes",
+]
