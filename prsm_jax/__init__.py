@@ -31,7 +31,8 @@ from .file import (
     load as load,
     loads as loads,
 )
-from .geometry import Finding as Finding, check as check, mesh as mesh
+from .findings import check as check
+from .geometry import Finding as Finding, mesh as mesh
 from .mechanism import (
     Constraint as Constraint,
     DesignProblem as DesignProblem,

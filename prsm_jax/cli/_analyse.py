@@ -18,7 +18,8 @@ from ..dynamics import (
     simulate as run_transient,
     steady_state,
 )
-from ..geometry import Meshing, check as run_checks, mesh
+from ..findings import check as run_checks
+from ..geometry import Meshing, mesh
 from ..mechanism import Mechanism, OperatingPoint
 from ..modal import Modes, modal as run_modal
 from ._app import app
@@ -30,7 +31,7 @@ _DEFAULT = Common()
 
 @app.command
 def check(file: str, *, common: Common = _DEFAULT) -> int:
-    """Does the mechanism fit together? Prints findings; exit status 1 if one is an error."""
+    """Does it fit together, and do its numbers make sense? Exit status 1 if one is an error."""
     findings = run_checks(common.load(file))
     rows = [(f.name, f.severity, f.stage, f.message) for f in findings]
 

@@ -2,7 +2,7 @@
 
 from ._checks import (
     Finding as Finding,
-    check as check,
+    geometric_findings as geometric_findings,
     roller_clearance as roller_clearance,
     roller_major_radius as roller_major_radius,
 )

@@ -15,8 +15,8 @@ Severity = Literal["error", "warning", "note"]
 class Finding:
     """One thing an engineer should know about a mechanism.
 
-    `error`: it cannot be built or does not mesh; `warning`: it can, but not as drawn; `note`: for
-    information.
+    `error`: it cannot be built, does not mesh or is no structure; `warning`: it can, but not as
+    drawn, or its numbers contradict each other; `note`: for information.
     """
 
     name: str
@@ -193,17 +193,15 @@ def _check_meshing(stage: Stage, number: int) -> list[Finding]:
     return found
 
 
-def check(mechanism: Mechanism) -> tuple[Finding, ...]:
+def geometric_findings(mechanism: Mechanism) -> tuple[Finding, ...]:
     """Kinematic and geometric checks of a mechanism, as named findings.
 
     Names: `feasible_ratio`, `roller_clearance`, `gear_assembly`, `carrier_clearance`, `meshing`,
-    `contact_on_flank`, `tooth_thickness`. Nothing is raised; a mechanism without findings gives
-    an empty tuple. Needs concrete numbers: inside a trace use the quantities instead
-    (`roller_clearance`, …).
+    `contact_on_flank`, `tooth_thickness`. Nothing is raised.
 
     **Arguments:**
 
-    - `mechanism`: the mechanism.
+    - `mechanism`: the mechanism, with concrete numbers.
     """
     findings: list[Finding] = []
     for number, stage in enumerate(mechanism.stages, start=1):

@@ -10,7 +10,8 @@ import jax.numpy as jnp
 from .._errors import MissingDataError, PrsmError
 from ..contact import StageContact, load_of, stage_contact
 from ..dynamics import SteadyState, Transient, simulate, steady_state
-from ..geometry import Finding, Meshing, check, mesh
+from ..findings import check
+from ..geometry import Finding, Meshing, mesh
 from ..mechanism import Mechanism, find_parameters
 from ..modal import Modes, modal
 from ._optimisation import Optimisation

@@ -45,9 +45,11 @@ def mechanism_section(data: ReportData) -> Section:
 
 
 def findings_section(data: ReportData) -> Section:
-    """What the geometric checks have to say."""
+    """What the checks have to say."""
     if not data.findings:
-        words = ("The geometric checks (ratio, clearance, gear, meshing, thread) found nothing.",)
+        words = (
+            "The checks (ratio, clearance, gear, meshing, thread, masses, springs) found nothing.",
+        )
         return Section("findings", "Findings", words)
     many = len(data.mechanism.stages) > 1
     rows = tuple(

@@ -8,7 +8,7 @@ from scenes import array, example, stage, thread
 import prsm_jax as prsm
 from prsm_jax import file
 from prsm_jax.geometry import roller_clearance
-from prsm_jax.mechanism import Gear
+from prsm_jax.mechanism import Gear, Screw
 
 
 def _findings(one):
@@ -16,7 +16,8 @@ def _findings(one):
 
 
 def test_sound_mechanism_has_only_the_note_on_tooth_thickness():
-    found = _findings(stage())
+    screw = Screw(mass=0.76, inertia=0.5 * 0.76 * 12e-3**2)
+    found = _findings(stage(screw=screw))
     assert set(found) == {"tooth_thickness"}
     assert found["tooth_thickness"].severity == "note"
 

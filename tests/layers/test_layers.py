@@ -21,7 +21,8 @@ LAYERS = {
     "dynamics": {"mechanism", "geometry", "contact", "stiffness"},
 }
 LAYERS["quantities"] = set(LAYERS) - {"file"}
-_PHYSICS = LAYERS["quantities"] | {"quantities"}
+LAYERS["findings"] = LAYERS["quantities"] - {"dynamics"}
+_PHYSICS = LAYERS["quantities"] | {"quantities", "findings"}
 LAYERS["sensitivity"] = LAYERS["optimise"] = LAYERS["sweep"] = _PHYSICS
 LAYERS["validation"] = _PHYSICS | {"file"}
 LAYERS["report"] = _PHYSICS | {"file", "sensitivity", "optimise", "sweep", "validation"}

@@ -1,0 +1,26 @@
+"""All findings of a mechanism together."""
+
+from ..geometry import Finding, geometric_findings
+from ..mechanism import Mechanism
+from ._masses import mass_findings
+from ._stiffness import stiffness_findings
+
+
+def check(mechanism: Mechanism) -> tuple[Finding, ...]:
+    """What an engineer should know about a mechanism before trusting its results, by name.
+
+    Does it fit together: `feasible_ratio`, `roller_clearance`, `gear_assembly`,
+    `carrier_clearance`, `meshing`, `contact_on_flank`, `tooth_thickness`. Do the numbers behind its
+    vibration make sense: `inertia`, `mass`, `torsional_support`, `negative_stiffness`. Nothing is
+    raised; a mechanism without findings gives an empty tuple. Needs concrete numbers: inside a
+    trace use the quantities instead (`roller_clearance`, …).
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism.
+
+    **Returns:** the findings, stage by stage.
+    """
+    found = [*geometric_findings(mechanism), *mass_findings(mechanism)]
+    found += stiffness_findings(mechanism)
+    return tuple(sorted(found, key=lambda finding: finding.stage))

@@ -1,0 +1,162 @@
+"""Findings on given masses and moments of inertia: can a body of these dimensions have them?"""
+
+import dataclasses
+from collections.abc import Iterator
+
+from .._errors import MissingDataError
+from ..geometry import Finding
+from ..mechanism import Material, Mechanism, Scalar, Stage, as_scalar, body_inertia, body_mass
+
+#: Steel, where no density is given [kg/m³].
+_STEEL_DENSITY = 7850.0
+#: J/(m r²) with r the nominal radius. Screw and roller are cylinders inside of it: ½ if solid, up
+#: to 1 with a bore, and less where journals are thinner. Nut and ring gear lie outside of it, and
+#: the carrier is centred on it. Beyond these limits a number is mistyped or in another unit.
+_CYLINDER, _SLEEVE, _ANNULUS = (0.2, 1.0), (1.0, 10.0), (0.3, 3.0)
+_SHAPES = {
+    "screw": ("cylinder", _CYLINDER),
+    "roller": ("cylinder", _CYLINDER),
+    "nut": ("sleeve", _SLEEVE),
+    "ring_gear": ("sleeve", _SLEEVE),
+    "carrier": ("annulus", _ANNULUS),
+}
+#: How near J/(m r²) must be to 1 to be taken for m r² itself; printed numbers have three digits.
+_THIN_RING = 0.02
+#: Threads, journals and gears make a body lighter or heavier than its cylinder, but not by this.
+_MASS_RATIO = 2.0
+
+
+def _nominal_radius(stage: Stage, body: str) -> float:
+    thread = stage.thread
+    radii: dict[str, Scalar] = {
+        "screw": thread.screw_radius,
+        "roller": thread.roller_radius,
+        "nut": thread.nut_radius,
+        "ring_gear": thread.nut_radius,
+        "carrier": thread.centre_distance,
+    }
+    return float(radii[body])
+
+
+def _label(body: str) -> str:
+    return body.replace("_", " ")
+
+
+def _inertia_from_dimensions(stage: Stage, body: str) -> float | None:
+    """½ m (R² + r²) with the mass given; none where the radii are not all there."""
+    part = dataclasses.replace(getattr(stage, body), inertia=None, length=as_scalar(1.0))
+    try:
+        return float(body_inertia(dataclasses.replace(stage, **{body: part}), body))
+    except MissingDataError:
+        return None
+
+
+def _mass_from_dimensions(stage: Stage, body: str) -> tuple[float, float] | None:
+    """Mass by dimensions and density, and that density; none where a dimension is missing."""
+    part = getattr(stage, body)
+    material = part.material or stage.material
+    if material is None or material.density is None:
+        material = Material(as_scalar(210e9), as_scalar(0.3), as_scalar(_STEEL_DENSITY))
+    part = dataclasses.replace(part, mass=None, material=material)
+    try:
+        mass = float(body_mass(dataclasses.replace(stage, **{body: part}), body))
+    except MissingDataError:
+        return None
+    assert material.density is not None
+    return mass, float(material.density)
+
+
+def _check_inertia(stage: Stage, body: str, number: int) -> Finding | None:
+    part = getattr(stage, body)
+    if part is None or part.mass is None or part.inertia is None:
+        return None
+    mass, inertia = float(part.mass), float(part.inertia)
+    radius = _nominal_radius(stage, body)
+    thin = mass * radius**2
+    if thin <= 0:
+        return None
+    shape, (lower, upper) = _SHAPES[body]
+    expected = _inertia_from_dimensions(stage, body)
+    ratio = inertia / thin
+    # A tube or sleeve whose wall is thin does have m r².
+    honest = shape == "annulus" or (expected is not None and abs(expected / thin - 1) < 0.05)
+    if abs(ratio - 1) < _THIN_RING:
+        if honest:
+            return None
+        what = "is m r², that of a thin ring of the nominal radius"
+    elif ratio > upper:
+        what = f"is {ratio:.3g} m r², more than any {shape} of that radius has"
+        if shape == "sleeve":
+            what = f"is {ratio:.3g} m r² of the nominal radius, which would take a huge wall"
+    elif ratio < lower:
+        what = f"is {ratio:.3g} m r² of the nominal radius, less than any {shape} of it has"
+    else:
+        return None
+    if expected is not None:
+        should = f"½ m (R² + r²) = {expected:.4g} kg·m²"
+    else:
+        should = f"more than m r² = {thin:.4g} kg·m², by its wall"
+    return Finding(
+        "inertia",
+        "warning",
+        number,
+        inertia,
+        thin if expected is None else expected,
+        f"the moment of inertia of the {_label(body)}, {inertia:.4g} kg·m², {what}; a {shape} of "
+        f"{mass:.4g} kg and {1e3 * radius:.4g} mm nominal radius has {should}: correct "
+        f"inertia, or remove it and give {_dimensions(body)}",
+    )
+
+
+def _dimensions(body: str) -> str:
+    more = {"nut": "wall_thickness", "ring_gear": "wall_thickness", "carrier": "radial_width"}
+    names = ["length", *([more[body]] if body in more else [])]
+    return " and ".join(f"stage.{body}.{name}" for name in names)
+
+
+def _check_mass(stage: Stage, body: str, number: int) -> Finding | None:
+    part = getattr(stage, body)
+    if part is None or part.mass is None:
+        return None
+    derived = _mass_from_dimensions(stage, body)
+    if derived is None or derived[0] <= 0:
+        return None
+    mass, (expected, density) = float(part.mass), derived
+    if 1 / _MASS_RATIO <= mass / expected <= _MASS_RATIO:
+        return None
+    return Finding(
+        "mass",
+        "warning",
+        number,
+        mass,
+        expected,
+        f"the mass of the {_label(body)}, {mass:.4g} kg, is {mass / expected:.3g} times that of "
+        f"its dimensions, {expected:.4g} kg at {1e3 * float(part.length):.4g} mm and {density:.0f} "
+        "kg/m³: correct one of them, or remove mass to have it derived",
+    )
+
+
+def _of_stage(stage: Stage, number: int) -> Iterator[Finding]:
+    for body in _SHAPES:
+        for one in (_check_mass, _check_inertia):
+            finding = one(stage, body, number)
+            if finding is not None:
+                yield finding
+
+
+def mass_findings(mechanism: Mechanism) -> tuple[Finding, ...]:
+    """Given masses and inertias that no body of the given dimensions has.
+
+    `inertia`: m r² for a body that is no thin ring, more than a cylinder of that radius can have,
+    or far too little. `mass`: out of line with length, radius and density (7850 kg/m³ if not
+    given), where a length is there.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism, with concrete numbers.
+    """
+    return tuple(
+        finding
+        for number, stage in enumerate(mechanism.stages, start=1)
+        for finding in _of_stage(stage, number)
+    )

@@ -1,0 +1,151 @@
+"""Findings on given stiffnesses: springs that give energy back, shafts that no shaft can be."""
+
+import math
+from collections.abc import Iterator
+
+import jax.numpy as jnp
+import numpy as np
+
+from .._errors import MissingDataError
+from ..contact import load_of, stage_contact
+from ..geometry import Finding
+from ..mechanism import Mechanism, Stage
+from ..modal import dense_matrices, vibration_system
+from ..stiffness import thread_stiffness
+
+#: Shortest and longest free length of a screw of unknown length, in diameters.
+_SHORTEST, _LONGEST = 1.0, 30.0
+#: Couplings and bearings in series, and journals, change a shaft by less than this.
+_SLACK = 3.0
+#: Steel, where no material is given: Young's modulus [Pa] and Poisson's ratio.
+_STEEL = (210e9, 0.3)
+
+
+def _given_springs(stage: Stage) -> Iterator[tuple[str, float, str]]:
+    """Every stiffness that a user gives: its name in the file, value and unit."""
+    for body in ("screw", "roller", "nut", "ring_gear", "carrier"):
+        part = getattr(stage, body)
+        support = None if part is None else part.support
+        for name in ("radial_stiffness", "radial_stiffness_y", "torsional_stiffness"):
+            value = None if support is None else getattr(support, name)
+            if value is not None:
+                yield f"stage.{body}.support.{name}", float(value), " N/m"
+    for name in ("screw_roller", "nut_roller", "ring_roller"):
+        value = None if stage.stiffness is None else getattr(stage.stiffness, name)
+        if value is not None:
+            yield f"stage.stiffness.{name}", float(value), " N/m"
+    if stage.gear is not None:
+        yield "stage.gear.mesh_factor", float(stage.gear.mesh_factor), ""
+    for roller in stage.unequal_roller:
+        if roller.stiffness_factor is not None:
+            name = f"stage.unequal_roller.stiffness_factor of roller {roller.number}"
+            yield name, float(roller.stiffness_factor), ""
+
+
+def _negative_eigenvalues(mechanism: Mechanism, stage: Stage) -> int | None:
+    """How many eigenvalues of the stiffness matrix are negative; none where data are missing."""
+    try:
+        threads = thread_stiffness(
+            stage, lambda: stage_contact(stage, jnp.abs(load_of(mechanism, None)))
+        )
+        matrix = np.asarray(dense_matrices(vibration_system(stage, threads))[0])
+    except (MissingDataError, ValueError):
+        return None
+    if not np.all(np.isfinite(matrix)):
+        return None
+    values = np.linalg.eigvalsh(matrix)
+    # Free bodies have zeros, which rounding puts on either side.
+    return int(np.sum(values < -1e-12 * np.abs(values).max()))
+
+
+def _check_signs(mechanism: Mechanism, stage: Stage, number: int) -> Iterator[Finding]:
+    negative = [spring for spring in _given_springs(stage) if spring[1] < 0]
+    count = _negative_eigenvalues(mechanism, stage) if negative else None
+    if count is None:
+        effect = "the stiffness matrix can be indefinite"
+    elif count == 0:
+        effect = "the other springs still outweigh it"
+    else:
+        effect = (
+            f"the stiffness matrix is indefinite ({count} negative "
+            f"eigenvalue{'s' if count > 1 else ''}), the mechanism unstable"
+        )
+    for name, value, unit in negative:
+        yield Finding(
+            "negative_stiffness",
+            "error",
+            number,
+            value,
+            0.0,
+            f"{name} is {value:.4g}{unit}: a spring that gives energy back, so {effect}; make it 0 "
+            "or more",
+        )
+
+
+def _shear_modulus(stage: Stage) -> float:
+    material = stage.screw.material or stage.material
+    modulus, ratio = _STEEL
+    if material is not None:
+        modulus, ratio = float(material.youngs_modulus), float(material.poisson_ratio)
+    return modulus / (2 * (1 + ratio))
+
+
+def _check_shaft(stage: Stage, number: int) -> Finding | None:
+    """G I_p/(l r²) of the screw against its given torsional support [N/m on u = r θ]."""
+    screw, radius = stage.screw, float(stage.thread.screw_radius)
+    if screw.support is None or screw.support.torsional_stiffness is None:
+        return None
+    given = float(screw.support.torsional_stiffness)
+    bore = 0.0 if screw.bore_radius is None else float(screw.bore_radius)
+    if given <= 0 or not 0 <= bore < radius:
+        return None
+    polar = math.pi / 2 * (radius**4 - bore**4)
+    shortest = 2 * radius * _SHORTEST
+    longest = 2 * radius * _LONGEST
+    if screw.length is not None:
+        longest = float(screw.length)
+        shortest = min(shortest, longest)
+    per_length = _shear_modulus(stage) * polar / radius**2
+    soft, stiff = per_length / longest, per_length / shortest
+    if soft / _SLACK <= given <= stiff * _SLACK:
+        return None
+    below = given < soft
+    factor = soft / given if below else given / stiff
+    others = {"N·m/rad": given / radius**2, "N/mm": given * 1e3}
+    read = [
+        f"{unit} ({value:.3g} N/m)"
+        for unit, value in others.items()
+        if soft / _SLACK <= value <= stiff * _SLACK
+    ]
+    hint = f"; read in {' or '.join(read)} it would be in line" if read else ""
+    return Finding(
+        "torsional_support",
+        "warning",
+        number,
+        given,
+        soft if below else stiff,
+        f"stage.screw.support.torsional_stiffness is {given:.4g} N/m on u = r θ, {factor:.3g} "
+        f"times {'softer' if below else 'stiffer'} than a shaft of {2e3 * radius:.4g} mm diameter "
+        f"and {1e3 * (longest if below else shortest):.4g} mm length, G I_p/(l r²) = "
+        f"{soft if below else stiff:.3g} N/m: correct it or its unit{hint}",
+    )
+
+
+def stiffness_findings(mechanism: Mechanism) -> tuple[Finding, ...]:
+    """Given stiffnesses that no structure, or no shaft of these dimensions, has.
+
+    `negative_stiffness`: a support or mesh that gives energy back, with what it does to the
+    stiffness matrix. `torsional_support`: the screw's, out of line with G I_p/(l r²) for lengths
+    from one diameter to the given length (30 diameters if none is given).
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism, with concrete numbers.
+    """
+    found: list[Finding] = []
+    for number, stage in enumerate(mechanism.stages, start=1):
+        found += _check_signs(mechanism, stage, number)
+        shaft = _check_shaft(stage, number)
+        if shaft is not None:
+            found.append(shaft)
+    return tuple(found)
