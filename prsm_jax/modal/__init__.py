@@ -24,8 +24,8 @@ from ._dense import (
 )
 from ._eigen import generalised_eigen as generalised_eigen, symmetric_eigen as symmetric_eigen
 from ._energy import (
-    kinetic_energy_shares as kinetic_energy_shares,
-    strain_energy_shares as strain_energy_shares,
+    kinetic_energies as kinetic_energies,
+    strain_energies as strain_energies,
 )
 from ._families import FAMILIES as FAMILIES, family_shares as family_shares
 from ._modal import modal as modal

@@ -41,7 +41,9 @@ def dense_modes(system: VibrationSystem) -> Modes:
     if alone is not None:
         shapes = jnp.concatenate([shapes, jnp.zeros_like(shapes[:1])])
         groups = (alone,)
-    coupled = ModeGroup(frequency(modes.eigenvalues), share, 1, COUPLED, shapes[..., None])
+    coupled = ModeGroup(
+        modes.angular_frequencies / (2 * jnp.pi), share, 1, COUPLED, shapes[..., None]
+    )
     return Modes((*groups, coupled), system, network)
 
 

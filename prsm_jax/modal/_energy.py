@@ -7,25 +7,22 @@ from ._spring_network import SpringNetwork
 
 
 def _gathered(names: list[str], energy: Float[Array, "items modes"]) -> dict[str, Array]:
-    """Rows of equal name added up, as shares of the sum of all; zero where there is no energy."""
-    total = jnp.sum(energy, axis=0, keepdims=True)
-    any_at_all = total > 0
-    shares = jnp.where(any_at_all, energy / jnp.where(any_at_all, total, 1.0), 0.0)
+    """Rows of equal name added up."""
     rows: dict[str, Array] = {}
-    for name, row in zip(names, shares, strict=True):
+    for name, row in zip(names, energy, strict=True):
         rows[name] = rows[name] + row if name in rows else row
     return rows
 
 
-def kinetic_energy_shares(
+def kinetic_energies(
     network: SpringNetwork, shapes: Inexact[Array, "coordinates modes"], *, each_roller=False
 ) -> dict[str, Float[Array, " modes"]]:
-    """Share of each mode's kinetic energy in each body.
+    """`φ² m` of each mode by body; they add up to one for mass-normalised shapes.
 
     **Arguments:**
 
     - `network`: the springs and masses.
-    - `shapes`: a column for each mode, of any scale.
+    - `shapes`: a column for each mode.
     - `each_roller`: list every roller by itself, instead of all of them as `roller`.
     """
     energy = network.mass[:, None] * jnp.abs(shapes) ** 2
@@ -35,17 +32,25 @@ def kinetic_energy_shares(
     return _gathered(bodies, energy)
 
 
-def strain_energy_shares(
+def strain_energies(
     network: SpringNetwork, shapes: Inexact[Array, "coordinates modes"], *, each_spring=False
 ) -> dict[str, Float[Array, " modes"]]:
-    """Share of each mode's strain energy in each kind of spring; all zero for a rigid motion.
+    """`k (g φ)²` of each mode by kind of spring; they add up to ω² for mass-normalised shapes.
 
     **Arguments:**
 
     - `network`: the springs and masses.
-    - `shapes`: a column for each mode, of any scale.
+    - `shapes`: a column for each mode.
     - `each_spring`: list the springs of every roller by themselves.
     """
     energy = network.stiffness[:, None] * jnp.abs(network.rows @ shapes) ** 2
     names = [str(spring) if each_spring else spring.name for spring in network.springs]
     return _gathered(names, energy)
+
+
+def shares(energies: dict[str, Float[Array, " modes"]]) -> dict[str, Float[Array, " modes"]]:
+    """Energies as shares of their sum; all zero where there is none."""
+    total = jnp.sum(jnp.stack(list(energies.values())), axis=0)
+    some = total > 0
+    divisor = jnp.where(some, total, 1.0)
+    return {name: jnp.where(some, row / divisor, 0.0) for name, row in energies.items()}

@@ -6,7 +6,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ._energy import kinetic_energy_shares, strain_energy_shares
+from ._energy import kinetic_energies, shares, strain_energies
 from ._families import FAMILIES, family_shares
 from ._spring_modes import clusters
 from ._spring_network import Coordinate, SpringNetwork
@@ -87,49 +87,49 @@ class Modes(eqx.Module):
         order = jnp.argsort(self._repeated(), stable=True)
         return jnp.concatenate(columns, axis=1)[:, order]
 
-    def _averaged(self, shares: Callable[[Array], dict[str, Array]]) -> dict[str, Array]:
-        """Shares of every mode, alike for all members of a repeated root."""
+    def _averaged(self, energies: Callable[[Array], dict[str, Array]]) -> dict[str, Array]:
+        """Shares of every mode in energies that are summed over the members of a repeated root."""
         found: list[dict[str, Array]] = []
         for group in self.groups:
             assert group.shapes is not None
             size, modes, multiplicity = group.shapes.shape
-            each = shares(group.shapes.reshape(size, -1))
+            each = energies(group.shapes.reshape(size, -1))
             if group.family == COUPLED:
                 members = clusters(group.frequencies**2).astype(group.frequencies.dtype)
-                weight = members / jnp.sum(members, axis=1, keepdims=True)
-                means = {name: weight @ row for name, row in each.items()}
+                sums = {name: members @ row for name, row in each.items()}
             else:
-                means = {
-                    name: jnp.mean(row.reshape(modes, multiplicity), axis=1)
+                sums = {
+                    name: jnp.sum(row.reshape(modes, multiplicity), axis=1)
                     for name, row in each.items()
                 }
-            found.append({k: jnp.repeat(v, multiplicity) for k, v in means.items()})
+            found.append({k: jnp.repeat(v, multiplicity) for k, v in shares(sums).items()})
         order = jnp.argsort(self._repeated(), stable=True)
         return {name: jnp.concatenate([row[name] for row in found])[order] for name in found[0]}
 
     def kinetic_energy_shares(self, *, each_roller: bool = False) -> dict[str, Array]:
         """Share of the kinetic energy in each body, for each entry of `frequencies`.
 
-        The mean over the members of a repeated root, which does not depend on their choice.
+        Taken over all members of a repeated root together, so it does not depend on their choice
+        and can be differentiated.
 
         **Raises:** `ValueError` if shapes were not asked for.
         """
         _, network = self._asked()
         return self._averaged(
-            lambda shapes: kinetic_energy_shares(network, shapes, each_roller=each_roller)
+            lambda shapes: kinetic_energies(network, shapes, each_roller=each_roller)
         )
 
     def strain_energy_shares(self, *, each_spring: bool = False) -> dict[str, Array]:
         """Share of the strain energy in each kind of spring, for each entry of `frequencies`.
 
         Modes that are held by supports are told apart from those of the contacts by these shares;
-        a rigid motion has none. The mean over the members of a repeated root.
+        a rigid motion has none. Taken over all members of a repeated root together.
 
         **Raises:** `ValueError` if shapes were not asked for.
         """
         _, network = self._asked()
         return self._averaged(
-            lambda shapes: strain_energy_shares(network, shapes, each_spring=each_spring)
+            lambda shapes: strain_energies(network, shapes, each_spring=each_spring)
         )
 
     def _labels(self) -> list[tuple[float, str, int]]:

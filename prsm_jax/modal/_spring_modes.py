@@ -4,12 +4,14 @@ The shapes are the right singular vectors of `√k G M^{-1/2}`, the square root 
 matrix: its small singular values keep twice the digits that the small eigenvalues of the matrix
 would have. Eigenvalues are then sums over springs, in which nothing cancels.
 
-What is differentiable at a repeated root, and what is not: the sum of a cluster's eigenvalues and
-everything that belongs to its whole subspace (energy shares, receptances, projections) are; the
-single eigenvalue is not, unless the change leaves the cluster together, and the single shape never
-is. The rule below gives each member the mean slope of its cluster and turns no shape within it.
-That is exact for everything that is differentiable, to second order too, and finite for the rest.
-How the members of a cluster part along a given change is what `directional_slopes` gives.
+What is differentiable at a repeated root, and what is not: the mean of a cluster's eigenvalues or
+frequencies and everything that belongs to its whole subspace (summed energies, receptances,
+projections) are; the single eigenvalue is not, unless the change leaves the cluster together, and
+the single shape never is. The rules below treat a cluster as what it is to a derivative: a small
+matrix `B = Vᴴ A V` on a subspace, which turns out of itself but not within. Each member gets the
+mean slope of its cluster. That is exact for everything that is differentiable, to second order,
+and finite for the rest. How the members of a cluster part along a given change is what
+`directional_slopes` gives.
 """
 
 import equinox as eqx
@@ -32,6 +34,8 @@ class SpringModes(eqx.Module):
 
     #: ω² [1/s²].
     eigenvalues: Float[Array, " modes"]
+    #: ω [rad/s].
+    angular_frequencies: Float[Array, " modes"]
     #: Mass-normalised, φᵀ M φ = 1 [1/√kg]; a column for each mode.
     shapes: Inexact[Array, "coordinates modes"]
 
@@ -54,8 +58,50 @@ def _projected_change(stiffness, rows, vectors, stiffness_change, rows_change):
     return change + moved + moved.conj().T
 
 
+def _diagonal(matrix):
+    return jnp.real(jnp.diagonal(matrix))
+
+
+# The two functions below solve `B X − X B = −C` and `R Y + Y R = C` for B and R that are diagonal
+# in value, but whose derivatives have entries off the diagonal. The second term is zero in value
+# and gives those their due. Rules of their own would not do: reverse mode transposes the function
+# itself, so forward over reverse would see a diagonal matrix only.
+
+
+def _off_diagonal(matrix):
+    return matrix - jnp.diag(jnp.diagonal(matrix))
+
+
+def _turn(blocks, change):
+    """How subspaces turn into each other: X with `B X − X B = −change`, none within a cluster."""
+    values = _diagonal(blocks)
+    together = clusters(values)
+    gaps = jnp.where(together, 1.0, values[None, :] - values[:, None]).astype(change.dtype)
+
+    def divided(matrix):
+        return jnp.where(together, jnp.zeros_like(matrix), matrix / gaps)
+
+    first, rest = divided(change), _off_diagonal(blocks)
+    return first + divided(rest @ first - first @ rest)
+
+
+def _halved(root, change):
+    """Y with `root Y + Y root = change`; 0 where the root is."""
+    values = _diagonal(root)
+    total = values[None, :] + values[:, None]
+    held = total > 0
+    divisor = jnp.where(held, total, 1.0).astype(change.dtype)
+
+    def divided(matrix):
+        return jnp.where(held, matrix / divisor, jnp.zeros_like(matrix))
+
+    first, rest = divided(change), _off_diagonal(root)
+    return first - divided(rest @ first + first @ rest)
+
+
 @jax.custom_jvp
 def _modes(stiffness, rows):
+    """Blocks B = Vᴴ A V of the clusters, diagonal in value and ascending, and the vectors V."""
     root = jnp.sqrt(stiffness)[:, None].astype(rows.dtype) * rows
     # Unit size, so that float32 keeps its range.
     size = jnp.max(jnp.abs(root))
@@ -64,22 +110,37 @@ def _modes(stiffness, rows):
     vectors = adjoint.conj().T
     values = jnp.sum(stiffness[:, None] * jnp.abs(rows @ vectors) ** 2, axis=0)
     order = jnp.argsort(values)
-    return values[order], vectors[:, order]
+    return jnp.diag(values[order]).astype(rows.dtype), vectors[:, order]
 
 
 @_modes.defjvp
 def _modes_jvp(primals, tangents):
-    values, vectors = _modes(*primals)
     (stiffness, rows), (stiffness_change, rows_change) = primals, tangents
+    blocks, vectors = _modes(stiffness, rows)
     projected = _projected_change(stiffness, rows, vectors, stiffness_change, rows_change)
-    together = clusters(values)
-    slopes = jnp.real(jnp.diagonal(projected))
-    members = together.astype(slopes.dtype)
-    mean = members @ slopes / jnp.sum(members, axis=1)
-    gaps = values[None, :] - values[:, None]
-    turn = projected / jnp.where(together, 1.0, gaps).astype(projected.dtype)
-    turn = jnp.where(together, jnp.zeros_like(turn), turn)
-    return (values, vectors), (mean, vectors @ turn)
+    together = clusters(_diagonal(blocks))
+    within = jnp.where(together, projected, jnp.zeros_like(projected))
+    return (blocks, vectors), (within, vectors @ _turn(blocks, projected))
+
+
+@jax.custom_jvp
+def _matrix_root(blocks):
+    """√B of blocks that are diagonal in value."""
+    values = jnp.sqrt(jnp.maximum(_diagonal(blocks), 0.0))
+    return jnp.diag(values).astype(blocks.dtype)
+
+
+@_matrix_root.defjvp
+def _matrix_root_jvp(primals, tangents):
+    root = _matrix_root(*primals)
+    return root, _halved(root, *tangents)
+
+
+def _cluster_means(together, values):
+    members = together.astype(values.dtype)
+    # The values themselves stay as they are: only their derivatives are shared.
+    mean = members @ values / jnp.sum(members, axis=1)
+    return jax.lax.stop_gradient(values - mean) + mean
 
 
 def _scaled(network: SpringNetwork):
@@ -92,16 +153,22 @@ def spring_modes(network: SpringNetwork) -> SpringModes:
 
     Derivatives, of first and second order, with dA of the mass-scaled matrix A and its
     orthonormal vectors v: `dλ_i = mean over the cluster of v_jᵀ dA v_j` and
-    `dv_i = Σ v_a v_aᵀ dA v_i / (λ_i − λ_a)` over the a outside of i's cluster. See the head of
-    this module for what they mean at repeated roots.
+    `dv_i = Σ v_a v_aᵀ dA v_i / (λ_i − λ_a)` over the a outside of i's cluster, so no vanishing gap is ever a divisor. Differentiable at a
+    repeated root are means and sums over its members; not the single member of a root that the
+    change splits (see `directional_slopes`), and not the single shape.
 
     **Arguments:**
 
     - `network`: the springs and masses; no fewer springs than coordinates, none negative.
     """
     stiffness, rows, weight = _scaled(network)
-    values, vectors = _modes(stiffness, rows)
-    return SpringModes(values, weight[:, None].astype(vectors.dtype) * vectors)
+    blocks, vectors = _modes(stiffness, rows)
+    together = clusters(_diagonal(blocks))
+    return SpringModes(
+        _cluster_means(together, _diagonal(blocks)),
+        _cluster_means(together, _diagonal(_matrix_root(blocks))),
+        weight[:, None].astype(vectors.dtype) * vectors,
+    )
 
 
 def directional_slopes(
@@ -123,7 +190,8 @@ def directional_slopes(
     (stiffness, rows), (stiffness_change, rows_change) = jax.jvp(
         lambda n: _scaled(n)[:2], (network,), (change,)
     )
-    values, vectors = _modes(stiffness, rows)
+    blocks, vectors = _modes(stiffness, rows)
+    values = _diagonal(blocks)
     projected = _projected_change(stiffness, rows, vectors, stiffness_change, rows_change)
     together = clusters(values)
     inside = jnp.where(together, projected, jnp.zeros_like(projected))

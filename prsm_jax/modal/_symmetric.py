@@ -13,7 +13,7 @@ from ._assembly import (
     transverse_springs,
 )
 from ._block import SpringBlock, block_modes, mesh_energy_share
-from ._energy import strain_energy_shares
+from ._energy import shares, strain_energies
 from ._modes import ModeGroup, Modes, frequency
 from ._shapes import carrier_shape, harmonic_shapes
 from ._spring_modes import spring_modes
@@ -25,8 +25,8 @@ _ROLLER = Coordinate("roller", "u")
 
 def meshed_share(network: SpringNetwork, shapes) -> Float[Array, " modes"]:
     """Share of each mode's strain energy in the contacts; 0 for a rigid motion."""
-    shares = strain_energy_shares(network, shapes)
-    return sum((row for name, row in shares.items() if is_mesh(name)), jnp.zeros(shapes.shape[-1]))
+    found = shares(strain_energies(network, shapes))
+    return jnp.sum(jnp.stack([row for name, row in found.items() if is_mesh(name)]), axis=0)
 
 
 def _of_block(
@@ -54,7 +54,7 @@ def _of_harmonic(system: VibrationSystem, family: str, harmonic: int, shapes: bo
         whole = harmonic_shapes(system, harmonic, amplitudes)
     multiplicity = system.roller_count - 3 if harmonic == 2 else harmonic + 1
     share = meshed_share(network, modes.shapes)
-    return ModeGroup(frequency(modes.eigenvalues), share, multiplicity, family, whole)
+    return ModeGroup(modes.angular_frequencies / (2 * jnp.pi), share, multiplicity, family, whole)
 
 
 @physics("torsional_modes")
