@@ -1,0 +1,35 @@
+"""Forced vibration of one stage: frequency responses, excitation by the contacts, Campbell."""
+
+from ._campbell import Campbell as Campbell, Crossing as Crossing, campbell as campbell
+from ._dissipation import (
+    AnyDamping as AnyDamping,
+    Dissipation as Dissipation,
+    dissipation as dissipation,
+    spring_damping as spring_damping,
+)
+from ._frequency_response import (
+    FrequencyResponse as FrequencyResponse,
+    Kind as Kind,
+    frequency_response as frequency_response,
+)
+from ._mesh_response import (
+    MeshResponse as MeshResponse,
+    excited_response as excited_response,
+    mesh_errors as mesh_errors,
+    mesh_response as mesh_response,
+)
+from ._orders import (
+    ExcitationOrder as ExcitationOrder,
+    excitation_orders as excitation_orders,
+    find_order as find_order,
+    phasing as phasing,
+    working_carrier_ratio as working_carrier_ratio,
+)
+from ._receptance import (
+    Harmonic as Harmonic,
+    Solver as Solver,
+    direct_response as direct_response,
+    harmonic_response as harmonic_response,
+    modal_response as modal_response,
+    receptance_matrix as receptance_matrix,
+)

@@ -1,0 +1,185 @@
+"""Excitation orders against screw speed: at which speeds do they meet natural frequencies?"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from .._physics import physics
+from ..mechanism import Mechanism, Scalar
+from ..modal import Modes, stage_modes
+from ._orders import (
+    ExcitationOrder,
+    excitation_orders,
+    find_order,
+    phasing,
+    working_carrier_ratio,
+)
+from ._stage import stage_of, stage_system
+
+#: Below this share of the highest frequency a mode is a rigid motion, which no speed meets.
+_RIGID = 1e-9
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """A screw speed at which an order meets a natural frequency."""
+
+    #: Screw speed [rad/s].
+    speed: float
+    order: str
+    harmonic: int
+    #: Natural frequency [Hz].
+    frequency: float
+    family: str
+    multiplicity: int
+    #: Whether the phases of the rollers let the order excite this family.
+    excited: bool
+
+    @property
+    def speed_rpm(self) -> float:
+        """Screw speed [rpm]."""
+        return self.speed * 30 / np.pi
+
+
+class Campbell(eqx.Module):
+    """Natural frequencies of one stage and the orders that may excite them.
+
+    The frequencies do not change with the speed: rollers and screw turn too slowly for gyroscopic
+    effects, and the contacts are taken at one load.
+    """
+
+    modes: Modes
+    orders: tuple[ExcitationOrder, ...]
+    #: Carrier speed over screw speed, κ.
+    carrier_ratio: Scalar
+    harmonics: int = eqx.field(static=True)
+    roller_count: int = eqx.field(static=True)
+    symmetric: bool = eqx.field(static=True)
+
+    @property
+    def critical_speeds(self) -> Float[Array, "orders harmonics degrees"]:
+        """Screw speeds at which harmonics of orders meet the natural frequencies [rad/s].
+
+        `2π f / (h · order)` for every order, harmonic from 1 and entry of `modes.frequencies`.
+        Differentiable; 0 for a rigid motion.
+        """
+        order = jnp.stack([one.order for one in self.orders])
+        harmonic = jnp.arange(1, self.harmonics + 1, dtype=order.dtype)
+        rate = jnp.abs(order[:, None, None]) * harmonic[None, :, None]
+        return 2 * jnp.pi * self.modes.frequencies[None, None, :] / rate
+
+    def excited_family(self, order: ExcitationOrder, harmonic: int) -> str | None:
+        """The family that a harmonic of an order excites; `None` if the stage is not symmetric.
+
+        Not inside a trace.
+        """
+        if not self.symmetric:
+            return None
+        try:
+            return phasing(harmonic * float(order.lobes), self.roller_count)
+        except ValueError:
+            # A design with 80.3 teeth cannot be built, but it can be on the way of a search.
+            return None
+
+    def crossings(
+        self,
+        max_speed: float | None = None,
+        *,
+        min_speed: float = 0.0,
+        excited_only: bool = False,
+    ) -> tuple[Crossing, ...]:
+        """All crossings, ascending by speed, repeated roots once. Not inside a trace.
+
+        **Arguments:**
+
+        - `max_speed`, `min_speed`: range of the screw speed [rad/s].
+        - `excited_only`: leave out what the phases of the rollers cancel.
+        """
+        speeds = np.asarray(self.critical_speeds)
+        frequencies = np.asarray(self.modes.frequencies)
+        families, times = self.modes.families, self.modes.multiplicities
+        first = np.cumsum([0, *_distinct(times)])[:-1]
+        found = []
+        for row, order in zip(speeds, self.orders, strict=True):
+            for harmonic, line in enumerate(row, start=1):
+                family = self.excited_family(order, harmonic)
+                for at in first:
+                    if frequencies[at] <= _RIGID * frequencies[-1]:
+                        continue
+                    if line[at] < min_speed or (max_speed is not None and line[at] > max_speed):
+                        continue
+                    # The carrier alone is out of reach of the contacts.
+                    excited = families[at] != "carrier" and family in (None, families[at])
+                    if excited or not excited_only:
+                        found.append(
+                            Crossing(
+                                float(line[at]),
+                                order.name,
+                                harmonic,
+                                float(frequencies[at]),
+                                families[at],
+                                times[at],
+                                excited,
+                            )
+                        )
+        return tuple(sorted(found, key=lambda one: one.speed))
+
+
+def _distinct(multiplicities: Sequence[int]) -> list[int]:
+    """Multiplicity of each distinct root, from those of the repeated list."""
+    found, at = [], 0
+    while at < len(multiplicities):
+        found.append(multiplicities[at])
+        at += multiplicities[at]
+    return found
+
+
+@physics("campbell")
+def campbell(
+    mechanism: Mechanism,
+    *,
+    stage: int = 1,
+    harmonics: int = 3,
+    load: float | Scalar | None = None,
+    carrier_ratio: float | Scalar | None = None,
+    orders: Sequence[str] | None = None,
+) -> Campbell:
+    """Natural frequencies and excitation orders of one stage, for a Campbell diagram.
+
+    Jittable, and differentiable through `critical_speeds`.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism; as for `modal`.
+    - `stage`: which stage, counted from 1.
+    - `harmonics`: how many harmonics of each order.
+    - `load`: axial load at which the contact stiffness is taken [N]; default that of the
+      operating point.
+    - `carrier_ratio`: κ; default that of the steady state.
+    - `orders`: names of those wanted, default all.
+
+    **Raises:** `ValueError` for a stage or an order that is not there; `MissingDataError` if the
+    mechanism lacks data.
+    """
+    if harmonics < 1:
+        raise ValueError(f"harmonics is {harmonics}; give at least 1")
+    chosen = stage_of(mechanism, stage)
+    ratio = working_carrier_ratio(mechanism, stage) if carrier_ratio is None else carrier_ratio
+    ratio = jnp.asarray(ratio, chosen.thread.lead.dtype)
+    known = excitation_orders(chosen, ratio)
+    if orders is not None:
+        known = tuple(find_order(known, name) for name in orders)
+    system = stage_system(mechanism, stage, load)
+    return Campbell(
+        # Without symmetry it takes the shapes to say which family a mode belongs to.
+        stage_modes(system, shapes=not system.symmetric),
+        known,
+        ratio,
+        harmonics,
+        system.roller_count,
+        system.symmetric,
+    )

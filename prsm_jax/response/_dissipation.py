@@ -1,0 +1,155 @@
+"""Damping as matrices: the laws of a mechanism, dashpots at single springs, or any matrix."""
+
+from collections.abc import Mapping
+from typing import TypeAlias
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._errors import UnknownNameError, closest
+from .._physics import physics
+from ..mechanism import Damping, ModalDamping, RayleighDamping, Scalar, StructuralDamping
+from ..modal import SpringModes, SpringNetwork, spring_modes
+
+
+class Dissipation(eqx.Module):
+    """What damps a network: forces `C q̇`, and `i H q` in steady harmonic vibration.
+
+    Either may be any matrix, proportional or not; `None` is not there.
+    """
+
+    #: C [N·s/m].
+    viscous: Float[Array, "coordinates coordinates"] | None = None
+    #: H [N/m], η K where every spring has the loss factor η.
+    hysteretic: Float[Array, "coordinates coordinates"] | None = None
+
+
+#: Laws that leave the modes apart.
+LAWS = (ModalDamping, RayleighDamping, StructuralDamping)
+#: What may be given as the damping of a response; an array is a viscous matrix C.
+AnyDamping: TypeAlias = Damping | Dissipation | Float[Array, "coordinates coordinates"]
+
+
+def scaled_modes(network: SpringNetwork) -> tuple[Float[Array, "n n"], Float[Array, " n"]]:
+    """Orthonormal vectors of `M^{-1/2} K M^{-1/2}`, and ω [rad/s], as constants."""
+    modes: SpringModes = spring_modes(jax.lax.stop_gradient(network))
+    weight = jnp.sqrt(jax.lax.stop_gradient(network.mass))
+    values = jnp.maximum(modes.eigenvalues, 0.0)
+    return weight[:, None] * modes.shapes, jnp.sqrt(values)
+
+
+@jax.custom_jvp
+def _square_root(matrix, vectors, roots):
+    """The square root of a matrix whose orthonormal vectors and roots are known."""
+    return (vectors * roots[None, :]) @ vectors.T
+
+
+@_square_root.defjvp
+def _square_root_jvp(primals, tangents):
+    matrix, vectors, roots = primals
+    root = _square_root(matrix, vectors, roots)
+
+    def solve(_, right):
+        # No gap between roots is divided by, so that repeated ones are as good as any.
+        total = roots[:, None] + roots[None, :]
+        share = jnp.where(total > 0, 1 / jnp.where(total > 0, total, 1.0), 0.0)
+        return vectors @ (share * (vectors.T @ right @ vectors)) @ vectors.T
+
+    change = jax.lax.custom_linear_solve(
+        lambda x: root @ x + x @ root, tangents[0], solve, symmetric=True
+    )
+    return root, change
+
+
+@physics("modal_damping")
+def _modal_damping(network: SpringNetwork, ratio: Scalar) -> Float[Array, "n n"]:
+    weight = jnp.sqrt(network.mass)
+    scale = weight[:, None] * weight[None, :]
+    vectors, roots = scaled_modes(network)
+    return 2 * ratio * scale * _square_root(network.stiffness_matrix() / scale, vectors, roots)
+
+
+@physics("rayleigh_damping")
+def _rayleigh_damping(network: SpringNetwork, law: RayleighDamping) -> Float[Array, "n n"]:
+    mass = jnp.diag(law.mass_coefficient * network.mass)
+    return mass + law.stiffness_coefficient * network.stiffness_matrix()
+
+
+@physics("structural_damping")
+def _structural_damping(network: SpringNetwork, loss_factor: Scalar) -> Float[Array, "n n"]:
+    return loss_factor * network.stiffness_matrix()
+
+
+def dissipation(network: SpringNetwork, damping: AnyDamping | None) -> Dissipation:
+    """The damping matrices of a network under a law.
+
+    `ModalDamping`: `C = 2ζ M^{1/2} (M^{-1/2} K M^{-1/2})^{1/2} M^{1/2}`, which gives every mode the
+    ratio ζ; its derivatives hold at repeated roots, for changes that split them too.
+    `RayleighDamping`: `C = α M + β K`. `StructuralDamping`: `H = η K`. What is a `Dissipation` or
+    a matrix C already is taken as it is.
+
+    **Arguments:**
+
+    - `network`: the springs and masses.
+    - `damping`: a law, a viscous matrix, matrices, or `None` for no damping.
+
+    **Raises:** `ValueError` for a matrix that does not fit the network.
+    """
+    if damping is None:
+        return Dissipation()
+    if isinstance(damping, ModalDamping):
+        return Dissipation(_modal_damping(network, damping.ratio))
+    if isinstance(damping, RayleighDamping):
+        return Dissipation(_rayleigh_damping(network, damping))
+    if isinstance(damping, StructuralDamping):
+        return Dissipation(hysteretic=_structural_damping(network, damping.loss_factor))
+    found = damping if isinstance(damping, Dissipation) else Dissipation(jnp.asarray(damping))
+    size = len(network.coordinates)
+    for name in ("viscous", "hysteretic"):
+        matrix = getattr(found, name)
+        if matrix is not None and matrix.shape != (size, size):
+            raise ValueError(
+                f"the {name} damping matrix has shape {matrix.shape}; the stage has {size} degrees "
+                f"of freedom, so give {(size, size)}"
+            )
+    return found
+
+
+@physics("spring_damping")
+def spring_damping(
+    network: SpringNetwork,
+    viscous: Mapping[str, float | Scalar] | None = None,
+    loss_factor: Mapping[str, float | Scalar] | None = None,
+) -> Dissipation:
+    """Damping where it arises: a dashpot beside a spring, or a loss factor of its material.
+
+    `C = Gᵀ diag(c) G`, `H = Gᵀ diag(η k) G` with the elongations G of the springs. In general not
+    proportional: only the direct solve takes it.
+
+    **Arguments:**
+
+    - `network`: the springs and masses.
+    - `viscous`: damping constant c [N·s/m] by the name of the springs, such as
+      `{"screw_roller": 50.0}` for those of all rollers or `{"nut_roller 3": 80.0}` for one.
+    - `loss_factor`: loss factor η by name.
+
+    **Raises:** `UnknownNameError` for a spring that is not there.
+    """
+
+    def matrix(given: Mapping[str, float | Scalar] | None, scale: Array):
+        if not given:
+            return None
+        total = jnp.zeros_like(network.stiffness)
+        for name, value in given.items():
+            at = [k for k, s in enumerate(network.springs) if name in (s.name, str(s))]
+            if not at:
+                known = {spring.name for spring in network.springs}
+                raise UnknownNameError(f"unknown spring {name!r}; {closest(name, known)}")
+            total = total.at[jnp.asarray(at)].add(jnp.asarray(value, total.dtype))
+        return network.rows.T @ ((total * scale)[:, None] * network.rows)
+
+    return Dissipation(
+        matrix(viscous, jnp.ones_like(network.stiffness)), matrix(loss_factor, network.stiffness)
+    )

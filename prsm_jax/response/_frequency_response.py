@@ -1,0 +1,138 @@
+"""Frequency response functions between two degrees of freedom of one stage."""
+
+from collections.abc import Sequence
+from typing import Literal, TypeAlias
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Complex, Float
+
+from ..mechanism import Mechanism, Scalar
+from ..modal import VibrationSystem, spring_network
+from ._dissipation import LAWS, AnyDamping
+from ._receptance import Solver, infinite, receptance_matrix
+from ._stage import AsGiven, stage_damping, stage_of, stage_system
+
+#: Displacement, velocity or acceleration per force.
+Kind: TypeAlias = Literal["receptance", "mobility", "accelerance"]
+#: Power of iω that goes with each kind, and its unit.
+KINDS: dict[Kind, tuple[int, str]] = {
+    "receptance": (0, "m/N"),
+    "mobility": (1, "m/(N·s)"),
+    "accelerance": (2, "m/(N·s²)"),
+}
+
+
+class FrequencyResponse(eqx.Module):
+    """Complex amplitude at one degree of freedom per unit force at another.
+
+    Forces on rotations are those on the nominal circle, torque over radius, as displacements are
+    `u = r θ`.
+    """
+
+    #: [Hz].
+    frequency: Float[Array, " frequencies"]
+    #: In the unit of `kind`; infinite at a pole.
+    value: Complex[Array, " frequencies"]
+    #: Whether the system is driven at a pole, where no steady amplitude exists.
+    at_pole: Bool[Array, " frequencies"]
+    excitation: str = eqx.field(static=True)
+    response: str = eqx.field(static=True)
+    kind: Kind = eqx.field(static=True)
+
+    @property
+    def unit(self) -> str:
+        """SI unit of `value`."""
+        return KINDS[self.kind][1]
+
+    @property
+    def magnitude(self) -> Float[Array, " frequencies"]:
+        """Absolute value; its derivative is 0 where nothing moves."""
+        moves = self.value != 0
+        size = jnp.abs(jnp.where(moves, self.value, jnp.ones_like(self.value)))
+        return jnp.where(moves, size, 0.0)
+
+    @property
+    def decibel(self) -> Float[Array, " frequencies"]:
+        """20 lg of the magnitude over one SI unit [dB re 1 m/N, for a receptance]."""
+        return 20 * jnp.log10(self.magnitude)
+
+    @property
+    def phase(self) -> Float[Array, " frequencies"]:
+        """Phase of the response against the force, from −π to π [rad]."""
+        moves = (self.value != 0) & ~self.at_pole
+        return jnp.angle(jnp.where(moves, self.value, jnp.ones_like(self.value)))
+
+
+def apart_by_symmetry(system: VibrationSystem, first: str, second: str) -> bool:
+    """Whether a force at one coordinate cannot move another, known from symmetry alone.
+
+    In a symmetric stage rotations and translations of the bodies on the axis belong to different
+    families of modes; and a carrier vibrates on its own where rollers only rotate.
+    """
+    if first == second:
+        return False
+    (one, along), (other, across) = first.rsplit(" ", 1), second.rsplit(" ", 1)
+    if system.translation is None and "carrier" in (one, other):
+        return True
+    on_axis = not any(body.startswith("roller") for body in (one, other))
+    if not (system.symmetric and on_axis):
+        return False
+    # Where rollers translate, oblique contacts turn a push along x into a motion along y.
+    alike = along == across or (system.translation is not None and "u" not in (along, across))
+    return not alike
+
+
+def frequency_response(
+    mechanism: Mechanism,
+    excitation: str,
+    response: str,
+    frequency: Float[Array, " frequencies"] | Sequence[float],
+    *,
+    stage: int = 1,
+    load: float | Scalar | None = None,
+    damping: AnyDamping | AsGiven | None = "given",
+    kind: Kind = "receptance",
+    method: Solver = "direct",
+) -> FrequencyResponse:
+    """Response of one degree of freedom to a harmonic force at another.
+
+    Jittable, differentiable with respect to the mechanism and the frequencies, and vmappable.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism; as for `modal`.
+    - `excitation`, `response`: degrees of freedom, such as `"screw u"`, `"nut x"`, `"roller 3 u"`:
+      x, y and `u = r θ` of screw, ring_gear and nut, u of each roller (also radial and tangential
+      where rollers translate) and of the carrier.
+    - `frequency`: frequencies of the force [Hz].
+    - `stage`: which stage, counted from 1.
+    - `load`: axial load at which the contact stiffness is taken [N]; default that of the
+      operating point.
+    - `damping`: default that of the mechanism (`stage.damping`; undamped without it); or a law, a
+      viscous damping matrix, a `Dissipation`, or `None`.
+    - `kind`: `"receptance"`, `"mobility"` or `"accelerance"`.
+    - `method`: `"direct"` (any damping) or `"modal"` (a law of damping).
+
+    **Raises:** `ValueError` for a name, kind or method that is not known, or damping that does not
+    fit; `MissingDataError` if the mechanism lacks data.
+    """
+    if kind not in KINDS:
+        raise ValueError(f"kind is {kind!r}; choose one of {', '.join(KINDS)}")
+    system = stage_system(mechanism, stage, load)
+    network = spring_network(system)
+    hertz = jnp.asarray(frequency, network.mass.dtype)
+    omega = 2 * jnp.pi * hertz
+    chosen = stage_damping(stage_of(mechanism, stage), damping)
+    found, at_pole = receptance_matrix(network, omega, (response,), (excitation,), chosen, method)
+    value = found[:, 0, 0]
+    # A law of damping keeps the families apart; a matrix of the caller's need not.
+    lawful = chosen is None or isinstance(chosen, LAWS)
+    if lawful and apart_by_symmetry(system, excitation, response):
+        value, at_pole = jnp.zeros_like(value), jnp.zeros_like(at_pole)
+    power = KINDS[kind][0]
+    if power:
+        factor = jnp.asarray(1j**power, value.dtype) * (omega**power).astype(value.dtype)
+        # Not the infinity itself: i times it is not a number.
+        value = infinite(factor * jnp.where(at_pole, jnp.ones_like(value), value), at_pole)
+    return FrequencyResponse(hertz, value, at_pole, excitation, response, kind)

@@ -1,0 +1,194 @@
+"""Vibration that the contacts excite: amplitudes and dynamic forces against the screw speed."""
+
+from collections.abc import Sequence
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Complex, Float
+
+from .._physics import physics
+from ..mechanism import Mechanism, Scalar
+from ..modal import Coordinate, Spring, SpringNetwork, VibrationSystem, spring_network
+from ._dissipation import AnyDamping
+from ._orders import (
+    ExcitationOrder,
+    excitation_orders,
+    find_order,
+    roller_phases,
+    working_carrier_ratio,
+)
+from ._receptance import Solver, harmonic_response
+from ._stage import AsGiven, stage_damping, stage_of, stage_system
+
+
+class MeshResponse(eqx.Module):
+    """Steady vibration under one harmonic of an excitation in the contacts, by screw speed.
+
+    Amplitudes are complex: the vibration is `Re(amplitude · e^{iωt})`. At a pole they are infinite.
+    """
+
+    #: Screw speed [rad/s].
+    speed: Float[Array, " speeds"]
+    #: Frequency of the excitation [Hz].
+    frequency: Float[Array, " speeds"]
+    #: Amplitude of every coordinate [m]; rotations as u = r θ.
+    displacement: Complex[Array, "speeds coordinates"]
+    #: Force in every spring, as it stretches; of the contacts less the error itself [N].
+    spring_force: Complex[Array, "speeds springs"]
+    at_pole: Bool[Array, " speeds"]
+    coordinates: tuple[Coordinate, ...] = eqx.field(static=True)
+    springs: tuple[Spring, ...] = eqx.field(static=True)
+
+    def amplitude(self, coordinate: str) -> Float[Array, " speeds"]:
+        """Amplitude of one coordinate, such as `"screw u"` [m].
+
+        **Raises:** `ValueError` if there is none of that name.
+        """
+        return _magnitude(self.displacement[:, _place(self.coordinates, coordinate)])
+
+    def force(self, spring: str) -> Float[Array, " speeds"]:
+        """Amplitude of the dynamic force of one spring, such as `"ring_roller 3"` [N].
+
+        The name of a kind of spring, such as `"ring_roller"`, gives the largest of all rollers.
+
+        **Raises:** `ValueError` if there is none of that name.
+        """
+        kind = [k for k, one in enumerate(self.springs) if one.name == spring]
+        places = kind or [_place(self.springs, spring)]
+        return jnp.max(_magnitude(self.spring_force[:, jnp.asarray(places)]), axis=1)
+
+
+def _place(known: tuple, name: str) -> int:
+    names = [str(one) for one in known]
+    if name not in names:
+        raise ValueError(f"{name!r} is not there; choose one of {', '.join(names)}")
+    return names.index(name)
+
+
+def _magnitude(value: Array) -> Array:
+    moves = value != 0
+    return jnp.where(moves, jnp.abs(jnp.where(moves, value, jnp.ones_like(value))), 0.0)
+
+
+def mesh_errors(
+    system: VibrationSystem,
+    network: SpringNetwork,
+    order: ExcitationOrder,
+    harmonic: int,
+    amplitude: Scalar,
+) -> Complex[Array, " springs"]:
+    """Complex elongation error of every spring under one harmonic of an excitation [m].
+
+    `e_i = amplitude · e^{i h φ_i lobes}` in the contacts on which the excitation acts, 0 elsewhere.
+    """
+    phase = dict(
+        zip(
+            system.roller_numbers,
+            roller_phases(order, harmonic, system.roller_positions),
+            strict=True,
+        )
+    )
+    zero = jnp.zeros((), network.stiffness.dtype)
+    acts = [spring.name in order.springs for spring in network.springs]
+    angle = jnp.stack(
+        [
+            phase[spring.roller] if on and spring.roller is not None else zero
+            for on, spring in zip(acts, network.springs, strict=True)
+        ]
+    )
+    size = amplitude * jnp.asarray(acts, angle.dtype)
+    return jax.lax.complex(size * jnp.cos(angle), size * jnp.sin(angle))
+
+
+@physics("mesh_excitation")
+def excited_response(
+    system: VibrationSystem,
+    order: ExcitationOrder,
+    speed: Float[Array, " speeds"],
+    amplitude: Scalar,
+    *,
+    harmonic: int = 1,
+    damping: AnyDamping | None = None,
+    method: Solver = "direct",
+) -> MeshResponse:
+    """Vibration of a system whose contacts are excited by an error of their own.
+
+    The error e of a contact is a deflection without force, so its spring carries `k (g q − e)` and
+    the load on the coordinates is `gᵀ k e`, for all rollers with their phases.
+
+    **Arguments:**
+
+    - `system`: masses and springs of a stage.
+    - `order`: the excitation.
+    - `speed`: screw speeds [rad/s].
+    - `amplitude`: amplitude of the error in each contact, along its line of action [m].
+    - `harmonic`: which harmonic of the excitation.
+    - `damping`, `method`: as `harmonic_response`.
+    """
+    if harmonic < 1:
+        raise ValueError(f"harmonic is {harmonic}; the first is 1")
+    network = spring_network(system)
+    errors = mesh_errors(system, network, order, harmonic, amplitude)
+    stiffness, rows = (a.astype(errors.dtype) for a in (network.stiffness, network.rows))
+    load = rows.T @ (stiffness * errors)
+    omega = harmonic * order.order * speed
+    loads = jnp.broadcast_to(load[None, :, None], (speed.shape[0], load.shape[0], 1))
+    found = harmonic_response(network, jnp.abs(omega), loads, damping, method)
+    moved = found.displacement[:, :, 0]
+    # An infinite amplitude may have any sign: sums over it would not be a number.
+    finite = jnp.where(found.at_pole[:, None], jnp.zeros_like(moved), moved)
+    force = stiffness[None, :] * (finite @ rows.T - errors[None, :])
+    force = jnp.where(found.at_pole[:, None], jnp.full_like(force, jnp.inf), force)
+    return MeshResponse(
+        speed,
+        jnp.abs(omega) / (2 * jnp.pi),
+        moved,
+        force,
+        found.at_pole,
+        network.coordinates,
+        network.springs,
+    )
+
+
+def mesh_response(
+    mechanism: Mechanism,
+    speed: Float[Array, " speeds"] | Sequence[float],
+    *,
+    order: str = "ring_gear_mesh",
+    harmonic: int = 1,
+    amplitude: float | Scalar = 1e-6,
+    stage: int = 1,
+    load: float | Scalar | None = None,
+    damping: AnyDamping | AsGiven | None = "given",
+    carrier_ratio: float | Scalar | None = None,
+    method: Solver = "direct",
+) -> MeshResponse:
+    """Vibration of one stage under a kinematic excitation of its contacts, by screw speed.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism; as for `modal`.
+    - `speed`: screw speeds [rad/s].
+    - `order`: name of the excitation, one of `excitation_orders`.
+    - `harmonic`: which harmonic of it, from 1.
+    - `amplitude`: transmission error along the line of action of each contact [m].
+    - `stage`, `load`, `damping`, `method`: as `frequency_response`.
+    - `carrier_ratio`: κ; default that of the steady state.
+
+    **Raises:** `ValueError` for an order that the stage has not; `MissingDataError` if the
+    mechanism lacks data.
+    """
+    chosen = stage_of(mechanism, stage)
+    ratio = working_carrier_ratio(mechanism, stage) if carrier_ratio is None else carrier_ratio
+    system = stage_system(mechanism, stage, load)
+    dtype = system.roller_equivalent_mass.dtype
+    return excited_response(
+        system,
+        find_order(excitation_orders(chosen, ratio), order),
+        jnp.asarray(speed, dtype),
+        jnp.asarray(amplitude, dtype),
+        harmonic=harmonic,
+        damping=stage_damping(chosen, damping),
+        method=method,
+    )

@@ -1,0 +1,153 @@
+"""What excites a roller screw as it turns: orders of the screw speed, and how rollers share them.
+
+Everything is counted in the frame that turns with the rollers, in which the vibration model lives.
+With the carrier ratio κ = ω/Ω, the screw turns there at (1 − κ)Ω and the nut at −κΩ; a roller
+rolls in the nut without slip, timed by the ring gear, so it spins at n κ Ω.
+"""
+
+from typing import Literal, TypeAlias
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._errors import MissingDataError
+from .._physics import physics
+from ..dynamics import (
+    all_kinematics,
+    free_carrier_ratio,
+    has_contact_losses,
+    ideal_carrier_ratio,
+    steady_state,
+)
+from ..mechanism import Mechanism, Scalar, Stage
+from ._stage import stage_of
+
+Phasing: TypeAlias = Literal["torsional", "transverse", "roller"]
+
+
+class ExcitationOrder(eqx.Module):
+    """A periodic excitation of the contacts, with its fundamental frequency and phases.
+
+    Its h-th harmonic acts at `h · order` times the screw's frequency, and at the roller at the
+    angle φ with the phase `h · lobes · φ`.
+    """
+
+    #: Periods per turn of the screw.
+    order: Scalar
+    #: Periods of the pattern around the screw: how far rollers are out of step.
+    lobes: Scalar
+    name: str = eqx.field(static=True)
+    #: Contacts on which it acts.
+    springs: tuple[str, ...] = eqx.field(static=True)
+    description: str = eqx.field(static=True)
+
+
+@physics("carrier_ratio")
+def working_carrier_ratio(mechanism: Mechanism, stage: int = 1) -> Scalar:
+    """Carrier speed over screw speed of one stage in its steady state.
+
+    Where losses in the contacts resist the rollers, that of the steady operating point; else the
+    one that thread friction decides by geometry alone. A mechanism without the data for a steady
+    state rolls ideally, r_s / (2 a).
+
+    **Raises:** `ValueError` for a stage that is not there.
+    """
+    chosen = stage_of(mechanism, stage)
+    if not has_contact_losses(chosen.friction):
+        return free_carrier_ratio(all_kinematics(mechanism)[stage - 1])
+    try:
+        return steady_state(mechanism).carrier_ratio[stage - 1]
+    except MissingDataError:
+        return ideal_carrier_ratio(chosen.thread)
+
+
+def excitation_orders(
+    stage: Stage, carrier_ratio: float | Scalar | None = None
+) -> tuple[ExcitationOrder, ...]:
+    """The excitations of one stage, from its kinematics.
+
+    | name | order | what it is |
+    |---|---|---|
+    | `carrier` | κ | runout of nut and ring gear as the rollers pass it |
+    | `screw_rotation` | 1 − κ | runout of the screw as the rollers pass it |
+    | `roller_passing_nut` | N κ | rollers that pass a flaw of the nut |
+    | `roller_passing_screw` | N (1 − κ) | rollers that pass a flaw of the screw |
+    | `thread_passing` | n κ | threads that pass along the rollers, and the rollers' own spin |
+    | `screw_starts` | n (1 − κ) | the n lobes that n starts cut into the screw's cross-section |
+    | `ring_gear_mesh` | n z_R κ | teeth of the ring gear; only where their number is given |
+
+    Thread passing is the same for screw, nut and roller: in the frame of the rollers all threads
+    move along the axis by κ L per turn, which is n κ pitches.
+
+    **Arguments:**
+
+    - `stage`: the stage.
+    - `carrier_ratio`: κ; default that of ideal rolling, r_s / (2 a).
+    """
+    thread, count = stage.thread, stage.roller_count
+    ratio = ideal_carrier_ratio(thread) if carrier_ratio is None else carrier_ratio
+    ratio = jnp.asarray(ratio, thread.lead.dtype)
+    one, starts = jnp.ones_like(ratio), thread.starts
+    screw, ring, nut = ("screw_roller",), ("ring_roller",), ("nut_roller",)
+    outer = nut if stage.ring_gear is None else ring + nut
+    # Name, lobes, speed of the pattern against the rollers, contacts, what it is.
+    patterns = [
+        ("carrier", one, ratio, outer, "runout of nut and ring gear"),
+        ("screw_rotation", one, 1 - ratio, screw, "runout of the screw"),
+        ("roller_passing_nut", count * one, ratio, outer, "rollers pass a flaw of the nut"),
+        ("roller_passing_screw", count * one, 1 - ratio, screw, "rollers pass a flaw of the screw"),
+        ("thread_passing", starts, ratio, screw + nut, "threads pass along the rollers"),
+        ("screw_starts", starts, 1 - ratio, screw, "starts of the screw"),
+    ]
+    if stage.gear is not None and stage.gear.roller_teeth is not None and stage.ring_gear:
+        teeth = starts * stage.gear.roller_teeth
+        patterns.append(("ring_gear_mesh", teeth, ratio, ring, "teeth of ring gear and rollers"))
+    return tuple(
+        ExcitationOrder(lobes * turning, lobes, name, springs, words)
+        for name, lobes, turning, springs, words in patterns
+    )
+
+
+def find_order(orders: tuple[ExcitationOrder, ...], name: str) -> ExcitationOrder:
+    """An excitation by its name.
+
+    **Raises:** `ValueError` if there is none of that name, with those that there are.
+    """
+    for order in orders:
+        if order.name == name:
+            return order
+    names = ", ".join(order.name for order in orders)
+    needs = "; the stage has no ring gear with teeth" if name == "ring_gear_mesh" else ""
+    raise ValueError(f"order is {name!r}; choose one of {names}{needs}")
+
+
+def phasing(lobes: float | int, roller_count: int) -> Phasing:
+    """Which family of modes a pattern excites that equal rollers share, evenly spaced.
+
+    The phases `lobes · 2πi/N` are a pure harmonic of the rollers: in phase (`lobes` divisible by N)
+    they turn the bodies on the axis, one step a turn (remainder 1 or N − 1) they push them
+    sideways, and otherwise their forces cancel on all bodies but the rollers. A remainder within
+    1e-6 of a whole number counts as one.
+
+    **Arguments:**
+
+    - `lobes`: periods around the screw, times the harmonic.
+    - `roller_count`: N, at least 3.
+
+    **Raises:** `ValueError` for a number of lobes that is not whole.
+    """
+    whole = round(float(lobes))
+    if abs(float(lobes) - whole) > 1e-6:
+        raise ValueError(f"lobes is {float(lobes):.6g}; a pattern closes only with a whole number")
+    step = whole % roller_count
+    if step == 0:
+        return "torsional"
+    return "transverse" if step in (1, roller_count - 1) else "roller"
+
+
+def roller_phases(
+    order: ExcitationOrder, harmonic: int, positions: Float[Array, " rollers"]
+) -> Float[Array, " rollers"]:
+    """Phase of the excitation at each roller [rad]."""
+    return harmonic * order.lobes * positions

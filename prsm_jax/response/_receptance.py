@@ -1,0 +1,248 @@
+"""Receptances of a spring network: by direct solution, and as a sum over modes."""
+
+from collections.abc import Callable
+from typing import Literal, TypeAlias
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Complex, Float
+
+from .._physics import physics
+from ..mechanism import ModalDamping, RayleighDamping, Scalar, StructuralDamping
+from ..modal import SpringNetwork
+from ._dissipation import LAWS, AnyDamping, Dissipation, dissipation, scaled_modes
+
+Solver: TypeAlias = Literal["direct", "modal"]
+#: Frequencies solved at once; more of them are taken in turns, so that memory stays bounded.
+_CHUNK = 4096
+
+
+class Harmonic(eqx.Module):
+    """Amplitudes of a steady harmonic vibration."""
+
+    #: Complex displacement of every coordinate for every load [m].
+    displacement: Complex[Array, "frequencies coordinates loads"]
+    #: Whether the system is driven at a pole, so that no amplitude exists; it is then infinite.
+    at_pole: Bool[Array, " frequencies"]
+
+
+class _Scaled(eqx.Module):
+    """A network in coordinates `√m q`, where the mass matrix is one."""
+
+    stiffness: Float[Array, "n n"]
+    viscous: Float[Array, "n n"] | None
+    hysteretic: Float[Array, "n n"] | None
+    weight: Float[Array, " n"]
+
+    @property
+    def damped(self) -> bool:
+        return self.viscous is not None or self.hysteretic is not None
+
+    def apply(self, omega: Scalar, x: Array) -> Array:
+        """`(A + iH + iωC − ω²) x`."""
+        dtype = x.dtype
+        found = self.stiffness.astype(dtype) @ x - (omega**2).astype(dtype) * x
+        if self.damped:
+            turned = jnp.zeros_like(x)
+            if self.viscous is not None:
+                turned = turned + (omega * self.viscous).astype(dtype) @ x
+            if self.hysteretic is not None:
+                turned = turned + self.hysteretic.astype(dtype) @ x
+            found = found + jnp.asarray(1j, dtype) * turned
+        return found
+
+
+def _scale(network: SpringNetwork, losses: Dissipation) -> _Scaled:
+    weight = 1 / jnp.sqrt(network.mass)
+    scale = weight[:, None] * weight[None, :]
+
+    def scaled(matrix: Array | None) -> Array | None:
+        return None if matrix is None else matrix.astype(scale.dtype) * scale
+
+    return _Scaled(
+        network.stiffness_matrix() * scale,
+        scaled(losses.viscous),
+        scaled(losses.hysteretic),
+        weight,
+    )
+
+
+def _each(function: Callable, *arrays: Array):
+    """`function` at every frequency: all at once, or in turns of a bounded number."""
+    if arrays[0].shape[0] <= _CHUNK:
+        return jax.vmap(function)(*arrays)
+    return jax.lax.map(lambda values: function(*values), arrays, batch_size=_CHUNK)
+
+
+def _complex_dtype(dtype):
+    return jnp.complex64 if dtype == jnp.float32 else jnp.complex128
+
+
+def infinite(amplitude: Array, at_pole: Array) -> Array:
+    """Infinity, real and positive, where no steady amplitude exists."""
+    marked = jax.lax.complex(jnp.full_like(amplitude.real, jnp.inf), jnp.zeros_like(amplitude.real))
+    return jnp.where(at_pole, marked, amplitude)
+
+
+@physics("direct_response")
+def direct_response(
+    network: SpringNetwork,
+    omega: Float[Array, " frequencies"],
+    loads: Complex[Array, "frequencies coordinates loads"],
+    damping: AnyDamping | None = None,
+) -> Harmonic:
+    """Solve `(K + iH + iωC − ω²M) q = f` at every frequency, for any damping.
+
+    One LU factorisation for each frequency, in coordinates scaled by √m, and one back substitution
+    for each load. No modes are needed, so repeated roots are no matter, and derivatives solve with
+    the same factors. A pivot within rounding of zero marks a pole: an undamped system driven at a
+    natural frequency, or one that nothing holds at 0 Hz. Coordinates that the pole's mode does not
+    reach are marked with the others.
+
+    **Arguments:**
+
+    - `network`: the springs and masses.
+    - `omega`: circular frequencies [rad/s].
+    - `loads`: complex force amplitudes [N].
+    - `damping`: a law, any viscous matrix, a `Dissipation`, or `None`.
+    """
+    scaled = _scale(network, dissipation(network, damping))
+    size = len(network.coordinates)
+    real = network.mass.dtype
+    kind = _complex_dtype(real) if scaled.damped else real
+    rounding = size * float(jnp.finfo(real).eps)
+
+    def at(w: Scalar, load: Complex[Array, "coordinates loads"]):
+        matrix = jax.lax.stop_gradient(scaled.apply(w, jnp.eye(size, dtype=kind)))
+        lu, pivots = jax.scipy.linalg.lu_factor(matrix)
+        # The diagonal is a difference: its rounding is that of ω² and of A, however small it is.
+        largest = jnp.max(jnp.abs(scaled.stiffness)) + w**2
+        # Not `<=`: a design that is not a number has no amplitude either.
+        at_pole = jnp.logical_not(jnp.min(jnp.abs(jnp.diagonal(lu))) > rounding * largest)
+        lu = jnp.where(at_pole, jnp.eye(size, dtype=kind), lu)
+        right = scaled.weight[:, None].astype(load.dtype) * load
+
+        def solved(part: Array) -> Array:
+            return jax.lax.custom_linear_solve(
+                lambda x: scaled.apply(w, x),
+                part,
+                lambda _, b: jax.scipy.linalg.lu_solve((lu, pivots), b),
+                lambda _, b: jax.scipy.linalg.lu_solve((lu, pivots), b, trans=1),
+            )
+
+        if scaled.damped:
+            found = solved(right)
+        else:
+            # Real factors: half the work, and exactly in or against phase with the load.
+            found = jax.lax.complex(solved(right.real), solved(right.imag))
+        return infinite(scaled.weight[:, None].astype(found.dtype) * found, at_pole), at_pole
+
+    return Harmonic(*_each(at, omega, loads))
+
+
+@physics("modal_sum")
+def modal_response(
+    network: SpringNetwork,
+    omega: Float[Array, " frequencies"],
+    loads: Complex[Array, "frequencies coordinates loads"],
+    damping: AnyDamping | None = None,
+) -> Harmonic:
+    """The same as a sum over all modes, for damping that does not couple them.
+
+    `q = Σ φ φᵀ f / (ω_k²(1 + iη + iωβ) + iω(2ζω_k + α) − ω²)`. All modes are there, so nothing has
+    to be added for those left out. One eigenproblem for all frequencies. Derivatives are those of
+    the system of equations that the sum solves: they hold at repeated roots, where those of single
+    modes do not exist.
+
+    **Arguments:** as `direct_response`; `damping` is a law or `None`.
+
+    **Raises:** `ValueError` for a damping matrix, which in general couples the modes.
+    """
+    if damping is not None and not isinstance(damping, LAWS):
+        raise ValueError(
+            "a damping matrix couples the modes in general, so that their sum does not hold; "
+            'choose method "direct", or a law of damping'
+        )
+    scaled = _scale(network, dissipation(network, damping))
+    vectors, roots = scaled_modes(network)
+    rounding = len(network.coordinates) * float(jnp.finfo(roots.dtype).eps)
+    zero = jnp.zeros_like(roots)
+
+    def at(w: Scalar, load: Complex[Array, "coordinates loads"]):
+        elastic, lost = roots**2 - w**2, zero
+        if isinstance(damping, ModalDamping):
+            lost = 2 * damping.ratio * w * roots
+        elif isinstance(damping, RayleighDamping):
+            stiffness = damping.stiffness_coefficient * roots**2
+            lost = w * (damping.mass_coefficient + stiffness)
+        elif isinstance(damping, StructuralDamping):
+            lost = damping.loss_factor * roots**2
+        size = jnp.abs(elastic) + jnp.abs(lost)
+        # ω² and ω_k² are each known to rounding of themselves, a rigid motion's to that of others.
+        close = size <= rounding * (roots**2 + w**2) + rounding**2 * jnp.max(roots) ** 2
+        at_pole = jnp.any(close | jnp.isnan(size))
+        divisor = jax.lax.stop_gradient(
+            jax.lax.complex(jnp.where(at_pole, 1.0, elastic), jnp.where(at_pole, 0.0, lost))
+        )
+        right = scaled.weight[:, None].astype(load.dtype) * load
+        basis = vectors.astype(load.dtype)
+
+        def solve(_, b):
+            return basis @ ((basis.T @ b) / divisor[:, None])
+
+        found = jax.lax.custom_linear_solve(
+            lambda x: scaled.apply(w, x), right, solve, symmetric=True
+        )
+        return infinite(scaled.weight[:, None].astype(found.dtype) * found, at_pole), at_pole
+
+    return Harmonic(*_each(at, omega, loads))
+
+
+def harmonic_response(
+    network: SpringNetwork,
+    omega: Float[Array, " frequencies"],
+    loads: Complex[Array, "frequencies coordinates loads"],
+    damping: AnyDamping | None = None,
+    method: Solver = "direct",
+) -> Harmonic:
+    """Steady vibration under harmonic loads, by one of the two ways.
+
+    **Raises:** `ValueError` for an unknown method, or damping that it does not take.
+    """
+    if method == "direct":
+        return direct_response(network, omega, loads, damping)
+    if method == "modal":
+        return modal_response(network, omega, loads, damping)
+    raise ValueError(f'method is {method!r}; choose "direct" or "modal"')
+
+
+def receptance_matrix(
+    network: SpringNetwork,
+    omega: Float[Array, " frequencies"],
+    responses: tuple[str, ...],
+    excitations: tuple[str, ...],
+    damping: AnyDamping | None = None,
+    method: Solver = "direct",
+) -> tuple[Complex[Array, "frequencies responses excitations"], Bool[Array, " frequencies"]]:
+    """Displacement at some coordinates per unit force at others [m/N].
+
+    **Arguments:**
+
+    - `network`: the springs and masses.
+    - `omega`: circular frequencies [rad/s].
+    - `responses`, `excitations`: coordinates by name, such as `"screw u"` and `"roller 3 u"`.
+    - `damping`, `method`: as `harmonic_response`.
+
+    **Returns:** the receptances, and whether each frequency is a pole.
+
+    **Raises:** `ValueError` for a coordinate that is not there.
+    """
+    rows = jnp.asarray([network.index(name) for name in responses])
+    columns = jnp.asarray([network.index(name) for name in excitations])
+    size, count = len(network.coordinates), len(excitations)
+    kind = _complex_dtype(network.mass.dtype)
+    unit = jnp.zeros((size, count), kind).at[columns, jnp.arange(count)].set(1.0)
+    loads = jnp.broadcast_to(unit, (omega.shape[0], size, count))
+    found = harmonic_response(network, omega, loads, damping, method)
+    return found.displacement[:, rows, :], found.at_pole

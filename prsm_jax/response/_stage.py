@@ -1,0 +1,43 @@
+"""The vibrating system of one stage of a mechanism, and the damping that the file gives it."""
+
+from typing import Literal
+
+import jax.numpy as jnp
+
+from ..contact import load_of, stage_contact
+from ..mechanism import Mechanism, Scalar, Stage
+from ..modal import VibrationSystem, vibration_system
+from ..stiffness import thread_stiffness
+from ._dissipation import AnyDamping
+
+#: Take the damping that the mechanism has, if it has any.
+AsGiven = Literal["given"]
+
+
+def stage_of(mechanism: Mechanism, stage: int) -> Stage:
+    """One stage by its number.
+
+    **Raises:** `ValueError` for a stage that is not there.
+    """
+    if not 1 <= stage <= len(mechanism.stages):
+        raise ValueError(f"stage is {stage}; the mechanism has stages 1 to {len(mechanism.stages)}")
+    return mechanism.stages[stage - 1]
+
+
+def stage_system(
+    mechanism: Mechanism, stage: int, load: float | Scalar | None = None
+) -> VibrationSystem:
+    """Masses and springs of one stage, contacts at a load [N].
+
+    **Raises:** `MissingDataError` if data are missing; `ValueError` for a stage that is not there.
+    """
+    chosen = stage_of(mechanism, stage)
+    threads = thread_stiffness(
+        chosen, lambda: stage_contact(chosen, jnp.abs(load_of(mechanism, load)))
+    )
+    return vibration_system(chosen, threads)
+
+
+def stage_damping(stage: Stage, damping: AnyDamping | AsGiven | None) -> AnyDamping | None:
+    """The damping to use: that of the stage, or the caller's own."""
+    return stage.damping if isinstance(damping, str) else damping
