@@ -1,8 +1,8 @@
 """prsm_jax: differentiable modelling of planetary roller screw mechanisms in JAX.
 
 Data flows one way, and the folders are named after it: file → mechanism → geometry → contact →
-stiffness → modal, dynamics → quantities → sensitivity, optimise, sweep → report. `validation`
-compares with published numbers, `cli` is the command line.
+stiffness → modal, dynamics → findings, quantities → sensitivity, optimise, sweep → report.
+`validation` compares with published numbers, `cli` is the command line.
 """
 
 from ._errors import (

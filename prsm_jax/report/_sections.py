@@ -1,5 +1,6 @@
 """The whole report as a list of sections."""
 
+import collections
 import platform
 
 from .._version import __version__
@@ -51,10 +52,9 @@ def _summary(data: ReportData) -> Section:
         words.append(f"The largest contact pressure is {show(worst, 'Pa')}.")
     serious = [f for f in data.findings if f.severity != "note"]
     if serious:
-        words.append(
-            f"The checks found {len(serious)} thing(s) that need attention: "
-            f"{', '.join(f.name.replace('_', ' ') for f in serious)}."
-        )
+        counts = collections.Counter(f.name.replace("_", " ") for f in serious)
+        names = ", ".join(f"{n} ({k})" if k > 1 else n for n, k in counts.items())
+        words.append(f"The checks found {len(serious)} thing(s) that need attention: {names}.")
     if data.optimisation is not None:
         words.append(data.optimisation.in_a_sentence())
     return Section("summary", "In short", tuple(words))

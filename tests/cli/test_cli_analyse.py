@@ -98,6 +98,14 @@ def test_set_changes_the_result_and_takes_units(prsm_json):
     assert slow["load_n"] == 1000.0
 
 
+def test_check_warns_of_faulty_numbers(prsm_json):
+    """Table 4 of Wu et al. 2022; warnings leave the exit status at 0, which `prsm_json` asserts."""
+    found = prsm_json("check", "wu2022")["findings"]
+    names = [finding["name"] for finding in found if finding["severity"] == "warning"]
+    assert names == ["inertia"] * 4 + ["torsional_support"]
+    assert all(set(f) >= {"stage", "value", "limit", "message"} for f in found)
+
+
 def test_json_to_a_file_leaves_stdout_empty(prsm, tmp_path):
     status, out, err = prsm("contact", "lisowski2014", "--json", tmp_path / "new" / "contact.json")
     assert (status, out, err) == (0, "", "")

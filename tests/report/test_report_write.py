@@ -117,6 +117,12 @@ def test_sensitivities_are_per_millimetre_and_per_degree(report):
     assert "not defined" in text
 
 
+def test_findings_on_masses_and_stiffnesses_are_shown(report):
+    text = _plain(report.read_text())
+    assert "need attention: inertia (4), torsional support." in text
+    assert "the moment of inertia of the screw, 0.0001822 kg·m², is m r²" in text
+
+
 def test_absent_parts_are_left_out(wu2022, tmp_path):
     bare = ReportData(mechanism=wu2022, title="Bare")
     anchors = [section.anchor for section in report_sections(bare)]
