@@ -153,9 +153,10 @@ def spring_modes(network: SpringNetwork) -> SpringModes:
 
     Derivatives, of first and second order, with dA of the mass-scaled matrix A and its
     orthonormal vectors v: `dλ_i = mean over the cluster of v_jᵀ dA v_j` and
-    `dv_i = Σ v_a v_aᵀ dA v_i / (λ_i − λ_a)` over the a outside of i's cluster, so no vanishing gap is ever a divisor. Differentiable at a
-    repeated root are means and sums over its members; not the single member of a root that the
-    change splits (see `directional_slopes`), and not the single shape.
+    `dv_i = Σ v_a v_aᵀ dA v_i / (λ_i − λ_a)` over the a outside of i's cluster, so no vanishing gap
+    is ever a divisor. Differentiable at a repeated root are means and sums over its members; not
+    the single member of a root that the change splits (see `directional_slopes`), and not the
+    single shape.
 
     **Arguments:**
 
