@@ -24,6 +24,7 @@ from . import (  # isort: skip
     _wu2022_shapes as _wu2022_shapes,
     _wu2022_indefinite as _wu2022_indefinite,
     _wu2022_trends as _wu2022_trends,
+    _lin_parker1999 as _lin_parker1999,
     _li2020 as _li2020,
     _li2021 as _li2021,
     _lisowski2014 as _lisowski2014,
