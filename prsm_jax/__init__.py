@@ -1,8 +1,8 @@
 """prsm_jax: differentiable modelling of planetary roller screw mechanisms in JAX.
 
 Data flows one way, and the folders are named after it: file → mechanism → geometry → contact →
-stiffness → modal, dynamics → findings, quantities → sensitivity, optimise, sweep → report.
-`validation` compares with published numbers, `cli` is the command line.
+stiffness → modal, dynamics → response → findings, quantities → sensitivity, optimise, sweep →
+report. `validation` compares with published numbers, `cli` is the command line.
 """
 
 from ._errors import (
@@ -54,6 +54,14 @@ from .quantities import (
     catalogue as catalogue,
     compute as compute,
     quantity as quantity,
+)
+from .response import (
+    Campbell as Campbell,
+    FrequencyResponse as FrequencyResponse,
+    MeshResponse as MeshResponse,
+    campbell as campbell,
+    frequency_response as frequency_response,
+    mesh_response as mesh_response,
 )
 from .sensitivity import Sensitivity as Sensitivity, sensitivity as sensitivity
 from .sweep import sweep as sweep

@@ -19,6 +19,7 @@ LAYERS = {
     "stiffness": {"mechanism", "geometry", "contact"},
     "modal": {"mechanism", "geometry", "contact", "stiffness"},
     "dynamics": {"mechanism", "geometry", "contact", "stiffness"},
+    "response": {"mechanism", "geometry", "contact", "stiffness", "modal", "dynamics"},
 }
 LAYERS["quantities"] = set(LAYERS) - {"file"}
 LAYERS["findings"] = LAYERS["quantities"] - {"dynamics"}
