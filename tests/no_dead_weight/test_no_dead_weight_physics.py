@@ -17,10 +17,13 @@ from prsm_jax.mechanism import (
     CoulombFriction,
     Friction,
     GivenStiffness,
+    Nut,
+    Roller,
     RollingHysteresis,
     SpinFriction,
     SplineFriction,
     ThrustBearingFriction,
+    UnequalRoller,
     ViscousFriction,
 )
 
@@ -188,6 +191,41 @@ def test_no_ring_gear():
 def test_no_carrier():
     assert _modal(_wu(carrier=None)) == BLOCKS - {"carrier_mode"}
     assert "carrier_mode" in _modal(_wu(carrier=Carrier(inertia=1e-5)))
+
+
+DENSE = {"modal", "dense_assembly", "dense_modes", "carrier_mode"}
+
+
+def test_the_scene_decides_between_the_two_paths():
+    """Nothing of the dense path for a symmetric stage, nothing of the blocks for any other."""
+    unequal = _wu(unequal_roller=(UnequalRoller(3, stiffness_factor=0.9),))
+    assert _modal(unequal) == DENSE
+    held = prsm.mechanism.Support(1e8, 1e6, radial_stiffness_y=2e8)
+    assert _modal(_wu(nut=Nut(2.0, 8e-4, support=held))) == DENSE
+    assert _modal(prsm.set_parameter(example("wu2022"), "roller_count", 2)) == DENSE
+
+
+def test_shapes_are_traced_on_request_only():
+    one = example("wu2022")
+    found = prsm.traced_physics(lambda m: prsm.modal(m, shapes=True).shapes, one)
+    assert found == BLOCKS | {"dense_assembly"}
+    assert "dense_assembly" not in _modal(one)
+
+
+def test_rollers_that_translate():
+    """Harmonic networks instead of the arrowhead blocks, and no carrier by itself."""
+    moving = _wu(roller=Roller(0.03, 5e-7, support=prsm.mechanism.Support(1e8)))
+    families = {"torsional_modes", "transverse_modes", "roller_modes"}
+    assert _modal(moving) == {"modal", "harmonic_network"} | families
+
+
+def test_one_family_alone():
+    """A quantity of one family does not trace the others."""
+    found = prsm.traced_physics(
+        lambda m: prsm.compute(m, ["lowest_torsional_frequency"]), example("wu2022")
+    )
+    assert "torsional_modes" in found
+    assert not found & {"transverse_modes", "roller_modes", "carrier_mode", "dense_modes"}
 
 
 def test_three_rollers_have_no_roller_modes():
