@@ -22,12 +22,21 @@ from ._dense import (
     family_modes as family_modes,
     stage_modes as stage_modes,
 )
+from ._distinct import (
+    DistinctFrequencies as DistinctFrequencies,
+    distinct_frequencies as distinct_frequencies,
+)
 from ._eigen import generalised_eigen as generalised_eigen, symmetric_eigen as symmetric_eigen
 from ._energy import (
     kinetic_energies as kinetic_energies,
     strain_energies as strain_energies,
 )
 from ._families import FAMILIES as FAMILIES, family_shares as family_shares
+from ._frequency_loci import (
+    FrequencyLoci as FrequencyLoci,
+    Veering as Veering,
+    frequency_loci as frequency_loci,
+)
 from ._modal import modal as modal
 from ._modes import ModeGroup as ModeGroup, Modes as Modes
 from ._spring_modes import (

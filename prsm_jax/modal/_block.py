@@ -1,18 +1,17 @@
-"""Eigenvalues of one symmetry block, in a form that keeps soft modes and their derivatives exact.
+"""Modes of one symmetry block, in a form that keeps soft modes and their derivatives exact.
 
-A block is an arrowhead: n central bodies, each with a support and a mesh spring to one common
-roller coordinate. Its matrix is formed only to find the mode shapes; eigenvalues, energies and
-derivatives are then sums over springs of stiffness times elongation squared. Nothing cancels in
-such a sum, so a soft support beside a mesh a 1e12 times stiffer keeps its digits, where the
+A block is an arrowhead: up to three central bodies, each with a support and a mesh spring to one
+common roller coordinate. Its eigenvalues come from a secular equation of springs in series, and
+energies and derivatives are sums over springs of stiffness times elongation squared. Nothing
+cancels in them, so a soft support beside a mesh 1e12 times stiffer keeps its digits, where the
 eigenvalue of the matrix has lost them to rounding.
 """
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ._eigen import generalised_eigen
+from ._arrowhead import arrowhead_modes
 
 
 class SpringBlock(eqx.Module):
@@ -46,52 +45,26 @@ class SpringBlock(eqx.Module):
         return self.factor * shapes[:-1] + signs * shapes[-1:]
 
 
-@jax.custom_jvp
 def block_modes(
     block: SpringBlock,
 ) -> tuple[Float[Array, " modes"], Float[Array, "coordinates modes"]]:
     """Eigenvalues λ (ascending) [1/s²] and mass-normalised shapes φ of a block.
 
-    `λ_i = Σ K_j φ_ji² + Σ k_j e_ji²` with the elongations e. Derivatives, of any order:
-    `dλ_i = φ_iᵀ (dK − λ_i dM) φ_i`, also summed over springs, and
-    `dφ_i = Σ_{a≠i} φ_a φ_aᵀ (dK − λ_i dM) φ_i / (λ_i − λ_a) − φ_i (φ_iᵀ dM φ_i)/2`, terms of
-    equal eigenvalues left out.
+    `λ_i = Σ K_j φ_ji² + Σ k_j e_ji²` with the elongations e. Derivatives of any order are closed
+    forms, see `arrowhead_modes`; terms of equal eigenvalues are left out of those of shapes.
 
     **Arguments:**
 
-    - `block`: springs and masses.
+    - `block`: springs and masses of one to three bodies.
     """
-    _, shapes = generalised_eigen(block.stiffness_matrix(), block.mass)
-    values = jnp.sum(block.support[:, None] * shapes[:-1] ** 2, axis=0)
-    values = values + jnp.sum(block.mesh[:, None] * block.elongations(shapes) ** 2, axis=0)
-    order = jnp.argsort(values)
-    return values[order], shapes[:, order]
-
-
-@block_modes.defjvp
-def _block_modes_jvp(primals, tangents):
-    (block,), (change,) = primals, tangents
-    values, shapes = block_modes(block)
-    bodies, stretch = shapes[:-1], block.elongations(shapes)
-
-    def weighted(weight, left, right):
-        return left.T @ (weight[:, None] * right)
-
-    moved = change.factor * weighted(block.mesh, bodies, stretch)
-    stiffness = (
-        weighted(change.support, bodies, bodies)
-        + weighted(change.mesh, stretch, stretch)
-        + moved
-        + moved.T
-    )
-    mass = weighted(change.mass, shapes, shapes)
-    # Row a, column i: φ_aᵀ (dK − λ_i dM) φ_i.
-    projected = stiffness - mass * values[None, :]
-    gaps = values[None, :] - values[:, None]
-    distinct = gaps != 0
-    mixing = jnp.where(distinct, projected / jnp.where(distinct, gaps, 1.0), 0.0)
-    mixing = mixing - jnp.diag(jnp.diagonal(mass)) / 2
-    return (values, shapes), (jnp.diagonal(projected), shapes @ mixing)
+    numbers = (block.support, block.mesh, block.mass)
+    modes = arrowhead_modes(*(tuple(values) for values in numbers), block.factor)
+    signs = (*block.signs, 1)
+    rows = [
+        jnp.stack([sign * shape[place] for shape in modes.shapes])
+        for place, sign in enumerate(signs)
+    ]
+    return jnp.stack(modes.values), jnp.stack(rows)
 
 
 def mesh_energy_share(
