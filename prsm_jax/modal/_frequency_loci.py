@@ -1,0 +1,213 @@
+"""Natural frequencies along one parameter: which curves cross, and which veer away."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float
+
+from ..contact import StageContact, load_of, stage_contact
+from ..geometry import mesh
+from ..mechanism import Mechanism, Scalar, find_parameters, set_parameter
+from ..stiffness import thread_stiffness
+from ._dense import stage_modes
+from ._families import FAMILIES, family_shares
+from ._modes import COUPLED, Modes
+from ._spring_modes import clusters
+from ._system import vibration_system
+
+#: Two curves veer where they come closer than this share of their mean frequency and part again.
+_CLOSE = 0.1
+
+
+@dataclass(frozen=True)
+class Veering:
+    """Two curves of one family that come close and part again without touching."""
+
+    family: str
+    #: Which curves of the family, from 0.
+    lower: int
+    #: Index of the value at which they are closest.
+    at: int
+    value: float
+    #: Frequencies of both there [Hz].
+    frequencies: tuple[float, float]
+
+
+class FrequencyLoci(eqx.Module):
+    """Natural frequencies of one stage as curves over a parameter.
+
+    In a symmetric stage each family has its own curves: those of different families cross, those
+    of one family veer, so each is followed by the order of its frequencies. Without symmetry all
+    but the carrier's are one family named `coupled`; then `shares` tells how much of each mode is
+    in which.
+    """
+
+    #: Values of the parameter [SI].
+    values: Float[Array, " points"]
+    #: By family: ascending curves [Hz]; NaN where the thread does not mesh.
+    frequencies: dict[str, Float[Array, "points modes"]]
+    #: Share of each coupled mode in each of `FAMILIES`, the same for all members of a repeated
+    #: root; `None` for a symmetric stage.
+    shares: Float[Array, "points 4 modes"] | None
+    valid: Bool[Array, " points"]
+    parameter: str = eqx.field(static=True)
+    unit: str = eqx.field(static=True)
+    #: How often the modes of each family occur; of the first point, if the parameter changes it.
+    multiplicities: dict[str, int] = eqx.field(static=True)
+    stage: int = eqx.field(static=True)
+    #: Whether only whole numbers are possible (the number of rollers).
+    whole: bool = eqx.field(static=True)
+
+    def veerings(self) -> tuple[Veering, ...]:
+        """Where two neighbouring curves of one family come close and part again, closest first.
+
+        Not inside a trace. Both ends of the range must lie at least twice as far apart as the
+        closest point; curves that coincide are repeated roots and do not count.
+        """
+        found = []
+        for family, curves in self.frequencies.items():
+            rows = np.asarray(curves)
+            for lower in range(rows.shape[1] - 1):
+                low, high = rows[:, lower], rows[:, lower + 1]
+                gap = 2 * (high - low) / (high + low)
+                if len(gap) < 3 or not np.isfinite(gap).all():
+                    continue
+                at = int(np.argmin(gap))
+                apart = min(gap[: at + 1].max(), gap[at:].max()) > 2 * gap[at]
+                if 0 < at < len(gap) - 1 and apart and 1e-9 < gap[at] < _CLOSE:
+                    value = float(self.values[at])
+                    both = (float(low[at]), float(high[at]))
+                    found.append((gap[at], Veering(family, lower, at, value, both)))
+        return tuple(veering for _, veering in sorted(found, key=lambda pair: pair[0]))
+
+
+def _point(
+    mechanism: Mechanism, stage: int, load: float | Scalar | None
+) -> tuple[dict[str, Array], Float[Array, "4 modes"] | None, Bool[Array, ""]]:
+    """Frequencies by family, shares of coupled modes, and whether the numbers can be used."""
+    chosen = mechanism.stages[stage - 1]
+    flags: list[Bool[Array, ""]] = []
+
+    def contact() -> StageContact:
+        meshing = mesh(chosen.thread) if chosen.curvature == "exact" else None
+        found = stage_contact(chosen, jnp.abs(load_of(mechanism, load)), meshing)
+        if meshing is not None:
+            flags.append(meshing.converged)
+        flags.extend(side.hertz.semi_major >= 0 for side in (found.screw, found.nut))
+        return found
+
+    modes = stage_modes(vibration_system(chosen, thread_stiffness(chosen, contact)))
+    frequencies = {group.family: group.frequencies for group in modes.groups}
+    flags.extend(jnp.isfinite(row).all() for row in frequencies.values())
+    valid = jnp.stack(flags).all()
+    shown = {name: jnp.where(valid, row, jnp.nan) for name, row in frequencies.items()}
+    return shown, _shares(modes), valid
+
+
+def _shares(modes: Modes) -> Float[Array, "4 modes"] | None:
+    group = modes.group(COUPLED)
+    if group is None:
+        return None
+    assert modes.system is not None
+    assert modes.network is not None
+    assert group.shapes is not None
+    single = family_shares(modes.system, modes.network, group.shapes[..., 0])
+    members = clusters(group.frequencies**2).astype(single.dtype)
+    return single @ members / jnp.sum(members, axis=0)
+
+
+@eqx.filter_jit
+def _all_points(mechanism: Mechanism, values: Array, parameter: str, stage: int, load):
+    return jax.vmap(lambda v: _point(set_parameter(mechanism, parameter, v), stage, load))(values)
+
+
+_one_point = eqx.filter_jit(_point)
+
+
+def frequency_loci(
+    mechanism: Mechanism,
+    parameter: str,
+    values: Float[Array, " points"] | np.ndarray | Sequence[float | int],
+    *,
+    stage: int = 1,
+    load: float | Scalar | None = None,
+) -> FrequencyLoci:
+    """Natural frequencies of one stage for every value of one parameter.
+
+    All values run through one compiled function at once; whole numbers such as `roller_count`,
+    which are part of the program, one by one.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism; as for `modal`.
+    - `parameter`: a name as in `set_parameter`: `lead`, `contact_angle`, `screw.mass`,
+      `unequal_roller.2.stiffness_factor`, …
+    - `values`: its values [SI], ascending or descending.
+    - `stage`: which stage, counted from 1.
+    - `load`: axial load at which the contact stiffness is taken [N]; default that of the operating
+      point.
+
+    **Returns:** the curves, a family at a time.
+
+    **Raises:** `UnknownNameError` for a parameter that is not there; `ValueError` for values that
+    are not at least two, finite and in order, or a stage that is not there; `MissingDataError` if
+    the mechanism lacks data.
+    """
+    if not 1 <= stage <= len(mechanism.stages):
+        raise ValueError(f"stage is {stage}; the mechanism has stages 1 to {len(mechanism.stages)}")
+    known = find_parameters(mechanism, parameter)[0]
+    points = np.asarray(values, float)
+    steps = np.diff(points)
+    if points.ndim != 1 or len(points) < 2 or not np.isfinite(points).all():
+        raise ValueError(f"values of {parameter} must be a list of at least two finite numbers")
+    if not ((steps > 0).all() or (steps < 0).all()):
+        raise ValueError(f"values of {parameter} must ascend or descend, none twice")
+    dtype = mechanism.stages[stage - 1].thread.lead.dtype
+    first = mechanism
+    if known.static:
+        each = [set_parameter(mechanism, parameter, value) for value in points]
+        first, found = each[0], [_one_point(one, stage, load) for one in each]
+        frequencies, shares, valid = _stacked(found)
+    else:
+        frequencies, shares, valid = _all_points(
+            mechanism, jnp.asarray(points, dtype), parameter, stage, load
+        )
+    count = first.stages[stage - 1].present_roller_count
+    times = {"transverse": 2, "roller": max(count - 3, 1)}
+    return FrequencyLoci(
+        jnp.asarray(points, dtype),
+        frequencies,
+        shares,
+        valid,
+        parameter,
+        known.unit,
+        {family: times.get(family, 1) for family in frequencies},
+        stage,
+        known.static,
+    )
+
+
+def _stacked(found: list) -> tuple[dict[str, Array], Array | None, Array]:
+    """Points of which some may have modes that others lack: those are NaN."""
+
+    def padded(rows: list[np.ndarray], fill: float) -> Array:
+        longest = max(row.shape[-1] for row in rows)
+        room = [[(0, 0)] * (row.ndim - 1) + [(0, longest - row.shape[-1])] for row in rows]
+        filled = [
+            np.pad(row, pad, constant_values=fill) for row, pad in zip(rows, room, strict=True)
+        ]
+        return jnp.asarray(np.stack(filled))
+
+    names = [name for name in (*FAMILIES, COUPLED) if any(name in point[0] for point in found)]
+    frequencies = {
+        name: padded([np.asarray(point[0].get(name, np.zeros(0))) for point in found], np.nan)
+        for name in names
+    }
+    shares = None
+    if all(point[1] is not None for point in found):
+        shares = padded([np.asarray(point[1]) for point in found], 0.0)
+    return frequencies, shares, jnp.stack([point[2] for point in found])
