@@ -5,5 +5,6 @@ from . import (
     _demo as _demo,
     _design as _design,
     _lists as _lists,
+    _vibrate as _vibrate,
 )
 from ._app import app as app

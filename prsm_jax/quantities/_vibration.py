@@ -3,9 +3,11 @@
 import jax.numpy as jnp
 
 from .._errors import MissingDataError
+from ..response import excitation_orders, find_order
 from ..stiffness import ring_roller_stiffness
 from ._analysis import Analysis
 from ._catalogue import quantity
+from ._operation import carrier_ratio
 
 #: A mode is mesh-dominated when more than this share of its strain energy is in the contacts.
 _DOMINANT = 0.5
@@ -116,3 +118,25 @@ def gear_mesh_stiffness(analysis: Analysis):
     if any(stiffness is None for stiffness in found):
         raise MissingDataError("a stage has no gear; give [stage.gear]")
     return jnp.stack([stiffness for stiffness in found if stiffness is not None])
+
+
+@quantity(
+    "lowest_critical_speed",
+    "Ω_c",
+    "rad/s",
+    "lowest screw speed at which the gear mesh meets a torsional or transverse mode with most of "
+    "its strain energy in the contacts, whatever the phases of the rollers",
+)
+def lowest_critical_speed(analysis: Analysis):
+    ratios = carrier_ratio(analysis)
+    found = []
+    for index, stage in enumerate(analysis.mechanism.stages):
+        if stage.gear is None or stage.gear.roller_teeth is None or stage.ring_gear is None:
+            raise MissingDataError(
+                "a stage has no teeth to mesh; give [stage.ring_gear] and roller_teeth in "
+                "[stage.gear]"
+            )
+        mesh = find_order(excitation_orders(stage, ratios[index]), "ring_gear_mesh")
+        lowest = _lowest_mesh_dominated((analysis.torsional[index], analysis.transverse[index]))
+        found.append(2 * jnp.pi * lowest / mesh.order)
+    return jnp.min(jnp.stack(found))

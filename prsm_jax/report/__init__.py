@@ -1,5 +1,6 @@
 """Pictures and reports for engineers: millimetres, rpm, kilonewtons, megapascals, degrees."""
 
+from ._campbell_chart import campbell_chart as campbell_chart
 from ._contact_ellipses import contact_ellipses as contact_ellipses
 from ._cross_section import cross_section as cross_section
 from ._data import ReportData as ReportData, analyse as analyse
@@ -12,6 +13,7 @@ from ._optimisation import (
     summarise_optimisation as summarise_optimisation,
 )
 from ._optimisation_chart import optimisation_chart as optimisation_chart
+from ._response_chart import response_chart as response_chart
 from ._sensitivity_bars import sensitivity_bars as sensitivity_bars
 from ._style import save_figure as save_figure
 from ._sweep_map import sweep_map as sweep_map

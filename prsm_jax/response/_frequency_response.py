@@ -5,6 +5,7 @@ from typing import Literal, TypeAlias
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Complex, Float
 
 from ..mechanism import Mechanism, Scalar
@@ -60,8 +61,11 @@ class FrequencyResponse(eqx.Module):
     @property
     def phase(self) -> Float[Array, " frequencies"]:
         """Phase of the response against the force, from −π to π [rad]."""
-        moves = (self.value != 0) & ~self.at_pole
-        return jnp.angle(jnp.where(moves, self.value, jnp.ones_like(self.value)))
+        # An undamped response is in phase or against it; which sign a zero has is no matter.
+        turned = (self.value.imag != 0) & ~self.at_pole
+        angle = jnp.angle(jnp.where(turned, self.value, jnp.ones_like(self.value)))
+        against = (self.value.real < 0) & ~turned
+        return jnp.where(against, jnp.pi, angle)
 
 
 def apart_by_symmetry(system: VibrationSystem, first: str, second: str) -> bool:
@@ -87,7 +91,7 @@ def frequency_response(
     mechanism: Mechanism,
     excitation: str,
     response: str,
-    frequency: Float[Array, " frequencies"] | Sequence[float],
+    frequency: Float[Array | np.ndarray, " frequencies"] | Sequence[float],
     *,
     stage: int = 1,
     load: float | Scalar | None = None,

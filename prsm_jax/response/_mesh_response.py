@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Complex, Float
 
 from .._physics import physics
@@ -153,7 +154,7 @@ def excited_response(
 
 def mesh_response(
     mechanism: Mechanism,
-    speed: Float[Array, " speeds"] | Sequence[float],
+    speed: Float[Array | np.ndarray, " speeds"] | Sequence[float],
     *,
     order: str = "ring_gear_mesh",
     harmonic: int = 1,

@@ -268,6 +268,21 @@ NEEDS = {
         "transverse_modes",
         "transverse_springs",
     },
+    "lowest_critical_speed": ALWAYS
+    | {
+        "hertz",
+        "gear_mesh_stiffness",
+        "torsional_modes",
+        "torsional_springs",
+        "transverse_modes",
+        "transverse_springs",
+        "carrier_balance",
+        "coulomb_friction",
+        "spin_friction",
+        "rolling_hysteresis",
+        "thrust_bearing_friction",
+        "drag",
+    },
     "roller_frequency": {"meshing", "hertz", "gear_mesh_stiffness", "roller_modes"},
     "efficiency": ALWAYS
     | {

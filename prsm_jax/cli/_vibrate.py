@@ -1,0 +1,274 @@
+"""Verbs of forced vibration: response, campbell."""
+
+from typing import Annotated, Any
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from cyclopts import Parameter
+
+from .._errors import PrsmError
+from ..mechanism import Mechanism, ModalDamping, RayleighDamping, StructuralDamping, as_scalar
+from ..modal import Modes, modal as run_modal
+from ..response import (
+    Campbell,
+    FrequencyResponse,
+    Kind,
+    campbell as run_campbell,
+    frequency_response,
+)
+from ._app import app
+from ._common import Common, emit, table, words_of
+
+_DEFAULT = Common()
+_Stage = Annotated[int, Parameter(help="Which stage, counted from 1.")]
+_frequency_response = eqx.filter_jit(frequency_response)
+_modes = eqx.filter_jit(run_modal)
+_campbell = eqx.filter_jit(run_campbell)
+_LAWS = {
+    type(None): None,
+    ModalDamping: "modal",
+    RayleighDamping: "rayleigh",
+    StructuralDamping: "structural",
+}
+
+
+def _range(modes: Modes, fmin: float | None, fmax: float | None, points: int) -> np.ndarray:
+    """Frequencies on a logarithmic axis, from below the first elastic mode to above the last."""
+    if points < 2:
+        raise PrsmError(f"--points {points}: must be at least 2")
+    natural = np.asarray(modes.frequencies)
+    elastic = natural[np.asarray(modes.families) != "rigid"]
+    first = elastic.min() / 3 if fmin is None else fmin
+    last = elastic.max() * 2 if fmax is None else fmax
+    if not 0 <= first < last < np.inf:
+        raise PrsmError(
+            f"--fmin {first:.6g} --fmax {last:.6g}: must be 0 Hz or more, and fmin below fmax"
+        )
+    # Zero has no place on a logarithmic axis.
+    return np.geomspace(first, last, points) if first > 0 else np.linspace(first, last, points)
+
+
+def _distinct(modes: Modes) -> list[int]:
+    """Where each distinct natural frequency is first in the ascending list."""
+    places, at = [], 0
+    while at < len(modes.families):
+        places.append(at)
+        at += modes.multiplicities[at]
+    return places
+
+
+def response_results(
+    found: FrequencyResponse, modes: Modes, law: str | None, stage: int
+) -> dict[str, Any]:
+    """A frequency response by the names of the JSON."""
+    return {
+        "stage": stage,
+        "from": found.excitation,
+        "to": found.response,
+        "kind": found.kind,
+        "unit": found.unit,
+        "damping": law,
+        "frequency_hz": found.frequency,
+        "real": found.value.real,
+        "imaginary": found.value.imag,
+        "magnitude_db": found.decibel,
+        "phase_rad": found.phase,
+        "at_pole": found.at_pole,
+        "natural_frequencies_hz": modes.frequencies,
+        "families": modes.families,
+        "multiplicities": modes.multiplicities,
+    }
+
+
+def _damped(mechanism: Mechanism, stage: int, ratio: float | None) -> Any:
+    if not 1 <= stage <= len(mechanism.stages):
+        raise PrsmError(f"--stage {stage}: the mechanism has {len(mechanism.stages)} stage(s)")
+    if ratio is None:
+        return mechanism.stages[stage - 1].damping
+    if not 0 <= ratio < 1:
+        raise PrsmError(f"--ratio {ratio:g}: must be 0 or more and less than 1")
+    return ModalDamping(as_scalar(ratio))
+
+
+@app.command
+def response(
+    file: str,
+    *,
+    source: Annotated[
+        str,
+        Parameter(name="--from", help="Where the force acts: 'screw u', 'nut x', 'roller 3 u', …"),
+    ] = "screw u",
+    target: Annotated[
+        str, Parameter(name="--to", help="Where the motion is taken, as --from.")
+    ] = "nut u",
+    fmin: Annotated[float | None, Parameter(help="Lowest frequency in Hz.")] = None,
+    fmax: Annotated[float | None, Parameter(help="Highest frequency in Hz.")] = None,
+    points: Annotated[int, Parameter(help="Number of frequencies, in equal ratios.")] = 2001,
+    kind: Annotated[Kind, Parameter(help="Displacement, velocity or acceleration.")] = "receptance",
+    ratio: Annotated[
+        float | None,
+        Parameter(help="Damping ratio of every mode, instead of the file's [stage.damping]."),
+    ] = None,
+    stage: _Stage = 1,
+    common: Common = _DEFAULT,
+) -> int:
+    """Frequency response of one degree of freedom to a force at another; x, y and u = r θ."""
+    mechanism = common.load(file)
+    damping = _damped(mechanism, stage, ratio)
+    modes = _modes(mechanism, stage=stage, shapes=True)
+    hertz = _range(modes, fmin, fmax, points)
+    natural = np.asarray(modes.frequencies)
+    at_modes = np.array([natural[k] for k in _distinct(modes)])
+    both = _frequency_response(
+        mechanism,
+        source,
+        target,
+        jnp.asarray(np.concatenate([hertz, at_modes])),
+        stage=stage,
+        damping=damping,
+        kind=kind,
+    )
+
+    def part(where: slice) -> FrequencyResponse:
+        return eqx.tree_at(
+            lambda f: (f.frequency, f.value, f.at_pole),
+            both,
+            (both.frequency[where], both.value[where], both.at_pole[where]),
+        )
+
+    found, peaks = part(slice(None, points)), part(slice(points, None))
+    law = _LAWS[type(damping)]
+    picture = None
+    if common.out is not None and np.asarray(found.value).any():
+        from ..report import response_chart, save_figure
+
+        common.out.mkdir(parents=True, exist_ok=True)
+        figure = response_chart({law or "undamped": found}, modes)
+        picture = save_figure(figure, common.out / "response")[0]
+
+    def text() -> str:
+        unit = f"|H| dB re 1 {found.unit}"
+        rows = [
+            (modes.families[k], at_modes[index], modes.multiplicities[k], size, angle)
+            for index, (k, size, angle) in enumerate(
+                zip(
+                    _distinct(modes),
+                    np.asarray(peaks.decibel).tolist(),
+                    np.degrees(np.asarray(peaks.phase)).tolist(),
+                    strict=True,
+                )
+            )
+        ]
+        title = f"{kind.capitalize()} of {target} per force at {source}: {file}, stage {stage}"
+        lines = table(title, ["family", "f Hz", "times", unit, "phase deg"], rows)
+        if law is None:
+            lines += "no damping, so infinite at resonance; give [stage.damping] or --ratio\n"
+        if not np.asarray(both.value).any():
+            lines += f"by symmetry a force at {source} does not move {target}\n"
+        return lines + ("" if picture is None else f"picture: {picture}")
+
+    emit(common, response_results(found, modes, law, stage), text)
+    return 0
+
+
+def campbell_results(found: Campbell, max_speed: float, stage: int) -> dict[str, Any]:
+    """A Campbell diagram by the names of the JSON."""
+    return {
+        "stage": stage,
+        "carrier_ratio": found.carrier_ratio,
+        "max_speed_rpm": max_speed * 30 / np.pi,
+        "orders": [
+            {
+                "name": order.name,
+                "order": order.order,
+                "lobes": order.lobes,
+                "description": order.description,
+            }
+            for order in found.orders
+        ],
+        "frequencies_hz": found.modes.frequencies,
+        "families": found.modes.families,
+        "multiplicities": found.modes.multiplicities,
+        "crossings": [
+            {
+                "speed_rpm": crossing.speed_rpm,
+                "speed_rad_per_s": crossing.speed,
+                "order": crossing.order,
+                "harmonic": crossing.harmonic,
+                "frequency_hz": crossing.frequency,
+                "family": crossing.family,
+                "multiplicity": crossing.multiplicity,
+                "excited": crossing.excited,
+            }
+            for crossing in found.crossings(max_speed)
+        ],
+    }
+
+
+def _max_speed(mechanism: Mechanism, rpm: float | None) -> float:
+    """The end of the speed range [rad/s]: given, or one and a half times the operating speed."""
+    point = mechanism.operating_point
+    if rpm is None:
+        speed = 0.0 if point is None else 1.5 * abs(float(point.speed))
+        return speed or 3000 * np.pi / 30
+    if not 0 < rpm < np.inf:
+        raise PrsmError(f"--max-rpm {rpm:g}: must be more than 0")
+    return rpm * np.pi / 30
+
+
+@app.command
+def campbell(
+    file: str,
+    *,
+    max_rpm: Annotated[
+        float | None,
+        Parameter(help="Highest screw speed in rpm; default 1.5 times the operating speed."),
+    ] = None,
+    harmonics: Annotated[int, Parameter(help="How many harmonics of each order.")] = 3,
+    orders: Annotated[
+        str | None, Parameter(help="Names of orders, separated by commas; default all.")
+    ] = None,
+    every: Annotated[
+        bool,
+        Parameter(negative="", help="List crossings that the rollers' phases cancel, too."),
+    ] = False,
+    stage: _Stage = 1,
+    common: Common = _DEFAULT,
+) -> int:
+    """At which screw speeds do excitations from the kinematics meet natural frequencies?"""
+    mechanism = common.load(file)
+    speed = _max_speed(mechanism, max_rpm)
+    names = words_of(orders)
+    found = _campbell(
+        mechanism, stage=stage, harmonics=harmonics, orders=None if names is None else tuple(names)
+    )
+    picture = None
+    if common.out is not None and found.crossings(speed):
+        from ..report import campbell_chart, save_figure
+
+        common.out.mkdir(parents=True, exist_ok=True)
+        picture = save_figure(campbell_chart(found, speed), common.out / "campbell")[0]
+
+    def text() -> str:
+        rows = [
+            (
+                one.speed_rpm,
+                one.order,
+                one.harmonic,
+                one.frequency,
+                one.family,
+                one.multiplicity,
+                "yes" if one.excited else "no",
+            )
+            for one in found.crossings(speed, excited_only=not every)
+        ]
+        columns = ["rpm", "order", "harmonic", "f Hz", "family", "times", "excited"]
+        title = f"Critical speeds up to {speed * 30 / np.pi:.6g} rpm: {file}, stage {stage}"
+        lines = table(title, columns, rows) if rows else f"{title}\nnone\n"
+        lines += f"carrier ratio {float(found.carrier_ratio):.6g}; orders per turn of the screw: "
+        lines += ", ".join(f"{one.name} {float(one.order):.5g}" for one in found.orders) + "\n"
+        return lines + ("" if picture is None else f"picture: {picture}")
+
+    emit(common, campbell_results(found, speed, stage), text)
+    return 0

@@ -1,0 +1,124 @@
+"""The verbs of forced vibration: JSON, tables, pictures, errors."""
+
+import numpy as np
+import pytest
+
+import prsm_jax
+from prsm_jax.mechanism import ModalDamping
+from tests import scenes
+
+RESPONSE_KEYS = {
+    "stage",
+    "from",
+    "to",
+    "kind",
+    "unit",
+    "damping",
+    "frequency_hz",
+    "real",
+    "imaginary",
+    "magnitude_db",
+    "phase_rad",
+    "at_pole",
+    "natural_frequencies_hz",
+    "families",
+    "multiplicities",
+}
+CROSSING_KEYS = {
+    "speed_rpm",
+    "speed_rad_per_s",
+    "order",
+    "harmonic",
+    "frequency_hz",
+    "family",
+    "multiplicity",
+    "excited",
+}
+_PAIR = ("--from", "screw u", "--to", "nut u")
+
+
+def test_response_json_agrees_with_python(prsm_json):
+    found = prsm_json(
+        "response", "wu2022", *_PAIR, "--fmin", 100, "--fmax", 1e4, "--points", 5, "--ratio", 0.02
+    )
+    assert found.keys() >= RESPONSE_KEYS
+    assert (found["damping"], found["unit"]) == ("modal", "m/N")
+    hertz = np.geomspace(100, 1e4, 5)
+    np.testing.assert_allclose(found["frequency_hz"], hertz, rtol=1e-14)
+    expected = prsm_jax.frequency_response(
+        scenes.example("wu2022"), "screw u", "nut u", hertz, damping=ModalDamping(0.02)
+    )
+    np.testing.assert_allclose(found["real"], expected.value.real, rtol=1e-9)
+    np.testing.assert_allclose(found["imaginary"], expected.value.imag, rtol=1e-9)
+    np.testing.assert_allclose(found["magnitude_db"], expected.decibel, rtol=1e-12)
+    assert len(found["natural_frequencies_hz"]) == 17
+
+
+def test_a_pole_is_null_in_json_and_said_in_the_table(prsm, prsm_json):
+    at_rest = prsm_json("response", "wu2022", *_PAIR, "--fmin", 0, "--fmax", 10, "--points", 2)
+    assert at_rest["frequency_hz"] == [0, 10]
+    assert at_rest["at_pole"] == [False, False]
+    assert at_rest["damping"] is None
+    status, out, err = prsm("response", "wu2022", *_PAIR, "--points", "5")
+    assert (status, err) == (0, "")
+    assert "inf" in out
+    assert "no damping" in out
+    status, out, _ = prsm("response", "wu2022", "--from", "screw u", "--to", "nut x", "--points", 5)
+    assert status == 0
+    assert "by symmetry a force at screw u does not move nut x" in out
+
+
+def test_campbell_json_and_table(prsm, prsm_json):
+    found = prsm_json("campbell", "wu2022", "--max-rpm", "6000")
+    assert found["max_speed_rpm"] == pytest.approx(6000)
+    assert found["carrier_ratio"] == pytest.approx(0.374132, abs=1e-6)
+    names = [order["name"] for order in found["orders"]]
+    assert names[-1] == "ring_gear_mesh"
+    speeds = [crossing["speed_rpm"] for crossing in found["crossings"]]
+    assert speeds == sorted(speeds)
+    assert max(speeds) <= 6000
+    assert all(crossing.keys() >= CROSSING_KEYS for crossing in found["crossings"])
+    assert {crossing["excited"] for crossing in found["crossings"]} == {True, False}
+    _, out, _ = prsm("campbell", "wu2022", "--max-rpm", "6000")
+    assert "roller_passing_screw" in out
+    assert out.count(" yes") == sum(crossing["excited"] for crossing in found["crossings"])
+    assert " no\n" not in out
+    _, every, _ = prsm("campbell", "wu2022", "--max-rpm", "6000", "--every")
+    assert every.count(" no\n") == sum(not crossing["excited"] for crossing in found["crossings"])
+    _, none, _ = prsm("campbell", "wu2022", "--max-rpm", "1", "--orders", "carrier")
+    assert "none" in none
+
+
+def test_pictures_are_written(prsm, tmp_path):
+    folder = tmp_path / "out"
+    status, out, _ = prsm("campbell", "wu2022", "--max-rpm", "6000", "--out", folder)
+    assert status == 0
+    assert "picture: " in out
+    status, out, _ = prsm(
+        "response", "wu2022", *_PAIR, "--points", "50", "--ratio", "0.02", "--out", folder
+    )
+    assert status == 0
+    assert "picture: " in out
+    assert {path.name for path in folder.iterdir()} >= {"campbell.png", "response.png"}
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("response", "wu2022", "--from", "screw z"), "choose one of screw x"),
+        (("response", "wu2022", "--points", "1"), "must be at least 2"),
+        (("response", "wu2022", "--fmin", "10", "--fmax", "5"), "fmin below fmax"),
+        (("response", "wu2022", "--ratio", "1"), "less than 1"),
+        (("response", "wu2022", "--stage", "2"), "has 1 stage"),
+        (("campbell", "wu2022", "--max-rpm", "0"), "must be more than 0"),
+        (("campbell", "wu2022", "--orders", "belt"), "choose one of carrier"),
+        (("campbell", "wu2022", "--harmonics", "0"), "give at least 1"),
+        (("campbell", "li2020_two_stage"), "the screw has neither mass"),
+    ],
+)
+def test_one_line_says_what_is_wrong(prsm, words, message):
+    status, out, err = prsm(*words)
+    assert (status, out) == (2, "")
+    assert err.startswith("prsm: ")
+    assert message in err
+    assert err.count("\n") == 1
