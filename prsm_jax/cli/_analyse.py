@@ -1,11 +1,10 @@
-"""Verbs that analyse one mechanism: check, contact, modal, steady, simulate."""
+"""Verbs that analyse one mechanism: check, contact, steady, simulate."""
 
 import math
 from collections.abc import Sequence
 from typing import Annotated, Any
 
 import equinox as eqx
-import numpy as np
 from cyclopts import Parameter
 
 from ..contact import StageContact, thread_contacts
@@ -21,7 +20,6 @@ from ..dynamics import (
 from ..findings import check as run_checks
 from ..geometry import Meshing, mesh
 from ..mechanism import Mechanism, OperatingPoint
-from ..modal import Modes, modal as run_modal
 from ._app import app
 from ._common import Common, emit, plain, table
 from ._programs import run_stored
@@ -103,39 +101,6 @@ def contact(file: str, *, common: Common = _DEFAULT) -> int:
     columns = ["stage side", "r mm", "φ deg", "F_n N", "a mm", "b mm", "p₀ MPa", "δ µm", "F/δ N/µm"]
     emit(common, results, lambda: table(f"Thread contacts: {file}", columns, rows))
     return int(not all(stage["converged"] for stage in results["stages"]))
-
-
-_modes = eqx.filter_jit(run_modal)
-
-
-def modal_results(modes: Modes, stage: int = 1) -> dict[str, Any]:
-    """Natural frequencies by the names of the JSON."""
-    return {
-        "stage": stage,
-        "frequencies_hz": np.asarray(modes.frequencies).tolist(),
-        "families": modes.families,
-        "multiplicities": modes.multiplicities,
-    }
-
-
-@app.command
-def modal(
-    file: str,
-    *,
-    stage: Annotated[int, Parameter(help="Which stage, counted from 1.")] = 1,
-    common: Common = _DEFAULT,
-) -> int:
-    """Natural frequencies and families of one stage."""
-    results = modal_results(_modes(common.load(file), stage=stage), stage)
-    frequencies = results["frequencies_hz"]
-    rows, index = [], 0
-    while index < len(frequencies):
-        times = results["multiplicities"][index]
-        rows.append((results["families"][index], frequencies[index], times))
-        index += times
-    title = f"Natural frequencies: {file}, stage {stage}"
-    emit(common, results, lambda: table(title, ["family", "f Hz", "times"], rows))
-    return 0
 
 
 def steady_results(state: SteadyState, point: OperatingPoint | None) -> dict[str, Any]:

@@ -14,7 +14,8 @@ import jax
 import numpy as np
 from cyclopts import Parameter
 
-from ..mechanism import Mechanism
+from .._errors import PrsmError
+from ..mechanism import Mechanism, get_parameter
 
 
 @Parameter(name="*")
@@ -116,6 +117,27 @@ def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> 
     Console(file=stream, width=120, color_system=None).print(grid)
     lines = (line.rstrip() for line in stream.getvalue().splitlines())
     return "\n".join([title, *(line for line in lines if line)]) + "\n"
+
+
+def value_of(mechanism: Mechanism, name: str, text: str, option: str | None = None) -> float:
+    """A value of a named number [SI], written with its unit as in `--set`.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism.
+    - `name`: the number.
+    - `text`: its value.
+    - `option`: where the value was given, if not with `--set`.
+    """
+    from ..file import apply_settings
+
+    setting = f"{name}={text.strip()}"
+    try:
+        return float(get_parameter(apply_settings(mechanism, [setting]), name))
+    except PrsmError as error:
+        if option is None:
+            raise
+        raise PrsmError(str(error).replace(f"--set {setting}", f"{option} {text}")) from error
 
 
 def words_of(text: str | None) -> list[str] | None:

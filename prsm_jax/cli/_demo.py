@@ -12,9 +12,10 @@ from ..optimise import optimise
 from ..quantities import catalogue
 from ..report import ReportData
 from ..sensitivity import sensitivity
-from ._analyse import contact_results, modal_results, steady_results, transient_results
+from ._analyse import contact_results, steady_results, transient_results
 from ._app import app
 from ._common import Common, plain
+from ._modal import modal_results
 
 _DEFAULT = Common()
 

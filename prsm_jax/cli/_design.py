@@ -7,13 +7,13 @@ import numpy as np
 from cyclopts import Parameter
 
 from .._errors import PrsmError
-from ..mechanism import Mechanism, get_parameter
+from ..mechanism import Mechanism
 from ..optimise import optimise as run_optimise
 from ..quantities import catalogue
 from ..sensitivity import sensitivity as run_sensitivity
 from ..sweep import sweep as run_sweep
 from ._app import app
-from ._common import Common, emit, words_of
+from ._common import Common, emit, value_of, words_of
 
 _DEFAULT = Common()
 _NAMES = "Names from `prsm quantities`, separated by commas."
@@ -71,14 +71,14 @@ def optimise(
     return int(not best.converged)
 
 
-def _axis(mechanism: Mechanism, text: str, settings) -> tuple[str, np.ndarray]:
+def _axis(mechanism: Mechanism, text: str) -> tuple[str, np.ndarray]:
     """`NAME=FIRST:LAST:COUNT` or `NAME=VALUE,VALUE,…`, values as in `--set`."""
     name, equals, given = (part.strip() for part in text.partition("="))
     if not (name and equals and given):
         raise PrsmError(f"--axis {text}: must be NAME=FIRST:LAST:COUNT or NAME=VALUE,VALUE,…")
 
     def value(word: str) -> float:
-        return float(get_parameter(settings(mechanism, [f"{name}={word.strip()}"]), name))
+        return value_of(mechanism, name, word)
 
     parts = given.split(":")
     if len(parts) == 1:
@@ -107,10 +107,8 @@ def sweep(
     common: Common = _DEFAULT,
 ) -> int:
     """Quantities over the full grid of any parameters, into a zarr store in --out (default out)."""
-    from ..file import apply_settings
-
     mechanism = common.load(file)
-    axes = dict(_axis(mechanism, text, apply_settings) for text in axis)
+    axes = dict(_axis(mechanism, text) for text in axis)
     folder = Path("out") if common.out is None else common.out
     store = folder / f"{Path(file).stem}-sweep.zarr"
     folder.mkdir(parents=True, exist_ok=True)

@@ -49,10 +49,10 @@ class FrequencyLoci(eqx.Module):
     #: Values of the parameter [SI].
     values: Float[Array, " points"]
     #: By family: ascending curves [Hz]; NaN where the thread does not mesh.
-    frequencies: dict[str, Float[Array, "points modes"]]
+    frequencies: dict[str, Float[Array, "points _"]]
     #: Share of each coupled mode in each of `FAMILIES`, the same for all members of a repeated
     #: root; `None` for a symmetric stage.
-    shares: Float[Array, "points 4 modes"] | None
+    shares: Float[Array, "points 4 _"] | None
     valid: Bool[Array, " points"]
     parameter: str = eqx.field(static=True)
     unit: str = eqx.field(static=True)
@@ -117,7 +117,7 @@ def _shares(modes: Modes) -> Float[Array, "4 modes"] | None:
     assert group.shapes is not None
     single = family_shares(modes.system, modes.network, group.shapes[..., 0])
     members = clusters(group.frequencies**2).astype(single.dtype)
-    return single @ members / jnp.sum(members, axis=0)
+    return single @ (members / jnp.sum(members, axis=0, keepdims=True))
 
 
 @eqx.filter_jit

@@ -8,6 +8,7 @@ from ._contact_ellipses import contact_ellipses
 from ._data import ReportData
 from ._frequency_chart import elastic_modes, frequency_chart
 from ._loss_chart import loss_chart
+from ._mode_shapes import mode_shapes
 from ._section import Picture, Section, Table
 from ._style import readable
 from ._transient_chart import settling_time, transient_chart
@@ -111,11 +112,23 @@ def vibration_section(data: ReportData) -> Section | None:
                 lambda index=index: frequency_chart(_designs(data, "modes", index)),
             )
         )
+        if modes.system is not None:
+            pictures.append(
+                Picture(
+                    f"mode_shapes{suffix}",
+                    f"Mode shapes{words}: the mechanism at the extreme of each motion, seen along "
+                    "its axis.",
+                    lambda index=index, modes=modes: mode_shapes(
+                        data.mechanism, modes, stage=index + 1
+                    ),
+                )
+            )
     return Section("vibration", "Vibration", (), tuple(tables), tuple(pictures))
 
 
 def _mesh_share(modes, family: str, value: float) -> float:
-    group = modes.group(family)
+    # Without symmetry all modes but the carrier's are in one group.
+    group = modes.group(family) or modes.group("coupled")
     frequencies = np.asarray(group.frequencies)
     return 100 * float(np.asarray(group.mesh_energy_share)[np.abs(frequencies - value).argmin()])
 

@@ -139,7 +139,9 @@ def _written_out(mechanism: Mechanism) -> Mechanism:
 
 
 def _all_modes(mechanism: Mechanism) -> tuple[Modes, ...]:
-    return tuple(_modal(mechanism, stage=i) for i in range(1, len(mechanism.stages) + 1))
+    return tuple(
+        _modal(mechanism, stage=i, shapes=True) for i in range(1, len(mechanism.stages) + 1)
+    )
 
 
 def _steady_states(mechanism: Mechanism) -> tuple[SteadyState, SteadyState, SteadyState]:

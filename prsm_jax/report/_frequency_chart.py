@@ -15,17 +15,17 @@ def elastic_modes(modes: Modes) -> tuple[dict[tuple[str, int], tuple[float, int]
     **Returns:** `{(family, number): (frequency [Hz], multiplicity)}`, families in the order of
     drawing, numbers from 1; and the number of rigid-body modes.
     """
-    rigid = modes.families.count("rigid")
-    found = {}
+    families, frequencies = modes.families, [float(f) for f in modes.frequencies]
+    found: dict[tuple[str, int], tuple[float, int]] = {}
     for family in _ORDER:
-        group = modes.group(family)
-        if group is None:
-            continue
-        values = sorted(float(f) for f in group.frequencies)
-        elastic = [f for f in values if f > 1e-6 * max(values)]
-        for number, value in enumerate(elastic, start=1):
-            found[family, number] = (value, group.multiplicity)
-    return found, rigid
+        at, number = 0, 0
+        while at < len(families):
+            times = modes.multiplicities[at]
+            if families[at] == family:
+                number += 1
+                found[family, number] = (frequencies[at], times)
+            at += times
+    return found, families.count("rigid")
 
 
 @drawn

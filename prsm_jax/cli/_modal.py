@@ -1,0 +1,192 @@
+"""The verb modal: natural frequencies, mode shapes, and frequencies against a parameter."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import equinox as eqx
+import numpy as np
+from cyclopts import Parameter
+
+from .._errors import PrsmError
+from ..mechanism import Mechanism, find_parameters
+from ..modal import FAMILIES, FrequencyLoci, Modes, frequency_loci, modal as run_modal
+from ._app import app
+from ._common import Common, emit, table, value_of
+
+_DEFAULT = Common()
+_modes = eqx.filter_jit(run_modal)
+#: From this ratio of the last value to the first on, values are in equal ratios.
+_WIDE = 50.0
+
+
+def modal_results(modes: Modes, stage: int = 1) -> dict[str, Any]:
+    """Natural frequencies by the names of the JSON."""
+    return {
+        "stage": stage,
+        "frequencies_hz": np.asarray(modes.frequencies).tolist(),
+        "families": modes.families,
+        "multiplicities": modes.multiplicities,
+    }
+
+
+def shape_results(modes: Modes) -> dict[str, Any]:
+    """Mode shapes and energies by the names of the JSON, in the order of the frequencies."""
+    return {
+        "coordinates": [str(coordinate) for coordinate in modes.coordinates],
+        # A row for each mode; rotations as u = r θ.
+        "shapes_per_sqrt_kg": modes.shapes.T,
+        "kinetic_energy_shares": modes.kinetic_energy_shares(),
+        "strain_energy_shares": modes.strain_energy_shares(),
+    }
+
+
+def loci_results(loci: FrequencyLoci) -> dict[str, Any]:
+    """Frequencies against a parameter by the names of the JSON."""
+    results: dict[str, Any] = {
+        "parameter": loci.parameter,
+        "unit": loci.unit,
+        "values": loci.values,
+        "valid": loci.valid,
+        # For each family a row for each value of the parameter.
+        "frequencies_hz": loci.frequencies,
+        "multiplicities": loci.multiplicities,
+        "veerings": [
+            {"family": v.family, "value": v.value, "frequencies_hz": v.frequencies}
+            for v in loci.veerings()
+        ],
+    }
+    if loci.shares is not None:
+        shares = np.moveaxis(np.asarray(loci.shares), 1, 0)
+        results["family_shares"] = dict(zip(FAMILIES, shares, strict=True))
+    return results
+
+
+def _values(
+    mechanism: Mechanism, against: str, first: str | None, last: str | None, points: int
+) -> np.ndarray:
+    """Values of the parameter from `--from` to `--to` [SI]; whole where they have to be."""
+    if first is None or last is None:
+        raise PrsmError(f"--against {against}: give its range with --from and --to")
+    ends = [
+        value_of(mechanism, against, text, option)
+        for text, option in ((first, "--from"), (last, "--to"))
+    ]
+    if ends[0] == ends[1]:
+        raise PrsmError(f"--from {first} --to {last}: must differ")
+    if find_parameters(mechanism, against)[0].static:
+        step = 1 if ends[1] > ends[0] else -1
+        return np.arange(ends[0], ends[1] + step, step)
+    if points < 3:
+        raise PrsmError(f"--points {points}: must be at least 3")
+    if min(ends) > 0 and max(ends) >= _WIDE * min(ends):
+        return np.geomspace(ends[0], ends[1], points)
+    return np.linspace(ends[0], ends[1], points)
+
+
+def _pictures(
+    folder: Path,
+    mechanism: Mechanism,
+    modes: Modes,
+    loci: FrequencyLoci | None,
+    stage: int,
+    animation: bool,
+) -> list[Path]:
+    from ..report import frequency_loci_chart, mode_shapes, save_figure, save_mode_animations
+
+    # Everything that can fail comes before the folder.
+    drawn = {"mode-shapes": mode_shapes(mechanism, modes, stage=stage)}
+    if loci is not None:
+        drawn["frequencies-against-" + loci.parameter.replace(".", "-")] = frequency_loci_chart(
+            loci
+        )
+    folder.mkdir(parents=True, exist_ok=True)
+    written = [
+        path for name, figure in drawn.items() for path in save_figure(figure, folder / name)
+    ]
+    if animation:
+        written += save_mode_animations(folder, mechanism, modes, stage=stage)
+    return written
+
+
+def _distinct(modes: Modes) -> list[tuple[int, str]]:
+    """Number of the first of each repeated frequency, from 1, and its family."""
+    found, at = [], 0
+    while at < len(modes.families):
+        found.append((at + 1, modes.families[at]))
+        at += modes.multiplicities[at]
+    return found
+
+
+@app.command
+def modal(
+    file: str,
+    *,
+    stage: Annotated[int, Parameter(help="Which stage, counted from 1.")] = 1,
+    shapes: Annotated[
+        bool, Parameter(negative="", help="Mode shapes and energy shares in the JSON, too.")
+    ] = False,
+    animation: Annotated[
+        bool, Parameter(help="With --out: one animated GIF for each distinct mode.")
+    ] = True,
+    against: Annotated[
+        str | None, Parameter(help="Also the frequencies against this number of the file.")
+    ] = None,
+    first: Annotated[
+        str | None,
+        Parameter(
+            name="--from", allow_leading_hyphen=True, help="Its first value, such as '20 deg'."
+        ),
+    ] = None,
+    last: Annotated[
+        str | None, Parameter(name="--to", allow_leading_hyphen=True, help="Its last value.")
+    ] = None,
+    points: Annotated[int, Parameter(help="Number of values in between and at the ends.")] = 201,
+    common: Common = _DEFAULT,
+) -> int:
+    """Natural frequencies and families of one stage; pictures of the modes with --out."""
+    mechanism = common.load(file)
+    if against is None and (first is not None or last is not None):
+        raise PrsmError("--from and --to: say which number they are of with --against")
+    values = None if against is None else _values(mechanism, against, first, last, points)
+    modes = _modes(mechanism, stage=stage, shapes=shapes or common.out is not None)
+    loci = None
+    if against is not None and values is not None:
+        loci = frequency_loci(mechanism, against, values, stage=stage)
+    written: list[Path] = []
+    if common.out is not None:
+        written = _pictures(common.out, mechanism, modes, loci, stage, animation)
+
+    results = modal_results(modes, stage)
+    if shapes:
+        results |= shape_results(modes)
+    if loci is not None:
+        results["against"] = loci_results(loci)
+    if written:
+        results["pictures"] = written
+
+    def text() -> str:
+        frequencies = results["frequencies_hz"]
+        rows = [
+            (family, frequencies[number - 1], modes.multiplicities[number - 1])
+            for number, family in _distinct(modes)
+        ]
+        title = f"Natural frequencies: {file}, stage {stage}"
+        lines = table(title, ["family", "f Hz", "times"], rows)
+        if loci is not None:
+            lines += _loci_table(loci, first, last)
+        if written:
+            lines += f"{len(written)} pictures in {common.out}\n"
+        return lines
+
+    emit(common, results, text)
+    return 0
+
+
+def _loci_table(loci: FrequencyLoci, first: str | None, last: str | None) -> str:
+    rows = [
+        (family if family in FAMILIES else "", float(curve[0]), float(curve[-1]))
+        for family, curves in loci.frequencies.items()
+        for curve in np.asarray(curves).T
+    ]
+    columns = ["family", f"f Hz at {first}", f"f Hz at {last}"]
+    return table(f"against {loci.parameter}", columns, rows)
