@@ -5,6 +5,7 @@ from . import (
     _demo as _demo,
     _design as _design,
     _lists as _lists,
+    _modal as _modal,
     _vibrate as _vibrate,
 )
 from ._app import app as app

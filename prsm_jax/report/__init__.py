@@ -5,7 +5,13 @@ from ._contact_ellipses import contact_ellipses as contact_ellipses
 from ._cross_section import cross_section as cross_section
 from ._data import ReportData as ReportData, analyse as analyse
 from ._frequency_chart import frequency_chart as frequency_chart
+from ._frequency_loci_chart import frequency_loci_chart as frequency_loci_chart
 from ._loss_chart import loss_chart as loss_chart
+from ._mode_animation import (
+    save_mode_animation as save_mode_animation,
+    save_mode_animations as save_mode_animations,
+)
+from ._mode_shapes import mode_shapes as mode_shapes
 from ._optimisation import (
     Change as Change,
     Limit as Limit,
