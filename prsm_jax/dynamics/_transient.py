@@ -18,7 +18,12 @@ from ._steady import all_kinematics
 from ._thread_friction import slip_direction
 from ._transient_result import SolverReport, Transient, histories
 
-Method = Literal["implicit", "explicit"]
+Method = Literal["implicit", "explicit", "rosenbrock"]
+_NAMES = {
+    "implicit": "Kvaerno5 with Newton",
+    "explicit": "Tsit5",
+    "rosenbrock": "RODASP",
+}
 Gradient = Literal["reverse", "forward", "both"]
 
 
@@ -103,7 +108,7 @@ def _scales(mechanism, kinematics, scenario, inertia) -> tuple[Scalar, Scalar]:
     return jax.lax.stop_gradient(speed), jax.lax.stop_gradient(shortest)
 
 
-def _solver(method: Method, rtol: float, atol: float):
+def _solver(method: Method, rtol: float, atol: float, autonomous: bool):
     import diffrax
     import optimistix
 
@@ -113,7 +118,11 @@ def _solver(method: Method, rtol: float, atol: float):
         # Not diffrax's default root finder: its chord iterations stall here and the step size
         # collapses.
         return diffrax.Kvaerno5(root_finder=optimistix.Newton(rtol=rtol, atol=atol))
-    raise ValueError(f"method is {method!r}; choose 'implicit' or 'explicit'")
+    if method == "rosenbrock":
+        from ._rosenbrock import Rodasp
+
+        return Rodasp(autonomous)
+    raise ValueError(f"method is {method!r}; choose one of {', '.join(_NAMES)}")
 
 
 def _adjoint(gradient: Gradient):
@@ -152,8 +161,9 @@ def simulate(
     - `mechanism`: the mechanism, with masses and inertias of rollers and carriers (and of screws
       and nuts if the speed varies).
     - `scenario`: speed, load, duration; default the mechanism's operating point.
-    - `method`: `"implicit"` (Kvaerno 5/4 with Newton, any stiffness) or `"explicit"` (Tsitouras
-      5/4, for short scenes).
+    - `method`: `"implicit"` (Kvaerno 5/4 with Newton, any stiffness, the reference),
+      `"rosenbrock"` (RODASP 4/3, any stiffness, no iterations: the cheapest for stiff scenes) or
+      `"explicit"` (Tsitouras 5/4, for short scenes).
     - `gradient`: `"both"` (either mode through one program), `"reverse"` (checkpointed, bounded
       memory for long scenes) or `"forward"` (for few parameters).
     - `rtol`, `atol`: tolerances on the carrier ratio, of the steps. Between the large steps of the
@@ -177,9 +187,10 @@ def simulate(
     times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=inertia.dtype) * scenario.duration
     start = scenario.initial_carrier_ratio * scenario.speed_at(times[0]) / speed_scale
     end = scenario.duration / time_scale
+    autonomous = not (callable(scenario.speed) or callable(scenario.load))
     solution = diffrax.diffeqsolve(
         diffrax.ODETerm(_scaled_rate),
-        _solver(method, rtol, atol),
+        _solver(method, rtol, atol, autonomous),
         t0=jnp.zeros_like(end),
         t1=end,
         dt0=None,
@@ -205,7 +216,7 @@ def simulate(
         steps=solution.stats["num_accepted_steps"],
         rejected=solution.stats["num_rejected_steps"],
         code=_code(solution.result),
-        name={"implicit": "Kvaerno5 with Newton", "explicit": "Tsit5"}[method],
+        name=_NAMES[method],
     )
     if throw and _is_concrete(report.code) and int(report.code) != 0:
         raise PrsmError(f"the transient did not finish: {report.result}")

@@ -70,7 +70,7 @@ def test_kinetic_energy_matters_here(accelerating):
     assert np.max(np.abs(rest)) > 0.01 * np.max(np.abs(drive))
 
 
-@pytest.mark.parametrize("method", ["implicit", "explicit"])
+@pytest.mark.parametrize("method", ["implicit", "explicit", "rosenbrock"])
 def test_ends_in_the_steady_state(method):
     """After many time constants, the same numbers as the algebra; both methods."""
     one = mechanism(stage(friction=FIRST_STAGE_LOSSES))

@@ -15,7 +15,7 @@ VARIABLES = ("lead", "contact_angle", "roller_radius")
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("method", ["implicit", "explicit"])
+@pytest.mark.parametrize("method", ["implicit", "explicit", "rosenbrock"])
 def test_forward_and_reverse_against_differences(method):
     """Half way through the run-up, where everything still moves.
 
@@ -57,7 +57,7 @@ def test_forward_and_reverse_against_differences(method):
     np.testing.assert_allclose(reverse, differences, rtol=1e-6, atol=2e-7)
     # The two modes are two programs. Where rounding makes them take different explicit steps, each
     # derivative carries its own error of the size of the bound above.
-    same = {"implicit": 1e-9, "explicit": 1e-6}[method]
+    same = {"implicit": 1e-9, "explicit": 1e-6, "rosenbrock": 1e-9}[method]
     np.testing.assert_allclose(forward, reverse, rtol=same, atol=same / 10)
     # Alone, each reverse derivative is a program of its own, compiled differently.
     alone = eqx.filter_jit(jax.grad(lambda changes: evaluate(changes)[2]))(jnp.zeros(3))
