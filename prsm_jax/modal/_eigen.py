@@ -39,7 +39,7 @@ def symmetric_eigen(
     """Eigenvalues, in no order, and eigenvectors (columns) of a small symmetric matrix.
 
     Cyclic Jacobi: under `vmap` a few fused loops instead of a LAPACK call per matrix. Not meant
-    to be differentiated or sorted here: `block_modes` does both.
+    to be differentiated; the blocks of a symmetric stage have `block_modes`.
 
     **Arguments:**
 
