@@ -46,7 +46,12 @@ from .mechanism import (
     get_parameter as get_parameter,
     set_parameter as set_parameter,
 )
-from .modal import Modes as Modes, modal as modal
+from .modal import (
+    FrequencyLoci as FrequencyLoci,
+    Modes as Modes,
+    frequency_loci as frequency_loci,
+    modal as modal,
+)
 from .optimise import Optimum as Optimum, optimise as optimise
 from .quantities import (
     Quantity as Quantity,

@@ -151,9 +151,9 @@ def _enlarge(
     rows = np.asarray(loci.frequencies[veering.family])
     low, high = rows[:, veering.lower], rows[:, veering.lower + 1]
     values, gap = np.asarray(loci.values), high - low
-    # As far as the curves have parted to three times their least distance, alike on both sides.
+    # As far as the curves have parted to twice their least distance, alike on both sides.
     away = np.abs(values - values[veering.at])
-    parted = away[gap > 3 * gap[veering.at]]
+    parted = away[gap > 2 * gap[veering.at]]
     reach = float(parted.min()) if parted.size else float(away.max())
     reach = max(reach, 1.01 * float(np.sort(away)[min(4, len(away) - 1)]))
     near = away <= reach
@@ -166,8 +166,8 @@ def _enlarge(
     axes.set_ylim(bottom, top)
     axes.grid(axis="both", which="major")
     axes.locator_params(nbins=4)
-    axes.set_xlabel(_label(loci, unit), fontsize=SMALL)
-    axes.set_ylabel(f"frequency in {hertz.label}", fontsize=SMALL)
+    axes.set_xlabel(unit.label, fontsize=SMALL)
+    axes.set_ylabel(hertz.label, fontsize=SMALL)
     letter = "AB"[index]
     least = veering.frequencies[1] - veering.frequencies[0]
     axes.set_title(
@@ -178,12 +178,15 @@ def _enlarge(
     main.add_patch(frame)
     main.annotate(
         letter,
-        (right, top),
-        (2, 1),
+        (left, bottom),
+        (-2, -1),
         textcoords="offset points",
+        ha="right",
+        va="top",
         fontsize=SMALL,
         fontweight="bold",
         color=INK,
+        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
     )
 
 

@@ -67,6 +67,7 @@ def test_every_picture_is_inside_and_beside_the_report(report):
         "cross_section",
         "frequencies",
         "losses",
+        "mode_shapes",
         "optimisation",
         "sensitivities",
         "transient",
