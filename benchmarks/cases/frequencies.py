@@ -4,65 +4,14 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from prsm_jax.file import load
-from prsm_jax.mechanism import set_parameter
-from prsm_jax.modal import (
-    VibrationSystem,
-    dense_matrices,
-    symmetric_modes,
-    vibration_system,
-)
-from prsm_jax.stiffness import thread_stiffness
+from prsm_jax.modal import VibrationSystem, symmetric_modes
 
 from ..harness import Case, Method, Prepared, Problem, Reference
-from ..references.vibration import (
-    DIGITS,
-    NUMBERS,
-    frequencies,
-    mass_terms,
-    stiffness_terms,
-)
+from ..references.stages import NumPyStage, dense_solver, random_systems, unflattened
+from ..references.vibration import DIGITS, NUMBERS, frequencies
 
 _FREQUENCIES = "all frequencies"
 _ELASTICITIES = "elasticities of all frequencies"
-
-
-def _base_system(count: int) -> VibrationSystem:
-    """The stage of Wu et al. 2022, Tables 3 and 4, with `count` rollers."""
-    stage = set_parameter(load("wu2022"), "roller_count", count).stages[0]
-
-    def no_contacts():
-        raise AssertionError("the example gives its contact stiffnesses")
-
-    return vibration_system(stage, thread_stiffness(stage, no_contacts))
-
-
-def _numbers(system: VibrationSystem) -> np.ndarray:
-    leaves = np.array([float(leaf) for leaf in jax.tree.leaves(system)])
-    assert len(leaves) == NUMBERS
-    return leaves
-
-
-def _random_systems(count: int, designs: int, spread: float) -> np.ndarray:
-    """Numbers of random designs: each number of the base by a random factor within ±spread
-    decades."""
-    random = np.random.default_rng(1395)
-    factors = 10 ** random.uniform(-spread, spread, (designs, NUMBERS))
-    return _numbers(_base_system(count)) * factors
-
-
-def _unflatten(count: int):
-    treedef = jax.tree.structure(_base_system(count))
-    return lambda numbers: jax.tree.unflatten(treedef, list(numbers))
-
-
-def _dense(system: VibrationSystem):
-    """Eigenvalues of the full matrix, scaled by the diagonal masses."""
-    stiffness, mass = dense_matrices(system)
-    weight = 1 / jnp.sqrt(mass)
-    values = jnp.linalg.eigvalsh(stiffness * weight[:, None] * weight[None, :])
-    # Rounding can leave a soft mode below zero.
-    return jnp.sqrt(jnp.maximum(values, 1e-300)) / (2 * jnp.pi)
 
 
 def _arrowhead(system: VibrationSystem, support: str, mass: str, share: float) -> jax.Array:
@@ -126,57 +75,6 @@ def _chunked(name, quantity, solve, numbers: np.ndarray, chunks) -> Method:
     return Method(name, prepare, chunks, f"{len(numbers)} designs in chunks of")
 
 
-class _NumPy:
-    """Matrices and eigenvalues outside of JAX."""
-
-    def __init__(self, count: int):
-        self.stiffness_terms, self.mass_terms = stiffness_terms(count), mass_terms(count)
-
-    def matrices(self, numbers):
-        mass = numbers @ self.mass_terms
-        return np.tensordot(numbers, self.stiffness_terms, axes=(-1, 0)), mass
-
-    def by_scipy(self, numbers):
-        from scipy.linalg import eigh
-
-        rows = []
-        for row in numbers:
-            stiffness, mass = self.matrices(row)
-            values = eigh(stiffness, np.diag(mass), eigvals_only=True)
-            rows.append(np.sqrt(np.maximum(values, 0.0)) / (2 * np.pi))
-        return np.array(rows)
-
-    def by_numpy(self, numbers):
-        stiffness, mass = self.matrices(numbers)
-        weight = 1 / np.sqrt(mass)
-        values = np.linalg.eigvalsh(stiffness * weight[:, :, None] * weight[:, None, :])
-        return np.sqrt(np.maximum(values, 0.0)) / (2 * np.pi)
-
-    def elasticities(self, numbers):
-        """Analytic: ½ p φᵀ(∂K/∂p − λ ∂M/∂p)φ / λ with the shapes of SciPy."""
-        from scipy.linalg import eigh
-
-        rows = []
-        for row in numbers:
-            stiffness, mass = self.matrices(row)
-            values, shapes = eigh(stiffness, np.diag(mass))
-            elastic = np.einsum(
-                "ik,pij,jk->kp", shapes, self.stiffness_terms, shapes, optimize=True
-            )
-            inertial = np.einsum("ik,pi->kp", shapes**2, self.mass_terms)
-            rows.append(row * (elastic - values[:, None] * inertial) / (2 * values[:, None]))
-        return np.array(rows)
-
-    def differences(self, numbers, step=1e-5):
-        """Central differences of log frequencies by log numbers."""
-        rows = []
-        for row in numbers:
-            moved = row * np.exp(step * np.concatenate([np.eye(NUMBERS), -np.eye(NUMBERS)]))
-            logs = np.log(self.by_scipy(moved))
-            rows.append(((logs[:NUMBERS] - logs[NUMBERS:]) / (2 * step)).T)
-        return np.array(rows)
-
-
 def _rival(name, quantity, solve, numbers: np.ndarray) -> Method:
     return Method(
         name,
@@ -188,8 +86,8 @@ def _rival(name, quantity, solve, numbers: np.ndarray) -> Method:
 def _values_problem(
     name: str, title: str, count: int, spread: float, quick: bool, *, largest: int
 ) -> Problem:
-    numbers = _random_systems(count, largest, spread)
-    unflatten, rival = _unflatten(count), _NumPy(count)
+    numbers = random_systems(count, largest, spread)
+    unflatten, rival = unflattened(count), NumPyStage(count)
     compared = 2 if quick else 8
     dense_batch = 200 if quick else 1_000
     batches = [size for size in (1_000, 10_000, 100_000) if size <= largest]
@@ -231,7 +129,13 @@ def _values_problem(
             _vmapped(
                 "reduced, LAPACK", _FREQUENCIES, solve(_blocks_by_lapack), numbers, [dense_batch]
             ),
-            _vmapped("dense, jax eigvalsh", _FREQUENCIES, solve(_dense), numbers, [dense_batch]),
+            _vmapped(
+                "dense, jax eigvalsh",
+                _FREQUENCIES,
+                dense_solver(count),
+                numbers,
+                [dense_batch],
+            ),
             _rival("SciPy eigh(K, M)", _FREQUENCIES, rival.by_scipy, numbers[: dense_batch // 4]),
             _rival("NumPy eigvalsh, batched", _FREQUENCIES, rival.by_numpy, numbers[:dense_batch]),
         ],
@@ -242,8 +146,8 @@ def _values_problem(
 
 
 def _gradient_problem(count: int, quick: bool) -> Problem:
-    numbers = _random_systems(count, 2_000 if quick else 10_000, 0.1)
-    unflatten, rival = _unflatten(count), _NumPy(count)
+    numbers = random_systems(count, 2_000 if quick else 10_000, 0.1)
+    unflatten, rival = unflattened(count), NumPyStage(count)
     dense_batch, compared = (100, 2) if quick else (500, 8)
 
     def reference():
@@ -253,19 +157,26 @@ def _gradient_problem(count: int, quick: bool) -> Problem:
 
     def elasticities(solver):
         def logarithms(logs):
-            return jnp.log(solver(unflatten(jnp.exp(logs))))
+            return jnp.log(solver(jnp.exp(logs)))
 
         return lambda row: jax.jacfwd(logarithms)(jnp.log(row))
+
+    def reduced(numbers):
+        return _reduced(unflatten(numbers))
 
     return Problem(
         name="derivatives",
         title=f"Derivatives of all frequencies by all {NUMBERS} numbers, N = {count}",
         instance="design",
         methods=[
-            _vmapped("reduced", _ELASTICITIES, elasticities(_reduced), numbers, [len(numbers)]),
-            _chunked("reduced, lax.map", _ELASTICITIES, elasticities(_reduced), numbers, (1_000,)),
+            _vmapped("reduced", _ELASTICITIES, elasticities(reduced), numbers, [len(numbers)]),
+            _chunked("reduced, lax.map", _ELASTICITIES, elasticities(reduced), numbers, (1_000,)),
             _vmapped(
-                "dense, jax eigvalsh", _ELASTICITIES, elasticities(_dense), numbers, [dense_batch]
+                "dense, jax eigvalsh",
+                _ELASTICITIES,
+                elasticities(dense_solver(count)),
+                numbers,
+                [dense_batch],
             ),
             _rival(
                 "SciPy eigh, analytic", _ELASTICITIES, rival.elasticities, numbers[:dense_batch]

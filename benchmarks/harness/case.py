@@ -63,6 +63,7 @@ class Problem:
     - `reference`: computes the reference values by quantity; the labels of the charts.
     - `reference_note`: where the reference comes from and how good it is.
     - `baseline`: name of the method that ratios of run time refer to, normally a rival.
+    - `yardstick`: instances per second that this machine could reach, by a measurement apart.
     """
 
     name: str
@@ -72,6 +73,7 @@ class Problem:
     reference: Callable[[], Mapping[str, Reference]]
     reference_note: str
     baseline: str
+    yardstick: float | None = None
 
     def __post_init__(self):
         names = [method.name for method in self.methods]

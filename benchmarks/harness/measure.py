@@ -58,6 +58,8 @@ class Measurement:
     #: Run time per instance of the baseline (at the same setting, if it has that) over that of
     #: this method: > 1 is faster.
     speed_ratio: float
+    #: Smallest and largest of those ratios over the rounds.
+    ratio_range: tuple[float, float]
     errors: dict[str, ErrorSummary]
     note: str = ""
     #: Every sample, for the ratios.
@@ -134,6 +136,7 @@ def measure(problem: Problem, budget: Budget) -> list[Measurement]:
                     median=math.nan,
                     samples=0,
                     speed_ratio=math.nan,
+                    ratio_range=(math.nan, math.nan),
                     errors=errors,
                     note=prepared.note(result),
                 )
@@ -146,7 +149,9 @@ def measure(problem: Problem, budget: Budget) -> list[Measurement]:
     for row in measured:
         baseline = _counterpart(row, baselines)
         shared = zip(baseline.times, row.times, strict=False)
-        row.speed_ratio = float(np.median([theirs / ours for theirs, ours in shared]))
+        ratios = [theirs / ours for theirs, ours in shared]
+        row.speed_ratio = float(np.median(ratios))
+        row.ratio_range = (min(ratios), max(ratios))
     return measured
 
 

@@ -62,8 +62,9 @@ def _setting(row: Measurement) -> dict[str, Any] | None:
     return {"name": row.setting_name, "value": row.setting}
 
 
-def _result(row: Measurement) -> dict[str, Any]:
-    return {
+def _result(row: Measurement, yardstick: float | None) -> dict[str, Any]:
+    share = {} if yardstick is None else {"yardstick_share": 1 / row.best / yardstick}
+    return share | {
         "method": row.method,
         "kind": row.kind,
         "setting": _setting(row),
@@ -74,6 +75,7 @@ def _result(row: Measurement) -> dict[str, Any]:
         "median_s": row.median,
         "per_second": 1 / row.best,
         "speed_ratio": row.speed_ratio,
+        "speed_ratio_range": list(row.ratio_range),
         "errors": {
             quantity: {
                 "max": error.maximum,
@@ -104,7 +106,7 @@ def document(case: Case, measured: Measured, *, quick: bool) -> dict[str, Any]:
                 "instance": problem.instance,
                 "reference": problem.reference_note,
                 "baseline": problem.baseline,
-                "results": [_result(row) for row in rows],
+                "results": [_result(row, problem.yardstick) for row in rows],
             }
             for problem, rows in measured
         ],
@@ -139,6 +141,8 @@ def table(case: Case, measured: Measured) -> str:
         quantities = list(rows[0].errors)
         header = ["method", "setting", f"time per {problem.instance} (best / median)"]
         header += ["per second", f"speed against {problem.baseline}"]
+        if problem.yardstick is not None:
+            header += [f"share of {problem.yardstick:.2g} per second"]
         header += [f"error in {name} (max / median)" for name in quantities]
         header += ["first call", "note"]
         lines += [f"## {problem.title}", "", f"Reference: {problem.reference_note}", ""]
@@ -146,7 +150,11 @@ def table(case: Case, measured: Measured) -> str:
         for row in rows:
             cells = [row.method + (" (rival)" if row.kind == "rival" else ""), _setting_text(row)]
             cells += [f"{_time(row.best)} / {_time(row.median)}", f"{1 / row.best:.3g}"]
-            cells += [f"{row.speed_ratio:.3g}"]
+            cells += [
+                f"{row.speed_ratio:.3g} ({row.ratio_range[0]:.3g} … {row.ratio_range[1]:.3g})"
+            ]
+            if problem.yardstick is not None:
+                cells += [f"{100 / row.best / problem.yardstick:.2g} %"]
             cells += [_error(row.errors[name]) for name in quantities]
             cells += [_time(row.first_call), row.note]
             lines.append(_row(cells))
