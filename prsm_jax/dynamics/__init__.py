@@ -1,5 +1,6 @@
 """Rigid-body dynamics with friction: steady state and transients."""
 
+from ._carrier_motion import states_at as states_at
 from ._contact_losses import has_contact_losses as has_contact_losses
 from ._kinematics import (
     StageKinematics as StageKinematics,
@@ -10,15 +11,11 @@ from ._kinematics import (
     travel_per_turn as travel_per_turn,
 )
 from ._scenario import Scenario as Scenario, default_scenario as default_scenario
+from ._solvers import Gradient as Gradient, Method as Method
 from ._steady import (
     SteadyState as SteadyState,
     all_kinematics as all_kinematics,
     steady_state as steady_state,
 )
-from ._transient import (
-    Gradient as Gradient,
-    Method as Method,
-    simulate as simulate,
-    states_at as states_at,
-)
+from ._transient import simulate as simulate
 from ._transient_result import SolverReport as SolverReport, Transient as Transient

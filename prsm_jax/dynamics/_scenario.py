@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 
 from .._errors import MissingDataError
@@ -40,6 +41,12 @@ class Scenario(eqx.Module):
     def speed_at(self, time: Scalar) -> Scalar:
         """Screw speed at a time [rad/s]."""
         return jnp.asarray(self.speed(time)) if callable(self.speed) else self.speed
+
+    def motion_at(self, time: Scalar) -> tuple[Scalar, Scalar | None]:
+        """Screw speed [rad/s] and, unless it is constant, its derivative [rad/s²]."""
+        if not callable(self.speed):
+            return self.speed, None
+        return jax.jvp(self.speed_at, (time,), (jnp.ones_like(time),))
 
     def load_at(self, time: Scalar) -> Scalar:
         """Load at a time [N]."""

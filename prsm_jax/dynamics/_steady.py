@@ -6,15 +6,13 @@ from jaxtyping import Array, Bool, Float
 
 from .._errors import MissingDataError
 from .._physics import physics
-from .._root import find_root
-from ..mechanism import CoulombFriction, Mechanism, Scalar, Stage, ViscousFriction
+from ..mechanism import Mechanism, Scalar
+from ._carrier_balance import balanced_carrier_ratio, steady_motion
 from ._chain import StageState, chain_forces
-from ._contact_losses import has_contact_losses, resisting_moments
-from ._kinematics import StageKinematics, free_carrier_ratio, stage_kinematics, travel_per_turn
+from ._kinematics import StageKinematics, stage_kinematics, travel_per_turn
 from ._power import losses
 from ._roller_balance import roller_support_forces
 from ._stage_forces import Motion
-from ._thread_friction import normal_force, slip_direction, thread_friction
 
 #: A load so small that nothing but ratios notices it: the efficiency without load is its limit.
 _NO_LOAD = 1e-30
@@ -53,76 +51,6 @@ class SteadyState(eqx.Module):
     valid: Bool[Array, ""]
 
 
-@physics("carrier_balance")
-def _carrier_ratio(
-    stage: Stage, kinematics: StageKinematics, sense: Scalar, speed: Scalar, axial_force: Scalar
-) -> tuple[Scalar, Bool[Array, ""]]:
-    """Steady carrier ratio with resisting moments on the roller, and whether one was found.
-
-    Thread friction has to push the roller against the moments in the contact ellipses:
-    `f·d = (n − 1)(T_s + T_n)`. The slip v = v₀ − ω d changes with ω only along d, so with the
-    component s of the slip along d and the rest q: Coulomb `s/√(s² + q²) = c`, c the ratio of
-    resistance to friction, so s = q c/√(1 − c²); c depends weakly on the normal force and
-    is found by Newton. Viscous friction gives s directly.
-    """
-    law = None if stage.friction is None else stage.friction.thread
-    slip, drive = kinematics.slip_per_screw, kinematics.drive
-    length = jnp.sqrt(drive @ drive)
-    along = slip[:2] @ drive / length
-    # A cross product: at small leads the slip is nearly all along d, and slip² − along² is noise.
-    across = (slip[0] * drive[1] - slip[1] * drive[0]) / length
-    across_squared = across**2 + slip[2] ** 2
-
-    def resistance(ratio: Scalar) -> tuple[Scalar, Scalar]:
-        """Resisting generalised force and normal force of one roller at a carrier ratio."""
-        direction_slip = _unit_slip(kinematics, ratio)
-        direction = sense * slip_direction(direction_slip)
-        per_force, constant = thread_friction(law, speed * direction_slip, direction)
-        axial = axial_force / stage.present_roller_count
-        force = normal_force(kinematics.meshing.screw.normal, per_force, constant, axial)
-        on_roller = force * kinematics.meshing.screw.normal + force * per_force + constant
-        nut_force = -on_roller[2] / kinematics.meshing.nut.normal[2]
-        screw, nut = resisting_moments(stage, kinematics, force, nut_force)
-        return kinematics.relative_spin_ratio * (screw.total + nut.total), force
-
-    if isinstance(law, ViscousFriction):
-        # The axial slip, and with it the normal force, does not depend on the carrier.
-        resisting, _ = resistance(along / length)
-        moving = speed != 0
-        slip_along = resisting / (law.coefficient * length * jnp.where(moving, speed, 1.0))
-        return (along - jnp.where(moving, sense * slip_along, 0.0)) / length, moving
-    if not isinstance(law, CoulombFriction):
-        raise MissingDataError(
-            "spin and rolling losses resist the rollers, and only thread friction can drive them; "
-            "give [stage.friction.thread]"
-        )
-
-    def ratio_at(share: Scalar) -> Scalar:
-        slip_along = share * jnp.sqrt(across_squared / (1 - share**2))
-        return (along - slip_along) / length
-
-    def residual(share: Scalar) -> Scalar:
-        # A trial share of one or more has no slip that could balance it.
-        bounded = jnp.clip(share, -0.999, 0.999)
-        resisting, force = resistance(ratio_at(bounded))
-        return share - resisting / (law.coefficient * force * length)
-
-    share, found = find_root(
-        residual,
-        jnp.zeros_like(along),
-        tolerance=1e-13 if along.dtype == jnp.float64 else 1e-5,
-        max_steps=20,
-    )
-    found = found & (jnp.abs(share) < 0.999)
-    return ratio_at(jnp.clip(share, -0.999, 0.999)), found
-
-
-def _unit_slip(kinematics: StageKinematics, ratio: Scalar) -> Float[Array, "3"]:
-    """Slip per radian of screw turn at a carrier ratio [m/rad]."""
-    in_plane = kinematics.slip_per_screw[:2] - ratio * kinematics.drive
-    return jnp.concatenate([in_plane, kinematics.slip_per_screw[2:]])
-
-
 def _steady_states(
     mechanism: Mechanism,
     kinematics: tuple[StageKinematics, ...],
@@ -136,21 +64,10 @@ def _steady_states(
     def motion_of(index: int, axial_force: Scalar, _) -> Motion:
         nonlocal valid
         stage, geometry = mechanism.stages[index], kinematics[index]
-        if has_contact_losses(stage.friction):
-            ratio, found = _carrier_ratio(stage, geometry, sense, speed, axial_force)
-            valid = valid & found
-        else:
-            ratio = free_carrier_ratio(geometry)
+        ratio, found = balanced_carrier_ratio(stage, geometry, sense, speed, axial_force)
+        valid = valid & found
         ratios.append(ratio)
-        unit_slip = _unit_slip(geometry, ratio)
-        return Motion(
-            screw_speed=speed,
-            carrier_speed=speed * ratio,
-            slip=speed * unit_slip,
-            direction=sense * slip_direction(unit_slip),
-            screw_sense=sense,
-            nut_sense=sense,
-        )
+        return steady_motion(geometry, ratio, speed, sense)
 
     states = chain_forces(mechanism, kinematics, motion_of, sense, load)
     for state in states:

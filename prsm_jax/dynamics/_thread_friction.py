@@ -10,7 +10,14 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._physics import physics
-from ..mechanism import CoulombFriction, Scalar, ThreadFriction, ViscousFriction
+from ..mechanism import (
+    CoulombFriction,
+    RegularisedCoulombFriction,
+    Scalar,
+    StribeckFriction,
+    ThreadFriction,
+    ViscousFriction,
+)
 
 
 def slip_direction(slip: Float[Array, "3"]) -> Float[Array, "3"]:
@@ -51,6 +58,24 @@ def _coulomb(law: CoulombFriction, slip, direction):
 @physics("viscous_friction")
 def _viscous(law: ViscousFriction, slip, direction):
     return jnp.zeros_like(slip), law.coefficient * slip
+
+
+@thread_friction.register
+@physics("regularised_coulomb_friction")
+def _regularised(law: RegularisedCoulombFriction, slip, direction):
+    smooth = slip / jnp.sqrt(jnp.sum(slip**2) + law.width**2)
+    return law.coefficient * smooth, jnp.zeros_like(slip)
+
+
+@thread_friction.register
+@physics("stribeck_friction")
+def _stribeck(law: StribeckFriction, slip, direction):
+    share = jnp.sum(slip**2) / law.stribeck_speed**2
+    coefficient = law.coefficient + (law.static_coefficient - law.coefficient) * jnp.exp(-share)
+    constant = jnp.zeros_like(slip)
+    if law.viscous_coefficient is not None:
+        constant = law.viscous_coefficient * slip
+    return coefficient * direction, constant
 
 
 def normal_force(

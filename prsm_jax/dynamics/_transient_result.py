@@ -5,7 +5,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from ..mechanism import Mechanism, body_inertia, body_mass
+from ..mechanism import Mechanism, Scalar, body_inertia, body_mass
 from ._chain import StageState
 from ._kinematics import StageKinematics, travel_per_turn
 from ._power import losses
@@ -20,6 +20,8 @@ _MEANINGS = (
     "step size too small: the slip or the normal force jumps; check the thread for self-locking",
     "an implicit step could not be solved: check for a contact that is pulled (negative load), "
     "self-locking, or a meshing that did not converge",
+    "no balance: friction cannot drive the carriers, or a contact would have to pull; check the "
+    "thread for self-locking, and the sign of the load",
 )
 
 
@@ -31,11 +33,25 @@ class SolverReport(eqx.Module):
     #: 0 when successful; see `result`.
     code: Int[Array, ""]
     name: str = eqx.field(static=True)
+    #: Largest error of the carrier ratio by what the method neglects, after settling; `None` where
+    #: nothing is neglected.
+    error_estimate: Scalar | None = None
+    #: Longest time constant in which carriers settle, where the method leaves that out [s].
+    time_constant: Scalar | None = None
 
     @property
     def result(self) -> str:
         """What `code` means, and what to do about it."""
         return _MEANINGS[int(self.code)]
+
+
+class CarrierHistory(eqx.Module):
+    """What a method of `simulate` finds; all else follows."""
+
+    carrier_speed: Float[Array, "times stages"]
+    states: tuple[StageState, ...]
+    acceleration: Float[Array, "times stages"]
+    report: SolverReport
 
 
 class Transient(eqx.Module):
@@ -86,18 +102,13 @@ def histories(
     kinematics: tuple[StageKinematics, ...],
     scenario: Scenario,
     times: Float[Array, " times"],
-    carrier_speed: Float[Array, "times stages"],
-    states: tuple[StageState, ...],
-    accelerations: Float[Array, "times stages"],
-    report: SolverReport,
+    history: CarrierHistory,
 ) -> Transient:
     """Turn states at the sample times into the histories that users ask for."""
     travel = travel_per_turn(mechanism.stages, len(mechanism.stages))
 
     def at(time, carriers, instant: tuple[StageState, ...], acceleration):
-        speed, load, screw_acceleration = scenario.speed_at(time), scenario.load_at(time), None
-        if callable(scenario.speed):
-            _, screw_acceleration = jax.jvp(scenario.speed_at, (time,), (jnp.ones_like(time),))
+        (speed, screw_acceleration), load = scenario.motion_at(time), scenario.load_at(time)
         torque = instant[0].screw.drive_torque
         supports = [
             roller_support_forces(stage, geometry, state, acceleration[index])
@@ -148,7 +159,7 @@ def histories(
             ),
         }
 
-    rows = jax.vmap(at)(times, carrier_speed, states, accelerations)
+    rows = jax.vmap(at)(times, history.carrier_speed, history.states, history.acceleration)
     per_stage = (
         "carrier_ratio",
         "contact_force",
@@ -160,4 +171,6 @@ def histories(
         "newton_residual",
     )
     rows = {name: row.T if name in per_stage else row for name, row in rows.items()}
-    return Transient(time=times, carrier_speed=carrier_speed.T, solver=report, **rows)
+    return Transient(
+        time=times, carrier_speed=history.carrier_speed.T, solver=history.report, **rows
+    )

@@ -49,6 +49,7 @@ _BY_NAME = {
     "screw_addendum": NOT_NEGATIVE,
     "roller_addendum": NOT_NEGATIVE,
     "coefficient": NOT_NEGATIVE,
+    "static_coefficient": NOT_NEGATIVE,
     "loss_factor": SHARE,
     "ratio": Limit(0.0, 1.0, "0 or more and less than 1", lower_allowed=True),
     "mass_coefficient": NOT_NEGATIVE,
@@ -74,6 +75,7 @@ _BY_UNIT = {
     # A free body is a support of stiffness zero, and no contact one of the given stiffnesses.
     "N/m": NOT_NEGATIVE,
     "N·s/m": NOT_NEGATIVE,
+    "m/s": POSITIVE,
 }
 
 

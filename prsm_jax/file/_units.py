@@ -27,6 +27,7 @@ WRITTEN_UNITS: dict[str, tuple[str, ...]] = {
     "s": ("s", "ms", "us"),
     "Hz": ("kHz", "Hz"),
     "1/s": ("1/s",),
+    "m/s": ("mm/s", "m/s"),
     "W": ("W",),
 }
 

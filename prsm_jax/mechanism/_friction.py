@@ -4,7 +4,7 @@ from typing import TypeAlias
 
 import equinox as eqx
 
-from ._fields import Scalar, number
+from ._fields import Scalar, number, optional_number
 
 
 class CoulombFriction(eqx.Module):
@@ -19,7 +19,34 @@ class ViscousFriction(eqx.Module):
     coefficient: Scalar = number("N·s/m", "viscous friction coefficient of one roller, μ'")
 
 
-ThreadFriction: TypeAlias = CoulombFriction | ViscousFriction
+class RegularisedCoulombFriction(eqx.Module):
+    """Coulomb friction smoothed over a small slip: force μ F v / √(v² + ε²).
+
+    Differentiable through standstill and reversal. It lets a loaded contact creep where Coulomb
+    friction would hold it, and misses about μ F ε of power while it does.
+    """
+
+    coefficient: Scalar = number("1", "friction coefficient, μ")
+    width: Scalar = number("m/s", "slip speed over which the force changes its sign, ε")
+
+
+class StribeckFriction(eqx.Module):
+    """Friction that falls from a static to a sliding coefficient as a film of lubricant builds up.
+
+    Force `(μ + (μ_s − μ) e^{−(v/v_S)²}) F + c v` against the slip.
+    """
+
+    static_coefficient: Scalar = number("1", "friction coefficient at the onset of slip, μ_s")
+    coefficient: Scalar = number("1", "friction coefficient of fast slip, μ")
+    stribeck_speed: Scalar = number("m/s", "slip speed of the transition, v_S")
+    viscous_coefficient: Scalar | None = optional_number(
+        "N·s/m", "viscous friction coefficient of one roller, c"
+    )
+
+
+ThreadFriction: TypeAlias = (
+    CoulombFriction | ViscousFriction | RegularisedCoulombFriction | StribeckFriction
+)
 
 
 class SpinFriction(eqx.Module):

@@ -1,0 +1,93 @@
+"""The carriers' equation of motion, and the scales on which it plays."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._physics import physics
+from ..mechanism import Mechanism, Scalar
+from ._chain import StageState, chain_forces
+from ._kinematics import StageKinematics, slip_velocity
+from ._scenario import Scenario
+from ._stage_forces import Motion
+from ._thread_friction import slip_direction
+
+
+class Problem(eqx.Module):
+    """Everything the right-hand side needs, as one pytree."""
+
+    mechanism: Mechanism
+    kinematics: tuple[StageKinematics, ...]
+    scenario: Scenario
+    inertia: Float[Array, " stages"]
+    speed_scale: Scalar
+    time_scale: Scalar
+
+
+def _sign(value: Scalar) -> Scalar:
+    return jnp.sign(jax.lax.stop_gradient(value))
+
+
+def states_at(
+    mechanism: Mechanism,
+    kinematics: tuple[StageKinematics, ...],
+    scenario: Scenario,
+    time: Scalar,
+    carrier_speed: Float[Array, " stages"],
+) -> tuple[StageState, ...]:
+    """Motion and forces of all stages at one instant.
+
+    **Arguments:**
+
+    - `mechanism`, `kinematics`, `scenario`: what moves, and how it is driven and loaded.
+    - `time`: [s].
+    - `carrier_speed`: ω of every stage [rad/s].
+    """
+    speed, acceleration = scenario.motion_at(time)
+
+    def motion_of(index: int, _, axial_acceleration) -> Motion:
+        geometry, carrier = kinematics[index], carrier_speed[index]
+        slip = slip_velocity(geometry, speed, carrier)
+        rolling = geometry.relative_spin_ratio * carrier
+        return Motion(
+            screw_speed=speed,
+            carrier_speed=carrier,
+            slip=slip,
+            direction=slip_direction(slip),
+            screw_sense=_sign(speed + rolling),
+            nut_sense=_sign(rolling),
+            axial_acceleration=axial_acceleration,
+        )
+
+    load = scenario.load_at(time)
+    return chain_forces(mechanism, kinematics, motion_of, _sign(speed), load, acceleration)
+
+
+def carrier_acceleration(problem: Problem, time: Scalar, carrier_speed) -> Float[Array, " stages"]:
+    states = states_at(problem.mechanism, problem.kinematics, problem.scenario, time, carrier_speed)
+    return jnp.stack([state.forces.carrier_drive for state in states]) / problem.inertia
+
+
+@physics("carrier_dynamics")
+def scaled_rate(time, ratio, problem: Problem):
+    """d(ω/Ω₀)/d(t/τ): both state and time of order one, so that one tolerance fits every scene."""
+    rate = carrier_acceleration(problem, time * problem.time_scale, ratio * problem.speed_scale)
+    return rate * problem.time_scale / problem.speed_scale
+
+
+def scales(mechanism, kinematics, scenario, inertia) -> tuple[Scalar, Scalar]:
+    """A speed Ω₀ and the shortest time constant τ of the carriers near their steady state."""
+    times = jnp.linspace(0.0, 1.0, 9, dtype=scenario.duration.dtype) * scenario.duration
+    speeds = jnp.abs(jax.vmap(scenario.speed_at)(times))
+    fastest = jnp.argmax(speeds)
+    speed = jnp.where(speeds[fastest] > 0, speeds[fastest], 1.0)
+    unscaled = Problem(mechanism, kinematics, scenario, inertia, speed, jnp.ones_like(speed))
+    # Away from the exact steady state, where a friction law might have its kink.
+    carrier = 0.3 * scenario.speed_at(times[fastest]) * jnp.ones_like(inertia)
+    slopes = jax.jacfwd(lambda w: carrier_acceleration(unscaled, times[fastest], w))(carrier)
+    fastest_rate = jnp.max(jnp.abs(jnp.diagonal(slopes)))
+    decays = fastest_rate * scenario.duration > 1.0
+    shortest = jnp.where(decays, 1 / jnp.where(decays, fastest_rate, 1.0), scenario.duration)
+    # Scales shape the grid of steps, not the solution: nothing is differentiated through them.
+    return jax.lax.stop_gradient(speed), jax.lax.stop_gradient(shortest)

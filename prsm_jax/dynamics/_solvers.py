@@ -1,0 +1,67 @@
+"""Solvers for transients, and what their result codes mean."""
+
+from typing import Literal
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Int
+
+Method = Literal["implicit", "explicit", "rosenbrock", "quasi_steady"]
+NAMES = {
+    "implicit": "Kvaerno5 with Newton",
+    "explicit": "Tsit5",
+    "rosenbrock": "RODASP",
+    "quasi_steady": "quasi-steady balance",
+}
+Gradient = Literal["reverse", "forward", "both"]
+
+
+def solver_of(method: Method, rtol: float, atol: float, autonomous: bool):
+    import diffrax
+    import optimistix
+
+    if method == "explicit":
+        return diffrax.Tsit5()
+    if method == "implicit":
+        # Not diffrax's default root finder: its chord iterations stall here and the step size
+        # collapses.
+        return diffrax.Kvaerno5(root_finder=optimistix.Newton(rtol=rtol, atol=atol))
+    if method == "rosenbrock":
+        from ._rosenbrock import Rodasp
+
+        return Rodasp(autonomous)
+    raise ValueError(f"method is {method!r}; choose one of {', '.join(NAMES)}")
+
+
+def adjoint_of(gradient: Gradient):
+    import diffrax
+
+    adjoints = {
+        "reverse": diffrax.RecursiveCheckpointAdjoint,
+        "forward": diffrax.ForwardMode,
+        "both": diffrax.DirectAdjoint,
+    }
+    if gradient not in adjoints:
+        raise ValueError(f"gradient is {gradient!r}; choose one of {', '.join(adjoints)}")
+    return adjoints[gradient]()
+
+
+def is_concrete(array: Array) -> bool:
+    try:
+        int(array)
+    except jax.errors.ConcretizationTypeError:
+        return False
+    return True
+
+
+def code_of(result) -> Int[Array, ""]:
+    """0 success, 1 out of steps, 2 step size too small, 3 anything else (a root search failed)."""
+    import diffrax
+
+    results = diffrax.RESULTS
+    code = jnp.asarray(3)
+    for number, known in enumerate(
+        (results.successful, results.max_steps_reached, results.dt_min_reached)
+    ):
+        code = jnp.where(result == known, number, code)
+    return code

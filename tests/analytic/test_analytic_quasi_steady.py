@@ -1,0 +1,149 @@
+"""Carriers in balance at every instant, against the integrated ones; laws of friction."""
+
+import dataclasses
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from scenes import FIRST_STAGE_LOSSES, array, example, mechanism, simulate, stage, steady_state
+
+import prsm_jax as prsm
+from prsm_jax.mechanism import (
+    CoulombFriction,
+    Friction,
+    RegularisedCoulombFriction,
+    StribeckFriction,
+    ViscousFriction,
+)
+
+
+class Swing(eqx.Module):
+    """mean + amplitude sin(2π f t)."""
+
+    mean: jax.Array
+    amplitude: jax.Array
+    frequency: jax.Array
+
+    def __call__(self, time):
+        return self.mean + self.amplitude * jnp.sin(2 * jnp.pi * self.frequency * time)
+
+
+def _swing(mean, amplitude, samples=81):
+    speed = Swing(array(mean), array(amplitude), array(5.0))
+    return prsm.Scenario(speed, array(7e3), array(0.2), array(0.3737), samples=samples)
+
+
+def test_error_is_what_the_estimate_says():
+    """A speed that swings without standing still, where the integrated carriers are exact.
+
+    The estimate is of first order; the next order is smaller by the ratio of time constant and
+    period, 1e-3.
+    """
+    two, scenario = example("li2020_two_stage"), _swing(200.0, 100.0)
+    found = simulate(two, scenario, method="quasi_steady")
+    exact = simulate(two, scenario, method="rosenbrock", rtol=1e-10, atol=1e-12, max_steps=16384)
+    assert int(found.solver.code) == int(exact.solver.code) == 0
+    # Past the settling from the initial ratio.
+    error = np.max(np.abs(np.asarray(found.carrier_ratio - exact.carrier_ratio))[:, 5:])
+    assert error == pytest.approx(float(found.solver.error_estimate), rel=0.05)
+    assert error < 1e-5
+    torque = np.asarray(exact.drive_torque)
+    np.testing.assert_allclose(found.drive_torque[5:], torque[5:], atol=1e-4 * torque.max())
+
+
+def test_through_reversals():
+    """Exact Coulomb friction through standstill: balances close, and nothing is lost there."""
+    two = example("li2020_two_stage")
+    # One period: its start, middle and end are standstills.
+    run = simulate(two, _swing(0.0, 100.0), method="quasi_steady")
+    assert int(run.solver.code) == 0
+    standing = np.abs(np.asarray(run.screw_speed)) < 1e-10
+    assert standing.sum() == 3
+    for name in ("drive_torque", "carrier_force", "contact_force", "ring_gear_force"):
+        assert np.all(np.isfinite(getattr(run, name)))
+    assert np.max(np.abs(np.asarray(run.power_balance_residual)[~standing])) < 1e-12
+    assert np.max(run.newton_residual) < 1e-12
+    forward = np.asarray(run.screw_speed) > 1e-10
+    assert np.all(np.asarray(run.drive_torque)[forward] > 0)
+
+
+def test_constant_speed_is_the_steady_state():
+    one = mechanism(stage(friction=FIRST_STAGE_LOSSES))
+    scenario = prsm.Scenario(array(100.0), array(7e3), array(1.0), samples=3)
+    run, steady = simulate(one, scenario, method="quasi_steady"), steady_state(one)
+    np.testing.assert_allclose(run.efficiency, float(steady.efficiency), rtol=1e-13)
+    np.testing.assert_allclose(run.drive_torque, float(steady.drive_torque), rtol=1e-13)
+    assert float(run.solver.error_estimate) == 0.0
+    assert 1e-6 < float(run.solver.time_constant) < 1e-2
+
+
+def _steady(law, speed=100.0):
+    return steady_state(mechanism(stage(friction=Friction(thread=law))), speed)
+
+
+def test_regularised_coulomb_tends_to_coulomb():
+    """√(1 + (ε/v)²) − 1 = ε²/2v² of the friction is missing; 1e-12 is rounding."""
+    exact = _steady(CoulombFriction(0.1))
+    slip = float(exact.slip_speed[0])
+    for width in (1e-1, 1e-2, 1e-3):
+        found = _steady(RegularisedCoulombFriction(0.1, width * slip))
+        coefficient = 0.1 / np.sqrt(1 + width**2)
+        expected = _steady(CoulombFriction(coefficient))
+        assert float(found.efficiency) == pytest.approx(float(expected.efficiency), rel=1e-12)
+    creeping = _steady(RegularisedCoulombFriction(0.1, 1e3 * slip))
+    assert float(creeping.efficiency) > float(exact.efficiency)
+
+
+@pytest.mark.parametrize("speed", [1e-6, 1.0, 1e4])
+def test_stribeck_is_coulomb_with_the_coefficient_of_its_slip(speed):
+    """Static at creep, sliding when fast, and in between the exponential."""
+    law = StribeckFriction(0.15, 0.05, 0.1)
+    found = _steady(law, speed)
+    slip = float(found.slip_speed[0])
+    coefficient = 0.05 + 0.10 * np.exp(-((slip / 0.1) ** 2))
+    expected = _steady(CoulombFriction(coefficient), speed)
+    assert float(found.efficiency) == pytest.approx(float(expected.efficiency), rel=1e-12)
+    assert float(found.power_balance_residual) < 1e-12
+
+
+def test_stribeck_with_a_viscous_part():
+    """With equal coefficients it is Coulomb's plus a viscous law: losses add up, by power."""
+    both = _steady(StribeckFriction(0.05, 0.05, 0.1, 25.0))
+    assert float(both.power_balance_residual) < 1e-12
+    alone = _steady(CoulombFriction(0.05)), _steady(ViscousFriction(25.0))
+    lost = float(both.losses["thread_sliding"])
+    assert lost > float(alone[0].losses["thread_sliding"])
+    assert lost > float(alone[1].losses["thread_sliding"])
+
+
+@pytest.mark.slow
+def test_contact_losses_and_derivatives_under_another_law():
+    """Resisting moments shift the carriers under any law; both derivative modes agree."""
+    law = StribeckFriction(0.15, 0.05, 0.1, 5.0)
+    friction = dataclasses.replace(FIRST_STAGE_LOSSES, thread=law)
+    one = mechanism(stage(friction=friction))
+
+    @jax.jit
+    def everything(lead):
+        def evaluate(value):
+            state = prsm.steady_state(prsm.set_parameter(one, "lead", value), array(100.0), 7e3)
+            return state.efficiency
+
+        step = 1e-4 * lead
+        difference = (evaluate(lead + step) - evaluate(lead - step)) / (2 * step)
+        state = prsm.steady_state(one, array(100.0), array(7e3))
+        return (
+            difference,
+            jax.jvp(evaluate, (lead,), (jnp.ones_like(lead),))[1],
+            jax.grad(evaluate)(lead),
+            state.power_balance_residual,
+            state.valid,
+        )
+
+    difference, forward, reverse, residual, valid = everything(array(10e-3))
+    assert bool(valid)
+    assert float(residual) < 1e-12
+    assert float(forward) == pytest.approx(float(difference), rel=1e-6)
+    assert float(reverse) == pytest.approx(float(forward), rel=1e-10)
