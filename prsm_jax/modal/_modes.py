@@ -128,9 +128,12 @@ class Modes(eqx.Module):
         **Raises:** `ValueError` if shapes were not asked for.
         """
         _, network = self._asked()
-        return self._averaged(
+        found = self._averaged(
             lambda shapes: strain_energies(network, shapes, each_spring=each_spring)
         )
+        # Of a rigid motion there is nothing but rounding to be shared.
+        elastic = self.frequencies > _RIGID_SHARE * self.frequencies[-1]
+        return {name: jnp.where(elastic, row, 0.0) for name, row in found.items()}
 
     def _labels(self) -> list[tuple[float, str, int]]:
         rows = []

@@ -97,20 +97,21 @@ def mode_motions(mechanism: Mechanism, modes: Modes, stage: int = 1) -> tuple[Mo
     strain = {k: np.asarray(v) for k, v in modes.strain_energy_shares().items()}
     masses = np.asarray(modes.network.mass) if modes.network is not None else np.ones(len(shapes))
     names = [str(coordinate) for coordinate in modes.coordinates]
+    symmetric = modes.group("coupled") is None
     found, first = [], 0
     while first < len(frequencies):
         end = first + multiplicities[first]
-        symmetric = multiplicities[first] > 1
         while not symmetric and end < len(frequencies):
-            alike = families[end] == families[first] and multiplicities[end] == 1
-            if not alike or frequencies[end] > (1 + _TOGETHER) * frequencies[first]:
+            if families[first] == "rigid" or families[end] != families[first]:
+                break
+            if frequencies[end] > (1 + _TOGETHER) * frequencies[first]:
                 break
             end += 1
         members = shapes[:, first:end]
-        one = members[:, 0] if symmetric and families[first] == "roller" else None
-        chosen = dict(
-            zip(names, _upright(names, masses, members) if one is None else one, strict=True)
-        )
+        # The first roller mode is one harmonic around the screw; any other choice mixes several.
+        whole = symmetric and families[first] == "roller"
+        one = members[:, 0] if whole else _upright(names, masses, members)
+        chosen = dict(zip(names, one.tolist(), strict=True))
         found.append(
             ModeMotion(
                 first=first + 1,

@@ -188,14 +188,11 @@ def _legend(figure: Figure, height: float, motions: tuple[ModeMotion, ...], ener
         borderaxespad=0,
         borderpad=0,
     )
-    figure.text(
-        0.5,
-        4.2 / height,
+    words = (
         f"Displacements are exaggerated as printed, from those at which the mode holds "
-        f"{1e3 * energy:g} mJ; of a repeated root one shape is drawn.\nPercentages are shares of "
-        "kinetic and of strain energy. The ring gear lies beside the nut and is drawn inside it.",
-        fontsize=SMALL,
-        color=MUTED,
-        ha="center",
-        va="center",
+        f"{1e3 * energy:g} mJ; of a repeated root one shape is drawn.\n"
+        "Percentages are shares of kinetic and of strain energy."
     )
+    if "ring_gear" in kinds:
+        words += " The ring gear lies beside the nut and is drawn inside it."
+    figure.text(0.5, 4.2 / height, words, fontsize=SMALL, color=MUTED, ha="center", va="center")
