@@ -117,6 +117,8 @@ def _heading(figure: Figure, left: float, top: float, label: str, dims: DrawingD
         *_at(figure, left, top + 8.5), label, fontsize=TITLE, fontweight="bold", va="center"
     )
     words = f"N = {dims.roller_count} rollers"
+    if dims.empty_angles:
+        words += f" in {dims.roller_count + len(dims.empty_angles)} places"
     if dims.not_given:
         words += f"\nnot given: {', '.join(dims.not_given)}"
     figure.text(*_at(figure, left, top + 5.5), words, fontsize=SMALL, color=INK, va="top")

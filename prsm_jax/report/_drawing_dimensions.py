@@ -25,6 +25,9 @@ class DrawingDimensions:
     """Dimensions of one stage [mm, rad]; `None` is not given by the mechanism."""
 
     roller_count: int
+    #: Angle around the screw of every roller that is there, and of every empty place [rad].
+    roller_angles: tuple[float, ...]
+    empty_angles: tuple[float, ...]
     starts: float
     lead: float
     pitch: float
@@ -106,6 +109,18 @@ def _heights(stage: Stage) -> tuple[float, float, float, float]:
     return screw, roller, min(roller + clearance, pointed), min(screw + clearance, pointed)
 
 
+def _places(stage: Stage) -> list[tuple[float, bool]]:
+    """Angle of every roller's place, and whether it is taken."""
+    unequal = {roller.number: roller for roller in stage.unequal_roller}
+    found = []
+    for number in range(1, stage.roller_count + 1):
+        angle, roller = 2 * math.pi * (number - 1) / stage.roller_count, unequal.get(number)
+        if roller is not None and roller.position_offset is not None:
+            angle += float(roller.position_offset)
+        found.append((angle, roller is None or not roller.missing))
+    return found
+
+
 def drawing_dimensions(mechanism: Mechanism, stage: int = 1) -> DrawingDimensions:
     """Collect what the drawing of a stage shows.
 
@@ -131,8 +146,11 @@ def drawing_dimensions(mechanism: Mechanism, stage: int = 1) -> DrawingDimension
     wall = _millimetres(chosen.nut.wall_thickness)
     rim = None if ring is None else _millimetres(ring.wall_thickness)
     width = None if carrier is None else _millimetres(carrier.radial_width)
+    places = _places(chosen)
     return DrawingDimensions(
-        roller_count=chosen.roller_count,
+        roller_count=chosen.present_roller_count,
+        roller_angles=tuple(angle for angle, there in places if there),
+        empty_angles=tuple(angle for angle, there in places if not there),
         starts=float(thread.starts),
         lead=1e3 * float(thread.lead),
         pitch=1e3 * float(thread.pitch),

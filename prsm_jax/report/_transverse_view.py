@@ -74,8 +74,18 @@ def _screw(sheet: Sheet, dims: DrawingDimensions) -> None:
 
 def _rollers(sheet: Sheet, dims: DrawingDimensions) -> None:
     cross = 0.35 * dims.roller_radius
-    for index in range(dims.roller_count):
-        angle = 2 * math.pi * index / dims.roller_count
+    for angle in dims.empty_angles:
+        x, y = dims.centre_distance * math.cos(angle), dims.centre_distance * math.sin(angle)
+        _circle(
+            sheet,
+            x,
+            y,
+            dims.roller_radius,
+            "empty place",
+            edgecolor=MUTED,
+            linestyle=(0, (3, 2)),
+        )
+    for angle in dims.roller_angles:
         x, y = dims.centre_distance * math.cos(angle), dims.centre_distance * math.sin(angle)
         _circle(
             sheet, x, y, dims.roller_radius, "roller", facecolor=BODY_COLOURS["roller"], zorder=2
@@ -99,8 +109,7 @@ def _contacts(sheet: Sheet, dims: DrawingDimensions) -> None:
         if contact is None:
             continue
         xs, ys = [], []
-        for index in range(dims.roller_count):
-            angle = 2 * math.pi * index / dims.roller_count
+        for angle in dims.roller_angles:
             xs.append(contact.x * math.cos(angle) - contact.y * math.sin(angle))
             ys.append(contact.x * math.sin(angle) + contact.y * math.cos(angle))
         sheet.axes.plot(xs, ys, "o", ms=2.6, mfc=face, mec="white", mew=0.3, zorder=4)

@@ -2,6 +2,8 @@
 
 import math
 
+import equinox as eqx
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from matplotlib.patches import Circle
@@ -9,6 +11,7 @@ from report_checks import assert_printable
 
 from prsm_jax import set_parameter
 from prsm_jax.file import load
+from prsm_jax.mechanism import UnequalRoller
 from prsm_jax.report import cross_section
 from prsm_jax.report._drawing_dimensions import drawing_dimensions
 from prsm_jax.report._thread_profile import (
@@ -37,6 +40,24 @@ def _circles(axes):
         if isinstance(patch, Circle):
             found.setdefault(str(patch.get_label()), []).append(patch)
     return found
+
+
+def test_missing_and_displaced_rollers_are_seen(wu2022):
+    rollers = (
+        UnequalRoller(3, position_offset=jnp.asarray(0.1)),
+        UnequalRoller(5, missing=True),
+    )
+    moved = eqx.tree_at(lambda m: m.stages[0].unequal_roller, wu2022, rollers)
+    figure = cross_section({"damaged": moved})
+    assert_printable(figure)
+    circles = next(_circles(axes) for axes in figure.axes if "roller" in _circles(axes))
+    angles = sorted(math.atan2(r.center[1], r.center[0]) % (2 * math.pi) for r in circles["roller"])
+    places = 2 * math.pi * np.array([0, 1, 2, 3, 5, 6]) / 7
+    assert angles == pytest.approx(places + np.array([0, 0, 0.1, 0, 0, 0]), abs=1e-12)
+    (empty,) = circles["empty place"]
+    angle = math.atan2(empty.center[1], empty.center[0]) % (2 * math.pi)
+    assert angle == pytest.approx(2 * math.pi * 4 / 7)
+    assert any("N = 6 rollers in 7 places" in text.get_text() for text in figure.texts)
 
 
 def test_circles_have_the_radii_of_the_mechanism(both, actuator, larger):
