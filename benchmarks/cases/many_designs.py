@@ -49,9 +49,12 @@ def _repeats(count: int) -> np.ndarray:
 
 
 def _columns(numbers: np.ndarray, count: int):
-    """One contiguous array per number, and the numbers of rollers."""
+    """One contiguous array per number, and the numbers of rollers.
+
+    The number that the system is compiled for is the same throughout: the traced one counts.
+    """
     columns = [jnp.asarray(np.ascontiguousarray(column)) for column in numbers.T]
-    return unflattened(count)(columns), jnp.full(len(numbers), float(count))
+    return unflattened(_COUNT)(columns), jnp.full(len(numbers), float(count))
 
 
 def _memory(compiled) -> str:
@@ -124,6 +127,8 @@ def _values_problem(quick: bool) -> Problem:
     if devices is not None:
         methods.append(_chunked("distinct, two devices", solve, columns, read, (2_000,), devices))
     if not quick:
+        fewer = jax.tree.map(lambda column: column[: total // 10], columns)
+        methods.append(_chunked("distinct, a tenth of them", solve, fewer, read, (2_000,)))
         methods.append(_at_once("distinct, vmap", solve, columns, read, [total], "method"))
     rows = jnp.asarray(numbers[: max(dense)])
     methods += [
@@ -245,7 +250,7 @@ def _derivatives_problem(quick: bool) -> Problem:
 
     def read_dense(found):
         derivatives, values = (np.asarray(part) for part in found)
-        return {_ELASTICITIES: derivatives * numbers[:dense_batch, None] / values[:, :, None]}
+        return {_ELASTICITIES: derivatives * numbers[: len(values), None] / values[:, :, None]}
 
     def reference():
         exact = [frequencies(row, _COUNT, elasticities=True)[1] for row in numbers[:compared]]

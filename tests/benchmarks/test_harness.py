@@ -113,6 +113,18 @@ def test_times_are_per_instance_and_ratios_refer_to_the_baseline(measured):
     assert all(2 <= row.samples <= _BUDGET.rounds for row in rows.values())
 
 
+def test_range_of_ratios_and_share_of_a_yardstick(measured):
+    for row in measured[1]:
+        low, high = row.ratio_range
+        assert low <= row.speed_ratio <= high
+    problem = _problem(yardstick=1e9)
+    case = Case("toy", "Circles", [problem])
+    found = document(case, [(problem, measured[1])], quick=True)["problems"][0]["results"]
+    for result, row in zip(found, measured[1], strict=True):
+        assert result["yardstick_share"] == pytest.approx(1e-9 / row.best)
+    assert "share of 1e+09 per second" in table(case, [(problem, measured[1])])
+
+
 def test_failures_are_counted_and_not_averaged(measured):
     error = next(r for r in measured[1] if r.method == "slow").errors["area"]
     assert (error.maximum, error.median, error.compared, error.not_finite) == (None, None, 1, 1)
@@ -182,6 +194,7 @@ def test_json_has_the_documented_keys(toy, tmp_path):
             "median_s",
             "per_second",
             "speed_ratio",
+            "speed_ratio_range",
             "errors",
             "note",
         }
