@@ -8,6 +8,7 @@ import numpy as np
 
 from ..mechanism import Mechanism
 from ..modal import Modes
+from ._drawing_dimensions import roller_places
 
 #: Without symmetry nothing says which roots belong together; closer than this share of
 #: themselves they are drawn as one.
@@ -53,6 +54,8 @@ class ModeMotion:
     frequency: float
     family: str
     bodies: tuple[BodyMotion, ...]
+    #: Centres of places without a roller [mm].
+    empty: tuple[tuple[float, float], ...]
     #: Shares of kinetic energy by body and of strain energy by kind of spring.
     kinetic: Mapping[str, float]
     strain: Mapping[str, float]
@@ -98,6 +101,12 @@ def mode_motions(mechanism: Mechanism, modes: Modes, stage: int = 1) -> tuple[Mo
     masses = np.asarray(modes.network.mass) if modes.network is not None else np.ones(len(shapes))
     names = [str(coordinate) for coordinate in modes.coordinates]
     symmetric = modes.group("coupled") is None
+    centre = 1e3 * float(mechanism.stages[stage - 1].thread.centre_distance)
+    empty = tuple(
+        (centre * math.cos(angle), centre * math.sin(angle))
+        for angle, there in roller_places(mechanism.stages[stage - 1])
+        if not there
+    )
     found, first = [], 0
     while first < len(frequencies):
         end = first + multiplicities[first]
@@ -119,6 +128,7 @@ def mode_motions(mechanism: Mechanism, modes: Modes, stage: int = 1) -> tuple[Mo
                 frequency=float(frequencies[first]),
                 family=families[first],
                 bodies=_bodies(mechanism, modes, stage, chosen),
+                empty=empty,
                 kinetic={k: float(v[first]) for k, v in kinetic.items()},
                 strain={k: float(v[first]) for k, v in strain.items()},
             )

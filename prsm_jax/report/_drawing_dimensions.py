@@ -109,7 +109,7 @@ def _heights(stage: Stage) -> tuple[float, float, float, float]:
     return screw, roller, min(roller + clearance, pointed), min(screw + clearance, pointed)
 
 
-def _places(stage: Stage) -> list[tuple[float, bool]]:
+def roller_places(stage: Stage) -> list[tuple[float, bool]]:
     """Angle of every roller's place, and whether it is taken."""
     unequal = {roller.number: roller for roller in stage.unequal_roller}
     found = []
@@ -146,7 +146,7 @@ def drawing_dimensions(mechanism: Mechanism, stage: int = 1) -> DrawingDimension
     wall = _millimetres(chosen.nut.wall_thickness)
     rim = None if ring is None else _millimetres(ring.wall_thickness)
     width = None if carrier is None else _millimetres(carrier.radial_width)
-    places = _places(chosen)
+    places = roller_places(chosen)
     return DrawingDimensions(
         roller_count=chosen.present_roller_count,
         roller_angles=tuple(angle for angle, there in places if there),

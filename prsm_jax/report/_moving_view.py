@@ -34,6 +34,8 @@ class MovingView:
         reach = nut + (_NUT + _RING * self._gear + DRAWN_SHARE) * self._roller
         axes.set_xlim(-reach, reach)
         axes.set_ylim(-reach, reach)
+        for x, y in motion.empty:
+            self._empty(x, y)
         for layer, body in enumerate(motion.bodies):
             self._rest(body)
             self._body(body, 2 + 0.1 * layer)
@@ -89,6 +91,13 @@ class MovingView:
                 lw=0.8 * self._line,
                 zorder=4,
             )
+
+    def _empty(self, x: float, y: float) -> None:
+        from matplotlib.patches import Circle
+
+        style = {"edgecolor": _REST, "lw": 0.8 * self._line, "ls": (0, (3, 3)), "zorder": 1}
+        place = Circle((x, y), self._roller, fill=False, label="empty place", **style)
+        self.resting.append(self._axes.add_patch(place))
 
     def _mark_radii(self, body: BodyMotion) -> list[tuple[float, float]]:
         radii = self._outline(body)

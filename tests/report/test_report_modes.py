@@ -4,6 +4,7 @@ import math
 import re
 
 import equinox as eqx
+import jax
 import numpy as np
 import pytest
 from report_checks import assert_printable, axis_labels
@@ -273,3 +274,23 @@ def test_designs_that_do_not_mesh_are_left_out():
 def test_bad_ranges_are_one_line(wu2022, parameter, values, message):
     with pytest.raises((ValueError, prsm.UnknownNameError), match=message):
         frequency_loci(wu2022, parameter, values)
+
+
+def test_loci_have_derivatives(wu2022):
+    """With respect to another number of the mechanism: forward, reverse, and differences."""
+    values = [1e8, 3e9]
+
+    @jax.jit
+    def transverse(mass):
+        moved = prsm.set_parameter(wu2022, "nut.mass", mass)
+        return frequency_loci(moved, "screw.support.radial_stiffness", values).frequencies[
+            "transverse"
+        ]
+
+    mass, step = scenes.array(2.159), 1e-5
+    forward, reverse = jax.jacfwd(transverse)(mass), jax.jacrev(transverse)(mass)
+    differences = (transverse(mass + step) - transverse(mass - step)) / (2 * step)
+    np.testing.assert_allclose(forward, reverse, atol=1e-9)
+    # Frequencies of 2e4 Hz, known to 1e-15 of themselves, over a step of 1e-5.
+    np.testing.assert_allclose(forward, differences, atol=1e-4)
+    assert float(np.abs(forward).max()) > 100
