@@ -12,10 +12,11 @@ from .._physics import physics
 from ..mechanism import ModalDamping, RayleighDamping, Scalar, StructuralDamping
 from ..modal import SpringNetwork
 from ._dissipation import LAWS, AnyDamping, Dissipation, dissipation, scaled_modes
+from ._elimination import Factors, factorise, substitute, substitute_transposed
 
 Solver: TypeAlias = Literal["direct", "modal"]
 #: Frequencies solved at once; more of them are taken in turns, so that memory stays bounded.
-_CHUNK = 4096
+_CHUNK = 256
 
 
 class Harmonic(eqx.Module):
@@ -94,7 +95,7 @@ def direct_response(
 ) -> Harmonic:
     """Solve `(K + iH + iωC − ω²M) q = f` at every frequency, for any damping.
 
-    One LU factorisation for each frequency, in coordinates scaled by √m, and one back substitution
+    One factorisation for each frequency, in coordinates scaled by √m, and one back substitution
     for each load. No modes are needed, so repeated roots are no matter, and derivatives solve with
     the same factors. A pivot within rounding of zero marks a pole: an undamped system driven at a
     natural frequency, or one that nothing holds at 0 Hz. Coordinates that the pole's mode does not
@@ -115,27 +116,29 @@ def direct_response(
 
     def at(w: Scalar, load: Complex[Array, "coordinates loads"]):
         matrix = jax.lax.stop_gradient(scaled.apply(w, jnp.eye(size, dtype=kind)))
-        lu, pivots = jax.scipy.linalg.lu_factor(matrix)
+        factors = factorise(matrix)
         # The diagonal is a difference: its rounding is that of ω² and of A, however small it is.
         largest = jnp.max(jnp.abs(scaled.stiffness)) + w**2
         # Not `<=`: a design that is not a number has no amplitude either.
-        at_pole = jnp.logical_not(jnp.min(jnp.abs(jnp.diagonal(lu))) > rounding * largest)
-        lu = jnp.where(at_pole, jnp.eye(size, dtype=kind), lu)
+        at_pole = jnp.logical_not(factors.smallest_pivot > rounding * largest)
+        regular = jnp.where(at_pole, jnp.eye(size, dtype=kind), factors.matrix)
+        factors = Factors(regular, factors.order)
         right = scaled.weight[:, None].astype(load.dtype) * load
 
         def solved(part: Array) -> Array:
             return jax.lax.custom_linear_solve(
                 lambda x: scaled.apply(w, x),
                 part,
-                lambda _, b: jax.scipy.linalg.lu_solve((lu, pivots), b),
-                lambda _, b: jax.scipy.linalg.lu_solve((lu, pivots), b, trans=1),
+                lambda _, b: substitute(factors, b),
+                lambda _, b: substitute_transposed(factors, b),
             )
 
         if scaled.damped:
             found = solved(right)
         else:
             # Real factors: half the work, and exactly in or against phase with the load.
-            found = jax.lax.complex(solved(right.real), solved(right.imag))
+            parts = solved(jnp.concatenate([right.real, right.imag], axis=1))
+            found = jax.lax.complex(*jnp.split(parts, 2, axis=1))
         return infinite(scaled.weight[:, None].astype(found.dtype) * found, at_pole), at_pole
 
     return Harmonic(*_each(at, omega, loads))
