@@ -64,6 +64,8 @@ def arrowhead_modes(
     - `support`, `mesh`: stiffnesses K_j and k_j, one per body [N/m].
     - `mass`: of the bodies and, last, of the roller coordinate [kg].
     - `factor`: F; its square is the number of rollers that take part.
+
+    **Returns:** the modes; eigenvalues are NaN if a stiffness is negative or a mass not positive.
     """
     count = len(mesh)
     poles = sorted_poles(*_padded(support, mesh, mass, factor), factor)

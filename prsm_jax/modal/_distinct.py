@@ -46,6 +46,9 @@ def distinct_frequencies(
     - `roller_count`: takes the place of the system's own. The equivalent mass of the carrier
       contains the rollers that it leads: give a system that counts them alike.
 
+    **Returns:** the frequencies; NaN where a negative stiffness, a mass that is not positive, or
+    NaN enters them.
+
     **Raises:** `ValueError` for a system without that symmetry, or with rollers that move in
     translation.
     """

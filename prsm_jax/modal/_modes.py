@@ -173,6 +173,6 @@ class Modes(eqx.Module):
 
 def frequency(eigenvalue: Float[Array, " modes"]) -> Float[Array, " modes"]:
     """√λ/2π [Hz]; value and derivative 0 where nothing holds the body."""
-    elastic = eigenvalue > 0
-    root = jnp.sqrt(jnp.where(elastic, eigenvalue, 1.0))
-    return jnp.where(elastic, root, 0.0) / (2 * jnp.pi)
+    free = eigenvalue <= 0
+    # Not the other way round: what is not a number stays so.
+    return jnp.where(free, 0.0, jnp.sqrt(jnp.where(free, 1.0, eigenvalue))) / (2 * jnp.pi)

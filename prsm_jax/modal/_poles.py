@@ -46,7 +46,11 @@ def shortest(like: Scalar) -> float:
 def sorted_poles(
     support: list[Scalar], mesh: list[Scalar], mass: list[Scalar], factor: Scalar
 ) -> Poles:
-    """Poles of three bodies; the roller's mass is the last of four."""
+    """Poles of three bodies; the roller's mass is the last of four.
+
+    The scale, and with it every eigenvalue, is NaN if a stiffness is negative, a mass not positive,
+    or a number is NaN.
+    """
     inverse = [1 / value for value in mass]
     corner = [stiffness * inverse[3] for stiffness in mesh]
     held = [stiffness * part for stiffness, part in zip(support, inverse, strict=False)]
@@ -55,6 +59,10 @@ def sorted_poles(
     # The sum of all roots.
     scale = added(held) + added(tied) + added(corner)
     unit = 1 / jnp.where(scale > 0, scale, 1.0)
+    # The roots interlace the poles only if every stiffness pulls back and every mass is one.
+    stable = functools.reduce(
+        operator.and_, [*(k >= 0 for k in (*support, *mesh)), *(m > 0 for m in mass)]
+    )
     corner, held, tied = ([v * unit for v in values] for values in (corner, held, tied))
     place = [a + g for a, g in zip(held, tied, strict=True)]
     swapped = []
@@ -74,7 +82,7 @@ def sorted_poles(
         corner=tuple(corner),
         weight=tuple(k * g + eps**4 for k, g in zip(corner, tied, strict=True)),
         gaps=(gaps[0], gaps[1]),
-        scale=scale,
+        scale=jnp.where(stable, scale, jnp.nan),
         swapped=tuple(swapped),
     )
 

@@ -27,11 +27,15 @@ _MOST_STEPS = 10
 
 
 class Roots(NamedTuple):
-    """Roots by distances: λ₁ and d₁ − λ₁; to the poles on both sides, twice; λ₄ − d₃."""
+    """Where the roots are, each by the distance to the nearer end of its interval.
 
-    lowest: tuple[Scalar, Scalar]
-    low: tuple[Scalar, Scalar]
-    high: tuple[Scalar, Scalar]
+    Positive from the lower end, negative from the upper one; the ends are zero and d₁, d₁ and d₂,
+    d₂ and d₃. The highest root has no upper end.
+    """
+
+    lowest: Scalar
+    low: Scalar
+    high: Scalar
     highest: Scalar
 
 
@@ -50,13 +54,23 @@ def _closed_form(poles: Poles) -> tuple[Scalar, Scalar, Scalar, Scalar]:
     return quartic_roots(first, second, third, fourth)
 
 
-def _split(part: Scalar, rest: Scalar, width: Scalar) -> tuple[Scalar, Scalar]:
-    """Both parts of an interval from the shorter one, which alone is accurate in itself."""
-    least = shortest(width)
-    part, rest = jnp.clip(part, least, width), jnp.clip(rest, least, width)
-    shorter = part < rest
-    part, rest = jnp.where(shorter, part, width - rest), jnp.where(shorter, width - part, rest)
-    return jnp.maximum(part, least), jnp.maximum(rest, least)
+def _nearer(lower: Scalar, upper: Scalar) -> Scalar:
+    """A root by the shorter one of its distances to the ends."""
+    return jnp.where(lower < upper, lower, -upper)
+
+
+def _ends(root: Scalar, width: Scalar) -> tuple[Scalar, Scalar]:
+    """Distances of a root to the lower and the upper end of its interval."""
+    near_lower = root >= 0
+    lower = jnp.where(near_lower, root, width + root)
+    upper = jnp.where(near_lower, width - root, -root)
+    return lower, jnp.maximum(upper, shortest(root))
+
+
+def _pole_ends(root: Scalar, width: Scalar) -> tuple[Scalar, Scalar]:
+    """The same for two poles, neither of which a root ever meets."""
+    lower, upper = _ends(root, width)
+    return jnp.maximum(lower, shortest(root)), upper
 
 
 def _above(pole: Scalar, weak: Scalar, value: Scalar, distance: Scalar) -> Scalar:
@@ -64,10 +78,10 @@ def _above(pole: Scalar, weak: Scalar, value: Scalar, distance: Scalar) -> Scala
     return jnp.where(value < distance, pole - value, distance - weak)
 
 
-def inner_value(poles: Poles, index: int, root: tuple[Scalar, Scalar]) -> Scalar:
+def _inner_value(poles: Poles, index: int, root: Scalar) -> Scalar:
     """λ between poles `index` and `index + 1`."""
-    left, right = root
-    return jnp.where(left < right, poles.place[index] + left, poles.place[index + 1] - right)
+    lower, upper = poles.place[index], poles.place[index + 1]
+    return jnp.where(root >= 0, lower, upper) + root
 
 
 def _begin(poles: Poles) -> Roots:
@@ -75,15 +89,16 @@ def _begin(poles: Poles) -> Roots:
     d, least = poles.place, shortest(lowest)
     value = jnp.clip(lowest, 0.0, d[0])
 
-    def inner(root: Scalar, index: int) -> tuple[Scalar, Scalar]:
+    def inner(root: Scalar, index: int) -> Scalar:
         width = poles.gaps[index]
-        return _split(root - d[index], width - (root - d[index]), width)
+        lower = jnp.clip(root - d[index], least, width)
+        return _nearer(lower, jnp.maximum(width - lower, least))
 
     return Roots(
-        (value, jnp.maximum(d[0] - value, least)),
-        inner(low, 0),
-        inner(high, 1),
-        jnp.maximum(highest - d[2], least),
+        lowest=_nearer(value, jnp.maximum(d[0] - value, least)),
+        low=inner(low, 0),
+        high=inner(high, 1),
+        highest=jnp.maximum(highest - d[2], least),
     )
 
 
@@ -93,9 +108,9 @@ def _begin(poles: Poles) -> Roots:
 # of the poles beside it, so that the start may lie on a pole.
 
 
-def _lowest_step(poles: Poles, root: tuple[Scalar, Scalar]):
+def _lowest_step(poles: Poles, root: Scalar) -> Scalar:
     """`f ≈ C − A η − B/(q − η)` with q = d₁ − λ."""
-    value, q = root
+    value, q = _ends(root, poles.place[0])
     d, a, g, corner, weight, gaps, *_ = poles
     far = (gaps[0] + q, gaps[0] + gaps[1] + q)
     inverse = [1 / t for t in far]
@@ -115,23 +130,18 @@ def _lowest_step(poles: Poles, root: tuple[Scalar, Scalar]):
     change = jnp.where(positive, 2 * residual, middle - root_of) / jnp.where(
         positive, middle + root_of, 2 * slope
     )
-    least = shortest(value)
     raised = jnp.clip(value + change, 0.0, d[0])
-    lowered = jnp.clip(q - change, least, d[0] + least)
-    shorter = raised < lowered
-    value = jnp.where(shorter, raised, d[0] - lowered)
-    q = jnp.where(shorter, jnp.maximum(d[0] - raised, least), lowered)
-    return (value, q), _settled(change, q, q + gaps[0])
+    return _nearer(raised, jnp.clip(q - change, shortest(q), d[0] + shortest(q)))
 
 
-def _inner_step(poles: Poles, index: int, root: tuple[Scalar, Scalar]):
+def _inner_step(poles: Poles, index: int, root: Scalar) -> Scalar:
     """`f ≈ C + A/(p + η) − B/(q − η)` with p = λ − d_left and q = d_right − λ."""
-    p, q = root
+    p, q = _pole_ends(root, poles.gaps[index])
     _, a, g, corner, weight, gaps, *_ = poles
     left, right, other = index, index + 1, 2 - 2 * index
     width = gaps[index]
     share = 1 / width
-    value = inner_value(poles, index, root)
+    value = _inner_value(poles, index, root)
     if other > right:
         far = q + gaps[1]
         inverse = 1 / far
@@ -158,11 +168,11 @@ def _inner_step(poles: Poles, index: int, root: tuple[Scalar, Scalar]):
     divisor = jnp.where(positive, middle + root_of, 2 * constant)
     change = jnp.where(positive, 2 * residual, root_of - middle)
     change = change / jnp.where(divisor == 0, 1.0, divisor)
-    p, q = _split(p + change, q - change, width)
-    return (p, q), _settled(change, jnp.minimum(p, q), jnp.minimum(width, far))
+    least = shortest(p)
+    return _nearer(jnp.clip(p + change, least, width), jnp.clip(q - change, least, width))
 
 
-def _highest_step(poles: Poles, p: Scalar):
+def _highest_step(poles: Poles, p: Scalar) -> Scalar:
     """`f ≈ C − A η + B/(p + η)` with p = λ − d₃."""
     d, _, g, corner, weight, gaps, *_ = poles
     value = d[2] + p
@@ -184,27 +194,52 @@ def _highest_step(poles: Poles, p: Scalar):
     change = jnp.where(positive, 2 * residual, root_of - middle) / jnp.where(
         positive, middle + root_of, 2 * slope
     )
-    p = jnp.maximum(p + change, shortest(p))
-    return p, _settled(change, p, p + gaps[1])
+    return jnp.maximum(p + change, shortest(p))
 
 
-def _settled(change: Scalar, near: Scalar, wide: Scalar) -> Bool[Array, ""]:
-    """Whether the next step would be below rounding of the distance to the nearest pole."""
-    step = jnp.abs(change)
-    return step * step * step <= rounding(change) * near * near * wide
+def _step(poles: Poles, roots: Roots) -> Roots:
+    return Roots(
+        lowest=_lowest_step(poles, roots.lowest),
+        low=_inner_step(poles, 0, roots.low),
+        high=_inner_step(poles, 1, roots.high),
+        highest=_highest_step(poles, roots.highest),
+    )
 
 
-def _step(poles: Poles, roots: Roots):
-    lowest, first = _lowest_step(poles, roots.lowest)
-    low, second = _inner_step(poles, 0, roots.low)
-    high, third = _inner_step(poles, 1, roots.high)
-    highest, fourth = _highest_step(poles, roots.highest)
-    return Roots(lowest, low, high, highest), first & second & third & fourth
+def _settled(poles: Poles, before: Roots, after: Roots) -> Bool[Array, ""]:
+    """Whether the next step would be below rounding of the distances to the nearest poles."""
+    first, second = poles.gaps
+    lowest = _ends(after.lowest, poles.place[0])[1]
+    low, high = _pole_ends(after.low, first), _pole_ends(after.high, second)
+
+    def change(old: Scalar, new: Scalar, width: Scalar) -> Scalar:
+        from_lower, from_upper = _ends(old, width)
+        return jnp.where(new >= 0, new - from_lower, new + from_upper)
+
+    changes = (
+        change(before.lowest, after.lowest, poles.place[0]),
+        change(before.low, after.low, first),
+        change(before.high, after.high, second),
+        after.highest - before.highest,
+    )
+    near = (lowest, jnp.minimum(*low), jnp.minimum(*high), after.highest)
+    wide = (
+        lowest + first,
+        jnp.minimum(first, low[1] + second),
+        jnp.minimum(second, high[0] + first),
+        after.highest + second,
+    )
+    settled = jnp.ones_like(first, bool)
+    for moved, close, far in zip(changes, near, wide, strict=True):
+        step = jnp.abs(moved)
+        settled &= step * step * step <= rounding(step) * close * close * far
+    return settled
 
 
 def secular_roots(poles: Poles) -> Roots:
     """The four roots: closed form, one step, and more of them while some root still moves."""
-    roots, settled = _step(poles, _begin(poles))
+    start = _begin(poles)
+    first = _step(poles, start)
 
     def moving(carry):
         _, settled, steps = carry
@@ -212,29 +247,30 @@ def secular_roots(poles: Poles) -> Roots:
 
     def again(carry):
         roots, _, steps = carry
-        return *_step(poles, roots), steps + 1
+        moved = _step(poles, roots)
+        return moved, _settled(poles, roots, moved), steps + 1
 
-    return jax.lax.while_loop(moving, again, (roots, settled, 1))[0]
+    return jax.lax.while_loop(moving, again, (first, _settled(poles, start, first), 1))[0]
 
 
 def root_values(poles: Poles, roots: Roots) -> tuple[Scalar, ...]:
     """λ [1/s²], ascending; exactly zero where nothing holds the bodies."""
     values = (
-        roots.lowest[0],
-        inner_value(poles, 0, roots.low),
-        inner_value(poles, 1, roots.high),
+        _ends(roots.lowest, poles.place[0])[0],
+        _inner_value(poles, 0, roots.low),
+        _inner_value(poles, 1, roots.high),
         poles.place[2] + roots.highest,
     )
     rigid = rounding(poles.scale) ** 3
-    return tuple(jnp.where(value > rigid, value, 0.0) * poles.scale for value in values)
+    return tuple(jnp.where(value <= rigid, 0.0, value) * poles.scale for value in values)
 
 
 def pole_distances(poles: Poles, roots: Roots) -> tuple[tuple[Scalar, ...], ...]:
     """d_j − λ_i for each root i and sorted pole j, accurate relative to itself."""
     first, second = poles.gaps
-    q = roots.lowest[1]
-    low_left, low_right = roots.low
-    high_left, high_right = roots.high
+    _, q = _ends(roots.lowest, poles.place[0])
+    low_left, low_right = _pole_ends(roots.low, first)
+    high_left, high_right = _pole_ends(roots.high, second)
     p = roots.highest
     return (
         (q, q + first, q + first + second),

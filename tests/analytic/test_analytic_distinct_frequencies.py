@@ -150,8 +150,9 @@ def _softened(share):
     return numbers
 
 
+ALL = "over two decades"
 SCENES = {
-    "over two decades": lambda: _random(1),
+    ALL: lambda: _random(1),
     "over twelve decades": lambda: _random(5, spread=6.0),
     "soft supports": lambda: _softened(1e-12),
     "three equal bodies": lambda: _alike(0.0),
@@ -301,6 +302,18 @@ def test_only_symmetric_systems():
     soft = dataclasses.replace(system.bodies[0], radial_support_y=array(1e6))
     with pytest.raises(ValueError, match="supports alike in x and y"):
         distinct_frequencies(dataclasses.replace(system, bodies=(soft, *system.bodies[1:])))
+
+
+@pytest.mark.parametrize(
+    ("column", "factor"), [(_column("mesh_stiffness", 1), -1.0), (15, 0.0), (2, np.nan)]
+)
+def test_what_is_no_stable_system_is_no_number(column, factor):
+    """Not a plausible wrong frequency, nor zero; its neighbours do not notice."""
+    numbers = _random(1)
+    numbers[2, column] *= factor
+    found = np.asarray(_many(jnp.asarray(numbers), _COUNTS))
+    assert np.all(np.isnan(found[2, 1:9]))
+    np.testing.assert_array_equal(np.delete(found, 2, 0), np.delete(_found(ALL), 2, 0))
 
 
 def test_chunks_change_nothing():
