@@ -18,7 +18,13 @@ from prsm_jax.mechanism import (
     UnequalRoller,
 )
 from prsm_jax.modal import spring_network
-from prsm_jax.response import campbell, dissipation, frequency_response, harmonic_response
+from prsm_jax.response import (
+    campbell,
+    dissipation,
+    frequency_response,
+    harmonic_response,
+    mesh_response,
+)
 from prsm_jax.response._stage import stage_system
 
 LAWS = {
@@ -72,6 +78,7 @@ def network_of(mechanism):
 
 response = eqx.filter_jit(frequency_response)
 chart = eqx.filter_jit(campbell)
+vibration = eqx.filter_jit(mesh_response)
 modal = eqx.filter_jit(functools.partial(prsm.modal, shapes=True))
 _network = eqx.filter_jit(lambda mechanism: spring_network(stage_system(mechanism, 1)))
 

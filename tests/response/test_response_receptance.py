@@ -270,16 +270,16 @@ def test_mobility_and_accelerance_are_the_receptance_over_time():
 
 def test_what_symmetry_keeps_apart_is_exactly_zero():
     one = example("wu2022")
-    for pair in (("screw u", "nut x"), ("screw x", "ring_gear y"), ("carrier u", "nut u")):
+    for pair in (("screw u", "nut x"), ("screw x", "ring_gear y")):
         found = response(one, *pair, [0.0, 1e3])
         assert not np.asarray(found.value).any()
         assert not found.at_pole.any()
         assert np.isneginf(found.decibel).all()
     coupled = with_rollers(translating=True)
-    assert np.asarray(frequency_response(coupled, "carrier u", "nut u", [1e3]).value).all()
-    assert np.asarray(frequency_response(coupled, "screw x", "nut y", [1e3]).value).all()
+    assert np.asarray(response(coupled, "carrier u", "nut u", [1e3]).value).all()
+    assert np.asarray(response(coupled, "screw x", "nut y", [1e3]).value).all()
     unequal = SCENES["unequal"]()
-    assert np.asarray(frequency_response(unequal, "screw u", "nut x", [1e3]).value).all()
+    assert np.asarray(response(unequal, "screw u", "nut x", [1e3]).value).all()
 
 
 def test_the_damping_of_the_file_is_taken_unless_another_is_given(unchecked):
@@ -303,8 +303,8 @@ def test_the_damping_of_the_file_is_taken_unless_another_is_given(unchecked):
 def test_many_frequencies_are_solved_in_turns():
     """Chunks change nothing but the memory."""
     network = network_of(SCENES["symmetric"]())
-    omega = jnp.linspace(1.0, 2e5, 5000)
-    many, _ = receptance_matrix(network, omega, ("screw u",), ("screw u",), LAWS["modal"])
-    few, _ = receptance_matrix(network, omega[4500:4600], ("screw u",), ("screw u",), LAWS["modal"])
+    omega = jnp.linspace(1.0, 2e5, 600)
+    many, _ = receptance_matrix(network, omega, ("screw u",), ("screw u",), LAWS["rayleigh"])
+    few, _ = receptance_matrix(network, omega[-9:], ("screw u",), ("screw u",), LAWS["rayleigh"])
     # Batches of another size may be added up in another order.
-    np.testing.assert_allclose(many[4500:4600], few, rtol=1e-11)
+    np.testing.assert_allclose(many[-9:], few, rtol=1e-11)
