@@ -46,8 +46,10 @@ def _conditions(network, damping):
     return np.array(found)
 
 
-@pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize(
+    ("scene", "law"),
+    [*(("unequal", law) for law in LAWS), ("symmetric", "undamped"), ("translating", "modal")],
+)
 def test_direct_solution_and_modal_sum_agree(scene, law):
     """To rounding of ω_k² and of the factors, which the condition number magnifies."""
     network = network_of(SCENES[scene]())
@@ -111,10 +113,11 @@ def test_at_rest_the_response_is_the_compliance():
 
 def test_the_carrier_is_an_oscillator_of_one_degree_of_freedom():
     """1 / (k(1 + iη) + iωc − ω²m), with what each law means for one mass and one spring."""
-    network = network_of(SCENES["symmetric"]())
+    network = network_of(SCENES["unequal"]())
     place = network.index("carrier u")
     mass, stiffness = float(network.mass[place]), 6.983e6
-    assert mass == pytest.approx(5.888e-6 / 16e-3**2 + 7 * 0.0326, rel=1e-14)
+    # Six rollers, one of them a tenth heavier.
+    assert mass == pytest.approx(5.888e-6 / 16e-3**2 + 6.1 * 0.0326, rel=1e-14)
     omega = np.asarray(OMEGA)
     natural_ = np.sqrt(stiffness / mass)
     damping = {
