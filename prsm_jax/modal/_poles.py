@@ -59,10 +59,9 @@ def sorted_poles(
     # The sum of all roots.
     scale = added(held) + added(tied) + added(corner)
     unit = 1 / jnp.where(scale > 0, scale, 1.0)
-    # The roots interlace the poles only if every stiffness pulls back and every mass is one.
-    stable = functools.reduce(
-        operator.and_, [*(k >= 0 for k in (*support, *mesh)), *(m > 0 for m in mass)]
-    )
+    # The roots interlace the poles only where every stiffness pulls back and every mass is one.
+    weakest = functools.reduce(jnp.minimum, [*held, *tied, *corner])
+    stable = weakest >= 0
     corner, held, tied = ([v * unit for v in values] for values in (corner, held, tied))
     place = [a + g for a, g in zip(held, tied, strict=True)]
     swapped = []
