@@ -117,6 +117,4 @@ def _mark(upper, lower, modes: Modes) -> list:
             shown[family] = FAMILY_COLOURS[family]
             for axes in (upper, lower):
                 axes.axvline(value, color=FAMILY_COLOURS[family], lw=0.8, alpha=0.7, zorder=1)
-    return [
-        Line2D([], [], color=colour, lw=1.2, label=family) for family, colour in shown.items()
-    ]
+    return [Line2D([], [], color=colour, lw=1.2, label=family) for family, colour in shown.items()]
