@@ -17,8 +17,10 @@ from ._precision import to_precision as to_precision  # first: it enables float6
 from ._version import __version__ as __version__
 from .contact import hertz_contact as hertz_contact, thread_contacts as thread_contacts
 from .dynamics import (
+    HingeLoad as HingeLoad,
     Scenario as Scenario,
     SteadyState as SteadyState,
+    TorqueScenario as TorqueScenario,
     Transient as Transient,
     simulate as simulate,
     steady_state as steady_state,

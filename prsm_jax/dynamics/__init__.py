@@ -10,6 +10,7 @@ from ._kinematics import (
     stage_kinematics as stage_kinematics,
     travel_per_turn as travel_per_turn,
 )
+from ._loads import HingeLoad as HingeLoad, LoadOfTime as LoadOfTime
 from ._scenario import Scenario as Scenario, default_scenario as default_scenario
 from ._solvers import Gradient as Gradient, Method as Method
 from ._steady import (
@@ -17,5 +18,6 @@ from ._steady import (
     all_kinematics as all_kinematics,
     steady_state as steady_state,
 )
+from ._torque_drive import TorqueScenario as TorqueScenario
 from ._transient import simulate as simulate
-from ._transient_result import SolverReport as SolverReport, Transient as Transient
+from ._transient_result import Phase as Phase, SolverReport as SolverReport, Transient as Transient

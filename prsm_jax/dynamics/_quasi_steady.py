@@ -18,7 +18,7 @@ from ._kinematics import StageKinematics
 from ._scenario import Scenario
 from ._solvers import NAMES
 from ._stage_forces import Motion
-from ._transient_result import CarrierHistory, SolverReport
+from ._transient_result import CarrierHistory, SolverReport, prescribed
 
 
 def sense_of(speed: Scalar, acceleration: Scalar | None) -> Scalar:
@@ -73,7 +73,9 @@ def quasi_steady_states(
     return states, jnp.stack(ratios[::-1]), valid
 
 
-def quasi_steady_history(problem: Problem, times: Float[Array, " times"]) -> CarrierHistory:
+def quasi_steady_history(
+    problem: Problem, times: Float[Array, " times"]
+) -> tuple[CarrierHistory, SolverReport]:
     """Carriers in balance at every time, with an estimate of what that neglects.
 
     The neglected `I ζ̇ Ω` shifts the ratio by `I ζ̇ / |∂(N f·d)/∂ω|` to first order.
@@ -112,4 +114,5 @@ def quasi_steady_history(problem: Problem, times: Float[Array, " times"]) -> Car
         error_estimate=jax.lax.stop_gradient(jnp.max(shift)),
         time_constant=jax.lax.stop_gradient(jnp.max(lag)),
     )
-    return CarrierHistory(speeds, states, accelerations, report)
+    history = CarrierHistory(*prescribed(scenario, times), speeds, states, accelerations)
+    return history, report

@@ -22,12 +22,14 @@ from ._solvers import (
 )
 from ._stage_forces import carrier_inertia
 from ._steady import all_kinematics
-from ._transient_result import CarrierHistory, SolverReport, Transient, histories
+from ._torque_drive import TorqueScenario
+from ._torque_transient import torque_history
+from ._transient_result import CarrierHistory, SolverReport, Transient, histories, prescribed
 
 
 def simulate(
     mechanism: Mechanism,
-    scenario: Scenario | None = None,
+    scenario: Scenario | TorqueScenario | None = None,
     *,
     method: Method = "implicit",
     gradient: Gradient = "both",
@@ -36,7 +38,11 @@ def simulate(
     max_steps: int = 4096,
     throw: bool = True,
 ) -> Transient:
-    """Simulate the carriers of all stages under prescribed screw speed and load.
+    """Simulate a mechanism under a prescribed screw speed, or a prescribed torque, and load.
+
+    Under a prescribed torque (`TorqueScenario`) the carriers follow the screw, whose speed is the
+    state; it sticks and slips with exact Coulomb friction, events located, and `method` and
+    `gradient` do not matter. The rest is about a prescribed speed.
 
     States are the carrier speeds, `[2 J_P + N J_R (n − 1)² + N m_R a²] ω̇ = N f·d − resisting
     moments` (Li et al. 2021, in Lagrange's form); all forces follow algebraically at the sample
@@ -66,6 +72,9 @@ def simulate(
     **Raises:** `MissingDataError` if masses or the scenario are not given; `ValueError` for an
     unknown method or gradient; `PrsmError` if the solver fails and `throw` is set.
     """
+    if isinstance(scenario, TorqueScenario):
+        found = torque_history(mechanism, scenario, rtol, atol, max_steps)
+        return _checked(found, throw)
     if scenario is None:
         scenario = default_scenario(mechanism)
     kinematics = all_kinematics(mechanism)
@@ -74,13 +83,16 @@ def simulate(
     problem = Problem(mechanism, kinematics, scenario, inertia, speed_scale, time_scale)
     times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=inertia.dtype) * scenario.duration
     if method == "quasi_steady":
-        history = quasi_steady_history(problem, times)
+        history, report = quasi_steady_history(problem, times)
     else:
-        history = _integrated(problem, times, method, gradient, rtol, atol, max_steps)
-    report = history.report
-    if throw and is_concrete(report.code) and int(report.code) != 0:
-        raise PrsmError(f"the transient did not finish: {report.result}")
-    return histories(mechanism, kinematics, scenario, times, history)
+        history, report = _integrated(problem, times, method, gradient, rtol, atol, max_steps)
+    return _checked(histories(mechanism, kinematics, times, history, report), throw)
+
+
+def _checked(run: Transient, throw: bool) -> Transient:
+    if throw and is_concrete(run.solver.code) and int(run.solver.code) != 0:
+        raise PrsmError(f"the transient did not finish: {run.solver.result}")
+    return run
 
 
 def _integrated(
@@ -91,7 +103,7 @@ def _integrated(
     rtol: float,
     atol: float,
     max_steps: int,
-) -> CarrierHistory:
+) -> tuple[CarrierHistory, SolverReport]:
     """The carriers' equation of motion, integrated."""
     import diffrax
 
@@ -127,4 +139,5 @@ def _integrated(
         code=code_of(solution.result),
         name=NAMES[method],
     )
-    return CarrierHistory(carrier_speed, states, accelerations, report)
+    motion = prescribed(scenario, times)
+    return CarrierHistory(*motion, carrier_speed, states, accelerations), report

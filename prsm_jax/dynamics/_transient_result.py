@@ -3,7 +3,7 @@
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from ..mechanism import Mechanism, Scalar, body_inertia, body_mass
 from ._chain import StageState
@@ -22,6 +22,8 @@ _MEANINGS = (
     "self-locking, or a meshing that did not converge",
     "no balance: friction cannot drive the carriers, or a contact would have to pull; check the "
     "thread for self-locking, and the sign of the load",
+    "out of phases: the mechanism sticks and slips more often than most_phases allows; raise it, "
+    "or shorten the duration",
 )
 
 
@@ -45,13 +47,38 @@ class SolverReport(eqx.Module):
         return _MEANINGS[int(self.code)]
 
 
+def prescribed(scenario: Scenario, times: Float[Array, " times"]):
+    """Screw speed, acceleration (or `None`) and load of a scenario at all times."""
+    load = jax.vmap(scenario.load_at)(times) if callable(scenario.load) else None
+    if load is None:
+        load = jnp.broadcast_to(scenario.load_at(times[0]), times.shape)
+    if not callable(scenario.speed):
+        return jnp.broadcast_to(scenario.speed_at(times[0]), times.shape), None, load
+    speed, acceleration = jax.vmap(scenario.motion_at)(times)
+    return speed, acceleration, load
+
+
 class CarrierHistory(eqx.Module):
     """What a method of `simulate` finds; all else follows."""
 
+    #: Ω [rad/s] and Ω̇ [rad/s²]; `None` for a constant speed, which leaves masses untraced.
+    screw_speed: Float[Array, " times"]
+    screw_acceleration: Float[Array, " times"] | None
+    #: Load on the last nut [N].
+    load: Float[Array, " times"]
     carrier_speed: Float[Array, "times stages"]
     states: tuple[StageState, ...]
     acceleration: Float[Array, "times stages"]
-    report: SolverReport
+
+
+class Phase(eqx.Module):
+    """Stretches of turning or sticking; those past the last one have no length."""
+
+    #: [s]
+    start: Float[Array, " phases"]
+    end: Float[Array, " phases"]
+    #: +1 forward, −1 backward, 0 sticking.
+    mode: Float[Array, " phases"]
 
 
 class Transient(eqx.Module):
@@ -77,6 +104,12 @@ class Transient(eqx.Module):
     #: Moment balance of the rollers about their axes, relative: Newton against Lagrange.
     newton_residual: Float[Array, "stages times"]
     solver: SolverReport
+    #: Travel of the last nut from where it started [m], and whether the mechanism sticks; only
+    #: where the torque is prescribed.
+    position: Float[Array, " times"] | None = None
+    sticking: Bool[Array, " times"] | None = None
+    #: Stretches of turning and sticking, where the torque is prescribed.
+    phases: Phase | None = None
 
 
 def _kinetic_power(mechanism: Mechanism, carrier_speed, acceleration, speed, screw_acceleration):
@@ -100,15 +133,16 @@ def _kinetic_power(mechanism: Mechanism, carrier_speed, acceleration, speed, scr
 def histories(
     mechanism: Mechanism,
     kinematics: tuple[StageKinematics, ...],
-    scenario: Scenario,
     times: Float[Array, " times"],
     history: CarrierHistory,
+    report: SolverReport,
 ) -> Transient:
     """Turn states at the sample times into the histories that users ask for."""
     travel = travel_per_turn(mechanism.stages, len(mechanism.stages))
 
-    def at(time, carriers, instant: tuple[StageState, ...], acceleration):
-        (speed, screw_acceleration), load = scenario.motion_at(time), scenario.load_at(time)
+    def at(one: CarrierHistory):
+        speed, screw_acceleration, load = one.screw_speed, one.screw_acceleration, one.load
+        carriers, instant, acceleration = one.carrier_speed, one.states, one.acceleration
         torque = instant[0].screw.drive_torque
         supports = [
             roller_support_forces(stage, geometry, state, acceleration[index])
@@ -159,7 +193,7 @@ def histories(
             ),
         }
 
-    rows = jax.vmap(at)(times, history.carrier_speed, history.states, history.acceleration)
+    rows = jax.vmap(at)(history)
     per_stage = (
         "carrier_ratio",
         "contact_force",
@@ -171,6 +205,4 @@ def histories(
         "newton_residual",
     )
     rows = {name: row.T if name in per_stage else row for name, row in rows.items()}
-    return Transient(
-        time=times, carrier_speed=history.carrier_speed.T, solver=history.report, **rows
-    )
+    return Transient(time=times, carrier_speed=history.carrier_speed.T, solver=report, **rows)

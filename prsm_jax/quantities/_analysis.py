@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from functools import cached_property
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
@@ -166,7 +167,14 @@ class Analysis:
     @cached_property
     def modes(self) -> tuple[Modes, ...]:
         """All modes of every stage."""
-        return tuple(stage_modes(system) for system in self.systems)
+        found: list[Modes] = []
+        for system in self.systems:
+            if found and not system.symmetric:
+                # One after the other: two batched LAPACK calls at once can wait for each other's
+                # threads for ever (jaxlib 0.10.2 on a CPU with two cores).
+                system, _ = jax.lax.optimization_barrier((system, found[-1].frequencies))
+            found.append(stage_modes(system))
+        return tuple(found)
 
     @property
     def symmetric(self) -> bool:

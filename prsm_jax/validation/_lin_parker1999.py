@@ -79,4 +79,5 @@ def planetary_gear_frequencies() -> Iterator[Row]:
                     name = _PUBLISHED_NAMES[group.family]
                     fold = {1: "simple", 2: "double"}[group.multiplicity]
                     item = f"{planets} planets: {name} {index}, {fold}"
-                    yield number(item, printed, computed, "Hz")
+                    note = "a rigid rotation; the rest is rounding" if printed == "0.0" else ""
+                    yield number(item, printed, computed, "Hz", note=note)

@@ -87,6 +87,8 @@ def test_wider_tolerances_are_few_and_explained(rows):
         and row.tolerance > 0.02 * abs(float(row.published))
     ]
     assert all(row.note for row in loose)
+    # Zero has no 2 %.
+    loose = [row for row in loose if row.published != 0]
     assert {row.item for row in loose} <= {
         "section 3.1: carrier 1 steady after",
         "section 3.1: efficiency at the start, below",
