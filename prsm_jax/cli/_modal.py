@@ -108,15 +108,6 @@ def _pictures(
     return written
 
 
-def _distinct(modes: Modes) -> list[tuple[int, str]]:
-    """Number of the first of each repeated frequency, from 1, and its family."""
-    found, at = [], 0
-    while at < len(modes.families):
-        found.append((at + 1, modes.families[at]))
-        at += modes.multiplicities[at]
-    return found
-
-
 @app.command
 def modal(
     file: str,
@@ -167,8 +158,7 @@ def modal(
     def text() -> str:
         frequencies = results["frequencies_hz"]
         rows = [
-            (family, frequencies[number - 1], modes.multiplicities[number - 1])
-            for number, family in _distinct(modes)
+            (modes.families[at], frequencies[at], modes.multiplicities[at]) for at in modes.distinct
         ]
         title = f"Natural frequencies: {file}, stage {stage}"
         lines = table(title, ["family", "f Hz", "times"], rows)

@@ -49,15 +49,6 @@ def _range(modes: Modes, fmin: float | None, fmax: float | None, points: int) ->
     return np.geomspace(first, last, points) if first > 0 else np.linspace(first, last, points)
 
 
-def _distinct(modes: Modes) -> list[int]:
-    """Where each distinct natural frequency is first in the ascending list."""
-    places, at = [], 0
-    while at < len(modes.families):
-        places.append(at)
-        at += modes.multiplicities[at]
-    return places
-
-
 def response_results(
     found: FrequencyResponse, modes: Modes, law: str | None, stage: int
 ) -> dict[str, Any]:
@@ -119,7 +110,7 @@ def response(
     modes = _modes(mechanism, stage=stage, shapes=True)
     hertz = _range(modes, fmin, fmax, points)
     natural = np.asarray(modes.frequencies)
-    at_modes = np.array([natural[k] for k in _distinct(modes)])
+    at_modes = np.array([natural[k] for k in modes.distinct])
     both = _frequency_response(
         mechanism,
         source,
@@ -153,7 +144,7 @@ def response(
             (modes.families[k], at_modes[index], modes.multiplicities[k], size, angle)
             for index, (k, size, angle) in enumerate(
                 zip(
-                    _distinct(modes),
+                    modes.distinct,
                     np.asarray(peaks.decibel).tolist(),
                     np.degrees(np.asarray(peaks.phase)).tolist(),
                     strict=True,

@@ -166,6 +166,15 @@ class Modes(eqx.Module):
         """Multiplicity by symmetry of each entry of `frequencies`; 1 where there is none."""
         return tuple(multiplicity for _, _, multiplicity in self._labels())
 
+    @property
+    def distinct(self) -> tuple[int, ...]:
+        """Where each distinct root first stands in `frequencies`, repeated ones counted once."""
+        places, at, times = [], 0, self.multiplicities
+        while at < len(times):
+            places.append(at)
+            at += times[at]
+        return tuple(places)
+
     def group(self, family: str) -> ModeGroup | None:
         """The modes of one family by symmetry, or `None` if this stage has none."""
         return next((g for g in self.groups if g.family == family), None)

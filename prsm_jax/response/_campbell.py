@@ -102,12 +102,11 @@ class Campbell(eqx.Module):
         speeds = np.asarray(self.critical_speeds)
         frequencies = np.asarray(self.modes.frequencies)
         families, times = self.modes.families, self.modes.multiplicities
-        first = np.cumsum([0, *_distinct(times)])[:-1]
         found = []
         for row, order in zip(speeds, self.orders, strict=True):
             for harmonic, line in enumerate(row, start=1):
                 family = self.excited_family(order, harmonic)
-                for at in first:
+                for at in self.modes.distinct:
                     if frequencies[at] <= _RIGID * frequencies[-1]:
                         continue
                     if line[at] < min_speed or (max_speed is not None and line[at] > max_speed):
@@ -127,15 +126,6 @@ class Campbell(eqx.Module):
                             )
                         )
         return tuple(sorted(found, key=lambda one: one.speed))
-
-
-def _distinct(multiplicities: Sequence[int]) -> list[int]:
-    """Multiplicity of each distinct root, from those of the repeated list."""
-    found, at = [], 0
-    while at < len(multiplicities):
-        found.append(multiplicities[at])
-        at += multiplicities[at]
-    return found
 
 
 @physics("campbell")
