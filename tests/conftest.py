@@ -1,5 +1,6 @@
 """What all tests share: strict JAX, checked shapes, one compilation cache, quiet hypothesis."""
 
+import gc
 import os
 import tempfile
 from pathlib import Path
@@ -34,6 +35,20 @@ hypothesis.settings.register_profile(
     suppress_health_check=[hypothesis.HealthCheck.too_slow],
 )
 hypothesis.settings.load_profile("prsm")
+
+
+#: Linux allows a process 65,530 mapped regions, and a compiled program takes up to a dozen: past
+#: that the compiler aborts.
+_MAPPED_REGIONS = 25_000
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _few_compiled_programs():
+    """Drop compiled programs between modules where a worker has gathered too many of them."""
+    regions = Path("/proc/self/maps")
+    if regions.exists() and regions.read_bytes().count(b"\n") > _MAPPED_REGIONS:
+        jax.clear_caches()
+        gc.collect()
 
 
 @pytest.fixture
