@@ -112,5 +112,5 @@ def draw(problem: Problem, measured: Sequence[Measurement], path: Path) -> Path:
     figure.suptitle(problem.title, fontsize=12)
     figure.legend(handles=lines, loc="outside lower center", ncols=2, fontsize=9, frameon=False)
     with written_whole(path) as temporary:
-        figure.savefig(temporary)
+        figure.savefig(temporary, bbox_inches="tight")
     return path
