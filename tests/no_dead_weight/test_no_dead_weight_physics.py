@@ -18,10 +18,12 @@ from prsm_jax.mechanism import (
     Friction,
     GivenStiffness,
     Nut,
+    RegularisedCoulombFriction,
     Roller,
     RollingHysteresis,
     SpinFriction,
     SplineFriction,
+    StribeckFriction,
     ThrustBearingFriction,
     UnequalRoller,
     ViscousFriction,
@@ -33,6 +35,16 @@ COULOMB = CoulombFriction(0.05)
 LOSSES = {
     "coulomb": (Friction(thread=COULOMB), "coulomb_friction", set()),
     "viscous": (Friction(thread=ViscousFriction(25.0)), "viscous_friction", set()),
+    "regularised": (
+        Friction(thread=RegularisedCoulombFriction(0.05, 1e-3)),
+        "regularised_coulomb_friction",
+        set(),
+    ),
+    "stribeck": (
+        Friction(thread=StribeckFriction(0.1, 0.05, 0.1)),
+        "stribeck_friction",
+        set(),
+    ),
     "spin": (
         Friction(thread=COULOMB, spin=SpinFriction(0.05)),
         "spin_friction",
@@ -96,6 +108,24 @@ def test_no_friction_at_all():
 def test_no_gear():
     assert "gear_tooth_force" in _steady(mechanism(stage()))
     assert "gear_tooth_force" not in _steady(mechanism(stage(gear=None)))
+
+
+@pytest.mark.parametrize("method", ["rosenbrock", "quasi_steady"])
+def test_a_transient_traces_its_own_method_only(method):
+    """No balance of the carriers where they are integrated, at constant speed not even then."""
+
+    def run(one, speed):
+        scenario = prsm.Scenario(speed, array(7e3), array(1e-3), samples=3)
+        return prsm.simulate(one, scenario, method=method, throw=False).efficiency
+
+    one = mechanism(stage())
+    steady = prsm.traced_physics(lambda m: run(m, array(100.0)), one)
+    moving = prsm.traced_physics(lambda m: run(m, _Ramp()), one)
+    balanced = method == "quasi_steady"
+    assert ("quasi_steady" in steady) == ("quasi_steady" in moving) == balanced
+    assert "carrier_balance" not in steady
+    assert ("carrier_balance" in moving) == balanced
+    assert "torque_drive" not in steady | moving
 
 
 class _Ramp(eqx.Module):
