@@ -90,7 +90,7 @@ def _coupled_frictions(torque, force, per_force, per_torque):
     return moment, axial
 
 
-def _screw_forces(
+def screw_forces(
     stage: Stage,
     forces: StageForces,
     sense: Scalar,
@@ -167,7 +167,7 @@ def chain_forces(
                 screw_axial = -screw_acceleration * travel_per_turn(stages, index)
         motion = motion_of(index, axial_force, nut_acceleration)
         forces = stage_forces(stage, kinematics[index], motion, axial_force)
-        screw = _screw_forces(stage, forces, sense, next_screw, screw_acceleration, screw_axial)
+        screw = screw_forces(stage, forces, sense, next_screw, screw_acceleration, screw_axial)
         states.append(StageState(motion, forces, screw, nut_load))
         next_screw, nut_load = screw, screw.support_force
     return tuple(reversed(states))

@@ -30,8 +30,8 @@ def slip_direction(slip: Float[Array, "3"]) -> Float[Array, "3"]:
 
 @functools.singledispatch
 def thread_friction(
-    law: ThreadFriction | None, slip: Float[Array, "3"], direction: Float[Array, "3"]
-) -> tuple[Float[Array, "3"], Float[Array, "3"]]:
+    law: ThreadFriction | None, slip: Float[Array, " axes"], direction: Float[Array, " axes"]
+) -> tuple[Float[Array, " axes"], Float[Array, " axes"]]:
     """Friction on one roller: force per unit of normal force, and force independent of it [N].
 
     **Arguments:**
@@ -39,6 +39,8 @@ def thread_friction(
     - `law`: the friction law, or `None` for none.
     - `slip`: slip velocity of the screw over the roller [m/s].
     - `direction`: its unit vector (known even at standstill, from the sense of turning).
+
+    Laws are isotropic: along a single axis, that of the slip, they are the same.
     """
     raise TypeError(f"no thread friction law is known for {type(law).__name__}")
 
