@@ -103,7 +103,16 @@ class Transient(eqx.Module):
     power_balance_residual: Float[Array, " times"]
     #: Moment balance of the rollers about their axes, relative: Newton against Lagrange.
     newton_residual: Float[Array, "stages times"]
+    #: Acceleration of the carriers ω̇ [rad/s²].
+    carrier_acceleration: Float[Array, "stages times"]
+    #: Load on the last nut [N].
+    load: Float[Array, " times"]
+    #: Unit vector of the slip of the screw over the roller, in the carrier's frame: radial,
+    #: tangential, axial; where nothing slips that of the motion about to begin, if there is one.
+    slip_direction: Float[Array, "stages times 3"]
     solver: SolverReport
+    #: Ω̇ [rad/s²]; `None` for a constant speed.
+    screw_acceleration: Float[Array, " times"] | None = None
     #: Travel of the last nut from where it started [m], and whether the mechanism sticks; only
     #: where the torque is prescribed.
     position: Float[Array, " times"] | None = None
@@ -191,6 +200,7 @@ def histories(
                     for support, state, geometry in zip(supports, instant, kinematics, strict=True)
                 ]
             ),
+            "slip_direction": jnp.stack([s.motion.direction for s in instant]),
         }
 
     rows = jax.vmap(at)(history)
@@ -203,6 +213,17 @@ def histories(
         "spline_friction",
         "stage_torque",
         "newton_residual",
+        "slip_direction",
     )
-    rows = {name: row.T if name in per_stage else row for name, row in rows.items()}
-    return Transient(time=times, carrier_speed=history.carrier_speed.T, solver=report, **rows)
+    rows = {
+        name: jnp.moveaxis(row, 1, 0) if name in per_stage else row for name, row in rows.items()
+    }
+    return Transient(
+        time=times,
+        screw_acceleration=history.screw_acceleration,
+        load=history.load,
+        carrier_speed=history.carrier_speed.T,
+        carrier_acceleration=history.acceleration.T,
+        solver=report,
+        **rows,
+    )

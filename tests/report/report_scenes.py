@@ -65,6 +65,9 @@ def make_transient(stages: int = 2) -> Transient:
         losses={},
         power_balance_residual=0 * time,
         newton_residual=0 * per_stage,
+        carrier_acceleration=0 * per_stage,
+        load=7e3 + 0 * time,
+        slip_direction=jnp.zeros((stages, 201, 3)),
         solver=SolverReport(jnp.asarray(50), jnp.asarray(0), jnp.asarray(0), "Kvaerno5"),
     )
 
