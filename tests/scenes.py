@@ -15,8 +15,8 @@ from prsm_jax import file
 from prsm_jax.contact import stage_contact as _stage_contact
 from prsm_jax.mechanism import (
     Carrier,
-    ConstantDrag,
     CoulombFriction,
+    Drag,
     Friction,
     Gear,
     Material,
@@ -41,7 +41,7 @@ ALL_LOSSES = Friction(
     rolling_hysteresis=RollingHysteresis(0.01),
     spline=SplineFriction(0.1, 12e-3),
     thrust_bearing=ThrustBearingFriction(0.005, 20e-3),
-    drag=ConstantDrag(0.05),
+    drag=Drag(0.05),
 )
 #: Those that a first stage can have: its screw does not slide in a spline.
 FIRST_STAGE_LOSSES = eqx.tree_at(lambda f: f.spline, ALL_LOSSES, None)

@@ -4,17 +4,10 @@ import equinox as eqx
 import jax.numpy as jnp
 
 from .._physics import physics
-from ..mechanism import (
-    ConstantDrag,
-    Mechanism,
-    Scalar,
-    SplineFriction,
-    Stage,
-    ThrustBearingFriction,
-    body_inertia,
-    body_mass,
-)
+from ..mechanism import Mechanism, Scalar, Stage, body_inertia, body_mass
+from ._flank import loaded_flank
 from ._kinematics import StageKinematics, travel_per_turn
+from ._screw_friction import bearing_torque, drag_torque, spline_force
 from ._stage_forces import Motion, StageForces, axial_inertia, stage_forces
 
 
@@ -29,7 +22,7 @@ class ScrewForces(eqx.Module):
     spline_friction: Scalar | None
     #: Friction torque of the thrust bearing [N·m].
     bearing_torque: Scalar | None
-    #: Constant drag torque [N·m].
+    #: Drag torque [N·m].
     drag_torque: Scalar | None
 
 
@@ -41,21 +34,8 @@ class StageState(eqx.Module):
     screw: ScrewForces
     #: Load on this stage's nut [N].
     nut_load: Scalar
-
-
-@physics("drag")
-def _drag_torque(law: ConstantDrag, sense: Scalar) -> Scalar:
-    return law.torque * sense
-
-
-@physics("spline_friction")
-def _spline_force_per_torque(law: SplineFriction, sense: Scalar) -> Scalar:
-    return law.coefficient / law.radius * sense
-
-
-@physics("thrust_bearing_friction")
-def _bearing_torque_per_force(law: ThrustBearingFriction, sense: Scalar) -> Scalar:
-    return law.coefficient * law.radius * sense
+    #: +1 or −1: which flanks carry; `motion` and `forces` are seen from their side (`_flank`).
+    flank: Scalar
 
 
 @physics("screw_inertia")
@@ -93,17 +73,22 @@ def _coupled_frictions(torque, force, per_force, per_torque):
 def screw_forces(
     stage: Stage,
     forces: StageForces,
+    screw_speed: Scalar,
     sense: Scalar,
+    driver: Stage | None,
     next_screw: ScrewForces | None,
     screw_acceleration: Scalar | None,
     axial_acceleration: Scalar | None,
 ) -> ScrewForces:
-    """Torque and axial balance of one screw (Li et al. 2020, equations 21 and 22, with N)."""
+    """Torque and axial balance of one screw (Li et al. 2020, equations 21 and 22, with N).
+
+    The spline slides by the lead of the stage before, whose screw is its `driver`.
+    """
     friction = stage.friction
     torque, axial = -forces.torque_on_screw, forces.axial_on_screw
     drag = None
     if friction is not None and friction.drag is not None:
-        drag = _drag_torque(friction.drag, sense)
+        drag = drag_torque(friction.drag, screw_speed, sense)
         torque = torque + drag
     if next_screw is not None:
         torque = torque + next_screw.drive_torque
@@ -114,10 +99,14 @@ def screw_forces(
     if axial_acceleration is not None:
         axial = axial - _force_of_inertia(stage, axial_acceleration)
 
-    spline = None if friction is None else friction.spline
-    bearing = None if friction is None else friction.thrust_bearing
-    per_torque = None if spline is None else _spline_force_per_torque(spline, sense)
-    per_force = None if bearing is None else _bearing_torque_per_force(bearing, sense)
+    per_torque = slides = per_force = turns = None
+    if friction is not None and friction.spline is not None and driver is not None:
+        sliding = screw_speed * driver.thread.lead / (2 * jnp.pi)
+        per_torque, slides = spline_force(friction.spline, sliding, sense)
+        axial = axial if slides is None else axial + slides
+    if friction is not None and friction.thrust_bearing is not None:
+        per_force, turns = bearing_torque(friction.thrust_bearing, screw_speed, sense)
+        torque = torque if turns is None else torque + turns
     if per_torque is not None and per_force is not None:
         torque, axial = _coupled_frictions(torque, axial, per_force, per_torque)
     elif per_force is not None:
@@ -127,16 +116,24 @@ def screw_forces(
     return ScrewForces(
         drive_torque=torque,
         support_force=axial,
-        spline_friction=None if per_torque is None else per_torque * jnp.abs(torque),
-        bearing_torque=None if per_force is None else per_force * jnp.abs(axial),
+        spline_friction=_friction(per_torque, torque, slides),
+        bearing_torque=_friction(per_force, axial, turns),
         drag_torque=drag,
     )
+
+
+def _friction(per_load: Scalar | None, load: Scalar, constant: Scalar | None) -> Scalar | None:
+    if per_load is None:
+        return constant
+    proportional = per_load * jnp.abs(load)
+    return proportional if constant is None else proportional + constant
 
 
 def chain_forces(
     mechanism: Mechanism,
     kinematics: tuple[StageKinematics, ...],
     motion_of,
+    speed: Scalar,
     sense: Scalar,
     load: Scalar,
     screw_acceleration: Scalar | None = None,
@@ -147,8 +144,10 @@ def chain_forces(
 
     - `mechanism`: the mechanism.
     - `kinematics`: kinematics of each stage.
-    - `motion_of`: function of (stage index, axial force, axial acceleration) to the stage's
-      `Motion`; a steady state needs the force to find the carrier speed.
+    - `motion_of`: function of (stage index, flank, axial force, axial acceleration) to the stage's
+      `Motion`, all seen from the side of the loaded flank; a steady state needs the force to find
+      the carrier speed.
+    - `speed`: screw speed [rad/s].
     - `sense`: sense of turning of the screws, +1 or −1.
     - `load`: load on the last nut [N].
     - `screw_acceleration`: Ω̇ [rad/s²], or `None` at constant speed.
@@ -165,9 +164,23 @@ def chain_forces(
             axial_force = nut_load - axial_inertia(stage) * nut_acceleration
             if index > 0:
                 screw_axial = -screw_acceleration * travel_per_turn(stages, index)
-        motion = motion_of(index, axial_force, nut_acceleration)
-        forces = stage_forces(stage, kinematics[index], motion, axial_force)
-        screw = screw_forces(stage, forces, sense, next_screw, screw_acceleration, screw_axial)
-        states.append(StageState(motion, forces, screw, nut_load))
+        law = None if stage.friction is None else stage.friction.thread
+        per_roller = axial_force / stage.present_roller_count
+        flank = loaded_flank(law, per_roller, speed * kinematics[index].slip_per_screw[2])
+        own_force = flank * axial_force
+        own_acceleration = None if nut_acceleration is None else flank * nut_acceleration
+        motion = motion_of(index, flank, own_force, own_acceleration)
+        forces = stage_forces(stage, kinematics[index], motion, own_force, flank)
+        screw = screw_forces(
+            stage,
+            forces,
+            speed,
+            sense,
+            stages[index - 1] if index > 0 else None,
+            next_screw,
+            screw_acceleration,
+            screw_axial,
+        )
+        states.append(StageState(motion, forces, screw, nut_load, flank))
         next_screw, nut_load = screw, screw.support_force
     return tuple(reversed(states))

@@ -12,6 +12,7 @@ from jaxtyping import Array, Float
 from .._physics import physics
 from ..mechanism import (
     CoulombFriction,
+    LuGreFriction,
     RegularisedCoulombFriction,
     Scalar,
     StribeckFriction,
@@ -69,15 +70,31 @@ def _regularised(law: RegularisedCoulombFriction, slip, direction):
     return law.coefficient * smooth, jnp.zeros_like(slip)
 
 
-@thread_friction.register
-@physics("stribeck_friction")
-def _stribeck(law: StribeckFriction, slip, direction):
+def stribeck_coefficient(
+    law: StribeckFriction | LuGreFriction, slip: Float[Array, " axes"]
+) -> Scalar:
+    """Friction coefficient between a static and a sliding one, `μ + (μ_s − μ) e^{−(v/v_S)²}`."""
     share = jnp.sum(slip**2) / law.stribeck_speed**2
-    coefficient = law.coefficient + (law.static_coefficient - law.coefficient) * jnp.exp(-share)
+    return law.coefficient + (law.static_coefficient - law.coefficient) * jnp.exp(-share)
+
+
+@thread_friction.register(StribeckFriction)
+@physics("stribeck_friction")
+def _stribeck(law, slip, direction):
     constant = jnp.zeros_like(slip)
     if law.viscous_coefficient is not None:
         constant = law.viscous_coefficient * slip
-    return coefficient * direction, constant
+    return stribeck_coefficient(law, slip) * direction, constant
+
+
+@thread_friction.register(LuGreFriction)
+@physics("lugre_friction")
+def _steady_bristles(law, slip, direction):
+    """Bristles that have settled: Stribeck's law. On their way there see `_bristles`."""
+    constant = jnp.zeros_like(slip)
+    if law.viscous_coefficient is not None:
+        constant = law.viscous_coefficient * slip
+    return stribeck_coefficient(law, slip) * direction, constant
 
 
 def normal_force(

@@ -25,12 +25,23 @@ def row_class(hint) -> type[eqx.Module] | None:
 def law_names(classes: tuple[type, ...]) -> dict[str, type]:
     """The value of the key `law` for each class of a union.
 
-    The class's name in lower case without the last word, if all share it: `CoulombFriction` in a
-    union of frictions is `coulomb`.
+    What the class itself says in `law`; else its name in lower case without the last word, if all
+    share it: `CoulombFriction` in a union of frictions is `coulomb`.
     """
     words = {cls: re.findall(r"[A-Z][a-z0-9]*", cls.__name__) for cls in classes}
     same_ending = len({parts[-1] for parts in words.values()}) == 1
-    return {
-        "_".join(parts[:-1] if same_ending and len(parts) > 1 else parts).lower(): cls
-        for cls, parts in words.items()
-    }
+
+    def name(cls: type) -> str:
+        parts = words[cls]
+        by_name = "_".join(parts[:-1] if same_ending and len(parts) > 1 else parts).lower()
+        return getattr(cls, "law", by_name)
+
+    return {name(cls): cls for cls in words}
+
+
+def unnamed_law(laws: dict[str, type]) -> str | None:
+    """The law that a table without the key `law` means; `None` where it has to be named."""
+    for name, cls in laws.items():
+        if getattr(cls, "law_may_be_omitted", False):
+            return name
+    return None

@@ -15,7 +15,7 @@ import equinox as eqx
 from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model
 
 from ..mechanism import DutyCycle, OperatingPoint, Stage
-from ._layout import law_names, module_classes, row_class
+from ._layout import law_names, module_classes, row_class, unnamed_law
 from ._limits import limit_of
 from ._numbers import read_integer, read_number
 from ._optimise_table import OptimiseTable
@@ -38,14 +38,17 @@ def _number_or_choice(field: dataclasses.Field, hint) -> Any:
 def _law_of(laws: dict[str, type]):
     """How to find which member of a union a table means: by its key `law`."""
     choices = ", ".join(f'"{name}"' for name in laws)
+    unnamed = unnamed_law(laws)
 
     def tag(data) -> str:
-        return data["law"]
+        return data.get("law", unnamed)
 
     def check(data):
         if not isinstance(data, dict):
             raise problem("must be a table of keys")
         if "law" not in data:
+            if unnamed is not None:
+                return data
             raise problem(f"is missing; choose one of {choices}", key="law")
         if not isinstance(data["law"], str) or data["law"] not in laws:
             raise problem(f"choose one of {choices}", key="law")
@@ -82,7 +85,8 @@ def table_of(cls: type, law: str | None = None) -> type[Table]:
     hints = typing.get_type_hints(cls)
     fields: dict[str, Any] = {}
     if law is not None:
-        fields["law"] = (Annotated[str, checked(read_text)], ...)
+        required = law != unnamed_law({law: cls})
+        fields["law"] = (Annotated[str, checked(read_text)], ... if required else law)
     for field in dataclasses.fields(cls):
         kind = _kind(field, hints[field.name])
         if field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING:

@@ -89,6 +89,9 @@ _KINDS = {
     "Pa": "a pressure",
     "W": "a power",
     "N s/m": "a viscous friction coefficient",
+    "N m s": "a viscous friction coefficient in rotation",
+    "1/m": "a stiffness per force",
+    "s/m": "a damping per force",
     "kg m^2": "a moment of inertia",
     "kg/m^3": "a density",
 }

@@ -25,16 +25,14 @@ from ._design_problem import (
 )
 from ._fields import Scalar as Scalar, as_scalar as as_scalar
 from ._friction import (
-    ConstantDrag as ConstantDrag,
     CoulombFriction as CoulombFriction,
     Friction as Friction,
+    LuGreFriction as LuGreFriction,
     RegularisedCoulombFriction as RegularisedCoulombFriction,
     RollingHysteresis as RollingHysteresis,
     SpinFriction as SpinFriction,
-    SplineFriction as SplineFriction,
     StribeckFriction as StribeckFriction,
     ThreadFriction as ThreadFriction,
-    ThrustBearingFriction as ThrustBearingFriction,
     ViscousFriction as ViscousFriction,
 )
 from ._line_contact import LineContact as LineContact
@@ -63,6 +61,19 @@ from ._parameters import (
     find_parameters as find_parameters,
     get_parameter as get_parameter,
     set_parameter as set_parameter,
+)
+from ._screw_friction import (
+    Drag as Drag,
+    RegularisedSplineFriction as RegularisedSplineFriction,
+    RegularisedThrustBearingFriction as RegularisedThrustBearingFriction,
+    SplineFriction as SplineFriction,
+    SplineLaw as SplineLaw,
+    StribeckSplineFriction as StribeckSplineFriction,
+    StribeckThrustBearingFriction as StribeckThrustBearingFriction,
+    ThrustBearingFriction as ThrustBearingFriction,
+    ThrustBearingLaw as ThrustBearingLaw,
+    ViscousSplineFriction as ViscousSplineFriction,
+    ViscousThrustBearingFriction as ViscousThrustBearingFriction,
 )
 from ._thread import Thread as Thread
 from ._together import (

@@ -1,10 +1,11 @@
 """The friction of one stage: each law is there only if the scene names it."""
 
-from typing import TypeAlias
+from typing import ClassVar, TypeAlias
 
 import equinox as eqx
 
 from ._fields import Scalar, number, optional_number
+from ._screw_friction import Drag, SplineLaw, ThrustBearingLaw
 
 
 class CoulombFriction(eqx.Module):
@@ -44,8 +45,36 @@ class StribeckFriction(eqx.Module):
     )
 
 
+class LuGreFriction(eqx.Module):
+    """Bristles between the threads that bend before they slip (Canudas de Wit et al. 1995).
+
+    Deflection z and force of one roller, both vectors in the tangent plane of the contact:
+    `ż = v − σ₀ |v| z / g(v)` with `g = μ + (μ_s − μ) e^{−(v/v_S)²}`, and `F (σ₀ z + σ₁ ż) + σ₂ v`.
+    Steady slip is Stribeck's law; at rest the contact is a spring of stiffness F σ₀. It passes
+    through standstill and reversal smoothly, holding the load.
+
+    Stiffness and damping are those per unit of normal force, 1/m and s/m. The contact never gives
+    energy where σ₂ ≥ σ₁ F (μ_s − μ)/μ (Barabanov and Ortega 2000); σ₁ of order 1/√σ₀ damps the
+    bristles, in seconds per metre of the mass that they hold.
+    """
+
+    law: ClassVar[str] = "lugre"
+    static_coefficient: Scalar = number("1", "friction coefficient at the onset of slip, μ_s")
+    coefficient: Scalar = number("1", "friction coefficient of fast slip, μ")
+    stribeck_speed: Scalar = number("m/s", "slip speed of the transition, v_S")
+    bristle_stiffness: Scalar = number("1/m", "stiffness of the bristles per normal force, σ₀")
+    bristle_damping: Scalar = number("s/m", "damping of the bristles per normal force, σ₁")
+    viscous_coefficient: Scalar | None = optional_number(
+        "N·s/m", "viscous friction coefficient of one roller, σ₂"
+    )
+
+
 ThreadFriction: TypeAlias = (
-    CoulombFriction | ViscousFriction | RegularisedCoulombFriction | StribeckFriction
+    CoulombFriction
+    | ViscousFriction
+    | RegularisedCoulombFriction
+    | StribeckFriction
+    | LuGreFriction
 )
 
 
@@ -61,32 +90,12 @@ class RollingHysteresis(eqx.Module):
     loss_factor: Scalar = number("1", "share of the elastic energy lost per cycle, α_h")
 
 
-class SplineFriction(eqx.Module):
-    """Coulomb friction in the spline that turns an axially moving screw (not the first one)."""
-
-    coefficient: Scalar = number("1", "friction coefficient, μ_SS")
-    radius: Scalar = number("m", "effective radius of the spline, r_SS")
-
-
-class ThrustBearingFriction(eqx.Module):
-    """Friction of the thrust bearing that holds the screw, in the previous nut or the housing."""
-
-    coefficient: Scalar = number("1", "friction coefficient, μ_NS")
-    radius: Scalar = number("m", "effective radius of the bearing, r_NS")
-
-
-class ConstantDrag(eqx.Module):
-    """A drag torque on the screw that does not depend on the load (seals, lubricant, bearings)."""
-
-    torque: Scalar = number("N·m", "drag torque")
-
-
 class Friction(eqx.Module):
     """All losses of one stage; `None` is not modelled and leaves no trace."""
 
     thread: ThreadFriction | None = None
     spin: SpinFriction | None = None
     rolling_hysteresis: RollingHysteresis | None = None
-    spline: SplineFriction | None = None
-    thrust_bearing: ThrustBearingFriction | None = None
-    drag: ConstantDrag | None = None
+    spline: SplineLaw | None = None
+    thrust_bearing: ThrustBearingLaw | None = None
+    drag: Drag | None = None

@@ -21,8 +21,8 @@ from scenes import (
 
 import prsm_jax as prsm
 from prsm_jax.mechanism import (
-    ConstantDrag,
     CoulombFriction,
+    Drag,
     Friction,
     SpinFriction,
     SplineFriction,
@@ -123,7 +123,7 @@ def test_thrust_bearing_and_drag_alone():
     bearing = mechanism(stage(friction=Friction(thrust_bearing=ThrustBearingFriction(0.01, 0.02))))
     expected = useful / (useful + 0.01 * 0.02 * 7000)
     assert steady_state(bearing).efficiency == pytest.approx(expected, rel=1e-13)
-    drag = mechanism(stage(friction=Friction(drag=ConstantDrag(0.3))))
+    drag = mechanism(stage(friction=Friction(drag=Drag(0.3))))
     assert steady_state(drag).efficiency == pytest.approx(useful / (useful + 0.3), rel=1e-13)
     # Driven back, drag takes its torque from the screw.
     backward = steady_state(drag, speed=-100.0).efficiency

@@ -13,8 +13,8 @@ from scenes import FIRST_STAGE_LOSSES, array, example, mechanism, stage, thread
 import prsm_jax as prsm
 from prsm_jax.mechanism import (
     Carrier,
-    ConstantDrag,
     CoulombFriction,
+    Drag,
     Friction,
     GivenStiffness,
     Nut,
@@ -61,7 +61,7 @@ LOSSES = {
         "thrust_bearing_friction",
         set(),
     ),
-    "drag": (Friction(drag=ConstantDrag(0.05)), "drag", set()),
+    "drag": (Friction(drag=Drag(0.05)), "drag", set()),
 }
 ALL_LABELS = {label for _, label, _ in LOSSES.values()} | {"hertz", "carrier_balance"}
 #: Always there in a steady state with gears.
