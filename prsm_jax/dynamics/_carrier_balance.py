@@ -12,6 +12,10 @@ from ._kinematics import StageKinematics, free_carrier_ratio
 from ._stage_forces import Motion
 from ._thread_friction import normal_force, slip_direction, thread_friction
 
+#: Share of the friction that may drive a carrier which accelerates. Where the load passes through
+#: zero no friction is left for that: the carriers then coast for an instant, out of balance.
+_LARGEST_SHARE = 0.9
+
 
 def unit_slip(kinematics: StageKinematics, ratio: Scalar) -> Float[Array, "3"]:
     """Slip per radian of screw turn at a carrier ratio [m/rad]."""
@@ -53,7 +57,8 @@ def balanced_carrier_ratio(
     Otherwise `N f·d = N (n − 1)(T_s + T_n) + I ζ Ω̇`. The slip v = v₀ − ζ d changes with the ratio ζ
     only along d. Friction is parallel to it, so with the slip's component s along d and the rest q,
     `s/√(s² + q²)` is the share that the resistance is of `‖f‖ |d|`. `t = s/q` is found by Newton,
-    for any law of friction.
+    for any law of friction. Where next to no load is left to drive what accelerates, the ratio is
+    limited; nothing is lost by that but the balance, and the energy still balances.
 
     **Arguments:**
 
@@ -110,9 +115,16 @@ def _balanced(stage, kinematics, sense, speed, axial_force, inertia_per_ratio, f
             resisting = resisting + inertia_per_ratio * ratio / count
         square = jnp.sum(friction**2)
         rubs = square > 0
-        largest = jnp.sqrt(jnp.where(rubs, square, 1.0)) * length
+        largest = jnp.where(rubs, jnp.sqrt(jnp.where(rubs, square, 1.0)), 0.0) * length
         # The tangent counts the slip at positive speed; friction turns with the sense.
-        return jnp.where(rubs, sense * resisting / largest, 0.0), rubs
+        resisting = sense * resisting
+        if inertia_per_ratio is None:
+            share = jnp.where(rubs, resisting / jnp.where(rubs, largest, 1.0), 0.0)
+            return share, rubs | (resisting == 0)
+        suffices = jnp.abs(resisting) < _LARGEST_SHARE * largest
+        share = resisting / jnp.where(suffices, largest, 1.0)
+        limit = _LARGEST_SHARE * jnp.sign(resisting)
+        return jnp.where(suffices, share, limit), jnp.asarray(True)
 
     def residual(tangent: Scalar) -> Scalar:
         return tangent - jnp.sqrt(1 + tangent**2) * share_at(tangent)[0]

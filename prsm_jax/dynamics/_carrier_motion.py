@@ -46,22 +46,23 @@ def states_at(
     """
     speed, acceleration = scenario.motion_at(time)
 
-    def motion_of(index: int, _, axial_acceleration) -> Motion:
-        geometry, carrier = kinematics[index], carrier_speed[index]
-        slip = slip_velocity(geometry, speed, carrier)
+    def motion_of(index: int, flank: Scalar, _, axial_acceleration) -> Motion:
+        geometry = kinematics[index]
+        own_speed, carrier = flank * speed, flank * carrier_speed[index]
+        slip = slip_velocity(geometry, own_speed, carrier)
         rolling = geometry.relative_spin_ratio * carrier
         return Motion(
-            screw_speed=speed,
+            screw_speed=own_speed,
             carrier_speed=carrier,
             slip=slip,
             direction=slip_direction(slip),
-            screw_sense=_sign(speed + rolling),
+            screw_sense=_sign(own_speed + rolling),
             nut_sense=_sign(rolling),
             axial_acceleration=axial_acceleration,
         )
 
     load = scenario.load_at(time)
-    return chain_forces(mechanism, kinematics, motion_of, _sign(speed), load, acceleration)
+    return chain_forces(mechanism, kinematics, motion_of, speed, _sign(speed), load, acceleration)
 
 
 def carrier_acceleration(problem: Problem, time: Scalar, carrier_speed) -> Float[Array, " stages"]:

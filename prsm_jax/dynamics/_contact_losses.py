@@ -3,9 +3,15 @@
 The relative angular velocity of screw (or nut) and roller is parallel to the axis; its part along
 the common normal spins the ellipse, its part in the tangent plane rolls it. Both moments oppose
 it, so each contact adds one resisting moment about the axis, Σ M |∂ω_i/∂ω_z|.
+
+A Hertz ellipse keeps its shape and grows with F^{1/3}, so every moment is a coefficient times
+F^{4/3}: the ellipses are computed once for a mechanism, not at every instant.
 """
 
+import dataclasses
+
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 
 from .._errors import MissingDataError
@@ -72,27 +78,20 @@ def rolling_moment(
     return 3 / 16 * law.loss_factor * force * jnp.where(loaded, length, 0.0)
 
 
-def resisting_moments(
-    stage: Stage, kinematics: StageKinematics, screw_force: Scalar, nut_force: Scalar
+def resistance_coefficients(
+    stage: Stage, kinematics: StageKinematics
 ) -> tuple[ResistingMoment, ResistingMoment]:
-    """Resisting moments about the axis on the screw and the nut side of one roller.
-
-    **Arguments:**
-
-    - `stage`: the stage; needs materials and engaged threads for the contact ellipses.
-    - `kinematics`: its kinematics.
-    - `screw_force`, `nut_force`: normal force of one roller, all its threads together [N].
+    """Resisting moments of one roller at a normal force of 1 N, on the screw and the nut side.
 
     **Raises:** `MissingDataError` if the contact ellipses cannot be computed.
     """
     friction = stage.friction
     assert friction is not None
+    force = jnp.ones_like(kinematics.slip_per_screw[2])
     frames = contact_frames(stage.thread, kinematics.meshing, stage.curvature)
     sides = (kinematics.meshing.screw, kinematics.meshing.nut)
     moments = []
-    for name, frame, side, force in zip(
-        ("screw", "nut"), frames, sides, (screw_force, nut_force), strict=True
-    ):
+    for name, frame, side in zip(("screw", "nut"), frames, sides, strict=True):
         try:
             threads = engaged_threads(stage)
             hertz = side_contact(stage, name, frame, force / threads, "exact").hertz
@@ -110,3 +109,41 @@ def resisting_moments(
             )
         )
     return moments[0], moments[1]
+
+
+def _at_force(coefficient: ResistingMoment, force: Scalar) -> ResistingMoment:
+    loaded = force > 0
+    growth = jnp.where(loaded, force * jnp.cbrt(jnp.where(loaded, force, 1.0)), 0.0)
+    return jax.tree.map(lambda at_unit_force: at_unit_force * growth, coefficient)
+
+
+def resisting_moments(
+    stage: Stage, kinematics: StageKinematics, screw_force: Scalar, nut_force: Scalar
+) -> tuple[ResistingMoment, ResistingMoment]:
+    """Resisting moments about the axis on the screw and the nut side of one roller.
+
+    **Arguments:**
+
+    - `stage`: the stage; needs materials and engaged threads for the contact ellipses.
+    - `kinematics`: its kinematics.
+    - `screw_force`, `nut_force`: normal force of one roller, all its threads together [N].
+
+    **Raises:** `MissingDataError` if the contact ellipses cannot be computed.
+    """
+    coefficients = kinematics.resistance
+    if coefficients is None:
+        coefficients = resistance_coefficients(stage, kinematics)
+    screw, nut = coefficients
+    return _at_force(screw, screw_force), _at_force(nut, nut_force)
+
+
+def with_resistance(
+    stages: tuple[Stage, ...], kinematics: tuple[StageKinematics, ...]
+) -> tuple[StageKinematics, ...]:
+    """Kinematics that hold the coefficients of the contact losses, where they are modelled."""
+    return tuple(
+        dataclasses.replace(geometry, resistance=resistance_coefficients(stage, geometry))
+        if has_contact_losses(stage.friction) and geometry.resistance is None
+        else geometry
+        for stage, geometry in zip(stages, kinematics, strict=True)
+    )

@@ -21,6 +21,9 @@ class StageKinematics(eqx.Module):
     slip_per_screw: Float[Array, "3"]
     #: ∂/∂ω of the velocity of the roller's contact point, in the transverse plane [m/rad].
     drive: Float[Array, "2"]
+    #: Moments that resist the turning of a roller at a normal force of 1 N, screw and nut side
+    #: (`_contact_losses`); `None` until they are needed.
+    resistance: tuple[eqx.Module, eqx.Module] | None = None
 
     @property
     def relative_spin_ratio(self) -> Scalar:

@@ -56,20 +56,22 @@ def quasi_steady_states(
     ratios: list[Scalar] = []
     valid = jnp.asarray(True)
 
-    def motion_of(index: int, axial_force: Scalar, axial_acceleration) -> Motion:
+    def motion_of(index: int, flank: Scalar, axial_force: Scalar, axial_acceleration) -> Motion:
         nonlocal valid
-        per_ratio = None if acceleration is None else inertia[index] * acceleration
+        per_ratio = None if acceleration is None else inertia[index] * (flank * acceleration)
+        own_sense, own_speed = flank * sense, flank * speed
         ratio, found = balanced_carrier_ratio(
-            mechanism.stages[index], kinematics[index], sense, speed, axial_force, per_ratio
+            mechanism.stages[index], kinematics[index], own_sense, own_speed, axial_force, per_ratio
         )
         valid = valid & found
         ratios.append(ratio)
-        return steady_motion(kinematics[index], ratio, speed, sense, axial_acceleration)
+        return steady_motion(kinematics[index], ratio, own_speed, own_sense, axial_acceleration)
 
     load = scenario.load_at(time)
-    states = chain_forces(mechanism, kinematics, motion_of, sense, load, acceleration)
+    states = chain_forces(mechanism, kinematics, motion_of, speed, sense, load, acceleration)
     for state in states:
-        valid = valid & (state.forces.contact_force > 0)
+        # Past the locking limit the axial balance asks for a pulling contact.
+        valid = valid & (state.forces.contact_force >= 0)
     return states, jnp.stack(ratios[::-1]), valid
 
 

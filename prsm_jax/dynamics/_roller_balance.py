@@ -51,6 +51,9 @@ def roller_support_forces(
       force of the roller remains (and only if its mass is known).
     """
     thread, forces, motion = stage.thread, state.forces, state.motion
+    # All as seen from the side of the loaded flank.
+    if carrier_acceleration is not None:
+        carrier_acceleration = state.flank * carrier_acceleration
     nut_force = forces.nut_contact_force * kinematics.meshing.nut.normal
     on_roller = forces.screw_on_roller + nut_force
     mass_known = stage.roller.mass is not None or stage.roller.length is not None
@@ -90,7 +93,7 @@ def roller_support_forces(
         spin_acceleration = -kinematics.relative_spin_ratio * carrier_acceleration
         moment = moment - mean_roller_inertia(stage) * spin_acceleration
     return RollerSupportForces(
-        ring_gear_tangential=gear_tangential,
+        ring_gear_tangential=state.flank * gear_tangential,
         ring_gear_force=gear_force,
         carrier_force=_norm(pin_radial, pin_tangential),
         moment_residual=moment,

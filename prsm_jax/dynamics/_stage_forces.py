@@ -9,6 +9,7 @@ from jaxtyping import Array, Float
 from .._errors import MissingDataError
 from .._physics import physics
 from ..mechanism import (
+    LuGreFriction,
     Scalar,
     Stage,
     body_inertia,
@@ -16,13 +17,14 @@ from ..mechanism import (
     mean_roller_inertia,
     mean_roller_mass,
 )
+from ._bristles import bristle_friction
 from ._contact_losses import ResistingMoment, has_contact_losses, resisting_moments
 from ._kinematics import StageKinematics
 from ._thread_friction import normal_force, thread_friction
 
 
 class Motion(eqx.Module):
-    """Instantaneous motion of one stage."""
+    """Instantaneous motion of one stage, seen from the side of the loaded flank."""
 
     screw_speed: Scalar
     carrier_speed: Scalar
@@ -35,10 +37,16 @@ class Motion(eqx.Module):
     #: Axial acceleration of nut and rollers z̈ [m/s²]; `None` at constant speed, which leaves the
     #: masses untraced.
     axial_acceleration: Scalar | None = None
+    #: Deflection of the bristles in one contact [m]; `None` where friction has no state.
+    deflection: Float[Array, "3"] | None = None
 
 
 class StageForces(eqx.Module):
-    """Forces on one roller of a stage, and what the rollers together do to screw and carrier."""
+    """Forces on one roller of a stage, and what the rollers together do to screw and carrier.
+
+    Those on one roller are seen from the side of the loaded flank (`_flank`), as in `Motion`; the
+    last three, which couple the stage to others, are not.
+    """
 
     #: Normal force of the screw on one roller, all threads together, F [N].
     contact_force: Scalar
@@ -71,7 +79,11 @@ def axial_inertia(stage: Stage) -> Scalar:
 
 
 def stage_forces(
-    stage: Stage, kinematics: StageKinematics, motion: Motion, axial_force: Scalar
+    stage: Stage,
+    kinematics: StageKinematics,
+    motion: Motion,
+    axial_force: Scalar,
+    flank: Scalar,
 ) -> StageForces:
     """All forces of the rollers of one stage.
 
@@ -81,13 +93,17 @@ def stage_forces(
     **Arguments:**
 
     - `stage`, `kinematics`: the stage and its meshing.
-    - `motion`: speeds and slip.
-    - `axial_force`: F_n − m z̈, what the rollers together carry axially [N].
+    - `motion`: speeds and slip, seen from the side of the loaded flank.
+    - `axial_force`: F_n − m z̈, what the rollers together carry axially, seen from there [N].
+    - `flank`: +1 or −1, to turn back what the stage does to others.
     """
     count = stage.present_roller_count
     law = None if stage.friction is None else stage.friction.thread
     screw_side, nut_side = kinematics.meshing.screw, kinematics.meshing.nut
-    per_force, constant = thread_friction(law, motion.slip, motion.direction)
+    if isinstance(law, LuGreFriction) and motion.deflection is not None:
+        per_force, constant = bristle_friction(law, motion.slip, motion.deflection)
+    else:
+        per_force, constant = thread_friction(law, motion.slip, motion.direction)
     force = normal_force(screw_side.normal, per_force, constant, axial_force / count)
     friction = force * per_force + constant
     on_roller = force * screw_side.normal + friction
@@ -114,9 +130,9 @@ def stage_forces(
         nut_contact_force=nut_force,
         screw_moment=screw_moment,
         nut_moment=nut_moment,
-        axial_on_screw=-count * on_roller[2],
-        torque_on_screw=torque,
-        carrier_drive=drive,
+        axial_on_screw=-flank * count * on_roller[2],
+        torque_on_screw=flank * torque,
+        carrier_drive=flank * drive,
     )
 
 

@@ -1,6 +1,7 @@
 """Steady state: algebra, no integration."""
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
@@ -9,6 +10,7 @@ from .._physics import physics
 from ..mechanism import Mechanism, Scalar
 from ._carrier_balance import balanced_carrier_ratio, steady_motion
 from ._chain import StageState, chain_forces
+from ._contact_losses import with_resistance
 from ._kinematics import StageKinematics, stage_kinematics, travel_per_turn
 from ._power import losses
 from ._roller_balance import roller_support_forces
@@ -61,15 +63,16 @@ def _steady_states(
     ratios: list[Scalar] = []
     valid = jnp.stack([k.meshing.converged for k in kinematics]).all()
 
-    def motion_of(index: int, axial_force: Scalar, _) -> Motion:
+    def motion_of(index: int, flank: Scalar, axial_force: Scalar, _) -> Motion:
         nonlocal valid
         stage, geometry = mechanism.stages[index], kinematics[index]
-        ratio, found = balanced_carrier_ratio(stage, geometry, sense, speed, axial_force)
+        own_speed, own_sense = flank * speed, flank * sense
+        ratio, found = balanced_carrier_ratio(stage, geometry, own_sense, own_speed, axial_force)
         valid = valid & found
         ratios.append(ratio)
-        return steady_motion(geometry, ratio, speed, sense)
+        return steady_motion(geometry, ratio, own_speed, own_sense)
 
-    states = chain_forces(mechanism, kinematics, motion_of, sense, load)
+    states = chain_forces(mechanism, kinematics, motion_of, speed, sense, load)
     for state in states:
         # Past the locking limit the axial balance asks for a pulling contact.
         valid = valid & (state.forces.contact_force > 0)
@@ -111,8 +114,7 @@ def steady_state(
     stage from the load, and the efficiency is `F_n Σ L / (2π M)`, or its inverse when the load
     drives. The slip direction is that of the motion about to begin if the speed is 0.
 
-    A negative load lies on the other flanks; the same mechanism seen from its other end carries
-    it at the opposite speed, which is how it is computed.
+    A negative load lies on the other flanks.
 
     **Arguments:**
 
@@ -127,16 +129,18 @@ def steady_state(
     speed, load = _operating_point(mechanism, speed, load)
     if kinematics is None:
         kinematics = all_kinematics(mechanism)
-    flank = jnp.where(load < 0, -1.0, 1.0).astype(load.dtype)
-    load = flank * load + jnp.where(load == 0, _NO_LOAD, 0.0).astype(load.dtype)
-    speed = flank * speed
-    sense = jnp.where(speed < 0, -1.0, 1.0).astype(load.dtype)
+    kinematics = with_resistance(mechanism.stages, kinematics)
+    load = load + jnp.where(load == 0, _NO_LOAD, 0.0).astype(load.dtype)
+    # At standstill of the motion about to begin: with the screw driving.
+    onset = jnp.where(load < 0, -1.0, 1.0).astype(load.dtype)
+    sense = jnp.where(speed == 0, onset, jnp.sign(speed))
+    sense = jax.lax.stop_gradient(sense)
 
     states, ratios, valid = _steady_states(mechanism, kinematics, speed, sense, load)
     torque = states[0].screw.drive_torque
     travel = travel_per_turn(mechanism.stages, len(mechanism.stages))
     lost = losses(mechanism, kinematics, states, speed)
-    forward = sense > 0
+    forward = sense * load > 0
     useful, driving = (
         jnp.where(forward, load * travel, torque),
         jnp.where(forward, torque, load * travel),
@@ -152,7 +156,7 @@ def steady_state(
     return SteadyState(
         efficiency=useful / driving,
         carrier_ratio=jnp.stack(ratios),
-        drive_torque=flank * torque,
+        drive_torque=torque,
         contact_force=jnp.stack([s.forces.contact_force for s in states]),
         screw_roller_axial_force=jnp.stack(
             [
@@ -160,7 +164,7 @@ def steady_state(
                 for s, k in zip(states, kinematics, strict=True)
             ]
         ),
-        nut_load=flank * jnp.stack([s.nut_load for s in states]),
+        nut_load=jnp.stack([s.nut_load for s in states]),
         slip_speed=jnp.stack([_length(s.motion.slip) for s in states]),
         ring_gear_force=jnp.stack([s.ring_gear_force for s in supports]),
         carrier_force=jnp.stack([s.carrier_force for s in supports]),

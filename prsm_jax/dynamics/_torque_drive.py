@@ -91,23 +91,27 @@ def drive_states(
     ratios: list[Scalar] = []
     valid = jnp.asarray(True)
 
-    def motion_of(index: int, axial_force: Scalar, axial_acceleration) -> Motion:
+    def motion_of(index: int, flank: Scalar, axial_force: Scalar, axial_acceleration) -> Motion:
         nonlocal valid
+        own_speed, own_sense = flank * motion.speed, flank * sense
         ratio, found = balanced_carrier_ratio(
             mechanism.stages[index],
             kinematics[index],
-            sense,
-            motion.speed,
+            own_sense,
+            own_speed,
             axial_force,
-            problem.inertia[index] * motion.acceleration,
+            problem.inertia[index] * (flank * motion.acceleration),
         )
         valid = valid & found
         ratios.append(ratio)
-        return steady_motion(kinematics[index], ratio, motion.speed, sense, axial_acceleration)
+        return steady_motion(kinematics[index], ratio, own_speed, own_sense, axial_acceleration)
 
-    states = chain_forces(mechanism, kinematics, motion_of, sense, load, motion.acceleration)
+    states = chain_forces(
+        mechanism, kinematics, motion_of, motion.speed, sense, load, motion.acceleration
+    )
     for state in states:
-        valid = valid & (state.forces.contact_force > 0)
+        # Past the locking limit the axial balance asks for a pulling contact.
+        valid = valid & (state.forces.contact_force >= 0)
     return states, jnp.stack(ratios[::-1]), valid, load
 
 

@@ -6,6 +6,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..mechanism import Mechanism
+from ._contact_losses import with_resistance
 from ._kinematics import travel_per_turn
 from ._stage_forces import carrier_inertia
 from ._steady import all_kinematics
@@ -27,7 +28,7 @@ from ._transient_result import CarrierHistory, SolverReport, Transient, historie
 
 def torque_problem(mechanism: Mechanism, scenario: TorqueScenario) -> TorqueProblem:
     """Collect what the equation of motion needs."""
-    kinematics = all_kinematics(mechanism)
+    kinematics = with_resistance(mechanism.stages, all_kinematics(mechanism))
     inertia = jnp.stack([carrier_inertia(stage) for stage in mechanism.stages])
     zero = jnp.zeros((), inertia.dtype)
     problem = TorqueProblem(mechanism, kinematics, scenario, inertia, jnp.ones_like(zero))

@@ -9,6 +9,7 @@ from jaxtyping import Array, Float
 from .._errors import PrsmError
 from ..mechanism import Mechanism
 from ._carrier_motion import Problem, carrier_acceleration, scaled_rate, scales, states_at
+from ._contact_losses import with_resistance
 from ._quasi_steady import quasi_steady_history
 from ._scenario import Scenario, default_scenario
 from ._solvers import (
@@ -77,7 +78,7 @@ def simulate(
         return _checked(found, throw)
     if scenario is None:
         scenario = default_scenario(mechanism)
-    kinematics = all_kinematics(mechanism)
+    kinematics = with_resistance(mechanism.stages, all_kinematics(mechanism))
     inertia = jnp.stack([carrier_inertia(stage) for stage in mechanism.stages])
     speed_scale, time_scale = scales(mechanism, kinematics, scenario, inertia)
     problem = Problem(mechanism, kinematics, scenario, inertia, speed_scale, time_scale)

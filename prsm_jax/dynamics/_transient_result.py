@@ -7,8 +7,9 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..mechanism import Mechanism, Scalar, body_inertia, body_mass
 from ._chain import StageState
+from ._flank import turned
 from ._kinematics import StageKinematics, travel_per_turn
-from ._power import losses
+from ._power import losses, stored_power
 from ._roller_balance import roller_support_forces
 from ._scenario import Scenario
 from ._stage_forces import axial_inertia, carrier_inertia
@@ -99,7 +100,7 @@ class Transient(eqx.Module):
     stage_torque: Float[Array, "stages times"]
     #: Power of each modelled loss [W].
     losses: dict[str, Float[Array, " times"]]
-    #: |drive − load − losses − kinetic energy rate| over the largest of these powers.
+    #: |drive − load − losses − rates of kinetic and bristle energy| over the largest power.
     power_balance_residual: Float[Array, " times"]
     #: Moment balance of the rollers about their axes, relative: Newton against Lagrange.
     newton_residual: Float[Array, "stages times"]
@@ -113,6 +114,8 @@ class Transient(eqx.Module):
     solver: SolverReport
     #: Ω̇ [rad/s²]; `None` for a constant speed.
     screw_acceleration: Float[Array, " times"] | None = None
+    #: Rate at which bristles between the threads store energy [W]; `None` without such a law.
+    bristle_power: Float[Array, " times"] | None = None
     #: Travel of the last nut from where it started [m], and whether the mechanism sticks; only
     #: where the torque is prescribed.
     position: Float[Array, " times"] | None = None
@@ -164,6 +167,9 @@ def histories(
         drive_power, load_power = torque * speed, load * travel * speed
         gross = jnp.max(jnp.abs(jnp.stack([drive_power, load_power, kinetic])))
         imbalance = drive_power - load_power - sum(lost.values()) - kinetic
+        stored = stored_power(mechanism, instant)
+        if stored is not None:
+            imbalance = imbalance - stored
         driving = speed * load >= 0
         useful = jnp.where(driving, load * travel, torque)
         spent = jnp.where(driving, torque, load * travel)
@@ -200,7 +206,8 @@ def histories(
                     for support, state, geometry in zip(supports, instant, kinematics, strict=True)
                 ]
             ),
-            "slip_direction": jnp.stack([s.motion.direction for s in instant]),
+            "slip_direction": jnp.stack([turned(s.motion.direction, s.flank) for s in instant]),
+            "bristle_power": stored,
         }
 
     rows = jax.vmap(at)(history)
