@@ -2,9 +2,26 @@
 
 import jax.numpy as jnp
 
-from ..mechanism import Mechanism, Scalar
+from ..mechanism import Mechanism, Scalar, Stage
+from ._bristles import bristle_power
 from ._chain import StageState
 from ._kinematics import StageKinematics
+
+
+def stage_bristle_power(stage: Stage, state: StageState) -> Scalar:
+    """Rate at which the bristles of a stage store energy [W]."""
+    motion = state.motion
+    return bristle_power(stage, motion.slip, motion.deflection, state.forces.contact_force)
+
+
+def stored_power(mechanism: Mechanism, states: tuple[StageState, ...]) -> Scalar | None:
+    """Rate at which all bristles store energy [W]; `None` without any."""
+    powers = [
+        stage_bristle_power(stage, state)
+        for stage, state in zip(mechanism.stages, states, strict=True)
+        if state.motion.deflection is not None
+    ]
+    return sum(powers[1:], powers[0]) if powers else None
 
 
 def losses(
@@ -36,7 +53,11 @@ def losses(
         if friction is None:
             continue
         if friction.thread is not None:
-            add("thread_sliding", count * forces.friction @ motion.slip)
+            sliding = count * forces.friction @ motion.slip
+            if motion.deflection is not None:
+                # What bends the bristles is not lost yet.
+                sliding = sliding - stage_bristle_power(stage, state)
+            add("thread_sliding", sliding)
         rolling = geometry.relative_spin_ratio * motion.carrier_speed
         for moment, rate in (
             (forces.screw_moment, motion.screw_sense * (motion.screw_speed + rolling)),

@@ -8,6 +8,8 @@ from jaxtyping import Array, Float
 
 from .._errors import PrsmError
 from ..mechanism import Mechanism
+from ._bristle_transient import bristle_history
+from ._bristles import has_bristles
 from ._carrier_motion import Problem, carrier_acceleration, scaled_rate, scales, states_at
 from ._contact_losses import with_resistance
 from ._quasi_steady import quasi_steady_history
@@ -21,6 +23,7 @@ from ._solvers import (
     is_concrete,
     solver_of,
 )
+from ._smooth_torque import has_smooth_threads, smooth_torque_history
 from ._stage_forces import carrier_inertia
 from ._steady import all_kinematics
 from ._torque_drive import TorqueScenario
@@ -43,7 +46,12 @@ def simulate(
 
     Under a prescribed torque (`TorqueScenario`) the carriers follow the screw, whose speed is the
     state; it sticks and slips with exact Coulomb friction, events located, and `method` and
-    `gradient` do not matter. The rest is about a prescribed speed.
+    `gradient` do not matter. With LuGre or regularised Coulomb friction in the threads it passes
+    through standstill smoothly instead, carriers and bristles being states as well. The rest is
+    about a prescribed speed.
+
+    Threads with LuGre friction add the deflections of their bristles to the states: fast and
+    stiff, so choose a method for stiff scenes.
 
     States are the carrier speeds, `[2 J_P + N J_R (n − 1)² + N m_R a²] ω̇ = N f·d − resisting
     moments` (Li et al. 2021, in Lagrange's form); all forces follow algebraically at the sample
@@ -74,7 +82,12 @@ def simulate(
     unknown method or gradient; `PrsmError` if the solver fails and `throw` is set.
     """
     if isinstance(scenario, TorqueScenario):
-        found = torque_history(mechanism, scenario, rtol, atol, max_steps)
+        if has_smooth_threads(mechanism):
+            found = smooth_torque_history(
+                mechanism, scenario, method, gradient, rtol, atol, max_steps
+            )
+        else:
+            found = torque_history(mechanism, scenario, rtol, atol, max_steps)
         return _checked(found, throw)
     if scenario is None:
         scenario = default_scenario(mechanism)
@@ -83,7 +96,9 @@ def simulate(
     speed_scale, time_scale = scales(mechanism, kinematics, scenario, inertia)
     problem = Problem(mechanism, kinematics, scenario, inertia, speed_scale, time_scale)
     times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=inertia.dtype) * scenario.duration
-    if method == "quasi_steady":
+    if has_bristles(mechanism) and method != "quasi_steady":
+        history, report = bristle_history(problem, times, method, gradient, rtol, atol, max_steps)
+    elif method == "quasi_steady":
         history, report = quasi_steady_history(problem, times)
     else:
         history, report = _integrated(problem, times, method, gradient, rtol, atol, max_steps)

@@ -53,9 +53,10 @@ class LuGreFriction(eqx.Module):
     Steady slip is Stribeck's law; at rest the contact is a spring of stiffness F σ₀. It passes
     through standstill and reversal smoothly, holding the load.
 
-    Stiffness and damping are those per unit of normal force, 1/m and s/m. The contact never gives
-    energy where σ₂ ≥ σ₁ F (μ_s − μ)/μ (Barabanov and Ortega 2000); σ₁ of order 1/√σ₀ damps the
-    bristles, in seconds per metre of the mass that they hold.
+    Stiffness and damping are those per unit of normal force. `σ₁ = 2 √(σ₀ m / F)` is critical
+    damping for a mass m that a force F holds. Constant damping pulls hard where slip begins at
+    once, and the contact may then give energy unless σ₂ ≥ σ₁ F (μ_s − μ)/μ (Barabanov and Ortega
+    2000); with a damping speed v_d it fades with slip, `σ₁ e^{−(v/v_d)²}`.
     """
 
     law: ClassVar[str] = "lugre"
@@ -64,6 +65,9 @@ class LuGreFriction(eqx.Module):
     stribeck_speed: Scalar = number("m/s", "slip speed of the transition, v_S")
     bristle_stiffness: Scalar = number("1/m", "stiffness of the bristles per normal force, σ₀")
     bristle_damping: Scalar = number("s/m", "damping of the bristles per normal force, σ₁")
+    damping_speed: Scalar | None = optional_number(
+        "m/s", "slip speed over which the bristles' damping fades, v_d; constant if not given"
+    )
     viscous_coefficient: Scalar | None = optional_number(
         "N·s/m", "viscous friction coefficient of one roller, σ₂"
     )

@@ -1,0 +1,160 @@
+"""Transients of threads with bristles: their deflections are states beside the speeds.
+
+The bristles pass smoothly through standstill and reversal. They are stiff, so a solver for stiff
+scenes should be used; where the load changes the flank they keep their deflection, which the slip
+of a few micrometres then turns round.
+"""
+
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._physics import physics
+from ..mechanism import Mechanism, Scalar
+from ._bristles import breakaway_deflection, bristle_rate, bristles_of, in_tangent_plane
+from ._carrier_motion import Problem
+from ._chain import StageState, chain_forces
+from ._kinematics import StageKinematics, slip_velocity
+from ._solvers import NAMES, adjoint_of, code_of, solver_of
+from ._stage_forces import Motion
+from ._thread_friction import slip_direction
+from ._transient_result import CarrierHistory, SolverReport, prescribed
+
+
+class BristleState(eqx.Module):
+    """Speeds of the carriers, and transverse deflections of the bristles of the stages with any."""
+
+    carrier_speed: Float[Array, " stages"]
+    deflection: tuple[Float[Array, "2"], ...]
+
+
+def _sign(value: Scalar) -> Scalar:
+    return jnp.sign(jax.lax.stop_gradient(value))
+
+
+@physics("bristle_dynamics")
+def states_with_bristles(
+    mechanism: Mechanism,
+    kinematics: tuple[StageKinematics, ...],
+    state: BristleState,
+    speed: Scalar,
+    load: Scalar,
+    acceleration: Scalar | None,
+) -> tuple[tuple[StageState, ...], tuple[Float[Array, "2"], ...]]:
+    """Motion and forces of all stages at one instant, and how fast the bristles bend [m/s].
+
+    **Arguments:**
+
+    - `mechanism`, `kinematics`: what moves.
+    - `state`: speeds of the carriers and deflections.
+    - `speed`, `acceleration`: of the screw [rad/s, rad/s²]; no acceleration at constant speed.
+    - `load`: on the last nut [N].
+    """
+    laws = [bristles_of(stage) for stage in mechanism.stages]
+    with_bristles = [index for index, law in enumerate(laws) if law is not None]
+    deflections = dict(zip(with_bristles, state.deflection, strict=True))
+    rates: dict[int, Float[Array, "2"]] = {}
+
+    def motion_of(index: int, flank: Scalar, _, axial_acceleration) -> Motion:
+        geometry, law = kinematics[index], laws[index]
+        own_speed, carrier = flank * speed, flank * state.carrier_speed[index]
+        slip = slip_velocity(geometry, own_speed, carrier)
+        rolling = geometry.relative_spin_ratio * carrier
+        deflection = None
+        if law is not None:
+            deflection = in_tangent_plane(geometry, deflections[index])
+            rates[index] = bristle_rate(law, slip, deflection)[:2]
+        return Motion(
+            screw_speed=own_speed,
+            carrier_speed=carrier,
+            slip=slip,
+            direction=slip_direction(slip),
+            screw_sense=_sign(own_speed + rolling),
+            nut_sense=_sign(rolling),
+            axial_acceleration=axial_acceleration,
+            deflection=deflection,
+        )
+
+    states = chain_forces(mechanism, kinematics, motion_of, speed, _sign(speed), load, acceleration)
+    return states, tuple(rates[index] for index in with_bristles)
+
+
+def deflection_scales(mechanism: Mechanism) -> tuple[Scalar, ...]:
+    """Deflections of the size that bristles reach, to scale states [m]."""
+    laws = [bristles_of(stage) for stage in mechanism.stages]
+    sizes = [breakaway_deflection(law) for law in laws if law is not None]
+    return tuple(jax.lax.stop_gradient(jnp.where(size > 0, size, 1.0)) for size in sizes)
+
+
+def bristle_history(
+    problem: Problem,
+    times: Float[Array, " times"],
+    method: str,
+    gradient: Any,
+    rtol: float,
+    atol: float,
+    max_steps: int,
+) -> tuple[CarrierHistory, SolverReport]:
+    """Integrate carriers and bristles at a prescribed speed, from bristles that are not bent.
+
+    **Arguments:** as those of `simulate`; `"auto"` is RODASP.
+    """
+    import diffrax
+
+    if method == "auto":
+        method = "rosenbrock"
+    scenario, mechanism, kinematics = problem.scenario, problem.mechanism, problem.kinematics
+    sizes = deflection_scales(mechanism)
+
+    def physical(scaled: BristleState) -> BristleState:
+        bent = tuple(z * size for z, size in zip(scaled.deflection, sizes, strict=True))
+        return BristleState(scaled.carrier_speed * problem.speed_scale, bent)
+
+    def instant(time: Scalar, state: BristleState):
+        speed, acceleration = scenario.motion_at(time)
+        states, rates = states_with_bristles(
+            mechanism, kinematics, state, speed, scenario.load_at(time), acceleration
+        )
+        drives = jnp.stack([one.forces.carrier_drive for one in states])
+        return states, BristleState(drives / problem.inertia, rates)
+
+    def rate(scaled_time, scaled, _):
+        _, found = instant(scaled_time * problem.time_scale, physical(scaled))
+        bent = tuple(
+            z * (problem.time_scale / size) for z, size in zip(found.deflection, sizes, strict=True)
+        )
+        return BristleState(found.carrier_speed * (problem.time_scale / problem.speed_scale), bent)
+
+    first = scenario.initial_carrier_ratio * scenario.speed_at(times[0]) / problem.speed_scale
+    start = BristleState(
+        first * jnp.ones_like(problem.inertia), tuple(jnp.zeros(2, times.dtype) for _ in sizes)
+    )
+    end = scenario.duration / problem.time_scale
+    solution = diffrax.diffeqsolve(
+        diffrax.ODETerm(rate),
+        solver_of(method, rtol, atol, not (callable(scenario.speed) or callable(scenario.load))),  # pyright: ignore[reportArgumentType]
+        t0=jnp.zeros_like(end),
+        t1=end,
+        dt0=None,
+        y0=start,
+        saveat=diffrax.SaveAt(ts=jnp.linspace(0.0, 1.0, scenario.samples, dtype=end.dtype) * end),
+        stepsize_controller=diffrax.PIDController(rtol=rtol, atol=atol),
+        adjoint=adjoint_of(gradient),
+        max_steps=max_steps,
+        throw=False,
+    )
+    found: Any = solution.ys
+    sampled = jax.vmap(physical)(found)
+    states, rates = jax.vmap(instant)(times, sampled)
+    report = SolverReport(
+        steps=solution.stats["num_accepted_steps"],
+        rejected=solution.stats["num_rejected_steps"],
+        code=code_of(solution.result),
+        name=NAMES[method],
+    )
+    motion = prescribed(scenario, times)
+    history = CarrierHistory(*motion, sampled.carrier_speed, states, rates.carrier_speed)
+    return history, report
