@@ -11,6 +11,7 @@ from typing import Any
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float
 
 from .._physics import physics
@@ -144,7 +145,8 @@ def _scales(problem: TorqueProblem, times: Float[Array, " times"]) -> _State:
     for size in bent:
         angle = jnp.minimum(angle, size)
     speed = jnp.sqrt(torque * angle / inertia)
-    found = _State(angle, speed, BristleState(speed * jnp.ones_like(problem.inertia), sizes))
+    both = tuple(size * jnp.ones(2, size.dtype) for size in sizes)
+    found = _State(angle, speed, BristleState(speed * jnp.ones_like(problem.inertia), both))
     return jax.lax.stop_gradient(found)
 
 
@@ -173,12 +175,15 @@ def smooth_torque_history(
     times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=dtype) * scenario.duration
     end, scales = scenario.duration, _scales(problem, times)
 
+    # One vector: without bristles there is a part of no length.
+    sizes, unflatten = ravel_pytree(scales)
+
     def physical(scaled):
-        return jax.tree.map(lambda value, scale: value * scale, scaled, scales)
+        return unflatten(scaled * sizes)
 
     def rate(share, scaled, _):
         _, rates, _, _ = _motion(problem, share * end, physical(scaled))
-        return jax.tree.map(lambda value, scale: value * (end / scale), rates, scales)
+        return ravel_pytree(rates)[0] * (end / sizes)
 
     turning = scenario.initial_speed.astype(dtype) / scales.speed
     ratios = jnp.stack([free_carrier_ratio(geometry) for geometry in problem.kinematics])
@@ -194,7 +199,7 @@ def smooth_torque_history(
         t0=jnp.zeros_like(end),
         t1=jnp.ones_like(end),
         dt0=None,
-        y0=start,
+        y0=ravel_pytree(start)[0],
         saveat=diffrax.SaveAt(ts=jnp.linspace(0.0, 1.0, scenario.samples, dtype=dtype)),
         stepsize_controller=diffrax.PIDController(rtol=rtol, atol=atol),
         adjoint=adjoint_of(gradient),

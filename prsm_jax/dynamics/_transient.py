@@ -14,6 +14,7 @@ from ._carrier_motion import Problem, carrier_acceleration, scaled_rate, scales,
 from ._contact_losses import with_resistance
 from ._quasi_steady import quasi_steady_history
 from ._scenario import Scenario, default_scenario
+from ._smooth_torque import has_smooth_threads, smooth_torque_history
 from ._solvers import (
     NAMES,
     Gradient,
@@ -23,7 +24,6 @@ from ._solvers import (
     is_concrete,
     solver_of,
 )
-from ._smooth_torque import has_smooth_threads, smooth_torque_history
 from ._stage_forces import carrier_inertia
 from ._steady import all_kinematics
 from ._torque_drive import TorqueScenario
