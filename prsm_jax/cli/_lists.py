@@ -1,12 +1,13 @@
 """Verbs that list: quantities, example, validate."""
 
-from typing import Annotated
+from pathlib import Path
+from typing import Annotated, Any
 
 from cyclopts import Parameter
 
 from ..quantities import catalogue
 from ._app import app
-from ._common import Output, emit, table
+from ._common import Output, emit, table, write_text
 
 _DEFAULT = Output()
 
@@ -46,9 +47,31 @@ def validate(
     *,
     output: Output = _DEFAULT,
 ) -> int:
-    """Published numbers beside the computed ones, with verdicts."""
-    from ..validation import table as validation_table, validate as run
+    """Published numbers beside the computed ones, with verdicts; figures anew with --out."""
+    from ..validation import markdown, table as validation_table, validate as run
 
     rows = run(source) if source is not None else run()
-    emit(output, {"rows": [row.to_dict() for row in rows]}, lambda: validation_table(rows))
+    results: dict[str, Any] = {"rows": [row.to_dict() for row in rows]}
+    if output.out is not None:
+        results["pictures"] = _published_pictures(output.out, source)
+        write_text(output.out / f"{source or 'all'}.md", markdown(rows) + "\n")
+
+    def text() -> str:
+        lines = validation_table(rows)
+        if output.out is not None:
+            lines += f"\n\n{len(results['pictures'])} pictures and the table in {output.out}"
+        return lines
+
+    emit(output, results, text)
     return 0
+
+
+def _published_pictures(folder: Path, source: str | None) -> list[Path]:
+    """The figures of the papers, drawn anew."""
+    from ..report import published_figure, save_figure
+    from ..validation import published_figures
+
+    # Everything that can fail comes before the folder.
+    drawn = {figure.file_name: published_figure(figure) for figure in published_figures(source)}
+    folder.mkdir(parents=True, exist_ok=True)
+    return [path for name, figure in drawn.items() for path in save_figure(figure, folder / name)]

@@ -19,6 +19,7 @@ from ._optimisation import (
     summarise_optimisation as summarise_optimisation,
 )
 from ._optimisation_chart import optimisation_chart as optimisation_chart
+from ._published_figure import published_figure as published_figure
 from ._response_chart import response_chart as response_chart
 from ._sensitivity_bars import sensitivity_bars as sensitivity_bars
 from ._style import save_figure as save_figure

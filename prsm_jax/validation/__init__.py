@@ -3,6 +3,13 @@
 A paper is one module that registers functions of rows under the paper's name.
 """
 
+from ._figures import (
+    Curve as Curve,
+    Mark as Mark,
+    Panel as Panel,
+    PublishedFigure as PublishedFigure,
+    published_figures as published_figures,
+)
 from ._registry import rows_of as rows_of, sources as sources, validate as validate
 from ._row import (
     VERDICTS as VERDICTS,
@@ -26,7 +33,10 @@ from . import (  # isort: skip
     _wu2022_trends as _wu2022_trends,
     _lin_parker1999 as _lin_parker1999,
     _li2020 as _li2020,
+    _li2020_details as _li2020_details,
     _li2021 as _li2021,
+    _li2021_details as _li2021_details,
+    _li_figures as _li_figures,
     _lisowski2014 as _lisowski2014,
     _shape_function as _shape_function,
     _closed_forms as _closed_forms,

@@ -12,7 +12,15 @@ import equinox as eqx
 import jax
 import numpy as np
 
-from ..dynamics import Scenario, SteadyState, Transient, simulate, steady_state
+from ..dynamics import (
+    Scenario,
+    StageKinematics,
+    SteadyState,
+    Transient,
+    all_kinematics,
+    simulate,
+    steady_state,
+)
 from ..file import load
 from ..mechanism import Mechanism, ThrustBearingFriction, as_scalar, set_parameter
 
@@ -91,6 +99,45 @@ def steady_example(name: str) -> SteadyState:
     point = mechanism.operating_point
     assert point is not None
     return _numpy(_steady(mechanism, point.speed, point.load))
+
+
+@functools.cache
+def transient_example(name: str) -> Transient:
+    """Transient of a shipped example at its own operating point, from rollers at rest."""
+    run = _numpy(_simulate(example(name)))
+    if int(run.solver.code) != 0:
+        raise RuntimeError(f"the transient of {name} did not finish: {run.solver.result}")
+    return run
+
+
+def scene(name: str) -> tuple[Mechanism, Transient]:
+    """A mechanism of these papers, and its transient from rollers at rest."""
+    if len(example(name).stages) > 1:
+        return two_stages(name), transient(name)
+    return example(name), transient_example(name)
+
+
+_kinematics = eqx.filter_jit(all_kinematics)
+
+
+@functools.cache
+def kinematics(name: str) -> tuple[StageKinematics, ...]:
+    """Kinematics of every stage of a shipped example."""
+    return _kinematics(scene(name)[0])
+
+
+def knees(time: np.ndarray, curve: np.ndarray) -> list[float]:
+    """Where a rising curve bends over: its sharpest turns to the right, in order [s].
+
+    **Arguments:**
+
+    - `time`: equally spaced [s].
+    - `curve`: of the same length; bends below 5 % of the sharpest are not counted.
+    """
+    bend = np.gradient(np.gradient(curve, time), time)
+    inner = bend[1:-1]
+    lowest = (inner < bend[:-2]) & (inner <= bend[2:]) & (inner < 0.05 * bend.min())
+    return [float(t) for t in np.asarray(time)[1:-1][lowest]]
 
 
 def settling_time(run: Transient, stage: int, within: float) -> float:

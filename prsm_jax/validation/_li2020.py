@@ -4,8 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..dynamics import ideal_carrier_ratio
-from ._examples import example, settling_time, steady, steady_example, transient, two_stages
+from ._examples import settling_time, steady, transient, two_stages
 from ._registry import rows_of
 from ._row import Row, differs, number, trend
 
@@ -172,29 +171,3 @@ def friction_coefficients() -> Iterator[Row]:
             exact,
             because="the second form replaces the radius of the spline by those of the screws",
         )
-
-
-@rows_of("li2020")
-def viscous_friction() -> Iterator[Row]:
-    """Section 3.1, figure 8: Newton's law against the Lagrange model of Jones et al. 2016."""
-    run = transient(_NAME)
-    yield trend(
-        "section 3.1: Newton's and Lagrange's forms give the same carrier speed",
-        "the same",
-        f"residual {float(np.max(run.newton_residual)):.1e}",
-        float(np.max(run.newton_residual)) < 1e-12,
-        "moment balance of the rollers (Newton) along Lagrange's solution, relative, in the "
-        "two-stage transient",
-    )
-    name = "li2020_single_stage_viscous"
-    ratio = float(steady_example(name).carrier_ratio[0])
-    ideal = float(ideal_carrier_ratio(example(name).stages[0].thread))
-    coulomb = float(steady(_NAME).carrier_ratio[0])
-    yield trend(
-        "figure 8: the carrier settles slightly below the ratio of rolling without slip",
-        "slightly below",
-        f"{ratio:.6f} < {ideal:.6f}",
-        0.99 * ideal < ratio < ideal,
-        "no number is printed; viscous and Coulomb friction end at the same ratio, within "
-        f"{abs(ratio / coulomb - 1):.0e}, because geometry alone decides it",
-    )

@@ -1,0 +1,94 @@
+"""Published figures as data: the toolkit's curves on the paper's axes, with the printed values."""
+
+import dataclasses
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from .._errors import UnknownNameError, closest
+from ._registry import sources
+
+
+@dataclasses.dataclass(frozen=True)
+class Curve:
+    """One curve [SI] of a panel.
+
+    `case` is the place of its parameters among the figure's `cases`; `stage` is 0 for the whole
+    mechanism.
+    """
+
+    y: np.ndarray
+    stage: int = 0
+    case: int = 0
+
+
+@dataclasses.dataclass(frozen=True)
+class Mark:
+    """A value to compare with: a level along the panel, or a moment [s] in it."""
+
+    words: str
+    level: float | None = None
+    time: float | None = None
+    #: Whether the paper's text prints it.
+    printed: bool = True
+
+
+@dataclasses.dataclass(frozen=True)
+class Panel:
+    """One diagram of a figure, over time; `right` has an axis of its own on the right."""
+
+    name: str
+    symbol: str
+    #: SI unit, "1" for a ratio.
+    unit: str
+    curves: tuple[Curve, ...]
+    marks: tuple[Mark, ...] = ()
+    right: "Panel | None" = None
+
+
+@dataclasses.dataclass(frozen=True)
+class PublishedFigure:
+    """A figure of a paper, computed anew."""
+
+    source: str
+    number: int
+    caption: str
+    #: [s]
+    time: np.ndarray
+    panels: tuple[Panel, ...]
+    #: What each case is, where there are several.
+    cases: tuple[str, ...] = ()
+
+    @property
+    def file_name(self) -> str:
+        """Name of its picture, without a suffix."""
+        return f"{self.source}-figure-{self.number}"
+
+
+FigureFunction = Callable[[], Iterator[PublishedFigure]]
+_FIGURES: dict[str, FigureFunction] = {}
+
+
+def figures_of(name: str) -> Callable[[FigureFunction], FigureFunction]:
+    """Register the function that yields the figures of one source."""
+
+    def register(function: FigureFunction) -> FigureFunction:
+        _FIGURES[name] = function
+        return function
+
+    return register
+
+
+def published_figures(source: str | None = None) -> tuple[PublishedFigure, ...]:
+    """The figures of the papers that are regenerated.
+
+    **Arguments:**
+
+    - `source`: one of `sources()`; default all of them. A source may have none.
+
+    **Raises:** `UnknownNameError` for a source that is not covered.
+    """
+    if source is not None and source not in sources():
+        raise UnknownNameError(f"unknown source {source!r}; {closest(source, sources())}")
+    chosen = _FIGURES if source is None else [name for name in _FIGURES if name == source]
+    return tuple(figure for name in chosen for figure in _FIGURES[name]())
