@@ -9,8 +9,9 @@ from .._physics import physics
 from ..mechanism import Mechanism, Scalar
 from ._chain import StageState, chain_forces
 from ._kinematics import StageKinematics, slip_velocity
+from ._reduced_chain import ReducedChain, reduced_chain, reduced_rates
 from ._scenario import Scenario
-from ._stage_forces import Motion
+from ._stage_forces import Motion, carrier_inertia
 from ._thread_friction import slip_direction
 
 
@@ -23,6 +24,8 @@ class Problem(eqx.Module):
     inertia: Float[Array, " stages"]
     speed_scale: Scalar
     time_scale: Scalar
+    #: The mechanism in few scalars, where those suffice.
+    reduced: ReducedChain | None = None
 
 
 def _sign(value: Scalar) -> Scalar:
@@ -66,6 +69,11 @@ def states_at(
 
 
 def carrier_acceleration(problem: Problem, time: Scalar, carrier_speed) -> Float[Array, " stages"]:
+    """ω̇ of every stage [rad/s²]."""
+    if problem.reduced is not None:
+        speed, acceleration = problem.scenario.motion_at(time)
+        load = problem.scenario.load_at(time)
+        return reduced_rates(problem.reduced, speed, acceleration, load, carrier_speed)
     states = states_at(problem.mechanism, problem.kinematics, problem.scenario, time, carrier_speed)
     return jnp.stack([state.forces.carrier_drive for state in states]) / problem.inertia
 
@@ -77,18 +85,28 @@ def scaled_rate(time, ratio, problem: Problem):
     return rate * problem.time_scale / problem.speed_scale
 
 
-def scales(mechanism, kinematics, scenario, inertia) -> tuple[Scalar, Scalar]:
-    """A speed Ω₀ and the shortest time constant τ of the carriers near their steady state."""
+def carrier_problem(
+    mechanism: Mechanism, kinematics: tuple[StageKinematics, ...], scenario: Scenario
+) -> Problem:
+    """Collect what the equation of motion needs, with a speed Ω₀ and a time τ for its scales.
+
+    Ω₀ is the fastest screw speed, τ the shortest time constant of the carriers near their steady
+    state there.
+    """
+    inertia = jnp.stack([carrier_inertia(stage) for stage in mechanism.stages])
     times = jnp.linspace(0.0, 1.0, 9, dtype=scenario.duration.dtype) * scenario.duration
     speeds = jnp.abs(jax.vmap(scenario.speed_at)(times))
     fastest = jnp.argmax(speeds)
     speed = jnp.where(speeds[fastest] > 0, speeds[fastest], 1.0)
-    unscaled = Problem(mechanism, kinematics, scenario, inertia, speed, jnp.ones_like(speed))
+    reduced = reduced_chain(mechanism, kinematics, inertia)
+    one = jnp.ones_like(speed)
+    problem = Problem(mechanism, kinematics, scenario, inertia, speed, one, reduced)
     # Away from the exact steady state, where a friction law might have its kink.
     carrier = 0.3 * scenario.speed_at(times[fastest]) * jnp.ones_like(inertia)
-    slopes = jax.jacfwd(lambda w: carrier_acceleration(unscaled, times[fastest], w))(carrier)
+    slopes = jax.jacfwd(lambda w: carrier_acceleration(problem, times[fastest], w))(carrier)
     fastest_rate = jnp.max(jnp.abs(jnp.diagonal(slopes)))
     decays = fastest_rate * scenario.duration > 1.0
     shortest = jnp.where(decays, 1 / jnp.where(decays, fastest_rate, 1.0), scenario.duration)
     # Scales shape the grid of steps, not the solution: nothing is differentiated through them.
-    return jax.lax.stop_gradient(speed), jax.lax.stop_gradient(shortest)
+    found = (jax.lax.stop_gradient(speed), jax.lax.stop_gradient(shortest))
+    return eqx.tree_at(lambda p: (p.speed_scale, p.time_scale), problem, found)

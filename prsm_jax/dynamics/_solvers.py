@@ -6,8 +6,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Int
 
-Method = Literal["implicit", "explicit", "rosenbrock", "quasi_steady"]
+Method = Literal["auto", "closed_form", "implicit", "explicit", "rosenbrock", "quasi_steady"]
 NAMES = {
+    "closed_form": "closed form",
     "implicit": "Kvaerno5 with Newton",
     "explicit": "Tsit5",
     "rosenbrock": "RODASP",
@@ -30,7 +31,7 @@ def solver_of(method: Method, rtol: float, atol: float, autonomous: bool):
         from ._rosenbrock import Rodasp
 
         return Rodasp(autonomous)
-    raise ValueError(f"method is {method!r}; choose one of {', '.join(NAMES)}")
+    raise ValueError(f"method is {method!r}; choose one of auto, {', '.join(NAMES)}")
 
 
 def adjoint_of(gradient: Gradient):

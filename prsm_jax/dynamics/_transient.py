@@ -7,13 +7,17 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._errors import PrsmError
-from ..mechanism import Mechanism
+from ..mechanism import Mechanism, TorqueScenario
+from ._automatic import chosen_method
 from ._bristle_transient import bristle_history
 from ._bristles import has_bristles
-from ._carrier_motion import Problem, carrier_acceleration, scaled_rate, scales, states_at
+from ._carrier_motion import Problem, carrier_problem, scaled_rate, states_at
 from ._contact_losses import with_resistance
+from ._loads import bound_scenario
+from ._kinematics import StageKinematics
 from ._quasi_steady import quasi_steady_history
 from ._scenario import Scenario, default_scenario
+from ._settling import settling_history
 from ._smooth_torque import has_smooth_threads, smooth_torque_history
 from ._solvers import (
     NAMES,
@@ -24,9 +28,7 @@ from ._solvers import (
     is_concrete,
     solver_of,
 )
-from ._stage_forces import carrier_inertia
 from ._steady import all_kinematics
-from ._torque_drive import TorqueScenario
 from ._torque_transient import torque_history
 from ._transient_result import CarrierHistory, SolverReport, Transient, histories, prescribed
 
@@ -35,12 +37,13 @@ def simulate(
     mechanism: Mechanism,
     scenario: Scenario | TorqueScenario | None = None,
     *,
-    method: Method = "implicit",
+    method: Method = "auto",
     gradient: Gradient = "both",
     rtol: float = 1e-8,
     atol: float = 1e-10,
     max_steps: int = 4096,
     throw: bool = True,
+    kinematics: tuple[StageKinematics, ...] | None = None,
 ) -> Transient:
     """Simulate a mechanism under a prescribed screw speed, or a prescribed torque, and load.
 
@@ -62,13 +65,14 @@ def simulate(
 
     - `mechanism`: the mechanism, with masses and inertias of rollers and carriers (and of screws
       and nuts if the speed varies).
-    - `scenario`: speed, load, duration; default the mechanism's operating point.
-    - `method`: `"implicit"` (Kvaerno 5/4 with Newton, any stiffness, the reference),
-      `"rosenbrock"` (RODASP 4/3, any stiffness, no iterations: the cheapest for stiff scenes),
-      `"explicit"` (Tsitouras 5/4, for short scenes), or `"quasi_steady"` (no integration: carriers
-      in balance at every instant, their settling from the initial ratio left out; for scenes much
-      longer than `solver.time_constant`, and the only one for exact Coulomb friction through
-      standstill. What it neglects is in `solver.error_estimate`).
+    - `scenario`: speed, load, duration; default the mechanism's own, else its operating point.
+    - `method`: `"auto"` (see `choose_method`), `"closed_form"` (constant speed and load, Coulomb
+      friction: exact at any time, no integration), `"quasi_steady"` (no integration: carriers in
+      balance at every instant, their settling from the initial ratio left out; for scenes much
+      longer than `solver.time_constant`, and the best for exact Coulomb friction through
+      standstill. What it neglects is in `solver.error_estimate`), `"rosenbrock"` (RODASP 4/3, any
+      stiffness, no iterations: the cheapest that integrates), `"explicit"` (Tsitouras 5/4, not for
+      stiff scenes), or `"implicit"` (Kvaerno 5/4 with Newton, any stiffness, the reference).
     - `gradient`: `"both"` (either mode through one program), `"reverse"` (checkpointed, bounded
       memory for long scenes) or `"forward"` (for few parameters).
     - `rtol`, `atol`: tolerances on the carrier ratio, of the steps. Between the large steps of the
@@ -77,29 +81,38 @@ def simulate(
     - `max_steps`: steps allowed; running out of them is reported in `solver`, never hidden.
     - `throw`: raise if the solver fails. Inside a trace nothing is raised and the result code in
       `solver.code` tells.
+    - `kinematics`: kinematics of the stages, if known already.
 
     **Raises:** `MissingDataError` if masses or the scenario are not given; `ValueError` for an
     unknown method or gradient; `PrsmError` if the solver fails and `throw` is set.
     """
+    if scenario is None:
+        scenario = default_scenario(mechanism)
     if isinstance(scenario, TorqueScenario):
         if has_smooth_threads(mechanism):
+            integrator = "rosenbrock" if method == "auto" else method
             found = smooth_torque_history(
-                mechanism, scenario, method, gradient, rtol, atol, max_steps
+                mechanism, scenario, integrator, gradient, rtol, atol, max_steps
             )
         else:
             found = torque_history(mechanism, scenario, rtol, atol, max_steps)
         return _checked(found, throw)
-    if scenario is None:
-        scenario = default_scenario(mechanism)
-    kinematics = with_resistance(mechanism.stages, all_kinematics(mechanism))
-    inertia = jnp.stack([carrier_inertia(stage) for stage in mechanism.stages])
-    speed_scale, time_scale = scales(mechanism, kinematics, scenario, inertia)
-    problem = Problem(mechanism, kinematics, scenario, inertia, speed_scale, time_scale)
-    times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=inertia.dtype) * scenario.duration
-    if has_bristles(mechanism) and method != "quasi_steady":
-        history, report = bristle_history(problem, times, method, gradient, rtol, atol, max_steps)
-    elif method == "quasi_steady":
+    scenario = bound_scenario(mechanism, scenario)
+    if kinematics is None:
+        kinematics = all_kinematics(mechanism)
+    kinematics = with_resistance(mechanism.stages, kinematics)
+    problem = carrier_problem(mechanism, kinematics, scenario)
+    times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=problem.inertia.dtype)
+    times = times * scenario.duration
+    if method == "auto":
+        method = chosen_method(problem, times, rtol).method
+    if method == "quasi_steady":
         history, report = quasi_steady_history(problem, times)
+    elif method == "closed_form":
+        speeds, report = settling_history(problem.reduced, scenario, times)
+        history = evaluated(problem, times, speeds)
+    elif has_bristles(mechanism):
+        history, report = bristle_history(problem, times, method, gradient, rtol, atol, max_steps)
     else:
         history, report = _integrated(problem, times, method, gradient, rtol, atol, max_steps)
     return _checked(histories(mechanism, kinematics, times, history, report), throw)
@@ -142,18 +155,23 @@ def _integrated(
         throw=False,
     )
     ratio: Any = solution.ys
-    carrier_speed = ratio * problem.speed_scale
-
-    def at(time, speeds):
-        states = states_at(problem.mechanism, problem.kinematics, scenario, time, speeds)
-        return states, carrier_acceleration(problem, time, speeds)
-
-    states, accelerations = jax.vmap(at)(times, carrier_speed)
     report = SolverReport(
         steps=solution.stats["num_accepted_steps"],
         rejected=solution.stats["num_rejected_steps"],
         code=code_of(solution.result),
         name=NAMES[method],
     )
+    return evaluated(problem, times, ratio * problem.speed_scale), report
+
+
+def evaluated(problem: Problem, times: Float[Array, " times"], carrier_speed) -> CarrierHistory:
+    """Forces and accelerations of all stages at the sample times."""
+    scenario = problem.scenario
+
+    def at(time, speeds):
+        return states_at(problem.mechanism, problem.kinematics, scenario, time, speeds)
+
+    states = jax.vmap(at)(times, carrier_speed)
+    drives = jnp.stack([state.forces.carrier_drive for state in states], axis=-1)
     motion = prescribed(scenario, times)
-    return CarrierHistory(*motion, carrier_speed, states, accelerations), report
+    return CarrierHistory(*motion, carrier_speed, states, drives / problem.inertia)

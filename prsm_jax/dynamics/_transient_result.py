@@ -25,6 +25,8 @@ _MEANINGS = (
     "thread for self-locking, and the sign of the load",
     "out of phases: the mechanism sticks and slips more often than most_phases allows; raise it, "
     "or shorten the duration",
+    "the closed form does not hold: a thread locks, or the torque of a screw or the load of a nut "
+    "changes its sign; choose the method rosenbrock",
 )
 
 

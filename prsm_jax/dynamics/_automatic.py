@@ -1,0 +1,104 @@
+"""The cheapest method that does what a scene asks for."""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..mechanism import CoulombFriction, Mechanism, StribeckFriction
+from ._bristles import has_bristles
+from ._carrier_motion import Problem, carrier_problem
+from ._contact_losses import with_resistance
+from ._quasi_steady import quasi_steady_history
+from ._scenario import Scenario
+from ._settling import settles_in_closed_form, settling_history
+from ._solvers import Method
+from ._steady import all_kinematics
+
+#: Carriers that settle within this share of the time between two samples are not seen settling:
+#: after so many time constants nothing is left of where they began, to rounding.
+_UNSEEN = 1 / 36
+#: What quasi-steady carriers may be wrong by, over the tolerance that the scene is asked for.
+_ACCEPTED = 100.0
+
+
+class MethodChoice(NamedTuple):
+    """A method of `simulate`, and why it was chosen."""
+
+    method: Method
+    reason: str
+
+
+def choose_method(mechanism: Mechanism, scenario: Scenario, *, rtol: float = 1e-8) -> MethodChoice:
+    """The method that `simulate(method="auto")` takes.
+
+    1. Constant speed and load with Coulomb friction: the closed form, unless it turns out that a
+       torque or a load changes its sign on the way.
+    2. Speed or load that vary: quasi-steady, where the carriers settle unseen between two samples
+       and the estimate of what that neglects stays below 100 rtol; or where friction that jumps
+       at standstill is turned around there, which no integrator passes cleanly.
+    3. Everything else: RODASP, whether stiff or not (the chart of `benchmarks`, case transient,
+       shows where the explicit and the implicit solver stand).
+
+    Inside a trace (`jit`, `vmap`, `grad`) no number is known, and the structure of the scene alone
+    decides: the closed form or RODASP. Call this outside and pass the method to have the rest.
+
+    **Arguments:**
+
+    - `mechanism`, `scenario`: the scene.
+    - `rtol`: the tolerance that `simulate` is called with.
+
+    **Returns:** the method and the reason.
+
+    **Raises:** `MissingDataError` as `simulate` does.
+    """
+    kinematics = with_resistance(mechanism.stages, all_kinematics(mechanism))
+    problem = carrier_problem(mechanism, kinematics, scenario)
+    times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=problem.inertia.dtype)
+    return chosen_method(problem, times * scenario.duration, rtol)
+
+
+def chosen_method(problem: Problem, times: Float[Array, " times"], rtol: float) -> MethodChoice:
+    """As `choose_method`, for a problem and its sample times."""
+    mechanism, scenario = problem.mechanism, problem.scenario
+    known = not any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves((problem, times, rtol)))
+    if settles_in_closed_form(mechanism, scenario):
+        if not known or int(_settling_code(problem, times)) == 0:
+            return MethodChoice("closed_form", "constant speed and load, Coulomb friction")
+        return MethodChoice("rosenbrock", "a torque or a load changes its sign while settling")
+    if has_bristles(mechanism):
+        return MethodChoice("rosenbrock", "bristles are stiff")
+    if known and (callable(scenario.speed) or callable(scenario.load)):
+        code, error, lag, reverses = (x.item() for x in _quasi_steady(problem, times))
+        unseen = lag < _UNSEEN * (times[1] - times[0]).item()
+        if code == 0 and unseen and error < _ACCEPTED * rtol:
+            return MethodChoice(
+                "quasi_steady",
+                f"carriers settle within {lag:.2g} s, unseen between samples; error {error:.1g}",
+            )
+        if code == 0 and reverses and _jumps(mechanism):
+            return MethodChoice(
+                "quasi_steady",
+                f"friction jumps where the screw stands still; error {error:.1g}",
+            )
+    return MethodChoice("rosenbrock", "has to be integrated")
+
+
+def _jumps(mechanism: Mechanism) -> bool:
+    laws = [stage.friction and stage.friction.thread for stage in mechanism.stages]
+    return any(isinstance(law, CoulombFriction | StribeckFriction) for law in laws)
+
+
+@eqx.filter_jit
+def _settling_code(problem: Problem, times):
+    return settling_history(problem.reduced, problem.scenario, times)[1].code
+
+
+@eqx.filter_jit
+def _quasi_steady(problem: Problem, times):
+    history, report = quasi_steady_history(problem, times)
+    speed = history.screw_speed
+    reverses = jnp.any(speed[1:] * speed[:-1] <= 0)
+    return report.code, report.error_estimate, report.time_constant, reverses
