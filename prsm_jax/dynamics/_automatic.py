@@ -5,6 +5,7 @@ from typing import NamedTuple
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+from jax.core import Tracer
 from jaxtyping import Array, Float
 
 from ..mechanism import CoulombFriction, Mechanism, StribeckFriction
@@ -63,7 +64,7 @@ def choose_method(mechanism: Mechanism, scenario: Scenario, *, rtol: float = 1e-
 def chosen_method(problem: Problem, times: Float[Array, " times"], rtol: float) -> MethodChoice:
     """As `choose_method`, for a problem and its sample times."""
     mechanism, scenario = problem.mechanism, problem.scenario
-    known = not any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves((problem, times, rtol)))
+    known = not any(isinstance(x, Tracer) for x in jax.tree.leaves((problem, times, rtol)))
     if settles_in_closed_form(mechanism, scenario):
         if not known or int(_settling_code(problem, times)) == 0:
             return MethodChoice("closed_form", "constant speed and load, Coulomb friction")
@@ -71,7 +72,7 @@ def chosen_method(problem: Problem, times: Float[Array, " times"], rtol: float) 
     if has_bristles(mechanism):
         return MethodChoice("rosenbrock", "bristles are stiff")
     if known and (callable(scenario.speed) or callable(scenario.load)):
-        code, error, lag, reverses = (x.item() for x in _quasi_steady(problem, times))
+        code, error, lag, reverses = (jnp.asarray(x).item() for x in _quasi_steady(problem, times))
         unseen = lag < _UNSEEN * (times[1] - times[0]).item()
         if code == 0 and unseen and error < _ACCEPTED * rtol:
             return MethodChoice(

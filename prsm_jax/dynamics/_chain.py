@@ -72,7 +72,8 @@ def _coupled_frictions(torque, force, per_force, per_torque):
 
 def screw_forces(
     stage: Stage,
-    forces: StageForces,
+    torque_on_screw: Scalar,
+    axial_on_screw: Scalar,
     screw_speed: Scalar,
     sense: Scalar,
     driver: Stage | None,
@@ -85,7 +86,7 @@ def screw_forces(
     The spline slides by the lead of the stage before, whose screw is its `driver`.
     """
     friction = stage.friction
-    torque, axial = -forces.torque_on_screw, forces.axial_on_screw
+    torque, axial = -torque_on_screw, axial_on_screw
     drag = None
     if friction is not None and friction.drag is not None:
         drag = drag_torque(friction.drag, screw_speed, sense)
@@ -173,7 +174,8 @@ def chain_forces(
         forces = stage_forces(stage, kinematics[index], motion, own_force, flank)
         screw = screw_forces(
             stage,
-            forces,
+            forces.torque_on_screw,
+            forces.axial_on_screw,
             speed,
             sense,
             stages[index - 1] if index > 0 else None,

@@ -49,7 +49,15 @@ def screw_of(
         axial = -acceleration * travel_per_turn(stages, index)
     driver = stages[index - 1] if index > 0 else None
     return screw_forces(
-        stages[index], forces, speed, jnp.sign(speed), driver, next_screw, acceleration, axial
+        stages[index],
+        forces.torque_on_screw,
+        forces.axial_on_screw,
+        speed,
+        jnp.sign(speed),
+        driver,
+        next_screw,
+        acceleration,
+        axial,
     )
 
 
