@@ -17,6 +17,7 @@ from prsm_jax.mechanism import (
     Drag,
     Friction,
     GivenStiffness,
+    LuGreFriction,
     Nut,
     RegularisedCoulombFriction,
     Roller,
@@ -96,6 +97,23 @@ def test_each_loss_is_traced_in_transients_only_where_it_is_modelled(name):
     found = prsm.traced_physics(run, _two_stages(friction))
     assert found & (ALL_LABELS - {"carrier_balance"}) == expected
     assert {"carrier_dynamics", "carrier_inertia"} <= found
+
+
+def test_bristles_are_states_only_where_threads_have_them():
+    """In a steady state, and in balance at every instant, LuGre friction has none."""
+    bristles = {"bristles", "bristle_dynamics"}
+    scenario = prsm.Scenario(array(100.0), array(7e3), array(1e-3), samples=3)
+
+    def run(one, method):
+        return prsm.traced_physics(
+            lambda m: prsm.simulate(m, scenario, method=method, throw=False).efficiency, one
+        )
+
+    lugre = _two_stages(Friction(thread=LuGreFriction(0.1, 0.08, 0.1, 1e5, 4.0)))
+    assert _steady(lugre) == ALWAYS | {"lugre_friction"}
+    assert bristles <= run(lugre, "rosenbrock")
+    assert not bristles & run(lugre, "quasi_steady")
+    assert not bristles & run(_two_stages(Friction(thread=COULOMB)), "rosenbrock")
 
 
 def test_no_friction_at_all():

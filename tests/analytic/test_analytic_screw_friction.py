@@ -1,0 +1,119 @@
+"""Friction laws of splines, thrust bearings and drag, against closed forms."""
+
+import numpy as np
+import pytest
+from scenes import mechanism, stage, steady_state, thread
+
+from prsm_jax.mechanism import (
+    CoulombFriction,
+    Drag,
+    Friction,
+    RegularisedSplineFriction,
+    RegularisedThrustBearingFriction,
+    SplineFriction,
+    StribeckSplineFriction,
+    StribeckThrustBearingFriction,
+    ThrustBearingFriction,
+    ViscousSplineFriction,
+    ViscousThrustBearingFriction,
+)
+
+SPEED, LOAD, RADIUS = 40.0, 5e3, 12e-3
+#: Of the spline: the lead of the first stage, 10 mm, per turn.
+SLIDING = SPEED * 10e-3 / (2 * np.pi)
+
+
+def _steady(spline=None, bearing=None, drag=None, speed=SPEED):
+    second = Friction(CoulombFriction(0.05), spline=spline, thrust_bearing=bearing, drag=drag)
+    first = Friction(CoulombFriction(0.05))
+    two = mechanism(
+        stage(friction=first, geometry=thread(lead=10e-3)),
+        stage(friction=second, geometry=thread(lead=15e-3)),
+    )
+    return steady_state(two, speed, LOAD)
+
+
+def _coefficient(shape, sliding):
+    """μ of each law at a sliding speed, for μ 0.1."""
+    return {
+        "coulomb": 0.1,
+        "regularised": 0.1 * sliding / np.hypot(sliding, 0.03),
+        "stribeck": 0.1 + 0.05 * np.exp(-((sliding / 0.05) ** 2)),
+    }[shape]
+
+
+@pytest.mark.parametrize(
+    ("shape", "spline", "bearing"),
+    [
+        (
+            "regularised",
+            RegularisedSplineFriction(0.1, RADIUS, 0.03),
+            RegularisedThrustBearingFriction(0.1, RADIUS, 0.03),
+        ),
+        (
+            "stribeck",
+            StribeckSplineFriction(0.15, 0.1, 0.05, RADIUS),
+            StribeckThrustBearingFriction(0.15, 0.1, 0.05, RADIUS),
+        ),
+    ],
+)
+def test_a_law_is_coulombs_with_its_own_coefficient(shape, spline, bearing):
+    """At a given speed, with the loop between torque and force solved."""
+    found = _steady(spline, bearing)
+    expected = _steady(
+        SplineFriction(_coefficient(shape, SLIDING), RADIUS),
+        ThrustBearingFriction(_coefficient(shape, SPEED * RADIUS), RADIUS),
+    )
+    assert float(found.drive_torque) == pytest.approx(float(expected.drive_torque), rel=1e-13)
+    assert float(found.power_balance_residual) < 1e-13
+    for name in ("spline", "thrust_bearing"):
+        assert float(found.losses[name]) == pytest.approx(float(expected.losses[name]), rel=1e-12)
+    plain = _steady(SplineFriction(0.1, RADIUS), ThrustBearingFriction(0.1, RADIUS))
+    assert abs(float(found.drive_torque / plain.drive_torque) - 1) > 1e-4
+
+
+def test_viscous_laws_do_not_know_the_load():
+    found = _steady(
+        ViscousSplineFriction(50.0), ViscousThrustBearingFriction(0.002), Drag(0.1, 0.003)
+    )
+    assert float(found.spline_friction[1]) == pytest.approx(50.0 * SLIDING, rel=1e-14)
+    assert float(found.losses["spline"]) == pytest.approx(50.0 * SLIDING**2, rel=1e-14)
+    assert float(found.losses["thrust_bearing"]) == pytest.approx(0.002 * SPEED**2, rel=1e-14)
+    drag = (0.1 + 0.003 * SPEED) * SPEED
+    assert float(found.losses["drag"]) == pytest.approx(drag, rel=1e-14)
+    assert float(found.power_balance_residual) < 1e-13
+    back = _steady(
+        ViscousSplineFriction(50.0), ViscousThrustBearingFriction(0.002), Drag(0.1, 0.003), -SPEED
+    )
+    # The same powers when the load drives, against the other direction.
+    for name in ("spline", "thrust_bearing", "drag"):
+        assert float(back.losses[name]) == pytest.approx(float(found.losses[name]), rel=1e-14)
+    assert float(back.power_balance_residual) < 1e-13
+
+
+def test_stribeck_adds_viscous_friction():
+    with_film = _steady(
+        StribeckSplineFriction(0.15, 0.1, 0.05, RADIUS, 50.0),
+        StribeckThrustBearingFriction(0.15, 0.1, 0.05, RADIUS, 0.002),
+    )
+    assert float(with_film.power_balance_residual) < 1e-13
+    ratio = _coefficient("stribeck", SLIDING) / RADIUS
+    friction = float(with_film.spline_friction[1])
+    # The torque of the second screw presses on its spline: that of the plain laws, nearly.
+    torque = (friction - 50.0 * SLIDING) / ratio
+    assert torque == pytest.approx(LOAD * 15e-3 / (2 * np.pi), rel=0.6)
+    bearing = float(with_film.losses["thrust_bearing"]) / SPEED
+    own = _coefficient("stribeck", SPEED * RADIUS) * RADIUS
+    axial = (bearing - 0.002 * SPEED) / own
+    # What the nut of the first stage carries is the load and the spline's friction.
+    assert axial == pytest.approx(LOAD + friction, rel=1e-12)
+    assert float(with_film.nut_load[0]) == pytest.approx(LOAD + friction, rel=1e-12)
+
+
+def test_drag_with_a_width_turns_round_smoothly():
+    drag = Drag(0.1, width=2.0)
+    at = [float(_steady(drag=drag, speed=s).losses["drag"]) for s in (-1e-3, 0.0, 1e-3, 200.0)]
+    assert at[0] == pytest.approx(at[2], rel=1e-12)
+    assert at[1] == 0.0
+    assert at[2] == pytest.approx(0.1 * 1e-3**2 / 2.0, rel=1e-6)
+    assert at[3] == pytest.approx(20.0, rel=1e-4)

@@ -1,0 +1,66 @@
+"""Friction laws in files: named by `law`, Coulomb's in splines and bearings also unnamed."""
+
+import pytest
+
+from prsm_jax import file
+from prsm_jax._errors import FileError
+from prsm_jax.mechanism import LuGreFriction, SplineFriction, StribeckThrustBearingFriction
+
+TEXT = file.example_text("li2020_two_stage")
+
+
+def _replaced(header, *lines):
+    """The example with the last table of that name rewritten."""
+    before, _, after = TEXT.rpartition(header)
+    rest = after[after.index("\n[") :] if "\n[" in after else ""
+    return before + "\n".join([header, *lines, ""]) + rest
+
+
+def test_a_spline_without_a_law_is_coulombs():
+    named = _replaced(
+        "[stage.friction.spline]", 'law = "coulomb"', "coefficient = 0.1", "radius = 0.01"
+    )
+    plain = _replaced("[stage.friction.spline]", "coefficient = 0.1", "radius = 0.01")
+    found = [file.loads(text).stages[1].friction.spline for text in (named, plain)]
+    assert all(isinstance(one, SplineFriction) for one in found)
+    assert file.dumps(file.loads(named)) == file.dumps(file.loads(plain))
+
+
+def test_laws_with_units():
+    text = _replaced(
+        "[stage.friction.thrust_bearing]",
+        'law = "stribeck"',
+        "static_coefficient = 0.01",
+        "coefficient = 0.005",
+        'stribeck_speed = "50 mm/s"',
+        'radius = "15 mm"',
+        'viscous_coefficient = "2 mN m s"',
+    )
+    law = file.loads(text).stages[1].friction.thrust_bearing
+    assert isinstance(law, StribeckThrustBearingFriction)
+    assert float(law.viscous_coefficient) == pytest.approx(2e-3)
+    assert float(law.stribeck_speed) == pytest.approx(0.05)
+
+
+def test_lugre():
+    text = _replaced(
+        "[stage.friction.thread]",
+        'law = "lugre"',
+        "static_coefficient = 0.1",
+        "coefficient = 0.08",
+        'stribeck_speed = "100 mm/s"',
+        'bristle_stiffness = "100 1/mm"',
+        'bristle_damping = "4 s/m"',
+    )
+    mechanism = file.loads(text)
+    law = mechanism.stages[1].friction.thread
+    assert isinstance(law, LuGreFriction)
+    assert float(law.bristle_stiffness) == pytest.approx(1e5)
+    assert 'law = "lugre"' in file.dumps(mechanism)
+    assert file.dumps(file.loads(file.dumps(mechanism))) == file.dumps(mechanism)
+
+
+def test_an_unknown_law_names_the_known_ones():
+    text = _replaced("[stage.friction.spline]", 'law = "lugre"', "coefficient = 0.1")
+    with pytest.raises(FileError, match='choose one of "coulomb", "viscous"'):
+        file.loads(text)
