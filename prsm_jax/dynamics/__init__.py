@@ -1,5 +1,11 @@
 """Rigid-body dynamics with friction: steady state and transients."""
 
+from ..mechanism import (
+    HingeLoad as HingeLoad,
+    Scenario as Scenario,
+    TorqueScenario as TorqueScenario,
+)
+from ._automatic import MethodChoice as MethodChoice, choose_method as choose_method
 from ._carrier_motion import states_at as states_at
 from ._contact_losses import has_contact_losses as has_contact_losses
 from ._kinematics import (
@@ -10,14 +16,13 @@ from ._kinematics import (
     stage_kinematics as stage_kinematics,
     travel_per_turn as travel_per_turn,
 )
-from ._loads import HingeLoad as HingeLoad, LoadOfTime as LoadOfTime
-from ._scenario import Scenario as Scenario, default_scenario as default_scenario
+from ._loads import bound_scenario as bound_scenario
+from ._scenario import default_scenario as default_scenario
 from ._solvers import Gradient as Gradient, Method as Method
 from ._steady import (
     SteadyState as SteadyState,
     all_kinematics as all_kinematics,
     steady_state as steady_state,
 )
-from ._torque_drive import TorqueScenario as TorqueScenario
 from ._transient import simulate as simulate
 from ._transient_result import Phase as Phase, SolverReport as SolverReport, Transient as Transient

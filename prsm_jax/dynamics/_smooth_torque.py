@@ -24,6 +24,7 @@ from ..mechanism import (
     RegularisedThrustBearingFriction,
     Scalar,
     Stage,
+    TorqueScenario,
     ViscousFriction,
     ViscousSplineFriction,
     ViscousThrustBearingFriction,
@@ -33,7 +34,7 @@ from ._bristles import bristles_of
 from ._contact_losses import has_contact_losses
 from ._kinematics import free_carrier_ratio, travel_per_turn
 from ._solvers import NAMES, adjoint_of, code_of, solver_of
-from ._torque_drive import TorqueProblem, TorqueScenario
+from ._torque_drive import TorqueProblem
 from ._torque_transient import torque_problem
 from ._transient_result import CarrierHistory, SolverReport, Transient, histories
 

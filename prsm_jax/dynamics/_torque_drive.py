@@ -7,7 +7,6 @@ an event ends the mode where the speed passes through zero. While it sticks the 
 the two limits at which it would begin to turn, and an event ends that where one is passed.
 """
 
-from collections.abc import Callable
 from typing import Any
 
 import equinox as eqx
@@ -17,7 +16,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from .._physics import physics
 from .._root import find_root
-from ..mechanism import Mechanism, Scalar, as_scalar
+from ..mechanism import Mechanism, Scalar, TorqueScenario
 from ._carrier_balance import balanced_carrier_ratio, steady_motion
 from ._chain import StageState, chain_forces
 from ._kinematics import StageKinematics, travel_per_turn
@@ -25,34 +24,6 @@ from ._stage_forces import Motion
 from ._transient_result import Phase
 
 FORWARD, BACKWARD, STICKING = 1.0, -1.0, 0.0
-
-
-class TorqueScenario(eqx.Module):
-    """Prescribed torque at the first screw, and what the last nut works against.
-
-    Static: `samples`, `most_phases`, and whether torque is a function.
-    """
-
-    #: Torque at the first screw: a number, or a pure function of time [N·m].
-    torque: Scalar | Callable = eqx.field(
-        converter=lambda value: value if callable(value) else as_scalar(value)
-    )
-    #: Load on the last nut [N]: function of time, position, speed and acceleration of the nut,
-    #: such as a `HingeLoad`.
-    load: Callable
-    #: [s]
-    duration: Scalar = eqx.field(converter=as_scalar)
-    #: Screw speed at the start [rad/s].
-    initial_speed: Scalar = eqx.field(converter=as_scalar, default=0.0)
-    #: Position of the nut at the start [m].
-    initial_position: Scalar = eqx.field(converter=as_scalar, default=0.0)
-    samples: int = eqx.field(static=True, default=201)
-    #: Phases of stick or slip that are followed; running out of them is reported.
-    most_phases: int = eqx.field(static=True, default=32)
-
-    def torque_at(self, time: Scalar) -> Scalar:
-        """Torque at a time [N·m]."""
-        return jnp.asarray(self.torque(time)) if callable(self.torque) else self.torque
 
 
 class TorqueProblem(eqx.Module):

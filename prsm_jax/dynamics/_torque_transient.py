@@ -5,7 +5,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..mechanism import Mechanism
+from ..mechanism import Mechanism, TorqueScenario
 from ._contact_losses import with_resistance
 from ._kinematics import travel_per_turn
 from ._stage_forces import carrier_inertia
@@ -16,7 +16,6 @@ from ._torque_drive import (
     STICKING,
     ScrewMotion,
     TorqueProblem,
-    TorqueScenario,
     acceleration_of,
     breakaway_torques,
     drive_states,

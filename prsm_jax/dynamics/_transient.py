@@ -13,8 +13,8 @@ from ._bristle_transient import bristle_history
 from ._bristles import has_bristles
 from ._carrier_motion import Problem, carrier_problem, scaled_rate, states_at
 from ._contact_losses import with_resistance
-from ._loads import bound_scenario
 from ._kinematics import StageKinematics
+from ._loads import bound_scenario
 from ._quasi_steady import quasi_steady_history
 from ._scenario import Scenario, default_scenario
 from ._settling import settling_history
@@ -174,4 +174,5 @@ def evaluated(problem: Problem, times: Float[Array, " times"], carrier_speed) ->
     states = jax.vmap(at)(times, carrier_speed)
     drives = jnp.stack([state.forces.carrier_drive for state in states], axis=-1)
     motion = prescribed(scenario, times)
-    return CarrierHistory(*motion, carrier_speed, states, drives / problem.inertia)
+    accelerations = drives / problem.inertia[None, :]
+    return CarrierHistory(*motion, carrier_speed, states, accelerations)

@@ -36,6 +36,16 @@ from ._friction import (
     ViscousFriction as ViscousFriction,
 )
 from ._line_contact import LineContact as LineContact
+from ._loads import (
+    AerodynamicLoad as AerodynamicLoad,
+    FrictionLoad as FrictionLoad,
+    HingeLoad as HingeLoad,
+    LoadOfTime as LoadOfTime,
+    PositionTableLoad as PositionTableLoad,
+    SumLoad as SumLoad,
+    break_times_of as break_times_of,
+    depends_on_motion as depends_on_motion,
+)
 from ._masses import (
     body_inertia as body_inertia,
     body_mass as body_mass,
@@ -62,6 +72,14 @@ from ._parameters import (
     get_parameter as get_parameter,
     set_parameter as set_parameter,
 )
+from ._profiles import (
+    ConstantProfile as ConstantProfile,
+    SCurveMoveProfile as SCurveMoveProfile,
+    SineProfile as SineProfile,
+    TrapezoidalMoveProfile as TrapezoidalMoveProfile,
+    TrapezoidalProfile as TrapezoidalProfile,
+)
+from ._scenario import Scenario as Scenario, TorqueScenario as TorqueScenario
 from ._screw_friction import (
     Drag as Drag,
     RegularisedSplineFriction as RegularisedSplineFriction,
@@ -75,6 +93,12 @@ from ._screw_friction import (
     ViscousSplineFriction as ViscousSplineFriction,
     ViscousThrustBearingFriction as ViscousThrustBearingFriction,
 )
+from ._sequences import (
+    Profile as Profile,
+    SequenceProfile as SequenceProfile,
+    TableProfile as TableProfile,
+)
+from ._tables import Curve as Curve
 from ._thread import Thread as Thread
 from ._together import (
     check_independent as check_independent,

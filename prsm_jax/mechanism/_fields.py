@@ -38,6 +38,22 @@ def optional_number(unit: str, description: str):
     )
 
 
+def _number_or_function(value):
+    return value if callable(value) else as_scalar(value)
+
+
+def driven(unit: str, description: str, converter=_number_or_function):
+    """A number, or a function of time (or of more, for a load) that takes its place."""
+    return eqx.field(converter=converter, metadata={"unit": unit, "description": description})
+
+
+def numbers(unit: str, description: str):
+    """A required list of numbers (one differentiable leaf)."""
+    return eqx.field(
+        converter=as_scalar, metadata={"unit": unit, "description": description, "list": True}
+    )
+
+
 def choice(description: str, **kwargs):
     """A static choice: part of the pytree's structure, never traced."""
     return eqx.field(static=True, metadata={"description": description}, **kwargs)

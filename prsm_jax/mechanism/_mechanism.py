@@ -11,6 +11,7 @@ from ._design_problem import DesignProblem
 from ._fields import Scalar, as_scalar, choice, number, optional_number
 from ._friction import Friction
 from ._line_contact import LineContact
+from ._scenario import Scenario, TorqueScenario
 from ._thread import Thread
 from ._unequal_roller import UnequalRoller, check_unequal_rollers
 
@@ -105,6 +106,8 @@ class Mechanism(eqx.Module):
     duty_cycle: DutyCycle | None = None
     title: str = choice("a name for reports", default="")
     design_problem: DesignProblem | None = choice("the [optimise] table of the file", default=None)
+    #: What `simulate` does unless it is told otherwise.
+    scenario: Scenario | TorqueScenario | None = None
 
     def __check_init__(self):
         if not self.stages:

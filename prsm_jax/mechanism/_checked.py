@@ -1,0 +1,42 @@
+"""Checks of numbers at construction; numbers that are traced are not known and pass."""
+
+import jax.core
+import numpy as np
+
+
+def _known(values: dict) -> dict[str, np.ndarray]:
+    return {
+        name: np.asarray(value)
+        for name, value in values.items()
+        if value is not None and not isinstance(value, jax.core.Tracer)
+    }
+
+
+def check_positive(owner: str, **values) -> None:
+    """**Raises:** `ValueError` if one of the named numbers is known and not above 0."""
+    for name, value in _known(values).items():
+        if not np.all(value > 0):
+            raise ValueError(f"{owner}: {name} is {value}; it must be more than 0")
+
+
+def check_not_negative(owner: str, **values) -> None:
+    """**Raises:** `ValueError` if one of the named numbers is known and below 0."""
+    for name, value in _known(values).items():
+        if not np.all(value >= 0):
+            raise ValueError(f"{owner}: {name} is {value}; it must be 0 or more")
+
+
+def check_not_zero(owner: str, **values) -> None:
+    """**Raises:** `ValueError` if one of the named numbers is known and 0 or not finite."""
+    for name, value in _known(values).items():
+        if not np.all(np.isfinite(value) & (value != 0)):
+            raise ValueError(f"{owner}: {name} is {value}; it must be finite and not 0")
+
+
+def check_increasing(owner: str, **values) -> None:
+    """**Raises:** `ValueError` if a named array is known and not strictly increasing."""
+    for name, value in _known(values).items():
+        if value.shape[-1] < 2 or not np.all(np.diff(value, axis=-1) > 0):
+            raise ValueError(
+                f"{owner}: {name} is {value}; it must be two or more values that increase"
+            )

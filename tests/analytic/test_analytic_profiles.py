@@ -1,0 +1,259 @@
+"""Drives over time: limits kept, integrals and derivatives right, tables as SciPy's."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import scipy.integrate
+import scipy.interpolate
+from scenes import array
+
+from prsm_jax.mechanism import (
+    AerodynamicLoad,
+    ConstantProfile,
+    FrictionLoad,
+    HingeLoad,
+    PositionTableLoad,
+    Scenario,
+    SCurveMoveProfile,
+    SequenceProfile,
+    SineProfile,
+    SumLoad,
+    TableProfile,
+    TorqueScenario,
+    TrapezoidalMoveProfile,
+    TrapezoidalProfile,
+    depends_on_motion,
+)
+
+TRAPEZOID = TrapezoidalProfile(100.0, 0.1, 0.2, 0.05, 0.15)
+#: Long enough for all seven stretches; never at the limit of speed; nor at that of acceleration.
+CURVES = (
+    SCurveMoveProfile(50.0, 100.0, 2e3, 1e5, 0.1),
+    SCurveMoveProfile(-4.0, 100.0, 2e3, 1e5),
+    SCurveMoveProfile(0.1, 100.0, 2e3, 1e5),
+    SCurveMoveProfile(15.0, 10.0, 2e3, 1e5),
+)
+TIMES, VALUES = np.array([0.0, 0.1, 0.15, 0.4, 0.5, 0.8]), np.array([0.0, 9, 10, -3, -3, 7])
+
+
+def _table(interpolation):
+    return TableProfile(TIMES, VALUES, interpolation)
+
+
+PROFILES = {
+    "sine": SineProfile(30.0, 2.0, 5.0, 0.3),
+    "constant": ConstantProfile(3.0, 0.5),
+    "trapezoidal": TRAPEZOID,
+    "triangular move": TrapezoidalMoveProfile(2.0, 100.0, 1e3, 3e3),
+    "move": TrapezoidalMoveProfile(-20.0, 100.0, 1e3, 3e3, 0.1),
+    **{f"s-curve {index}": curve for index, curve in enumerate(CURVES)},
+    "linear": _table("linear"),
+    "cubic": _table("cubic"),
+    "monotone": _table("monotone"),
+    "sequence": SequenceProfile((TRAPEZOID, CURVES[1], _table("cubic"))),
+    "reversing": SequenceProfile((TRAPEZOID, ConstantProfile(2.0, 0.1)), 3, True),
+}
+
+
+@pytest.fixture(scope="module")
+def curves():
+    """Value, derivative and integral of every profile at many times, by one program."""
+    # No break falls on one of them.
+    times = jnp.linspace(0.0, 1.99937, 4001)
+
+    @jax.jit
+    def evaluate(profiles):
+        def at(profile):
+            value = jax.vmap(profile)(times)
+            slope = jax.vmap(lambda t: jax.jvp(profile, (t,), (jnp.ones_like(t),))[1])(times)
+            return value, slope, jax.vmap(profile.angle)(times)
+
+        return {name: at(profile) for name, profile in profiles.items()}
+
+    found = evaluate(PROFILES)
+    return np.asarray(times), {k: tuple(map(np.asarray, v)) for k, v in found.items()}
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_integral_and_derivative(name, curves):
+    """The value is the derivative of the angle and the integral of its slope, past the breaks.
+
+    By Simpson's rule over steps that hold no break, which is exact for cubics.
+    """
+    times, found = curves
+    value, slope, angle = found[name]
+    assert angle[0] == 0
+    breaks = np.asarray(PROFILES[name].break_times)[:, None]
+    start, end = times[:-2:2], times[2::2]
+    smooth = ~np.any((breaks >= start) & (breaks < end) & (breaks > 0), axis=0)
+    assert np.sum(smooth) > 1950
+
+    def integrals(curve):
+        return (curve[:-2:2] + 4 * curve[1:-1:2] + curve[2::2]) * (end - start) / 6
+
+    for curve, whole in ((value, angle), (slope, value)):
+        error = np.diff(whole[::2]) - integrals(curve)
+        # Rounding, and for the sine its fourth derivative, h⁵ (2πf)⁴ A/2880 of the slope.
+        assert np.max(np.abs(error[smooth])) < 1e-11
+
+
+@pytest.mark.parametrize("index", range(len(CURVES)))
+def test_s_curve_keeps_its_limits(index, curves):
+    """And meets one of them at every time, which makes it the fastest."""
+    times, found = curves
+    value, slope, angle = found[f"s-curve {index}"]
+    move = CURVES[index]
+    assert angle[-1] == pytest.approx(float(move.angle_moved), rel=1e-12)
+    assert np.max(np.abs(value)) <= float(move.speed_limit) * (1 + 1e-12)
+    assert np.max(np.abs(slope)) <= float(move.acceleration_limit) * (1 + 1e-12)
+    moving = times < float(move.duration - move.dwell_time) - 1e-3
+    jerk = np.abs(np.diff(slope) / np.diff(times))[moving[1:]]
+    assert np.max(jerk) <= float(move.jerk_limit) * (1 + 1e-9)
+    full = np.abs(value[1:]) > (1 - 1e-9) * float(move.speed_limit)
+    steep = np.abs(slope[1:]) > (1 - 1e-9) * float(move.acceleration_limit)
+    bent = np.append(jerk, np.zeros(len(full) - len(jerk))) > (1 - 1e-6) * float(move.jerk_limit)
+    # Steps in which one stretch ends and the next begins meet neither limit fully.
+    assert np.sum(~(full | steep | bent) & moving[1:]) <= 8
+    assert np.all(value[times > float(move.duration)] == 0)
+
+
+def test_moves_travel_their_angle(curves):
+    _, found = curves
+    for name in ("triangular move", "move"):
+        value, slope, angle = found[name]
+        move = PROFILES[name]
+        assert angle[-1] == pytest.approx(float(move.angle_moved), rel=1e-12)
+        assert np.max(np.abs(slope)) == pytest.approx(3e3, rel=1e-12)
+        # At rest exactly, so that a mechanism at rest is seen as such.
+        assert value[-1] == 0
+    assert np.max(np.abs(found["move"][0])) == 100
+    # 2 rad at 1000 and 3000 rad/s²: v = √(2 s a d/(a + d)).
+    # Its peak lies between two samples, half a millisecond of 3000 rad/s² apart.
+    assert np.max(found["triangular move"][0]) == pytest.approx(np.sqrt(3000), abs=1.5)
+
+
+def test_tables_are_those_of_scipy(curves):
+    times, found = curves
+    inside = times <= TIMES[-1]
+    slopes = np.gradient(VALUES, TIMES, edge_order=2)
+    references = {
+        "linear": lambda t: np.interp(t, TIMES, VALUES),
+        "cubic": scipy.interpolate.CubicHermiteSpline(TIMES, VALUES, slopes),
+        "monotone": scipy.interpolate.PchipInterpolator(TIMES, VALUES),
+    }
+    for name, reference in references.items():
+        value = found[name][0]
+        np.testing.assert_allclose(value[inside], reference(times[inside]), atol=1e-12)
+        assert np.all(value[~inside] == VALUES[-1])
+        whole, _ = scipy.integrate.quad(reference, 0, TIMES[-1], points=TIMES[1:-1])
+        at_end = PROFILES[name].angle(array(TIMES[-1]))
+        assert float(at_end) == pytest.approx(whole, rel=1e-9)
+    for start, end, low, high in zip(TIMES, TIMES[1:], VALUES, VALUES[1:], strict=False):
+        between = (times >= start) & (times <= end)
+        value = found["monotone"][0][between]
+        assert value.min() >= min(low, high) - 1e-12
+        assert value.max() <= max(low, high) + 1e-12
+
+
+def test_sequences(curves):
+    """Parts in their turn, and every second run the other way."""
+    _, found = curves
+    period = 0.6
+    reversing = PROFILES["reversing"]
+    for time in (0.02, 0.25, 0.33, 0.55):
+        value = float(reversing(array(time)))
+        assert value != 0
+        assert float(reversing(array(time + period))) == pytest.approx(-value, rel=1e-12)
+        assert float(reversing(array(time + 2 * period))) == pytest.approx(value, rel=1e-12)
+    # Once forth and once back is no angle at all.
+    assert float(reversing.angle(array(2 * period))) == pytest.approx(0.0, abs=1e-12)
+    breaks = np.asarray(reversing.break_times)
+    assert len(breaks) == 3 * (4 + 1 + 2)
+    assert np.max(breaks) == pytest.approx(3 * period)
+    in_turn = found["sequence"][0]
+    np.testing.assert_allclose(in_turn[:1000], found["trapezoidal"][0][:1000], atol=1e-12)
+
+
+def test_derivatives_by_the_numbers_of_a_profile():
+    """Forward, reverse and finite differences, away from breaks."""
+    times = array(np.array([0.013, 0.05, 0.21, 0.37, 0.411]))
+
+    @jax.jit
+    def everything(values):
+        def evaluate(v):
+            curve = SCurveMoveProfile(v[0], v[1], v[2], v[3])
+            straight = TrapezoidalMoveProfile(v[0], v[1], v[2])
+            table = TableProfile(TIMES, v[0] * VALUES, "monotone")
+            both = SequenceProfile((straight, curve), 2, True)
+            found = [
+                jax.vmap(f)(times) for p in (curve, straight, both, table) for f in (p, p.angle)
+            ]
+            return jnp.concatenate(found)
+
+        moved = [
+            (evaluate(values + h * e) - evaluate(values - h * e)) / (2 * h)
+            for e, h in zip(jnp.eye(4), 1e-6 * values, strict=True)
+        ]
+        return jax.jacfwd(evaluate)(values), jax.jacrev(evaluate)(values), jnp.stack(moved, -1)
+
+    found = everything(array(np.array([20.0, 90.0, 1.5e3, 8e4])))
+    forward, reverse, difference = map(np.asarray, found)
+    np.testing.assert_allclose(reverse, forward, atol=1e-10 * np.abs(forward).max())
+    scale = np.max(np.abs(forward), axis=0)
+    np.testing.assert_allclose(forward / scale, difference / scale, atol=1e-6)
+
+
+def test_break_times_of_a_scenario():
+    """Those of drive and load, in order, none past the end."""
+    table = PositionTableLoad([0.0, 0.1], [1.0, 2.0])
+    gust = AerodynamicLoad(1e-3, TableProfile([0.0, 0.25], [0.0, 1e3]))
+    found = Scenario(TRAPEZOID, SumLoad((table, gust, 3.0)), 0.3).break_times
+    np.testing.assert_allclose(found, [0.0, 0.1, 0.25, 0.3, 0.3, 0.3], atol=1e-15)
+    assert Scenario(100.0, 7e3, 1.0).break_times.shape == (0,)
+    assert len(TorqueScenario(TRAPEZOID, 7e3, 1.0).break_times) == 4
+
+
+def test_loads_are_told_apart_by_what_they_take():
+    assert depends_on_motion(HingeLoad(1.0))
+    assert depends_on_motion(lambda t, z, v, a: z)
+    assert depends_on_motion(SumLoad((1.0, FrictionLoad(1.0, 1.0))))
+    for load in (7.0, TRAPEZOID, lambda t: t, jnp.sin, SumLoad((1.0, TRAPEZOID))):
+        assert not depends_on_motion(load)
+    with pytest.raises(ValueError, match="known only with a mechanism"):
+        Scenario(100.0, HingeLoad(1.0), 1.0).load_at(array(0.0))
+
+
+def test_values_of_loads():
+    at = (array(0.5), array(0.05), array(-0.2), array(3.0))
+    assert float(HingeLoad(1.0, 100.0, 10.0, 2.0)(*at)) == pytest.approx(1 + 5 - 2 + 6)
+    stream = AerodynamicLoad(2.0, SineProfile(0.0, 1.0, 100.0), 1.0, 0.5, 25.0)
+    assert float(stream(*at)) == pytest.approx(1 + 100 * (0.1 - 0.1) - 25 * 0.04)
+    table = PositionTableLoad([0.0, 0.1], [1.0, 2.0])
+    assert float(table(*at)) == pytest.approx(1.5)
+    assert float(FrictionLoad(10.0, 0.2)(*at)) == pytest.approx(-10 / np.sqrt(2))
+    ramp = TrapezoidalProfile(10.0, 1.0, 1.0)
+    assert float(SumLoad((table, ramp, 4.0))(*at)) == pytest.approx(1.5 + 5 + 4)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: TrapezoidalProfile(1.0, 0.0, 1.0), "rise_time is 0.0; it must be more than 0"),
+        (lambda: TrapezoidalProfile(1.0, 1.0, -1.0), "hold_time is -1.0; it must be 0 or more"),
+        (lambda: TrapezoidalMoveProfile(0.0, 1.0, 1.0), "angle_moved is 0.0; .* not 0"),
+        (lambda: SCurveMoveProfile(1.0, 1.0, 1.0, -1.0), "jerk_limit is -1.0"),
+        (lambda: TableProfile([0.0, 0.0], [1.0, 2.0]), "values that increase"),
+        (lambda: TableProfile([0.0, 1.0], [1.0]), "2 points have 1 values"),
+        (lambda: TableProfile([0.0, 1.0], [1.0, 2.0], "quintic"), "choose one of linear"),
+        (lambda: SequenceProfile(()), "part is empty"),
+        (lambda: SequenceProfile((SineProfile(1.0, 1.0),)), "has no end"),
+        (lambda: SequenceProfile((TRAPEZOID,), 0), "repeats is 0"),
+        (lambda: SumLoad(()), "part is empty"),
+        (lambda: Scenario(1.0, 1.0, 1.0, samples=1), "samples is 1"),
+    ],
+)
+@pytest.mark.usefixtures("unchecked")
+def test_what_makes_no_sense_is_refused(make, message):
+    with pytest.raises(ValueError, match=message):
+        make()
