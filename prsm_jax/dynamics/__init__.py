@@ -17,8 +17,15 @@ from ._kinematics import (
     travel_per_turn as travel_per_turn,
 )
 from ._loads import bound_scenario as bound_scenario
+from ._locking import (
+    jamming_coefficient as jamming_coefficient,
+    jamming_margin as jamming_margin,
+    locking_coefficient as locking_coefficient,
+    self_locking_margin as self_locking_margin,
+)
 from ._scenario import default_scenario as default_scenario
 from ._solvers import Gradient as Gradient, Method as Method
+from ._stage_forces import axial_inertia as axial_inertia, carrier_inertia as carrier_inertia
 from ._steady import (
     SteadyState as SteadyState,
     all_kinematics as all_kinematics,

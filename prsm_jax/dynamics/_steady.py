@@ -3,7 +3,7 @@
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Bool, Float, Int
 
 from .._errors import MissingDataError
 from .._physics import physics
@@ -18,6 +18,20 @@ from ._stage_forces import Motion
 
 #: A load so small that nothing but ratios notices it: the efficiency without load is its limit.
 _NO_LOAD = 1e-30
+
+
+#: By code. Self-locking is a state as good as any other; the rest has no steady state.
+_MEANINGS = (
+    "successful",
+    "self-locking: the load does not turn the screw, which has to be driven with the load; to be "
+    "driven back, lower the friction or the contact angle (quantity self_locking_margin)",
+    "jammed: friction in the threads takes all that the normal force lifts, and no torque moves "
+    "the load; lower the friction or raise the contact angle (quantity jamming_margin)",
+    "no balance: thread friction cannot drive the carriers against their losses; raise it, or "
+    "lower friction of spin and rolling",
+    "no meshing: screw and roller do not touch with a common normal; check lead, contact angle "
+    "and profile radius",
+)
 
 
 class SteadyState(eqx.Module):
@@ -49,8 +63,15 @@ class SteadyState(eqx.Module):
     output_power: Scalar
     #: |input − output − losses| / input.
     power_balance_residual: Scalar
-    #: False where the meshing has no solution, the thread locks, or the carrier cannot turn.
+    #: False where the meshing has no solution, a thread jams, or the carrier cannot turn.
     valid: Bool[Array, ""]
+    #: 0 when all is well; see `result`.
+    code: Int[Array, ""] | None = None
+
+    @property
+    def result(self) -> str:
+        """What `code` means, and what to do about it."""
+        return _MEANINGS[0 if self.code is None else int(self.code)]
 
 
 def _steady_states(
@@ -59,24 +80,27 @@ def _steady_states(
     speed: Scalar,
     sense: Scalar,
     load: Scalar,
-) -> tuple[tuple[StageState, ...], list[Scalar], Bool[Array, ""]]:
+) -> tuple[tuple[StageState, ...], list[Scalar], Int[Array, ""]]:
+    """States and carrier ratios of all stages, and a code for what is wrong with them."""
     ratios: list[Scalar] = []
-    valid = jnp.stack([k.meshing.converged for k in kinematics]).all()
+    balanced = pushed = jnp.asarray(True)
+    meshed = jnp.stack([k.meshing.converged for k in kinematics]).all()
 
     def motion_of(index: int, flank: Scalar, axial_force: Scalar, _) -> Motion:
-        nonlocal valid
+        nonlocal balanced
         stage, geometry = mechanism.stages[index], kinematics[index]
         own_speed, own_sense = flank * speed, flank * sense
         ratio, found = balanced_carrier_ratio(stage, geometry, own_sense, own_speed, axial_force)
-        valid = valid & found
+        balanced = balanced & found
         ratios.append(ratio)
         return steady_motion(geometry, ratio, own_speed, own_sense)
 
     states = chain_forces(mechanism, kinematics, motion_of, speed, sense, load)
     for state in states:
-        # Past the locking limit the axial balance asks for a pulling contact.
-        valid = valid & (state.forces.contact_force > 0)
-    return states, ratios[::-1], valid
+        # Past the limit of jamming the axial balance asks for a pulling contact.
+        pushed = pushed & (state.forces.contact_force > 0)
+    code = jnp.where(meshed, jnp.where(pushed, jnp.where(balanced, 0, 3), 2), 4)
+    return states, ratios[::-1], code
 
 
 def _operating_point(mechanism: Mechanism, speed, load) -> tuple[Scalar, Scalar]:
@@ -136,7 +160,7 @@ def steady_state(
     sense = jnp.where(speed == 0, onset, jnp.sign(speed))
     sense = jax.lax.stop_gradient(sense)
 
-    states, ratios, valid = _steady_states(mechanism, kinematics, speed, sense, load)
+    states, ratios, code = _steady_states(mechanism, kinematics, speed, sense, load)
     torque = states[0].screw.drive_torque
     travel = travel_per_turn(mechanism.stages, len(mechanism.stages))
     lost = losses(mechanism, kinematics, states, speed)
@@ -175,7 +199,8 @@ def steady_state(
         input_power=jnp.where(forward, drive_power, -load_power),
         output_power=jnp.where(forward, load_power, -drive_power),
         power_balance_residual=jnp.abs(imbalance) / jnp.where(gross > 0, gross, 1.0),
-        valid=valid,
+        valid=code == 0,
+        code=jnp.where((code == 0) & ~forward & (useful / driving < 0), 1, code),
     )
 
 

@@ -1,5 +1,8 @@
 """Time histories of a transient."""
 
+import dataclasses
+from typing import Any
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -9,6 +12,7 @@ from ..mechanism import Mechanism, Scalar, body_inertia, body_mass
 from ._chain import StageState
 from ._flank import turned
 from ._kinematics import StageKinematics, travel_per_turn
+from ._locking import jamming_margin
 from ._power import losses, stored_power
 from ._roller_balance import roller_support_forces
 from ._scenario import Scenario
@@ -27,7 +31,12 @@ _MEANINGS = (
     "or shorten the duration",
     "the closed form does not hold: a thread locks, or the torque of a screw or the load of a nut "
     "changes its sign; choose the method rosenbrock",
+    "jammed: friction in the threads takes all that the normal force lifts, and no torque moves "
+    "the load; lower the friction or raise the contact angle (quantity jamming_margin)",
+    "missed a phase: while the mechanism stuck, the torque passed a limit and came back between two "
+    "steps; raise samples, which shortens them",
 )
+_JAMMED = 7
 
 
 class SolverReport(eqx.Module):
@@ -212,7 +221,7 @@ def histories(
             "bristle_power": stored,
         }
 
-    rows = jax.vmap(at)(history)
+    found = jax.vmap(at)(history)
     per_stage = (
         "carrier_ratio",
         "contact_force",
@@ -224,15 +233,19 @@ def histories(
         "newton_residual",
         "slip_direction",
     )
-    rows = {
-        name: jnp.moveaxis(row, 1, 0) if name in per_stage else row for name, row in rows.items()
+    rows: dict[str, Any] = {
+        name: jnp.moveaxis(row, 1, 0) if name in per_stage else row for name, row in found.items()
     }
+    # The steps may have run out, or the rollers be at rest, before a sample shows it.
+    margin = jamming_margin(mechanism, kinematics, jnp.max(jnp.abs(history.screw_speed)))
+    jammed = jnp.any(rows["contact_force"] < 0) | ((report.code != 0) & (margin <= 0))
+    code = jnp.where(jammed, _JAMMED, report.code)
     return Transient(
         time=times,
         screw_acceleration=history.screw_acceleration,
         load=history.load,
         carrier_speed=history.carrier_speed.T,
         carrier_acceleration=history.acceleration.T,
-        solver=report,
+        solver=dataclasses.replace(report, code=code),
         **rows,
     )

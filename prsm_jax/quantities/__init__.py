@@ -6,6 +6,7 @@ A quantity of your own is one function of an `Analysis` under the `quantity` dec
 from . import (
     _contact as _contact,
     _dimensions as _dimensions,
+    _locking as _locking,
     _operation as _operation,
     _vibration as _vibration,
 )

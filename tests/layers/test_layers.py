@@ -22,7 +22,7 @@ LAYERS = {
     "response": {"mechanism", "geometry", "contact", "stiffness", "modal", "dynamics"},
 }
 LAYERS["quantities"] = set(LAYERS) - {"file"}
-LAYERS["findings"] = LAYERS["quantities"] - {"dynamics"}
+LAYERS["findings"] = set(LAYERS["quantities"])
 _PHYSICS = LAYERS["quantities"] | {"quantities", "findings"}
 LAYERS["sensitivity"] = LAYERS["optimise"] = LAYERS["sweep"] = _PHYSICS
 LAYERS["validation"] = _PHYSICS | {"file"}
