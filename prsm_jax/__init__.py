@@ -17,11 +17,13 @@ from ._precision import to_precision as to_precision  # first: it enables float6
 from ._version import __version__ as __version__
 from .contact import hertz_contact as hertz_contact, thread_contacts as thread_contacts
 from .dynamics import (
+    BodyForces as BodyForces,
     HingeLoad as HingeLoad,
     Scenario as Scenario,
     SteadyState as SteadyState,
     TorqueScenario as TorqueScenario,
     Transient as Transient,
+    body_forces as body_forces,
     simulate as simulate,
     steady_state as steady_state,
 )

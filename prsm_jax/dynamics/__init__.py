@@ -6,6 +6,11 @@ from ..mechanism import (
     TorqueScenario as TorqueScenario,
 )
 from ._automatic import MethodChoice as MethodChoice, choose_method as choose_method
+from ._body_forces import (
+    BodyForces as BodyForces,
+    Instant as Instant,
+    body_forces as body_forces,
+)
 from ._carrier_motion import states_at as states_at
 from ._contact_losses import has_contact_losses as has_contact_losses
 from ._kinematics import (

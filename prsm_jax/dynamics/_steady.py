@@ -11,6 +11,7 @@ from ..mechanism import Mechanism, Scalar
 from ._carrier_balance import balanced_carrier_ratio, steady_motion
 from ._chain import StageState, chain_forces
 from ._contact_losses import with_resistance
+from ._flank import turned
 from ._kinematics import StageKinematics, stage_kinematics, travel_per_turn
 from ._power import losses
 from ._roller_balance import roller_support_forces
@@ -42,6 +43,8 @@ class SteadyState(eqx.Module):
     """
 
     efficiency: Scalar
+    #: Screw speed [rad/s].
+    screw_speed: Scalar
     #: ω/Ω of each stage.
     carrier_ratio: Float[Array, " stages"]
     #: Torque at the first screw [N·m].
@@ -54,6 +57,9 @@ class SteadyState(eqx.Module):
     nut_load: Float[Array, " stages"]
     #: Slip speed of the screw over the roller [m/s].
     slip_speed: Float[Array, " stages"]
+    #: Unit vector of the slip of the screw over the roller, in the carrier's frame: radial,
+    #: tangential, axial; at standstill that of the motion about to begin.
+    slip_direction: Float[Array, "stages 3"]
     ring_gear_force: Float[Array, " stages"]
     carrier_force: Float[Array, " stages"]
     spline_friction: Float[Array, " stages"]
@@ -189,6 +195,8 @@ def steady_state(
             ]
         ),
         nut_load=jnp.stack([s.nut_load for s in states]),
+        screw_speed=speed,
+        slip_direction=jnp.stack([turned(s.motion.direction, s.flank) for s in states]),
         slip_speed=jnp.stack([_length(s.motion.slip) for s in states]),
         ring_gear_force=jnp.stack([s.ring_gear_force for s in supports]),
         carrier_force=jnp.stack([s.carrier_force for s in supports]),

@@ -127,6 +127,8 @@ class Transient(eqx.Module):
     screw_acceleration: Float[Array, " times"] | None = None
     #: Rate at which bristles between the threads store energy [W]; `None` without such a law.
     bristle_power: Float[Array, " times"] | None = None
+    #: Their deflection, in the carrier's frame [m]; 0 in stages without them.
+    bristle_deflection: Float[Array, "stages times 3"] | None = None
     #: Travel of the last nut from where it started [m], and whether the mechanism sticks; only
     #: where the torque is prescribed.
     position: Float[Array, " times"] | None = None
@@ -151,6 +153,19 @@ def _kinetic_power(mechanism: Mechanism, carrier_speed, acceleration, speed, scr
             moved = moved + body_mass(stage, "screw") * travel_per_turn(stages, index) ** 2
         power = power + moved * speed * screw_acceleration
     return power
+
+
+def _deflections(instant: tuple[StageState, ...]) -> Float[Array, "stages 3"] | None:
+    if all(state.motion.deflection is None for state in instant):
+        return None
+    return jnp.stack(
+        [
+            jnp.zeros_like(state.motion.slip)
+            if state.motion.deflection is None
+            else turned(state.motion.deflection, state.flank)
+            for state in instant
+        ]
+    )
 
 
 def histories(
@@ -218,10 +233,13 @@ def histories(
                 ]
             ),
             "slip_direction": jnp.stack([turned(s.motion.direction, s.flank) for s in instant]),
+            "bristle_deflection": _deflections(instant),
             "bristle_power": stored,
         }
 
     found = jax.vmap(at)(history)
+    found = jax.vmap(at)(history)
+    deflections: Any = found.pop("bristle_deflection")
     per_stage = (
         "carrier_ratio",
         "contact_force",
@@ -244,6 +262,7 @@ def histories(
         time=times,
         screw_acceleration=history.screw_acceleration,
         load=history.load,
+        bristle_deflection=None if deflections is None else jnp.moveaxis(deflections, 1, 0),
         carrier_speed=history.carrier_speed.T,
         carrier_acceleration=history.acceleration.T,
         solver=dataclasses.replace(report, code=code),

@@ -146,6 +146,35 @@ def test_a_transient_traces_its_own_method_only(method):
     assert "torque_drive" not in steady | moving
 
 
+NEWTON = {"newton", "free_bodies"}
+
+
+@pytest.mark.parametrize("name", LOSSES)
+def test_forces_on_every_part_are_traced_on_request_only(name):
+    """Neither a transient nor a steady state cuts bodies free; of friction only what is there."""
+    friction, label, company = LOSSES[name]
+    one = _two_stages(friction)
+    scenario = prsm.Scenario(array(100.0), array(7e3), array(1e-3), samples=3)
+
+    def run(m):
+        return prsm.simulate(m, scenario, method="explicit", throw=False)
+
+    assert not prsm.traced_physics(run, one) & NEWTON
+    assert not _steady(one) & NEWTON
+    instant = prsm.dynamics.Instant(array(100.0), array([20.0, 30.0]), array(7e3))
+    found = prsm.traced_physics(prsm.body_forces, one, instant)
+    laws = ({label} | company) - {"carrier_balance"}
+    assert found == {"meshing", "gear_tooth_force"} | NEWTON | laws
+
+
+def test_forces_at_constant_speed_leave_the_masses_of_screws_untraced():
+    moving = prsm.dynamics.Instant(array(100.0), array([20.0]), array(7e3), array(1e3))
+    steady = eqx.tree_at(lambda i: i.screw_acceleration, moving, None)
+    one = mechanism(stage())
+    assert "screw_inertia" in prsm.traced_physics(prsm.body_forces, one, moving)
+    assert "screw_inertia" not in prsm.traced_physics(prsm.body_forces, one, steady)
+
+
 class _Ramp(eqx.Module):
     rate: float = 1.0
 

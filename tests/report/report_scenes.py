@@ -42,6 +42,8 @@ def make_steady(output: float, **losses: float) -> SteadyState:
         output_power=jnp.asarray(output),
         power_balance_residual=jnp.asarray(0.0),
         valid=jnp.asarray(True),
+        screw_speed=jnp.asarray(100.0),
+        slip_direction=jnp.zeros((*one.shape, 3)),
     )
 
 
