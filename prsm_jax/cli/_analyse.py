@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Annotated, Any
 
 import equinox as eqx
@@ -194,10 +195,14 @@ def simulate(
     *,
     method: Annotated[Method, Parameter(help="Integrator.")] = "implicit",
     samples: Annotated[int, Parameter(help="Number of times in the result.")] = 201,
+    animation: Annotated[
+        bool, Parameter(help="With --out: an animated GIF of the stages in motion.")
+    ] = True,
     common: Common = _DEFAULT,
 ) -> int:
     """Transient after a step of the screw speed, from rollers at rest."""
-    run = _transient(common.load(file), method, samples)
+    mechanism = common.load(file)
+    run = _transient(mechanism, method, samples)
     results = transient_results(run)
     solver = results["solver"]
     rows: list[tuple[Any, ...]] = [
@@ -206,17 +211,18 @@ def simulate(
     ]
     for number, ratios in enumerate(run.carrier_ratio, start=1):
         rows.append((f"stage {number}: carrier ratio", float(ratios[0]), float(ratios[-1])))
-    picture = None
+    pictures: tuple[Path, ...] = ()
     if common.out is not None:
-        from ..report import transient_chart
+        from ..report import save_transient_pictures
 
-        common.out.mkdir(parents=True, exist_ok=True)
-        picture = common.out / "transient.png"
-        transient_chart(run).savefig(picture)
+        pictures = save_transient_pictures(common.out, mechanism, run, animation=animation)
+        results["pictures"] = list(pictures)
 
     def text() -> str:
         summary = f"{solver['name']}: {solver['steps']} steps, {solver['rejected']} rejected, "
-        summary += solver["result"] + ("" if picture is None else f"\npicture: {picture}")
+        summary += solver["result"] + (
+            f"\n{len(pictures)} pictures in {common.out}" if pictures else ""
+        )
         return table(f"Transient: {file}", ["", "start", "end"], rows) + summary
 
     emit(common, results, text)

@@ -6,6 +6,7 @@ from ._cross_section import cross_section as cross_section
 from ._data import ReportData as ReportData, analyse as analyse
 from ._frequency_chart import frequency_chart as frequency_chart
 from ._frequency_loci_chart import frequency_loci_chart as frequency_loci_chart
+from ._history_chart import history_chart as history_chart
 from ._loss_chart import loss_chart as loss_chart
 from ._mode_animation import (
     save_mode_animation as save_mode_animation,
@@ -19,10 +20,22 @@ from ._optimisation import (
     summarise_optimisation as summarise_optimisation,
 )
 from ._optimisation_chart import optimisation_chart as optimisation_chart
+from ._power_flow import (
+    PowerFlow as PowerFlow,
+    energy_flow as energy_flow,
+    power_history as power_history,
+    steady_flow as steady_flow,
+)
+from ._power_flow_chart import (
+    power_flow_chart as power_flow_chart,
+    power_history_chart as power_history_chart,
+)
 from ._published_figure import published_figure as published_figure
 from ._response_chart import response_chart as response_chart
 from ._sensitivity_bars import sensitivity_bars as sensitivity_bars
+from ._stage_animation import save_motion_animation as save_motion_animation
 from ._style import save_figure as save_figure
 from ._sweep_map import sweep_map as sweep_map
 from ._transient_chart import settling_time as settling_time, transient_chart as transient_chart
+from ._transient_pictures import save_transient_pictures as save_transient_pictures
 from ._write import write_report as write_report

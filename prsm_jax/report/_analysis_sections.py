@@ -7,8 +7,11 @@ import numpy as np
 from ._contact_ellipses import contact_ellipses
 from ._data import ReportData
 from ._frequency_chart import elastic_modes, frequency_chart
+from ._history_chart import history_chart
 from ._loss_chart import loss_chart
 from ._mode_shapes import mode_shapes
+from ._power_flow import energy_flow, steady_flow
+from ._power_flow_chart import power_flow_chart, power_history_chart
 from ._section import Picture, Section, Table
 from ._style import readable
 from ._transient_chart import settling_time, transient_chart
@@ -183,8 +186,17 @@ def steady_section(data: ReportData) -> Section | None:
         chart = _designs(data, "steady")
     else:
         chart = {"screw drives": data.forward, "load drives": data.backward}
-    picture = Picture("losses", "Where the power goes.", lambda: loss_chart(chart))
-    return Section("steady", "Steady state", tuple(paragraphs), tuple(tables), (picture,))
+    pictures = [Picture("losses", "Where the power goes.", lambda: loss_chart(chart))]
+    forward = data.forward
+    if steady_flow(forward).total > 0:
+        pictures.append(
+            Picture(
+                "power_flow",
+                "Power from the motor to the load, the screw driving.",
+                lambda: power_flow_chart(steady_flow(forward)),
+            )
+        )
+    return Section("steady", "Steady state", tuple(paragraphs), tuple(tables), tuple(pictures))
 
 
 def _percent(value) -> str:
@@ -213,8 +225,29 @@ def transient_section(data: ReportData) -> Section | None:
         "The screw runs at full speed from the start and the rollers from rest, so the threads "
         "slide until the carriers have come up to speed.",
     )
-    picture = Picture(
-        "transient", "Efficiency, carrier ratio and drive torque.", lambda: transient_chart(run)
-    )
+    pictures = [
+        Picture(
+            "transient", "Efficiency, carrier ratio and drive torque.", lambda: transient_chart(run)
+        ),
+        Picture(
+            "histories",
+            "Motion, torque, load and forces in time.",
+            lambda: history_chart(data.mechanism, run),
+        ),
+        Picture(
+            "powers",
+            "Powers in time; what comes from somewhere goes somewhere.",
+            lambda: power_history_chart(data.mechanism, run),
+        ),
+    ]
+    flow = energy_flow(data.mechanism, run)
+    if flow.total > 0:
+        pictures.append(
+            Picture(
+                "energy_flow",
+                "Energy of the whole transient.",
+                lambda: power_flow_chart(flow, "Energy flow of the whole transient"),
+            )
+        )
     table = Table("Transient", ("", ""), tuple(rows))
-    return Section("transient", "Transient", words, (table,), (picture,))
+    return Section("transient", "Transient", words, (table,), tuple(pictures))

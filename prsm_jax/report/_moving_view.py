@@ -1,6 +1,7 @@
 """The view along the axis with every body displaced: drawn once, then moved."""
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 from ._body_motion import BodyMotion, ModeMotion
@@ -46,10 +47,14 @@ class MovingView:
 
     def move(self, factor: float) -> None:
         """Displace every body by so much of the drawn amplitude, from −1 to 1."""
+        self.place(lambda body: body.placed(factor * self.scale))
+
+    def place(self, pose: Callable[[BodyMotion], tuple[float, float, float]]) -> None:
+        """Put every body at a centre [mm] and an angle from where it is at rest [rad]."""
         from matplotlib.transforms import Affine2D
 
         for body, artists in self._moving:
-            x, y, angle = body.placed(factor * self.scale)
+            x, y, angle = pose(body)
             place = Affine2D().rotate(angle).translate(x, y) + self._axes.transData
             for artist in artists:
                 artist.set_transform(place)

@@ -1,0 +1,47 @@
+"""All pictures of one transient, written into a folder."""
+
+from pathlib import Path
+
+from ..dynamics import Transient
+from ..mechanism import Mechanism
+from ._history_chart import history_chart
+from ._power_flow import energy_flow
+from ._power_flow_chart import power_flow_chart, power_history_chart
+from ._stage_animation import save_motion_animation
+from ._style import save_figure
+from ._transient_chart import transient_chart
+
+
+def save_transient_pictures(
+    folder: str | Path, mechanism: Mechanism, run: Transient, *, animation: bool = True
+) -> tuple[Path, ...]:
+    """Write every picture of a transient: overview, histories, powers, energy flow, motion.
+
+    `transient`, `histories`, `powers` and `energy-flow` as PNG and SVG, and `motion.gif`. The
+    energy flow is left out where nothing moves.
+
+    **Arguments:**
+
+    - `folder`: where to write; made if it is not there.
+    - `mechanism`, `run`: what moved, and how.
+    - `animation`: whether to write the animation.
+
+    **Returns:** the paths written.
+
+    **Raises:** `MissingExtraError` without matplotlib.
+    """
+    # Everything that can fail comes before the folder.
+    figures = {
+        "transient": transient_chart(run),
+        "histories": history_chart(mechanism, run),
+        "powers": power_history_chart(mechanism, run),
+    }
+    flow = energy_flow(mechanism, run)
+    if flow.total > 0:
+        figures["energy-flow"] = power_flow_chart(flow, "Energy flow of the whole transient")
+    place = Path(folder)
+    place.mkdir(parents=True, exist_ok=True)
+    written = [path for name, one in figures.items() for path in save_figure(one, place / name)]
+    if animation:
+        written.append(save_motion_animation(place / "motion", mechanism, run))
+    return tuple(written)

@@ -1,0 +1,211 @@
+"""Pictures of transients: histories with shaded sticking, power flow, the stages in motion."""
+
+import dataclasses
+import math
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from PIL import Image
+from report_checks import assert_printable, axis_labels
+from report_scenes import make_steady, make_transient
+from scenes import array, example, simulate
+
+from prsm_jax.dynamics import Scenario
+from prsm_jax.dynamics._transient_result import Phase
+from prsm_jax.report import (
+    PowerFlow,
+    energy_flow,
+    history_chart,
+    power_flow_chart,
+    power_history,
+    power_history_chart,
+    save_motion_animation,
+    save_transient_pictures,
+    steady_flow,
+)
+from prsm_jax.report._history_chart import sticking_phases, travel_of
+from prsm_jax.report._stage_animation import angle_scale, poses
+
+
+@pytest.fixture(scope="module")
+def mechanism():
+    return example("li2021_two_stage")
+
+
+@pytest.fixture(scope="module")
+def settling(mechanism):
+    return simulate(mechanism, Scenario(100.0, 5000.0, 1e-3, samples=201))
+
+
+@pytest.fixture(scope="module")
+def sticking(settling):
+    """Turns to and fro and sticks twice; the numbers are made up."""
+    time = settling.time * 1e3
+    speed = 100 * jnp.sin(2 * jnp.pi * time)
+    held = (time > 0.2) & (time < 0.3)
+    padding = jnp.ones(3)
+    return dataclasses.replace(
+        settling,
+        time=time,
+        screw_speed=jnp.where(held, 0.0, speed),
+        sticking=held,
+        position=1e-3 * jnp.cos(2 * jnp.pi * time),
+        phases=Phase(
+            jnp.concatenate([jnp.array([0.0, 0.2, 0.3, 0.8]), padding]),
+            jnp.concatenate([jnp.array([0.2, 0.3, 0.8, 0.9]), padding]),
+            jnp.concatenate([jnp.array([1.0, 0.0, 1.0, 0.0]), 0 * padding]),
+        ),
+    )
+
+
+def _shaded(axes):
+    boxes = [p for p in axes.patches if p.get_height() == 1 and p.get_y() == 0]
+    return [(box.get_x(), box.get_x() + box.get_width()) for box in boxes]
+
+
+def test_every_picture_of_a_transient_can_be_printed(mechanism, settling, sticking):
+    for run in (settling, sticking):
+        figure = history_chart(mechanism, run)
+        assert_printable(figure)
+        labels = axis_labels(figure)
+        assert {"in N·m", "in %", "in mm"} <= set(labels)
+        figure = power_history_chart(mechanism, run)
+        assert_printable(figure)
+        assert any(label.startswith("power in") for label in axis_labels(figure))
+        assert_printable(power_flow_chart(energy_flow(mechanism, run)))
+
+
+def test_sticking_is_shaded_where_the_phases_say(mechanism, settling, sticking):
+    assert sticking_phases(settling) == []
+    assert np.allclose(sticking_phases(sticking), [(0.2, 0.3), (0.8, 0.9)])
+    for figure in (history_chart(mechanism, sticking), power_history_chart(mechanism, sticking)):
+        for axes in figure.axes:
+            if axes.get_visible():
+                assert np.allclose(_shaded(axes), [(0.2, 0.3), (0.8, 0.9)])
+    assert "sticks" in [t.get_text() for t in history_chart(mechanism, sticking).legends[0].texts]
+
+
+def test_what_does_not_change_is_named_instead_of_drawn(mechanism, settling):
+    figure = history_chart(mechanism, settling)
+    words = figure.get_suptitle()
+    assert "screw speed 954.9" in words
+    assert "load 5.000" in words
+    titles = [axes.get_title() or axes.get_title(loc="left") for axes in figure.axes]
+    assert "screw speed" not in titles
+    assert "drive torque" in titles
+
+
+def test_energies_are_integrals_of_the_powers(mechanism, settling):
+    flow = energy_flow(mechanism, settling)
+    assert flow.unit == "J"
+    # 5 kN over the travel of two leads of 10 mm at 100 rad/s, for a millisecond.
+    assert flow.sinks["load"] == pytest.approx(5000 * 0.02 * 100 / (2 * math.pi) * 1e-3)
+    assert flow.sources["motor"] == pytest.approx(
+        float(np.trapezoid(settling.drive_torque * 100.0, settling.time))
+    )
+    assert sum(flow.sinks.values()) == pytest.approx(flow.total, rel=1e-12)
+    # The carriers have their kinetic energy in the end: ½ I ω², from nothing.
+    inertia = [
+        2 * float(s.carrier.inertia)
+        + 7 * float(s.roller.inertia) * 16
+        + 7 * float(s.roller.mass) * float(s.thread.centre_distance) ** 2
+        for s in mechanism.stages
+    ]
+    energy = sum(
+        i * float(w) ** 2 / 2 for i, w in zip(inertia, settling.carrier_speed[:, -1], strict=True)
+    )
+    # To the error of the trapezoidal rule on 200 intervals.
+    assert flow.sinks["moving masses"] == pytest.approx(energy, rel=2e-3)
+
+
+def test_both_halves_of_the_power_picture_are_equal(mechanism, settling):
+    powers = power_history(mechanism, settling)
+    total = powers.motor + powers.load + powers.kinetic + powers.bristles
+    np.testing.assert_allclose(total, sum(powers.losses.values()), rtol=1e-12)
+    figure = power_history_chart(mechanism, settling)
+    low, high = figure.axes[0].dataLim.intervaly
+    assert low == pytest.approx(-high)
+
+
+def test_steady_flows_name_who_drives():
+    state = make_steady(3000.0, thread_sliding=400.0, spin=40.0)
+    flow = steady_flow(state)
+    assert flow.sources == {"motor": 3440.0}
+    assert flow.sinks == {"load": 3000.0, "thread_sliding": 400.0, "spin": 40.0}
+    assert steady_flow(state, load_drives=True).sources == {"load": 3440.0}
+    # What locks itself takes power from both ends.
+    locked = dataclasses.replace(
+        state, output_power=jnp.asarray(-40.0), input_power=jnp.asarray(400.0)
+    )
+    assert steady_flow(locked, load_drives=True).sources == {"load": 400.0, "motor": 40.0}
+
+
+def test_widths_of_the_bands_are_the_flows():
+    flow = PowerFlow({"motor": 90.0, "load": 10.0}, {"load": 70.0, "spin": 29.9, "drag": 0.1}, "W")
+    figure = power_flow_chart(flow)
+    assert_printable(figure)
+    heights: dict[str, list[float]] = {}
+    for patch in figure.axes[0].patches:
+        if patch.get_label() in ("motor", "load", "spin", "drag"):
+            heights.setdefault(patch.get_label(), []).append(patch.get_height())
+    whole = heights["motor"][0] / 0.9
+    assert heights["load"] == pytest.approx([0.1 * whole, 0.7 * whole])
+    assert heights["spin"] == pytest.approx([0.299 * whole])
+    with pytest.raises(ValueError, match="nothing flows"):
+        power_flow_chart(PowerFlow({}, {}, "W"))
+
+
+def test_the_stages_move_as_they_should(mechanism, settling):
+    times, found, scale = poses(mechanism, settling, 11)
+    assert times[-1] == pytest.approx(1e-3)
+    last = found[-1]
+    assert last.screw == pytest.approx(scale * 0.1)
+    # Each nut takes the next screw along, so the second has travelled both leads.
+    assert last.travel == pytest.approx([0.1 / (2 * math.pi) * 10, 0.1 / (2 * math.pi) * 20])
+    for stage in (0, 1):
+        turned = np.trapezoid(settling.carrier_speed[stage], settling.time)
+        assert last.carriers[stage] == pytest.approx(scale * float(turned))
+        assert last.rollers[stage] == pytest.approx(-5 * last.carriers[stage])
+    np.testing.assert_allclose(
+        travel_of(mechanism, settling), 0.02 * 100 / (2 * math.pi) * settling.time
+    )
+
+
+@pytest.mark.parametrize("span", [0.0, 1e-3, 0.1, 3.0, 500.0])
+def test_turning_is_drawn_so_that_the_eye_can_follow(span):
+    scale = angle_scale(np.linspace(0.0, span, 60))
+    drawn = scale * span / 59
+    assert drawn <= math.radians(20) * (1 + 1e-12)
+    assert scale == pytest.approx(round(scale)) or 1 / scale == pytest.approx(round(1 / scale))
+    if span:
+        assert scale * span >= math.radians(150)
+
+
+def test_all_pictures_are_written(mechanism, settling, tmp_path):
+    written = save_transient_pictures(tmp_path / "out", mechanism, settling, animation=False)
+    names = {"transient", "histories", "powers", "energy-flow"}
+    assert {path.name for path in written} == {f"{n}.{s}" for n in names for s in ("png", "svg")}
+    assert all(path.stat().st_size > 1000 for path in written)
+
+
+def test_the_animation_moves_and_repeats(mechanism, settling, tmp_path):
+    path = save_motion_animation(tmp_path / "motion", mechanism, settling, frames=8)
+    with Image.open(path) as picture:
+        assert picture.n_frames == 8
+        assert picture.info["loop"] == 0
+        first = np.asarray(picture.convert("RGB")).astype(int)
+        picture.seek(4)
+        assert (np.abs(np.asarray(picture.convert("RGB")) - first).max(axis=2) > 40).mean() > 0.01
+    with pytest.raises(ValueError, match="at least 8"):
+        save_motion_animation(tmp_path / "motion", mechanism, settling, frames=4)
+    assert [p.name for p in tmp_path.iterdir()] == ["motion.gif"]
+
+
+def test_nothing_moves_and_nothing_is_said_of_energy(mechanism, tmp_path):
+    run = make_transient()
+    still = dataclasses.replace(
+        run, screw_speed=array(0 * run.time), carrier_speed=0 * run.carrier_speed
+    )
+    written = save_transient_pictures(tmp_path, mechanism, still, animation=False)
+    assert not any("energy" in path.name for path in written)
