@@ -63,6 +63,8 @@ class Problem:
     - `reference`: computes the reference values by quantity; the labels of the charts.
     - `reference_note`: where the reference comes from and how good it is.
     - `baseline`: name of the method that ratios of run time refer to, normally a rival.
+    - `target`: the largest error that an answer may have; the report then compares the cheapest
+      settings that reach it, because the same tolerance means another error for every solver.
     - `yardstick`: instances per second that this machine could reach, by a measurement apart.
     """
 
@@ -74,6 +76,7 @@ class Problem:
     reference_note: str
     baseline: str
     yardstick: float | None = None
+    target: float | None = None
 
     def __post_init__(self):
         names = [method.name for method in self.methods]

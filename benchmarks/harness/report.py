@@ -19,7 +19,7 @@ from .measure import ErrorSummary, Measurement
 SCHEMA = 1
 
 _PACKAGES = ("prsm-jax", "jax", "jaxlib", "diffrax", "equinox", "optimistix", "numpy", "scipy")
-_PACKAGES = (*_PACKAGES, "mpmath")
+_PACKAGES = (*_PACKAGES, "mpmath", "numbalsoda", "casadi")
 
 #: Measurements of one case, problem by problem.
 Measured = Sequence[tuple[Problem, Sequence[Measurement]]]
@@ -89,6 +89,63 @@ def _result(row: Measurement, yardstick: float | None) -> dict[str, Any]:
     }
 
 
+def cheapest(problem: Problem, rows: Sequence[Measurement]) -> list[Measurement]:
+    """Of every method the fastest setting whose largest error reaches the problem's target."""
+
+    def reaches(row: Measurement) -> bool:
+        errors = [error.maximum for error in row.errors.values()]
+        complete = all(error.not_finite == 0 for error in row.errors.values())
+        return complete and all(e is not None and e <= problem.target for e in errors)
+
+    best: dict[str, Measurement] = {}
+    for row in rows:
+        if reaches(row) and (row.method not in best or row.best < best[row.method].best):
+            best[row.method] = row
+    return list(best.values())
+
+
+def _at_equal_error(problem: Problem, rows: Sequence[Measurement]) -> dict[str, Any]:
+    if problem.target is None:
+        return {}
+    found = cheapest(problem, rows)
+    theirs = [row.best for row in found if row.method == problem.baseline]
+    ratio = theirs[0] if theirs else None
+    return {
+        "at_equal_error": {
+            "target": problem.target,
+            "methods": [
+                {
+                    "method": row.method,
+                    "setting": _setting(row),
+                    "best_s": row.best,
+                    "error": max(e.maximum or 0.0 for e in row.errors.values()),
+                    "speed_ratio": None if ratio is None else ratio / row.best,
+                }
+                for row in found
+            ],
+        }
+    }
+
+
+def _equal_error_table(problem: Problem, rows: Sequence[Measurement]) -> list[str]:
+    found = _at_equal_error(problem, rows).get("at_equal_error")
+    if found is None:
+        return []
+    header = ["method", "setting", f"time per {problem.instance}", "largest error"]
+    header.append(f"speed against {problem.baseline}")
+    lines = [f"Cheapest settings with errors up to {problem.target:g}:", ""]
+    lines += [_row(header), _row(["---"] * len(header))]
+    for row in found["methods"]:
+        setting, ratio = row["setting"], row["speed_ratio"]
+        cells = [
+            row["method"],
+            "" if setting is None else f"{setting['name']} {setting['value']:g}",
+        ]
+        cells += [_time(row["best_s"]), f"{row['error']:.1e}"]
+        lines.append(_row([*cells, "" if ratio is None else f"{ratio:.3g}"]))
+    return [*lines, ""]
+
+
 def document(case: Case, measured: Measured, *, quick: bool) -> dict[str, Any]:
     """Everything that is known about one case, as JSON-able data (see `benchmarks/README.md`)."""
     return {
@@ -108,6 +165,7 @@ def document(case: Case, measured: Measured, *, quick: bool) -> dict[str, Any]:
                 "baseline": problem.baseline,
                 "results": [_result(row, problem.yardstick) for row in rows],
             }
+            | _at_equal_error(problem, rows)
             for problem, rows in measured
         ],
     }
@@ -158,7 +216,7 @@ def table(case: Case, measured: Measured) -> str:
             cells += [_error(row.errors[name]) for name in quantities]
             cells += [_time(row.first_call), row.note]
             lines.append(_row(cells))
-        lines.append("")
+        lines += ["", *_equal_error_table(problem, rows)]
     return "\n".join(lines)
 
 

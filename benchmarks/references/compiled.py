@@ -6,6 +6,7 @@ spline and thrust bearing; screw driving or driven, the load always on the same 
 """
 
 import importlib.util
+import math
 from types import SimpleNamespace
 
 import numpy as np
@@ -74,6 +75,17 @@ def right_hand_side(operations, moving: bool):
     return rates
 
 
+def python_rates(moving: bool, numbers: np.ndarray):
+    """The right-hand side for SciPy, of one trajectory, in Python floats."""
+
+    def sign(value):
+        return float(value > 0) - float(value < 0)
+
+    operations = SimpleNamespace(sqrt=math.sqrt, sin=math.sin, cos=math.cos, sign=sign)
+    rates, given = right_hand_side(operations, moving), numbers.tolist()
+    return lambda time, ratio: rates(time, ratio.tolist(), given, [0.0, 0.0])
+
+
 class Lsoda:
     """numbalsoda's LSODA over many trajectories, compiled, on all cores."""
 
@@ -118,13 +130,14 @@ def casadi_integrators(moving: bool, solver: str, times: np.ndarray, rtol: float
     `solver` is "cvodes", or "idas" for the same equations with the rates as algebraic unknowns.
 
     **Returns:** functions of one vector of numbers: the ratios (stage × time), and their
-    derivatives by the speed, the load and the first stage's friction coefficient (stage × time × 3).
+    derivatives by the speed, the load and the first friction coefficient (stage × time × 3).
     """
     import casadi
 
     rates = right_hand_side(casadi, moving)
     state, numbers, time = casadi.SX.sym("x", 2), casadi.SX.sym("p", NUMBERS), casadi.SX.sym("t")
     found = casadi.vertcat(*rates(time, state, numbers, [0, 0]))
+    at_start = casadi.Function("rates", [time, state, numbers], [found])
     problem = {"x": state, "p": numbers, "t": time, "ode": found}
     if solver == "idas":
         unknown = casadi.SX.sym("z", 2)
@@ -135,38 +148,10 @@ def casadi_integrators(moving: bool, solver: str, times: np.ndarray, rtol: float
     for column, row in enumerate((0, 2, DRIVE + 10)):
         seeds[row, column] = 1.0
     begin = casadi.repmat(given[4], 2, 1)
-    ends = casadi.horzcat(begin, integrator(x0=begin, p=given)["xf"])
+    # IDAS fails to find consistent rates from anything else than the right ones.
+    guess = {"z0": at_start(times[0], begin, given)} if solver == "idas" else {}
+    ends = casadi.horzcat(begin, integrator(x0=begin, p=given, **guess)["xf"])
     values = casadi.Function("values", [given], [ends])
     tangents = casadi.jtimes(casadi.vec(ends), given, casadi.DM(seeds))
     slopes = casadi.Function("slopes", [given], [tangents])
     return values, slopes
-
-
-def stage_columns(kinematics, carrier_inertia, stage, travel, screw_travel) -> np.ndarray:
-    """The numbers of one stage, from what the package computed; one row per trajectory."""
-    friction, screw = stage["friction"], kinematics.meshing.screw
-    slip, drive, normal = (
-        np.asarray(x) for x in (kinematics.slip_per_screw, kinematics.drive, screw.normal)
-    )
-    count = len(slip)
-    columns = [
-        stage["rollers"],
-        slip[:, 2],
-        slip[:, 0],
-        slip[:, 1],
-        drive[:, 0],
-        drive[:, 1],
-        normal[:, 0],
-        normal[:, 1],
-        normal[:, 2],
-        carrier_inertia,
-        friction,
-        stage["spline"],
-        stage["bearing"],
-        stage["axial_mass"],
-        stage["screw_mass"],
-        stage["screw_inertia"],
-        travel,
-        screw_travel,
-    ]
-    return np.stack([np.broadcast_to(np.asarray(c, float), count) for c in columns], axis=1)

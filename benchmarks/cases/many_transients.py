@@ -1,0 +1,420 @@
+"""Many designs' transients at equal achieved error: compiled rivals, derivatives, lock step."""
+
+import functools
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from prsm_jax import Scenario, simulate
+
+from ..harness import Case, Method, Prepared, Problem, Reference
+from ..references.compiled import (
+    Lsoda,
+    casadi_integrators,
+    missing_rivals,
+    python_rates,
+)
+from ..references.designs_of_two_stages import (
+    Designs,
+    apart,
+    base,
+    design,
+    kinematics_of,
+    numbers_of,
+    random_designs,
+)
+
+_RATIO = "carrier speeds over the largest screw speed"
+_SLOPES = "derivatives by speed, load and friction coefficient"
+#: Absolute tolerance over relative tolerance; all solvers have the same.
+_ABSOLUTE = 1e-2
+_FREQUENCY = 2 * np.pi * 5
+#: Carrier speeds are measured by the steady value of the first design.
+_SCALE = 0.37
+_TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
+_QUICK = (1e-4, 1e-6)
+
+
+class Scene:
+    """Designs, how they are driven, and everything that is computed once for all methods."""
+
+    def __init__(self, count, duration, samples, frequency=0.0, width=0.0):
+        self.designs: Designs = random_designs(count)
+        self.mechanism = base(width)
+        self.duration, self.samples = duration, samples
+        self.frequency, self.width = frequency, width
+        self.times = np.linspace(0.0, duration, samples)
+        self.kinematics = kinematics_of(self.mechanism, self.designs)
+        self.numbers = numbers_of(self.mechanism, self.designs, self.kinematics, frequency, width)
+
+    def scenario(self, speed, force) -> Scenario:
+        """The scene of one design."""
+        motion = speed
+        if self.frequency:
+
+            def motion(time):
+                return speed * jnp.sin(self.frequency * time)
+
+        return Scenario(motion, force, self.duration, samples=self.samples)
+
+    def rows(self, count: int) -> np.ndarray:
+        """Numbers of the first designs, meshed apart from the package."""
+        return apart(base(0.0), self.designs, self.numbers, count)
+
+
+def _tight(scene: Scene, rows: np.ndarray, solver: str, rtol: float) -> np.ndarray:
+    """Carrier speeds over the screw's largest, by SciPy: row × stage × time."""
+    from scipy.integrate import solve_ivp
+
+    found = []
+    for row in rows:
+        rates = python_rates(bool(scene.frequency), row)
+        span = (0.0, scene.duration)
+        solution = solve_ivp(
+            rates,
+            span,
+            np.zeros(2),
+            method=solver,
+            t_eval=scene.times,
+            rtol=rtol,
+            atol=rtol * _ABSOLUTE,
+        )
+        complete = solution.status == 0 and solution.y.shape[1] == scene.samples
+        found.append(solution.y if complete else np.full((2, scene.samples), np.nan))
+    return np.array(found)
+
+
+def _reference(scene: Scene, count: int, solver: str, rtol: float) -> Callable:
+    return lambda: {_RATIO: Reference(_tight(scene, scene.rows(count), solver, rtol), _SCALE)}
+
+
+def _solver(scene: Scene, method: Any, meshes: bool = False):
+    """Carrier speeds of one design, over the amplitude of its screw speed, and the steps."""
+
+    def solve(factors, kinematics, speed, force, rtol):
+        run = simulate(
+            design(scene.mechanism, factors),
+            scene.scenario(speed, force),
+            method=method,
+            gradient="forward",
+            rtol=rtol,
+            atol=rtol * _ABSOLUTE,
+            max_steps=100_000,
+            throw=False,
+            kinematics=None if meshes else kinematics,
+        )
+        found = jnp.where(run.solver.code != 0, jnp.nan, run.carrier_speed / speed)
+        return found, run.solver.steps + run.solver.rejected
+
+    return solve
+
+
+def _named(out):
+    return {_RATIO: np.asarray(out[0])}
+
+
+def _steps(out):
+    steps = np.asarray(out[1])
+    if not steps.any():
+        return ""
+    return f"{steps.mean():.0f} steps on average, {steps.max()} in lock step"
+
+
+def _ours(
+    scene: Scene, name: str, method: Any, settings: Sequence, chunk: int = 0, order=None, **options
+) -> Method:
+    """A method of the package; with `chunk`, that many designs at once, in a certain order."""
+    solve = jax.vmap(_solver(scene, method, **options), in_axes=(0, 0, 0, 0, None))
+    rows = np.arange(len(scene.designs.speed)) if order is None else order
+    inputs = jax.tree.map(
+        lambda x: jnp.asarray(np.asarray(x)[rows]),
+        (scene.designs.factors, scene.kinematics, scene.designs.speed, scene.designs.load),
+    )
+    back = np.argsort(rows)
+    if chunk:
+        parts = jax.tree.map(lambda x: x.reshape(-1, chunk, *x.shape[1:]), inputs)
+        jitted = jax.jit(
+            lambda given, rtol: jax.tree.map(
+                lambda x: x.reshape(-1, *x.shape[2:]),
+                jax.lax.map(lambda part: solve(*part, rtol), given),
+            )
+        )
+
+        def call(rtol):
+            return jitted(parts, rtol)
+    else:
+        jitted = jax.jit(solve)
+
+        def call(rtol):
+            return jitted(*inputs, rtol)
+
+    def prepare(rtol):
+        given = jnp.asarray(1e-8 if rtol is None else rtol)
+
+        def read(out):
+            return {_RATIO: np.asarray(out[0])[back]}
+
+        return Prepared(lambda: call(given), len(rows), read, _steps)
+
+    return Method(name, prepare, settings, "rtol" if settings != (None,) else "")
+
+
+def _lsoda(scene: Scene, settings, count: int) -> Method:
+    solver = Lsoda(bool(scene.frequency))
+    rows = np.ascontiguousarray(scene.numbers[:count])
+
+    def prepare(rtol):
+        def call():
+            return solver.solve(rows, scene.times, rtol, rtol * _ABSOLUTE)
+
+        return Prepared(call, len(rows), lambda out: {_RATIO: out})
+
+    return Method("numbalsoda LSODA, all cores", prepare, settings, "rtol", "rival")
+
+
+def _casadi(scene: Scene, solver: str, settings, count: int) -> Method:
+    def prepare(rtol):
+        values, _ = casadi_integrators(
+            bool(scene.frequency), solver, scene.times, rtol, rtol * _ABSOLUTE
+        )
+
+        def call():
+            return np.array([np.array(values(row)) for row in scene.numbers[:count]])
+
+        return Prepared(call, count, lambda out: {_RATIO: out})
+
+    return Method(f"CasADi {solver.upper()}", prepare, settings, "rtol", "rival")
+
+
+def _scipy(scene: Scene, solver: str, settings, count: int) -> Method:
+    def prepare(rtol):
+        def call():
+            return _tight(scene, scene.numbers[:count], solver, rtol)
+
+        return Prepared(call, count, lambda out: {_RATIO: out})
+
+    return Method(f"SciPy {solver}", prepare, settings, "rtol", "rival")
+
+
+def _rivals(scene: Scene, settings, batch: int, few: int) -> list[Method]:
+    absent = missing_rivals()
+    found = []
+    if "numbalsoda" not in absent and "numba" not in absent:
+        found.append(_lsoda(scene, settings, batch))
+    if "casadi" not in absent:
+        found.append(_casadi(scene, "cvodes", settings, few))
+        if not scene.frequency:
+            # At standstill IDAS finds no consistent start.
+            found.append(_casadi(scene, "idas", settings, few))
+    return [*found, *(_scipy(scene, solver, settings, few) for solver in ("LSODA", "Radau"))]
+
+
+def _left_out() -> str:
+    absent = missing_rivals()
+    return f" Left out, not installed: {', '.join(absent)} (README)." if absent else ""
+
+
+def _settle(quick: bool) -> Problem:
+    count, settings = (200, _QUICK) if quick else (10_000, _TOLERANCES)
+    scene = Scene(count, 1e-3, 21)
+    rivals = _rivals(scene, settings, count, 3 if quick else 10)
+    return Problem(
+        name="settle",
+        title=f"Two-stage settle, 1 ms, batch of {count} designs",
+        instance="trajectory",
+        methods=[
+            _ours(scene, "closed form", "closed_form", (None,)),
+            _ours(scene, "closed form, meshing included", "closed_form", (None,), meshes=True),
+            _ours(scene, "RODASP", "rosenbrock", settings),
+            _ours(scene, "Tsit5", "explicit", settings),
+            _ours(scene, "Kvaerno5 with Newton", "implicit", settings),
+            *rivals,
+        ],
+        reference=_reference(scene, 5, "DOP853", 1e-12),
+        reference_note="SciPy DOP853 at rtol 1e-12, five designs, meshed in mpmath." + _left_out(),
+        baseline=rivals[0].name,
+        target=1e-6,
+    )
+
+
+def _mission_reference(scene: Scene) -> Callable:
+    def reference():
+        rows = scene.rows(2)
+        # SciPy's solvers give up where the force jumps. Over a nanometre per second it does not,
+        # and that moves the solution by 3e-11.
+        rows[:, 3] = np.maximum(rows[:, 3], 1e-9)
+        return {_RATIO: Reference(_tight(scene, rows, "Radau", 1e-10), _SCALE)}
+
+    return reference
+
+
+def _mission(quick: bool, width: float) -> Problem:
+    count, settings = (50, _QUICK) if quick else (1000, _TOLERANCES)
+    scene = Scene(count, 1.0, 201, _FREQUENCY, width)
+    rivals = _rivals(scene, settings, count, 1 if quick else 2)
+    friction = "exact Coulomb friction"
+    if width:
+        friction = f"Coulomb friction regularised over {1e3 * width:g} mm/s"
+    # In chunks, because the samples of a whole batch, rewritten at every step, outgrow the cache.
+    chunk, order = (10 if quick else 50), np.arange(count)
+    ours = [
+        _ours(scene, "quasi-steady balance", "quasi_steady", (None,)),
+        _ours(scene, "RODASP", "rosenbrock", settings, chunk, order),
+    ]
+    if not quick:
+        ours.append(_ours(scene, "Kvaerno5 with Newton", "implicit", settings[2:4], chunk, order))
+    return Problem(
+        name="mission_smooth" if width else "mission",
+        title=f"One second with reversals at 5 Hz, {friction}, batch of {count} designs",
+        instance="trajectory",
+        methods=[*ours, *rivals],
+        reference=_mission_reference(scene),
+        reference_note="SciPy Radau at rtol 1e-10, two designs, meshed in mpmath." + _left_out(),
+        baseline=rivals[0].name,
+        target=1e-5,
+    )
+
+
+def _sloped(scene: Scene, method: Any):
+    """Carrier speeds and their derivatives by speed, load and friction of the first stage."""
+    solve = _solver(scene, method)
+
+    def values(given, factors, kinematics, speed, force, rtol):
+        scaled = factors.at[0, 3].multiply(given[2])
+        found, _ = solve(scaled, kinematics, speed * given[0], force * given[1], rtol)
+        return found
+
+    return values
+
+
+def _gradients(quick: bool) -> Problem:
+    count, settings = (100, _QUICK) if quick else (2000, _TOLERANCES)
+    scene = Scene(count, 1e-3, 21)
+    inputs = jax.tree.map(
+        jnp.asarray,
+        (scene.designs.factors, scene.kinematics, scene.designs.speed, scene.designs.load),
+    )
+
+    def ours(name: str, method: Any, settings, slopes: bool) -> Method:
+        values = _sloped(scene, method)
+        differentiated = jax.jacfwd(values) if slopes else values
+        jitted = jax.jit(
+            jax.vmap(functools.partial(differentiated, jnp.ones(3)), in_axes=(0, 0, 0, 0, None))
+        )
+
+        def prepare(rtol):
+            given = jnp.asarray(1e-8 if rtol is None else rtol)
+
+            def read(out):
+                return {_SLOPES: np.asarray(out)} if slopes else {_SLOPES: unknown}
+
+            return Prepared(lambda: jitted(*inputs, given), count, read)
+
+        return Method(name, prepare, settings, "rtol" if settings != (None,) else "")
+
+    #: What a method without derivatives shows.
+    unknown = np.full((1, 2, scene.samples, 3), np.nan)
+
+    def casadi(solver: str, few: int, slopes: bool) -> Method:
+        def prepare(rtol):
+            built = casadi_integrators(False, solver, scene.times, rtol, rtol * _ABSOLUTE)
+            rows = scene.numbers[:few]
+            # By the logarithms of speed, load and friction coefficient, as ours.
+            scale = np.stack([rows[:, 0], rows[:, 2], rows[:, 15]], axis=1)
+
+            def call():
+                return [np.array(built[slopes](row)) for row in rows]
+
+            def read(out):
+                if not slopes:
+                    return {_SLOPES: unknown}
+                shaped = [np.reshape(x, (scene.samples, 2, 3)).transpose(1, 0, 2) for x in out]
+                return {_SLOPES: np.array(shaped) * scale[:, None, None, :]}
+
+            return Prepared(call, few, read)
+
+        name = f"CasADi {solver.upper()}" + ("" if slopes else ", values only")
+        return Method(name, prepare, settings, "rtol", "rival")
+
+    def reference():
+        rows, step = scene.rows(2), 1e-3
+        found = []
+        for column in (0, 2, 15):
+            ends = []
+            for factor in (1 + step, 1 - step, 1 + 2 * step, 1 - 2 * step):
+                moved = rows.copy()
+                moved[:, column] *= factor
+                # The state is counted in the speed's amplitude; the derivative is of that.
+                ends.append(_tight(scene, moved, "DOP853", 1e-13))
+            slope = (8 * (ends[0] - ends[1]) - (ends[2] - ends[3])) / (12 * step)
+            found.append(slope)
+        return {_SLOPES: Reference(np.stack(found, axis=-1), _SCALE)}
+
+    methods = [
+        ours("closed form", "closed_form", (None,), True),
+        ours("closed form, values only", "closed_form", (None,), False),
+        ours("RODASP", "rosenbrock", settings, True),
+        ours("RODASP, values only", "rosenbrock", settings, False),
+    ]
+    if "casadi" not in missing_rivals():
+        few = 3 if quick else 10
+        methods += [casadi("cvodes", few, True), casadi("cvodes", few, False)]
+    return Problem(
+        name="gradients",
+        title=f"Settle with derivatives by three parameters, batch of {count} designs",
+        instance="trajectory",
+        methods=methods,
+        reference=reference,
+        reference_note=(
+            "fourth-order differences of SciPy DOP853 at rtol 1e-13, good to about 1e-9; "
+            "two designs, meshed in mpmath." + _left_out()
+        ),
+        baseline="RODASP, values only",
+        target=1e-6,
+    )
+
+
+def _lock_step(quick: bool) -> Problem:
+    """All designs of a batch take as many steps as the slowest."""
+    count, settings = (192, (1e-6,)) if quick else (9984, (1e-4, 1e-6, 1e-8))
+    scene = Scene(count, 1e-3, 21)
+    # Stiffness: the force that settles a carrier over its inertia and slip.
+    p = scene.numbers
+    stiffness = p[:, 2] * p[:, 15] / (p[:, 14] * p[:, 0])
+    order, chunk = np.argsort(stiffness), 24 if quick else 96
+    shuffled = np.arange(count)
+    return Problem(
+        name="lock_step",
+        title=f"Lock step: {count} designs at once, in chunks, and in chunks of like stiffness",
+        instance="trajectory",
+        methods=[
+            _ours(scene, "Tsit5, at once", "explicit", settings),
+            _ours(scene, "Tsit5, chunks", "explicit", settings, chunk, shuffled),
+            _ours(scene, "Tsit5, chunks by stiffness", "explicit", settings, chunk, order),
+            _ours(scene, "RODASP, at once", "rosenbrock", settings),
+            _ours(scene, "RODASP, chunks", "rosenbrock", settings, chunk, shuffled),
+            _ours(scene, "RODASP, chunks by stiffness", "rosenbrock", settings, chunk, order),
+        ],
+        reference=_reference(scene, 5, "DOP853", 1e-12),
+        reference_note="SciPy DOP853 at rtol 1e-12, five designs, meshed in mpmath",
+        baseline="Tsit5, at once",
+        target=1e-6,
+    )
+
+
+def case(quick: bool) -> Case:
+    """The case of this module."""
+    return Case(
+        "many_transients",
+        "Transients of many designs against compiled rivals, their derivatives, and lock step",
+        [
+            _settle(quick),
+            _mission(quick, 0.0),
+            _mission(quick, 1e-3),
+            _gradients(quick),
+            _lock_step(quick),
+        ],
+    )
