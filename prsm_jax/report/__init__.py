@@ -4,6 +4,7 @@ from ._campbell_chart import campbell_chart as campbell_chart
 from ._contact_ellipses import contact_ellipses as contact_ellipses
 from ._cross_section import cross_section as cross_section
 from ._data import ReportData as ReportData, analyse as analyse
+from ._force_orbit import force_orbit as force_orbit
 from ._frequency_chart import frequency_chart as frequency_chart
 from ._frequency_loci_chart import frequency_loci_chart as frequency_loci_chart
 from ._history_chart import history_chart as history_chart

@@ -2,8 +2,11 @@
 
 from pathlib import Path
 
-from ..dynamics import Transient
+import equinox as eqx
+
+from ..dynamics import Transient, body_forces
 from ..mechanism import Mechanism
+from ._force_orbit import force_orbit
 from ._history_chart import history_chart
 from ._power_flow import energy_flow
 from ._power_flow_chart import power_flow_chart, power_history_chart
@@ -11,14 +14,16 @@ from ._stage_animation import save_motion_animation
 from ._style import save_figure
 from ._transient_chart import transient_chart
 
+_forces = eqx.filter_jit(body_forces)
+
 
 def save_transient_pictures(
     folder: str | Path, mechanism: Mechanism, run: Transient, *, animation: bool = True
 ) -> tuple[Path, ...]:
-    """Write every picture of a transient: overview, histories, powers, energy flow, motion.
+    """Write every picture of a transient: overview, histories, forces, powers, energy, motion.
 
-    `transient`, `histories`, `powers` and `energy-flow` as PNG and SVG, and `motion.gif`. The
-    energy flow is left out where nothing moves.
+    `transient`, `histories`, `force-orbit`, `powers` and `energy-flow` as PNG and SVG, and
+    `motion.gif`. The energy flow is left out where nothing moves.
 
     **Arguments:**
 
@@ -32,6 +37,7 @@ def save_transient_pictures(
     """
     # Everything that can fail comes before the folder.
     figures = {
+        "force-orbit": force_orbit(mechanism, run, _forces(mechanism, run)),
         "transient": transient_chart(run),
         "histories": history_chart(mechanism, run),
         "powers": power_history_chart(mechanism, run),

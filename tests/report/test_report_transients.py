@@ -16,6 +16,7 @@ from prsm_jax.dynamics._transient_result import Phase
 from prsm_jax.report import (
     PowerFlow,
     energy_flow,
+    force_orbit,
     history_chart,
     power_flow_chart,
     power_history,
@@ -26,6 +27,7 @@ from prsm_jax.report import (
 )
 from prsm_jax.report._history_chart import sticking_phases, travel_of
 from prsm_jax.report._stage_animation import angle_scale, poses
+from prsm_jax.report._transient_pictures import _forces
 
 
 @pytest.fixture(scope="module")
@@ -184,7 +186,7 @@ def test_turning_is_drawn_so_that_the_eye_can_follow(span):
 
 def test_all_pictures_are_written(mechanism, settling, tmp_path):
     written = save_transient_pictures(tmp_path / "out", mechanism, settling, animation=False)
-    names = {"transient", "histories", "powers", "energy-flow"}
+    names = {"force-orbit", "transient", "histories", "powers", "energy-flow"}
     assert {path.name for path in written} == {f"{n}.{s}" for n in names for s in ("png", "svg")}
     assert all(path.stat().st_size > 1000 for path in written)
 
@@ -200,6 +202,18 @@ def test_the_animation_moves_and_repeats(mechanism, settling, tmp_path):
     with pytest.raises(ValueError, match="at least 8"):
         save_motion_animation(tmp_path / "motion", mechanism, settling, frames=4)
     assert [p.name for p in tmp_path.iterdir()] == ["motion.gif"]
+
+
+def test_force_orbits_end_where_the_forces_do(mechanism, settling):
+    forces = _forces(mechanism, settling)
+    figure = force_orbit(mechanism, settling, forces)
+    assert_printable(figure)
+    assert axis_labels(figure).count("radial force in N") == 4
+    friction = np.asarray(forces.screw_friction_on_roller)
+    for stage in (0, 1):
+        ends = [line.get_xydata()[-1] for line in figure.axes[2 * stage + 1].lines]
+        expected = friction[stage, -1, :2]
+        assert min(float(np.abs(end - expected).max()) for end in ends) < 1e-9
 
 
 def test_nothing_moves_and_nothing_is_said_of_energy(mechanism, tmp_path):
