@@ -1,5 +1,6 @@
 """Which carrier speed balances the rollers of a stage, without integrating anything."""
 
+import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
@@ -43,6 +44,84 @@ def steady_motion(
     )
 
 
+class CarrierBalance(eqx.Module):
+    """The balance of one stage's carrier, `N f·d = N (n − 1)(T_s + T_n) + I ζ Ω̇`.
+
+    The slip v = v₀ − ζ d changes with the carrier ratio ζ only along d, and friction is parallel to
+    it. So with the slip's component s along d and the rest q, `s/√(s² + q²)` is the share that the
+    resistance is of `‖f‖ |d|`, for any law of friction. The unknown is `t = s/q`.
+
+    Where next to no load is left to drive what accelerates, the share is limited; nothing is lost
+    by that but the balance, and the energy still balances.
+
+    **Raises:** `MissingDataError` if there is no thread friction.
+    """
+
+    stage: Stage
+    kinematics: StageKinematics
+    sense: Scalar
+    speed: Scalar
+    axial_force: Scalar
+    inertia_per_ratio: Scalar | None
+
+    def __check_init__(self):
+        if self.stage.friction is None or self.stage.friction.thread is None:
+            raise MissingDataError(
+                "spin, rolling losses and inertia resist the rollers, and only thread friction can "
+                "drive them; give [stage.friction.thread]"
+            )
+
+    def ratio(self, tangent: Scalar) -> Scalar:
+        """Carrier ratio ω/Ω at `t`."""
+        drive, slip = self.kinematics.drive, self.kinematics.slip_per_screw
+        # A cross product: at small leads the slip is nearly all along d, and slip² − along² is
+        # noise.
+        across = slip[0] * drive[1] - slip[1] * drive[0]
+        square = drive @ drive
+        across = jnp.sqrt(across**2 + slip[2] ** 2 * square)
+        return free_carrier_ratio(self.kinematics) - tangent * across / square
+
+    def _share(self, tangent: Scalar) -> tuple[Scalar, Bool[Array, ""]]:
+        """Resistance over the largest drive that friction has; and whether there is enough."""
+        stage, kinematics, friction_of = self.stage, self.kinematics, self.stage.friction
+        assert friction_of is not None
+        ratio, count = self.ratio(tangent), stage.present_roller_count
+        turn = unit_slip(kinematics, ratio)
+        direction = self.sense * slip_direction(turn)
+        per_force, constant = thread_friction(friction_of.thread, self.speed * turn, direction)
+        normal = kinematics.meshing.screw.normal
+        force = normal_force(normal, per_force, constant, self.axial_force / count)
+        friction = force * per_force + constant
+        resisting = jnp.zeros_like(tangent)
+        if has_contact_losses(friction_of):
+            nut_force = -(force * normal + friction)[2] / kinematics.meshing.nut.normal[2]
+            screw, nut = resisting_moments(stage, kinematics, force, nut_force)
+            resisting = kinematics.relative_spin_ratio * self.sense * (screw.total + nut.total)
+        if self.inertia_per_ratio is not None:
+            resisting = resisting + self.inertia_per_ratio * ratio / count
+        square = jnp.sum(friction**2)
+        rubs = square > 0
+        largest = jnp.where(rubs, jnp.sqrt(jnp.where(rubs, square, 1.0)), 0.0)
+        largest = largest * jnp.sqrt(kinematics.drive @ kinematics.drive)
+        # The tangent counts the slip at positive speed; friction turns with the sense.
+        resisting = self.sense * resisting
+        if self.inertia_per_ratio is None:
+            share = jnp.where(rubs, resisting / jnp.where(rubs, largest, 1.0), 0.0)
+            return share, rubs | (resisting == 0)
+        suffices = jnp.abs(resisting) < _LARGEST_SHARE * largest
+        share = resisting / jnp.where(suffices, largest, 1.0)
+        limit = _LARGEST_SHARE * jnp.sign(resisting)
+        return jnp.where(suffices, share, limit), jnp.asarray(True)
+
+    def residual(self, tangent: Scalar) -> Scalar:
+        """Zero in balance, and of order one."""
+        return tangent - jnp.sqrt(1 + tangent**2) * self._share(tangent)[0]
+
+    def suffices(self, tangent: Scalar) -> Bool[Array, ""]:
+        """Whether friction can drive the carrier."""
+        return self._share(tangent)[1]
+
+
 def balanced_carrier_ratio(
     stage: Stage,
     kinematics: StageKinematics,
@@ -54,11 +133,7 @@ def balanced_carrier_ratio(
     """Carrier ratio ω/Ω at which thread friction drives the rollers as it must.
 
     Without contact losses and inertia friction has no component along d: geometry alone decides.
-    Otherwise `N f·d = N (n − 1)(T_s + T_n) + I ζ Ω̇`. The slip v = v₀ − ζ d changes with the ratio ζ
-    only along d. Friction is parallel to it, so with the slip's component s along d and the rest q,
-    `s/√(s² + q²)` is the share that the resistance is of `‖f‖ |d|`. `t = s/q` is found by Newton,
-    for any law of friction. Where next to no load is left to drive what accelerates, the ratio is
-    limited; nothing is lost by that but the balance, and the energy still balances.
+    Otherwise Newton solves the `CarrierBalance`.
 
     **Arguments:**
 
@@ -73,63 +148,20 @@ def balanced_carrier_ratio(
 
     **Raises:** `MissingDataError` if there is resistance but no thread friction.
     """
-    free = free_carrier_ratio(kinematics)
-    losses = has_contact_losses(stage.friction)
-    if not losses and inertia_per_ratio is None:
-        return free, jnp.asarray(True)
-    return _balanced(stage, kinematics, sense, speed, axial_force, inertia_per_ratio, free, losses)
+    if not has_contact_losses(stage.friction) and inertia_per_ratio is None:
+        return free_carrier_ratio(kinematics), jnp.asarray(True)
+    balance = CarrierBalance(stage, kinematics, sense, speed, axial_force, inertia_per_ratio)
+    return _balanced(balance)
 
 
 @physics("carrier_balance")
-def _balanced(stage, kinematics, sense, speed, axial_force, inertia_per_ratio, free, losses):
-    law = None if stage.friction is None else stage.friction.thread
-    if law is None:
-        raise MissingDataError(
-            "spin, rolling losses and inertia resist the rollers, and only thread friction can "
-            "drive them; give [stage.friction.thread]"
-        )
-    drive, slip = kinematics.drive, kinematics.slip_per_screw
-    length = jnp.sqrt(drive @ drive)
-    # A cross product: at small leads the slip is nearly all along d, and slip² − along² is noise.
-    across = (slip[0] * drive[1] - slip[1] * drive[0]) / length
-    across = jnp.sqrt(across**2 + slip[2] ** 2)
-    count = stage.present_roller_count
+def _balanced(balance: CarrierBalance) -> tuple[Scalar, Bool[Array, ""]]:
 
-    def ratio_at(tangent: Scalar) -> Scalar:
-        return free - tangent * across / length
-
-    def share_at(tangent: Scalar) -> tuple[Scalar, Bool[Array, ""]]:
-        """Resistance over the largest drive that friction has; and whether there is friction."""
-        ratio = ratio_at(tangent)
-        turn = unit_slip(kinematics, ratio)
-        per_force, constant = thread_friction(law, speed * turn, sense * slip_direction(turn))
-        normal = kinematics.meshing.screw.normal
-        force = normal_force(normal, per_force, constant, axial_force / count)
-        friction = force * per_force + constant
-        resisting = jnp.zeros_like(tangent)
-        if losses:
-            nut_force = -(force * normal + friction)[2] / kinematics.meshing.nut.normal[2]
-            screw, nut = resisting_moments(stage, kinematics, force, nut_force)
-            resisting = kinematics.relative_spin_ratio * sense * (screw.total + nut.total)
-        if inertia_per_ratio is not None:
-            resisting = resisting + inertia_per_ratio * ratio / count
-        square = jnp.sum(friction**2)
-        rubs = square > 0
-        largest = jnp.where(rubs, jnp.sqrt(jnp.where(rubs, square, 1.0)), 0.0) * length
-        # The tangent counts the slip at positive speed; friction turns with the sense.
-        resisting = sense * resisting
-        if inertia_per_ratio is None:
-            share = jnp.where(rubs, resisting / jnp.where(rubs, largest, 1.0), 0.0)
-            return share, rubs | (resisting == 0)
-        suffices = jnp.abs(resisting) < _LARGEST_SHARE * largest
-        share = resisting / jnp.where(suffices, largest, 1.0)
-        limit = _LARGEST_SHARE * jnp.sign(resisting)
-        return jnp.where(suffices, share, limit), jnp.asarray(True)
-
+    # A plain function: JAX wants to hash it, and a method carries arrays.
     def residual(tangent: Scalar) -> Scalar:
-        return tangent - jnp.sqrt(1 + tangent**2) * share_at(tangent)[0]
+        return balance.residual(tangent)
 
-    start = jnp.zeros_like(free)
-    accuracy = 1e-13 if free.dtype == jnp.float64 else 1e-5
+    start = jnp.zeros_like(balance.axial_force)
+    accuracy = 1e-13 if start.dtype == jnp.float64 else 1e-5
     tangent, found = find_root(residual, start, tolerance=accuracy, max_steps=20)
-    return ratio_at(tangent), found & share_at(tangent)[1]
+    return balance.ratio(tangent), found & balance.suffices(tangent)

@@ -34,8 +34,7 @@ from ._bristles import bristles_of
 from ._contact_losses import has_contact_losses
 from ._kinematics import free_carrier_ratio, travel_per_turn
 from ._solvers import NAMES, adjoint_of, code_of, solver_of
-from ._torque_drive import TorqueProblem
-from ._torque_transient import torque_problem
+from ._torque_balance import TorqueProblem, torque_problem
 from ._transient_result import CarrierHistory, SolverReport, Transient, histories
 
 _SMOOTH_THREADS = (LuGreFriction, RegularisedCoulombFriction, ViscousFriction)
@@ -89,7 +88,7 @@ def _check_smooth(mechanism: Mechanism) -> None:
 def _load(problem: TorqueProblem, time: Scalar, state: _State, acceleration: Scalar) -> Scalar:
     travel = travel_per_turn(problem.mechanism.stages, len(problem.mechanism.stages))
     position = problem.scenario.initial_position + travel * state.angle
-    return problem.scenario.load(time, position, travel * state.speed, travel * acceleration)
+    return problem.scenario.load_at(time, position, travel * state.speed, travel * acceleration)
 
 
 @physics("smooth_torque_drive")
@@ -126,7 +125,7 @@ def _scales(problem: TorqueProblem, times: Float[Array, " times"]) -> _State:
     inertia, one = problem.total_inertia, jnp.ones_like(problem.total_inertia)
     torques = jnp.abs(jax.vmap(lambda time: scenario.torque_at(time))(times))
     travel = travel_per_turn(mechanism.stages, len(mechanism.stages))
-    load = scenario.load(times[0], scenario.initial_position, 0 * travel, 0 * travel)
+    load = scenario.load_at(times[0], scenario.initial_position, 0 * travel, 0 * travel)
     torque = jnp.max(torques) + jnp.abs(load) * travel
     torque = jnp.where(torque > 0, torque, one)
     sizes = deflection_scales(mechanism)

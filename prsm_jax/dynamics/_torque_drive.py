@@ -1,10 +1,10 @@
 """Prescribed torque: the screw as a state, with exact Coulomb friction that sticks and slips.
 
-The carriers follow the screw (see `_quasi_steady`), so the mechanism has one degree of freedom and
-three modes: turning forward, turning backward, and sticking. While it turns everything is smooth,
-also past standstill, because the directions of slip are those of the mode and not of the speed;
-an event ends the mode where the speed passes through zero. While it sticks the torque lies between
-the two limits at which it would begin to turn, and an event ends that where one is passed.
+The carriers follow the screw (see `_torque_balance`), so the mechanism has one degree of freedom
+and three modes: turning forward, turning backward, and sticking. While it turns everything is
+smooth, also past standstill, because the directions of slip are those of the mode and not of the
+speed; an event ends the mode where the speed passes through zero. While it sticks the torque lies
+between the two limits at which it would begin to turn, and an event ends that where one is passed.
 """
 
 from typing import Any
@@ -14,118 +14,23 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from .._physics import physics
-from .._root import find_root
-from ..mechanism import Mechanism, Scalar, TorqueScenario
-from ._carrier_balance import balanced_carrier_ratio, steady_motion
-from ._chain import StageState, chain_forces
-from ._kinematics import StageKinematics, travel_per_turn
-from ._stage_forces import Motion
+from ..mechanism import Scalar
+from ._solvers import Gradient, adjoint_of
+from ._torque_balance import (
+    BACKWARD,
+    FORWARD,
+    STICKING,
+    TorqueProblem,
+    breakaway_torques,
+    moving,
+)
 from ._transient_result import Phase
 
-FORWARD, BACKWARD, STICKING = 1.0, -1.0, 0.0
-
-
-class TorqueProblem(eqx.Module):
-    """Everything that the equation of motion needs, as one pytree."""
-
-    mechanism: Mechanism
-    kinematics: tuple[StageKinematics, ...]
-    scenario: TorqueScenario
-    inertia: Float[Array, " stages"]
-    #: Inertia of everything that moves, seen by the screw, to scale accelerations [kg·m²].
-    total_inertia: Scalar
-
-
-class ScrewMotion(eqx.Module):
-    """Angle, speed and acceleration of the screw."""
-
-    angle: Scalar
-    speed: Scalar
-    acceleration: Scalar
-
-
-@physics("torque_drive")
-def drive_states(
-    problem: TorqueProblem, time: Scalar, motion: ScrewMotion, sense: Scalar
-) -> tuple[tuple[StageState, ...], Float[Array, " stages"], Bool[Array, ""], Scalar]:
-    """Forces of all stages for a motion of the screw, with slip in the directions of a sense.
-
-    **Returns:** the states, the carrier ratios, whether every balance was found, and the load [N].
-    """
-    mechanism, kinematics = problem.mechanism, problem.kinematics
-    travel = travel_per_turn(mechanism.stages, len(mechanism.stages))
-    position = problem.scenario.initial_position + travel * motion.angle
-    load = problem.scenario.load(
-        time, position, travel * motion.speed, travel * motion.acceleration
-    )
-    ratios: list[Scalar] = []
-    valid = jnp.asarray(True)
-
-    def motion_of(index: int, flank: Scalar, axial_force: Scalar, axial_acceleration) -> Motion:
-        nonlocal valid
-        own_speed, own_sense = flank * motion.speed, flank * sense
-        ratio, found = balanced_carrier_ratio(
-            mechanism.stages[index],
-            kinematics[index],
-            own_sense,
-            own_speed,
-            axial_force,
-            problem.inertia[index] * (flank * motion.acceleration),
-        )
-        valid = valid & found
-        ratios.append(ratio)
-        return steady_motion(kinematics[index], ratio, own_speed, own_sense, axial_acceleration)
-
-    states = chain_forces(
-        mechanism, kinematics, motion_of, motion.speed, sense, load, motion.acceleration
-    )
-    for state in states:
-        # Past the locking limit the axial balance asks for a pulling contact.
-        valid = valid & (state.forces.contact_force >= 0)
-    return states, jnp.stack(ratios[::-1]), valid, load
-
-
-def required_torque(
-    problem: TorqueProblem, time: Scalar, motion: ScrewMotion, sense: Scalar
-) -> Scalar:
-    """Torque at the first screw that a motion needs [N·m]."""
-    return drive_states(problem, time, motion, sense)[0][0].screw.drive_torque
-
-
-def acceleration_of(
-    problem: TorqueProblem, time: Scalar, angle: Scalar, speed: Scalar, sense: Scalar
-) -> tuple[Scalar, Bool[Array, ""]]:
-    """Acceleration at which the required torque is the prescribed one [rad/s²].
-
-    The friction of splines and thrust bearings depends on forces that depend on the acceleration:
-    the loop is solved, by Newton, on an equation that is linear but for that.
-    """
-    torque, inertia = problem.scenario.torque_at(time), problem.total_inertia
-
-    def residual(scaled: Scalar) -> Scalar:
-        motion = ScrewMotion(angle, speed, scaled * size / inertia)
-        return (required_torque(problem, time, motion, sense) - torque) / size
-
-    still = ScrewMotion(angle, speed, jnp.zeros_like(speed))
-    at_rest = jax.lax.stop_gradient(required_torque(problem, time, still, sense))
-    size = jnp.abs(at_rest) + jnp.abs(jax.lax.stop_gradient(torque))
-    size = jnp.where(size > 0, size, 1.0)
-    scaled, found = find_root(residual, jnp.zeros_like(speed), tolerance=1e-12, max_steps=20)
-    return scaled * size / inertia, found
-
-
-def breakaway_torques(problem: TorqueProblem, time: Scalar, angle: Scalar) -> tuple[Scalar, Scalar]:
-    """Torques at which a mechanism at rest begins to turn backward and forward [N·m].
-
-    In between it sticks. Backward it holds by itself if that is negative: self-locking.
-    """
-    rest = ScrewMotion(angle, jnp.zeros_like(angle), jnp.zeros_like(angle))
-    lower, upper = (
-        required_torque(problem, time, rest, jnp.asarray(sense, angle.dtype))
-        for sense in (BACKWARD, FORWARD)
-    )
-    return lower, upper
+#: While it sticks nothing moves, and steps are limited only so that they see what the torque does.
+_STEPS_PER_SAMPLE = 4
+#: Between these steps the torque is looked at again, afterwards: a phase that was passed over is
+#: then reported.
+_LOOKS_PER_SAMPLE = 32
 
 
 def next_mode(problem: TorqueProblem, time: Scalar, angle: Scalar, speed: Scalar) -> Scalar:
@@ -137,6 +42,21 @@ def next_mode(problem: TorqueProblem, time: Scalar, angle: Scalar, speed: Scalar
     forward, backward = torque >= upper - width, torque <= lower + width
     from_rest = jnp.where(forward, FORWARD, jnp.where(backward, BACKWARD, STICKING))
     return jax.lax.stop_gradient(jnp.where(speed == 0, from_rest, jnp.sign(speed)))
+
+
+_MISSED = 8
+
+
+def _missed(times, angles, modes, hold) -> Bool[Array, ""]:
+    """Whether the torque passed a limit between two samples of one phase of sticking."""
+    shares = jnp.arange(1, _LOOKS_PER_SAMPLE, dtype=times.dtype) / _LOOKS_PER_SAMPLE
+    sticks = (modes[:-1] == STICKING) & (modes[1:] == STICKING) & (angles[:-1] == angles[1:])
+
+    def passed(time, step, angle):
+        return jnp.any(jax.vmap(lambda share: hold(time + share * step, angle))(shares) < -1e-6)
+
+    passes = jax.vmap(passed)(times[:-1], jnp.diff(times), angles[:-1])
+    return jax.lax.stop_gradient(jnp.any(sticks & passes))
 
 
 class StickSlip(eqx.Module):
@@ -153,11 +73,17 @@ class StickSlip(eqx.Module):
 
 
 def follow(
-    problem: TorqueProblem, times: Float[Array, " times"], rtol: float, atol: float, max_steps: int
+    problem: TorqueProblem,
+    times: Float[Array, " times"],
+    gradient: Gradient,
+    rtol: float,
+    atol: float,
+    max_steps: int,
 ) -> StickSlip:
     """Integrate through all phases; each ends at an event, located by bisection.
 
-    A phase that would begin and end between two samples is not seen.
+    Steps are no longer than a quarter of the time between two samples. Where the torque passed a
+    limit and came back between two steps of a phase of sticking, that is reported.
 
     Derivatives go through the events: the time at which a phase ends moves with the parameters.
     """
@@ -166,13 +92,7 @@ def follow(
 
     scenario, inertia = problem.scenario, problem.total_inertia
     end, dtype = times[-1], times.dtype
-    rest = required_torque(
-        problem, times[0], ScrewMotion(*([jnp.zeros((), dtype)] * 3)), jnp.ones((), dtype)
-    )
-    torque = jnp.abs(jax.lax.stop_gradient(rest)) + jnp.abs(
-        jax.lax.stop_gradient(scenario.torque_at(times[0]))
-    )
-    torque = jnp.where(torque > 0, torque, 1.0)
+    torque = problem.torque_scale
     #: Speed that such a torque reaches in the scene; states and time are of order one in it.
     scale = jax.lax.stop_gradient(torque * end / inertia)
 
@@ -180,17 +100,21 @@ def follow(
         time = share * end
         angle, speed = state[0] * scale * end, state[1] * scale
         sense = jnp.where(mode == STICKING, FORWARD, mode)
-        acceleration, _ = acceleration_of(problem, time, angle, speed, sense)
+        acceleration = moving(problem, time, angle, speed, sense).acceleration
         turning = mode != STICKING
         moved = jnp.stack([state[1], acceleration * end / scale])
         return jnp.where(turning, moved, jnp.zeros_like(moved))
 
+    def hold(time, angle):
+        """How far the torque is from the nearer limit; positive while the mechanism sticks."""
+        lower, upper = breakaway_torques(problem, time, angle)
+        applied = scenario.torque_at(time)
+        return jnp.minimum(upper - applied, applied - lower) / torque
+
     def margin(t, y, args, **_):
         """Positive while the phase lasts."""
         mode = args
-        lower, upper = breakaway_torques(problem, t * end, y[0] * scale * end)
-        applied = scenario.torque_at(t * end)
-        held = jnp.minimum(upper - applied, applied - lower) / torque
+        held = hold(t * end, y[0] * scale * end)
         # A phase of turning begins at rest: it has ended when the speed is truly past zero.
         return jnp.where(mode == STICKING, held, mode * y[1] + 1e-12)
 
@@ -204,15 +128,15 @@ def follow(
             diffrax.Tsit5(),
             t0=start,
             t1=jnp.ones_like(start),
-            dt0=None,
+            dt0=grid[1] / _STEPS_PER_SAMPLE,
             y0=state,
             args=mode,
             saveat=diffrax.SaveAt(
                 subs=(diffrax.SubSaveAt(t1=True), diffrax.SubSaveAt(ts=jnp.maximum(grid, start)))
             ),
-            # No longer than a sample: nothing moves while it sticks, and one step over all of it
-            # would not see the torque pass a limit and come back.
-            stepsize_controller=diffrax.PIDController(rtol=rtol, atol=atol, dtmax=grid[1]),
+            stepsize_controller=diffrax.PIDController(
+                rtol=rtol, atol=atol, dtmax=grid[1] / _STEPS_PER_SAMPLE
+            ),
             event=diffrax.Event(
                 margin,
                 # Newton would leave the step where the margin bends.
@@ -221,7 +145,7 @@ def follow(
             ),
             max_steps=max_steps,
             throw=False,
-            adjoint=diffrax.DirectAdjoint(),
+            adjoint=adjoint_of(gradient),
         )
         times_found: Any = solution.ts
         values_found: Any = solution.ys
@@ -259,6 +183,8 @@ def follow(
     carry, (phases, used) = jax.lax.scan(phase, start, None, length=scenario.most_phases)
     _, _, done, values, modes, steps, rejected, code = carry
     code = jnp.where(done, code, jnp.where(code == 0, 5, code))
+    missed = _missed(times, values[:, 0] * scale * end, modes, hold)
+    code = jnp.where((code == 0) & missed, _MISSED, code)
     return StickSlip(
         angle=values[:, 0] * scale * end,
         speed=values[:, 1] * scale,

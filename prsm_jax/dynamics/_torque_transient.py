@@ -6,43 +6,30 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..mechanism import Mechanism, TorqueScenario
-from ._contact_losses import with_resistance
 from ._kinematics import travel_per_turn
-from ._stage_forces import carrier_inertia
-from ._steady import all_kinematics
-from ._torque_drive import (
+from ._solvers import Gradient
+from ._torque_balance import (
     BACKWARD,
     FORWARD,
     STICKING,
     ScrewMotion,
-    TorqueProblem,
-    acceleration_of,
     breakaway_torques,
-    drive_states,
-    follow,
-    required_torque,
+    instant,
+    moving,
+    resting,
+    torque_problem,
 )
+from ._torque_drive import follow
 from ._transient_result import CarrierHistory, SolverReport, Transient, histories
 
 
-def torque_problem(mechanism: Mechanism, scenario: TorqueScenario) -> TorqueProblem:
-    """Collect what the equation of motion needs."""
-    kinematics = with_resistance(mechanism.stages, all_kinematics(mechanism))
-    inertia = jnp.stack([carrier_inertia(stage) for stage in mechanism.stages])
-    zero = jnp.zeros((), inertia.dtype)
-    problem = TorqueProblem(mechanism, kinematics, scenario, inertia, jnp.ones_like(zero))
-
-    def torque(acceleration):
-        motion = ScrewMotion(zero, zero, acceleration)
-        return required_torque(problem, zero, motion, jnp.ones_like(zero))
-
-    _, total = jax.jvp(torque, (zero,), (jnp.ones_like(zero),))
-    # Only a scale: nothing is differentiated through it.
-    return eqx.tree_at(lambda p: p.total_inertia, problem, jax.lax.stop_gradient(total))
-
-
 def torque_history(
-    mechanism: Mechanism, scenario: TorqueScenario, rtol: float, atol: float, max_steps: int
+    mechanism: Mechanism,
+    scenario: TorqueScenario,
+    gradient: Gradient,
+    rtol: float,
+    atol: float,
+    max_steps: int,
 ) -> Transient:
     """Integrate under a prescribed torque, and evaluate all forces at the sample times.
 
@@ -52,7 +39,7 @@ def torque_history(
     problem = torque_problem(mechanism, scenario)
     dtype = problem.inertia.dtype
     times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=dtype) * scenario.duration
-    motion = follow(problem, times, rtol, atol, max_steps)
+    motion = follow(problem, times, gradient, rtol, atol, max_steps)
 
     def at(time, angle, speed, mode):
         sticking = mode == STICKING
@@ -60,15 +47,20 @@ def torque_history(
         applied = scenario.torque_at(time)
         nearer = jnp.where(applied - lower < upper - applied, BACKWARD, FORWARD)
         sense = jnp.where(sticking, nearer, mode)
-        acceleration, found = acceleration_of(problem, time, angle, speed, sense)
-        acceleration = jnp.where(sticking, 0.0, acceleration)
-        states, ratios, valid, load = drive_states(
-            problem, time, ScrewMotion(angle, speed, acceleration), sense
+        still, turning = (
+            resting(problem, time, angle, sense),
+            moving(problem, time, angle, speed, sense),
         )
+        balance = jax.tree.map(lambda a, b: jnp.where(sticking, a, b), still, turning)
+        acceleration = balance.acceleration
+        now = instant(
+            problem, time, ScrewMotion(angle, speed, acceleration), sense, balance.tangents
+        )
+        states, ratios, load = now.states, now.ratios, now.load
         drives = jnp.stack([state.forces.carrier_drive for state in states])
         carriers = jnp.where(sticking, jnp.zeros_like(drives), drives / problem.inertia)
         history = (speed, acceleration, load, ratios * speed, states, carriers)
-        return history, valid & (found | sticking), applied
+        return history, now.valid & balance.found, applied
 
     rows, valid, applied = jax.vmap(at)(times, motion.angle, motion.speed, motion.mode)
     history = CarrierHistory(*rows)

@@ -95,7 +95,7 @@ def simulate(
                 mechanism, scenario, integrator, gradient, rtol, atol, max_steps
             )
         else:
-            found = torque_history(mechanism, scenario, rtol, atol, max_steps)
+            found = torque_history(mechanism, scenario, gradient, rtol, atol, max_steps)
         return _checked(found, throw)
     scenario = bound_scenario(mechanism, scenario)
     if kinematics is None:

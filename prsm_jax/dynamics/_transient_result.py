@@ -33,8 +33,8 @@ _MEANINGS = (
     "changes its sign; choose the method rosenbrock",
     "jammed: friction in the threads takes all that the normal force lifts, and no torque moves "
     "the load; lower the friction or raise the contact angle (quantity jamming_margin)",
-    "missed a phase: while the mechanism stuck, the torque passed a limit and came back between two "
-    "steps; raise samples, which shortens them",
+    "missed a phase: while the mechanism stuck, the torque passed a limit and came back between "
+    "two steps; raise samples, which shortens them",
 )
 _JAMMED = 7
 

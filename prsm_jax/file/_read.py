@@ -128,6 +128,7 @@ def _validated(data: dict, name: str) -> "Table":
 
 def _mechanism(table: "Table") -> Mechanism:
     from ._optimise_table import design_problem
+    from ._scenario_table import scenario_of
     from ._schema import module_of
 
     content = {field: getattr(table, field) for field in type(table).model_fields}
@@ -138,12 +139,14 @@ def _mechanism(table: "Table") -> Mechanism:
         except ValueError as error:
             raise Misplaced(("stage", index), str(error)) from error
     point, rows, optimise = (content[k] for k in ("operating_point", "duty_cycle", "optimise"))
+    scenario = content["scenario"]
     try:
         mechanism = Mechanism(
             tuple(stages),
             None if point is None else module_of(point),  # type: ignore[arg-type]
             None if rows is None else _duty_cycle(rows),
             content["title"],
+            scenario=None if scenario is None else scenario_of(scenario),
         )
     except ValueError as error:
         raise Misplaced((), str(error)) from error

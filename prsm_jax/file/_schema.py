@@ -111,6 +111,8 @@ def document() -> type[Table]:
         "stage": (stages, Field(description="stages, as [[stage]]")),
         "duty_cycle": (phases | None, None),
         "optimise": (OptimiseTable | None, None),
+        # Read by `_scenario_table`: units there depend on where a profile stands.
+        "scenario": (Any, None),
     }
     return create_model("Document", __base__=Table, **fields)
 

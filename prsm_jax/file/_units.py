@@ -27,6 +27,8 @@ WRITTEN_UNITS: dict[str, tuple[str, ...]] = {
     "s": ("s", "ms", "us"),
     "Hz": ("kHz", "Hz"),
     "1/s": ("1/s",),
+    "rad/s²": ("rad/s^2",),
+    "rad/s³": ("rad/s^3",),
     "m/s": ("mm/s", "m/s"),
     "W": ("W",),
 }
@@ -82,6 +84,8 @@ _KINDS = {
     "rad/s": "an angular speed",
     "Hz": "a frequency",
     "m/s": "a speed",
+    "rad/s^2": "an angular acceleration",
+    "rad/s^3": "an angular jerk",
     "N": "a force",
     "N m": "a torque or an energy",
     "N m/rad": "a stiffness in rotation",

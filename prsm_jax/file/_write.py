@@ -18,6 +18,7 @@ from ..mechanism import DesignProblem, DutyCycle, Mechanism, find_parameters
 from ._layout import law_names, module_classes, row_class
 from ._numbers import bare_number, write_number
 from ._read import loads
+from ._scenario_lines import scenario_lines
 
 
 def _string(text: str) -> str:
@@ -128,6 +129,8 @@ def _lines(mechanism: Mechanism, quantity_units: Mapping[str, str]) -> Iterator[
         yield from _module(stage, "stage")
     if mechanism.duty_cycle is not None:
         yield from _duty_cycle(mechanism.duty_cycle)
+    if mechanism.scenario is not None:
+        yield from scenario_lines(mechanism.scenario, _number, _string)
     if mechanism.design_problem is not None:
         yield from _optimise(mechanism.design_problem, mechanism, quantity_units)
 

@@ -37,10 +37,10 @@ from ._friction import (
 )
 from ._line_contact import LineContact as LineContact
 from ._loads import (
+    LOADS_OF_MOTION as LOADS_OF_MOTION,
     AerodynamicLoad as AerodynamicLoad,
     FrictionLoad as FrictionLoad,
     HingeLoad as HingeLoad,
-    LoadOfTime as LoadOfTime,
     PositionTableLoad as PositionTableLoad,
     SumLoad as SumLoad,
     break_times_of as break_times_of,
@@ -94,6 +94,7 @@ from ._screw_friction import (
     ViscousThrustBearingFriction as ViscousThrustBearingFriction,
 )
 from ._sequences import (
+    PROFILES as PROFILES,
     Profile as Profile,
     SequenceProfile as SequenceProfile,
     TableProfile as TableProfile,

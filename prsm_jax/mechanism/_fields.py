@@ -42,9 +42,11 @@ def _number_or_function(value):
     return value if callable(value) else as_scalar(value)
 
 
-def driven(unit: str, description: str, converter=_number_or_function):
+def driven(unit: str, description: str):
     """A number, or a function of time (or of more, for a load) that takes its place."""
-    return eqx.field(converter=converter, metadata={"unit": unit, "description": description})
+    return eqx.field(
+        converter=_number_or_function, metadata={"unit": unit, "description": description}
+    )
 
 
 def numbers(unit: str, description: str):

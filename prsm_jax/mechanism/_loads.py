@@ -156,27 +156,6 @@ def depends_on_motion(load) -> bool:
     return sum(p.default is p.empty and p.kind in by_place for p in parameters) > 1
 
 
-class LoadOfTime(eqx.Module):
-    """A load that is a number or a function of time, seen as one of the nut's motion."""
-
-    load: object
-
-    def __call__(self, time, position, speed, acceleration):
-        return load_value(self.load, time, lambda: (position, speed, acceleration))
-
-    @property
-    def break_times(self) -> Float[Array, " breaks"]:
-        """Those of the function [s]."""
-        return break_times_of(self.load, jnp.result_type(float))
-
-
-def as_load_of_motion(load):
-    """Any load as a function of time, position, speed and acceleration."""
-    if depends_on_motion(load):
-        return load
-    return LoadOfTime(load if callable(load) else as_scalar(load))
-
-
 def load_value(load, time: Scalar, motion: Callable[[], tuple[Scalar, Scalar, Scalar]]) -> Scalar:
     """Load at an instant [N].
 
@@ -187,7 +166,7 @@ def load_value(load, time: Scalar, motion: Callable[[], tuple[Scalar, Scalar, Sc
     - `motion`: gives position, speed and acceleration of the nut; asked for only if needed.
     """
     if not callable(load):
-        return jnp.asarray(load)
+        return jnp.asarray(load, time.dtype)
     if depends_on_motion(load):
         return jnp.asarray(load(time, *motion()), time.dtype)
     return jnp.asarray(load(time), time.dtype)
@@ -197,3 +176,9 @@ def break_times_of(function, dtype) -> Float[Array, " breaks"]:
     """The times at which a number or function says that it jumps or bends [s]."""
     times = getattr(function, "break_times", None)
     return jnp.zeros(0, dtype) if times is None else jnp.asarray(times, dtype)
+
+
+#: Loads of motion by the name of their kind.
+LOADS_OF_MOTION: dict[str, type[eqx.Module]] = {
+    cls.kind: cls for cls in (HingeLoad, AerodynamicLoad, PositionTableLoad, FrictionLoad, SumLoad)
+}

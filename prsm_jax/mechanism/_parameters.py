@@ -4,7 +4,8 @@ One vocabulary serves files, `--set`, sensitivities, sweeps and optimisation. A 
 path as in the file (`stage.thread.lead`, `operating_point.load`), or any ending of it that is
 unambiguous (`lead`, `screw.mass`). `stage.2.lead` means the second stage; without a number it
 means every stage that has the field, moved together. Unequal rollers go by their number:
-`stage.1.unequal_roller.3.stiffness_factor`.
+`stage.1.unequal_roller.3.stiffness_factor`. Numbers of a scenario go by their full names only
+(`scenario.speed.part.1.peak`).
 """
 
 import dataclasses
@@ -104,30 +105,46 @@ DESIGN_VARIABLES: tuple[DesignVariable, ...] = (
 )
 
 
+def _number_of(element, index: int) -> str:
+    """What an element of a tuple is called: by the number that it gives itself, or its place."""
+    return str(getattr(element, "number", index + 1))
+
+
 def _walk(
-    module: eqx.Module, prefix: tuple[str, ...]
+    module: eqx.Module, prefix: tuple[str, ...], unit: str = "1"
 ) -> Iterator[tuple[tuple[str, ...], dict, bool]]:
-    """Yield (path, metadata, static) of every number that is present in a module."""
+    """Yield (path, metadata, static) of every number that is present in a module.
+
+    `unit` is that of the function that the module may be: what `*` stands for.
+    """
     for field in dataclasses.fields(module):
         value = getattr(module, field.name)
         path = (*prefix, field.name)
+        metadata = dict(field.metadata)
+        if metadata.get("unit") == "*":
+            metadata["unit"] = unit
         if isinstance(value, eqx.Module):
-            yield from _walk(value, path)
+            yield from _walk(value, path, metadata.get("unit", unit))
         elif isinstance(value, tuple):
             # An element keeps the number that it gives itself, whatever its place in the tuple.
-            for element in value:
-                inner = _walk(element, (*path, str(element.number)))
-                yield from (found for found in inner if not found[2])
+            for index, element in enumerate(value):
+                if isinstance(element, eqx.Module):
+                    inner = _walk(element, (*path, _number_of(element, index)), unit)
+                    yield from (found for found in inner if not found[2])
+        elif metadata.get("list") or callable(value):
+            continue
+        elif isinstance(value, bool):
+            continue
         elif field.metadata.get("static") and isinstance(value, int):
-            yield path, dict(field.metadata), True
-        elif "unit" in field.metadata and value is not None:
-            yield path, dict(field.metadata), False
+            yield path, metadata, True
+        elif "unit" in metadata and value is not None:
+            yield path, metadata, False
 
 
 def _descend(tree, path: tuple[str, ...]):
     for name in path:
         if isinstance(tree, tuple):
-            tree = next(element for element in tree if element.number == int(name))
+            tree = next(e for index, e in enumerate(tree) if _number_of(e, index) == name)
         else:
             tree = getattr(tree, name)
     return tree
@@ -207,7 +224,7 @@ def all_parameters(mechanism: Mechanism) -> tuple[Parameter, ...]:
                     static,
                 )
             )
-    for name in ("operating_point",):
+    for name in ("operating_point", "scenario"):
         part = getattr(mechanism, name)
         if part is None:
             continue
@@ -215,7 +232,12 @@ def all_parameters(mechanism: Mechanism) -> tuple[Parameter, ...]:
             get, set_ = _at(lambda m, name=name: getattr(m, name), static, path)
             found.append(
                 Parameter(
-                    ".".join((name, *path)), metadata["unit"], metadata["description"], get, set_
+                    ".".join((name, *path)),
+                    metadata.get("unit", "1"),
+                    metadata.get("description", ""),
+                    get,
+                    set_,
+                    static,
                 )
             )
     return tuple(found)
@@ -237,6 +259,9 @@ def find_parameters(mechanism: Mechanism, name: str) -> tuple[Parameter, ...]:
     **Raises:** `UnknownNameError` if nothing or several different fields match.
     """
     known = all_parameters(mechanism)
+    if not name.startswith("scenario."):
+        # Of the many names in a scenario only full ones count: `speed` is the operating point's.
+        known = tuple(p for p in known if not p.path.startswith("scenario."))
     exact = [p for p in known if p.path == name]
     if exact:
         return tuple(exact)

@@ -13,7 +13,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ._fields import Scalar, choice, driven, number
-from ._loads import LoadOfMotion, as_load_of_motion, break_times_of, load_value
+from ._loads import LoadOfMotion, break_times_of, load_value
 from ._sequences import Profile
 
 
@@ -85,9 +85,7 @@ class TorqueScenario(eqx.Module):
     torque: Scalar | Profile | Callable = driven("N·m", "torque at the first screw")
     #: Load on the last nut [N]: a number, a function of time, or one of time, position, speed and
     #: acceleration of the nut, such as a `HingeLoad`.
-    load: Scalar | Profile | LoadOfMotion | Callable = driven(
-        "N", "load on the last nut", as_load_of_motion
-    )
+    load: Scalar | Profile | LoadOfMotion | Callable = driven("N", "load on the last nut")
     #: [s]
     duration: Scalar = number("s", "length of the simulation")
     #: Screw speed at the start [rad/s].
@@ -104,6 +102,12 @@ class TorqueScenario(eqx.Module):
     def torque_at(self, time: Scalar) -> Scalar:
         """Torque at a time [N·m]."""
         return jnp.asarray(self.torque(time)) if callable(self.torque) else self.torque
+
+    def load_at(
+        self, time: Scalar, position: Scalar, speed: Scalar, acceleration: Scalar
+    ) -> Scalar:
+        """Load at a time, position [m], speed [m/s] and acceleration [m/s²] of the nut [N]."""
+        return load_value(self.load, time, lambda: (position, speed, acceleration))
 
     @property
     def break_times(self) -> Float[Array, " breaks"]:

@@ -136,3 +136,16 @@ PartProfile: TypeAlias = (
     | SequenceProfile
 )
 Profile: TypeAlias = SineProfile | PartProfile
+#: Profiles by the name of their kind.
+PROFILES: dict[str, type[eqx.Module]] = {
+    cls.kind: cls
+    for cls in (
+        SineProfile,
+        ConstantProfile,
+        TrapezoidalProfile,
+        TrapezoidalMoveProfile,
+        SCurveMoveProfile,
+        TableProfile,
+        SequenceProfile,
+    )
+}

@@ -1,0 +1,195 @@
+"""Torque and acceleration of a screw whose carriers follow it.
+
+Two questions with one answer: at which acceleration does the motion need the applied torque, and
+which torque does a mechanism at rest need to begin to turn. Friction of splines and thrust bearings
+depends on forces that depend on the acceleration, and so do the balances of the carriers: all of
+them are solved at once.
+"""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from .._physics import physics
+from ..mechanism import Mechanism, Scalar, TorqueScenario
+from ._carrier_balance import CarrierBalance, steady_motion
+from ._chain import StageState, chain_forces
+from ._contact_losses import has_contact_losses, with_resistance
+from ._kinematics import StageKinematics, travel_per_turn
+from ._small_newton import find_roots
+from ._stage_forces import Motion, carrier_inertia
+from ._steady import all_kinematics
+
+FORWARD, BACKWARD, STICKING = 1.0, -1.0, 0.0
+
+
+class TorqueProblem(eqx.Module):
+    """Everything that the equation of motion needs, as one pytree."""
+
+    mechanism: Mechanism
+    kinematics: tuple[StageKinematics, ...]
+    scenario: TorqueScenario
+    inertia: Float[Array, " stages"]
+    #: Inertia of everything that moves, seen by the screw, to scale accelerations [kg·m²].
+    total_inertia: Scalar
+    #: A torque of the scene, to scale torques [N·m].
+    torque_scale: Scalar
+
+
+class ScrewMotion(eqx.Module):
+    """Angle, speed and acceleration of the screw."""
+
+    angle: Scalar
+    speed: Scalar
+    acceleration: Scalar
+
+
+class Instant(NamedTuple):
+    """All forces for a motion of the screw."""
+
+    states: tuple[StageState, ...]
+    ratios: Float[Array, " stages"]
+    load: Scalar
+    #: How far each carrier is from its balance, and whether friction could drive them.
+    residuals: Float[Array, " stages"]
+    valid: Bool[Array, ""]
+
+    @property
+    def torque(self) -> Scalar:
+        """Torque at the first screw that the motion needs [N·m]."""
+        return self.states[0].screw.drive_torque
+
+
+@physics("torque_drive")
+def instant(
+    problem: TorqueProblem,
+    time: Scalar,
+    motion: ScrewMotion,
+    sense: Scalar,
+    tangents: Float[Array, " stages"],
+) -> Instant:
+    """Forces of all stages for a motion of the screw, with slip in the directions of a sense.
+
+    **Arguments:**
+
+    - `problem`, `time`, `motion`, `sense`: what moves, when and how; +1 or −1.
+    - `tangents`: unknowns of the carriers' balances (`CarrierBalance`).
+    """
+    mechanism, kinematics = problem.mechanism, problem.kinematics
+    travel = travel_per_turn(mechanism.stages, len(mechanism.stages))
+    position = problem.scenario.initial_position + travel * motion.angle
+    velocity, acceleration = travel * motion.speed, travel * motion.acceleration
+    load = problem.scenario.load_at(time, position, velocity, acceleration)
+    ratios: list[Scalar] = []
+    residuals: list[Scalar] = []
+    valid = jnp.stack([k.meshing.converged for k in kinematics]).all()
+
+    def motion_of(index: int, flank: Scalar, axial_force: Scalar, axial_acceleration) -> Motion:
+        stage, geometry = mechanism.stages[index], kinematics[index]
+        own_speed, own_sense = flank * motion.speed, flank * sense
+        per_ratio = problem.inertia[index] * (flank * motion.acceleration)
+        balance = CarrierBalance(stage, geometry, own_sense, own_speed, axial_force, per_ratio)
+        ratio = balance.ratio(tangents[index])
+        ratios.append(ratio)
+        residuals.append(balance.residual(tangents[index]))
+        return steady_motion(geometry, ratio, own_speed, own_sense, axial_acceleration)
+
+    states = chain_forces(
+        mechanism, kinematics, motion_of, motion.speed, sense, load, motion.acceleration
+    )
+    for state in states:
+        # Past the locking limit the axial balance asks for a pulling contact.
+        valid = valid & (state.forces.contact_force >= 0)
+    return Instant(states, jnp.stack(ratios[::-1]), load, jnp.stack(residuals[::-1]), valid)
+
+
+class Balance(NamedTuple):
+    """What a search found."""
+
+    acceleration: Scalar
+    tangents: Float[Array, " stages"]
+    found: Bool[Array, ""]
+
+
+# Inner functions that are compiled on their own are traced once, however often they are called.
+@eqx.filter_jit
+def moving(
+    problem: TorqueProblem, time: Scalar, angle: Scalar, speed: Scalar, sense: Scalar
+) -> Balance:
+    """Acceleration at which the required torque is the applied one [rad/s²]."""
+    applied, scale = problem.scenario.torque_at(time), problem.torque_scale
+    unit = scale / problem.total_inertia
+
+    def residual(unknowns):
+        motion = ScrewMotion(angle, speed, unknowns[0] * unit)
+        now = instant(problem, time, motion, sense, unknowns[1:])
+        return jnp.concatenate([((now.torque - applied) / scale)[None], now.residuals])
+
+    start = jnp.zeros(1 + len(problem.kinematics), speed.dtype)
+    unknowns, found = find_roots(residual, start, tolerance=_tolerance(speed), max_steps=30)
+    return Balance(unknowns[0] * unit, unknowns[1:], found)
+
+
+@eqx.filter_jit
+def resting(problem: TorqueProblem, time: Scalar, angle: Scalar, sense: Scalar) -> Balance:
+    """The balances of the carriers in a motion that is about to begin."""
+    none = jnp.zeros_like(angle)
+    still = ScrewMotion(angle, none, none)
+    start = jnp.zeros(len(problem.kinematics), angle.dtype)
+    if not any(has_contact_losses(stage.friction) for stage in problem.mechanism.stages):
+        # Nothing resists the rollers: the slip is that of geometry alone.
+        return Balance(none, start, jnp.asarray(True))
+
+    def residual(tangents):
+        return instant(problem, time, still, sense, tangents).residuals
+
+    tangents, found = find_roots(residual, start, tolerance=_tolerance(angle), max_steps=30)
+    return Balance(none, tangents, found)
+
+
+def _tolerance(value: Scalar) -> float:
+    return 1e-9 if value.dtype == jnp.float64 else 1e-4
+
+
+@eqx.filter_jit
+def breakaway_torques(problem: TorqueProblem, time: Scalar, angle: Scalar) -> Float[Array, "2"]:
+    """Torques at which a mechanism at rest begins to turn backward and forward [N·m].
+
+    In between it sticks. Backward it holds by itself if that is negative: self-locking. Friction
+    that is larger at rest than in motion counts as it is at rest.
+    """
+    none = jnp.zeros_like(angle)
+
+    def torque(sense):
+        tangents = resting(problem, time, angle, sense).tangents
+        return instant(problem, time, ScrewMotion(angle, none, none), sense, tangents).torque
+
+    # One program for both senses.
+    return jax.vmap(torque)(jnp.asarray([BACKWARD, FORWARD], angle.dtype))
+
+
+def torque_problem(mechanism: Mechanism, scenario: TorqueScenario) -> TorqueProblem:
+    """Collect what the equation of motion needs."""
+    kinematics = with_resistance(mechanism.stages, all_kinematics(mechanism))
+    inertia = jnp.stack([carrier_inertia(stage) for stage in mechanism.stages])
+    zero, one = jnp.zeros((), inertia.dtype), jnp.ones((), inertia.dtype)
+    problem = TorqueProblem(mechanism, kinematics, scenario, inertia, one, one)
+
+    def torque(acceleration):
+        motion = ScrewMotion(zero, zero, acceleration)
+        return instant(problem, zero, motion, one, jnp.zeros_like(inertia)).torque
+
+    at_rest, total = jax.jvp(torque, (zero,), (one,))
+    grid = jnp.linspace(0.0, 1.0, 17, dtype=inertia.dtype) * scenario.duration
+    applied = jnp.max(jnp.abs(jax.vmap(scenario.torque_at)(grid)))
+    scale = jnp.abs(at_rest) + applied
+    scale = jnp.where(scale > 0, scale, 1.0)
+    # Only scales: nothing is differentiated through them.
+    return eqx.tree_at(
+        lambda p: (p.total_inertia, p.torque_scale),
+        problem,
+        (jax.lax.stop_gradient(total), jax.lax.stop_gradient(scale)),
+    )
