@@ -12,6 +12,7 @@ from ..mechanism import CoulombFriction, Mechanism, StribeckFriction
 from ._bristles import has_bristles
 from ._carrier_motion import Problem, carrier_problem
 from ._contact_losses import with_resistance
+from ._loads import bound_scenario
 from ._quasi_steady import quasi_steady_history
 from ._scenario import Scenario
 from ._settling import settles_in_closed_form, settling_history
@@ -55,6 +56,7 @@ def choose_method(mechanism: Mechanism, scenario: Scenario, *, rtol: float = 1e-
 
     **Raises:** `MissingDataError` as `simulate` does.
     """
+    scenario = bound_scenario(mechanism, scenario)
     kinematics = with_resistance(mechanism.stages, all_kinematics(mechanism))
     problem = carrier_problem(mechanism, kinematics, scenario)
     times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=problem.inertia.dtype)
