@@ -1,0 +1,219 @@
+"""Settling in closed form, the reduced stages under it, and the choice of the method."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from scenes import array, mechanism, stage, thread
+
+import prsm_jax as prsm
+from prsm_jax import Scenario
+from prsm_jax.dynamics import all_kinematics, carrier_inertia, choose_method, states_at
+from prsm_jax.dynamics._reduced_chain import reduced_chain, reduced_rates
+from prsm_jax.dynamics._settling import inverse_path
+from prsm_jax.mechanism import (
+    CoulombFriction,
+    Drag,
+    Friction,
+    SplineFriction,
+    StribeckFriction,
+    ThrustBearingFriction,
+    ViscousFriction,
+)
+
+#: After a while, and long after: 40 time constants of the slowest carrier.
+DURATION = 2e-3
+
+
+def _chain(*laws):
+    """One stage for every law of thread friction, in growing sizes, with all other frictions."""
+    stages = []
+    for index, law in enumerate(laws):
+        friction = Friction(
+            thread=law,
+            spline=SplineFriction(0.1, 12e-3) if index else None,
+            thrust_bearing=ThrustBearingFriction(0.005, 20e-3),
+            drag=Drag(0.05),
+        )
+        size = thread(roller_radius=(3.25 + 1.5 * index) * 1e-3)
+        stages.append(stage(friction=friction, geometry=size))
+    return mechanism(*stages)
+
+
+COULOMB = _chain(CoulombFriction(0.05), CoulombFriction(0.07), CoulombFriction(0.06))
+
+
+class _Accelerating(eqx.Module):
+    start: jax.Array
+    slope: jax.Array
+
+    def __call__(self, time):
+        return self.start + self.slope * time
+
+
+@eqx.filter_jit
+def _both_rates(one, speed, slope, load, ratios):
+    kinematics = all_kinematics(one)
+    inertia = jnp.stack([carrier_inertia(s) for s in one.stages])
+
+    def at(speed, slope, load, ratio):
+        carriers = ratio * speed
+        scenario = Scenario(_Accelerating(speed, slope), load, array(1.0))
+        states = states_at(one, kinematics, scenario, array(0.0), carriers)
+        full = jnp.stack([s.forces.carrier_drive for s in states]) / inertia
+        chain = reduced_chain(one, kinematics, inertia)
+        return full, reduced_rates(chain, speed, slope, load, carriers)
+
+    return jax.vmap(at)(speed, slope, load, ratios)
+
+
+@pytest.mark.parametrize(
+    "one",
+    [
+        COULOMB,
+        _chain(
+            StribeckFriction(0.12, 0.05, 0.2, 30.0), ViscousFriction(25.0), CoulombFriction(0.1)
+        ),
+    ],
+    ids=["coulomb", "mixed"],
+)
+def test_the_scalars_of_a_stage_tell_what_its_vectors_do(one):
+    """Driving and driven, accelerating, loads of either sign, away from the steady state."""
+    random = np.random.default_rng(2)
+
+    def draw(low, high, *shape):
+        return array(random.uniform(low, high, (200, *shape)))
+
+    full, reduced = _both_rates(
+        one, draw(-200, 200), draw(-1e4, 1e4), draw(-1e4, 1e4), draw(0.0, 0.6, 3)
+    )
+    # Where the slip along d nearly vanishes both are the difference of large numbers.
+    scale = jnp.max(jnp.abs(full), axis=0, keepdims=True)
+    assert jnp.max(jnp.abs(reduced - full) / scale) < 1e-13
+
+
+@pytest.mark.parametrize("share", [-3.0, 0.0, 0.3, 0.9, 0.99, 0.9999])
+def test_the_path_is_inverted_to_rounding(share):
+    """x of P(x) − share x, over all slips from e⁻⁶⁰ to e⁶ times that across."""
+    x = jnp.linspace(-60.0, 6.0, 2001)
+    root = jnp.sqrt(1 + jnp.exp(2 * x))
+    value = root + x - jnp.log1p(root) - share * x
+    found = jax.jit(jax.vmap(inverse_path, (0, None)))(value, array(share))
+    # The slope is 1 − share where the mechanism nearly locks, and amplifies rounding as much.
+    allowed = 1e-15 / (1 - share) * jnp.maximum(1.0, jnp.abs(x))
+    assert jnp.all(jnp.abs(found - x) <= 4 * allowed)
+
+
+@eqx.filter_jit
+def _settle(one, speed, load, ratio, method):
+    def at(speed, load, ratio):
+        run = prsm.simulate(
+            one,
+            Scenario(speed, load, array(DURATION), ratio, samples=21),
+            method=method,
+            gradient="forward",
+            rtol=1e-12,
+            atol=1e-14,
+            max_steps=20_000,
+            throw=False,
+        )
+        return run.carrier_ratio, run.solver.code
+
+    return jax.vmap(at)(speed, load, ratio)
+
+
+def test_closed_form_and_integration_agree():
+    """Three stages in a chain: impulses of torque and load go from each to the next."""
+    speed = array([100.0, -100.0, 30.0, 100.0, 1e3, 100.0])
+    load = array([7000.0, 7000.0, -4000.0, 7000.0, 7000.0, 1e-3])
+    ratio = array([0.0, 0.3, 0.33, 0.8, -0.5, 0.1])
+    exact, code = _settle(COULOMB, speed, load, ratio, "closed_form")
+    integrated, _ = _settle(COULOMB, speed, load, ratio, "rosenbrock")
+    assert not code.any()
+    # The integrator's own error: a thousand steps with a relative tolerance of 1e-12.
+    assert jnp.max(jnp.abs(exact - integrated)) < 3e-11
+
+
+def test_what_does_not_move_and_what_has_settled():
+    """Frictionless carriers coast; settled ones stay; at standstill nothing moves; all finite."""
+    free = prsm.set_parameter(COULOMB, "stage.friction.thread.coefficient", 0.0)
+    ones = jnp.ones(2)
+    coasting, code = _settle(free, 100.0 * ones, 7000.0 * ones, array([0.2, 0.5]), "closed_form")
+    assert not code.any()
+    np.testing.assert_allclose(coasting, np.asarray(coasting)[:, :, :1] + np.zeros(21), atol=1e-15)
+    steady = prsm.steady_state(COULOMB, 100.0, 7000.0).carrier_ratio
+    runs, code = _settle(
+        COULOMB, array([100.0, 0.0]), array([7000.0, 0.0]), array([steady[0], 0.0]), "closed_form"
+    )
+    assert not code.any()
+    np.testing.assert_allclose(runs[0, 0], steady[0], rtol=1e-15)
+    assert jnp.all(jnp.isfinite(runs))
+
+
+def test_a_torque_that_changes_its_sign_is_seen():
+    """Near self-locking a driven screw first has to be pushed, then holds back."""
+    ends = []
+    for coefficient in jnp.linspace(0.02, 0.4, 20):
+        one = prsm.set_parameter(COULOMB, "stage.friction.thread.coefficient", coefficient)
+        _, code = _settle(
+            one, array([-100.0, 100.0]), array([7000.0, 7000.0]), jnp.zeros(2), "closed_form"
+        )
+        ends.append(np.asarray(code))
+    backward, forward = np.array(ends).T
+    assert not forward.any()
+    assert set(backward) == {0, 6}
+    one = prsm.set_parameter(
+        COULOMB, "stage.friction.thread.coefficient", jnp.linspace(0.02, 0.4, 20)[int(np.argmax(backward))]
+    )
+    scenario = Scenario(-100.0, 7000.0, DURATION, samples=21)
+    choice = choose_method(one, scenario)
+    assert choice.method == "rosenbrock"
+    assert "sign" in choice.reason
+
+
+def test_derivatives_of_the_closed_form():
+    """Forward and reverse against central differences, by friction, lead, speed, and load."""
+
+    def ratio(numbers):
+        one = prsm.set_parameter(COULOMB, "stage.friction.thread.coefficient", numbers[0])
+        one = prsm.set_parameter(one, "lead", 1e-2 * numbers[1])
+        scenario = Scenario(100 * numbers[2], 7e3 * numbers[3], array(2e-4), samples=3)
+        return prsm.simulate(one, scenario, method="closed_form", throw=False).carrier_ratio[:, 1:]
+
+    at, step = array([0.06, 1.0, 1.0, 1.0]), 1e-5
+    value = jax.jit(ratio)
+    forward, reverse = jax.jit(jax.jacfwd(ratio))(at), jax.jit(jax.jacrev(ratio))(at)
+    np.testing.assert_allclose(reverse, forward, rtol=1e-11, atol=1e-12)
+    for index in range(4):
+        move = at[index] * step * jnp.eye(4)[index]
+        difference = (value(at + move) - value(at - move)) / (2 * at[index] * step)
+        # Rounding of the difference, 1e-16 over the step.
+        np.testing.assert_allclose(forward[..., index], difference, rtol=1e-7, atol=1e-9)
+
+
+def test_the_method_is_chosen_by_the_scene():
+    """What is algebra is not integrated, and what is not traced is looked at."""
+    constant = Scenario(100.0, 7000.0, DURATION, samples=21)
+    assert choose_method(COULOMB, constant).method == "closed_form"
+    viscous = _chain(ViscousFriction(25.0))
+    assert choose_method(viscous, constant).method == "rosenbrock"
+    slow = Scenario(lambda t: 100 * jnp.sin(10 * t), 7000.0, 1.0, samples=21)
+    assert choose_method(COULOMB, slow, rtol=1e-6).method == "quasi_steady"
+    quick = Scenario(lambda t: 100 + 10 * jnp.sin(1e4 * t), 7000.0, DURATION, samples=21)
+    assert choose_method(COULOMB, quick).method == "rosenbrock"
+    names = []
+
+    @jax.jit
+    def traced(load):
+        run = prsm.simulate(COULOMB, Scenario(lambda t: 100 + t, load, 1.0, samples=2), throw=False)
+        names.append(run.solver.name)
+        return run.carrier_ratio
+
+    jax.eval_shape(traced, array(7000.0))
+    assert names == ["RODASP"]
+
+
+def test_closed_form_says_what_it_needs():
+    with pytest.raises(ValueError, match=r"closed_form.*constant speed and load"):
+        prsm.simulate(COULOMB, Scenario(lambda t: 1 + t, 1.0, 1.0), method="closed_form")
