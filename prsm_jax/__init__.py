@@ -24,6 +24,11 @@ from .dynamics import (
     TorqueScenario as TorqueScenario,
     Transient as Transient,
     body_forces as body_forces,
+    energy as energy,
+    integral as integral,
+    mean_efficiency as mean_efficiency,
+    peak as peak,
+    settling_time as settling_time,
     simulate as simulate,
     steady_state as steady_state,
 )

@@ -37,4 +37,11 @@ from ._steady import (
     steady_state as steady_state,
 )
 from ._transient import simulate as simulate
+from ._transient_quantities import (
+    energy as energy,
+    integral as integral,
+    mean_efficiency as mean_efficiency,
+    peak as peak,
+    settling_time as settling_time,
+)
 from ._transient_result import Phase as Phase, SolverReport as SolverReport, Transient as Transient

@@ -125,6 +125,8 @@ class Transient(eqx.Module):
     solver: SolverReport
     #: Ω̇ [rad/s²]; `None` for a constant speed.
     screw_acceleration: Float[Array, " times"] | None = None
+    #: Power that the load takes [W].
+    load_power: Float[Array, " times"] | None = None
     #: Rate at which bristles between the threads store energy [W]; `None` without such a law.
     bristle_power: Float[Array, " times"] | None = None
     #: Their deflection, in the carrier's frame [m]; 0 in stages without them.
@@ -235,6 +237,7 @@ def histories(
             "slip_direction": jnp.stack([turned(s.motion.direction, s.flank) for s in instant]),
             "bristle_deflection": _deflections(instant),
             "bristle_power": stored,
+            "load_power": load_power,
         }
 
     found = jax.vmap(at)(history)
