@@ -147,6 +147,7 @@ def _power(run: Transient, of: str) -> Float[Array, " times"]:
     if of == "drive":
         return run.drive_torque * run.screw_speed
     if of == "load":
+        assert run.load_power is not None
         return run.load_power
     if of == "loss":
         return sum(run.losses.values(), jnp.zeros_like(run.screw_speed))
