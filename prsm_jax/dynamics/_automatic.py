@@ -23,7 +23,7 @@ from ._steady import all_kinematics
 #: after so many time constants nothing is left of where they began, to rounding.
 _UNSEEN = 1 / 36
 #: What quasi-steady carriers may be wrong by, over the tolerance that the scene is asked for.
-_ACCEPTED = 100.0
+_ACCEPTED = 10.0
 
 
 class MethodChoice(NamedTuple):
@@ -39,7 +39,7 @@ def choose_method(mechanism: Mechanism, scenario: Scenario, *, rtol: float = 1e-
     1. Constant speed and load with Coulomb friction: the closed form, unless it turns out that a
        torque or a load changes its sign on the way.
     2. Speed or load that vary: quasi-steady, where the carriers settle unseen between two samples
-       and the estimate of what that neglects stays below 100 rtol; or where friction that jumps
+       and the estimate of what that neglects stays below 10 rtol; or where friction that jumps
        at standstill is turned around there, which no integrator passes cleanly.
     3. Everything else: RODASP, whether stiff or not (the chart of `benchmarks`, case transient,
        shows where the explicit and the implicit solver stand).

@@ -75,12 +75,60 @@ def quasi_steady_states(
     return states, jnp.stack(ratios[::-1]), valid
 
 
+def states_at_ratios(
+    problem: Problem, time: Scalar, ratios: Float[Array, " stages"]
+) -> tuple[StageState, ...]:
+    """Forces of all stages at given carrier ratios, which make sense at standstill too."""
+    mechanism, kinematics, scenario = problem.mechanism, problem.kinematics, problem.scenario
+    speed, acceleration = scenario.motion_at(time)
+    sense = sense_of(speed, acceleration)
+
+    def motion_of(index: int, flank: Scalar, _, axial_acceleration) -> Motion:
+        own_sense, own_speed = flank * sense, flank * speed
+        return steady_motion(
+            kinematics[index], ratios[index], own_speed, own_sense, axial_acceleration
+        )
+
+    load = scenario.load_at(time)
+    return chain_forces(mechanism, kinematics, motion_of, speed, sense, load, acceleration)
+
+
+def _followed(problem: Problem, time: Scalar):
+    """By how much the carriers stay behind their balance, the balance, and their time constants.
+
+    The balance moves, `Ω ζ̇`, and the carriers follow it at their rates `|∂ω̇/∂ω|`: they stay behind
+    by `ζ̇ / |∂ω̇/∂ω|`, to first order.
+    """
+    scenario, inertia = problem.scenario, problem.inertia
+
+    def balanced(at):
+        _, ratios, valid = quasi_steady_states(
+            problem.mechanism, problem.kinematics, scenario, inertia, at
+        )
+        return ratios, valid
+
+    moves = callable(scenario.speed) or callable(scenario.load)
+    if moves:
+        ratios, drift, valid = jax.jvp(balanced, (time,), (jnp.ones_like(time),), has_aux=True)
+    else:
+        ratios, valid = balanced(time)
+        drift = jnp.zeros_like(ratios)
+    speed = scenario.speed_at(time)
+    slopes = jax.jacfwd(lambda w: carrier_acceleration(problem, time, w))(ratios * speed)
+    rates = jnp.abs(jnp.diagonal(slopes))
+    # Standstill: carriers follow at once.
+    moving = (rates > 0) & (speed != 0)
+    lag = jnp.where(moving, 1 / jnp.where(moving, rates, 1.0), 0.0)
+    return lag * drift, (ratios, lag, valid)
+
+
 def quasi_steady_history(
     problem: Problem, times: Float[Array, " times"]
 ) -> tuple[CarrierHistory, SolverReport]:
-    """Carriers in balance at every time, with an estimate of what that neglects.
+    """Carriers that follow their balance at every time, with an estimate of what that neglects.
 
-    The neglected `I ζ̇ Ω` shifts the ratio by `I ζ̇ / |∂(N f·d)/∂ω|` to first order.
+    The carriers stay behind the balance by a first-order shift, which is taken off. What is left
+    is of second order; the estimate is the shift of that shift.
 
     **Arguments:**
 
@@ -89,31 +137,31 @@ def quasi_steady_history(
     """
     scenario, inertia = problem.scenario, problem.inertia
 
-    def balanced(time):
-        return quasi_steady_states(problem.mechanism, problem.kinematics, scenario, inertia, time)
-
     def at(time):
-        states, ratios, valid = balanced(time)
-        speed = scenario.speed_at(time)
-        drives = jnp.stack([state.forces.carrier_drive for state in states])
-        slopes = jax.jacfwd(lambda w: carrier_acceleration(problem, time, w))(ratios * speed)
-        rates = jnp.abs(jnp.diagonal(slopes))
-        # Standstill: carriers follow at once.
-        moves = (rates > 0) & (speed != 0)
-        lag = jnp.where(moves, 1 / jnp.where(moves, rates, 1.0), 0.0)
-        drift = jnp.zeros_like(ratios)
         if callable(scenario.speed) or callable(scenario.load):
-            _, drift = jax.jvp(lambda t: balanced(t)[1], (time,), (jnp.ones_like(time),))
-        return ratios * speed, states, drives / inertia, valid, lag, jnp.abs(drift) * lag
+            shift, change, found = jax.jvp(
+                lambda t: _followed(problem, t), (time,), (jnp.ones_like(time),), has_aux=True
+            )
+        else:
+            shift, found = _followed(problem, time)
+            change = shift
+        ratios, lag, valid = found
+        ratios = ratios - shift
+        states = states_at_ratios(problem, time, ratios)
+        # Past the locking limit the axial balance asks for a pulling contact.
+        pushed = jnp.stack([state.forces.contact_force >= 0 for state in states]).all()
+        drives = jnp.stack([state.forces.carrier_drive for state in states])
+        speed = scenario.speed_at(time)
+        return ratios * speed, states, drives / inertia, valid & pushed, lag, jnp.abs(change) * lag
 
-    speeds, states, accelerations, valid, lag, shift = jax.vmap(at)(times)
+    speeds, states, accelerations, valid, lag, left = jax.vmap(at)(times)
     none = jnp.zeros((), int)
     report = SolverReport(
         steps=none,
         rejected=none,
         code=jnp.where(jnp.all(valid), none, 4),
         name=NAMES["quasi_steady"],
-        error_estimate=jax.lax.stop_gradient(jnp.max(shift)),
+        error_estimate=jax.lax.stop_gradient(jnp.max(left)),
         time_constant=jax.lax.stop_gradient(jnp.max(lag)),
     )
     history = CarrierHistory(*prescribed(scenario, times), speeds, states, accelerations)

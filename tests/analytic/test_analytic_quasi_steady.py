@@ -38,8 +38,8 @@ def _swing(mean, amplitude, samples=81):
 def test_error_is_what_the_estimate_says():
     """A speed that swings without standing still, where the integrated carriers are exact.
 
-    The estimate is of first order; the next order is smaller by the ratio of time constant and
-    period, 1e-3.
+    What is left is of second order. The estimate has its linear part; the curvature of friction
+    over the slip adds a fifth here, and the integrated carriers up to 1e-10.
     """
     two, scenario = example("li2020_two_stage"), _swing(200.0, 100.0)
     found = simulate(two, scenario, method="quasi_steady")
@@ -47,10 +47,10 @@ def test_error_is_what_the_estimate_says():
     assert int(found.solver.code) == int(exact.solver.code) == 0
     # Past the settling from the initial ratio.
     error = np.max(np.abs(np.asarray(found.carrier_ratio - exact.carrier_ratio))[:, 5:])
-    assert error == pytest.approx(float(found.solver.error_estimate), rel=0.05)
-    assert error < 1e-5
+    assert error == pytest.approx(float(found.solver.error_estimate), rel=0.3)
+    assert error < 2e-8
     torque = np.asarray(exact.drive_torque)
-    np.testing.assert_allclose(found.drive_torque[5:], torque[5:], atol=1e-4 * torque.max())
+    np.testing.assert_allclose(found.drive_torque[5:], torque[5:], atol=1e-7 * torque.max())
 
 
 def test_through_reversals():
