@@ -1,11 +1,13 @@
 """Verbs that analyse one mechanism: check, contact, steady, simulate."""
 
+import dataclasses
 import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import equinox as eqx
+import numpy as np
 from cyclopts import Parameter
 
 from ..contact import StageContact, thread_contacts
@@ -14,6 +16,7 @@ from ..dynamics import (
     Scenario,
     SteadyState,
     Transient,
+    choose_method,
     default_scenario,
     simulate as run_transient,
     steady_state,
@@ -157,19 +160,39 @@ def _steady_table(file: str, results: dict[str, Any]) -> str:
     return table(f"Steady state: {file}", ["", ""], rows)
 
 
-def _transient(mechanism: Mechanism, method: Method, samples: int) -> Transient:
-    point = default_scenario(mechanism)
-    scenario = Scenario(point.speed, point.load, point.duration, samples=samples)
-    return _simulate(mechanism, scenario, method=method, gradient="reverse", throw=False)
+def _transient(
+    mechanism: Mechanism, method: Method, samples: int | None, rtol: float, atol: float, steps: int
+) -> Transient:
+    scenario = default_scenario(mechanism)
+    if samples is not None:
+        scenario = dataclasses.replace(scenario, samples=samples)
+    # It is an argument of its own: twice it would be traced twice.
+    mechanism = dataclasses.replace(mechanism, scenario=None)
+    if method == "auto" and isinstance(scenario, Scenario):
+        # Out here, where numbers are known, and not in the compiled program.
+        method = choose_method(mechanism, scenario, rtol=rtol).method
+    return _simulate(
+        mechanism,
+        scenario,
+        method=method,
+        # Nothing is differentiated; the loop of forward mode stops when it is done.
+        gradient="forward",
+        rtol=rtol,
+        atol=atol,
+        max_steps=steps,
+        throw=False,
+    )
 
 
 _simulate = eqx.filter_jit(run_transient)
 
 
 def transient_results(run: Transient) -> dict[str, Any]:
-    """A transient by the names of the JSON."""
-    return {
+    """A transient by the names of the JSON; three more of them where the torque is prescribed."""
+    results = {
         "time_s": run.time,
+        "screw_speed_rad_per_s": run.screw_speed,
+        "load_n": run.load,
         "carrier_ratio": run.carrier_ratio,
         "efficiency": run.efficiency,
         "drive_torque_nm": run.drive_torque,
@@ -187,22 +210,45 @@ def transient_results(run: Transient) -> dict[str, Any]:
             "result": run.solver.result,
         },
     }
+    if run.position is not None:
+        results["position_m"] = run.position
+    if run.sticking is not None:
+        results["sticking"] = run.sticking
+    if run.phases is not None:
+        results["phases"] = [
+            {"start_s": start, "end_s": end, "mode": _MODES[round(mode)]}
+            for start, end, mode in zip(
+                *(np.asarray(x).tolist() for x in (run.phases.start, run.phases.end)),
+                np.asarray(run.phases.mode).tolist(),
+                strict=True,
+            )
+            if end > start
+        ]
+    return results
+
+
+_MODES = {1: "forward", -1: "backward", 0: "sticking"}
 
 
 @app.command
 def simulate(
     file: str,
     *,
-    method: Annotated[Method, Parameter(help="Integrator.")] = "implicit",
-    samples: Annotated[int, Parameter(help="Number of times in the result.")] = 201,
+    method: Annotated[Method, Parameter(help="How carriers are found over time.")] = "auto",
+    samples: Annotated[
+        int | None, Parameter(help="Number of times in the result; default the file's, or 201.")
+    ] = None,
+    rtol: Annotated[float, Parameter(help="Relative tolerance of the steps.")] = 1e-8,
+    atol: Annotated[float, Parameter(help="Absolute tolerance of the steps.")] = 1e-10,
+    max_steps: Annotated[int, Parameter(help="Steps allowed.")] = 4096,
     animation: Annotated[
         bool, Parameter(help="With --out: an animated GIF of the stages in motion.")
     ] = True,
     common: Common = _DEFAULT,
 ) -> int:
-    """Transient after a step of the screw speed, from rollers at rest."""
+    """Time histories of the file's [scenario]; without one, after a step to the operating point."""
     mechanism = common.load(file)
-    run = _transient(mechanism, method, samples)
+    run = _transient(mechanism, method, samples, rtol, atol, max_steps)
     results = transient_results(run)
     solver = results["solver"]
     rows: list[tuple[Any, ...]] = [

@@ -170,6 +170,11 @@ def _deflections(instant: tuple[StageState, ...]) -> Float[Array, "stages 3"] | 
     )
 
 
+def _relative(residual: Scalar, scale: Scalar) -> Scalar:
+    """Without load there is nothing to compare with."""
+    return jnp.abs(residual) / jnp.where(scale > 0, scale, 1.0)
+
+
 def histories(
     mechanism: Mechanism,
     kinematics: tuple[StageKinematics, ...],
@@ -229,8 +234,10 @@ def histories(
             "power_balance_residual": jnp.abs(imbalance) / jnp.where(gross > 0, gross, 1.0),
             "newton_residual": jnp.stack(
                 [
-                    jnp.abs(support.moment_residual)
-                    / (state.forces.contact_force * geometry.thread.roller_radius)
+                    _relative(
+                        support.moment_residual,
+                        state.forces.contact_force * geometry.thread.roller_radius,
+                    )
                     for support, state, geometry in zip(supports, instant, kinematics, strict=True)
                 ]
             ),

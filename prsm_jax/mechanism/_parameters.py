@@ -131,9 +131,7 @@ def _walk(
                 if isinstance(element, eqx.Module):
                     inner = _walk(element, (*path, _number_of(element, index)), unit)
                     yield from (found for found in inner if not found[2])
-        elif metadata.get("list") or callable(value):
-            continue
-        elif isinstance(value, bool):
+        elif metadata.get("list") or callable(value) or isinstance(value, bool):
             continue
         elif field.metadata.get("static") and isinstance(value, int):
             yield path, metadata, True

@@ -9,6 +9,7 @@ import prsm_jax.file as file
 
 NAMES = (
     "actuator",
+    "actuator_mission",
     "li2020_single_stage_viscous",
     "li2020_two_stage",
     "li2021_two_stage",
