@@ -9,6 +9,9 @@ from ..dynamics import SteadyState, Transient, travel_per_turn
 from ..mechanism import Mechanism
 from ._history_chart import integrated
 
+#: What stays in moving masses is no energy below this share of all that flowed: the trapezoidal
+#: rule leaves so much where they start and end at rest.
+_ROUNDING = 1e-4
 #: Names of the terms that are no losses.
 MOTOR, LOAD, KINETIC = "motor", "load", "moving masses"
 BRISTLES = "bristles"
@@ -87,7 +90,8 @@ def energy_flow(mechanism: Mechanism, run: Transient) -> PowerFlow:
     """Energy flow of a whole transient [J].
 
     What the motor gives and what it takes back while it brakes are counted apart, and so for the
-    load. Moving masses count with what is left in them, or taken out of them, in the end.
+    load. Moving masses count with what is left in them, or taken out of them, in the end, unless
+    that is less than a ten-thousandth of all.
     """
     powers = power_history(mechanism, run)
 
@@ -97,8 +101,12 @@ def energy_flow(mechanism: Mechanism, run: Transient) -> PowerFlow:
     def ends(power: np.ndarray) -> tuple[float, float]:
         return energy(np.maximum(power, 0.0)), energy(np.maximum(-power, 0.0))
 
+    least = _ROUNDING * (energy(np.abs(powers.motor)) + energy(np.abs(powers.load)))
+
     def stored(power: np.ndarray) -> tuple[float, float]:
         net = energy(power)
+        if abs(net) < least:
+            return 0.0, 0.0
         return max(net, 0.0), max(-net, 0.0)
 
     lost = {name: (0.0, energy(power)) for name, power in powers.losses.items()}
