@@ -18,7 +18,7 @@ from ._bristles import breakaway_deflection, bristle_rate, bristles_of, in_tange
 from ._carrier_motion import Problem
 from ._chain import StageState, chain_forces
 from ._kinematics import StageKinematics, slip_velocity
-from ._solvers import NAMES, adjoint_of, code_of, solver_of
+from ._solvers import NAMES, adjoint_of, code_of, controller_of, solver_of
 from ._stage_forces import Motion
 from ._thread_friction import slip_direction
 from ._transient_result import CarrierHistory, SolverReport, prescribed
@@ -141,7 +141,9 @@ def bristle_history(
         dt0=None,
         y0=start,
         saveat=diffrax.SaveAt(ts=jnp.linspace(0.0, 1.0, scenario.samples, dtype=end.dtype) * end),
-        stepsize_controller=diffrax.PIDController(rtol=rtol, atol=atol),
+        stepsize_controller=controller_of(
+            rtol, atol, scenario.break_times / problem.time_scale, end
+        ),
         adjoint=adjoint_of(gradient),
         max_steps=max_steps,
         throw=False,

@@ -33,7 +33,7 @@ from ._bristle_transient import BristleState, deflection_scales, states_with_bri
 from ._bristles import bristles_of
 from ._contact_losses import has_contact_losses
 from ._kinematics import free_carrier_ratio, travel_per_turn
-from ._solvers import NAMES, adjoint_of, code_of, solver_of
+from ._solvers import NAMES, adjoint_of, code_of, controller_of, solver_of
 from ._torque_balance import TorqueProblem, torque_problem
 from ._transient_result import CarrierHistory, SolverReport, Transient, histories
 
@@ -201,7 +201,9 @@ def smooth_torque_history(
         dt0=None,
         y0=ravel_pytree(start)[0],
         saveat=diffrax.SaveAt(ts=jnp.linspace(0.0, 1.0, scenario.samples, dtype=dtype)),
-        stepsize_controller=diffrax.PIDController(rtol=rtol, atol=atol),
+        stepsize_controller=controller_of(
+            rtol, atol, scenario.break_times / end, jnp.ones_like(end)
+        ),
         adjoint=adjoint_of(gradient),
         max_steps=max_steps,
         throw=False,

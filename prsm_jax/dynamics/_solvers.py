@@ -4,7 +4,7 @@ from typing import Literal
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Int
+from jaxtyping import Array, Float, Int
 
 Method = Literal["auto", "closed_form", "implicit", "explicit", "rosenbrock", "quasi_steady"]
 NAMES = {
@@ -34,12 +34,37 @@ def solver_of(method: Method, rtol: float, atol: float, autonomous: bool):
     raise ValueError(f"method is {method!r}; choose one of auto, {', '.join(NAMES)}")
 
 
+def controller_of(rtol: float, atol: float, breaks: Float[Array, " breaks"], end: Float[Array, ""]):
+    """Steps by tolerance, ending where speed or load jump or bend.
+
+    A pulse between two long steps would otherwise not be seen, and an error estimate across a jump
+    means nothing.
+
+    **Arguments:**
+
+    - `rtol`, `atol`: tolerances.
+    - `breaks`: times of jumps and bends, in the units of the integration.
+    - `end`: the end of the integration.
+    """
+    import diffrax
+
+    controller = diffrax.PIDController(rtol=rtol, atol=atol)
+    if breaks.size == 0:
+        return controller
+    # Those at the ends are no breaks: out of the way with them.
+    inside = (breaks > 0) & (breaks < end)
+    jumps = jnp.sort(jnp.where(inside, breaks, 2 * end))
+    return diffrax.ClipStepSizeController(controller, jump_ts=jax.lax.stop_gradient(jumps))
+
+
 def adjoint_of(gradient: Gradient):
     import diffrax
 
     adjoints = {
         "reverse": diffrax.RecursiveCheckpointAdjoint,
         "forward": diffrax.ForwardMode,
+        # In reverse it computes blocks of steps again, compiled differently. From tolerances of
+        # 1e-11 down rounding then makes them end elsewhere than those kept: derivatives are off.
         "both": diffrax.DirectAdjoint,
     }
     if gradient not in adjoints:

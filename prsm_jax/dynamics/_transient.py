@@ -25,6 +25,7 @@ from ._solvers import (
     Method,
     adjoint_of,
     code_of,
+    controller_of,
     is_concrete,
     solver_of,
 )
@@ -74,7 +75,7 @@ def simulate(
       stiffness, no iterations: the cheapest that integrates), `"explicit"` (Tsitouras 5/4, not for
       stiff scenes), or `"implicit"` (Kvaerno 5/4 with Newton, any stiffness, the reference).
     - `gradient`: `"both"` (either mode through one program), `"reverse"` (checkpointed, bounded
-      memory for long scenes) or `"forward"` (for few parameters).
+      memory for long scenes, and for tolerances below 1e-10) or `"forward"` (for few parameters).
     - `rtol`, `atol`: tolerances on the carrier ratio, of the steps. Between the large steps of the
       implicit method the samples are interpolated to third order: at the default their largest
       error is about 1e-6 while the carriers still accelerate (`benchmarks`, case transient).
@@ -149,7 +150,9 @@ def _integrated(
         y0=start * jnp.ones_like(problem.inertia),
         args=problem,
         saveat=diffrax.SaveAt(ts=jnp.linspace(0.0, 1.0, scenario.samples, dtype=end.dtype) * end),
-        stepsize_controller=diffrax.PIDController(rtol=rtol, atol=atol),
+        stepsize_controller=controller_of(
+            rtol, atol, scenario.break_times / problem.time_scale, end
+        ),
         adjoint=adjoint_of(gradient),
         max_steps=max_steps,
         throw=False,
