@@ -1,5 +1,7 @@
 """Prescribed torque: stick and slip with exact Coulomb friction, against closed forms."""
 
+import dataclasses
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -8,7 +10,13 @@ import pytest
 from scenes import array, mechanism, stage, steady_state, thread
 
 import prsm_jax as prsm
-from prsm_jax.mechanism import CoulombFriction, Friction, body_inertia, body_mass
+from prsm_jax.mechanism import (
+    CoulombFriction,
+    Friction,
+    StribeckFriction,
+    body_inertia,
+    body_mass,
+)
 
 LOAD = 300.0
 AMPLITUDE, FREQUENCY = 3.0, 2.0
@@ -43,6 +51,11 @@ def _scenario(mean=0.0, amplitude=0.0, frequency=FREQUENCY, load=None, duration=
 @eqx.filter_jit
 def _run(one, scenario):
     return prsm.simulate(one, scenario, throw=False)
+
+
+@eqx.filter_jit
+def _run_forward(one, scenario):
+    return prsm.simulate(one, scenario, throw=False, gradient="forward")
 
 
 def _swinging(amplitude=AMPLITUDE):
@@ -186,3 +199,64 @@ def test_running_out_of_phases_is_reported():
     run = _run(_one(0.7), _scenario(0.0, AMPLITUDE, 40.0))
     assert int(run.solver.code) == 5
     assert "most_phases" in run.solver.result
+
+
+def test_spring_load_through_no_load():
+    """A nut between two springs, swung by the torque: the flanks change as it passes the middle."""
+    one, load = _one(0.02), prsm.HingeLoad(array(0.0), array(5e5), array(50.0))
+    run, other = (
+        _run(one, _scenario(0.0, sign * AMPLITUDE, load=load, duration=0.5)) for sign in (1, -1)
+    )
+    assert int(run.solver.code) == int(other.solver.code) == 0
+    position = np.asarray(run.position)
+    assert position.min() < -1e-4
+    assert position.max() > 1e-4
+    # A half turn about a radial axis.
+    np.testing.assert_allclose(other.position, -position, atol=1e-9 * np.max(position))
+    turning = ~np.asarray(run.sticking)
+    assert np.max(np.asarray(run.power_balance_residual)[turning]) < 1e-9
+    assert np.min(run.contact_force) >= 0
+    assert np.min(np.asarray(run.losses["thread_sliding"])) >= 0
+
+
+def test_two_hundred_phases():
+    """Dither at 20 Hz for 5 s: every phase of sticking ends where the torque is at a limit."""
+    one, frequency = _one(0.7), 20.0
+    scenario = _scenario(0.0, AMPLITUDE, frequency, duration=5.0)
+    scenario = dataclasses.replace(scenario, samples=1001, most_phases=256)
+    run = _run_forward(one, scenario)
+    assert int(run.solver.code) == 0
+    start, end, mode = (np.asarray(getattr(run.phases, name)) for name in ("start", "end", "mode"))
+    there = end > start
+    assert np.sum(there) > 200
+    assert start[0] == 0
+    assert end[there][-1] == pytest.approx(5.0, rel=1e-12)
+    # No gap between one and the next.
+    np.testing.assert_array_equal(start[there][1:], end[there][:-1])
+    ended = end[there & (mode == 0) & (end < 5.0 - 1e-9)]
+    assert len(ended) > 90
+    torque = AMPLITUDE * np.sin(2 * np.pi * frequency * ended)
+    limits = np.array(_limits(one))
+    # Located to 1e-10 of the duration, in which the torque changes by 2π f A · 5e-10 N·m.
+    distance = np.min(np.abs(torque[:, None] - limits[None, :]), axis=1)
+    assert np.max(distance) < 1e-6
+
+
+def test_a_phase_that_is_passed_over_is_reported():
+    """A torque that is zero at every step, and beyond the limits in between."""
+    run = _run(_one(0.7), _scenario(0.0, AMPLITUDE, 800.0))
+    assert int(run.solver.code) == 8
+    assert "raise samples" in run.solver.result
+
+
+def test_static_friction_holds_and_sliding_friction_moves():
+    """Stribeck's law: it breaks away at the static coefficient, and then needs less."""
+    law = StribeckFriction(0.7, 0.5, 1e-3)
+    one = mechanism(stage(friction=Friction(thread=law), geometry=thread(contact_angle=np.pi / 3)))
+    scenario = dataclasses.replace(_swinging(), samples=21)
+    run = _run_forward(one, scenario)
+    _, static = _limits(_one(0.7))
+    _, sliding = _limits(_one(0.5))
+    assert sliding < static
+    first = np.arcsin(static / AMPLITUDE) / (2 * np.pi * FREQUENCY)
+    assert float(run.phases.start[1]) == pytest.approx(first, abs=1e-9)

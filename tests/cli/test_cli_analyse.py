@@ -173,3 +173,48 @@ def test_example_prints_a_file_that_can_be_read(prsm):
         status, out, _ = prsm("example", name)
         assert status == 0
         file.loads(out)
+
+
+def test_simulate_runs_the_scenario_of_a_file(prsm_json):
+    """A mission out and back; numbers of the scenario and of the options can be set."""
+    results = prsm_json("simulate", "actuator_mission", "--samples", "41")
+    assert results.keys() >= SIMULATE_KEYS
+    assert results["time_s"][-1] == 2.0
+    assert np.max(results["screw_speed_rad_per_s"]) > 100
+    # The load pushes one way and then the other.
+    assert np.min(results["load_n"]) < -5e3
+    assert np.max(results["load_n"]) > 5e3
+    assert np.min(results["contact_force_n"]) >= 0
+    assert results["solver"]["result"] == "successful"
+    shorter = prsm_json(
+        "simulate",
+        "actuator_mission",
+        *("--samples", "41", "--method", "quasi_steady", "--set", "scenario.duration=0.5 s"),
+    )
+    assert shorter["time_s"][-1] == 0.5
+
+
+TORQUE = """
+[scenario]
+duration = "0.1 s"
+torque = "3.2 N m"
+most_phases = 4
+samples = 11
+
+[scenario.load]
+kind = "hinge"
+constant = "2 kN"
+"""
+
+
+def test_simulate_under_a_prescribed_torque(prsm_json, tmp_path):
+    """Between 2.8 N·m, at which the load runs back, and 3.6 N·m, at which it yields: it sticks."""
+    text = file.example_text("actuator_mission")
+    text = text[: text.index("[scenario]")] + TORQUE
+    (tmp_path / "torque.toml").write_text(text)
+    results = prsm_json("simulate", tmp_path / "torque.toml")
+    assert results.keys() >= SIMULATE_KEYS | {"position_m", "sticking", "phases"}
+    assert all(results["sticking"])
+    assert results["position_m"] == [0.0] * 11
+    (phase,) = results["phases"]
+    assert phase == {"start_s": 0.0, "end_s": pytest.approx(0.1), "mode": "sticking"}
