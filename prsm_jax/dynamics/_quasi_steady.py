@@ -20,6 +20,9 @@ from ._solvers import NAMES
 from ._stage_forces import Motion
 from ._transient_result import CarrierHistory, SolverReport, prescribed
 
+#: Of the carrier ratio: what carriers may stay behind their balance, and be wrong by.
+_LARGEST_SHIFT, _LARGEST_ERROR = 0.03, 1.0
+
 
 def sense_of(speed: Scalar, acceleration: Scalar | None) -> Scalar:
     """Sense of turning, +1 or −1; at standstill that of the motion about to begin."""
@@ -146,13 +149,16 @@ def quasi_steady_history(
             shift, found = _followed(problem, time)
             change = shift
         ratios, lag, valid = found
-        ratios = ratios - shift
+        # Where the load passes through zero nothing drives the carriers, and to first order they
+        # would stay behind without bound.
+        ratios = ratios - jnp.clip(shift, -_LARGEST_SHIFT, _LARGEST_SHIFT)
         states = states_at_ratios(problem, time, ratios)
         # Past the locking limit the axial balance asks for a pulling contact.
         pushed = jnp.stack([state.forces.contact_force >= 0 for state in states]).all()
         drives = jnp.stack([state.forces.carrier_drive for state in states])
         speed = scenario.speed_at(time)
-        return ratios * speed, states, drives / inertia, valid & pushed, lag, jnp.abs(change) * lag
+        left = jnp.minimum(jnp.abs(change) * lag, _LARGEST_ERROR)
+        return ratios * speed, states, drives / inertia, valid & pushed, lag, left
 
     speeds, states, accelerations, valid, lag, left = jax.vmap(at)(times)
     none = jnp.zeros((), int)
