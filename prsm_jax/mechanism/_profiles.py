@@ -56,6 +56,12 @@ class _Segments(eqx.Module):
     curvature: Float[Array, " segments"]
 
 
+def _limits(parts: _Segments) -> tuple[Float[Array, " segments"], Float[Array, " segments"]]:
+    """Starts and ends of the stretches; each begins exactly where the one before ends."""
+    ends = jnp.cumsum(parts.length)
+    return jnp.concatenate([jnp.zeros_like(ends[:1]), ends[:-1]]), ends
+
+
 class AbstractSegmentedProfile(eqx.Module):
     """Stretches of polynomials of second order, one after the other; 0 after the last."""
 
@@ -75,17 +81,17 @@ class AbstractSegmentedProfile(eqx.Module):
 
     def __call__(self, time: Scalar) -> Scalar:
         parts = self._segments()
-        ends = jnp.cumsum(parts.length)
-        since = time - (ends - parts.length)
-        here = (time < ends) & (since >= 0)
+        starts, ends = _limits(parts)
+        since = time - starts
+        here = (time < ends) & (time >= starts)
         value = parts.value + since * (parts.slope + since * parts.curvature / 2)
         return jnp.sum(jnp.where(here, value, 0.0))
 
     def angle(self, time: Scalar) -> Scalar:
         """Integral from 0 to a time."""
         parts = self._segments()
-        ends = jnp.cumsum(parts.length)
-        since = time - (ends - parts.length)
+        starts, ends = _limits(parts)
+        since = time - starts
         since = jnp.where(since < 0, 0.0, jnp.where(time < ends, since, parts.length))
         return jnp.sum(
             since * (parts.value + since * (parts.slope / 2 + since * parts.curvature / 6))

@@ -99,9 +99,14 @@ class SequenceProfile(eqx.Module):
         ends = self._ends()
         if self.repeats == 1:
             return jnp.zeros_like(time), jnp.ones_like(time), time, ends
-        cycle = jnp.clip(jnp.floor(time / ends[-1]), 0, self.repeats - 1)
+        cycle = jnp.floor(time / ends[-1])
+        # A quotient that is rounded down would leave the end of a repetition to nobody.
+        cycle = jnp.where(time - cycle * ends[-1] >= ends[-1], cycle + 1, cycle)
+        cycle = jnp.clip(cycle, 0, self.repeats - 1)
         sign = 1 - 2 * jnp.mod(cycle, 2) if self.reversing else jnp.ones_like(time)
-        return cycle, sign, time - cycle * ends[-1], ends
+        # Rounding must not put the start of a repetition before its first part.
+        since = time - cycle * ends[-1]
+        return cycle, sign, jnp.where(cycle > 0, jnp.maximum(since, 0.0), since), ends
 
     def __call__(self, time: Scalar) -> Scalar:
         _, sign, since, ends = self._place(time)

@@ -257,3 +257,17 @@ def test_values_of_loads():
 def test_what_makes_no_sense_is_refused(make, message):
     with pytest.raises(ValueError, match=message):
         make()
+
+
+@pytest.mark.parametrize("share", np.linspace(0.9, 1.1, 7))
+def test_a_stretch_begins_exactly_where_the_one_before_ends(share):
+    """Lengths whose running sums round: at no end of a stretch is there a gap between two."""
+    move = SCurveMoveProfile(6 * np.pi * share, 50 * np.pi, 3000.0, 1e5, 0.3)
+    ends = move.break_times[:-2]
+    there = jax.vmap(move)(ends)
+    after = jax.vmap(move)(ends + 1e-9)
+    # Within the nanosecond the speed changes by the acceleration limit at most.
+    assert float(jnp.abs(there - after).max()) <= 3000.0 * 1e-9 * (1 + 1e-6)
+    held = SequenceProfile([ConstantProfile(5.0, 0.1 * share)], repeats=12)
+    starts = jnp.arange(1.0, 12.0) * held.part[0].duration
+    np.testing.assert_array_equal(jax.vmap(held)(starts), 5.0)
