@@ -127,26 +127,27 @@ def _ours(
     scene: Scene, name: str, method: Any, settings: Sequence, chunk: int = 0, order=None, **options
 ) -> Method:
     """A method of the package; with `chunk`, that many designs at once, in a certain order."""
-    solve = jax.vmap(_solver(scene, method, **options), in_axes=(0, 0, 0, 0, None))
+    batched: Any = jax.vmap(_solver(scene, method, **options), in_axes=(0, 0, 0, 0, None))
     rows = np.arange(len(scene.designs.speed)) if order is None else order
     inputs = jax.tree.map(
         lambda x: jnp.asarray(np.asarray(x)[rows]),
         (scene.designs.factors, scene.kinematics, scene.designs.speed, scene.designs.load),
     )
     back = np.argsort(rows)
+    jitted: Any
     if chunk:
         parts = jax.tree.map(lambda x: x.reshape(-1, chunk, *x.shape[1:]), inputs)
         jitted = jax.jit(
             lambda given, rtol: jax.tree.map(
                 lambda x: x.reshape(-1, *x.shape[2:]),
-                jax.lax.map(lambda part: solve(*part, rtol), given),
+                jax.lax.map(lambda part: batched(*part, rtol), given),
             )
         )
 
         def call(rtol):
             return jitted(parts, rtol)
     else:
-        jitted = jax.jit(solve)
+        jitted = jax.jit(batched)
 
         def call(rtol):
             return jitted(*inputs, rtol)

@@ -11,6 +11,7 @@ from prsm_jax import Scenario, simulate
 from prsm_jax.file import load
 
 from ..harness import Case, Method, Prepared, Problem, Reference
+from ..references.designs_of_two_stages import regularised
 from ..references.dynamics import Chain
 
 _RATIO, _EFFICIENCY = "carrier ratios", "efficiency"
@@ -18,6 +19,9 @@ _MECHANISM = "li2020_two_stage"
 _SAMPLES = 201
 #: Absolute tolerance over relative tolerance; all solvers have the same.
 _ABSOLUTE = 1e-2
+#: Widths over which regularised friction changes its sign [m/s].
+_WIDTHS = (1e-1, 1e-2, 1e-3, 1e-4)
+OurMethod = Literal["closed_form", "rosenbrock", "implicit", "explicit"]
 #: Tight enough that the solution below it is rounding: agrees with Radau at 1e-12 to 1e-12.
 _TIGHT = 3e-14
 
@@ -57,11 +61,17 @@ def _rival(name: str, chains, duration, solver, tolerances) -> Method:
 
 
 @functools.cache
-def _jitted(method: Literal["implicit", "explicit"], batched: bool):
-    """`simulate` with speed, load, duration and tolerance traced: one compilation for all."""
-    mechanism = load(_MECHANISM)
+def _jitted(method: OurMethod, batched: bool, smooth: bool = False):
+    """`simulate` with speed, load, duration and tolerance traced: one compilation for all.
+
+    With `smooth` friction is regularised, and its width stands in for the tolerance.
+    """
+    coulomb = load(_MECHANISM)
 
     def solve(speed, force, duration, rtol):
+        mechanism = coulomb
+        if smooth:
+            mechanism, rtol = regularised(coulomb, rtol), 1e-10
         run = simulate(
             mechanism,
             Scenario(speed, force, duration, samples=_SAMPLES),
@@ -82,10 +92,10 @@ def _jitted(method: Literal["implicit", "explicit"], batched: bool):
     return jax.jit(lambda s, f, *rest: jax.tree.map(lambda x: x[None], solve(s[0], f[0], *rest)))
 
 
-def _ours(method: Literal["implicit", "explicit"], operations, duration, tolerances) -> Method:
+def _ours(method: OurMethod, operations, duration, tolerances, smooth: bool = False) -> Method:
     """The package's transient over a batch of operating points."""
     speeds, loads = (jnp.asarray(column) for column in zip(*operations, strict=True))
-    jitted = _jitted(method, len(operations) > 1)
+    jitted = _jitted(method, len(operations) > 1, smooth)
 
     def prepare(rtol):
         def note(out):
@@ -93,11 +103,13 @@ def _ours(method: Literal["implicit", "explicit"], operations, duration, toleran
             few, many = int(steps.min()), int(steps.max())
             return f"{few} steps" if few == many else f"{few} to {many} steps"
 
+        given = 1e-8 if rtol is None else rtol
         return Prepared(
-            lambda: jitted(speeds, loads, duration, rtol), len(operations), _named, note
+            lambda: jitted(speeds, loads, duration, given), len(operations), _named, note
         )
 
-    return Method(method, prepare, tolerances, "rtol")
+    name = "" if tolerances == (None,) else "width in m/s" if smooth else "rtol"
+    return Method(f"{method}, regularised" if smooth else method, prepare, tolerances, name)
 
 
 def _settle(quick: bool, count: int) -> Problem:
@@ -128,8 +140,11 @@ def _settle(quick: bool, count: int) -> Problem:
         + ("one trajectory" if count == 1 else f"batch of {count}"),
         instance="trajectory",
         methods=[
+            _ours("closed_form", operations, duration, (None,)),
+            _ours("rosenbrock", operations, duration, tolerances),
             _ours("implicit", operations, duration, tolerances),
             _ours("explicit", operations, duration, tolerances),
+            *([_ours("rosenbrock", operations, duration, _WIDTHS, True)] if count == 1 else []),
             _rival("SciPy LSODA", some, duration, "LSODA", tolerances),
             _rival("SciPy Radau", some[:1], duration, "Radau", tolerances),
         ],
@@ -165,6 +180,8 @@ def _extreme(quick: bool) -> Problem:
         title="Two stages at 0.01 rad/s for 10 s (1e8 time constants)",
         instance="trajectory",
         methods=[
+            _ours("closed_form", [(speed, force)], duration, (None,)),
+            _ours("rosenbrock", [(speed, force)], duration, tolerances),
             _ours("implicit", [(speed, force)], duration, tolerances),
             _rival("SciPy LSODA", [chain], duration, "LSODA", tolerances),
             _rival("SciPy Radau", [chain], duration, "Radau", tolerances),
@@ -179,6 +196,6 @@ def case(quick: bool) -> Case:
     """The case of this module."""
     return Case(
         "transient",
-        "Carriers settling: implicit and explicit solvers by tolerance, against SciPy",
+        "Carriers settling: methods by tolerance, regularised friction by width, against SciPy",
         [_settle(quick, 1), *([] if quick else [_settle(quick, 100)]), _extreme(quick)],
     )

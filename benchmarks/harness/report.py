@@ -3,6 +3,7 @@
 import datetime
 import importlib.metadata
 import json
+import math
 import os
 import platform
 from collections.abc import Sequence
@@ -92,10 +93,12 @@ def _result(row: Measurement, yardstick: float | None) -> dict[str, Any]:
 def cheapest(problem: Problem, rows: Sequence[Measurement]) -> list[Measurement]:
     """Of every method the fastest setting whose largest error reaches the problem's target."""
 
+    target = math.inf if problem.target is None else problem.target
+
     def reaches(row: Measurement) -> bool:
         errors = [error.maximum for error in row.errors.values()]
         complete = all(error.not_finite == 0 for error in row.errors.values())
-        return complete and all(e is not None and e <= problem.target for e in errors)
+        return complete and all(e is not None and e <= target for e in errors)
 
     best: dict[str, Measurement] = {}
     for row in rows:

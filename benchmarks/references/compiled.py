@@ -7,6 +7,7 @@ spline and thrust bearing; screw driving or driven, the load always on the same 
 
 import importlib.util
 import math
+from importlib import import_module
 from types import SimpleNamespace
 
 import numpy as np
@@ -90,9 +91,7 @@ class Lsoda:
     """numbalsoda's LSODA over many trajectories, compiled, on all cores."""
 
     def __init__(self, moving: bool):
-        import numba
-        import numbalsoda
-
+        numba, numbalsoda = import_module("numba"), import_module("numbalsoda")
         operations = SimpleNamespace(sqrt=np.sqrt, sin=np.sin, cos=np.cos, sign=np.sign)
         # As in C: at standstill nothing slips, and 0/0 is not an exception.
         rates = numba.njit(right_hand_side(operations, moving), error_model="numpy")
@@ -132,8 +131,7 @@ def casadi_integrators(moving: bool, solver: str, times: np.ndarray, rtol: float
     **Returns:** functions of one vector of numbers: the ratios (stage × time), and their
     derivatives by the speed, the load and the first friction coefficient (stage × time × 3).
     """
-    import casadi
-
+    casadi = import_module("casadi")
     rates = right_hand_side(casadi, moving)
     state, numbers, time = casadi.SX.sym("x", 2), casadi.SX.sym("p", NUMBERS), casadi.SX.sym("t")
     found = casadi.vertcat(*rates(time, state, numbers, [0, 0]))

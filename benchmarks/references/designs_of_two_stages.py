@@ -11,8 +11,11 @@ import numpy as np
 from prsm_jax.dynamics import all_kinematics, axial_inertia, carrier_inertia
 from prsm_jax.file import load
 from prsm_jax.mechanism import (
+    CoulombFriction,
     Mechanism,
     RegularisedCoulombFriction,
+    SplineFriction,
+    ThrustBearingFriction,
     body_inertia,
     body_mass,
 )
@@ -45,32 +48,32 @@ def random_designs(count: int) -> Designs:
     return Designs(factors, speed, force)
 
 
+def _laws(mechanism: Mechanism) -> list:
+    return [stage.friction and stage.friction.thread for stage in mechanism.stages]
+
+
+def regularised(mechanism: Mechanism, width) -> Mechanism:
+    """The mechanism with the jump of thread friction spread over a slip speed [m/s]."""
+    width = jnp.asarray(width, float)
+    smooth = [RegularisedCoulombFriction(law.coefficient, width) for law in _laws(mechanism)]
+    return eqx.tree_at(_laws, mechanism, smooth)
+
+
 @functools.cache
 def base(width: float) -> Mechanism:
     """The mechanism that is varied; with a width, friction in the threads is regularised."""
     mechanism = load(MECHANISM)
-    if width == 0:
-        return mechanism
-
-    def laws(m):
-        return [stage.friction.thread for stage in m.stages]
-
-    smooth = [RegularisedCoulombFriction(law.coefficient, width) for law in laws(mechanism)]
-    return eqx.tree_at(laws, mechanism, smooth)
+    return mechanism if width == 0 else regularised(mechanism, width)
 
 
 def _varied(mechanism: Mechanism) -> list:
-    return [
-        leaf
-        for stage in mechanism.stages
-        for leaf in (
-            stage.thread.lead,
-            stage.thread.contact_angle,
-            stage.thread.roller_radius,
-            stage.friction.thread.coefficient,
-            stage.carrier.inertia,
-        )
-    ]
+    found = []
+    for stage, law in zip(mechanism.stages, _laws(mechanism), strict=True):
+        assert stage.carrier is not None
+        thread = stage.thread
+        found += [thread.lead, thread.contact_angle, thread.roller_radius]
+        found += [law.coefficient, stage.carrier.inertia]
+    return found
 
 
 def design(mechanism: Mechanism, factors) -> Mechanism:
@@ -90,7 +93,11 @@ def _row(mechanism: Mechanism, kinematics, speed, force, frequency, width):
     travel = jnp.zeros_like(speed)
     for stage, geometry in zip(mechanism.stages, kinematics, strict=True):
         friction, normal = stage.friction, geometry.meshing.screw.normal
+        assert friction is not None
+        assert isinstance(friction.thread, CoulombFriction | RegularisedCoulombFriction)
         spline, bearing = friction.spline, friction.thrust_bearing
+        assert isinstance(spline, SplineFriction | None)
+        assert isinstance(bearing, ThrustBearingFriction | None)
         before, travel = travel, travel + stage.thread.lead / (2 * jnp.pi)
         sliding = before > 0
         row += [

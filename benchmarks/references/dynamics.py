@@ -10,7 +10,15 @@ from math import cos, pi, sin, sqrt, tan
 
 import mpmath
 
-from prsm_jax.mechanism import CoulombFriction, Mechanism, Stage, body_inertia, body_mass
+from prsm_jax.mechanism import (
+    CoulombFriction,
+    Mechanism,
+    SplineFriction,
+    Stage,
+    ThrustBearingFriction,
+    body_inertia,
+    body_mass,
+)
 
 from .meshing import DIGITS, Design, mesh_point
 
@@ -66,6 +74,8 @@ def stage_numbers(stage: Stage) -> StageNumbers:
     assert friction is not None
     assert isinstance(friction.thread, CoulombFriction)
     spline, bearing = friction.spline, friction.thrust_bearing
+    assert isinstance(spline, SplineFriction | None)
+    assert isinstance(bearing, ThrustBearingFriction | None)
     return StageNumbers(
         rollers=stage.roller_count,
         lead=design.lead,

@@ -9,6 +9,7 @@ F^{4/3}: the ellipses are computed once for a mechanism, not at every instant.
 """
 
 import dataclasses
+from typing import cast
 
 import equinox as eqx
 import jax
@@ -133,7 +134,8 @@ def resisting_moments(
     coefficients = kinematics.resistance
     if coefficients is None:
         coefficients = resistance_coefficients(stage, kinematics)
-    screw, nut = coefficients
+    # The kinematics do not know this class: it is defined above them.
+    screw, nut = cast(tuple[ResistingMoment, ResistingMoment], coefficients)
     return _at_force(screw, screw_force), _at_force(nut, nut_force)
 
 
