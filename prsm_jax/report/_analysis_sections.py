@@ -14,7 +14,7 @@ from ._power_flow import energy_flow, steady_flow
 from ._power_flow_chart import power_flow_chart, power_history_chart
 from ._section import Picture, Section, Table
 from ._style import readable
-from ._transient_chart import settling_time, transient_chart
+from ._transient_chart import settles, settling_time, transient_chart
 from ._units import display_unit, in_unit, number, show
 
 _BEFORE, _AFTER = "before", "after"
@@ -204,31 +204,41 @@ def _percent(value) -> str:
 
 
 def transient_section(data: ReportData) -> Section | None:
-    """How the rollers come up to speed."""
+    """How the rollers come up to speed, or what happens in a scenario."""
     run = data.transient
     if run is None:
         return None
-    unit = display_unit("s", float(run.time[-1]))
-    settled = settling_time(run)
-    rows = [
-        ("efficiency at the start", _percent(run.efficiency[0])),
-        ("efficiency at the end", _percent(run.efficiency[-1])),
+    settling = settles(run)
+    rows = []
+    if settling:
+        unit = display_unit("s", float(run.time[-1]))
+        settled = settling_time(run)
+        words = "longer than the simulation" if settled is None else in_unit(settled, unit, 3)
+        rows += [
+            ("efficiency at the start", _percent(run.efficiency[0])),
+            ("efficiency at the end", _percent(run.efficiency[-1])),
+            ("settling time (carriers within 1 %)", words),
+        ]
+    rows += [
         ("largest drive torque", show(float(np.abs(np.asarray(run.drive_torque)).max()), "N·m")),
         ("drive torque at the end", show(float(run.drive_torque[-1]), "N·m")),
-        (
-            "settling time (carriers within 1 %)",
-            "longer than the simulation" if settled is None else in_unit(settled, unit, 3),
-        ),
         ("solver", f"{run.solver.name}, {int(run.solver.steps)} steps"),
     ]
-    words = (
-        "The screw runs at full speed from the start and the rollers from rest, so the threads "
-        "slide until the carriers have come up to speed.",
-    )
-    pictures = [
-        Picture(
-            "transient", "Efficiency, carrier ratio and drive torque.", lambda: transient_chart(run)
-        ),
+    paragraphs = ("Speed or torque, and load, over the time of the scenario.",)
+    pictures = []
+    if settling:
+        paragraphs = (
+            "The screw runs at full speed from the start and the rollers from rest, so the threads "
+            "slide until the carriers have come up to speed.",
+        )
+        pictures.append(
+            Picture(
+                "transient",
+                "Efficiency, carrier ratio and drive torque.",
+                lambda: transient_chart(run),
+            )
+        )
+    pictures += [
         Picture(
             "histories",
             "Motion, torque, load and forces in time.",
@@ -250,4 +260,4 @@ def transient_section(data: ReportData) -> Section | None:
             )
         )
     table = Table("Transient", ("", ""), tuple(rows))
-    return Section("transient", "Transient", words, (table,), tuple(pictures))
+    return Section("transient", "Transient", paragraphs, (table,), tuple(pictures))

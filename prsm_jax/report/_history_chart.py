@@ -68,10 +68,8 @@ def _stages(name: str, curves: Any, unit: str) -> _History:
 
 
 def _while_moving(run: Transient, curves: Any) -> np.ndarray:
-    """Nothing where the mechanism sticks."""
-    if run.sticking is None:
-        return np.asarray(curves)
-    return np.where(np.asarray(run.sticking), np.nan, np.asarray(curves))
+    """Nothing where the mechanism sticks or stands."""
+    return np.where(np.asarray(run.screw_speed) == 0, np.nan, np.asarray(curves))
 
 
 def _efficiency(mechanism: Mechanism, run: Transient) -> _History:

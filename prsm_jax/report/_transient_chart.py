@@ -29,6 +29,12 @@ def settling_time(transient: Transient, tolerance: float = 0.01) -> float | None
     return float(transient.time[index]) if index < ratio.shape[1] - 1 else None
 
 
+def settles(transient: Transient) -> bool:
+    """Whether the screw turns at constant speed, so that carriers come to a steady state."""
+    speed = np.asarray(transient.screw_speed)
+    return bool(np.all(speed == speed[0]) and speed[0] != 0)
+
+
 @drawn
 def transient_chart(transient: Transient) -> Figure:
     """Draw the histories of efficiency, carrier ratio (each stage) and drive torque.

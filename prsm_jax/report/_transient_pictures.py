@@ -12,7 +12,7 @@ from ._power_flow import energy_flow
 from ._power_flow_chart import power_flow_chart, power_history_chart
 from ._stage_animation import save_motion_animation
 from ._style import save_figure
-from ._transient_chart import transient_chart
+from ._transient_chart import settles, transient_chart
 
 _forces = eqx.filter_jit(body_forces)
 
@@ -23,7 +23,8 @@ def save_transient_pictures(
     """Write every picture of a transient: overview, histories, forces, powers, energy, motion.
 
     `transient`, `histories`, `force-orbit`, `powers` and `energy-flow` as PNG and SVG, and
-    `motion.gif`. The energy flow is left out where nothing moves.
+    `motion.gif`. The overview `transient` is only of a screw at constant speed, the energy flow not
+    of one that never moves.
 
     **Arguments:**
 
@@ -38,10 +39,11 @@ def save_transient_pictures(
     # Everything that can fail comes before the folder.
     figures = {
         "force-orbit": force_orbit(mechanism, run, _forces(mechanism, run)),
-        "transient": transient_chart(run),
         "histories": history_chart(mechanism, run),
         "powers": power_history_chart(mechanism, run),
     }
+    if settles(run):
+        figures["transient"] = transient_chart(run)
     flow = energy_flow(mechanism, run)
     if flow.total > 0:
         figures["energy-flow"] = power_flow_chart(flow, "Energy flow of the whole transient")

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..mechanism import get_parameter
 from ._examples import settling_time, steady, transient, two_stages
 from ._registry import rows_of
 from ._row import Row, differs, number, trend
@@ -149,9 +150,7 @@ def friction_coefficients() -> Iterator[Row]:
         yield number(f"section 3.2: helix angle of screw {which}", printed, angle, "°")
 
     first, second = (float(stage.thread.lead) for stage in stages)
-    assert stages[1].friction is not None
-    assert stages[1].friction.spline is not None
-    radius = float(stages[1].friction.spline.radius)
+    radius = float(get_parameter(two_stages(_NAME), "spline.radius"))
     slopes = [np.tan(float(stage.thread.screw_helix_angle)) for stage in stages]
     without = (("thread.coefficient", 0.0), (_BEARING, 0.0))
     for value in (0.10, 0.20):
