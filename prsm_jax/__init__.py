@@ -24,6 +24,7 @@ from .dynamics import (
     TorqueScenario as TorqueScenario,
     Transient as Transient,
     body_forces as body_forces,
+    choose_method as choose_method,
     energy as energy,
     integral as integral,
     mean_efficiency as mean_efficiency,
