@@ -156,8 +156,8 @@ def test_what_does_not_move_and_what_has_settled():
 
 def test_a_torque_that_changes_its_sign_is_seen():
     """Near self-locking a driven screw first has to be pushed, then holds back."""
-    ends = []
-    for coefficient in jnp.linspace(0.02, 0.4, 20):
+    ends, coefficients = [], jnp.linspace(0.02, 0.4, 20)
+    for coefficient in coefficients:
         one = prsm.set_parameter(COULOMB, "stage.friction.thread.coefficient", coefficient)
         _, code = _settle(
             one, array([-100.0, 100.0]), array([7000.0, 7000.0]), jnp.zeros(2), "closed_form"
@@ -166,9 +166,8 @@ def test_a_torque_that_changes_its_sign_is_seen():
     backward, forward = np.array(ends).T
     assert not forward.any()
     assert set(backward) == {0, 6}
-    one = prsm.set_parameter(
-        COULOMB, "stage.friction.thread.coefficient", jnp.linspace(0.02, 0.4, 20)[int(np.argmax(backward))]
-    )
+    first = coefficients[int(np.argmax(backward))]
+    one = prsm.set_parameter(COULOMB, "stage.friction.thread.coefficient", first)
     scenario = Scenario(-100.0, 7000.0, DURATION, samples=21)
     choice = choose_method(one, scenario)
     assert choice.method == "rosenbrock"
