@@ -9,7 +9,16 @@ import jax.numpy as jnp
 
 from .._errors import MissingDataError, PrsmError
 from ..contact import StageContact, load_of, stage_contact
-from ..dynamics import SteadyState, Transient, simulate, steady_state
+from ..dynamics import (
+    Method,
+    Scenario,
+    SteadyState,
+    Transient,
+    choose_method,
+    default_scenario,
+    simulate,
+    steady_state,
+)
 from ..findings import check
 from ..geometry import Finding, Meshing, mesh
 from ..mechanism import Mechanism, find_parameters
@@ -157,10 +166,12 @@ def _steady_states(mechanism: Mechanism) -> tuple[SteadyState, SteadyState, Stea
 
 
 def _history(mechanism: Mechanism) -> Transient | None:
-    point = mechanism.operating_point
-    if point is None or point.duration is None:
-        raise MissingDataError("the operating point has no duration to simulate")
-    run = _simulate(mechanism, throw=False)
+    scenario = default_scenario(mechanism)
+    method: Method = "auto"
+    if isinstance(scenario, Scenario):
+        # Out here, where numbers are known, and not in the compiled program.
+        method = choose_method(mechanism, scenario).method
+    run = _simulate(mechanism, scenario, method=method, throw=False)
     if int(run.solver.code) != 0:
         raise PrsmError(f"the simulation did not finish: {run.solver.result}")
     return run

@@ -55,13 +55,13 @@ def test_forward_and_reverse_against_differences(method):
     assert np.max(np.abs(differences)) > 0.1
     np.testing.assert_allclose(forward, differences, rtol=1e-6, atol=2e-7)
     np.testing.assert_allclose(reverse, differences, rtol=1e-6, atol=2e-7)
-    # The two modes are two programs. Where rounding makes them take different explicit steps, each
-    # derivative carries its own error of the size of the bound above.
-    same = {"implicit": 1e-9, "explicit": 1e-6, "rosenbrock": 1e-9}[method]
+    # The two modes are two programs. Where rounding makes them take different steps, each derivative
+    # carries its own error: of the size of the bound above for explicit ones.
+    same = {"implicit": 1e-9, "explicit": 1e-6, "rosenbrock": 1e-8}[method]
     np.testing.assert_allclose(forward, reverse, rtol=same, atol=same / 10)
     # Alone, each reverse derivative is a program of its own, compiled differently.
     alone = eqx.filter_jit(jax.grad(lambda changes: evaluate(changes)[2]))(jnp.zeros(3))
-    np.testing.assert_allclose(alone, forward[2], rtol=1e-9, atol=1e-10)
+    np.testing.assert_allclose(alone, forward[2], rtol=same, atol=same / 10)
     # Still far from the end, so that the solver mattered.
     assert 0 < values[1] < 0.36
 
