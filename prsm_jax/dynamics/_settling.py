@@ -118,7 +118,8 @@ def _settled_stage(
     last, _ = _path(x)
     slip, begun = way * jnp.exp(x), way * jnp.exp(start)
     slip, begun = jnp.where(slips, slip, 0.0), jnp.where(slips, begun, 0.0)
-    ratio = (reduced.along - slip * across) / drive
+    # Exactly what it was, before anything has happened.
+    ratio = jnp.where(moved > 0, (reduced.along - slip * across) / drive, initial_ratio)
 
     # Mean of √(1 + S²) F/(n √(1 + S²) − k), and so on, over the impulse: dI = −dH/…, so the
     # brackets cancel.
