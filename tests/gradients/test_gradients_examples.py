@@ -46,8 +46,8 @@ def _results(name):
 
 
 #: Left out are those whose physics another has: the mission's mechanism is a part of the actuator,
-#: and Li's other two mechanisms are made of the stages of the first.
-_LIKE_OTHERS = {"actuator_mission", "li2021_two_stage", "li2020_single_stage_viscous"}
+#: and Li's second pair of stages has the laws of the first.
+_LIKE_OTHERS = {"actuator_mission", "li2021_two_stage"}
 NAMES = [name for name in file.example_names() if name not in _LIKE_OTHERS]
 
 
