@@ -10,6 +10,11 @@ import jaxtyping
 # Before the package is imported: every annotated function checks the shapes that it is given.
 _hook = jaxtyping.install_import_hook("prsm_jax", "beartype.beartype")
 
+# A third of the run is the compiler's newer code generator for fused loops. The older one compiles
+# in half the time what the tests run once. Notebooks, benchmarks and users have the default.
+_FLAGS = os.environ.get("XLA_FLAGS", "")
+os.environ["XLA_FLAGS"] = f"{_FLAGS} --xla_cpu_use_fusion_emitters=false".strip()
+
 import hypothesis  # noqa: E402
 import jax  # noqa: E402
 import pytest  # noqa: E402
