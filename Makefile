@@ -41,7 +41,7 @@ demo: $(DEMO_STAMP)
 	@$(BIN)/prsm demo --out out/demo
 
 test: $(TEST_STAMP)
-	$(BIN)/python -m pytest -n $(WORKERS)
+	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
 
 lint: $(TEST_STAMP)
 	$(BIN)/ruff check .

@@ -7,6 +7,7 @@ uses the same program: build variants with `prsm.set_parameter` or `eqx.tree_at`
 import functools
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -55,6 +56,17 @@ modal = eqx.filter_jit(prsm.modal)
 stage_contact = eqx.filter_jit(_stage_contact)
 _steady = eqx.filter_jit(prsm.steady_state)
 _simulate = eqx.filter_jit(functools.partial(prsm.simulate, throw=False))
+
+
+class Swing(eqx.Module):
+    """mean + amplitude sin(2π f t); one structure for all tests, so that they share a program."""
+
+    mean: jax.Array
+    amplitude: jax.Array
+    frequency: jax.Array
+
+    def __call__(self, time):
+        return self.mean + self.amplitude * jnp.sin(2 * jnp.pi * self.frequency * time)
 
 
 def array(value):

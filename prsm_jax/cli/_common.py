@@ -2,8 +2,6 @@
 
 import json
 import math
-import os
-import secrets
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -15,6 +13,7 @@ import numpy as np
 from cyclopts import Parameter
 
 from .._errors import PrsmError
+from .._files import whole_file
 from ..mechanism import Mechanism, get_parameter
 
 
@@ -76,12 +75,8 @@ def plain(value: Any) -> Any:
 def write_text(path: Path, text: str) -> None:
     """Write a file whole or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
-    try:
-        temporary.write_text(text, encoding="utf-8")
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    with whole_file(path) as partial:
+        partial.write_text(text, encoding="utf-8")
 
 
 def emit(output: Output, results: Mapping[str, Any], text: Callable[[], str]) -> None:

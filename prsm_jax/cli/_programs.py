@@ -5,9 +5,8 @@ as importing JAX. Here the lowered program is kept as well, under a key that cha
 it depends on: the mechanism's structure, this package's files, JAX and the platform.
 """
 
+import contextlib
 import hashlib
-import os
-import secrets
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from typing import Any
 import equinox as eqx
 import jax
 
+from .._files import whole_file
 from ..mechanism import Mechanism
 
 _PACKAGE = Path(__file__).parent.parent
@@ -71,10 +71,7 @@ def run_stored(
 
 def _write(path: Path, data: bytes) -> None:
     """Keep a program; a folder that cannot be written is no reason to fail."""
-    temporary = path.with_name(f".{path.name[:16]}.{secrets.token_hex(4)}")
-    try:
+    with contextlib.suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
-        temporary.write_bytes(data)
-        os.replace(temporary, path)
-    except OSError:
-        temporary.unlink(missing_ok=True)
+        with whole_file(path) as partial:
+            partial.write_bytes(data)

@@ -5,8 +5,6 @@ scenes should be used; where the load changes the flank they keep their deflecti
 of a few micrometres then turns round.
 """
 
-from typing import Any
-
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -17,10 +15,10 @@ from ..mechanism import Mechanism, Scalar
 from ._bristles import breakaway_deflection, bristle_rate, bristles_of, in_tangent_plane
 from ._carrier_motion import Problem
 from ._chain import StageState, chain_forces
-from ._kinematics import StageKinematics, slip_velocity
-from ._solvers import NAMES, adjoint_of, code_of, controller_of, solver_of
+from ._integration import Settings, integrated
+from ._kinematics import StageKinematics
+from ._sliding_motion import sense_of, sliding_motion
 from ._stage_forces import Motion
-from ._thread_friction import slip_direction
 from ._transient_result import CarrierHistory, SolverReport, prescribed
 
 
@@ -29,10 +27,6 @@ class BristleState(eqx.Module):
 
     carrier_speed: Float[Array, " stages"]
     deflection: tuple[Float[Array, "2"], ...]
-
-
-def _sign(value: Scalar) -> Scalar:
-    return jnp.sign(jax.lax.stop_gradient(value))
 
 
 @physics("bristle_dynamics")
@@ -61,24 +55,15 @@ def states_with_bristles(
     def motion_of(index: int, flank: Scalar, _, axial_acceleration) -> Motion:
         geometry, law = kinematics[index], laws[index]
         own_speed, carrier = flank * speed, flank * state.carrier_speed[index]
-        slip = slip_velocity(geometry, own_speed, carrier)
-        rolling = geometry.relative_spin_ratio * carrier
-        deflection = None
-        if law is not None:
-            deflection = in_tangent_plane(geometry, deflections[index])
-            rates[index] = bristle_rate(law, slip, deflection)[:2]
-        return Motion(
-            screw_speed=own_speed,
-            carrier_speed=carrier,
-            slip=slip,
-            direction=slip_direction(slip),
-            screw_sense=_sign(own_speed + rolling),
-            nut_sense=_sign(rolling),
-            axial_acceleration=axial_acceleration,
-            deflection=deflection,
-        )
+        if law is None:
+            return sliding_motion(geometry, own_speed, carrier, axial_acceleration)
+        bent = in_tangent_plane(geometry, deflections[index])
+        motion = sliding_motion(geometry, own_speed, carrier, axial_acceleration, bent)
+        rates[index] = bristle_rate(law, motion.slip, bent)[:2]
+        return motion
 
-    states = chain_forces(mechanism, kinematics, motion_of, speed, _sign(speed), load, acceleration)
+    sense = sense_of(speed)
+    states = chain_forces(mechanism, kinematics, motion_of, speed, sense, load, acceleration)
     return states, tuple(rates[index] for index in with_bristles)
 
 
@@ -90,22 +75,12 @@ def deflection_scales(mechanism: Mechanism) -> tuple[Scalar, ...]:
 
 
 def bristle_history(
-    problem: Problem,
-    times: Float[Array, " times"],
-    method: str,
-    gradient: Any,
-    rtol: float,
-    atol: float,
-    max_steps: int,
+    problem: Problem, times: Float[Array, " times"], settings: Settings
 ) -> tuple[CarrierHistory, SolverReport]:
     """Integrate carriers and bristles at a prescribed speed, from bristles that are not bent.
 
-    **Arguments:** as those of `simulate`; `"auto"` is RODASP.
+    **Arguments:** the scene, its sample times, and how to integrate.
     """
-    import diffrax
-
-    if method == "auto":
-        method = "rosenbrock"
     scenario, mechanism, kinematics = problem.scenario, problem.mechanism, problem.kinematics
     sizes = deflection_scales(mechanism)
 
@@ -132,31 +107,17 @@ def bristle_history(
     start = BristleState(
         first * jnp.ones_like(problem.inertia), tuple(jnp.zeros(2, times.dtype) for _ in sizes)
     )
-    end = scenario.duration / problem.time_scale
-    solution = diffrax.diffeqsolve(
-        diffrax.ODETerm(rate),
-        solver_of(method, rtol, atol, not (callable(scenario.speed) or callable(scenario.load))),  # pyright: ignore[reportArgumentType]
-        t0=jnp.zeros_like(end),
-        t1=end,
-        dt0=None,
-        y0=start,
-        saveat=diffrax.SaveAt(ts=jnp.linspace(0.0, 1.0, scenario.samples, dtype=end.dtype) * end),
-        stepsize_controller=controller_of(
-            rtol, atol, scenario.break_times / problem.time_scale, end
-        ),
-        adjoint=adjoint_of(gradient),
-        max_steps=max_steps,
-        throw=False,
+    found, report = integrated(
+        rate,
+        start,
+        scenario.duration / problem.time_scale,
+        scenario.break_times / problem.time_scale,
+        scenario.samples,
+        settings,
+        autonomous=not (callable(scenario.speed) or callable(scenario.load)),
     )
-    found: Any = solution.ys
     sampled = jax.vmap(physical)(found)
     states, rates = jax.vmap(instant)(times, sampled)
-    report = SolverReport(
-        steps=solution.stats["num_accepted_steps"],
-        rejected=solution.stats["num_rejected_steps"],
-        code=code_of(solution.result),
-        name=NAMES[method],
-    )
     motion = prescribed(scenario, times)
     history = CarrierHistory(*motion, sampled.carrier_speed, states, rates.carrier_speed)
     return history, report

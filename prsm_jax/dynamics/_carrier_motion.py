@@ -8,11 +8,11 @@ from jaxtyping import Array, Float
 from .._physics import physics
 from ..mechanism import Mechanism, Scalar
 from ._chain import StageState, chain_forces
-from ._kinematics import StageKinematics, slip_velocity
+from ._kinematics import StageKinematics
 from ._reduced_chain import ReducedChain, reduced_chain, reduced_rates
 from ._scenario import Scenario
+from ._sliding_motion import sense_of, sliding_motion
 from ._stage_forces import Motion, carrier_inertia
-from ._thread_friction import slip_direction
 
 
 class Problem(eqx.Module):
@@ -26,10 +26,6 @@ class Problem(eqx.Module):
     time_scale: Scalar
     #: The mechanism in few scalars, where those suffice.
     reduced: ReducedChain | None = None
-
-
-def _sign(value: Scalar) -> Scalar:
-    return jnp.sign(jax.lax.stop_gradient(value))
 
 
 def states_at(
@@ -50,22 +46,11 @@ def states_at(
     speed, acceleration = scenario.motion_at(time)
 
     def motion_of(index: int, flank: Scalar, _, axial_acceleration) -> Motion:
-        geometry = kinematics[index]
         own_speed, carrier = flank * speed, flank * carrier_speed[index]
-        slip = slip_velocity(geometry, own_speed, carrier)
-        rolling = geometry.relative_spin_ratio * carrier
-        return Motion(
-            screw_speed=own_speed,
-            carrier_speed=carrier,
-            slip=slip,
-            direction=slip_direction(slip),
-            screw_sense=_sign(own_speed + rolling),
-            nut_sense=_sign(rolling),
-            axial_acceleration=axial_acceleration,
-        )
+        return sliding_motion(kinematics[index], own_speed, carrier, axial_acceleration)
 
-    load = scenario.load_at(time)
-    return chain_forces(mechanism, kinematics, motion_of, speed, _sign(speed), load, acceleration)
+    sense, load = sense_of(speed), scenario.load_at(time)
+    return chain_forces(mechanism, kinematics, motion_of, speed, sense, load, acceleration)
 
 
 def carrier_acceleration(problem: Problem, time: Scalar, carrier_speed) -> Float[Array, " stages"]:

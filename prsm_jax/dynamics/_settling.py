@@ -119,13 +119,13 @@ def _settled_stage(
     slip, begun = way * jnp.exp(x), way * jnp.exp(start)
     slip, begun = jnp.where(slips, slip, 0.0), jnp.where(slips, begun, 0.0)
     # Exactly what it was, before anything has happened.
-    ratio = jnp.where(moved > 0, (reduced.along - slip * across) / drive, initial_ratio)
+    swept = moved > 0
+    ratio = jnp.where(swept, (reduced.along - slip * across) / drive, initial_ratio)
 
     # Mean of √(1 + S²) F/(n √(1 + S²) − k), and so on, over the impulse: dI = −dH/…, so the
     # brackets cancel.
     spread = (reduced.contact_radius**2 - reduced.along**2) / across
     per_slip = coefficient * sense
-    swept = moved > 0
     over = jnp.where(swept & slips, moved, 1.0) * normal
     swept_moment = flank * reduced.normal_moment * (first - last) + per_slip * (
         spread * (start - x) + reduced.along * (begun - slip)

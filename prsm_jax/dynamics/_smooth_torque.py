@@ -6,8 +6,6 @@ carrier, and the deflections of bristles. What sticks with exact Coulomb frictio
 here, or creeps.
 """
 
-from typing import Any
-
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -32,10 +30,10 @@ from ..mechanism import (
 from ._bristle_transient import BristleState, deflection_scales, states_with_bristles
 from ._bristles import bristles_of
 from ._contact_losses import has_contact_losses
+from ._integration import Settings, integrated
 from ._kinematics import free_carrier_ratio, travel_per_turn
-from ._solvers import NAMES, adjoint_of, code_of, controller_of, solver_of
 from ._torque_balance import TorqueProblem, torque_problem
-from ._transient_result import CarrierHistory, SolverReport, Transient, histories
+from ._transient_result import CarrierHistory, Transient, histories
 
 _SMOOTH_THREADS = (LuGreFriction, RegularisedCoulombFriction, ViscousFriction)
 _SMOOTH_SPLINES = (RegularisedSplineFriction, ViscousSplineFriction)
@@ -151,25 +149,17 @@ def _scales(problem: TorqueProblem, times: Float[Array, " times"]) -> _State:
 
 
 def smooth_torque_history(
-    mechanism: Mechanism,
-    scenario: TorqueScenario,
-    method: str,
-    gradient: Any,
-    rtol: float,
-    atol: float,
-    max_steps: int,
+    mechanism: Mechanism, scenario: TorqueScenario, settings: Settings
 ) -> Transient:
     """Integrate screw, carriers and bristles under a prescribed torque, from settled carriers.
 
-    **Arguments:** as those of `simulate`; `"auto"` and `"quasi_steady"` are RODASP.
+    **Arguments:** the scene, and how to integrate; quasi-steady is RODASP as well.
 
     **Raises:** `ValueError` if other friction of the mechanism jumps at standstill.
     """
-    import diffrax
-
     _check_smooth(mechanism)
-    if method in ("auto", "quasi_steady"):
-        method = "rosenbrock"
+    if settings.method == "quasi_steady":
+        settings = settings._replace(method="auto")
     problem = torque_problem(mechanism, scenario)
     dtype = problem.inertia.dtype
     times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=dtype) * scenario.duration
@@ -193,33 +183,20 @@ def smooth_torque_history(
         turning,
         BristleState(carriers, tuple(jnp.zeros(2, dtype) for _ in scales.rest.deflection)),
     )
-    solution = diffrax.diffeqsolve(
-        diffrax.ODETerm(rate),
-        solver_of(method, rtol, atol, False),  # pyright: ignore[reportArgumentType]
-        t0=jnp.zeros_like(end),
-        t1=jnp.ones_like(end),
-        dt0=None,
-        y0=ravel_pytree(start)[0],
-        saveat=diffrax.SaveAt(ts=jnp.linspace(0.0, 1.0, scenario.samples, dtype=dtype)),
-        stepsize_controller=controller_of(
-            rtol, atol, scenario.break_times / end, jnp.ones_like(end)
-        ),
-        adjoint=adjoint_of(gradient),
-        max_steps=max_steps,
-        throw=False,
+    scaled, report = integrated(
+        rate,
+        ravel_pytree(start)[0],
+        jnp.ones_like(end),
+        scenario.break_times / end,
+        scenario.samples,
+        settings,
     )
-    scaled: Any = solution.ys
     found = jax.vmap(physical)(scaled)
     states, rates, load, balanced = jax.vmap(lambda t, y: _motion(problem, t, y))(times, found)
     pushed = jnp.stack([one.forces.contact_force for one in states])
-    code = code_of(solution.result)
-    code = jnp.where((code == 0) & ~(jnp.all(balanced) & jnp.all(pushed >= 0)), 4, code)
-    report = SolverReport(
-        solution.stats["num_accepted_steps"],
-        solution.stats["num_rejected_steps"],
-        code,
-        NAMES[method],
-    )
+    unbalanced = ~(jnp.all(balanced) & jnp.all(pushed >= 0))
+    code = jnp.where((report.code == 0) & unbalanced, 4, report.code)
+    report = eqx.tree_at(lambda found: found.code, report, code)
     history = CarrierHistory(
         found.speed, rates.speed, load, found.rest.carrier_speed, states, rates.rest.carrier_speed
     )

@@ -15,7 +15,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from ..mechanism import Scalar
-from ._solvers import Gradient, adjoint_of
+from ._integration import Settings
+from ._solvers import adjoint_of
 from ._torque_balance import (
     BACKWARD,
     FORWARD,
@@ -72,14 +73,7 @@ class StickSlip(eqx.Module):
     code: Int[Array, ""]
 
 
-def follow(
-    problem: TorqueProblem,
-    times: Float[Array, " times"],
-    gradient: Gradient,
-    rtol: float,
-    atol: float,
-    max_steps: int,
-) -> StickSlip:
+def follow(problem: TorqueProblem, times: Float[Array, " times"], settings: Settings) -> StickSlip:
     """Integrate through all phases; each ends at an event, located by bisection.
 
     Steps are no longer than a quarter of the time between two samples. Where the torque passed a
@@ -135,7 +129,7 @@ def follow(
                 subs=(diffrax.SubSaveAt(t1=True), diffrax.SubSaveAt(ts=jnp.maximum(grid, start)))
             ),
             stepsize_controller=diffrax.PIDController(
-                rtol=rtol, atol=atol, dtmax=grid[1] / _STEPS_PER_SAMPLE
+                rtol=settings.rtol, atol=settings.atol, dtmax=grid[1] / _STEPS_PER_SAMPLE
             ),
             event=diffrax.Event(
                 margin,
@@ -143,9 +137,9 @@ def follow(
                 optimistix.Bisection(rtol=1e-10, atol=1e-10),
                 direction=False,
             ),
-            max_steps=max_steps,
+            max_steps=settings.max_steps,
             throw=False,
-            adjoint=adjoint_of(gradient),
+            adjoint=adjoint_of(settings.gradient),
         )
         times_found: Any = solution.ts
         values_found: Any = solution.ys

@@ -6,8 +6,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..mechanism import Mechanism, TorqueScenario
+from ._integration import Settings
 from ._kinematics import travel_per_turn
-from ._solvers import Gradient
 from ._torque_balance import (
     BACKWARD,
     FORWARD,
@@ -23,14 +23,7 @@ from ._torque_drive import follow
 from ._transient_result import CarrierHistory, SolverReport, Transient, histories
 
 
-def torque_history(
-    mechanism: Mechanism,
-    scenario: TorqueScenario,
-    gradient: Gradient,
-    rtol: float,
-    atol: float,
-    max_steps: int,
-) -> Transient:
+def torque_history(mechanism: Mechanism, scenario: TorqueScenario, settings: Settings) -> Transient:
     """Integrate under a prescribed torque, and evaluate all forces at the sample times.
 
     While the mechanism sticks, friction takes what it must; reported are then the forces at that
@@ -39,7 +32,7 @@ def torque_history(
     problem = torque_problem(mechanism, scenario)
     dtype = problem.inertia.dtype
     times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=dtype) * scenario.duration
-    motion = follow(problem, times, gradient, rtol, atol, max_steps)
+    motion = follow(problem, times, settings)
 
     def at(time, angle, speed, mode):
         sticking = mode == STICKING

@@ -1,7 +1,5 @@
 """Transients with diffrax: the carriers on their way to the steady state."""
 
-from typing import Any
-
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -13,22 +11,14 @@ from ._bristle_transient import bristle_history
 from ._bristles import has_bristles
 from ._carrier_motion import Problem, carrier_problem, scaled_rate, states_at
 from ._contact_losses import with_resistance
+from ._integration import Settings, integrated
 from ._kinematics import StageKinematics
 from ._loads import bound_scenario
 from ._quasi_steady import quasi_steady_history
 from ._scenario import Scenario, default_scenario
 from ._settling import settling_history
 from ._smooth_torque import has_smooth_threads, smooth_torque_history
-from ._solvers import (
-    NAMES,
-    Gradient,
-    Method,
-    adjoint_of,
-    code_of,
-    controller_of,
-    is_concrete,
-    solver_of,
-)
+from ._solvers import Gradient, Method, is_concrete
 from ._steady import all_kinematics
 from ._torque_transient import torque_history
 from ._transient_result import CarrierHistory, SolverReport, Transient, histories, prescribed
@@ -49,8 +39,8 @@ def simulate(
     """Simulate a mechanism under a prescribed screw speed, or a prescribed torque, and load.
 
     Under a prescribed torque (`TorqueScenario`) the carriers follow the screw, whose speed is the
-    state; it sticks and slips with exact Coulomb friction, events located, and `method` and
-    `gradient` do not matter. With LuGre or regularised Coulomb friction in the threads it passes
+    state; it sticks and slips with exact Coulomb friction, events located, and `method` does not
+    matter. With LuGre or regularised Coulomb friction in the threads it passes
     through standstill smoothly instead, carriers and bristles being states as well. The rest is
     about a prescribed speed.
 
@@ -87,16 +77,12 @@ def simulate(
     **Raises:** `MissingDataError` if masses or the scenario are not given; `ValueError` for an
     unknown method or gradient; `PrsmError` if the solver fails and `throw` is set.
     """
+    settings = Settings(method, gradient, rtol, atol, max_steps)
     if scenario is None:
         scenario = default_scenario(mechanism)
     if isinstance(scenario, TorqueScenario):
-        if has_smooth_threads(mechanism):
-            integrator = "rosenbrock" if method == "auto" else method
-            found = smooth_torque_history(
-                mechanism, scenario, integrator, gradient, rtol, atol, max_steps
-            )
-        else:
-            found = torque_history(mechanism, scenario, gradient, rtol, atol, max_steps)
+        follow = smooth_torque_history if has_smooth_threads(mechanism) else torque_history
+        found = follow(mechanism, scenario, settings)
         return _checked(found, throw)
     scenario = bound_scenario(mechanism, scenario)
     if kinematics is None:
@@ -107,15 +93,16 @@ def simulate(
     times = times * scenario.duration
     if method == "auto":
         method = chosen_method(problem, times, rtol).method
+        settings = settings._replace(method=method)
     if method == "quasi_steady":
         history, report = quasi_steady_history(problem, times)
     elif method == "closed_form":
         speeds, report = settling_history(problem.reduced, scenario, times)
         history = evaluated(problem, times, speeds)
     elif has_bristles(mechanism):
-        history, report = bristle_history(problem, times, method, gradient, rtol, atol, max_steps)
+        history, report = bristle_history(problem, times, settings)
     else:
-        history, report = _integrated(problem, times, method, gradient, rtol, atol, max_steps)
+        history, report = _integrated(problem, times, settings)
     return _checked(histories(mechanism, kinematics, times, history, report), throw)
 
 
@@ -126,43 +113,20 @@ def _checked(run: Transient, throw: bool) -> Transient:
 
 
 def _integrated(
-    problem: Problem,
-    times: Float[Array, " times"],
-    method: Method,
-    gradient: Gradient,
-    rtol: float,
-    atol: float,
-    max_steps: int,
+    problem: Problem, times: Float[Array, " times"], settings: Settings
 ) -> tuple[CarrierHistory, SolverReport]:
     """The carriers' equation of motion, integrated."""
-    import diffrax
-
     scenario = problem.scenario
     start = scenario.initial_carrier_ratio * scenario.speed_at(times[0]) / problem.speed_scale
-    end = scenario.duration / problem.time_scale
-    autonomous = not (callable(scenario.speed) or callable(scenario.load))
-    solution = diffrax.diffeqsolve(
-        diffrax.ODETerm(scaled_rate),
-        solver_of(method, rtol, atol, autonomous),
-        t0=jnp.zeros_like(end),
-        t1=end,
-        dt0=None,
-        y0=start * jnp.ones_like(problem.inertia),
+    ratio, report = integrated(
+        scaled_rate,
+        start * jnp.ones_like(problem.inertia),
+        scenario.duration / problem.time_scale,
+        scenario.break_times / problem.time_scale,
+        scenario.samples,
+        settings,
         args=problem,
-        saveat=diffrax.SaveAt(ts=jnp.linspace(0.0, 1.0, scenario.samples, dtype=end.dtype) * end),
-        stepsize_controller=controller_of(
-            rtol, atol, scenario.break_times / problem.time_scale, end
-        ),
-        adjoint=adjoint_of(gradient),
-        max_steps=max_steps,
-        throw=False,
-    )
-    ratio: Any = solution.ys
-    report = SolverReport(
-        steps=solution.stats["num_accepted_steps"],
-        rejected=solution.stats["num_rejected_steps"],
-        code=code_of(solution.result),
-        name=NAMES[method],
+        autonomous=not (callable(scenario.speed) or callable(scenario.load)),
     )
     return evaluated(problem, times, ratio * problem.speed_scale), report
 

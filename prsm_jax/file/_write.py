@@ -1,11 +1,9 @@
 """Writing: a mechanism to TOML text that reads back to exactly the same mechanism."""
 
-import contextlib
 import dataclasses
 import json
 import math
 import os
-import secrets
 import typing
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -14,6 +12,7 @@ import equinox as eqx
 import numpy as np
 
 from .._errors import FileError, UnknownNameError, missing_extra
+from .._files import whole_file
 from ..mechanism import DesignProblem, DutyCycle, Mechanism, find_parameters
 from ._layout import law_names, module_classes, row_class
 from ._numbers import bare_number, write_number
@@ -183,16 +182,13 @@ def dump(
     """
     text = dumps(mechanism, quantity_units)
     target = Path(path)
-    # Beside the target, because only within one file system is a rename atomic.
-    temporary = target.with_name(f".{target.name}.{secrets.token_hex(4)}.tmp")
     try:
-        with temporary.open("x", encoding="utf-8", newline="\n") as file:
+        with (
+            whole_file(target) as partial,
+            partial.open("x", encoding="utf-8", newline="\n") as file,
+        ):
             file.write(text)
             file.flush()
             os.fsync(file.fileno())
-        os.replace(temporary, target)
     except OSError as error:
         raise FileError(f"{target}: cannot be written: {error.strerror or error}") from error
-    finally:
-        with contextlib.suppress(OSError):
-            temporary.unlink(missing_ok=True)

@@ -1,8 +1,6 @@
 """One mode swinging: an animated GIF."""
 
 import math
-import os
-import secrets
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +8,7 @@ import numpy as np
 
 from ..mechanism import Mechanism
 from ..modal import Modes
+from ._animation_file import indexed, save_frames
 from ._body_motion import ModeMotion, mode_motions
 from ._mode_shapes import ENERGY, check_energy, frequency_words, headline, scale_words
 from ._moving_view import MovingView
@@ -106,23 +105,7 @@ def _check(energy: float, frames: int) -> None:
 
 
 def _save(target: Path, motion: ModeMotion, energy: float, frames: int) -> Path:
-    pictures = _pictures(motion, energy, frames)
-    partial = target.with_name(f".{target.name}.{secrets.token_hex(4)}.partial")
-    try:
-        pictures[0].save(
-            partial,
-            format="GIF",
-            save_all=True,
-            append_images=pictures[1:],
-            # GIF counts hundredths of a second.
-            duration=10 * round(100 * _SECONDS / frames),
-            loop=0,
-            optimize=False,
-        )
-        os.replace(partial, target)
-    finally:
-        partial.unlink(missing_ok=True)
-    return target
+    return save_frames(target, _pictures(motion, energy, frames), _SECONDS)
 
 
 def _pictures(motion: ModeMotion, energy: float, frames: int) -> list[Any]:
@@ -153,18 +136,5 @@ def _pictures(motion: ModeMotion, energy: float, frames: int) -> list[Any]:
         picture = Image.fromarray(np.asarray(canvas.buffer_rgba()))
         half.append(picture.convert("RGB"))
     palette = np.reshape(half[0].quantize(_COLOURS).getpalette(), (-1, 3))
-    half = [_indexed(np.asarray(picture), palette) for picture in half]
+    half = [indexed(np.asarray(picture), palette) for picture in half]
     return half + half[-2:0:-1]
-
-
-def _indexed(pixels: np.ndarray, palette: np.ndarray) -> Any:
-    """A picture in the nearest colours of a palette; Pillow's own search is not exact."""
-    from PIL import Image
-
-    packed = pixels.astype(np.int64) @ (1 << 16, 1 << 8, 1)
-    colours, places = np.unique(packed, return_inverse=True)
-    single = np.stack([colours >> 16, (colours >> 8) & 255, colours & 255], axis=1)
-    nearest = np.argmin(np.sum((single[:, None] - palette[None]) ** 2, axis=2), axis=1)
-    picture = Image.fromarray(nearest[places].reshape(packed.shape).astype(np.uint8))
-    picture.putpalette(palette.astype(np.uint8).tobytes())
-    return picture

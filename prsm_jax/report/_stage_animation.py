@@ -1,8 +1,6 @@
 """A transient in motion: screws that turn and travel, nuts, rollers that circle, as a GIF."""
 
 import math
-import os
-import secrets
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +8,8 @@ import numpy as np
 
 from ..dynamics import Transient, travel_per_turn
 from ..mechanism import Mechanism
+from ._animation_file import indexed, save_frames
 from ._history_chart import integrated, travel_of
-from ._mode_animation import _indexed
 from ._stage_view import Pose, TelescopeView, turn_to, turning_view
 from ._style import INK, SMALL, TEXT, Figure, drawn, page_figure, place_axes
 from ._units import DisplayUnit, display_unit, number, trimmed
@@ -113,24 +111,8 @@ def save_motion_animation(
     """
     if frames < 8:
         raise ValueError(f"frames is {frames}; give at least 8")
-    target = Path(path).with_suffix(".gif")
     pictures = _pictures(mechanism, run, frames)
-    partial = target.with_name(f".{target.name}.{secrets.token_hex(4)}.partial")
-    try:
-        pictures[0].save(
-            partial,
-            format="GIF",
-            save_all=True,
-            append_images=pictures[1:],
-            # GIF counts hundredths of a second.
-            duration=10 * max(round(100 * _SECONDS / frames), 2),
-            loop=0,
-            optimize=False,
-        )
-        os.replace(partial, target)
-    finally:
-        partial.unlink(missing_ok=True)
-    return target
+    return save_frames(Path(path).with_suffix(".gif"), pictures, _SECONDS)
 
 
 def _pictures(mechanism: Mechanism, run: Transient, frames: int) -> list[Any]:
@@ -164,5 +146,5 @@ def _pictures(mechanism: Mechanism, run: Transient, frames: int) -> list[Any]:
         picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
         if not found:
             palette = np.reshape(np.asarray(picture.quantize(_COLOURS).getpalette()), (-1, 3))
-        found.append(_indexed(np.asarray(picture), palette))
+        found.append(indexed(np.asarray(picture), palette))
     return found

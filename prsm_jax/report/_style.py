@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, ParamSpec
 
 from .._errors import missing_extra
+from .._files import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes as Axes
@@ -165,23 +166,16 @@ def save_figure(
 
     **Returns:** the paths written. A file is complete or not there.
     """
-    import os
-
     import matplotlib
 
     written = []
     for format_ in formats:
         target = Path(path).with_suffix(f".{format_}")
-        partial = target.with_name(f".{target.name}.partial")
         # A date in the file would make every report differ from the one before.
         metadata = {"Date": None} if format_ == "svg" else None
         if format_ == "pdf":
             metadata = {"CreationDate": None}
-        try:
-            with matplotlib.rc_context(_RC):
-                figure.savefig(partial, format=format_, dpi=dpi, metadata=metadata)
-            os.replace(partial, target)
-        finally:
-            partial.unlink(missing_ok=True)
+        with matplotlib.rc_context(_RC), whole_file(target) as partial:
+            figure.savefig(partial, format=format_, dpi=dpi, metadata=metadata)
         written.append(target)
     return tuple(written)

@@ -17,6 +17,7 @@ from ._examples import (
     transient,
     two_stages,
 )
+from ._li_radii import radius_rows
 from ._newton import newton
 from ._registry import rows_of
 from ._row import Row, differs, number, trend
@@ -79,19 +80,7 @@ def viscous_friction() -> Iterator[Row]:
 @rows_of("li2020")
 def radii() -> Iterator[Row]:
     """Sections 3.1 and 3.2: radii that follow from the roller's and the number of starts."""
-    for index, printed in enumerate((("9.75", "16.25"), ("16.50", "27.50"))):
-        thread = two_stages(_NAME).stages[index].thread
-        for body, value, radius in zip(
-            ("screw", "nut"), printed, (thread.screw_radius, thread.nut_radius), strict=True
-        ):
-            yield number(
-                f"section 3: nominal radius of {body} {index + 1}",
-                value,
-                1e3 * float(radius),
-                "mm",
-                note="from the roller's radius and the number of starts: r_s = (n − 2) r_R, "
-                "r_n = n r_R",
-            )
+    yield from radius_rows(_NAME, "section 3", (("9.75", "16.25"), ("16.50", "27.50")))
 
 
 @rows_of("li2020")

@@ -6,9 +6,10 @@ import numpy as np
 
 from ..mechanism import get_parameter
 from ._examples import kinematics, knees, settling_time, steady, transient, two_stages
+from ._li_radii import radius_rows
 from ._newton import newton
 from ._registry import rows_of
-from ._row import Row, differs, number, trend
+from ._row import Row, differs, trend
 
 _NAME = "li2021_two_stage"
 _THREAD, _SPLINE = "thread.coefficient", "spline.coefficient"
@@ -22,18 +23,7 @@ def _pitches(first: float, second: float) -> tuple[tuple[str, float], ...]:
 @rows_of("li2021")
 def radii() -> Iterator[Row]:
     """Section 3.1: radii that follow from the roller's and the number of starts."""
-    for index, printed in enumerate((("9.75", "16.25"), ("16.5", "27.5"))):
-        thread = two_stages(_NAME).stages[index].thread
-        for body, value, radius in zip(
-            ("screw", "nut"), printed, (thread.screw_radius, thread.nut_radius), strict=True
-        ):
-            yield number(
-                f"section 3.1: nominal radius of {body} {index + 1}",
-                value,
-                1e3 * float(radius),
-                "mm",
-                note="from the roller's radius and the number of starts",
-            )
+    yield from radius_rows(_NAME, "section 3.1", (("9.75", "16.25"), ("16.5", "27.5")))
 
 
 @rows_of("li2021")

@@ -2,12 +2,20 @@
 
 import dataclasses
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from scenes import FIRST_STAGE_LOSSES, array, example, mechanism, simulate, stage, steady_state
+from scenes import (
+    FIRST_STAGE_LOSSES,
+    Swing,
+    array,
+    example,
+    mechanism,
+    simulate,
+    stage,
+    steady_state,
+)
 
 import prsm_jax as prsm
 from prsm_jax.mechanism import (
@@ -17,17 +25,6 @@ from prsm_jax.mechanism import (
     StribeckFriction,
     ViscousFriction,
 )
-
-
-class Swing(eqx.Module):
-    """mean + amplitude sin(2π f t)."""
-
-    mean: jax.Array
-    amplitude: jax.Array
-    frequency: jax.Array
-
-    def __call__(self, time):
-        return self.mean + self.amplitude * jnp.sin(2 * jnp.pi * self.frequency * time)
 
 
 def _swing(mean, amplitude, samples=81):

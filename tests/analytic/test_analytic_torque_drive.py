@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from scenes import array, mechanism, stage, steady_state, thread
+from scenes import Swing, array, mechanism, stage, steady_state, thread
 
 import prsm_jax as prsm
 from prsm_jax.mechanism import (
@@ -20,17 +20,6 @@ from prsm_jax.mechanism import (
 
 LOAD = 300.0
 AMPLITUDE, FREQUENCY = 3.0, 2.0
-
-
-class Swing(eqx.Module):
-    """mean + amplitude sin(2π f t); one structure for all tests, so that they share a program."""
-
-    mean: jax.Array
-    amplitude: jax.Array
-    frequency: jax.Array
-
-    def __call__(self, time):
-        return self.mean + self.amplitude * jnp.sin(2 * jnp.pi * self.frequency * time)
 
 
 def _one(coefficient=0.08):

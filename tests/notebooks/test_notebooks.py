@@ -23,8 +23,6 @@ def test_a_notebook_runs(script, monkeypatch):
     # The kernel is a process of its own; let it share what the tests have compiled.
     monkeypatch.setenv("JAX_COMPILATION_CACHE_DIR", jax.config.jax_compilation_cache_dir)
     monkeypatch.setenv("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.1")
-    # As users run it.
-    monkeypatch.delenv("XLA_FLAGS", raising=False)
     notebook = build.execute(script)
     pictures = [
         output

@@ -1,0 +1,78 @@
+"""One way to integrate: every right-hand side of a transient goes through here.
+
+States and time come scaled to order one, so that the tolerances mean the same in every scene.
+"""
+
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..mechanism import Scalar
+from ._solvers import NAMES, Gradient, Method, adjoint_of, code_of, controller_of, solver_of
+from ._transient_result import SolverReport
+
+
+class Settings(NamedTuple):
+    """How `simulate` integrates; see there."""
+
+    method: Method
+    gradient: Gradient
+    rtol: float
+    atol: float
+    max_steps: int
+
+
+def integrated(
+    rate,
+    start: Any,
+    end: Scalar,
+    breaks: Float[Array, " breaks"],
+    samples: int,
+    settings: Settings,
+    *,
+    args: Any = None,
+    autonomous: bool = False,
+) -> tuple[Any, SolverReport]:
+    """Integrate a scaled equation of motion from 0 to `end`.
+
+    **Arguments:**
+
+    - `rate`: function of (time, state, args).
+    - `start`: state at time 0.
+    - `end`: scaled duration.
+    - `breaks`: scaled times at which the drive jumps or bends.
+    - `samples`: number of equally spaced times at which the state is kept, both ends included.
+    - `settings`: solver, tolerances and kind of derivative; the method `"auto"` is RODASP.
+    - `args`: handed on to `rate`.
+    - `autonomous`: whether `rate` does not look at the time.
+
+    **Returns:** the states, with samples first, and how it went.
+
+    **Raises:** `ValueError` for a method that does not integrate, or an unknown gradient.
+    """
+    import diffrax
+
+    method = "rosenbrock" if settings.method == "auto" else settings.method
+    rtol, atol = settings.rtol, settings.atol
+    solution = diffrax.diffeqsolve(
+        diffrax.ODETerm(rate),
+        solver_of(method, rtol, atol, autonomous),  # pyright: ignore[reportArgumentType]
+        t0=jnp.zeros_like(end),
+        t1=end,
+        dt0=None,
+        y0=start,
+        args=args,
+        saveat=diffrax.SaveAt(ts=jnp.linspace(0.0, 1.0, samples, dtype=end.dtype) * end),
+        stepsize_controller=controller_of(rtol, atol, breaks, end),
+        adjoint=adjoint_of(settings.gradient),
+        max_steps=settings.max_steps,
+        throw=False,
+    )
+    report = SolverReport(
+        steps=solution.stats["num_accepted_steps"],
+        rejected=solution.stats["num_rejected_steps"],
+        code=code_of(solution.result),
+        name=NAMES[method],
+    )
+    return solution.ys, report
