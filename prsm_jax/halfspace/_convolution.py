@@ -1,0 +1,71 @@
+"""Influence of loaded rectangles on all others: discrete convolution by FFT, not periodic.
+
+The influence of a uniformly loaded rectangle is the second difference of an antiderivative over
+its four corners. On a grid all rectangles share their corners, so one array of corner values holds
+the whole influence matrix. The grid is doubled for the transform, so that nothing wraps around
+(Liu, Wang and Liu 2000): the convolution is exact to rounding.
+"""
+
+from collections.abc import Callable
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Inexact
+
+from ._grid import Grid
+
+#: Of two coordinates relative to a corner [m], broadcast against each other.
+Antiderivative = Callable[[Float[Array, "cx 1"], Float[Array, "1 cy"]], Array]
+
+
+def _fast_length(least: int) -> int:
+    """The smallest even product of 2, 3 and 5 that is at least `least`."""
+    length = least + least % 2
+    while True:
+        rest = length
+        for factor in (2, 3, 5):
+            while rest % factor == 0:
+                rest //= factor
+        if rest == 1:
+            return length
+        length += 2
+
+
+def _padded(shape: tuple[int, int]) -> tuple[int, int]:
+    return _fast_length(2 * shape[0] - 1), _fast_length(2 * shape[1] - 1)
+
+
+def influence(antiderivative: Antiderivative, grid: Grid) -> Inexact[Array, "kx ky"]:
+    """Transform of the influence of one loaded cell on all offsets of the grid.
+
+    **Arguments:**
+
+    - `antiderivative`: F(X, Y) with ∂²F/∂X∂Y the influence of a point load; X and Y are never 0.
+    - `grid`: the grid.
+    """
+
+    def corners(length: int, spacing) -> Float[Array, "corners"]:
+        return (jnp.arange(length + 1, dtype=spacing.dtype) - (length // 2 + 0.5)) * spacing
+
+    lengths = _padded(grid.shape)
+    x, y = corners(lengths[0], grid.spacing_x), corners(lengths[1], grid.spacing_y)
+    values = antiderivative(x[:, None], y[None, :])
+    kernel = jnp.diff(jnp.diff(values, axis=0), axis=1)
+    return jnp.fft.rfft2(jnp.fft.ifftshift(kernel))
+
+
+def spectrum(field: Float[Array, "nx ny"]) -> Inexact[Array, "kx ky"]:
+    """Transform of a field on the doubled grid."""
+    return jnp.fft.rfft2(field, s=_padded(field.shape))
+
+
+def field_of(transform: Inexact[Array, "kx ky"], shape: tuple[int, int]) -> Float[Array, "nx ny"]:
+    """Back from the doubled grid to the cells of the grid."""
+    return jnp.fft.irfft2(transform, s=_padded(shape))[: shape[0], : shape[1]]
+
+
+def convolve(
+    transform: Inexact[Array, "kx ky"], field: Float[Array, "nx ny"]
+) -> Float[Array, "nx ny"]:
+    """Effect of a loaded field, by the transform of `influence`."""
+    loaded = spectrum(field)
+    return field_of(loaded * transform.astype(loaded.dtype), field.shape)

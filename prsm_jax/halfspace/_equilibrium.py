@@ -1,0 +1,142 @@
+"""Pressures of a contact and their derivatives, through the cells in contact."""
+
+import functools
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float
+
+from ..mechanism import Scalar
+from ._convolution import convolve
+from ._displacement import normal_displacement, normal_influence
+from ._grid import Grid
+from ._polonsky_keer import Control, Pressures, constrained_conjugate_gradients
+
+#: A grid with at least twice as many cells both ways is first solved with half of them.
+_COARSEST = 32
+#: Residual of the linear system of the derivatives, relative.
+_DERIVATIVE_TOLERANCE = 1e-11
+
+
+def _halved(field: Float[Array, "nx ny"]) -> Float[Array, "mx my"]:
+    nx, ny = field.shape
+    return field.reshape(nx // 2, 2, ny // 2, 2).mean(axis=(1, 3))
+
+
+def _first_guess(grid: Grid, gap, control: Control, target, modulus) -> Float[Array, "nx ny"]:
+    """Even pressure for a load; in proportion to the overlap, of about its size, at an approach."""
+    if control == "load":
+        return jnp.ones_like(gap)
+    shorter = jnp.minimum(grid.shape[0] * grid.spacing_x, grid.shape[1] * grid.spacing_y)
+    return jnp.maximum(target - gap, 0.0) * (modulus / shorter)
+
+
+def _search(grid, gap, material, control, target, modulus, tolerance, max_iterations) -> Pressures:
+    """Constrained conjugate gradients, started from the solution on a grid of half as many cells.
+
+    Both are stated in Σp for a load: a coarse cell has four times the area.
+    """
+    nx, ny = grid.shape
+    start, iterations = _first_guess(grid, gap, control, target, modulus), 0
+    if min(nx, ny) >= 2 * _COARSEST and nx % 2 == 0 and ny % 2 == 0:
+        coarse = _search(
+            Grid((nx // 2, ny // 2), 2 * grid.spacing_x, 2 * grid.spacing_y),
+            _halved(gap),
+            _halved(material.astype(gap.dtype)) > 0.5,
+            control,
+            target / 4 if control == "load" else target,
+            modulus,
+            # What the coarser grid itself is good for.
+            jnp.maximum(tolerance, 1e-3),
+            max_iterations,
+        )
+        finer = jnp.repeat(jnp.repeat(coarse.pressure, 2, axis=0), 2, axis=1)
+        found = jnp.any(material & (finer > 0))
+        start, iterations = jnp.where(found, finer, start), coarse.iterations
+    transform = normal_influence(grid) / modulus
+    found = constrained_conjugate_gradients(
+        functools.partial(convolve, transform),
+        gap,
+        material,
+        control,
+        target,
+        start,
+        tolerance,
+        max_iterations,
+    )
+    return found._replace(iterations=found.iterations + iterations)
+
+
+def _rigid(grid: Grid, gap, pressure, modulus) -> Float[Array, "nx ny"]:
+    """Displacement plus gap: equal to the approach on all cells in contact."""
+    return normal_displacement(grid, pressure, modulus) + gap
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1))
+def equilibrium(
+    control: Control,
+    max_iterations: int,
+    grid: Grid,
+    gap: Float[Array, "nx ny"],
+    target: Scalar,
+    modulus: Scalar,
+    material: Bool[Array, "nx ny"],
+    tolerance: Scalar,
+) -> Pressures:
+    """Pressures under a load [N] or at an approach [m].
+
+    Derivatives are those of the solution with the cells in contact held: `K ṗ = δ̇ − K̇ p − ġ` there,
+    one more system of conjugate gradients, in forward and in reverse mode.
+
+    **Arguments:** as `solve_contact`.
+    """
+    scaled = target / grid.cell_area if control == "load" else target
+    return _search(grid, gap, material, control, scaled, modulus, tolerance, max_iterations)
+
+
+@equilibrium.defjvp
+def _equilibrium_jvp(control, max_iterations, primals, tangents):
+    grid, gap, target, modulus, material, tolerance = primals
+    grid_dot, gap_dot, target_dot, modulus_dot, _, _ = tangents
+    found = equilibrium(control, max_iterations, *primals)
+    pressure = found.pressure
+    contact = (pressure > 0).astype(pressure.dtype)
+    count = jnp.maximum(jnp.sum(contact), 1.0)
+    transform = normal_influence(grid) / modulus
+
+    def spread(values):
+        """Onto the cells in contact; under a load, without changing the sum of pressures."""
+        values = values * contact
+        return values - contact * (jnp.sum(values) / count) if control == "load" else values
+
+    def system(values):
+        return spread(convolve(transform, spread(values)))
+
+    _, explicit = jax.jvp(
+        lambda grid, gap, modulus: _rigid(grid, gap, pressure, modulus),
+        (grid, gap, modulus),
+        (grid_dot, gap_dot, modulus_dot),
+    )
+    if control == "load":
+        # Σp = load/area of a cell.
+        _, sum_dot = jax.jvp(
+            lambda grid, load: load / grid.cell_area, (grid, target), (grid_dot, target_dot)
+        )
+        even = contact * (sum_dot / count)
+        right = spread(-explicit - convolve(transform, even))
+    else:
+        even = jnp.zeros_like(gap)
+        right = spread(target_dot - explicit)
+    solved, _ = jax.scipy.sparse.linalg.cg(
+        system, right, tol=_DERIVATIVE_TOLERANCE, maxiter=max_iterations
+    )
+    pressure_dot = even + spread(solved)
+    approach_dot = target_dot
+    if control == "load":
+        moved = convolve(transform, pressure_dot) + explicit
+        approach_dot = jnp.sum(moved * contact) / count
+    no_change = np.zeros(found.iterations.shape, jax.dtypes.float0)
+    return found, Pressures(
+        pressure_dot, approach_dot, no_change, jnp.zeros_like(found.residual)  # type: ignore[arg-type]
+    )

@@ -1,0 +1,140 @@
+"""Contact of two elastic bodies with any gap, as half-spaces."""
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from .._physics import physics
+from ..mechanism import Scalar
+from ._displacement import normal_displacement
+from ._equilibrium import equilibrium
+from ._grid import Grid
+from ._peak import peak_pressure
+
+#: What the result codes of a surface contact mean, and what to do.
+RESULTS = {
+    0: "contact found",
+    1: "not converged: raise max_iterations or tolerance, and look for numbers that are not finite",
+    2: "the contact reaches the edge of the grid: make the grid larger",
+    3: "no contact: no load, or an approach smaller than the gap",
+}
+
+
+class SurfaceContact(eqx.Module):
+    """Contact of two surfaces under pressure; fields are arrays over the grid's cells."""
+
+    grid: Grid
+    #: Contact pressure, uniform on every cell [Pa].
+    pressure: Float[Array, "nx ny"]
+    #: Cells in contact.
+    contact: Bool[Array, "nx ny"]
+    #: Sum of both bodies' normal displacements [m].
+    displacement: Float[Array, "nx ny"]
+    #: Gap that is left between the deformed surfaces [m].
+    separation: Float[Array, "nx ny"]
+    #: Approach of the two bodies δ [m].
+    approach: Scalar
+    #: Normal force F [N].
+    load: Scalar
+    #: Largest pressure, between the cells' centres [Pa].
+    max_pressure: Scalar
+    #: Area in contact [m²].
+    area: Scalar
+    #: Steps of all grids together.
+    iterations: Int[Array, ""]
+    #: Largest violation of the contact conditions over the largest displacement.
+    residual: Scalar
+    #: One of `RESULTS`; 0 is success.
+    code: Int[Array, ""]
+
+    @property
+    def found(self) -> Bool[Array, ""]:
+        """Whether the numbers are those of a contact within the grid."""
+        return self.code == 0
+
+
+def _rim(field: Bool[Array, "nx ny"]) -> Bool[Array, ""]:
+    return jnp.any(field[0] | field[-1]) | jnp.any(field[:, 0] | field[:, -1])
+
+
+@physics("halfspace_contact")
+def solve_contact(
+    grid: Grid,
+    gap: Float[Array, "nx ny"],
+    modulus: Scalar,
+    *,
+    load: Scalar | float | None = None,
+    approach: Scalar | float | None = None,
+    material: Bool[Array, "nx ny"] | None = None,
+    tolerance: Scalar | float = 1e-8,
+    max_iterations: int = 1000,
+) -> SurfaceContact:
+    """Contact of two elastic half-spaces with a gap, frictionless, without adhesion.
+
+    Pressures p ≥ 0 with K p + gap − δ ≥ 0 and one of both zero everywhere; K is the displacement by
+    uniformly loaded rectangles (Love 1929). Constrained conjugate gradients with FFT convolution
+    (Polonsky and Keer 1999), started on coarser grids. Derivatives, in forward and reverse mode,
+    hold the cells in contact and are those of the solution, not of the iterations: with respect to
+    gap, load or approach, modulus and spacings. The mask `material` is a choice, not a number.
+
+    **Arguments:**
+
+    - `grid`: the grid.
+    - `gap`: distance of the undeformed surfaces along the common normal, up to a constant [m].
+    - `modulus`: contact modulus E* [Pa].
+    - `load`: normal force [N]; or
+    - `approach`: approach of the bodies δ, counted from gap = 0 [m].
+    - `material`: cells with material on both sides; elsewhere there is no pressure. Default all.
+    - `tolerance`: largest violation of the contact conditions over the largest displacement.
+    - `max_iterations`: steps allowed on every grid.
+
+    **Returns:** a `SurfaceContact`; `code` tells how it went.
+
+    **Raises:** `ValueError` unless exactly one of `load` and `approach` is given, and where gap or
+    material do not fit the grid.
+    """
+    if (load is None) == (approach is None):
+        raise ValueError(
+            f"load is {load!r} and approach is {approach!r}; give exactly one of the two"
+        )
+    for name, field in (("gap", gap), ("material", material)):
+        if field is not None and field.shape != grid.shape:
+            raise ValueError(
+                f"{name} has the shape {field.shape}, the grid {grid.shape}; they must be equal"
+            )
+    if material is None:
+        material = jnp.ones(grid.shape, bool)
+    control = "load" if approach is None else "approach"
+    target = jnp.asarray(load if approach is None else approach, gap.dtype)
+    modulus = jnp.asarray(modulus, gap.dtype)
+    found = equilibrium(
+        control,
+        max_iterations,
+        grid,
+        gap,
+        jnp.maximum(target, 0.0) if control == "load" else target,
+        modulus,
+        material,
+        jnp.asarray(tolerance, gap.dtype),
+    )
+    contact = found.pressure > 0
+    touching = jnp.any(contact)
+    nearest = jnp.min(jnp.where(material, gap, jnp.inf))
+    final = jnp.where(touching, found.approach, nearest) if control == "load" else found.approach
+    displacement = normal_displacement(grid, found.pressure, modulus)
+    converged = found.residual <= tolerance
+    code = jnp.where(converged, jnp.where(touching, jnp.where(_rim(contact), 2, 0), 3), 1)
+    return SurfaceContact(
+        grid=grid,
+        pressure=found.pressure,
+        contact=contact,
+        displacement=displacement,
+        separation=displacement + gap - final,
+        approach=final,
+        load=jnp.sum(found.pressure) * grid.cell_area,
+        max_pressure=peak_pressure(found.pressure),
+        area=jnp.sum(contact.astype(gap.dtype)) * grid.cell_area,
+        iterations=found.iterations,
+        residual=found.residual,
+        code=code,
+    )
