@@ -29,6 +29,12 @@ def _check_stage(stage: Stage):
         2 * centre_distance,
         "twice the radius of the circle of the roller axes",
     )
+    shaft = None if stage.strength is None else stage.strength.shaft
+    if shaft is not None and shaft.root_radius is not None:
+        root, bore = float(shaft.root_radius), stage.screw.bore_radius
+        if not root > (0.0 if bore is None else float(bore)):
+            message = f"must be more than the screw's bore_radius, {_millimetres(float(bore or 0))}"
+            raise Misplaced(("strength", "shaft", "root_radius"), message)
     line = stage.line_contact
     if line is not None:
         for body in ("screw", "roller"):

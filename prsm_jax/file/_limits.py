@@ -66,6 +66,18 @@ _BY_NAME = {
     "roller_teeth": POSITIVE,
     "mesh_factor": POSITIVE,
     "roller_count": ROLLERS,
+    "static_capacity": POSITIVE,
+    "dynamic_capacity": POSITIVE,
+    "material_factor": POSITIVE,
+    "reliability": Limit(0.0, 1.0, "between 0 and 1, both excluded"),
+    "life_modification_factor": POSITIVE,
+    "oscillation_amplitude": POSITIVE,
+    "permissible_speed_share": Limit(0.0, 1.0, "more than 0 and at most 1", upper_allowed=True),
+    "axial_backlash": NOT_NEGATIVE,
+    "screw_tooth_thinning": NOT_NEGATIVE,
+    "roller_tooth_thinning": NOT_NEGATIVE,
+    "nut_tooth_thinning": NOT_NEGATIVE,
+    "preload_force": POSITIVE,
     "number": ROLLER_NUMBER,
     "count": COUNT,
 }
@@ -80,6 +92,7 @@ _BY_UNIT = {
     "N/m": NOT_NEGATIVE,
     "N·s/m": NOT_NEGATIVE,
     "m/s": POSITIVE,
+    "m·rad/s": POSITIVE,
 }
 
 

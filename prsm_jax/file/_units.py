@@ -30,6 +30,7 @@ WRITTEN_UNITS: dict[str, tuple[str, ...]] = {
     "rad/s²": ("rad/s^2",),
     "rad/s³": ("rad/s^3",),
     "m/s": ("mm/s", "m/s"),
+    "m·rad/s": ("mm rpm", "m rad/s"),
     "W": ("W",),
 }
 
@@ -84,6 +85,7 @@ _KINDS = {
     "rad/s": "an angular speed",
     "Hz": "a frequency",
     "m/s": "a speed",
+    "m rad/s": "a diameter times an angular speed",
     "rad/s^2": "an angular acceleration",
     "rad/s^3": "an angular jerk",
     "N": "a force",

@@ -99,6 +99,13 @@ from ._sequences import (
     SequenceProfile as SequenceProfile,
     TableProfile as TableProfile,
 )
+from ._strength import (
+    END_CONDITIONS as END_CONDITIONS,
+    AxialPlay as AxialPlay,
+    EndConditions as EndConditions,
+    ScrewShaft as ScrewShaft,
+    Strength as Strength,
+)
 from ._tables import Curve as Curve
 from ._thread import Thread as Thread
 from ._together import (

@@ -24,7 +24,12 @@ class DisplayUnit:
 
 #: For each SI unit the units it is shown in, the smallest first.
 _SHOWN: dict[str, tuple[DisplayUnit, ...]] = {
-    "m": (DisplayUnit("µm", 1e6), DisplayUnit("mm", 1e3)),
+    "m": (
+        DisplayUnit("µm", 1e6),
+        DisplayUnit("mm", 1e3),
+        DisplayUnit("m", 1.0),
+        DisplayUnit("km", 1e-3),
+    ),
     "rad": (DisplayUnit("deg", 180 / math.pi),),
     "rad/s": (DisplayUnit("rpm", 30 / math.pi),),
     "N": (DisplayUnit("N", 1.0), DisplayUnit("kN", 1e-3)),
@@ -35,14 +40,26 @@ _SHOWN: dict[str, tuple[DisplayUnit, ...]] = {
     "kg": (DisplayUnit("g", 1e3), DisplayUnit("kg", 1.0)),
     "kg·m²": (DisplayUnit("kg·mm²", 1e6),),
     "kg/m³": (DisplayUnit("kg/m³", 1.0),),
-    "s": (DisplayUnit("ms", 1e3), DisplayUnit("s", 1.0)),
+    "s": (DisplayUnit("ms", 1e3), DisplayUnit("s", 1.0), DisplayUnit("h", 1 / 3600)),
     "Hz": (DisplayUnit("Hz", 1.0), DisplayUnit("kHz", 1e-3)),
     "W": (DisplayUnit("W", 1.0), DisplayUnit("kW", 1e-3)),
     "m/s": (DisplayUnit("mm/s", 1e3), DisplayUnit("m/s", 1.0)),
+    "m·rad/s": (DisplayUnit("mm·rpm", 1e3 * 30 / math.pi),),
     "1": (DisplayUnit("", 1.0),),
 }
 #: The smallest magnitude, in its own unit, for which the larger of two units is taken.
-_WORTH = {"mm": 0.1, "kN": 1.0, "kg": 0.1, "s": 0.1, "kHz": 10.0, "kW": 10.0, "m/s": 1.0}
+_WORTH = {
+    "mm": 0.1,
+    "m": 100.0,
+    "km": 1.0,
+    "h": 1.0,
+    "kN": 1.0,
+    "kg": 0.1,
+    "s": 0.1,
+    "kHz": 10.0,
+    "kW": 10.0,
+    "m/s": 1.0,
+}
 _PERCENT = DisplayUnit("%", 100.0)
 
 
@@ -68,7 +85,7 @@ def display_unit(
     numbers = [values] if isinstance(values, int | float) else list(values)
     largest = max((abs(float(v)) for v in numbers if math.isfinite(v)), default=math.inf)
     if largest == 0:
-        return choices[-1]
+        return choices[:2][-1]
     fitting = [c for c in choices if c(largest) >= _WORTH.get(c.label, 0.0)]
     return fitting[-1] if fitting else choices[0]
 

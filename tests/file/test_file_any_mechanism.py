@@ -15,6 +15,7 @@ import prsm_jax.file as file
 from prsm_jax.file._layout import module_classes, row_class
 from prsm_jax.file._limits import limit_of
 from prsm_jax.mechanism import (
+    AxialPlay,
     Constraint,
     DesignProblem,
     DutyCycle,
@@ -65,6 +66,8 @@ def modules(draw, cls: type[eqx.Module]):
         values["radial_stiffness_y"] = None
     if cls is Roller and values["support"] is not None:
         values["support"] = Support(values["support"].radial_stiffness)
+    if cls is AxialPlay and values["preload_force"] is not None:
+        values["axial_backlash"] = None
     if cls is Stage:
         values["unequal_roller"] = draw(unequal_rollers(values["roller_count"]))
         # Dimensions that must fit each other are scaled to do so.
@@ -78,6 +81,7 @@ def modules(draw, cls: type[eqx.Module]):
                 part, bore_radius=None if bore is None else bore * outer
             )
         values["carrier"] = _narrowed(values["carrier"], bound["screw"] + radius)
+        values["strength"] = _thick_enough(values["strength"], values["screw"].bore_radius)
         line = values["line_contact"]
         if line is not None:
             values["line_contact"] = dataclasses.replace(
@@ -110,6 +114,16 @@ def _narrowed(carrier, radius: float):
         return carrier
     width = min(float(carrier.radial_width), radius)
     return dataclasses.replace(carrier, radial_width=width)
+
+
+def _thick_enough(strength, bore_radius):
+    """With a root of the screw's thread outside the screw's bore."""
+    shaft = None if strength is None else strength.shaft
+    if shaft is None or shaft.root_radius is None or bore_radius is None:
+        return strength
+    root = max(float(shaft.root_radius), float(bore_radius) * 1.1 + 1e-3)
+    shaft = dataclasses.replace(shaft, root_radius=root)
+    return dataclasses.replace(strength, shaft=shaft)
 
 
 @st.composite
