@@ -33,6 +33,8 @@ ROLLERS = Limit(
 )
 ROLLER_NUMBER = Limit(1.0, 1000.0, "a whole number from 1 to the number of rollers", True, True)
 COUNT = Limit(1.0, 100.0, "a whole number from 1 to 100", lower_allowed=True, upper_allowed=True)
+#: A chain of more threads than any roller has would only take time.
+THREADS = Limit(1.0, 1000.0, "a whole number from 1 to 1000", True, True)
 
 _BY_NAME = {
     "starts": Limit(2.0, math.inf, "more than 2 (the screw radius is (starts - 2) r_R)"),
@@ -63,6 +65,23 @@ _BY_NAME = {
     "position_offset": SLANT,
     "torque": NOT_NEGATIVE,
     "engaged_threads": POSITIVE,
+    "thread_gap": ANY,
+    "thread_count": THREADS,
+    "after_thread": THREADS,
+    "preload": POSITIVE,
+    "offset": ANY,
+    "backlash": ANY,
+    "spacer_stiffness": POSITIVE,
+    "screw_segment_stiffness": POSITIVE,
+    "roller_segment_stiffness": POSITIVE,
+    "nut_segment_stiffness": POSITIVE,
+    "screw_pitch_error": ANY,
+    "roller_pitch_error": ANY,
+    "nut_pitch_error": ANY,
+    "screw_relief": NOT_NEGATIVE,
+    "nut_relief": NOT_NEGATIVE,
+    "screw_wear": NOT_NEGATIVE,
+    "nut_wear": NOT_NEGATIVE,
     "roller_teeth": POSITIVE,
     "mesh_factor": POSITIVE,
     "roller_count": ROLLERS,

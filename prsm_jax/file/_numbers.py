@@ -106,6 +106,22 @@ def read_number(value, unit: str | None, limit: Limit) -> float:
     return number
 
 
+def read_numbers(value, unit: str, limit: Limit) -> tuple[float, ...]:
+    """The SI values of a list of numbers, each bare or a string with a unit.
+
+    **Raises:** `ValueError` if it is no list, empty, or holds a number that `read_number` refuses.
+    """
+    if not isinstance(value, list) or not value:
+        raise ValueError(f"must be an array of numbers; for each of them {wanted(unit)}")
+    numbers = []
+    for place, one in enumerate(value, start=1):
+        try:
+            numbers.append(read_number(one, unit, limit))
+        except ValueError as error:
+            raise ValueError(f"number {place} of the array, {show(one)}: {error}") from error
+    return tuple(numbers)
+
+
 def read_integer(value, limit: Limit) -> int:
     """A whole number from a file.
 

@@ -17,13 +17,15 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model
 from ..mechanism import DutyCycle, OperatingPoint, Stage
 from ._layout import law_names, module_classes, row_class, unnamed_law
 from ._limits import limit_of
-from ._numbers import read_integer, read_number
+from ._numbers import read_integer, read_number, read_numbers
 from ._optimise_table import OptimiseTable
 from ._table import Table, checked, problem, read_boolean, read_choice, read_tables, read_text
 
 
 def _number_or_choice(field: dataclasses.Field, hint) -> Any:
     unit = field.metadata.get("unit")
+    if field.metadata.get("list"):
+        return Annotated[tuple, checked(read_numbers, unit, limit_of(field.name, unit))]
     if unit is not None:
         return Annotated[float, checked(read_number, unit, limit_of(field.name, unit))]
     if hint is bool:

@@ -51,6 +51,15 @@ def _module(module: eqx.Module, header: str, law: str | None = None) -> Iterator
                 inner.extend(("", f"[[{header}.{field.name}]]", *_module(row, header)))
         elif isinstance(value, eqx.Module):
             inner.extend(_inner_table(field, value, hints[field.name], f"{header}.{field.name}"))
+        elif field.metadata.get("list"):
+            if np.ndim(value) != 1:
+                raise FileError(
+                    f"{header}.{field.name} has shape {np.shape(value)}; a batch of mechanisms is "
+                    "written one by one"
+                )
+            unit, key = field.metadata["unit"], f"{header}.{field.name}"
+            numbers = ", ".join(_number(one, unit, key) for one in np.asarray(value))
+            yield f"{field.name} = [{numbers}]"
         elif "unit" in field.metadata:
             key = f"{header}.{field.name}"
             yield f"{field.name} = {_number(value, field.metadata['unit'], key)}"

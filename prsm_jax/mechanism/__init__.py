@@ -36,6 +36,14 @@ from ._friction import (
     ViscousFriction as ViscousFriction,
 )
 from ._line_contact import LineContact as LineContact
+from ._load_sharing import (
+    GAP_LISTS as GAP_LISTS,
+    MOUNTINGS as MOUNTINGS,
+    LoadSharing as LoadSharing,
+    Mounting as Mounting,
+    SplitNut as SplitNut,
+    ThreadTooth as ThreadTooth,
+)
 from ._loads import (
     LOADS_OF_MOTION as LOADS_OF_MOTION,
     AerodynamicLoad as AerodynamicLoad,

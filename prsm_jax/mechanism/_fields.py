@@ -56,6 +56,22 @@ def numbers(unit: str, description: str):
     )
 
 
+def _as_optional_numbers(value):
+    if value is None:
+        return None
+    array = as_scalar(value)
+    return array[None] if array.ndim == 0 else array
+
+
+def optional_numbers(unit: str, description: str):
+    """A list of numbers (one differentiable leaf) that may be absent."""
+    return eqx.field(
+        converter=_as_optional_numbers,
+        default=None,
+        metadata={"unit": unit, "description": description, "list": True},
+    )
+
+
 def choice(description: str, **kwargs):
     """A static choice: part of the pytree's structure, never traced."""
     return eqx.field(static=True, metadata={"description": description}, **kwargs)

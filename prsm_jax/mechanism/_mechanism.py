@@ -11,6 +11,7 @@ from ._design_problem import DesignProblem
 from ._fields import Scalar, as_scalar, choice, number, optional_number
 from ._friction import Friction
 from ._line_contact import LineContact
+from ._load_sharing import LoadSharing
 from ._scenario import Scenario, TorqueScenario
 from ._strength import Strength
 from ._thread import Thread
@@ -48,6 +49,7 @@ class Stage(eqx.Module):
     friction: Friction | None = None
     damping: Damping | None = None
     line_contact: LineContact | None = None
+    load_sharing: LoadSharing | None = None
     strength: Strength | None = None
     engaged_threads: Scalar | None = optional_number(
         "1", "threads of one roller that carry load, per side, z"

@@ -8,7 +8,7 @@ from ._fields import Scalar, choice, optional_number
 class UnequalRoller(eqx.Module):
     """One roller that is not like the others; what is absent is as for the others.
 
-    Leaves: the factors and the offset. Static: `number` (which roller, counted from 1 at the
+    Leaves: the factors, the offset and the gap. Static: `number` (which roller, counted from 1 at the
     angle 0) and `missing`.
 
     **Raises:** `ValueError` at construction for a number below 1, a roller that is missing and has
@@ -25,6 +25,9 @@ class UnequalRoller(eqx.Module):
     position_offset: Scalar | None = optional_number(
         "rad", "angle by which this roller is out of its place, in the sense of counting"
     )
+    thread_gap: Scalar | None = optional_number(
+        "m", "axial gap of this roller's threads on either flank, less the others' (load sharing)"
+    )
     missing: bool = choice("whether the place of this roller is empty", default=False)
 
     def __check_init__(self):
@@ -32,7 +35,7 @@ class UnequalRoller(eqx.Module):
             raise ValueError(f"unequal_roller has number {self.number}; rollers count from 1")
         differs = [
             name
-            for name in ("stiffness_factor", "mass_factor", "position_offset")
+            for name in ("stiffness_factor", "mass_factor", "position_offset", "thread_gap")
             if getattr(self, name) is not None
         ]
         if self.missing and differs:
@@ -43,7 +46,7 @@ class UnequalRoller(eqx.Module):
         if not self.missing and not differs:
             raise ValueError(
                 f"unequal_roller {self.number} says nothing but its number; give stiffness_factor, "
-                "mass_factor, position_offset or missing = true, or remove it"
+                "mass_factor, position_offset, thread_gap or missing = true, or remove it"
             )
 
 

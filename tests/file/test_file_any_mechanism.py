@@ -15,14 +15,17 @@ import prsm_jax.file as file
 from prsm_jax.file._layout import module_classes, row_class
 from prsm_jax.file._limits import limit_of
 from prsm_jax.mechanism import (
+    GAP_LISTS,
     AxialPlay,
     Constraint,
     DesignProblem,
     DutyCycle,
+    LoadSharing,
     Mechanism,
     Objective,
     OperatingPoint,
     Roller,
+    SplitNut,
     Stage,
     Support,
     UnequalRoller,
@@ -31,6 +34,7 @@ from prsm_jax.mechanism import (
 
 _NAMES = st.from_regex(r"[a-z][a-z_]{0,20}", fullmatch=True)
 _LARGEST = 1e120
+_UNITS = {"position_offset": "rad", "thread_gap": "m"}
 
 
 def numbers(name: str, unit: str) -> st.SearchStrategy[float]:
@@ -45,6 +49,8 @@ def _field(field: dataclasses.Field, hint) -> st.SearchStrategy:
         return st.just(())  # filled when the number of rollers is known
     if classes:
         present = st.one_of([modules(cls) for cls in classes])
+    elif field.metadata.get("list"):
+        return st.none()  # filled when the number of threads is known
     elif "unit" in field.metadata:
         present = numbers(field.name, field.metadata["unit"])
     elif hint is bool:
@@ -64,6 +70,10 @@ def modules(draw, cls: type[eqx.Module]):
     values = {f.name: draw(_field(f, hints[f.name])) for f in dataclasses.fields(cls)}
     if cls is Support and values["radial_stiffness"] is None:
         values["radial_stiffness_y"] = None
+    if cls is LoadSharing:
+        values |= draw(sharing_lists(values["thread_count"], values["split_nut"]))
+    if cls is SplitNut and (values["preload"] is None) == (values["offset"] is None):
+        values |= {"preload": None, "offset": draw(numbers("offset", "m"))}
     if cls is Roller and values["support"] is not None:
         values["support"] = Support(values["support"].radial_stiffness)
     if cls is AxialPlay and values["preload_force"] is not None:
@@ -95,15 +105,30 @@ def modules(draw, cls: type[eqx.Module]):
 
 
 @st.composite
+def sharing_lists(draw, thread_count: int, split_nut: SplitNut | None):
+    """Lists of one number per thread, few threads, and a nut that is split before the last."""
+    count = min(thread_count, 4)
+    if split_nut is not None:
+        count = max(count, 2)
+        split_nut = dataclasses.replace(split_nut, after_thread=draw(st.integers(1, count - 1)))
+    names = draw(st.sets(st.sampled_from(GAP_LISTS)))
+    lists = {
+        name: draw(st.lists(numbers(name, "m"), min_size=count, max_size=count))
+        for name in sorted(names)
+    }
+    return {"thread_count": count, "split_nut": split_nut} | lists
+
+
+@st.composite
 def unequal_rollers(draw, roller_count: int):
     """Some rollers of a stage that differ, at least one of them being there."""
     chosen = draw(st.lists(st.integers(1, roller_count), max_size=3, unique=True))
     rollers = []
     for index, number in enumerate(chosen):
         missing = index > 0 and draw(st.booleans())
-        names = ("stiffness_factor", "mass_factor", "position_offset")
+        names = ("stiffness_factor", "mass_factor", "position_offset", "thread_gap")
         differing = () if missing else draw(st.sets(st.sampled_from(names), min_size=1))
-        units = {name: "rad" if name == "position_offset" else "1" for name in differing}
+        units = {name: _UNITS.get(name, "1") for name in differing}
         values = {name: draw(numbers(name, unit)) for name, unit in sorted(units.items())}
         rollers.append(UnequalRoller(number, missing=missing, **values))
     return tuple(rollers)

@@ -16,10 +16,21 @@ LAYERS = {
     "file": {"mechanism"},
     "geometry": {"mechanism"},
     "contact": {"mechanism", "geometry"},
-    "stiffness": {"mechanism", "geometry", "contact"},
-    "modal": {"mechanism", "geometry", "contact", "stiffness"},
+    "halfspace": {"mechanism", "geometry", "contact"},
+    "load_sharing": {"mechanism", "geometry", "contact"},
+    "strength": {"mechanism", "geometry", "contact", "load_sharing"},
+    "stiffness": {"mechanism", "geometry", "contact", "load_sharing"},
+    "modal": {"mechanism", "geometry", "contact", "load_sharing", "stiffness"},
     "dynamics": {"mechanism", "geometry", "contact", "stiffness"},
-    "response": {"mechanism", "geometry", "contact", "stiffness", "modal", "dynamics"},
+    "response": {
+        "mechanism",
+        "geometry",
+        "contact",
+        "load_sharing",
+        "stiffness",
+        "modal",
+        "dynamics",
+    },
 }
 LAYERS["quantities"] = set(LAYERS) - {"file"}
 LAYERS["findings"] = set(LAYERS["quantities"])
