@@ -34,7 +34,7 @@ def _padded(shape: tuple[int, int]) -> tuple[int, int]:
     return _fast_length(2 * shape[0] - 1), _fast_length(2 * shape[1] - 1)
 
 
-def influence(antiderivative: Antiderivative, grid: Grid) -> Inexact[Array, "kx ky"]:
+def influence(antiderivative: Antiderivative, grid: Grid) -> Inexact[Array, "ky kx"]:
     """Transform of the influence of one loaded cell on all offsets of the grid.
 
     **Arguments:**
@@ -50,21 +50,24 @@ def influence(antiderivative: Antiderivative, grid: Grid) -> Inexact[Array, "kx 
     x, y = corners(lengths[0], grid.spacing_x), corners(lengths[1], grid.spacing_y)
     values = antiderivative(x[:, None], y[None, :])
     kernel = jnp.diff(jnp.diff(values, axis=0), axis=1)
-    return jnp.fft.rfft2(jnp.fft.ifftshift(kernel))
+    return jnp.fft.rfft2(jnp.fft.ifftshift(kernel)).T
 
 
-def spectrum(field: Float[Array, "nx ny"]) -> Inexact[Array, "kx ky"]:
-    """Transform of a field on the doubled grid."""
-    return jnp.fft.rfft2(field, s=_padded(field.shape))
+def spectrum(field: Float[Array, "nx ny"]) -> Inexact[Array, "ky kx"]:
+    """Transform of a field on the doubled grid, x last; rows that hold only zeros are left out."""
+    lengths = _padded(field.shape)
+    rows = jnp.fft.rfft(field, n=lengths[1], axis=1)
+    return jnp.fft.fft(rows.T, n=lengths[0], axis=1)
 
 
-def field_of(transform: Inexact[Array, "kx ky"], shape: tuple[int, int]) -> Float[Array, "nx ny"]:
-    """Back from the doubled grid to the cells of the grid."""
-    return jnp.fft.irfft2(transform, s=_padded(shape))[: shape[0], : shape[1]]
+def field_of(transform: Inexact[Array, "ky kx"], shape: tuple[int, int]) -> Float[Array, "nx ny"]:
+    """Back from the doubled grid to the cells of the grid; what lies outside is left out."""
+    rows = jnp.fft.ifft(transform, axis=1)[:, : shape[0]].T
+    return jnp.fft.irfft(rows, n=_padded(shape)[1], axis=1)[:, : shape[1]]
 
 
 def convolve(
-    transform: Inexact[Array, "kx ky"], field: Float[Array, "nx ny"]
+    transform: Inexact[Array, "ky kx"], field: Float[Array, "nx ny"]
 ) -> Float[Array, "nx ny"]:
     """Effect of a loaded field, by the transform of `influence`."""
     loaded = spectrum(field)

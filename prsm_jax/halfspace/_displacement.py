@@ -13,7 +13,7 @@ def _newtonian(x: Float[Array, "cx 1"], y: Float[Array, "1 cy"]) -> Array:
     return x * jnp.arcsinh(y / jnp.abs(x)) + y * jnp.arcsinh(x / jnp.abs(y))
 
 
-def normal_influence(grid: Grid) -> Float[Array, "kx ky"]:
+def normal_influence(grid: Grid) -> Float[Array, "ky kx"]:
     """Transform of the normal displacement by unit pressure on one cell, for E* = 1.
 
     Even in both directions, so the transform is real and the influence matrix symmetric.

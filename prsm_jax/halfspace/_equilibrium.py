@@ -1,6 +1,7 @@
 """Pressures of a contact and their derivatives, through the cells in contact."""
 
 import functools
+from collections.abc import Callable
 
 import jax
 import jax.numpy as jnp
@@ -12,6 +13,7 @@ from ._convolution import convolve
 from ._displacement import normal_displacement, normal_influence
 from ._grid import Grid
 from ._polonsky_keer import Control, Pressures, constrained_conjugate_gradients
+from ._preconditioner import apply_symbol, stiffness_symbol
 
 #: A grid with at least twice as many cells both ways is first solved with half of them.
 _COARSEST = 32
@@ -55,8 +57,11 @@ def _search(grid, gap, material, control, target, modulus, tolerance, max_iterat
         found = jnp.any(material & (finer > 0))
         start, iterations = jnp.where(found, finer, start), coarse.iterations
     transform = normal_influence(grid) / modulus
+    symbol = stiffness_symbol(grid) * modulus
     found = constrained_conjugate_gradients(
         functools.partial(convolve, transform),
+        functools.partial(apply_symbol, symbol),
+        jnp.mean(symbol),
         gap,
         material,
         control,
@@ -71,6 +76,30 @@ def _search(grid, gap, material, control, target, modulus, tolerance, max_iterat
 def _rigid(grid: Grid, gap, pressure, modulus) -> Float[Array, "nx ny"]:
     """Displacement plus gap: equal to the approach on all cells in contact."""
     return normal_displacement(grid, pressure, modulus) + gap
+
+
+def _conjugate_gradients(
+    precondition: Callable, max_iterations: int, system: Callable, right: Float[Array, "nx ny"]
+) -> Float[Array, "nx ny"]:
+    """Solve `system(x) = right`, symmetric and positive definite where `right` is not zero."""
+    target = _DERIVATIVE_TOLERANCE**2 * jnp.sum(right**2)
+
+    def step(state):
+        solution, rest, direction, product, iterations = state
+        image = system(direction)
+        length = product / jnp.sum(direction * image)
+        solution, rest = solution + length * direction, rest - length * image
+        steepest = precondition(rest)
+        following = jnp.sum(rest * steepest)
+        direction = steepest + following / product * direction
+        return solution, rest, direction, following, iterations + 1
+
+    def unfinished(state):
+        return (jnp.sum(state[1] ** 2) > target) & (state[4] < max_iterations)
+
+    steepest = precondition(right)
+    start = (jnp.zeros_like(right), right, steepest, jnp.sum(right * steepest), jnp.asarray(0))
+    return jax.lax.while_loop(unfinished, step, start)[0]
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1))
@@ -104,6 +133,7 @@ def _equilibrium_jvp(control, max_iterations, primals, tangents):
     contact = (pressure > 0).astype(pressure.dtype)
     count = jnp.maximum(jnp.sum(contact), 1.0)
     transform = normal_influence(grid) / modulus
+    symbol = stiffness_symbol(grid) * modulus
 
     def spread(values):
         """Onto the cells in contact; under a load, without changing the sum of pressures."""
@@ -112,6 +142,9 @@ def _equilibrium_jvp(control, max_iterations, primals, tangents):
 
     def system(values):
         return spread(convolve(transform, spread(values)))
+
+    def precondition(values):
+        return spread(apply_symbol(symbol, spread(values)))
 
     _, explicit = jax.jvp(
         lambda grid, gap, modulus: _rigid(grid, gap, pressure, modulus),
@@ -128,8 +161,11 @@ def _equilibrium_jvp(control, max_iterations, primals, tangents):
     else:
         even = jnp.zeros_like(gap)
         right = spread(target_dot - explicit)
-    solved, _ = jax.scipy.sparse.linalg.cg(
-        system, right, tol=_DERIVATIVE_TOLERANCE, maxiter=max_iterations
+    solved = jax.lax.custom_linear_solve(
+        system,
+        right,
+        functools.partial(_conjugate_gradients, precondition, max_iterations),
+        symmetric=True,
     )
     pressure_dot = even + spread(solved)
     approach_dot = target_dot

@@ -44,6 +44,8 @@ def _mean(values: Float[Array, "nx ny"], where: Float[Array, "nx ny"]) -> Scalar
 
 def constrained_conjugate_gradients(
     influence: Callable[[Float[Array, "nx ny"]], Float[Array, "nx ny"]],
+    stiffness: Callable[[Float[Array, "nx ny"]], Float[Array, "nx ny"]],
+    cell_stiffness: Scalar,
     gap: Float[Array, "nx ny"],
     material: Bool[Array, "nx ny"],
     control: Control,
@@ -89,8 +91,11 @@ def constrained_conjugate_gradients(
     def step(state: _State) -> _State:
         pressure = state.pressure
         contact = (pressure > 0).astype(pressure.dtype)
-        squares = jnp.sum(state.gap**2 * contact)
-        direction = contact * (state.gap + squares / state.previous * state.direction)
+        steepest = contact * stiffness(contact * state.gap)
+        if control == "load":
+            steepest = contact * (steepest - _mean(steepest, contact))
+        squares = jnp.sum(state.gap * steepest)
+        direction = contact * (steepest + squares / state.previous * state.direction)
         change = influence(direction)
         centred = change - _mean(change, contact) if control == "load" else change
         curvature = jnp.sum(centred * direction)
@@ -98,7 +103,7 @@ def constrained_conjugate_gradients(
         moved = pressure - length * direction
         kept = jnp.maximum(moved, 0.0)
         entering = material & (kept <= 0) & (state.gap < 0)
-        following, factor = loaded(jnp.where(entering, -length * state.gap, kept))
+        following, factor = loaded(jnp.where(entering, -cell_stiffness * state.gap, kept))
         changed = jnp.any(entering | (moved < 0))
         displacement = jax.lax.cond(
             changed,
