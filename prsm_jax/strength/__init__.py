@@ -1,0 +1,55 @@
+"""Strength and life of a stage: capacities, rating life, buckling, critical speed, play."""
+
+from ._contacts import axial_approach as axial_approach, reference_contact as reference_contact
+from ._fatigue import (
+    cycles_per_turn as cycles_per_turn,
+    dynamic_capacity as dynamic_capacity,
+    fatigue_sharing_factor as fatigue_sharing_factor,
+)
+from ._life import (
+    RatingLife as RatingLife,
+    basic_life as basic_life,
+    damage as damage,
+    rating_life as rating_life,
+)
+from ._load_spectrum import (
+    LoadSpectrum as LoadSpectrum,
+    constant_load as constant_load,
+    equivalent_load as equivalent_load,
+    load_spectrum as load_spectrum,
+)
+from ._play import (
+    backlash as backlash,
+    lost_motion as lost_motion,
+    preload_force as preload_force,
+    preloaded_stiffness as preloaded_stiffness,
+)
+from ._preload import (
+    OPENING_RATIO as OPENING_RATIO,
+    braced_loads as braced_loads,
+    braced_stiffness as braced_stiffness,
+    flank_loads as flank_loads,
+    preload_opening_load as preload_opening_load,
+    preload_torque as preload_torque,
+    relative_displacement as relative_displacement,
+)
+from ._reliability import (
+    life_factor as life_factor,
+    minimum_oscillation_amplitude as minimum_oscillation_amplitude,
+    oscillation_factor as oscillation_factor,
+    reliability_factor as reliability_factor,
+)
+from ._shaft import (
+    buckling_load as buckling_load,
+    critical_speed as critical_speed,
+    dn_value as dn_value,
+    permissible_speed as permissible_speed,
+    root_radius as root_radius,
+    slenderness_ratio as slenderness_ratio,
+    unsupported_length as unsupported_length,
+)
+from ._static import (
+    permanent_deformation as permanent_deformation,
+    static_capacity as static_capacity,
+    static_safety as static_safety,
+)

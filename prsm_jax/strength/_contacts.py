@@ -1,0 +1,86 @@
+"""The thread contacts under a load of reference, which all capacities are scaled from."""
+
+import jax.numpy as jnp
+
+from .._errors import MissingDataError
+from ..contact import StageContact, engaged_threads, stage_contact
+from ..geometry import Meshing, mesh
+from ..mechanism import Scalar, Stage, Strength
+from ._powers import positive_power
+
+#: Axial load [N]. Its value has no effect: pressures go with its cube root, exactly.
+REFERENCE_LOAD = 1e4
+
+
+def reference_contact(stage: Stage, meshing: Meshing | None = None) -> StageContact:
+    """Hertz contacts of a stage under `REFERENCE_LOAD`, shared equally by all threads.
+
+    **Arguments:**
+
+    - `stage`: the stage; needs materials and `engaged_threads`.
+    - `meshing`: its meshing, if known already; only the `"exact"` convention looks at it.
+
+    **Raises:** `MissingDataError` if materials or engaged threads are not given.
+    """
+    load = jnp.asarray(REFERENCE_LOAD, stage.thread.lead.dtype)
+    return stage_contact(stage, load, meshing_of(stage, meshing))
+
+
+def meshing_of(stage: Stage, meshing: Meshing | None) -> Meshing | None:
+    """The meshing of a stage where its curvatures ask for it."""
+    return mesh(stage.thread) if meshing is None and stage.curvature == "exact" else meshing
+
+
+def strength_of(stage: Stage) -> Strength:
+    """The strength data of a stage.
+
+    **Raises:** `MissingDataError` if there are none.
+    """
+    if stage.strength is None:
+        raise MissingDataError("the stage has no strength data; give [stage.strength]")
+    return stage.strength
+
+
+def preload_of(stage: Stage) -> Scalar | None:
+    """The preload of a stage [N], or `None` where its nut is not braced."""
+    play = None if stage.strength is None else stage.strength.play
+    return None if play is None else play.preload_force
+
+
+def thread_share(stage: Stage) -> float:
+    """Share of the engaged threads that carry a load of one direction.
+
+    Half of them in a split nut, whose halves brace the same rollers.
+    """
+    if preload_of(stage) is None:
+        return 1.0
+    strength = strength_of(stage)
+    assert strength.play is not None
+    return 0.5 if strength.play.arrangement == "split_nut" else 1.0
+
+
+def axial_approach(
+    stage: Stage,
+    load: Scalar,
+    meshing: Meshing | None = None,
+    contact: StageContact | None = None,
+) -> Scalar:
+    """Axial approach of screw and nut by the contacts on both sides of the rollers [m].
+
+    All threads share the load; shafts, teeth and bodies are rigid. With the power 2/3 of the load,
+    so that nothing is singular without one.
+
+    **Arguments:**
+
+    - `stage`: the stage; needs materials and `engaged_threads`.
+    - `load`: axial load, whose magnitude counts [N].
+    - `meshing`: its meshing, if known already.
+    - `contact`: `reference_contact` of the stage, if known already.
+
+    **Raises:** `MissingDataError` if materials or engaged threads are not given.
+    """
+    if contact is None:
+        contact = reference_contact(stage, meshing)
+    of_one = REFERENCE_LOAD / (stage.present_roller_count * engaged_threads(stage))
+    compliance = 1 / contact.screw.axial_stiffness + 1 / contact.nut.axial_stiffness
+    return of_one * compliance * positive_power(jnp.abs(load) / REFERENCE_LOAD, 2 / 3)

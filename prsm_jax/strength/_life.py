@@ -1,0 +1,87 @@
+"""Rating life: in turns of the screw, with a load spectrum on one or both flanks."""
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._physics import physics
+from ..mechanism import Scalar, Stage
+from ._contacts import preload_of
+from ._fatigue import WEIBULL_SLOPE
+from ._load_spectrum import LoadSpectrum, mean_load
+from ._powers import positive_power, ratio_or_infinity
+from ._preload import flank_loads
+
+
+class RatingLife(eqx.Module):
+    """Basic rating life of one stage, for a survival of 90 %; ∞ without load."""
+
+    #: Turns of the screw.
+    revolutions: Scalar
+    #: Operating time, standstill included [s].
+    time: Scalar
+    #: Travel of the nut, both ways added [m].
+    distance: Scalar
+
+
+def basic_life(capacity: Scalar, load: Scalar) -> Scalar:
+    """Turns of the screw L10 = 10⁶ (C_a/F)³; ∞ without load (ISO 3408-5, ISO 281)."""
+    return 1e6 * ratio_or_infinity(capacity, jnp.abs(load)) ** 3
+
+
+@physics("rating_life")
+def rating_life(stage: Stage, capacity: Scalar, spectrum: LoadSpectrum) -> RatingLife:
+    r"""Basic rating life under a load spectrum.
+
+    Loads of either sign press on flanks of their own. With the cubic mean loads $F_{m\pm}$ of both
+    over all turning, $L_\pm = 10^6 (C_a/F_{m\pm})^3$ and $L^{-10/9} = L_+^{-10/9} + L_-^{-10/9}$,
+    as ISO 3408-5 combines the two directions of a ball screw; a preload puts a load on both at
+    all times. A load of one sign on a nut that is not braced gives $10^6 (C_a/F_m)^3$.
+
+    Range: as that of the capacity; loads below about half of it. Without load the life is ∞ by
+    definition, with derivatives of 0.
+
+    **Arguments:**
+
+    - `stage`: the stage: its lead, and its preload if there is one.
+    - `capacity`: C_a [N].
+    - `spectrum`: the loads.
+    """
+    risk = jnp.zeros_like(capacity)
+    for load in flank_loads(spectrum.load, preload_of(stage)):
+        consumption = (mean_load(load, spectrum.weights) / capacity) ** 3
+        risk = risk + positive_power(consumption, WEIBULL_SLOPE)
+    one = jnp.ones_like(risk)
+    revolutions = 1e6 * ratio_or_infinity(one, positive_power(risk, 1 / WEIBULL_SLOPE))
+    return RatingLife(
+        revolutions=revolutions,
+        time=_infinite_or(revolutions, lambda r: ratio_or_infinity(r, spectrum.mean_speed)),
+        distance=_infinite_or(revolutions, lambda r: r * stage.thread.lead),
+    )
+
+
+def _infinite_or(revolutions: Scalar, function) -> Scalar:
+    """A function of a finite life; ∞ has no part in any derivative."""
+    finite = jnp.isfinite(revolutions)
+    return jnp.where(finite, function(jnp.where(finite, revolutions, 1.0)), jnp.inf)
+
+
+@physics("damage")
+def damage(stage: Stage, capacity: Scalar, spectrum: LoadSpectrum) -> Float[Array, " phases"]:
+    r"""Share of the basic rating life that each phase uses up (Palmgren 1924, Miner 1945).
+
+    $\varphi_i/2\pi\,(F_i/C_a)^3/10^6$ on the flank that is loaded more over the whole spectrum.
+    The sum is revolutions over $L_{10}$ where only one flank is loaded; 1 is the end of the life.
+
+    **Arguments:**
+
+    - `stage`: the stage, with its preload if there is one.
+    - `capacity`: C_a [N].
+    - `spectrum`: the loads.
+    """
+    turns = spectrum.turned_angle / (2 * jnp.pi)
+    first, second = (
+        turns * (load / capacity) ** 3 / 1e6
+        for load in flank_loads(spectrum.load, preload_of(stage))
+    )
+    return jnp.where(jnp.sum(first) >= jnp.sum(second), first, second)

@@ -1,0 +1,110 @@
+"""The load spectrum: which load acts over which turning, for how long."""
+
+from typing import Protocol, runtime_checkable
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..mechanism import DutyCycle, Scalar
+from ._powers import positive_power
+
+
+class LoadSpectrum(eqx.Module):
+    """Phases of constant load and speed, in any order."""
+
+    #: Axial load, its sign telling the flanks [N].
+    load: Float[Array, " phases"]
+    #: Angle that the screw turns through in each phase, both ways added [rad].
+    turned_angle: Float[Array, " phases"]
+    #: [s]
+    duration: Float[Array, " phases"]
+
+    @property
+    def weights(self) -> Float[Array, " phases"]:
+        """Share of each phase in the turning; of the time, where nothing turns at all."""
+        total = jnp.sum(self.turned_angle)
+        turns = total > 0
+        whole = jnp.where(turns, total, jnp.sum(self.duration))
+        return jnp.where(turns, self.turned_angle, self.duration) / whole
+
+    @property
+    def revolutions(self) -> Scalar:
+        """Revolutions of the screw in all phases together."""
+        return jnp.sum(self.turned_angle) / (2 * jnp.pi)
+
+    @property
+    def mean_speed(self) -> Scalar:
+        """Equivalent speed, the mean magnitude over all time, standstill included [rad/s]."""
+        return jnp.sum(self.turned_angle) / jnp.sum(self.duration)
+
+    @property
+    def largest_load(self) -> Scalar:
+        """Largest magnitude of the load [N]."""
+        return jnp.max(jnp.abs(self.load))
+
+
+@runtime_checkable
+class History(Protocol):
+    """What is read of a history: equally spaced times, screw speed, and load on the last nut."""
+
+    @property
+    def time(self) -> Float[Array, " times"]: ...
+
+    @property
+    def screw_speed(self) -> Float[Array, " times"]: ...
+
+    @property
+    def load(self) -> Float[Array, " times"]: ...
+
+
+def load_spectrum(source: DutyCycle | History) -> LoadSpectrum:
+    """The load spectrum of a duty cycle, or of a transient.
+
+    Samples of a transient become phases, weighted by the trapezoidal rule, so that everything
+    that is done with a duty cycle can be done with them; the error falls with the square of the
+    distance between samples, reversals included.
+
+    **Arguments:**
+
+    - `source`: a duty cycle; or what has `time` [s], `screw_speed` [rad/s] and `load` [N] as
+      histories, as a `Transient` has.
+    """
+    if isinstance(source, DutyCycle):
+        return LoadSpectrum(source.load, jnp.abs(source.speed) * source.duration, source.duration)
+    steps = jnp.diff(source.time)
+    none = jnp.zeros_like(steps[:1])
+    weights = (jnp.concatenate([steps, none]) + jnp.concatenate([none, steps])) / 2
+    return LoadSpectrum(source.load, jnp.abs(source.screw_speed) * weights, weights)
+
+
+def constant_load(speed: Scalar, load: Scalar) -> LoadSpectrum:
+    """The spectrum of one operating point [rad/s, N]."""
+    return LoadSpectrum(load[None], jnp.abs(speed)[None], jnp.ones_like(load)[None])
+
+
+def mean_load(
+    load: Float[Array, " phases"], weights: Float[Array, " phases"], exponent: float = 3.0
+) -> Scalar:
+    """Mean of loads that are not negative, by a power of them [N]; 0 without load."""
+    largest = jnp.max(load)
+    scale = jnp.where(largest > 0, largest, 1.0)
+    # In shares of the largest load, so that no power leaves the range of numbers.
+    mean = jnp.sum(weights * positive_power(load / scale, exponent))
+    return scale * positive_power(mean, 1 / exponent)
+
+
+def equivalent_load(spectrum: LoadSpectrum | DutyCycle | History) -> Scalar:
+    r"""Equivalent load $F_m = (\sum F_i^3 \varphi_i / \sum \varphi_i)^{1/3}$ [N].
+
+    The constant load with the same fatigue of point contacts over the same turning (ISO 3408-5,
+    7.1, and ISO 281 for bearings). Magnitudes count; loads on opposite flanks are kept apart by
+    `rating_life` only.
+
+    **Arguments:**
+
+    - `spectrum`: a load spectrum, or what `load_spectrum` takes: a duty cycle or a transient.
+    """
+    if not isinstance(spectrum, LoadSpectrum):
+        spectrum = load_spectrum(spectrum)
+    return mean_load(jnp.abs(spectrum.load), spectrum.weights)

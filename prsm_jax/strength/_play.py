@@ -1,0 +1,122 @@
+"""Axial play of a stage: backlash, lost motion, and what a preload does to it."""
+
+import jax.numpy as jnp
+
+from .._errors import MissingDataError
+from .._physics import physics
+from ..contact import StageContact
+from ..geometry import Meshing, mesh
+from ..mechanism import AxialPlay, Scalar, Stage
+from ._contacts import axial_approach, preload_of, strength_of, thread_share
+from ._preload import braced_stiffness, relative_displacement
+
+
+def play_of(stage: Stage) -> AxialPlay:
+    """The play data of a stage.
+
+    **Raises:** `MissingDataError` if there are none.
+    """
+    play = strength_of(stage).play
+    if play is None:
+        raise MissingDataError("the stage has no play data; give [stage.strength.play]")
+    return play
+
+
+def preload_force(stage: Stage) -> Scalar:
+    """The preload of a stage [N].
+
+    **Raises:** `MissingDataError` if its nut is not braced.
+    """
+    preload = preload_of(stage)
+    if preload is None:
+        raise MissingDataError("the nut is not braced; give stage.strength.play.preload_force")
+    return preload
+
+
+@physics("backlash")
+def backlash(stage: Stage, meshing: Meshing | None = None) -> Scalar:
+    r"""Axial travel of the unloaded nut against a screw that stands still [m].
+
+    As measured; or the play of the screw's threads in the rollers' and of those in the nut's:
+    $2 g + t_s + 2 t_R + t_n$ with the axial gap g per flank that the meshing leaves between teeth
+    of half a pitch (it is negative on the screw's side and 0 on the nut's) and the thinning t of
+    the teeth of screw, roller and nut. 0 where the nut is braced. Negative where teeth interfere.
+
+    **Arguments:**
+
+    - `stage`: the stage, with play data.
+    - `meshing`: its meshing, if known already.
+
+    **Raises:** `MissingDataError` if neither backlash nor thinning nor preload is given.
+    """
+    play = play_of(stage)
+    if play.preload_force is not None:
+        return jnp.zeros_like(play.preload_force)
+    if play.axial_backlash is not None:
+        return play.axial_backlash
+    thinning = [
+        factor * value
+        for factor, value in (
+            (1, play.screw_tooth_thinning),
+            (2, play.roller_tooth_thinning),
+            (1, play.nut_tooth_thinning),
+        )
+        if value is not None
+    ]
+    if not thinning:
+        raise MissingDataError(
+            "the play of the threads is not known; give stage.strength.play.axial_backlash, or "
+            "screw_tooth_thinning, roller_tooth_thinning and nut_tooth_thinning"
+        )
+    meshing = mesh(stage.thread) if meshing is None else meshing
+    return 2 * meshing.axial_gap + sum(thinning[1:], thinning[0])
+
+
+def _approach(stage: Stage, load: Scalar, contact: StageContact | None) -> Scalar:
+    """Of one nut, or of one half of a split nut, whose threads carry twice as much each."""
+    return axial_approach(stage, load / thread_share(stage), contact=contact)
+
+
+@physics("lost_motion")
+def lost_motion(
+    stage: Stage,
+    load: Scalar,
+    meshing: Meshing | None = None,
+    contact: StageContact | None = None,
+) -> Scalar:
+    r"""Travel of the nut when a load turns round from −F to F, the screw standing still [m].
+
+    Backlash and the approach of the thread contacts both ways, $j + 2\delta_a(F)$; of a braced
+    pair $2 s\,\delta_0$. Shafts and teeth are rigid.
+
+    **Arguments:**
+
+    - `stage`: the stage, with play data, materials and `engaged_threads`.
+    - `load`: F, whose magnitude counts [N].
+    - `meshing`: its meshing, if known already.
+    - `contact`: `reference_contact` of the stage, if known already.
+
+    **Raises:** `MissingDataError` if data are missing.
+    """
+    preload = play_of(stage).preload_force
+    if preload is not None:
+        displacement = relative_displacement(jnp.abs(load) / preload)
+        return 2 * displacement * _approach(stage, preload, contact)
+    if contact is None:
+        return backlash(stage, meshing) + 2 * axial_approach(stage, load, meshing)
+    return backlash(stage, meshing) + 2 * axial_approach(stage, load, contact=contact)
+
+
+def preloaded_stiffness(stage: Stage, load: Scalar, contact: StageContact | None = None) -> Scalar:
+    """Tangent stiffness of a braced pair under a load, threads alone [N/m].
+
+    **Arguments:**
+
+    - `stage`: the stage, with a preload, materials and `engaged_threads`.
+    - `load`: axial load [N].
+    - `contact`: `reference_contact` of the stage, if known already.
+
+    **Raises:** `MissingDataError` if data are missing.
+    """
+    preload = preload_force(stage)
+    return braced_stiffness(load, preload, _approach(stage, preload, contact))

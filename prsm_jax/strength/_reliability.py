@@ -1,0 +1,99 @@
+"""Factors on the basic rating life: reliability, and screws that swing instead of turning."""
+
+import math
+
+import jax.numpy as jnp
+
+from .._physics import physics
+from ..mechanism import Scalar, Stage
+from ._fatigue import WEIBULL_SLOPE, carrier_share
+
+#: Weibull slope and the share of L10 that all survive, behind the table of a₁ in ISO 281:2007.
+_SLOPE, _SURVIVED = 1.5, 0.05
+_RATED = math.log(1 / 0.9)
+
+
+def reliability_factor(reliability: Scalar) -> Scalar:
+    r"""Life at a survival S over that at 90 %, $a_1$.
+
+    $a_1 = 0.95\,(\ln S/\ln 0.9)^{2/3} + 0.05$, the Weibull distribution with three parameters of
+    ISO/TR 1281-2, from which the table of ISO 281:2007 is made (95 %: 0.64, 99 %: 0.25, 99.95 %:
+    0.077). A bearing's; ISO 3408-5 has a table of its own for ball screws (95 %: 0.62, 99 %:
+    0.21), which is that of ISO 281 before 2007.
+
+    Range: 90 to 99.95 %.
+
+    **Arguments:**
+
+    - `reliability`: S, between 0 and 1.
+    """
+    hazard = -jnp.log(reliability) / _RATED
+    return (1 - _SURVIVED) * hazard ** (1 / _SLOPE) + _SURVIVED
+
+
+def swept_share(stage: Stage, amplitude: Scalar) -> Scalar:
+    """Share of the most narrowly stressed tracks that a swinging screw's contacts roll over.
+
+    Swung by ±φ, N contacts sweep N (1 − ζ) φ/π of a track of the screw and N ζ φ/π of the nut's;
+    a flank of a roller has one contact, which sweeps n ζ φ/π. At most 1.
+
+    **Arguments:**
+
+    - `stage`: the stage.
+    - `amplitude`: φ, half of the angle through which the screw swings [rad].
+    """
+    share, rollers = carrier_share(stage), stage.present_roller_count
+    contacts = jnp.stack([rollers * (1 - share), rollers * share, stage.thread.starts * share])
+    return jnp.minimum(jnp.min(contacts) * amplitude / jnp.pi, 1.0)
+
+
+@physics("oscillation_factor")
+def oscillation_factor(stage: Stage, amplitude: Scalar) -> Scalar:
+    r"""Life, counted in turns, of a screw that swings over that of one that turns on.
+
+    As many stress cycles on a share s of the track: the volume falls with s and the cycles rise
+    with 1/s, so $L \propto s^{(e-1)/e} = s^{1/10}$ with the Weibull slope e = 10/9 (Rumbarger and
+    Jones 1968, and Harris and Kotzalas 2006 for bearings, where it is a load factor
+    $\propto (Z\varphi)^{1/30}$). The narrowest track decides for all: a lower bound. 1 above the
+    critical amplitude, where tracks overlap.
+
+    Range: rolling fatigue alone. Below `minimum_oscillation_amplitude` the lubricant is not
+    replenished and false brinelling, which no rating life covers, comes first.
+
+    **Arguments:**
+
+    - `stage`: the stage.
+    - `amplitude`: half of the angle through which the screw swings [rad].
+    """
+    return swept_share(stage, amplitude) ** ((WEIBULL_SLOPE - 1) / WEIBULL_SLOPE)
+
+
+def minimum_oscillation_amplitude(stage: Stage, half_length: Scalar) -> Scalar:
+    r"""Amplitude below which a contact does not leave its own ellipse, so that it wears itself in.
+
+    The roller rolls $2\varphi\,n\zeta r_R$ on the nut; where that is less than the ellipse's length
+    $2b$ some of the contact is never open to lubricant. False brinelling is seen in bearings at
+    ratios of both up to about 1.
+
+    **Arguments:**
+
+    - `stage`: the stage.
+    - `half_length`: semi-axis b of the contact ellipse, the larger one to be safe [m].
+    """
+    rolled = stage.thread.starts * carrier_share(stage) * stage.thread.roller_radius
+    return half_length / rolled
+
+
+def life_factor(stage: Stage) -> Scalar | None:
+    """a₁ a_ISO and the factor of oscillation, as far as given; `None` where none of them is."""
+    strength = stage.strength
+    if strength is None:
+        return None
+    factors = []
+    if strength.reliability is not None:
+        factors.append(reliability_factor(strength.reliability))
+    if strength.life_modification_factor is not None:
+        factors.append(strength.life_modification_factor)
+    if strength.oscillation_amplitude is not None:
+        factors.append(oscillation_factor(stage, strength.oscillation_amplitude))
+    return jnp.prod(jnp.stack(factors)) if factors else None
