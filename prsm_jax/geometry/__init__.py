@@ -6,5 +6,14 @@ from ._checks import (
     roller_clearance as roller_clearance,
     roller_major_radius as roller_major_radius,
 )
-from ._curvature import RelativeCurvature as RelativeCurvature
+from ._curvature import (
+    RelativeCurvature as RelativeCurvature,
+    tangent_tensor as tangent_tensor,
+)
+from ._flanks import (
+    nut_side_heights as nut_side_heights,
+    nut_side_hessian as nut_side_hessian,
+    screw_side_heights as screw_side_heights,
+    screw_side_hessian as screw_side_hessian,
+)
 from ._meshing import Meshing as Meshing, ThreadContact as ThreadContact, mesh as mesh

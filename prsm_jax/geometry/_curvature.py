@@ -21,13 +21,32 @@ class RelativeCurvature(eqx.Module):
     rolling: Scalar
 
 
+def tangent_tensor(
+    slope: Float[Array, "2"], hessian: Float[Array, "2 2"]
+) -> tuple[Float[Array, "2 2"], Float[Array, "2 2"]]:
+    """Curvature tensor S of the gap in the tangent plane, and how that plane lies.
+
+    With the common slope g = ∇z the tangent plane has the metric G = I + g gᵀ, and the gap along
+    the normal is the axial gap times cos γ = 1/√(1 + |g|²); so S = cos γ G^{-1/2} H G^{-1/2}.
+
+    **Arguments:**
+
+    - `slope`: the common gradient of both surfaces over the transverse plane.
+    - `hessian`: the Hessian of the axial gap over the transverse plane [1/m].
+
+    **Returns:** S [1/m], and G^{-1/2}, which takes orthonormal coordinates of the tangent plane to
+    transverse ones.
+    """
+    cosine = 1 / jnp.sqrt(1 + jnp.sum(slope**2))
+    # G^{-1/2} = I − g gᵀ (1 − cos γ)/|g|², and (1 − cos γ)/|g|² = cos²γ/(1 + cos γ).
+    whitening = jnp.eye(2, dtype=slope.dtype) - jnp.outer(slope, slope) * (cosine**2 / (1 + cosine))
+    return cosine * whitening @ hessian @ whitening, whitening
+
+
 def relative_curvature(slope: Float[Array, "2"], hessian: Float[Array, "2 2"]) -> RelativeCurvature:
     """Project the Hessian of an axial gap onto the common tangent plane.
 
-    With the common slope g = ∇z the tangent plane has the metric G = I + g gᵀ, and the gap along
-    the normal is the axial gap times cos γ = 1/√(1 + |g|²). The curvature tensor in orthonormal
-    coordinates of the tangent plane is therefore S = cos γ G^{-1/2} H G^{-1/2}. No small-lead
-    approximation is made.
+    No small-lead approximation is made.
 
     The rolling direction is the tangent that lies in the transverse plane, because the bodies
     turn about axes normal to that plane.
@@ -37,13 +56,9 @@ def relative_curvature(slope: Float[Array, "2"], hessian: Float[Array, "2 2"]) -
     - `slope`: the common gradient of both surfaces over the transverse plane.
     - `hessian`: the Hessian of the gap over the transverse plane [1/m].
     """
-    steepness = jnp.sum(slope**2)
-    cosine = 1 / jnp.sqrt(1 + steepness)
-    # G^{-1/2} = I − g gᵀ (1 − cos γ)/|g|², and (1 − cos γ)/|g|² = cos²γ/(1 + cos γ).
-    whitening = jnp.eye(2, dtype=slope.dtype) - jnp.outer(slope, slope) * (cosine**2 / (1 + cosine))
-    tensor = cosine * whitening @ hessian @ whitening
+    tensor, _ = tangent_tensor(slope, hessian)
     total = (tensor[0, 0] + tensor[1, 1]) / 2
     difference_squared = ((tensor[0, 0] - tensor[1, 1]) / 2) ** 2 + tensor[0, 1] ** 2
     across = jnp.stack([-slope[1], slope[0]])
-    rolling = across @ tensor @ across / (2 * steepness)
+    rolling = across @ tensor @ across / (2 * jnp.sum(slope**2))
     return RelativeCurvature(total, difference_squared, rolling)

@@ -103,11 +103,11 @@ def nut_side_hessian(thread: Thread, x: Scalar, y: Scalar) -> Float[Array, "2 2"
     )
 
 
-def screw_side_gap(thread: Thread, x: Scalar, y: Scalar) -> Scalar:
-    """Axial gap between the loaded screw and roller flanks over the point (x, y) [m].
+def screw_side_heights(thread: Thread, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
+    """Axial heights of the loaded screw and roller flanks over the point (x, y) [m].
 
-    Zero at the nominal point (r_s, 0) when both teeth are half a pitch thick; negative is
-    interference.
+    Both are zero at the nominal point (r_s, 0) when both teeth are half a pitch thick; the screw's
+    is above.
 
     **Arguments:**
 
@@ -122,11 +122,26 @@ def screw_side_gap(thread: Thread, x: Scalar, y: Scalar) -> Scalar:
     screw = screw + thread.lead / (2 * jnp.pi) * screw_turn
     roller = _arc_height(thread, roller_radius) - _arc_top(thread)
     roller = roller + thread.pitch / (2 * jnp.pi) * roller_turn
+    return screw, roller
+
+
+def screw_side_gap(thread: Thread, x: Scalar, y: Scalar) -> Scalar:
+    """Axial gap between the loaded screw and roller flanks over the point (x, y) [m].
+
+    Zero at the nominal point (r_s, 0) when both teeth are half a pitch thick; negative is
+    interference.
+
+    **Arguments:**
+
+    - `thread`: the thread geometry.
+    - `x`, `y`: transverse coordinates about the screw axis, roller axis at (a, 0) [m].
+    """
+    screw, roller = screw_side_heights(thread, x, y)
     return screw - roller
 
 
-def nut_side_gap(thread: Thread, x: Scalar, y: Scalar) -> Scalar:
-    """Axial gap between the loaded roller and nut flanks over the point (x, y) [m].
+def nut_side_heights(thread: Thread, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
+    """Axial heights of the loaded roller and nut flanks over the point (x, y); roller above [m].
 
     **Arguments:**
 
@@ -140,4 +155,16 @@ def nut_side_gap(thread: Thread, x: Scalar, y: Scalar) -> Scalar:
     nut = nut + thread.lead / (2 * jnp.pi) * jnp.arctan2(y, x)
     roller = _arc_top(thread) - _arc_height(thread, roller_radius)
     roller = roller + thread.pitch / (2 * jnp.pi) * jnp.arctan2(y, x - centre)
+    return roller, nut
+
+
+def nut_side_gap(thread: Thread, x: Scalar, y: Scalar) -> Scalar:
+    """Axial gap between the loaded roller and nut flanks over the point (x, y) [m].
+
+    **Arguments:**
+
+    - `thread`: the thread geometry.
+    - `x`, `y`: transverse coordinates about the nut (and screw) axis, roller axis at (a, 0) [m].
+    """
+    roller, nut = nut_side_heights(thread, x, y)
     return roller - nut

@@ -57,12 +57,15 @@ def constrained_conjugate_gradients(
     """Pressures p ≥ 0 with g = K p + gap − δ ≥ 0 and p g = 0 on all cells with material.
 
     Conjugate gradients on the cells in contact; a cell whose pressure would be negative leaves,
-    one that overlaps without pressure enters, and the directions start afresh then. Two products
-    with K per step, one where no cell changes sides.
+    one that overlaps without pressure enters, and the directions start afresh then. They are
+    preconditioned, which the original method is not. Two products with K per step, one where no
+    cell changes sides.
 
     **Arguments:**
 
     - `influence`: the product K p, symmetric and positive definite.
+    - `stiffness`: approximately its inverse, symmetric and positive definite.
+    - `cell_stiffness`: what that gives for a single cell [Pa/m].
     - `gap`: before deformation [m].
     - `material`: cells that can carry pressure.
     - `control`, `target`: `"load"` and the sum of all pressures [Pa], or `"approach"` and δ [m].
@@ -103,7 +106,7 @@ def constrained_conjugate_gradients(
         moved = pressure - length * direction
         kept = jnp.maximum(moved, 0.0)
         entering = material & (kept <= 0) & (state.gap < 0)
-        following, factor = loaded(jnp.where(entering, -cell_stiffness * state.gap, kept))
+        following, factor = loaded(jnp.where(entering, -length * cell_stiffness * state.gap, kept))
         changed = jnp.any(entering | (moved < 0))
         displacement = jax.lax.cond(
             changed,

@@ -122,7 +122,9 @@ def solve_contact(
     nearest = jnp.min(jnp.where(material, gap, jnp.inf))
     final = jnp.where(touching, found.approach, nearest) if control == "load" else found.approach
     displacement = normal_displacement(grid, found.pressure, modulus)
-    converged = found.residual <= tolerance
+    # Without finite numbers nothing is in contact, and nothing is violated.
+    finite = jnp.isfinite(jnp.sum(found.pressure) + modulus + nearest + target)
+    converged = (found.residual <= tolerance) & finite
     code = jnp.where(converged, jnp.where(touching, jnp.where(_rim(contact), 2, 0), 3), 1)
     return SurfaceContact(
         grid=grid,
