@@ -2,6 +2,7 @@
 
 from ._approximations import APPROXIMATIONS as APPROXIMATIONS
 from ._axis_ratio import axis_ratio_of as axis_ratio_of
+from ._axis_stress import axis_stress as axis_stress
 from ._contacts import load_of as load_of, thread_contacts as thread_contacts
 from ._conventions import ContactFrame as ContactFrame, contact_frames as contact_frames
 from ._elliptic import (
@@ -14,6 +15,18 @@ from ._hertz import (
     contact_modulus as contact_modulus,
     hertz_contact as hertz_contact,
 )
+from ._stress_measures import (
+    max_shear_stress as max_shear_stress,
+    principal_stresses as principal_stresses,
+    von_mises_stress as von_mises_stress,
+)
+from ._stress_peak import (
+    StressMeasure as StressMeasure,
+    StressPeak as StressPeak,
+    stress_peak as stress_peak,
+    stress_peak_on_axis as stress_peak_on_axis,
+)
+from ._subsurface import subsurface_stress as subsurface_stress
 from ._thread_contact import (
     StageContact as StageContact,
     ThreadContactSide as ThreadContactSide,

@@ -11,7 +11,9 @@ from ._approximations import APPROXIMATIONS
 from ._axis_ratio import axis_ratio_of
 from ._elliptic import complete_elliptic_integrals
 
-HertzMethod: TypeAlias = Literal["exact", "antoine", "power", "hamrock_brewe", "hamrock_brewe_log"]
+HertzMethod: TypeAlias = Literal[
+    "exact", "antoine", "power", "hamrock_brewe", "hamrock_brewe_log", "lisowski"
+]
 
 
 class HertzContact(eqx.Module):
