@@ -174,5 +174,8 @@ def _equilibrium_jvp(control, max_iterations, primals, tangents):
         approach_dot = jnp.sum(moved * contact) / count
     no_change = np.zeros(found.iterations.shape, jax.dtypes.float0)
     return found, Pressures(
-        pressure_dot, approach_dot, no_change, jnp.zeros_like(found.residual)  # type: ignore[arg-type]
+        pressure_dot,
+        approach_dot,
+        no_change,
+        jnp.zeros_like(found.residual),  # type: ignore[arg-type]
     )

@@ -1,0 +1,115 @@
+"""Contact of two real flanks of a stage: true gap, crests, roughness."""
+
+from collections.abc import Callable
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..contact import HertzContact, contact_modulus, engaged_threads, hertz_contact
+from ..geometry import Meshing, mesh
+from ..mechanism import Scalar, Stage, material_of
+from ._flank_gap import FlankGap, TangentPlane, checked_side, flank_gap, tangent_plane
+from ._grid import grid_over
+from ._surface_contact import SurfaceContact, solve_contact
+
+#: Heights on the grid [m], or a function of the coordinates [m] that gives them.
+Heights = (
+    Float[Array, "nx ny"]
+    | Callable[[Float[Array, "nx ny"], Float[Array, "nx ny"]], Float[Array, "nx ny"]]
+)
+
+
+class FlankContact(eqx.Module):
+    """One thread contact of a roller with true surfaces, beside its Hertz contact."""
+
+    surface: SurfaceContact
+    flanks: FlankGap
+    plane: TangentPlane
+    #: The same normal force on the osculating paraboloids.
+    hertz: HertzContact
+    #: Normal force per axial force of the contact, F_n/F_a.
+    normal_per_axial: Scalar
+
+
+def _rounded(flanks: FlankGap, edge_radius: Scalar) -> Float[Array, "nx ny"]:
+    """Gap with rounded edges: past the crest the flank recedes by s²/2ρ."""
+    gap = flanks.gap
+    for edge in (flanks.body_edge, flanks.roller_edge):
+        if edge is not None:
+            gap = gap + jnp.maximum(-edge, 0.0) ** 2 / (2 * edge_radius)
+    return gap
+
+
+def flank_contact(
+    stage: Stage,
+    side: str,
+    load: Scalar | float,
+    shape: tuple[int, int] = (128, 128),
+    *,
+    extent: Scalar | float = 1.3,
+    heights: Heights | None = None,
+    edge_radius: Scalar | float | None = None,
+    meshing: Meshing | None = None,
+    tolerance: float = 1e-8,
+    max_iterations: int = 1000,
+) -> FlankContact:
+    """Contact of one thread of a roller with its true flanks, as half-spaces.
+
+    The gap is that of the exact flanks along their common normal. The grid lies in the tangent
+    plane along the principal directions of the gap and covers a multiple of the Hertz ellipse. The
+    flanks end at the crests of screw (nut) and roller where `screw_addendum` and `roller_addendum`
+    are given; the nut's thread is taken as high as the screw's. A half-space has material past
+    such an edge, so the pressure close to a sharp one is singular and rises as the grid is
+    refined, and the true, free edge is more compliant: use `edge_radius`, or read the pressure
+    away from it.
+
+    The axial load is shared equally by rollers and threads, as in `stage_contact`. Curvatures and
+    normals are always the exact ones, whatever the stage's convention.
+
+    **Arguments:**
+
+    - `stage`: the stage; needs materials and `engaged_threads`.
+    - `side`: `"screw"` or `"nut"`.
+    - `load`: axial load on the nut [N].
+    - `shape`: number of cells along the major and the minor axis of the ellipse.
+    - `extent`: half the grid over the semi-axes of the Hertz ellipse.
+    - `heights`: roughness or waviness of both surfaces together, positive outwards, so a peak
+      lowers the gap: an array, or a function of the coordinates x and y on the grid [m].
+    - `edge_radius`: radius by which the crests' edges are rounded; the rounding begins at the
+      crest, and nothing is cut off [m]. The result is differentiable in it and in the addenda.
+    - `meshing`: the thread's meshing, if known already.
+    - `tolerance`, `max_iterations`: as in `solve_contact`.
+
+    **Raises:** `MissingDataError` if materials or engaged threads are not given; `ValueError` for
+    an unknown side or heights that do not fit the grid.
+    """
+    side = checked_side(side)
+    thread = stage.thread
+    meshing = mesh(thread) if meshing is None else meshing
+    contact = getattr(meshing, side)
+    modulus = contact_modulus(material_of(stage, "roller"), material_of(stage, side))
+    normal_per_axial = 1 / jnp.abs(contact.normal[2])
+    axial = jnp.asarray(load, modulus.dtype) / (stage.present_roller_count * engaged_threads(stage))
+    force = axial * normal_per_axial
+    curvature = contact.curvature
+    hertz = hertz_contact(force, curvature.total, curvature.difference_squared, modulus)
+    grid = grid_over(shape, extent * hertz.semi_major, extent * hertz.semi_minor)
+    plane = tangent_plane(thread, meshing, side)
+    flanks = flank_gap(thread, plane, side, grid)
+    material = None if edge_radius is not None else flanks.material
+    gap = flanks.gap
+    if edge_radius is not None:
+        gap = _rounded(flanks, jnp.asarray(edge_radius, gap.dtype))
+    if heights is not None:
+        gap = gap - (heights(*grid.points) if callable(heights) else heights)
+    surface = solve_contact(
+        grid,
+        gap,
+        modulus,
+        load=force,
+        material=material,
+        tolerance=tolerance,
+        max_iterations=max_iterations,
+    )
+    return FlankContact(surface, flanks, plane, hertz, normal_per_axial)

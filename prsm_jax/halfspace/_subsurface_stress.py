@@ -1,0 +1,109 @@
+"""Stress tensor below a contact on a grid, by influence functions."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._physics import physics
+from ..contact._stress_measures import von_mises_stress
+from ..mechanism import Scalar
+from ._convolution import field_of, influence, spectrum
+from ._grid import Grid
+from ._rectangle_stress import pressure_stress, shear_stress
+
+#: Which of the six components stands where in the tensor.
+_FULL = ((0, 3, 5), (3, 1, 4), (5, 4, 2))
+
+
+class SubsurfaceStress(eqx.Module):
+    """Stress tensor below the cells' centres at some depths; tension is positive."""
+
+    grid: Grid
+    #: [m].
+    depths: Float[Array, "depths"]
+    #: Axes x, y of the grid, z into the body [Pa].
+    tensor: Float[Array, "depths nx ny 3 3"]
+
+    @property
+    def von_mises(self) -> Float[Array, "depths nx ny"]:
+        """Reduced stress after von Mises [Pa]."""
+        return von_mises_stress(self.tensor)
+
+    @property
+    def max_von_mises(self) -> tuple[Scalar, Scalar]:
+        """Largest von Mises stress of all points [Pa] and its depth [m].
+
+        Between the depths by a parabola through the largest of each of three of them; at the first
+        or last depth the value there.
+        """
+        largest = jnp.max(self.von_mises, axis=(1, 2))
+        index = jnp.argmax(largest)
+        if len(largest) < 3:
+            return largest[index], self.depths[index]
+        start = jnp.clip(index - 1, 0, len(largest) - 3)
+        z = jax.lax.dynamic_slice(self.depths, (start,), (3,))
+        s = jax.lax.dynamic_slice(largest, (start,), (3,))
+        # Newton's divided differences.
+        first, second = (s[1] - s[0]) / (z[1] - z[0]), (s[2] - s[1]) / (z[2] - z[1])
+        bend = (second - first) / (z[2] - z[0])
+        inside = (bend < 0) & (start == index - 1)
+        safe = jnp.where(inside, bend, -1.0)
+        depth = (z[0] + z[1]) / 2 - first / (2 * safe)
+        value = s[0] + (depth - z[0]) * (first + safe * (depth - z[1]))
+        return (
+            jnp.where(inside, value, largest[index]),
+            jnp.where(inside, depth, self.depths[index]),
+        )
+
+
+def _swapped(x, y, depth, poisson_ratio):
+    """Stresses by traction along y: those along x with both axes exchanged."""
+    xx, yy, zz, xy, yz, zx = shear_stress(y, x, depth, poisson_ratio)
+    return yy, xx, zz, xy, zx, yz
+
+
+@physics("subsurface_influence")
+def subsurface_stress_field(
+    grid: Grid,
+    pressure: Float[Array, "nx ny"],
+    depths: Float[Array, "depths"],
+    poisson_ratio: Scalar | float,
+    *,
+    traction_x: Float[Array, "nx ny"] | None = None,
+    traction_y: Float[Array, "nx ny"] | None = None,
+) -> SubsurfaceStress:
+    """Stress below any pressure and traction on a grid, at any depths z ≥ 0.
+
+    Closed-form stresses of uniformly loaded rectangles, convolved by FFT at each depth. Exact for
+    what the grid holds: the error is that of cells of constant load, and largest at the surface.
+
+    **Arguments:**
+
+    - `grid`: the grid.
+    - `pressure`: on the cells [Pa].
+    - `depths`: below the surface [m].
+    - `poisson_ratio`: of the body.
+    - `traction_x`, `traction_y`: tangential traction on this body [Pa]; what is not given is not
+      traced. The other body feels the opposite.
+    """
+    nu = jnp.asarray(poisson_ratio, pressure.dtype)
+    loads = [(pressure_stress, spectrum(pressure))]
+    if traction_x is not None:
+        loads.append((shear_stress, spectrum(traction_x)))
+    if traction_y is not None:
+        loads.append((_swapped, spectrum(traction_y)))
+
+    def component(index: int, depth: Scalar) -> Float[Array, "nx ny"]:
+        total = 0.0
+        for law, waves in loads:
+            part = influence(lambda x, y, law=law: law(x, y, depth, nu)[index], grid)
+            total = total + part * waves
+        assert not isinstance(total, float)
+        return field_of(total, grid.shape)
+
+    def at(depth: Scalar) -> Float[Array, "nx ny 3 3"]:
+        six = [component(index, depth) for index in range(6)]
+        return jnp.stack([jnp.stack([six[i] for i in row], axis=-1) for row in _FULL], axis=-2)
+
+    return SubsurfaceStress(grid, depths, jax.lax.map(at, depths))
