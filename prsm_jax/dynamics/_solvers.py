@@ -34,7 +34,13 @@ def solver_of(method: Method, rtol: float, atol: float, autonomous: bool):
     raise ValueError(f"method is {method!r}; choose one of auto, {', '.join(NAMES)}")
 
 
-def controller_of(rtol: float, atol: float, breaks: Float[Array, " breaks"], end: Float[Array, ""]):
+def controller_of(
+    rtol: float,
+    atol: float,
+    breaks: Float[Array, " breaks"],
+    end: Float[Array, ""],
+    longest: Float[Array, ""] | None = None,
+):
     """Steps by tolerance, ending where speed or load jump or bend.
 
     A pulse between two long steps would otherwise not be seen, and an error estimate across a jump
@@ -45,10 +51,11 @@ def controller_of(rtol: float, atol: float, breaks: Float[Array, " breaks"], end
     - `rtol`, `atol`: tolerances.
     - `breaks`: times of jumps and bends, in the units of the integration.
     - `end`: the end of the integration.
+    - `longest`: the longest step, if there is one.
     """
     import diffrax
 
-    controller = diffrax.PIDController(rtol=rtol, atol=atol)
+    controller = diffrax.PIDController(rtol=rtol, atol=atol, dtmax=longest)
     if breaks.size == 0:
         return controller
     # Those at the ends are no breaks: out of the way with them.

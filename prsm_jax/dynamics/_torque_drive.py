@@ -16,7 +16,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..mechanism import Scalar
 from ._integration import Settings
-from ._solvers import adjoint_of
+from ._solvers import adjoint_of, controller_of
 from ._torque_balance import (
     BACKWARD,
     FORWARD,
@@ -32,15 +32,20 @@ _STEPS_PER_SAMPLE = 4
 #: Between these steps the torque is looked at again, afterwards: a phase that was passed over is
 #: then reported.
 _LOOKS_PER_SAMPLE = 32
+#: Events are located to this share of the duration.
+_EVENT = 1e-10
 
 
 def next_mode(problem: TorqueProblem, time: Scalar, angle: Scalar, speed: Scalar) -> Scalar:
     """Mode in which the mechanism goes on: by its speed, or from rest by the torque."""
     lower, upper = breakaway_torques(problem, time, angle)
-    torque = problem.scenario.torque_at(time)
-    # On a limit itself, where a phase of sticking has just ended, it turns.
+    # On a limit itself, where a phase of sticking has just ended, it turns: to the accuracy of the
+    # event, before which a torque that jumps may still be far from the limit.
+    later = problem.scenario.torque_at(time + 4 * _EVENT * problem.scenario.duration)
+    now = problem.scenario.torque_at(time)
     width = 1e-9 * (jnp.abs(upper) + jnp.abs(lower))
-    forward, backward = torque >= upper - width, torque <= lower + width
+    forward = jnp.maximum(now, later) >= upper - width
+    backward = jnp.minimum(now, later) <= lower + width
     from_rest = jnp.where(forward, FORWARD, jnp.where(backward, BACKWARD, STICKING))
     return jax.lax.stop_gradient(jnp.where(speed == 0, from_rest, jnp.sign(speed)))
 
@@ -128,13 +133,17 @@ def follow(problem: TorqueProblem, times: Float[Array, " times"], settings: Sett
             saveat=diffrax.SaveAt(
                 subs=(diffrax.SubSaveAt(t1=True), diffrax.SubSaveAt(ts=jnp.maximum(grid, start)))
             ),
-            stepsize_controller=diffrax.PIDController(
-                rtol=settings.rtol, atol=settings.atol, dtmax=grid[1] / _STEPS_PER_SAMPLE
+            stepsize_controller=controller_of(
+                settings.rtol,
+                settings.atol,
+                scenario.break_times / end,
+                jnp.ones_like(end),
+                grid[1] / _STEPS_PER_SAMPLE,
             ),
             event=diffrax.Event(
                 margin,
                 # Newton would leave the step where the margin bends.
-                optimistix.Bisection(rtol=1e-10, atol=1e-10),
+                optimistix.Bisection(rtol=_EVENT, atol=_EVENT),
                 direction=False,
             ),
             max_steps=settings.max_steps,
@@ -144,7 +153,11 @@ def follow(problem: TorqueProblem, times: Float[Array, " times"], settings: Sett
         times_found: Any = solution.ts
         values_found: Any = solution.ys
         stop, last = times_found[0][-1], values_found[0][-1]
-        ended = solution.result == diffrax.RESULTS.event_occurred
+        # Where the torque jumps over the limit, bisection ends at two neighbouring numbers, and the
+        # margin in between is never small.
+        ended = (solution.result == diffrax.RESULTS.event_occurred) | (
+            solution.result == diffrax.RESULTS.nonlinear_max_steps_reached
+        )
         finished = solution.result == diffrax.RESULTS.successful
         inside = (grid >= start) & (grid <= stop) & jnp.logical_not(done)
         values = jnp.where(inside[:, None], values_found[1], values)

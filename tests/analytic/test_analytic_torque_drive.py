@@ -249,3 +249,34 @@ def test_static_friction_holds_and_sliding_friction_moves():
     assert sliding < static
     first = np.arcsin(static / AMPLITUDE) / (2 * np.pi * FREQUENCY)
     assert float(run.phases.start[1]) == pytest.approx(first, abs=1e-9)
+
+
+def test_a_pulse_much_shorter_than_a_step():
+    """J Ω = (T − M₊) w − M₊ (t − t_end) after a pulse of torque T and width w, as in one step.
+
+    Steps end where the torque jumps; otherwise a pulse between two steps of 1 ms is not seen.
+    """
+    one = _one(0.7)
+    for name in ("roller.mass", "roller.inertia", "carrier.inertia"):
+        one = prsm.set_parameter(one, name, 1e-9 * prsm.get_parameter(one, name))
+    _, upper = _limits(one)
+    size, begin, edge, samples = 1e4, 0.105 - 2e-4, 1e-9, 41
+
+    @eqx.filter_jit
+    def run(width):
+        times = jnp.stack([0 * width, begin + 0 * width, begin + edge, begin + width])
+        times = jnp.concatenate([times, times[-1:] + edge])
+        torque = prsm.TableProfile(times, array([0.0, 0.0, size, size, 0.0]))
+        load = prsm.HingeLoad(array(LOAD))
+        scenario = prsm.TorqueScenario(torque, load, array(0.2), samples=samples)
+        return prsm.simulate(one, scenario, throw=False)
+
+    speeds, impulses = [], []
+    for width in (1e-4, 1e-6):
+        found = run(array(width))
+        assert int(found.solver.code) == 0
+        speeds.append(float(found.screw_speed[21]))
+        rest = float(found.time[21]) - begin - width
+        impulses.append(size * width - upper * (width + rest))
+    assert speeds[1] > 0
+    assert speeds[0] / speeds[1] == pytest.approx(impulses[0] / impulses[1], rel=1e-5)
