@@ -5,6 +5,7 @@ from ..mechanism import Mechanism
 from ._locking import locking_findings
 from ._masses import mass_findings
 from ._stiffness import stiffness_findings
+from ._strength import strength_findings
 
 
 def check(mechanism: Mechanism) -> tuple[Finding, ...]:
@@ -13,9 +14,10 @@ def check(mechanism: Mechanism) -> tuple[Finding, ...]:
     Does it fit together: `feasible_ratio`, `roller_clearance`, `gear_assembly`,
     `carrier_clearance`, `meshing`, `contact_on_flank`, `tooth_thickness`. Do the numbers behind its
     vibration make sense: `inertia`, `mass`, `torsional_support`, `negative_stiffness`. Does
-    friction let it move: `jamming`, `self_locking`. Nothing is
-    raised; a mechanism without findings gives an empty tuple. Needs concrete numbers: inside a
-    trace use the quantities instead (`roller_clearance`, …).
+    friction let it move: `jamming`, `self_locking`. Does it last: `static_safety`, `rating_life`,
+    `buckling`, `screw_speed`, `false_brinelling`, `backlash`. Nothing is raised; a mechanism
+    without findings gives an empty tuple. Needs concrete numbers: inside a trace use the
+    quantities instead (`roller_clearance`, …).
 
     **Arguments:**
 
@@ -26,4 +28,5 @@ def check(mechanism: Mechanism) -> tuple[Finding, ...]:
     found = [*geometric_findings(mechanism), *mass_findings(mechanism)]
     found += stiffness_findings(mechanism)
     found += locking_findings(mechanism)
+    found += strength_findings(mechanism)
     return tuple(sorted(found, key=lambda finding: finding.stage))

@@ -8,6 +8,7 @@ from . import (
     _dimensions as _dimensions,
     _locking as _locking,
     _operation as _operation,
+    _strength as _strength,
     _vibration as _vibration,
 )
 from ._analysis import Analysis as Analysis

@@ -10,6 +10,7 @@ from jaxtyping import Array, Bool
 from .._errors import MissingDataError
 from ..contact import StageContact, load_of, stage_contact
 from ..dynamics import StageKinematics, SteadyState, all_kinematics, steady_state
+from ..geometry import Meshing
 from ..mechanism import Mechanism, Scalar
 from ..modal import (
     ModeGroup,
@@ -24,6 +25,13 @@ from ..modal import (
     vibration_system,
 )
 from ..stiffness import ThreadStiffness, thread_stiffness
+from ..strength import (
+    LoadSpectrum,
+    constant_load,
+    largest_demand,
+    reference_contact,
+    spectrum_of,
+)
 
 
 class Analysis:
@@ -123,10 +131,41 @@ class Analysis:
                 stage,
                 self.load,
                 # Other conventions have closed forms for the curvatures.
-                self.kinematics[index].meshing if stage.curvature == "exact" else None,
+                self.meshing(index),
             )
             for index, stage in enumerate(self.mechanism.stages)
         )
+
+    @cached_property
+    def reference_contacts(self) -> tuple[StageContact, ...]:
+        """Hertz contacts of every stage under the load that capacities are scaled from."""
+        return tuple(
+            reference_contact(stage, self.meshing(index))
+            for index, stage in enumerate(self.mechanism.stages)
+        )
+
+    def meshing(self, index: int) -> Meshing | None:
+        """Meshing of a stage, where its curvatures come from it."""
+        exact = self.mechanism.stages[index].curvature == "exact"
+        return self.kinematics[index].meshing if exact else None
+
+    @cached_property
+    def spectrum(self) -> LoadSpectrum:
+        """What speed and load the mechanism lives with.
+
+        Those of the duty cycle; of the operating point without one, or where another speed or load
+        was asked for.
+        """
+        if self._speed is not None or self._load is not None:
+            return constant_load(self.speed, load_of(self.mechanism, self._load))
+        return spectrum_of(self.mechanism)
+
+    @cached_property
+    def demand(self) -> tuple[Scalar, Scalar]:
+        """Largest magnitudes of speed and load, of spectrum and operating point [rad/s, N]."""
+        if self._speed is not None or self._load is not None:
+            return jnp.abs(self.speed), self.load
+        return largest_demand(self.mechanism, self.spectrum)
 
     @cached_property
     def threads(self) -> tuple[ThreadStiffness, ...]:

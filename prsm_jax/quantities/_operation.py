@@ -107,13 +107,6 @@ def duty_efficiency(analysis: Analysis):
     return output / jnp.sum(phases.input_power * duty.duration)
 
 
-@quantity("equivalent_load", "F_m", "N", "cubic mean load of the duty cycle, weighted by travel")
-def equivalent_load(analysis: Analysis):
-    duty = _duty(analysis)
-    travel = jnp.abs(duty.speed) * duty.duration
-    return jnp.cbrt(jnp.sum(jnp.abs(duty.load) ** 3 * travel) / jnp.sum(travel))
-
-
 def _duty(analysis: Analysis):
     duty = analysis.mechanism.duty_cycle
     if duty is None:

@@ -1,6 +1,10 @@
 """Strength and life of a stage: capacities, rating life, buckling, critical speed, play."""
 
-from ._contacts import axial_approach as axial_approach, reference_contact as reference_contact
+from ._contacts import (
+    axial_approach as axial_approach,
+    preload_of as preload_of,
+    reference_contact as reference_contact,
+)
 from ._fatigue import (
     cycles_per_turn as cycles_per_turn,
     dynamic_capacity as dynamic_capacity,
@@ -10,17 +14,21 @@ from ._life import (
     RatingLife as RatingLife,
     basic_life as basic_life,
     damage as damage,
+    largest_flank_load as largest_flank_load,
     rating_life as rating_life,
 )
 from ._load_spectrum import (
     LoadSpectrum as LoadSpectrum,
     constant_load as constant_load,
     equivalent_load as equivalent_load,
+    largest_demand as largest_demand,
     load_spectrum as load_spectrum,
+    spectrum_of as spectrum_of,
 )
 from ._play import (
     backlash as backlash,
     lost_motion as lost_motion,
+    needs_meshing_for_backlash as needs_meshing_for_backlash,
     preload_force as preload_force,
     preloaded_stiffness as preloaded_stiffness,
 )

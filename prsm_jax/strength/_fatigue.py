@@ -45,9 +45,9 @@ def _stressed(p0: Scalar, semi_axes_product: Scalar, rolling_ratio: Scalar) -> S
 def _rolling_ratio(total: Scalar, rolling: Scalar) -> Scalar:
     """Semi-axis along over that across the rolling direction, as if it were a principal one.
 
-    In roller screws the principal directions lie within some 30° of it, which is worth about XX %
-    of the capacity. log κ is odd in the difference of the gap's two coefficients, so a contact may
-    pass through the circle.
+    In roller screws the principal directions lie within some 30° of it, which is worth a few per
+    cent of the capacity. log κ is odd in the difference of the gap's two coefficients, so a contact
+    may pass through the circle.
     """
     slant = (2 * rolling - total) / total
     small = jnp.abs(slant) < _CIRCULAR

@@ -66,6 +66,18 @@ def _infinite_or(revolutions: Scalar, function) -> Scalar:
     return jnp.where(finite, function(jnp.where(finite, revolutions, 1.0)), jnp.inf)
 
 
+def largest_flank_load(stage: Stage, load: Scalar) -> Scalar:
+    """Load on the flanks that an axial load presses, preload included [N].
+
+    **Arguments:**
+
+    - `stage`: the stage, with its preload if there is one.
+    - `load`: axial load, not negative [N].
+    """
+    preload = preload_of(stage)
+    return load if preload is None else flank_loads(load, preload)[0]
+
+
 @physics("damage")
 def damage(stage: Stage, capacity: Scalar, spectrum: LoadSpectrum) -> Float[Array, " phases"]:
     r"""Share of the basic rating life that each phase uses up (Palmgren 1924, Miner 1945).

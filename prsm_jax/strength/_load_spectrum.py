@@ -6,7 +6,8 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..mechanism import DutyCycle, Scalar
+from .._errors import MissingDataError
+from ..mechanism import DutyCycle, Mechanism, Scalar
 from ._powers import positive_power
 
 
@@ -39,9 +40,10 @@ class LoadSpectrum(eqx.Module):
         return jnp.sum(self.turned_angle) / jnp.sum(self.duration)
 
     @property
-    def largest_load(self) -> Scalar:
-        """Largest magnitude of the load [N]."""
-        return jnp.max(jnp.abs(self.load))
+    def phase_speed(self) -> Float[Array, " phases"]:
+        """Magnitude of the screw speed in each phase [rad/s]; 0 in one without length."""
+        lasts = self.duration > 0
+        return jnp.where(lasts, self.turned_angle, 0.0) / jnp.where(lasts, self.duration, 1.0)
 
 
 @runtime_checkable
@@ -76,6 +78,31 @@ def load_spectrum(source: DutyCycle | History) -> LoadSpectrum:
     none = jnp.zeros_like(steps[:1])
     weights = (jnp.concatenate([steps, none]) + jnp.concatenate([none, steps])) / 2
     return LoadSpectrum(source.load, jnp.abs(source.screw_speed) * weights, weights)
+
+
+def spectrum_of(mechanism: Mechanism) -> LoadSpectrum:
+    """What a mechanism lives with: its duty cycle, or without one its operating point.
+
+    **Raises:** `MissingDataError` if there is neither.
+    """
+    if mechanism.duty_cycle is not None:
+        return load_spectrum(mechanism.duty_cycle)
+    point = mechanism.operating_point
+    if point is None:
+        raise MissingDataError(
+            "the mechanism has neither duty cycle nor operating point; give [[duty_cycle]] phases "
+            "or [operating_point]"
+        )
+    return constant_load(point.speed, point.load)
+
+
+def largest_demand(mechanism: Mechanism, spectrum: LoadSpectrum) -> tuple[Scalar, Scalar]:
+    """Largest magnitudes of speed and load, of a spectrum and the operating point [rad/s, N]."""
+    speed, load = jnp.max(spectrum.phase_speed), jnp.max(jnp.abs(spectrum.load))
+    point = mechanism.operating_point
+    if point is None:
+        return speed, load
+    return jnp.maximum(speed, jnp.abs(point.speed)), jnp.maximum(load, jnp.abs(point.load))
 
 
 def constant_load(speed: Scalar, load: Scalar) -> LoadSpectrum:

@@ -54,7 +54,19 @@ def backlash(stage: Stage, meshing: Meshing | None = None) -> Scalar:
         return jnp.zeros_like(play.preload_force)
     if play.axial_backlash is not None:
         return play.axial_backlash
-    thinning = [
+    thinning = _thinning(play)
+    if not thinning:
+        raise MissingDataError(
+            "the play of the threads is not known; give stage.strength.play.axial_backlash, or "
+            "screw_tooth_thinning, roller_tooth_thinning and nut_tooth_thinning"
+        )
+    meshing = mesh(stage.thread) if meshing is None else meshing
+    return 2 * meshing.axial_gap + sum(thinning[1:], thinning[0])
+
+
+def _thinning(play: AxialPlay) -> list[Scalar]:
+    """What thinned teeth add to the play; those of a roller play in screw and nut."""
+    return [
         factor * value
         for factor, value in (
             (1, play.screw_tooth_thinning),
@@ -63,13 +75,14 @@ def backlash(stage: Stage, meshing: Meshing | None = None) -> Scalar:
         )
         if value is not None
     ]
-    if not thinning:
-        raise MissingDataError(
-            "the play of the threads is not known; give stage.strength.play.axial_backlash, or "
-            "screw_tooth_thinning, roller_tooth_thinning and nut_tooth_thinning"
-        )
-    meshing = mesh(stage.thread) if meshing is None else meshing
-    return 2 * meshing.axial_gap + sum(thinning[1:], thinning[0])
+
+
+def needs_meshing_for_backlash(stage: Stage) -> bool:
+    """Whether the backlash follows from the teeth."""
+    play = None if stage.strength is None else stage.strength.play
+    if play is None or play.preload_force is not None or play.axial_backlash is not None:
+        return False
+    return bool(_thinning(play))
 
 
 def _approach(stage: Stage, load: Scalar, contact: StageContact | None) -> Scalar:

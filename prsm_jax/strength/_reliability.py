@@ -5,8 +5,12 @@ import math
 import jax.numpy as jnp
 
 from .._physics import physics
+from ..contact import StageContact
+from ..geometry import Meshing
 from ..mechanism import Scalar, Stage
+from ._contacts import REFERENCE_LOAD, reference_contact, thread_share
 from ._fatigue import WEIBULL_SLOPE, carrier_share
+from ._powers import positive_power
 
 #: Weibull slope and the share of L10 that all survive, behind the table of a₁ in ISO 281:2007.
 _SLOPE, _SURVIVED = 1.5, 0.05
@@ -68,18 +72,31 @@ def oscillation_factor(stage: Stage, amplitude: Scalar) -> Scalar:
     return swept_share(stage, amplitude) ** ((WEIBULL_SLOPE - 1) / WEIBULL_SLOPE)
 
 
-def minimum_oscillation_amplitude(stage: Stage, half_length: Scalar) -> Scalar:
+def minimum_oscillation_amplitude(
+    stage: Stage,
+    load: Scalar,
+    meshing: Meshing | None = None,
+    contact: StageContact | None = None,
+) -> Scalar:
     r"""Amplitude below which a contact does not leave its own ellipse, so that it wears itself in.
 
-    The roller rolls $2\varphi\,n\zeta r_R$ on the nut; where that is less than the ellipse's length
-    $2b$ some of the contact is never open to lubricant. False brinelling is seen in bearings at
-    ratios of both up to about 1.
+    The roller rolls $2\varphi\,n\zeta r_R$ on the nut; where that is less than the ellipse's larger
+    axis $2a$ some of the contact is never open to lubricant: $\varphi = a/(n\zeta r_R)$. False
+    brinelling is seen in bearings at ratios of both lengths up to about 1.
 
     **Arguments:**
 
-    - `stage`: the stage.
-    - `half_length`: semi-axis b of the contact ellipse, the larger one to be safe [m].
+    - `stage`: the stage; needs materials and `engaged_threads`.
+    - `load`: axial load, whose magnitude counts [N].
+    - `meshing`: its meshing, if known already.
+    - `contact`: `reference_contact` of the stage, if known already.
+
+    **Raises:** `MissingDataError` if materials or engaged threads are not given.
     """
+    if contact is None:
+        contact = reference_contact(stage, meshing)
+    share = jnp.abs(load) / (REFERENCE_LOAD * thread_share(stage))
+    half_length = contact.nut.hertz.semi_major * positive_power(share, 1 / 3)
     rolled = stage.thread.starts * carrier_share(stage) * stage.thread.roller_radius
     return half_length / rolled
 

@@ -42,13 +42,17 @@ def shaft_of(stage: Stage) -> ScrewShaft:
 def root_radius(stage: Stage) -> Scalar:
     """Radius at the root of the screw's thread [m].
 
-    As given; else the largest that the crests of the rollers leave, r_s less their addendum.
+    As given; else r_s less the dedendum of the tooth of `load_sharing`; else the largest that the
+    crests of the rollers leave, r_s less their addendum.
 
     **Raises:** `MissingDataError` if neither is known.
     """
     shaft = shaft_of(stage)
     if shaft.root_radius is not None:
         return shaft.root_radius
+    sharing = stage.load_sharing
+    if sharing is not None and sharing.tooth is not None:
+        return stage.thread.screw_radius - sharing.tooth.screw_dedendum
     if stage.thread.roller_addendum is None:
         raise MissingDataError(
             "the root radius of the screw is not known; give stage.strength.shaft.root_radius, or "
