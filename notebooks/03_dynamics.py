@@ -89,8 +89,8 @@ for method in ("explicit", "rosenbrock", "implicit"):
 
 # %% [markdown]
 # Left alone, `simulate` chooses by the scene, and `choose_method` says why. For the mission below,
-# seconds against carriers that settle in microseconds, it takes quasi-steady carriers: it integrates
-# nothing and estimates what that neglects.
+# seconds against carriers that settle in microseconds, it takes quasi-steady carriers: it
+# integrates nothing and estimates what that neglects.
 #
 # ## A mission with reversals
 # Forth and back, three times, as fast as limits of speed, acceleration and jerk allow, against a
