@@ -201,7 +201,8 @@ def strength_findings(mechanism: Mechanism) -> tuple[Finding, ...]:
 
     `static_safety`: threads are dented. `rating_life`: shorter than asked for. `buckling`,
     `screw_speed`: the screw as a column and as a shaft. `false_brinelling`: it swings too little.
-    `backlash`: there is less than none. Of a stage without strength data, or of what lacks data, nothing is found.
+    `backlash`: there is less than none. Of a stage without strength data, or of what lacks data,
+    nothing is found.
 
     **Arguments:**
 
