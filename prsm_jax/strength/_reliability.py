@@ -8,7 +8,7 @@ from .._physics import physics
 from ..contact import StageContact
 from ..geometry import Meshing
 from ..mechanism import Scalar, Stage
-from ._contacts import REFERENCE_LOAD, reference_contact, thread_share
+from ._contacts import REFERENCE_LOAD, reference_contact, strength_of, thread_share
 from ._fatigue import WEIBULL_SLOPE, carrier_share
 from ._powers import positive_power
 
@@ -86,13 +86,14 @@ def minimum_oscillation_amplitude(
 
     **Arguments:**
 
-    - `stage`: the stage; needs materials and `engaged_threads`.
+    - `stage`: the stage; needs strength data, materials and `engaged_threads`.
     - `load`: axial load, whose magnitude counts [N].
     - `meshing`: its meshing, if known already.
     - `contact`: `reference_contact` of the stage, if known already.
 
-    **Raises:** `MissingDataError` if materials or engaged threads are not given.
+    **Raises:** `MissingDataError` if one of these is not given.
     """
+    strength_of(stage)
     if contact is None:
         contact = reference_contact(stage, meshing)
     share = jnp.abs(load) / (REFERENCE_LOAD * thread_share(stage))

@@ -164,7 +164,11 @@ def critical_speed(stage: Stage, length: Scalar | None = None) -> Scalar:
 
 
 def dn_value(stage: Stage, speed: Scalar) -> Scalar:
-    """Nominal diameter times speed, which limits lubrication and roller inertia [m·rad/s]."""
+    """Nominal diameter times speed, which limits lubrication and roller inertia [m·rad/s].
+
+    **Raises:** `MissingDataError` if the stage has no shaft data.
+    """
+    shaft_of(stage)
     return 2 * stage.thread.screw_radius * jnp.abs(speed)
 
 

@@ -83,13 +83,14 @@ def permanent_deformation(
 
     **Arguments:**
 
-    - `stage`: the stage, with `engaged_threads`.
+    - `stage`: the stage, with strength data and `engaged_threads`.
     - `load`: axial load, on one nut of a braced pair [N].
     - `meshing`: its meshing, if known already.
     - `sharing_factor`: load of the most loaded thread over the mean.
 
-    **Raises:** `MissingDataError` if engaged threads are not given.
+    **Raises:** `MissingDataError` if engaged threads or strength data are not given.
     """
+    strength_of(stage)
     frames = contact_frames(stage.thread, meshing_of(stage, meshing), stage.curvature)
     threads = engaged_threads(stage) * thread_share(stage)
     axial = jnp.abs(load) / (stage.present_roller_count * threads) * sharing_factor
