@@ -6,8 +6,8 @@ import mpmath
 DIGITS = 40
 
 
-def hertz(force, first, second, modulus) -> tuple[float, float]:
-    """Largest pressure [Pa] and approach [m] of the gap A x² + B y², A ≤ B.
+def hertz(force, first, second, modulus) -> tuple[float, float, float, float]:
+    """Largest pressure [Pa], approach and semi-axes [m] of the gap A x² + B y², A ≤ B.
 
     **Arguments:** F [N], A and B [1/m], E* [Pa]; floats count as exact.
     """
@@ -32,4 +32,5 @@ def hertz(force, first, second, modulus) -> tuple[float, float]:
         )
         minor = axis_ratio * major
         pressure = 3 * force / (2 * mpmath.pi * major * minor)
-        return float(pressure), float(pressure * minor * k / modulus)
+        approach = pressure * minor * k / modulus
+        return float(pressure), float(approach), float(major), float(minor)

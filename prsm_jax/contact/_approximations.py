@@ -7,6 +7,7 @@ the range of roller screws are in `benchmarks`; the exact solution is the defaul
 import jax.numpy as jnp
 
 from ..mechanism import Scalar
+from ._axis_ratio import antoine_log_axis_ratio
 from ._elliptic import complete_elliptic_integrals
 
 
@@ -22,19 +23,8 @@ def power(anisotropy: Scalar) -> tuple[Scalar, Scalar, Scalar]:
 
 
 def antoine(anisotropy: Scalar) -> tuple[Scalar, Scalar, Scalar]:
-    """Closed form for κ of Antoine, Visa, Sauvey and Abba 2006, with exact integrals.
-
-    κ = (B/A)^{-γ}, γ a rational function of χ = log₁₀(B/A).
-    """
-    ratio = _curvature_ratio(anisotropy)
-    square = (jnp.log(ratio) / jnp.log(10.0)) ** 2
-    numerator = 1 + square * (
-        0.40227436 + square * (3.7491752e-2 + square * (7.4855761e-4 + square * 2.1667028e-6))
-    )
-    denominator = 1 + square * (
-        0.42678878 + square * (4.2605401e-2 + square * (9.0786922e-4 + square * 2.7868927e-6))
-    )
-    axis_ratio = ratio ** (-2 / 3 * numerator / denominator)
+    """Closed form for κ of Antoine, Visa, Sauvey and Abba 2006, with exact integrals."""
+    axis_ratio = jnp.exp(antoine_log_axis_ratio(jnp.log(_curvature_ratio(anisotropy))))
     return axis_ratio, *complete_elliptic_integrals(axis_ratio)
 
 

@@ -8,8 +8,7 @@ import jax.numpy as jnp
 from .._physics import physics
 from ..mechanism import Material, Scalar
 from ._approximations import APPROXIMATIONS
-from ._axis_ratio import axis_ratio_of
-from ._elliptic import complete_elliptic_integrals
+from ._axis_ratio import contact_ellipse
 
 HertzMethod: TypeAlias = Literal[
     "exact", "antoine", "power", "hamrock_brewe", "hamrock_brewe_log", "lisowski"
@@ -85,8 +84,7 @@ def hertz_contact(
     """
     anisotropy = anisotropy_of(total, difference_squared)
     if method == "exact":
-        axis_ratio = axis_ratio_of(anisotropy)
-        first, second = complete_elliptic_integrals(axis_ratio)
+        axis_ratio, first, second = contact_ellipse(anisotropy)
     elif method in APPROXIMATIONS:
         axis_ratio, first, second = APPROXIMATIONS[method](anisotropy)
     else:

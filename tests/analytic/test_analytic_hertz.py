@@ -170,6 +170,7 @@ def test_pressure_is_even_in_the_anisotropy():
         ("power", 3e-5, 3e-5),
         ("hamrock_brewe", 1.0e-2, 1.9e-2),
         ("hamrock_brewe_log", 1.7e-2, 4.3e-2),
+        ("lisowski", 2.1e-3, 1.0e-3),
     ],
 )
 def test_errors_of_the_approximations(method, pressure_bound, approach_bound):
@@ -200,6 +201,7 @@ def test_errors_of_the_approximations(method, pressure_bound, approach_bound):
 
 @pytest.mark.usefixtures("unchecked")
 def test_methods_are_the_ones_that_are_documented():
-    assert set(APPROXIMATIONS) == {"antoine", "power", "hamrock_brewe", "hamrock_brewe_log"}
+    names = {"antoine", "power", "hamrock_brewe", "hamrock_brewe_log", "lisowski"}
+    assert set(APPROXIMATIONS) == names
     with pytest.raises(ValueError, match="choose one of exact, antoine"):
         hertz_contact(array(1.0), array(1.0), array(0.0), array(1.0), "hertz")  # type: ignore[arg-type]
