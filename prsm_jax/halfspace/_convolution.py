@@ -30,7 +30,7 @@ def _fast_length(least: int) -> int:
         length += 2
 
 
-def _padded(shape: tuple[int, int]) -> tuple[int, int]:
+def _padded(shape: tuple[int, ...]) -> tuple[int, int]:
     return _fast_length(2 * shape[0] - 1), _fast_length(2 * shape[1] - 1)
 
 
@@ -60,7 +60,7 @@ def spectrum(field: Float[Array, "nx ny"]) -> Inexact[Array, "ky kx"]:
     return jnp.fft.fft(rows.T, n=lengths[0], axis=1)
 
 
-def field_of(transform: Inexact[Array, "ky kx"], shape: tuple[int, int]) -> Float[Array, "nx ny"]:
+def field_of(transform: Inexact[Array, "ky kx"], shape: tuple[int, ...]) -> Float[Array, "nx ny"]:
     """Back from the doubled grid to the cells of the grid; what lies outside is left out."""
     rows = jnp.fft.ifft(transform, axis=1)[:, : shape[0]].T
     return jnp.fft.irfft(rows, n=_padded(shape)[1], axis=1)[:, : shape[1]]

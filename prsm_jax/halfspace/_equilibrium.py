@@ -2,6 +2,7 @@
 
 import functools
 from collections.abc import Callable
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -126,7 +127,7 @@ def equilibrium(
 
 @equilibrium.defjvp
 def _equilibrium_jvp(control, max_iterations, primals, tangents):
-    grid, gap, target, modulus, material, tolerance = primals
+    grid, gap, target, modulus, _, _ = primals
     grid_dot, gap_dot, target_dot, modulus_dot, _, _ = tangents
     found = equilibrium(control, max_iterations, *primals)
     pressure = found.pressure
@@ -172,10 +173,10 @@ def _equilibrium_jvp(control, max_iterations, primals, tangents):
     if control == "load":
         moved = convolve(transform, pressure_dot) + explicit
         approach_dot = jnp.sum(moved * contact) / count
-    no_change = np.zeros(found.iterations.shape, jax.dtypes.float0)
+    no_change: Any = np.zeros(found.iterations.shape, jax.dtypes.float0)
     return found, Pressures(
         pressure_dot,
         approach_dot,
         no_change,
-        jnp.zeros_like(found.residual),  # type: ignore[arg-type]
+        jnp.zeros_like(found.residual),
     )

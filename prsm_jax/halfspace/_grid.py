@@ -19,7 +19,7 @@ class Grid(eqx.Module):
     """
 
     #: Number of cells along x and y.
-    shape: tuple[int, int] = eqx.field(static=True, converter=tuple)
+    shape: tuple[int, int] = eqx.field(static=True)
     #: Length of a cell along x [m].
     spacing_x: Scalar = eqx.field(converter=as_scalar)
     #: Length of a cell along y [m].

@@ -1,12 +1,15 @@
 """Stress tensor below a contact on a grid, by influence functions."""
 
+import functools
+import operator
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._physics import physics
-from ..contact._stress_measures import von_mises_stress
+from ..contact import von_mises_stress
 from ..mechanism import Scalar
 from ._convolution import field_of, influence, spectrum
 from ._grid import Grid
@@ -95,12 +98,11 @@ def subsurface_stress_field(
         loads.append((_swapped, spectrum(traction_y)))
 
     def component(index: int, depth: Scalar) -> Float[Array, "nx ny"]:
-        total = 0.0
-        for law, waves in loads:
-            part = influence(lambda x, y, law=law: law(x, y, depth, nu)[index], grid)
-            total = total + part * waves
-        assert not isinstance(total, float)
-        return field_of(total, grid.shape)
+        parts = (
+            influence(lambda x, y, law=law: law(x, y, depth, nu)[index], grid) * waves
+            for law, waves in loads
+        )
+        return field_of(functools.reduce(operator.add, parts), grid.shape)
 
     def at(depth: Scalar) -> Float[Array, "nx ny 3 3"]:
         six = [component(index, depth) for index in range(6)]
