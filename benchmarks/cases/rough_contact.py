@@ -1,5 +1,6 @@
 """True surfaces: half-space contact on a grid, against tamaas and against exact Hertz theory."""
 
+import importlib
 import importlib.util
 from typing import Any
 
@@ -89,8 +90,7 @@ def _tamaas(contacts: np.ndarray, tolerance: float, cells) -> Method:
     axes = _semi_axes(contacts)
 
     def prepare(count):
-        import tamaas
-
+        tamaas: Any = importlib.import_module("tamaas")
         tamaas.set_log_level(tamaas.LogLevel.error)
         solvers = []
         for (load, smaller, larger), half in zip(contacts, axes, strict=True):
