@@ -15,6 +15,14 @@ from ._hertz import (
     contact_modulus as contact_modulus,
     hertz_contact as hertz_contact,
 )
+from ._line_contact import (
+    LineContactResult as LineContactResult,
+    SliceGeometry as SliceGeometry,
+    line_contact as line_contact,
+    line_contact_under_force as line_contact_under_force,
+    slice_geometry as slice_geometry,
+)
+from ._line_stress import line_subsurface_stress as line_subsurface_stress
 from ._stress_measures import (
     max_shear_stress as max_shear_stress,
     principal_stresses as principal_stresses,

@@ -37,7 +37,7 @@ def _log_curvature_ratio(log_axis_ratio):
 
 
 def _target(anisotropy: Real) -> Real:
-    return jnp.log1p(-anisotropy) - jnp.log1p(anisotropy)
+    return jnp.log((1 - anisotropy) / (1 + anisotropy))
 
 
 def _ellipse(anisotropy: Real) -> tuple[Real, Real, Real]:

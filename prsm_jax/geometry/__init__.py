@@ -17,3 +17,14 @@ from ._flanks import (
     screw_side_hessian as screw_side_hessian,
 )
 from ._meshing import Meshing as Meshing, ThreadContact as ThreadContact, mesh as mesh
+from ._ring_flanks import (
+    ParabolaFit as ParabolaFit,
+    RingVertex as RingVertex,
+    contact_zone as contact_zone,
+    fit_parabola as fit_parabola,
+    lead_per_radian as lead_per_radian,
+    matched_profile_angle as matched_profile_angle,
+    ring_gap as ring_gap,
+    ring_vertex as ring_vertex,
+    shape_coefficient as shape_coefficient,
+)

@@ -1,0 +1,222 @@
+"""Line contact of a ring with a screw by shape functions: slices side by side."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from .._errors import MissingDataError
+from .._physics import physics
+from .._root import find_root
+from ..geometry import contact_zone, fit_parabola, ring_vertex
+from ..mechanism import LineContact, Scalar, Stage, material_of
+from ._hertz import contact_modulus
+from ._thread_contact import engaged_threads
+
+#: Edges of the slices, from the inner to the outer end of the zone.
+_EDGES = 129
+
+Slices = Float[Array, " slices"]
+
+
+class SliceGeometry(eqx.Module):
+    """What the slices of a line contact are before any load, at their edges."""
+
+    #: Distance from the roller axis [m].
+    radius: Slices
+    #: Arc coordinate of the narrowest place, from the line of centres [m].
+    arc: Slices
+    #: Normal gap when the narrowest slice touches [m].
+    gap: Slices
+    #: Normal gap along the arc, half its second derivative [1/m].
+    coefficient: Slices
+    #: Axial force per unit of normal force.
+    normal: Slices
+    converged: Bool[Array, ""]
+
+
+class LineContactResult(eqx.Module):
+    """A line contact under an axial force: slice by slice, and as a whole."""
+
+    slices: SliceGeometry
+    #: Normal force per length of the contact line [N/m].
+    line_load: Slices
+    #: Half-width of the contact [m].
+    half_width: Slices
+    #: Pressure on the middle of the contact [Pa].
+    pressure: Slices
+    #: Depth of contact, how far the undeformed flanks overlap [m].
+    depth: Slices
+    #: Axial force of this contact [N].
+    axial_force: Scalar
+    normal_force: Scalar
+    #: Normal approach from the first touch [m].
+    approach: Scalar
+    #: Axial force per axial approach, as a tangent [N/m].
+    stiffness_tangent: Scalar
+    max_pressure: Scalar
+    max_half_width: Scalar
+    #: Share of the contact zone that carries load.
+    loaded_share: Scalar
+    #: Largest line load over its mean on the loaded part: 1 if all slices share alike, 2 for a
+    #: load that falls linearly from an edge.
+    edge_ratio: Scalar
+    #: Coefficient of determination of the fit of a parabola to the exact gap, at the slice with
+    #: the largest pressure over the width of its contact.
+    parabola_fit: Scalar
+    converged: Bool[Array, ""]
+
+
+@physics("line_contact_geometry")
+def slice_geometry(contact: LineContact, edges: int = _EDGES) -> SliceGeometry:
+    """Cut the zone where both flanks are there into slices of equal radial width.
+
+    **Arguments:**
+
+    - `contact`: the flanks.
+    - `edges`: number of edges, one more than slices.
+    """
+    inner, outer = contact_zone(contact)
+    share = jnp.linspace(0.0, 1.0, edges, dtype=inner.dtype)
+    radius = inner + share * (outer - inner)
+    vertex = jax.vmap(lambda r: ring_vertex(contact, r))(radius)
+    # From the first touch on: heights themselves are arbitrary.
+    gap = vertex.normal * (vertex.gap - jnp.min(vertex.gap))
+    return SliceGeometry(
+        radius=radius,
+        arc=vertex.arc,
+        gap=gap,
+        coefficient=vertex.normal * vertex.coefficient,
+        normal=vertex.normal,
+        converged=jnp.all(vertex.converged) & (outer > inner),
+    )
+
+
+def _overlap_per_slice(overlap: Slices) -> Slices:
+    """Mean of max(0, u) over slices between whose edges u is linear; exact, and smooth in u."""
+    lower, upper = jnp.minimum(overlap[:-1], overlap[1:]), jnp.maximum(overlap[:-1], overlap[1:])
+    crossed = (lower < 0) & (upper > 0)
+    height = jnp.where(crossed, upper - lower, 1.0)
+    part = jnp.where(crossed, upper**2 / (2 * height), 0.0)
+    return jnp.where(lower >= 0, (lower + upper) / 2, part)
+
+
+@physics("line_contact")
+def line_contact_under_force(
+    contact: LineContact, axial_force: Scalar, modulus: Scalar, edges: int = _EDGES
+) -> LineContactResult:
+    """Line contact of a screw with a ring without a lead, by shape functions.
+
+    In every slice at the distance r from the roller axis the gap along the arc is a parabola. Each
+    slice is a Hertz line contact of its own: with the normal coefficient A and the line load P,
+    `B² = 2P/(π E* A)`, `p₀ = 2P/(π B)`, and its depth of contact is `A B² = 2P/(π E*)`, so that
+    the line load is `P(r) = (π E*/2) (δ − e(r))` where that is positive, and 0 elsewhere, for the
+    gap e(r). The force is the integral of P over the contact line; δ follows from the force.
+
+    Slices do not know of their neighbours: the free ends of a line have no stress concentration
+    here, and δ is not the approach of two half-spaces, which grows with the logarithm of the
+    length. Where `edge_ratio` is near 2 or `loaded_share` is small, the flanks bear on an edge;
+    what happens there is a matter for a contact solver on the true surfaces.
+
+    **Arguments:**
+
+    - `contact`: the flanks.
+    - `axial_force`: on this contact [N]; at or below zero it is open.
+    - `modulus`: contact modulus E* [Pa].
+    - `edges`: number of slices plus one.
+
+    **Returns:** a `LineContactResult`; `converged` is false where the flanks do not overlap or no
+    approach was found. Differentiable, through the load by the implicit function theorem.
+    """
+    slices = slice_geometry(contact, edges)
+    width = (slices.radius[-1] - slices.radius[0]) / (edges - 1)
+    # Length of the contact line, which runs along the ring's generator.
+    length = width / jnp.cos(contact.roller_profile_angle)
+    axial = (slices.normal[:-1] + slices.normal[1:]) / 2
+    spring = jnp.pi / 2 * modulus
+    loaded = axial_force > 0
+    force = jnp.where(loaded, axial_force, 1.0)
+
+    # In units of the approach that shares the load over all slices, however deep they overlap:
+    # it overestimates the force, from where Newton's steps on a convex function cannot overshoot.
+    mean_axial = jnp.mean(axial)
+    mean_gap = jnp.mean(axial * (slices.gap[:-1] + slices.gap[1:]) / 2) / mean_axial
+    unit = force / (spring * length * (edges - 1) * mean_axial) + mean_gap
+
+    def carried(approach: Scalar) -> Scalar:
+        return spring * length * jnp.sum(axial * _overlap_per_slice(approach - slices.gap))
+
+    scaled, found = find_root(
+        lambda share: carried(share * unit) / force - 1,
+        jnp.ones_like(unit),
+        tolerance=1e-12 if unit.dtype == jnp.float64 else 1e-5,
+        max_steps=64,
+    )
+    approach = jnp.where(loaded, scaled * unit, 0.0)
+
+    depth = jnp.maximum(approach - slices.gap, 0.0)
+    touching = depth > 0
+    line_load = spring * depth
+    safe = jnp.where(touching, line_load, 1.0)
+    half_width = jnp.where(
+        touching, jnp.sqrt(2 * safe / (jnp.pi * modulus * slices.coefficient)), 0.0
+    )
+    pressure = jnp.where(touching, jnp.sqrt(2 * safe * modulus * slices.coefficient / jnp.pi), 0.0)
+    per_slice = spring * _overlap_per_slice(approach - slices.gap)
+    edges_overlap = approach - slices.gap
+    span = jnp.abs(edges_overlap[1:] - edges_overlap[:-1])
+    above = jnp.maximum(jnp.maximum(edges_overlap[:-1], edges_overlap[1:]), 0.0)
+    below = jnp.minimum(edges_overlap[:-1], edges_overlap[1:])
+    partly = (below < 0) & (span > 0)
+    share = jnp.where(partly, above / jnp.where(partly, span, 1.0), jnp.where(above > 0, 1.0, 0.0))
+    loaded_share = jnp.mean(share)
+    mean_load = jnp.mean(per_slice) / jnp.where(loaded_share > 0, loaded_share, 1.0)
+    worst = jnp.argmax(pressure)
+    radius = slices.radius[worst]
+    fit = fit_parabola(
+        contact,
+        radius,
+        ring_vertex(contact, radius),
+        jnp.where(touching[worst], half_width[worst], width),
+    )
+    return LineContactResult(
+        slices=slices,
+        line_load=line_load,
+        half_width=half_width,
+        pressure=pressure,
+        depth=depth,
+        axial_force=length * jnp.sum(axial * per_slice),
+        normal_force=length * jnp.sum(per_slice),
+        approach=approach,
+        stiffness_tangent=jnp.where(loaded, spring * length * jnp.sum(axial**2 * share), 0.0),
+        max_pressure=jnp.max(pressure),
+        max_half_width=jnp.max(half_width),
+        loaded_share=loaded_share,
+        edge_ratio=jnp.where(
+            mean_load > 0, jnp.max(line_load) / jnp.where(mean_load > 0, mean_load, 1.0), 1.0
+        ),
+        parabola_fit=fit.determination,
+        converged=slices.converged & found,
+    )
+
+
+def line_contact(stage: Stage, load: Scalar, edges: int = _EDGES) -> LineContactResult:
+    """Line contact of one ring with the screw, all rings of all rollers sharing equally.
+
+    **Arguments:**
+
+    - `stage`: the stage; needs `line_contact`, materials and `engaged_threads`.
+    - `load`: axial load of the stage [N]; its magnitude counts.
+    - `edges`: number of slices plus one.
+
+    **Returns:** a `LineContactResult`; see `line_contact_under_force`.
+
+    **Raises:** `MissingDataError` if the flanks, materials or engaged threads are not given.
+    """
+    if stage.line_contact is None:
+        raise MissingDataError(
+            "the stage has no line_contact; give [stage.line_contact], the flanks of screw and ring"
+        )
+    modulus = contact_modulus(material_of(stage, "roller"), material_of(stage, "screw"))
+    shared = jnp.abs(load) / (stage.present_roller_count * engaged_threads(stage))
+    return line_contact_under_force(stage.line_contact, shared, modulus, edges)
