@@ -65,7 +65,7 @@ _BY_NAME = {
     "position_offset": SLANT,
     "torque": NOT_NEGATIVE,
     "engaged_threads": POSITIVE,
-    "thread_gap": ANY,
+    "tooth_thinning": ANY,
     "thread_count": THREADS,
     "after_thread": THREADS,
     "preload": POSITIVE,

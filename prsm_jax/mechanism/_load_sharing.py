@@ -15,13 +15,17 @@ class ThreadTooth(eqx.Module):
     """Proportions of the thread teeth, for their compliance after Yamamoto.
 
     The compliance is one per unit length of thread: `effective_length` says how much of a thread
-    bears one contact. No standard gives it; a few contact widths is usual.
+    bears one contact. No standard gives it; a few contact widths is usual. A body widens or shrinks
+    as a ring, under the mean of all contacts around it, so that part has a length of its own.
     """
 
     effective_length: Scalar = number("m", "length of thread that bears one contact")
     screw_dedendum: Scalar = number("m", "depth of the screw's thread below its nominal radius")
     roller_dedendum: Scalar = number("m", "depth of the roller's thread below its nominal radius")
     nut_dedendum: Scalar = number("m", "depth of the nut's thread beyond its nominal radius")
+    radial_length: Scalar | None = optional_number(
+        "m", "length of thread over which one contact widens a body; its share of the circumference"
+    )
     pitch_line_thickness: Scalar | None = optional_number(
         "m", "axial thickness of a tooth at the nominal radius; half a pitch when absent"
     )

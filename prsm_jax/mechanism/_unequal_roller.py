@@ -8,8 +8,8 @@ from ._fields import Scalar, choice, optional_number
 class UnequalRoller(eqx.Module):
     """One roller that is not like the others; what is absent is as for the others.
 
-    Leaves: the factors, the offset and the gap. Static: `number` (which roller, counted from 1 at the
-    angle 0) and `missing`.
+    Leaves: the factors, the offset and the thinning. Static: `number` (which roller, counted from 1 at
+    the angle 0) and `missing`.
 
     **Raises:** `ValueError` at construction for a number below 1, a roller that is missing and has
     factors, or one that differs in nothing.
@@ -25,8 +25,8 @@ class UnequalRoller(eqx.Module):
     position_offset: Scalar | None = optional_number(
         "rad", "angle by which this roller is out of its place, in the sense of counting"
     )
-    thread_gap: Scalar | None = optional_number(
-        "m", "axial gap of this roller's threads on either flank, less the others' (load sharing)"
+    tooth_thinning: Scalar | None = optional_number(
+        "m", "axial thickness of this roller's teeth below the others' (load sharing)"
     )
     missing: bool = choice("whether the place of this roller is empty", default=False)
 
@@ -35,7 +35,7 @@ class UnequalRoller(eqx.Module):
             raise ValueError(f"unequal_roller has number {self.number}; rollers count from 1")
         differs = [
             name
-            for name in ("stiffness_factor", "mass_factor", "position_offset", "thread_gap")
+            for name in ("stiffness_factor", "mass_factor", "position_offset", "tooth_thinning")
             if getattr(self, name) is not None
         ]
         if self.missing and differs:
@@ -46,7 +46,7 @@ class UnequalRoller(eqx.Module):
         if not self.missing and not differs:
             raise ValueError(
                 f"unequal_roller {self.number} says nothing but its number; give stiffness_factor, "
-                "mass_factor, position_offset, thread_gap or missing = true, or remove it"
+                "mass_factor, position_offset, tooth_thinning or missing = true, or remove it"
             )
 
 

@@ -34,7 +34,7 @@ from prsm_jax.mechanism import (
 
 _NAMES = st.from_regex(r"[a-z][a-z_]{0,20}", fullmatch=True)
 _LARGEST = 1e120
-_UNITS = {"position_offset": "rad", "thread_gap": "m"}
+_UNITS = {"position_offset": "rad", "tooth_thinning": "m"}
 
 
 def numbers(name: str, unit: str) -> st.SearchStrategy[float]:
@@ -126,7 +126,7 @@ def unequal_rollers(draw, roller_count: int):
     rollers = []
     for index, number in enumerate(chosen):
         missing = index > 0 and draw(st.booleans())
-        names = ("stiffness_factor", "mass_factor", "position_offset", "thread_gap")
+        names = ("stiffness_factor", "mass_factor", "position_offset", "tooth_thinning")
         differing = () if missing else draw(st.sets(st.sampled_from(names), min_size=1))
         units = {name: _UNITS.get(name, "1") for name in differing}
         values = {name: draw(numbers(name, unit)) for name, unit in sorted(units.items())}

@@ -1,0 +1,33 @@
+"""How the axial load is shared among threads and rollers."""
+
+from ._chains import (
+    Chains as Chains,
+    Control as Control,
+    Flanks as Flanks,
+    State as State,
+    residual as residual,
+)
+from ._distribution import (
+    LoadDistribution as LoadDistribution,
+    SideLoads as SideLoads,
+    load_distribution as load_distribution,
+    stage_load_distribution as stage_load_distribution,
+)
+from ._equilibrium import Equilibrium as Equilibrium, equilibrium as equilibrium
+from ._flank_law import (
+    flank_approach as flank_approach,
+    flank_force as flank_force,
+)
+from ._force_deflection import (
+    ForceDeflection as ForceDeflection,
+    force_deflection as force_deflection,
+)
+from ._stage_chains import (
+    StageChains as StageChains,
+    roller_classes as roller_classes,
+    segment_compliances as segment_compliances,
+    stage_chains as stage_chains,
+    tooth_compliances as tooth_compliances,
+    with_units as with_units,
+)
+from ._yamamoto import ToothCompliance as ToothCompliance, tooth_compliance as tooth_compliance

@@ -1,0 +1,278 @@
+"""How one stage shares its load: threads, rollers, pressures, stiffness of the nut."""
+
+from typing import Literal
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from ..contact import load_of
+from ..geometry import Meshing
+from ..mechanism import Mechanism, Scalar, Stage
+from ._chains import (
+    Chains,
+    Control,
+    Flanks,
+    State,
+    deflection_of,
+    load_and_offset,
+    stored_energy,
+)
+from ._equilibrium import Equilibrium, equilibrium, response
+from ._ladder import control_column
+from ._stage_chains import UNITS, StageChains, sharing_of, stage_chains, with_units
+
+
+class SideLoads(eqx.Module):
+    """Loads between rollers and screw, or rollers and nut; a row for each class of rollers."""
+
+    #: Axial load on the flanks that a positive load presses [N].
+    forward: Float[Array, "classes threads"]
+    #: Axial load on the opposite flanks [N]; `None` where they are not modelled.
+    reverse: Float[Array, "classes threads"] | None
+    #: Largest Hertz pressure of each thread [Pa].
+    max_pressure: Float[Array, "classes threads"]
+    #: Axial secant stiffness of one roller of each class, its threads in parallel [N/m].
+    stiffness: Float[Array, " classes"]
+    #: How many rollers each class stands for.
+    weight: Float[Array, " classes"]
+
+    @property
+    def thread_load(self) -> Float[Array, "classes threads"]:
+        """Axial load on each thread, on whichever flank [N]."""
+        return self.forward if self.reverse is None else self.forward + self.reverse
+
+    @property
+    def roller_load(self) -> Float[Array, " classes"]:
+        """Axial load that one roller of each class carries [N]."""
+        net = self.forward if self.reverse is None else self.forward - self.reverse
+        return jnp.sum(net, axis=1)
+
+    @property
+    def roller_stiffness(self) -> Scalar:
+        """Axial secant stiffness of one nominal roller (the first class) [N/m]."""
+        return self.stiffness[0]
+
+    @property
+    def thread_sharing_factor(self) -> Scalar:
+        """Largest load of a thread over the mean of all; 1 without load."""
+        load = self.thread_load
+        mean = jnp.sum(self.weight[:, None] * load) / (jnp.sum(self.weight) * load.shape[1])
+        return _ratio(jnp.max(load), mean)
+
+    @property
+    def roller_sharing_factor(self) -> Scalar:
+        """Largest load of a roller over the mean of all; 1 without load."""
+        load = self.roller_load
+        mean = jnp.abs(jnp.sum(self.weight * load)) / jnp.sum(self.weight)
+        return _ratio(jnp.max(jnp.abs(load)), mean)
+
+
+def _ratio(part: Scalar, whole: Scalar) -> Scalar:
+    loaded = whole > 0
+    return jnp.where(loaded, part / jnp.where(loaded, whole, 1.0), 1.0)
+
+
+class LoadDistribution(eqx.Module):
+    """How a stage shares an axial load among its threads and rollers.
+
+    Threads count from the end of the nut where the screw's force enters. A positive load presses
+    the forward flanks.
+    """
+
+    screw: SideLoads
+    nut: SideLoads
+    load: Scalar
+    #: Travel of screw towards nut from where nominal forward flanks touch, at their ends [m].
+    deflection: Scalar
+    #: Tangent stiffness between screw and nut dF/dx, shafts and teeth included [N/m].
+    tangent_stiffness: Scalar
+    #: Force in the spacer of a split nut [N]; `None` for a nut in one piece.
+    spacer_force: Scalar | None
+    chains: Chains
+    equilibrium: Equilibrium
+    #: Whether threads mesh, and the balance was found.
+    converged: Bool[Array, ""]
+    #: Numbers of the rollers of each class, from 1.
+    rollers: tuple[tuple[int, ...], ...] = eqx.field(static=True)
+
+    @property
+    def secant_stiffness(self) -> Scalar:
+        """Load over deflection [N/m]; 0 without deflection."""
+        moved = self.deflection != 0
+        return jnp.where(moved, self.load / jnp.where(moved, self.deflection, 1.0), 0.0)
+
+    @property
+    def max_pressure(self) -> Scalar:
+        """Largest Hertz pressure of all threads on both sides [Pa]."""
+        return jnp.maximum(jnp.max(self.screw.max_pressure), jnp.max(self.nut.max_pressure))
+
+    @property
+    def stored_energy(self) -> Scalar:
+        """Elastic energy in contacts, teeth and shafts [J]."""
+        return stored_energy(self.chains, self.equilibrium.state, self.load)
+
+    def worst_thread(self, side: Literal["screw", "nut"]) -> tuple[Array, Array]:
+        """Class (from 0) and thread (from 1) with the largest pressure on a side."""
+        pressure = getattr(self, side).max_pressure
+        place = jnp.argmax(pressure)
+        threads = pressure.shape[1]
+        return place // threads, place % threads + 1
+
+    def by_roller(
+        self, values: Float[Array, "classes *rest"]
+    ) -> tuple[tuple[int, ...], Float[Array, "rollers *rest"]]:
+        """Rows per class as rows per roller: the numbers of the rollers, and their rows."""
+        owner = {n: index for index, numbers in enumerate(self.rollers) for n in numbers}
+        numbers = tuple(sorted(owner))
+        return numbers, values[jnp.asarray([owner[n] for n in numbers])]
+
+
+def _positive_root(value: Array) -> Array:
+    """Cube root of loads; 0, with derivative 0, where there is none."""
+    loaded = value > 0
+    return jnp.where(loaded, jnp.cbrt(jnp.where(loaded, value, 1.0)), 0.0)
+
+
+def _stiffness(force: Array, flanks: Flanks) -> Array:
+    """Secant stiffness f/δ of each thread; 0 without load."""
+    root = _positive_root(force)
+    assert flanks.hertz is not None
+    soft = flanks.hertz if flanks.tooth is None else flanks.hertz + flanks.tooth * root
+    return root / soft
+
+
+def _side(whole: StageChains, side: Literal["screw", "nut"], state: State) -> SideLoads:
+    flanks: Flanks = getattr(whole.chains, side)
+    wedge = 0.0 if state.wedge is None else state.wedge[:, None]
+    if side == "screw":
+        forward, reverse = flanks.loads(state.screw_approach, wedge)
+    else:
+        forward, reverse = flanks.loads(state.nut_approach, -wedge)
+    unit, normal = getattr(whole, f"{side}_unit_contact"), getattr(whole, f"{side}_normal")
+    stiffness = _stiffness(forward, flanks)
+    largest = forward
+    if reverse is not None:
+        stiffness = stiffness + _stiffness(reverse, flanks)
+        largest = jnp.maximum(forward, reverse)
+    return SideLoads(
+        forward=forward,
+        reverse=reverse,
+        max_pressure=unit.max_pressure * _positive_root(largest * normal),
+        stiffness=jnp.sum(stiffness, axis=1),
+        weight=whole.chains.weight,
+    )
+
+
+def tangent_stiffness(chains: Chains, state: State, load: Scalar) -> Scalar:
+    """Stiffness between the ends where screw and nut are loaded, dF/dx [N/m]."""
+    column = control_column(chains, state, "deflection")
+    unloaded = None if state.wedge is None else jnp.zeros_like(state.wedge)
+    right = eqx.tree_at(
+        lambda s: (s.wedge, s.control), column, (unloaded, None), is_leaf=lambda x: x is None
+    )
+    change = response(chains, state, "load", load, jax.tree.map(jnp.negative, right))
+    pairs = zip(jax.tree.leaves(right), jax.tree.leaves(change), strict=True)
+    own = jnp.asarray(column.control)
+    return -1 / sum((jnp.sum(a * b) for a, b in pairs), own)
+
+
+def braced(whole: StageChains, stage: Stage) -> StageChains:
+    """With the offset of the spacer that makes the preload, where a preload is given."""
+    split = sharing_of(stage).split_nut
+    if split is None or split.preload is None:
+        return whole
+    chains = with_units(whole.chains, preload=split.preload)
+    found = equilibrium(_units_of(whole.chains, chains), split.preload, "preload")
+    return eqx.tree_at(
+        lambda w: (w.chains.offset, w.meshing_converged),
+        whole,
+        (found.state.control, whole.meshing_converged & found.converged),
+        is_leaf=lambda x: x is None,
+    )
+
+
+def _units_of(chains: Chains, units: Chains) -> Chains:
+    return eqx.tree_at(UNITS, chains, UNITS(units))
+
+
+def balanced(whole: StageChains, value: Scalar, control: Control = "load") -> LoadDistribution:
+    """The distribution of a load, or of a deflection, in chains that are braced already."""
+    prescribed = {control: value}
+    chains = _units_of(whole.chains, with_units(whole.chains, **prescribed))
+    found = equilibrium(chains, value, control)
+    load, offset = load_and_offset(chains, found.state, control, value)
+    state = found.state
+    spacer = None
+    if chains.split is not None:
+        spacer = state.nut_force[chains.split]
+        if chains.same_end:
+            spacer = spacer - load
+    whole = eqx.tree_at(lambda w: w.chains, whole, chains)
+    free = eqx.tree_at(lambda s: s.control, state, None, is_leaf=lambda x: x is None)
+    return LoadDistribution(
+        screw=_side(whole, "screw", state),
+        nut=_side(whole, "nut", state),
+        load=load,
+        deflection=deflection_of(chains, state, load, offset),
+        tangent_stiffness=tangent_stiffness(chains, free, load),
+        spacer_force=spacer,
+        chains=chains,
+        equilibrium=found,
+        converged=found.converged & whole.meshing_converged,
+        rollers=whole.rollers,
+    )
+
+
+def stage_load_distribution(
+    stage: Stage, load: Scalar, meshing: Meshing | None = None
+) -> LoadDistribution:
+    """How a stage shares an axial load.
+
+    **Arguments:**
+
+    - `stage`: the stage; needs `load_sharing`, materials, and sections or segment stiffnesses.
+    - `load`: axial load [N]. Its sign counts only where reverse flanks are modelled (`backlash`,
+      `split_nut`).
+    - `meshing`: its meshing, if known already.
+
+    **Raises:** `MissingDataError` if data are missing.
+    """
+    if not sharing_of(stage).has_reverse_flanks:
+        load = jnp.abs(load)
+    return balanced(braced(stage_chains(stage, meshing), stage), load)
+
+
+def load_distribution(
+    mechanism: Mechanism, load: float | Scalar | None = None, *, stage: int = 1
+) -> LoadDistribution:
+    """How the threads and rollers of one stage share the axial load.
+
+    Chains of screw, rollers and nut with one node per engaged thread; between them thread teeth
+    and Hertz contacts, which only press. Differentiable in forward and reverse mode through the
+    set of threads that touch, and vmappable.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism; the stage needs `load_sharing`.
+    - `load`: axial load [N]; default that of the operating point. Its sign counts only where
+      reverse flanks are modelled (`backlash`, `split_nut`).
+    - `stage`: which stage, counted from 1. Each carries the whole load.
+
+    **Returns:** a `LoadDistribution`; `converged` tells whether it may be used.
+
+    **Raises:** `MissingDataError` if data are missing; `ValueError` for a stage that is not there.
+    """
+    chosen = stage_at(mechanism, stage)
+    return stage_load_distribution(chosen, load_of(mechanism, load))
+
+
+def stage_at(mechanism: Mechanism, stage: int) -> Stage:
+    """One stage by its number.
+
+    **Raises:** `ValueError` for a stage that is not there.
+    """
+    if not 1 <= stage <= len(mechanism.stages):
+        raise ValueError(f"stage is {stage}; the mechanism has stages 1 to {len(mechanism.stages)}")
+    return mechanism.stages[stage - 1]

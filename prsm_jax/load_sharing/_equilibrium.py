@@ -1,0 +1,284 @@
+r"""Equilibrium of the chains: Newton on a convex energy, with implicit derivatives.
+
+The unknowns satisfy the linear equations (closing of the meshes) after the first step and then for
+good; along a step $(\Delta q, \Delta Q)$ the energy has the slope $r_q(t)\cdot\Delta q$, which
+never falls, so a step that overshoots is cut where that slope is small. A film far softer than any
+contact keeps loose teeth in place, so that the energy is strictly convex.
+"""
+
+import functools
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Int
+
+from ..mechanism import Scalar
+from ._chains import (
+    Chains,
+    Control,
+    State,
+    Teeth,
+    balance,
+    forces_and_slopes,
+    residual,
+)
+from ._flank_law import flank_approach
+from ._ladder import solve_linear
+
+#: What a step may leave of the energy's slope along it.
+_SLOPE_LEFT = 0.5
+_MOST_CUTS = 60
+#: Share of the typical force that the film may take before the result code says so.
+_FILM_SHARE = 1e-4
+
+
+class Equilibrium(eqx.Module):
+    """Unknowns in equilibrium, and how they were found."""
+
+    state: State
+    #: Largest unbalanced force over the largest force [1].
+    error: Scalar
+    steps: Int[Array, ""]
+    #: Result code: 0 in balance, 1 steps used up, 2 not finite, 3 in balance only with the film
+    #: (loads so small against play and errors that no precision is left).
+    result: Int[Array, ""]
+
+    @property
+    def converged(self) -> Bool[Array, ""]:
+        """Whether the residual reached its tolerance."""
+        return self.result == 0
+
+
+class _Point(NamedTuple):
+    """A state with the forces and slopes of its teeth and what they leave over."""
+
+    state: State
+    screw: Teeth
+    nut: Teeth
+    left: State
+
+
+def default_tolerance(dtype) -> float:
+    """Tolerance on the residual that a precision can reach with some room."""
+    return 1e-12 if dtype == jnp.float64 else 1e-5
+
+
+def _point(chains: Chains, state: State, control: Control, value: Scalar) -> _Point:
+    screw, nut = forces_and_slopes(chains, state)
+    return _Point(state, screw, nut, balance(chains, state, control, value, screw, nut))
+
+
+def _moved(state: State, step: State, share: Scalar) -> State:
+    return jax.tree.map(lambda a, b: a + share * b, state, step)
+
+
+def _energy_slope(left: State, step: State) -> Scalar:
+    along = jnp.sum(left.screw_approach * step.screw_approach)
+    along = along + jnp.sum(left.approach * step.approach)
+    return along if left.wedge is None else along + jnp.sum(left.wedge * step.wedge)
+
+
+def _start(chains: Chains, control: Control, value: Scalar) -> State:
+    """Balance of a network of linear springs that hold both ways, of a typical stiffness."""
+    zero = jnp.zeros_like(value)
+    count = chains.screw.gap.shape[1]
+    classes = chains.weight.shape[0]
+    nothing = State(
+        jnp.zeros((classes, count), zero.dtype),
+        jnp.zeros((count,), zero.dtype),
+        jnp.zeros((classes, count - 1), zero.dtype),
+        jnp.zeros((count - 1,), zero.dtype),
+        None if chains.screw.reverse_gap is None else jnp.zeros((classes,), zero.dtype),
+        None if control == "load" else zero,
+    )
+    sense = jnp.sign(value) if control == "load" and chains.split is None else zero
+
+    def spring(flanks):
+        unit = jnp.broadcast_to(chains.force_unit, flanks.gap.shape)
+        stiffness = unit / flank_approach(unit, flanks.hertz, flanks.tooth)
+        centre = flanks.centre
+        if flanks.reverse_gap is not None:
+            centre = centre + sense * (flanks.gap + flanks.reverse_gap) / 2
+        even = None if flanks.reverse_gap is None else jnp.zeros_like(unit)
+        return Teeth(-stiffness * centre, stiffness, even, even)
+
+    screw, nut = spring(chains.screw), spring(chains.nut)
+    left = balance(chains, nothing, control, value, screw, nut)
+    right = jax.tree.map(jnp.negative, left)
+    return _moved(
+        nothing,
+        solve_linear(chains, (screw, nut), control, right),
+        jnp.ones_like(value),
+    )
+
+
+def _error(chains: Chains, point: _Point) -> Scalar:
+    """Largest unbalanced force, and largest gap in a closed mesh, over the largest there are."""
+    tiny = jnp.finfo(point.state.approach.dtype)
+    state, left = point.state, point.left
+    weight = chains.weight[:, None]
+    forces = [
+        weight * point.screw.force,
+        weight * point.nut.force,
+        state.roller_force,
+        state.nut_force,
+    ]
+    largest = jnp.maximum(_largest(forces), 1e-3 * chains.force_unit)
+    # Rounding of an approach, by which a stiff tooth's force cannot be known better.
+    round_screw = weight * point.screw.slope * _magnitude(chains.screw, state.screw_approach)
+    round_nut = (
+        weight
+        * point.nut.slope
+        * (_magnitude(chains.nut, state.nut_approach) + jnp.abs(state.screw_approach))
+    )
+    allowed = 4 * tiny.eps
+    over = [
+        jnp.abs(left.screw_approach) - allowed * (round_screw + round_nut),
+        jnp.abs(left.approach) - allowed * jnp.sum(round_nut, axis=0),
+    ]
+    if left.wedge is not None:
+        over.append(jnp.abs(left.wedge) - allowed * jnp.sum(round_screw + round_nut, axis=1))
+    unbalanced = _largest([jnp.maximum(x, 0.0) for x in over]) / largest
+    lengths = [
+        state.screw_approach,
+        state.approach,
+        chains.screw_segment * largest,
+        chains.nut_segment * largest,
+        chains.roller_segment * largest,
+    ]
+    longest = jnp.maximum(_largest(lengths), tiny.tiny)
+    open_ = _largest([left.roller_force, left.nut_force]) / longest
+    return jnp.maximum(unbalanced, open_)
+
+
+def _held_by_film(chains: Chains, state: State) -> Bool[Array, ""]:
+    """Whether the film takes a noticeable part of the typical force."""
+    away = [state.screw_approach - chains.screw.centre, state.nut_approach - chains.nut.centre]
+    return chains.film * _largest(away) > _FILM_SHARE * chains.force_unit
+
+
+def _magnitude(flanks, approach):
+    return jnp.abs(approach) + jnp.abs(flanks.gap)
+
+
+def _largest(arrays) -> Scalar:
+    sizes = [jnp.max(jnp.abs(array), initial=0.0) for array in arrays]
+    return jnp.max(jnp.stack(sizes))
+
+
+def _cut(chains: Chains, start: _Point, step: State, control: Control, value: Scalar) -> _Point:
+    """The point after a step, cut by false position and bisection where it overshoots."""
+    first = _energy_slope(start.left, step)
+    one = jnp.ones_like(value)
+
+    def at(share):
+        point = _point(chains, _moved(start.state, step, share), control, value)
+        return point, _energy_slope(point.left, step)
+
+    def goes_on(carry):
+        _, slope, lower, upper, _, count = carry
+        outside = (slope > _SLOPE_LEFT * jnp.abs(first)) | (
+            (slope < -_SLOPE_LEFT * jnp.abs(first)) & (count > 0)
+        )
+        return outside & (first < 0) & (count < _MOST_CUTS) & (upper[0] > lower[0])
+
+    def closer(carry):
+        _, slope, lower, upper, share, count = carry
+        right = slope > 0
+        lower = jax.tree.map(lambda a, b: jnp.where(right, a, b), lower, (share, slope))
+        upper = jax.tree.map(lambda a, b: jnp.where(right, b, a), upper, (share, slope))
+        (low, low_slope), (high, high_slope) = lower, upper
+        secant = low + (high - low) * low_slope / (low_slope - high_slope)
+        # A tooth that has just closed is stiffer by orders than the film: search by decades too.
+        half = jnp.where(low > 0, (low + high) / 2, high / 10)
+        share = jnp.where(count % 2 == 0, secant, half)
+        point, slope = at(share)
+        return point, slope, lower, upper, share, count + 1
+
+    point, slope = at(one)
+    carry = (point, slope, (jnp.zeros_like(one), first), (one, slope), one, 0)
+    return jax.lax.while_loop(goes_on, closer, carry)[0]
+
+
+def _search(
+    chains: Chains, control: Control, value: Scalar, tolerance: float, max_steps: int
+) -> tuple[State, Scalar, Scalar]:
+    first = _point(chains, _start(chains, control, value), control, value)
+
+    def goes_on(carry):
+        _, error, count = carry
+        return (error > tolerance) & (count < max_steps)
+
+    def step(carry):
+        point, _, count = carry
+        right = jax.tree.map(jnp.negative, point.left)
+        change = solve_linear(chains, (point.screw, point.nut), control, right)
+        point = _cut(chains, point, change, control, value)
+        return point, _error(chains, point), count + 1
+
+    carry = (first, _error(chains, first), jnp.zeros_like(value))
+    point, error, count = jax.lax.while_loop(goes_on, step, carry)
+    return point.state, error, count
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1, 2))
+def _find(control, tolerance, max_steps, chains, value):
+    return _search(chains, control, value, tolerance, max_steps)
+
+
+@_find.defjvp
+def _find_jvp(control, tolerance, max_steps, primals, tangents):
+    chains, value = primals
+    state, error, count = _find(control, tolerance, max_steps, chains, value)
+    _, moved = jax.jvp(lambda c, v: residual(c, state, control, v), primals, tangents)
+    change = response(chains, state, control, value, jax.tree.map(jnp.negative, moved))
+    zero = jnp.zeros_like(error)
+    return (state, error, count), (change, zero, zero)
+
+
+def response(chains: Chains, state: State, control: Control, value: Scalar, right: State) -> State:
+    """Change of the unknowns for a right-hand side of the linearised balance, differentiable.
+
+    The system is symmetric, so reverse mode solves it with the same elimination.
+    """
+
+    def linear(change):
+        return jax.jvp(lambda s: residual(chains, s, control, value), (state,), (change,))[1]
+
+    def solve(_, vector):
+        return solve_linear(chains, forces_and_slopes(chains, state), control, vector)
+
+    return jax.lax.custom_linear_solve(linear, right, solve, symmetric=True)
+
+
+def equilibrium(
+    chains: Chains,
+    value: Scalar,
+    control: Control = "load",
+    *,
+    tolerance: float | None = None,
+    max_steps: int = 60,
+) -> Equilibrium:
+    """Find the state in which all threads balance.
+
+    **Arguments:**
+
+    - `chains`: the chains.
+    - `value`: what is prescribed: axial load [N], deflection [m], or force in the spacer [N].
+    - `control`: which of them.
+    - `tolerance`: on the unbalanced force over the largest force; default 1e-12 (1e-5 in single
+      precision). Rounding of approaches is allowed on top.
+    - `max_steps`: Newton steps allowed.
+
+    **Returns:** an `Equilibrium`, differentiable in `chains` and `value` in either mode; in a
+    trace its `result` tells whether it may be used.
+    """
+    if tolerance is None:
+        tolerance = default_tolerance(value.dtype)
+    state, error, count = _find(control, tolerance, max_steps, chains, value)
+    finite = jnp.isfinite(error)
+    result = jnp.where(_held_by_film(chains, state), 3, 0)
+    result = jnp.where(finite, jnp.where(error <= tolerance, result, 1), 2)
+    return Equilibrium(state, error, count.astype(jnp.int32), result.astype(jnp.int32))

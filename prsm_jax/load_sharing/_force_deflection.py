@@ -1,0 +1,71 @@
+"""The force–deflection curve of a nut, with its backlash or preload."""
+
+from collections.abc import Sequence
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from ..mechanism import Mechanism
+from ._distribution import balanced, braced, stage_at
+from ._stage_chains import sharing_of, stage_chains
+
+
+class ForceDeflection(eqx.Module):
+    """Axial load over deflection of one stage, point by point."""
+
+    #: [N]
+    load: Float[Array, " points"]
+    #: Travel of screw towards nut from where nominal forward flanks touch [m].
+    deflection: Float[Array, " points"]
+    #: dF/dx [N/m].
+    tangent_stiffness: Float[Array, " points"]
+    #: Elastic energy stored in contacts, teeth and shafts [J].
+    stored_energy: Float[Array, " points"]
+    converged: Bool[Array, " points"]
+
+
+def force_deflection(
+    mechanism: Mechanism,
+    loads: Float[Array, " points"] | Sequence[float] | None = None,
+    *,
+    deflections: Float[Array, " points"] | Sequence[float] | None = None,
+    stage: int = 1,
+) -> ForceDeflection:
+    """Force–deflection curve of the nut of one stage, at given loads or given deflections.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism; the stage needs `load_sharing`, and for negative loads
+      `backlash` or `split_nut`.
+    - `loads`: axial loads [N].
+    - `deflections`: travels of screw towards nut instead [m].
+    - `stage`: which stage, counted from 1.
+
+    **Raises:** `ValueError` unless exactly one of `loads` and `deflections` is given, or for a
+    stage that is not there; `MissingDataError` if data are missing.
+    """
+    if (loads is None) == (deflections is None):
+        raise ValueError("give either loads or deflections")
+    chosen = stage_at(mechanism, stage)
+    dtype = chosen.thread.lead.dtype
+    whole = braced(stage_chains(chosen), chosen)
+    if loads is not None:
+        values, control = jnp.asarray(loads, dtype), "load"
+        if not sharing_of(chosen).has_reverse_flanks:
+            values = jnp.abs(values)
+    else:
+        values, control = jnp.asarray(deflections, dtype), "deflection"
+
+    def point(value):
+        found = balanced(whole, value, control)
+        return ForceDeflection(
+            found.load,
+            found.deflection,
+            found.tangent_stiffness,
+            found.stored_energy,
+            found.converged,
+        )
+
+    return jax.vmap(point)(values)

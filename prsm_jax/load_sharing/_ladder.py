@@ -1,0 +1,357 @@
+"""Linear response of the chains: elimination from the first thread to the last.
+
+What hangs below a segment acts on the next thread like one stiffness matrix A; a segment in series
+turns it into (A⁻¹ + C)⁻¹ = A (I + C A)⁻¹, which is regular from rigid segments to no shaft at all.
+All matrices are those of spring networks, so elimination needs no pivoting.
+"""
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ._chains import Chains, Control, State, Teeth
+
+#: Up to here a thread's matrix is written out number by number, which is fast in batches.
+_LARGEST = 4
+
+
+def _inverse(matrix: list[list]) -> list[list]:
+    """Inverse of a small matrix by Gauss and Jordan, in place and without pivoting."""
+    size = range(len(matrix))
+    rows = [list(row) for row in matrix]
+    for k in size:
+        pivot = 1 / rows[k][k]
+        rows[k] = [pivot if j == k else rows[k][j] * pivot for j in size]
+        for i in size:
+            if i != k:
+                factor = rows[i][k]
+                rows[i] = [
+                    -factor * pivot if j == k else rows[i][j] - factor * rows[k][j] for j in size
+                ]
+    return rows
+
+
+def _inverse_array(matrix: Float[Array, "n n"]) -> Float[Array, "n n"]:
+    """As `_inverse`, row by row of an array."""
+    size = matrix.shape[-1]
+    for k in range(size):
+        pivot = 1 / matrix[k, k]
+        here = jnp.arange(size) == k
+        row = jnp.where(here, pivot, matrix[k] * pivot)
+        factor = jnp.where(here, 0.0, matrix[:, k])
+        rest = jnp.where(here[None, :], 0.0, matrix)
+        matrix = jnp.where(here[:, None], row[None, :], rest - factor[:, None] * row[None, :])
+    return matrix
+
+
+class _Numbers:
+    """Matrices as lists of numbers: each operation runs over the whole batch."""
+
+    @staticmethod
+    def thread(screw, nut):
+        """Stiffness matrix of one thread on (d₁ …, D)."""
+        count = len(screw)
+        zero = jnp.zeros_like(nut[0])
+        rows = [[screw[i] + nut[i] if i == j else zero for j in range(count)] for i in range(count)]
+        rows = [[*row, -nut[i]] for i, row in enumerate(rows)]
+        return [*rows, [*(-b for b in nut), sum(nut[1:], nut[0])]]
+
+    @staticmethod
+    def split(values):
+        return [values[i] for i in range(values.shape[0])]
+
+    @staticmethod
+    def zero(size, like):
+        return [[jnp.zeros_like(like)] * size for _ in range(size)]
+
+    @staticmethod
+    def zeros(size, like):
+        return [jnp.zeros_like(like)] * size
+
+    @staticmethod
+    def plus(first, second):
+        return [
+            [a + b for a, b in zip(x, y, strict=True)] for x, y in zip(first, second, strict=True)
+        ]
+
+    @staticmethod
+    def add(first, second):
+        return [a + b for a, b in zip(first, second, strict=True)]
+
+    @staticmethod
+    def less(first, second):
+        return [a - b for a, b in zip(first, second, strict=True)]
+
+    @staticmethod
+    def times(matrix, vector):
+        return [
+            sum((a * b for a, b in zip(row[1:], vector[1:], strict=True)), row[0] * vector[0])
+            for row in matrix
+        ]
+
+    @staticmethod
+    def times_transposed(matrix, vector):
+        return _Numbers.times([list(column) for column in zip(*matrix, strict=True)], vector)
+
+    @staticmethod
+    def along(gamma, screw, vector):
+        """C x = c_s 1 (1·x) + Γ x."""
+        total = screw * sum(vector[1:], vector[0])
+        return [g * x + total for g, x in zip(gamma, vector, strict=True)]
+
+    @staticmethod
+    def solve(matrix, vector):
+        return _Numbers.times(_inverse(matrix), vector)
+
+    @staticmethod
+    def series(matrix, gamma, screw):
+        """(I + C A)⁻¹ and A (I + C A)⁻¹."""
+        size = range(len(matrix))
+        ones = [[gamma[i] * matrix[i][j] + (1.0 if i == j else 0.0) for j in size] for i in size]
+        inverse = _inverse(ones)
+        reduced = [[None] * len(matrix) for _ in size]
+        for i in size:
+            for j in range(i, len(matrix)):
+                column = [inverse[k][j] for k in size]
+                reduced[i][j] = reduced[j][i] = _Numbers.times([matrix[i]], column)[0]
+        ground = [sum(row[1:], row[0]) for row in reduced]
+        widened = [sum(row[1:], row[0]) for row in inverse]
+        share = screw / (1 + screw * sum(ground[1:], ground[0]))
+        inverse = [[inverse[i][j] - share * widened[i] * ground[j] for j in size] for i in size]
+        reduced = [[reduced[i][j] - share * ground[i] * ground[j] for j in size] for i in size]
+        return inverse, reduced
+
+
+class _Arrays:
+    """The same with arrays, for more classes of rollers than can be written out."""
+
+    @staticmethod
+    def thread(screw, nut):
+        inner = jnp.diag(screw + nut)
+        below = jnp.concatenate([-nut, jnp.sum(nut)[None]])
+        return jnp.concatenate(
+            [jnp.concatenate([inner, -nut[:, None]], axis=1), below[None, :]], axis=0
+        )
+
+    @staticmethod
+    def split(values):
+        return values
+
+    @staticmethod
+    def zero(size, like):
+        return jnp.zeros((size, size), like.dtype)
+
+    @staticmethod
+    def zeros(size, like):
+        return jnp.zeros((size,), like.dtype)
+
+    @staticmethod
+    def plus(first, second):
+        return first + second
+
+    @staticmethod
+    def add(first, second):
+        return first + second
+
+    @staticmethod
+    def less(first, second):
+        return first - second
+
+    @staticmethod
+    def times(matrix, vector):
+        return jnp.sum(matrix * vector[None, :], axis=1)
+
+    @staticmethod
+    def times_transposed(matrix, vector):
+        return jnp.sum(matrix * vector[:, None], axis=0)
+
+    @staticmethod
+    def along(gamma, screw, vector):
+        return gamma * vector + screw * jnp.sum(vector)
+
+    @staticmethod
+    def solve(matrix, vector):
+        return _Arrays.times(_inverse_array(matrix), vector)
+
+    @staticmethod
+    def series(matrix, gamma, screw):
+        size = matrix.shape[-1]
+        inverse = _inverse_array(jnp.eye(size, dtype=matrix.dtype) + gamma[:, None] * matrix)
+        reduced = matrix @ inverse
+        reduced = (reduced + reduced.T) / 2
+        ground, widened = jnp.sum(reduced, axis=1), jnp.sum(inverse, axis=1)
+        share = screw / (1 + screw * jnp.sum(ground))
+        inverse = inverse - share * widened[:, None] * ground[None, :]
+        return inverse, reduced - share * ground[:, None] * ground[None, :]
+
+
+def _columns(per_class: Float[Array, "classes n"], last: Float[Array, " n"]):
+    """Rows per thread from rows per class: (d₁ …, D) at every thread [threads, classes + 1]."""
+    return jnp.concatenate([per_class, last[None, :]], axis=0).T
+
+
+def _eliminate(chains: Chains, teeth: tuple[Teeth, Teeth], rights: list[State]) -> list[State]:
+    """Solve K Δq_i − ΔQ_i + ΔQ_{i−1} = y_i, Δq_{i+1} − Δq_i − C ΔQ_i = z_i without control."""
+    screw, nut = (chains.weight[:, None] * side.slope for side in teeth)
+    size = screw.shape[0] + 1
+    kit = _Numbers if size <= _LARGEST else _Arrays
+    gamma = _columns(chains.roller_segment[None, :] / chains.weight[:, None], chains.nut_segment)
+    forces = [_columns(right.screw_approach, right.approach) for right in rights]
+    meshes = [_columns(right.roller_force, right.nut_force) for right in rights]
+    like = screw[0, 0]
+
+    def joined(below, screw_row, nut_row, force_rows):
+        matrix, carried = below
+        matrix = kit.plus(kit.thread(kit.split(screw_row), kit.split(nut_row)), matrix)
+        return matrix, [
+            kit.less(one, kit.split(row)) for one, row in zip(carried, force_rows, strict=True)
+        ]
+
+    def up(below, thread):
+        screw_row, nut_row, force_rows, mesh_rows, gamma_row, segment = thread
+        matrix, carried = joined(below, screw_row, nut_row, force_rows)
+        inverse, reduced = kit.series(matrix, kit.split(gamma_row), segment)
+        above = [
+            kit.times_transposed(inverse, kit.less(one, kit.times(matrix, kit.split(row))))
+            for one, row in zip(carried, mesh_rows, strict=True)
+        ]
+        return (reduced, above), (matrix, inverse, carried)
+
+    def down(above, thread):
+        (matrix, inverse, carried), mesh_rows, gamma_row, segment = thread
+        changes, inner = [], []
+        for one, row, change in zip(carried, mesh_rows, above, strict=True):
+            along = kit.along(kit.split(gamma_row), segment, one)
+            here = kit.times(inverse, kit.less(kit.less(change, kit.split(row)), along))
+            changes.append(here)
+            inner.append(kit.add(kit.times(matrix, here), one))
+        return changes, (changes, inner)
+
+    nothing = (kit.zero(size, like), [kit.zeros(size, like) for _ in rights])
+    segments = (gamma, chains.screw_segment)
+    rows = (screw.T[:-1], nut.T[:-1], [force[:-1] for force in forces], meshes, *segments)
+    below, kept = jax.lax.scan(up, nothing, rows)
+    matrix, carried = joined(below, screw[:, -1], nut[:, -1], [force[-1] for force in forces])
+    last = [kit.solve(matrix, [-x for x in one] if kit is _Numbers else -one) for one in carried]
+    _, (changes, inner) = jax.lax.scan(down, last, (kept, meshes, *segments), reverse=True)
+    return [
+        _state(kit, change, end, force)
+        for change, end, force in zip(changes, last, inner, strict=True)
+    ]
+
+
+def _state(kit, changes, last, inner) -> State:
+    if kit is _Numbers:
+        changes, last, inner = jnp.stack(changes), jnp.stack(last), jnp.stack(inner)
+    else:
+        changes, inner = changes.T, inner.T
+    whole = jnp.concatenate([changes, last[:, None]], axis=1)
+    return State(whole[:-1], whole[-1], inner[:-1], inner[-1])
+
+
+def control_column(chains: Chains, state: State, control: Control) -> State:
+    """Derivative of the balance to the unknown load or offset; its own row as well."""
+    zeros = bare(jax.tree.map(jnp.zeros_like, state))
+    segment, nut = chains.screw_segment, chains.nut_segment
+    if control == "preload":
+        assert chains.split is not None
+        return State(
+            zeros.screw_approach,
+            zeros.approach,
+            zeros.roller_force,
+            zeros.nut_force.at[chains.split].set(1.0),
+            control=jnp.zeros_like(chains.film),
+        )
+    closing = segment + nut if chains.same_end else segment
+    return State(
+        zeros.screw_approach,
+        zeros.approach.at[-1].set(-1.0),
+        jnp.broadcast_to(segment, zeros.roller_force.shape),
+        closing,
+        control=-jnp.sum(closing),
+    )
+
+
+def _inner_product(first: State, second: State) -> Array:
+    pairs = (
+        (first.screw_approach, second.screw_approach),
+        (first.approach, second.approach),
+        (first.roller_force, second.roller_force),
+        (first.nut_force, second.nut_force),
+    )
+    return sum((jnp.sum(a * b) for a, b in pairs[1:]), jnp.sum(pairs[0][0] * pairs[0][1]))
+
+
+def _wedge_columns(chains: Chains, teeth: tuple[Teeth, Teeth], like: State):
+    """Derivatives of the balance to the wedge of each class, and of the wedges to themselves."""
+    screw, nut = teeth
+    columns, own = [], []
+    for index in range(chains.weight.shape[0]):
+        here = (jnp.arange(chains.weight.shape[0]) == index).astype(like.approach.dtype)
+        weight = (chains.weight * here)[:, None]
+        columns.append(
+            State(
+                -weight * (screw.lean + nut.lean),
+                jnp.sum(weight * nut.lean, axis=0),
+                jnp.zeros_like(like.roller_force),
+                jnp.zeros_like(like.nut_force),
+            )
+        )
+        # The film moves with the teeth, not with their flanks.
+        stiff = jnp.sum(screw.slope[index] + nut.slope[index] - 2 * chains.film) + chains.guide
+        own.append(chains.weight[index] * stiff)
+    return columns, own
+
+
+def solve_linear(
+    chains: Chains, teeth: tuple[Teeth, Teeth], control: Control, right: State
+) -> State:
+    """Solve the linearised balance for a right-hand side.
+
+    **Arguments:**
+
+    - `chains`: the chains.
+    - `teeth`: slopes of the teeth of one roller per class, screw side and nut side.
+    - `control`: what is prescribed.
+    - `right`: right-hand side, in the layout of the residual.
+    """
+    columns, own, wanted = [], [], []
+    if right.wedge is not None:
+        columns, own = _wedge_columns(chains, teeth, right)
+        wanted = [right.wedge[i] for i in range(right.wedge.shape[0])]
+    if control != "load":
+        column = control_column(chains, right, control)
+        columns, own = [*columns, column], [*own, column.control]
+        wanted = [*wanted, right.control]
+    plain, *responses = _eliminate(chains, teeth, [right, *columns])
+    if not columns:
+        return plain
+    # What couples to everything at once: a small dense system after the elimination.
+    matrix = [[-_inner_product(one, other) for other in responses] for one in columns]
+    for index, value in enumerate(own):
+        matrix[index][index] = matrix[index][index] + value
+    vector = [
+        value - _inner_product(one, plain) for value, one in zip(wanted, columns, strict=True)
+    ]
+    if len(columns) <= _LARGEST:
+        extra = _Numbers.solve(matrix, vector)
+    else:
+        square = jnp.stack([jnp.stack(row) for row in matrix])
+        extra = list(_Arrays.solve(square, jnp.stack(vector)))
+    moved = bare(plain)
+    for share, response in zip(extra, responses, strict=True):
+        moved = jax.tree.map(lambda a, b, c=share: a - c * b, moved, bare(response))
+    wedges = len(columns) - (control != "load")
+    return State(
+        moved.screw_approach,
+        moved.approach,
+        moved.roller_force,
+        moved.nut_force,
+        jnp.stack(extra[:wedges]) if wedges else None,
+        None if control == "load" else extra[-1],
+    )
+
+
+def bare(state: State) -> State:
+    """The unknowns of the chains alone."""
+    return State(state.screw_approach, state.approach, state.roller_force, state.nut_force)

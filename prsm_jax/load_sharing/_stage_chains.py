@@ -1,0 +1,279 @@
+"""The chains of a stage: sections, teeth, contacts and gaps from its numbers."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from .._errors import MissingDataError
+from ..contact import ContactFrame, HertzContact, contact_frames, contact_modulus, hertz_contact
+from ..geometry import Meshing, mesh
+from ..mechanism import LoadSharing, Scalar, Stage, material_of, nut_outer_radius
+from ._chains import Chains, Flanks
+from ._flank_law import flank_approach, flank_force
+from ._yamamoto import ToothCompliance, tooth_compliance
+
+#: Stiffness of the film over that of a typical contact, in double and single precision, and how
+#: much softer still it may be where play and errors are large against approaches.
+_FILM = {True: 1e-12, False: 1e-6}
+_SOFTEST = 1e-2
+#: Guidance of a roller between its carriers over the stiffness of all its threads: enough to tell
+#: how far it has wedged where that makes no difference, too little to bear load where it does.
+_GUIDE = 1e-7
+
+
+class StageChains(eqx.Module):
+    """The chains of a stage, and what turns forces on threads into pressures."""
+
+    chains: Chains
+    #: Hertz contacts of screw and nut side under a normal force of 1 N.
+    screw_unit_contact: HertzContact
+    nut_unit_contact: HertzContact
+    #: Normal force per axial force, screw and nut side.
+    screw_normal: Scalar
+    nut_normal: Scalar
+    #: Whether the threads mesh.
+    meshing_converged: Bool[Array, ""]
+    #: Numbers of the rollers of each class, from 1.
+    rollers: tuple[tuple[int, ...], ...] = eqx.field(static=True)
+
+
+def sharing_of(stage: Stage) -> LoadSharing:
+    """The load sharing data of a stage.
+
+    **Raises:** `MissingDataError` if it has none.
+    """
+    if stage.load_sharing is None:
+        raise MissingDataError(
+            "the stage has no load_sharing; give [stage.load_sharing] with thread_count"
+        )
+    return stage.load_sharing
+
+
+def roller_classes(stage: Stage) -> tuple[tuple[int, ...], ...]:
+    """Numbers of the rollers that share alike: the nominal ones first, then each other one."""
+    unequal = {
+        roller.number: roller
+        for roller in stage.unequal_roller
+        if roller.missing
+        or roller.stiffness_factor is not None
+        or roller.tooth_thinning is not None
+    }
+    nominal = tuple(n for n in range(1, stage.roller_count + 1) if n not in unequal)
+    others = tuple((n,) for n, roller in sorted(unequal.items()) if not roller.missing)
+    return ((nominal,) if nominal else ()) + others
+
+
+def segment_compliances(stage: Stage) -> dict[str, Scalar]:
+    """Axial compliance of screw, roller and nut over one pitch, given or p/(E A) [m/N].
+
+    Sections reach from the bore to the root of the thread where the teeth are given, else to its
+    nominal radius; the nut is a sleeve.
+
+    **Raises:** `MissingDataError` without stiffness, material or wall thickness.
+    """
+    sharing, thread = sharing_of(stage), stage.thread
+    found = {}
+    for body in ("screw", "roller", "nut"):
+        given = getattr(sharing, f"{body}_segment_stiffness")
+        if given is not None:
+            found[body] = 1 / given
+            continue
+        tooth = sharing.tooth
+        depth = 0.0 if tooth is None else getattr(tooth, f"{body}_dedendum")
+        radius = getattr(thread, f"{body}_radius")
+        if body == "nut":
+            inner, outer = radius + depth, nut_outer_radius(stage)
+        else:
+            bore = getattr(stage, body).bore_radius
+            inner, outer = 0.0 if bore is None else bore, radius - depth
+        area = jnp.pi * (outer**2 - inner**2)
+        found[body] = thread.pitch / (material_of(stage, body).youngs_modulus * area)
+    return found
+
+
+def tooth_compliances(stage: Stage) -> dict[str, ToothCompliance] | None:
+    """Yamamoto's compliances per unit length of screw, roller and nut teeth, or `None`.
+
+    **Raises:** `MissingDataError` without material or wall thickness.
+    """
+    tooth, thread = sharing_of(stage).tooth, stage.thread
+    if tooth is None:
+        return None
+    thickness = tooth.pitch_line_thickness
+    return {
+        body: tooth_compliance(
+            material_of(stage, body),
+            thread.flank_angle,
+            thread.pitch,
+            thread.pitch / 2 if thickness is None else thickness,
+            getattr(tooth, f"{body}_dedendum"),
+            getattr(thread, f"{body}_radius"),
+            nut_outer_radius(stage) if body == "nut" else None,
+        )
+        for body in ("screw", "roller", "nut")
+    }
+
+
+def _tooth(stage: Stage, body: str) -> Scalar:
+    """Compliance of one tooth of a body under one contact [m/N]."""
+    compliances, tooth = tooth_compliances(stage), sharing_of(stage).tooth
+    assert compliances is not None
+    assert tooth is not None
+    found = compliances[body]
+    spread = tooth.radial_length
+    if spread is None:
+        # Each turn of a ring bears one contact per roller, each turn of a roller one per side.
+        sharers = 1 if body == "roller" else stage.present_roller_count
+        spread = 2 * jnp.pi * getattr(stage.thread, f"{body}_radius") / sharers
+    return (found.total - found.radial) / tooth.effective_length + found.radial / spread
+
+
+def _sum(terms: list[Array | None], count: int, dtype) -> Float[Array, " threads"]:
+    present = [term for term in terms if term is not None]
+    total = jnp.zeros((count,), dtype)
+    for term in present:
+        total = total + term
+    return total
+
+
+def _negative(values: Array | None) -> Array | None:
+    return None if values is None else -values
+
+
+def _flanks(stage: Stage, side: str, unit: HertzContact, frame: ContactFrame, rollers) -> Flanks:
+    """Gaps and compliances of one side, a row per class."""
+    sharing, dtype = sharing_of(stage), stage.thread.lead.dtype
+    count = sharing.thread_count
+    # Teeth of screw and roller close the gap before them and open the one behind.
+    bodies = ("screw", "roller") if side == "screw" else ("roller", "nut")
+    behind, ahead = (getattr(sharing, f"{body}_pitch_error") for body in bodies)
+    shift = _sum([_negative(behind), ahead], count, dtype)
+    relief = _sum([getattr(sharing, f"{side}_relief")], count, dtype)
+    forward = shift + _sum([relief, getattr(sharing, f"{side}_wear")], count, dtype)
+
+    unequal = {roller.number: roller for roller in stage.unequal_roller}
+
+    def per_class(name: str, default: float) -> Float[Array, "classes 1"] | None:
+        values = [getattr(unequal.get(numbers[0]), name, None) for numbers in rollers]
+        if all(value is None for value in values):
+            return None
+        like = jnp.full((), default, dtype)
+        return jnp.stack([like if value is None else value for value in values])[:, None]
+
+    classes = len(rollers)
+    thinning = per_class("tooth_thinning", 0.0)
+    thinner = jnp.zeros((classes, 1), dtype) if thinning is None else thinning / 2
+    reverse = None
+    if sharing.has_reverse_flanks:
+        play = jnp.zeros((), dtype) if sharing.backlash is None else sharing.backlash / 2
+        reverse = (play - shift + relief)[None, :] + thinner
+    hertz = unit.approach * frame.normal_per_axial ** (5 / 3)
+    tooth = None
+    if sharing.tooth is not None:
+        behind_tooth, ahead_tooth = (_tooth(stage, body) for body in bodies)
+        tooth = behind_tooth + ahead_tooth
+    factor = per_class("stiffness_factor", 1.0)
+    if factor is None:
+        factor = jnp.ones((classes, 1), dtype)
+    return Flanks(
+        gap=forward[None, :] + thinner,
+        reverse_gap=reverse,
+        hertz=hertz / factor ** (2 / 3),
+        tooth=None if tooth is None else tooth / factor,
+    )
+
+
+def with_units(
+    chains: Chains,
+    load: Scalar | None = None,
+    deflection: Scalar | None = None,
+    preload: Scalar | None = None,
+) -> Chains:
+    """The chains with a typical force on a thread, and a film that suits it."""
+    chains = jax.lax.stop_gradient(chains)
+    zero = jnp.zeros((), chains.weight.dtype)
+    load, deflection, preload = (
+        zero if one is None else jax.lax.stop_gradient(one) for one in (load, deflection, preload)
+    )
+    sides, count = (chains.screw, chains.nut), chains.screw.gap.shape[1]
+    reach = jnp.abs(deflection) / 2
+    if chains.offset is not None:
+        reach = reach + jnp.abs(chains.offset) / 4
+    span = zero
+    for side in sides:
+        span = jnp.maximum(span, jnp.max(side.gap) - jnp.min(side.gap))
+        if side.reverse_gap is not None:
+            play = side.gap + side.reverse_gap
+            span = jnp.maximum(span, jnp.max(jnp.abs(play)))
+            reach = jnp.maximum(reach, -jnp.min(play) / 2)
+    force = (jnp.abs(load) + jnp.abs(preload)) / (jnp.sum(chains.weight) * count)
+    for side in sides:
+        pressed = jnp.broadcast_to(reach, chains.weight.shape + (1,))
+        force = force + jnp.mean(flank_force(pressed, side.hertz, side.tooth)) / 2
+    force = jnp.where(force > 0, force, 1.0)
+    length = zero
+    for side in sides:
+        unit = jnp.broadcast_to(force, chains.weight.shape + (1,))
+        length = length + jnp.mean(flank_approach(unit, side.hertz, side.tooth)) / 2
+    film = jnp.maximum(force / (length + span), _SOFTEST * force / length)
+    film = _FILM[zero.dtype == jnp.float64] * film
+    return eqx.tree_at(UNITS, chains, (film, force, _GUIDE * force / length * count))
+
+
+def UNITS(chains: Chains):
+    """What `with_units` sets, for `eqx.tree_at`."""
+    return chains.film, chains.force_unit, chains.guide
+
+
+def stage_chains(stage: Stage, meshing: Meshing | None = None) -> StageChains:
+    """The chains of a stage, without units (see `with_units`).
+
+    **Arguments:**
+
+    - `stage`: the stage; needs `load_sharing`, materials, and sections or segment stiffnesses.
+    - `meshing`: its meshing, if known already; only the `"exact"` curvatures look at it.
+
+    **Raises:** `MissingDataError` if data are missing.
+    """
+    sharing, dtype = sharing_of(stage), stage.thread.lead.dtype
+    if meshing is None and stage.curvature == "exact":
+        meshing = mesh(stage.thread)
+    frames = contact_frames(stage.thread, meshing, stage.curvature)
+    rollers = roller_classes(stage)
+    units, flanks = [], []
+    for side, frame in zip(("screw", "nut"), frames, strict=True):
+        modulus = contact_modulus(material_of(stage, "roller"), material_of(stage, side))
+        curvature = frame.curvature
+        one = jnp.ones((), dtype)
+        unit = hertz_contact(one, curvature.total, curvature.difference_squared, modulus)
+        units.append(unit)
+        flanks.append(_flanks(stage, side, unit, frame, rollers))
+    segments = (sharing.thread_count - 1,)
+    compliances = {
+        body: jnp.broadcast_to(value, segments)
+        for body, value in segment_compliances(stage).items()
+    }
+    offset, split = None, None
+    if sharing.split_nut is not None:
+        split, offset = sharing.split_nut.after_thread - 1, sharing.split_nut.offset
+        spacer = sharing.split_nut.spacer_stiffness
+        if spacer is not None:
+            compliances["nut"] = compliances["nut"].at[split].set(1 / spacer)
+    chains = Chains(
+        weight=jnp.asarray([len(numbers) for numbers in rollers], dtype),
+        screw=flanks[0],
+        nut=flanks[1],
+        screw_segment=compliances["screw"],
+        roller_segment=compliances["roller"],
+        nut_segment=compliances["nut"],
+        film=jnp.zeros((), dtype),
+        force_unit=jnp.ones((), dtype),
+        guide=jnp.zeros((), dtype),
+        offset=offset,
+        split=split,
+        same_end=sharing.mounting == "same_end",
+    )
+    meshed = jnp.asarray(True) if meshing is None else meshing.converged
+    normals = [frame.normal_per_axial for frame in frames]
+    return StageChains(chains, units[0], units[1], normals[0], normals[1], meshed, rollers)
