@@ -9,7 +9,7 @@ from ..mechanism import Scalar, Stage
 from ._contacts import preload_of
 from ._fatigue import WEIBULL_SLOPE
 from ._load_spectrum import LoadSpectrum, mean_load
-from ._powers import positive_power, ratio_or_infinity
+from ._powers import ratio_or_infinity
 from ._preload import flank_loads
 
 
@@ -25,8 +25,14 @@ class RatingLife(eqx.Module):
 
 
 def basic_life(capacity: Scalar, load: Scalar) -> Scalar:
-    """Turns of the screw L10 = 10⁶ (C_a/F)³; ∞ without load (ISO 3408-5, ISO 281)."""
-    return 1e6 * ratio_or_infinity(capacity, jnp.abs(load)) ** 3
+    """Turns of the screw L10 = 10⁶ (C_a/F)³; ∞ without load (ISO 3408-5, ISO 281).
+
+    A load that makes the life longer than numbers reach is none.
+    """
+    smallest = jnp.finfo(capacity.dtype).tiny ** 0.25
+    share = jnp.abs(load) / capacity
+    loaded = share > smallest
+    return jnp.where(loaded, 1e6 * jnp.where(loaded, share, 1.0) ** -3, jnp.inf)
 
 
 @physics("rating_life")
@@ -47,15 +53,17 @@ def rating_life(stage: Stage, capacity: Scalar, spectrum: LoadSpectrum) -> Ratin
     - `capacity`: C_a [N].
     - `spectrum`: the loads.
     """
-    risk = jnp.zeros_like(capacity)
-    for load in flank_loads(spectrum.load, preload_of(stage)):
-        consumption = (mean_load(load, spectrum.weights) / capacity) ** 3
-        risk = risk + positive_power(consumption, WEIBULL_SLOPE)
-    one = jnp.ones_like(risk)
-    revolutions = 1e6 * ratio_or_infinity(one, positive_power(risk, 1 / WEIBULL_SLOPE))
+    means = [
+        mean_load(load, spectrum.weights) for load in flank_loads(spectrum.load, preload_of(stage))
+    ]
+    # Σ L^{−10/9} of both is a sum of 10/3 powers of their loads.
+    both = mean_load(jnp.stack(means), jnp.ones_like(jnp.stack(means)), 3 * WEIBULL_SLOPE)
+    revolutions = basic_life(capacity, both)
     return RatingLife(
         revolutions=revolutions,
-        time=_infinite_or(revolutions, lambda r: ratio_or_infinity(r, spectrum.mean_speed)),
+        time=_infinite_or(
+            revolutions, lambda r: ratio_or_infinity(2 * jnp.pi * r, spectrum.mean_speed)
+        ),
         distance=_infinite_or(revolutions, lambda r: r * stage.thread.lead),
     )
 

@@ -3,6 +3,7 @@
 from typing import Protocol, runtime_checkable
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -114,9 +115,9 @@ def mean_load(
     load: Float[Array, " phases"], weights: Float[Array, " phases"], exponent: float = 3.0
 ) -> Scalar:
     """Mean of loads that are not negative, by a power of them [N]; 0 without load."""
-    largest = jnp.max(load)
+    # In shares of the largest load, so that no power leaves the range of numbers; it cancels.
+    largest = jax.lax.stop_gradient(jnp.max(load))
     scale = jnp.where(largest > 0, largest, 1.0)
-    # In shares of the largest load, so that no power leaves the range of numbers.
     mean = jnp.sum(weights * positive_power(load / scale, exponent))
     return scale * positive_power(mean, 1 / exponent)
 

@@ -1,0 +1,351 @@
+"""Capacities, buckling, whirling and preload against closed forms, and each other."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import scipy.special
+from hypothesis import given, strategies as st
+from scenes import STEEL, array, mechanism, stage, stage_contact, steady_state, thread
+from scipy.optimize import brentq
+
+import prsm_jax as prsm
+from prsm_jax import strength
+from prsm_jax.contact import contact_frames
+from prsm_jax.mechanism import AxialPlay, CoulombFriction, Friction, Screw, ScrewShaft, Strength
+from prsm_jax.strength import _fatigue, _static, _subsurface
+
+PRESSURE = 4.2e9
+
+
+def screwed(data, radius=4e-3, lead=10e-3, **more):
+    """A stage with closed-form curvatures, so that nothing needs to mesh."""
+    given = {"curvature": "wu2022", "engaged_threads": 20.0, "strength": data}
+    return stage(geometry=thread(radius, lead), **(given | more))
+
+
+def column(end_conditions, length=1.0, root=10e-3, bore=None, **more):
+    shaft = ScrewShaft(end_conditions, unsupported_length=length, root_radius=root, **more)
+    screw = Screw(mass=1.0, inertia=1.0, bore_radius=bore)
+    return screwed(Strength(shaft=shaft), screw=screw)
+
+
+static_capacity = eqx.filter_jit(strength.static_capacity)
+dynamic_capacity = eqx.filter_jit(strength.dynamic_capacity)
+buckling_load = eqx.filter_jit(strength.buckling_load)
+critical_speed = eqx.filter_jit(strength.critical_speed)
+displacement = eqx.filter_jit(strength.relative_displacement)
+ESTIMATED = screwed(Strength(permissible_pressure=PRESSURE, material_factor=1.0))
+
+
+@pytest.mark.parametrize("curvature", ["exact", "wu2022"])
+def test_the_static_capacity_gives_the_permissible_pressure(curvature):
+    one = eqx.tree_at(lambda s: s.strength, screwed(None), ESTIMATED.strength, is_leaf=_absent)
+    one = stage(
+        geometry=one.thread, strength=one.strength, curvature=curvature, engaged_threads=20.0
+    )
+    contact = stage_contact(one, static_capacity(one))
+    pressures = [contact.screw.hertz.max_pressure, contact.nut.hertz.max_pressure]
+    np.testing.assert_allclose(max(pressures), PRESSURE, rtol=1e-12)
+    assert min(pressures) < 0.95 * PRESSURE
+
+
+def _absent(leaf):
+    return leaf is None
+
+
+def test_a_capacity_that_is_given_holds():
+    given = screwed(Strength(PRESSURE, static_capacity=9e4, dynamic_capacity=6e4))
+    assert static_capacity(given) == 9e4
+    assert dynamic_capacity(given) == 6e4
+
+
+def test_unequal_sharing_lowers_capacities():
+    whole, shared = static_capacity(ESTIMATED), static_capacity(ESTIMATED, sharing_factor=1.6)
+    np.testing.assert_allclose(shared, whole / 1.6, rtol=1e-14)
+    # Half of the threads with all of the load, each with twice the mean: 2^{7/3 · 3/10}.
+    factor = strength.fatigue_sharing_factor(jnp.asarray([2.0, 2.0, 0.0, 0.0]))
+    np.testing.assert_allclose(factor, 2**0.7, rtol=1e-14)
+    half = eqx.tree_at(lambda s: s.engaged_threads, ESTIMATED, array(10.0))
+    np.testing.assert_allclose(
+        dynamic_capacity(half), dynamic_capacity(ESTIMATED) / factor, rtol=1e-13
+    )
+
+
+def test_permanent_deformation_in_newtons_and_millimetres():
+    load = 5e4
+    screw, nut = contact_frames(ESTIMATED.thread, None, "wu2022")
+    diameter = 2e3 * float(ESTIMATED.thread.profile_radius)
+    dents = []
+    for frame in (screw, nut):
+        force = load / 200 * float(frame.normal_per_axial)
+        first = (
+            float(frame.curvature.total) - float(frame.curvature.difference_squared) ** 0.5
+        ) / 2
+        second = float(frame.curvature.total) - first
+        dents.append(1.3e-7 * force**2 / diameter**2 * (2e-3 * first) * (2e-3 * second))
+    found = _static.permanent_deformation(ESTIMATED, array(load))
+    np.testing.assert_allclose(found, max(dents), rtol=1e-13)
+
+
+def test_orthogonal_shear_of_lines_and_circles():
+    """A line has p₀/4 at b/2. At a circle the cubic is t (2t² − t − 2) = 0: t = (1 + √17)/4."""
+    shear = eqx.filter_jit(_subsurface.orthogonal_shear)
+    np.testing.assert_allclose(shear(array(1.0), array(1.0), array(0.0)), (0.25, 0.5), rtol=1e-15)
+    t = (1 + np.sqrt(17)) / 4
+    root = np.sqrt(2 * t - 1)
+    np.testing.assert_allclose(
+        shear(array(1.0), array(1.0), array(1.0)),
+        (root / (2 * t * (t + 1)), 1 / ((t + 1) * root)),
+        rtol=1e-15,
+    )
+    ratios = jnp.logspace(-6, 6, 40)
+    parameter = _subsurface.shape_parameter(ratios)
+    residual = (parameter**2 - 1) * (2 * parameter - 1) / ratios - 1
+    # t − 1 ≈ (b/a)²/2 loses digits against 1 where the ellipse is long.
+    np.testing.assert_allclose(residual, 0, atol=1e-9)
+
+
+def _ring(conformity, ratio, sense, diameter=10.0):
+    """Ball force [N] at which an inner (+1) or outer (−1) ring lasts 10⁶ turns, from the theory."""
+    modulus, poisson = 206e3, 0.3
+    pitch = diameter / ratio
+    rolling = (2 / diameter + sense * 2 / (pitch * (1 - sense * ratio))) / 2
+    across = (2 / diameter - 1 / (conformity * diameter)) / 2
+
+    def excess(k):
+        first, second = scipy.special.ellipk(1 - k * k), scipy.special.ellipe(1 - k * k)
+        return (first - second) / (second / k**2 - first) - across / rolling
+
+    k = brentq(excess, 1e-4, 1 - 1e-12)
+    second = scipy.special.ellipe(1 - k * k)
+    contact = modulus / (2 * (1 - poisson**2))
+    major = (3 * second / (2 * np.pi * contact * k * k * (across + rolling))) ** (1 / 3)
+    pressure = 3 / (2 * np.pi * k * major**2)
+    stressed = _fatigue._stressed(array(pressure * 1e6), array(k * (major * 1e-3) ** 2), array(k))
+    track = np.pi * pitch * (1 - sense * ratio)
+    balls = 9
+    cycles = balls / 2 * (1 + sense * ratio)
+    risk = _fatigue._STEEL * float(stressed) * track * cycles ** (10 / 9)
+    return (np.log(1 / 0.9) / risk) ** 0.3, balls
+
+
+def _published(conformity, ratio, sense, balls, diameter=10.0):
+    """Lundberg and Palmgren's formula for the same force."""
+    return (
+        98.1
+        * (2 * conformity / (2 * conformity - 1)) ** 0.41
+        * (1 - sense * ratio) ** 1.39
+        / (1 + sense * ratio) ** (1 / 3)
+        * ratio**0.3
+        * diameter**1.8
+        * balls ** (-1 / 3)
+    )
+
+
+def test_the_constant_is_that_of_ball_bearings():
+    found, balls = _ring(0.52, 0.2, 1)
+    np.testing.assert_allclose(found, _published(0.52, 0.2, 1, balls), rtol=1e-7)
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+@pytest.mark.parametrize("conformity", [0.515, 0.53])
+@pytest.mark.parametrize("ratio", [0.05, 0.3])
+def test_other_ball_bearings_follow(conformity, ratio, sense):
+    """Their printed formula is a fit, made of powers, of the theory that is used here."""
+    found, balls = _ring(conformity, ratio, sense)
+    assert found == pytest.approx(_published(conformity, ratio, sense, balls), rel=0.045)
+
+
+def test_stress_cycles_roll_without_slip():
+    """As much of a track passes on the roller as on the screw, and as on the nut."""
+    screw, roller, nut = (float(cycles) for cycles in strength.cycles_per_turn(ESTIMATED))
+    rollers, geometry = ESTIMATED.roller_count, ESTIMATED.thread
+    rolled = roller * float(geometry.roller_radius)
+    np.testing.assert_allclose(screw / rollers * float(geometry.screw_radius), rolled, rtol=1e-14)
+    np.testing.assert_allclose(nut / rollers * float(geometry.nut_radius), rolled, rtol=1e-14)
+
+
+@given(st.floats(0.1, 10), st.floats(0.1, 10), st.floats(0.5, 3))
+def test_capacities_scale_as_bearings_do(size, threads, factor):
+    """C_a with D^1.8, z^0.7 and the steel; C_0a with D² and z."""
+    scaled = screwed(
+        Strength(PRESSURE, material_factor=factor),
+        4e-3 * size,
+        10e-3 * size,
+        engaged_threads=20 * threads,
+    )
+    dynamic = dynamic_capacity(scaled) / dynamic_capacity(ESTIMATED)
+    np.testing.assert_allclose(dynamic, factor * size**1.8 * threads**0.7, rtol=1e-11)
+    static = static_capacity(scaled) / static_capacity(ESTIMATED)
+    np.testing.assert_allclose(static, size**2 * threads, rtol=1e-11)
+
+
+def test_rolling_along_either_axis_joins_at_the_circle():
+    total = array(100.0)
+    slants = jnp.asarray([-0.3, -1.1e-5, -0.9e-5, 0.0, 0.9e-5, 1.1e-5, 0.3])
+    found = jax.vmap(lambda s: _fatigue._rolling_ratio(total, total * (1 + s) / 2))(slants)
+    np.testing.assert_allclose(found * found[::-1], 1, rtol=1e-12)
+    # d log κ/dτ = −4/3 at the circle, from κ ≈ (A/B)^{2/3}.
+    np.testing.assert_allclose(np.log(found[1:-1]), -4 / 3 * slants[1:-1], rtol=1e-8, atol=1e-16)
+    assert found[-1] < 1 < found[0]
+
+
+# Steel of the catalogues: 206 GPa, 7850 kg/m³.
+CATALOGUE_STEEL = eqx.tree_at(lambda m: m.youngs_modulus, STEEL, array(206e9))
+
+
+def _catalogue(one):
+    return eqx.tree_at(lambda s: s.material, one, CATALOGUE_STEEL)
+
+
+@pytest.mark.parametrize(
+    ("ends", "buckling", "whirling"),
+    [
+        ("fixed_free", 1.25, 3.4),
+        ("supported_supported", 5.0, 9.7),
+        ("fixed_supported", 10.2, 15.1),
+        ("fixed_fixed", 20.0, 21.9),
+    ],
+)
+def test_factors_of_ball_screw_catalogues(ends, buckling, whirling):
+    """Euler/2 = m d⁴/l² 10⁴ N and 0.8 of the critical speed = f d/l² 10⁷ rpm, in mm: m and f."""
+    one = _catalogue(column(ends, length=1.0, root=10e-3))
+    force = 0.5 * float(buckling_load(one))
+    assert force / (20**4 / 1000**2 * 1e4) == pytest.approx(buckling, rel=5e-3)
+    rpm = 0.8 * float(critical_speed(one)) * 30 / np.pi
+    assert rpm / (20 / 1000**2 * 1e7) == pytest.approx(whirling, abs=0.06)
+
+
+def test_short_columns_yield_and_slender_ones_bend():
+    strong = 600e6
+    short = column("supported_supported", yield_strength=strong)
+    area = np.pi * 1e-4
+    join = np.pi * np.sqrt(2 * 210e9 / strong) * 10e-3 / 2
+    load = eqx.filter_jit(jax.value_and_grad(lambda length: strength.buckling_load(short, length)))
+    below, slope_below = load(array(join * (1 - 1e-9)))
+    above, slope_above = load(array(join * (1 + 1e-9)))
+    np.testing.assert_allclose([below, above], strong / 2 * area, rtol=1e-8)
+    np.testing.assert_allclose(slope_below, slope_above, rtol=1e-7)
+    np.testing.assert_allclose(load(array(1e-9))[0], strong * area, rtol=1e-12)
+    euler = np.pi**2 * 210e9 * np.pi / 4 * 1e-8
+    np.testing.assert_allclose(load(array(3.0))[0], euler / 9, rtol=1e-13)
+    assert np.isfinite(load(array(0.0))[1])
+
+
+def test_a_bore_weakens_the_column_and_quickens_the_shaft():
+    solid, hollow = column("fixed_fixed"), column("fixed_fixed", bore=6e-3)
+    ratio = 1 - 0.6**4
+    np.testing.assert_allclose(buckling_load(hollow) / buckling_load(solid), ratio, rtol=1e-13)
+    faster = critical_speed(hollow) / critical_speed(solid)
+    np.testing.assert_allclose(faster, np.sqrt(1 + 0.36), rtol=1e-13)
+
+
+def test_the_dn_limit_may_come_first():
+    one = column("fixed_fixed", dn_limit=5.0)
+    np.testing.assert_allclose(strength.permissible_speed(one), 5.0 / 24e-3, rtol=1e-14)
+    free = column("fixed_free", length=3.0, dn_limit=1e6)
+    np.testing.assert_allclose(
+        strength.permissible_speed(free), 0.8 * strength.critical_speed(free), rtol=1e-14
+    )
+
+
+@given(st.floats(0, 20))
+def test_braced_nuts_balance_the_load(ratio):
+    """F₁ − F₂ = F always; both follow Hertz' law from one displacement while they touch."""
+    preload = 1300.0
+    first, second = _braced(array(ratio * preload), array(preload))
+    np.testing.assert_allclose(first - second, ratio * preload, atol=1e-11 * preload)
+    s = float(displacement(array(ratio)))
+    touching = max(1 - s, 0.0)
+    np.testing.assert_allclose(second, preload * touching**1.5, atol=1e-12 * preload)
+    np.testing.assert_allclose(displacement(array(-ratio)), -s, rtol=1e-15)
+
+
+_braced = eqx.filter_jit(strength.braced_loads)
+
+
+def test_a_braced_nut_opens_at_two_to_the_three_halves():
+    np.testing.assert_allclose(strength.preload_opening_load(array(1.0)), 2**1.5, rtol=1e-15)
+    first, second = _braced(array(2**1.5), array(1.0))
+    np.testing.assert_allclose((first, second), (2**1.5, 0.0), atol=1e-14)
+    # The usual approximation takes the displacement as linear in the load.
+    loads = jnp.linspace(0, 2**1.5, 400)
+    exact, _ = _braced(loads, array(1.0))
+    high = np.max((1 + np.asarray(loads) / 2**1.5) ** 1.5 / np.asarray(exact) - 1)
+    assert 0.024 < high < 0.025
+
+
+@pytest.mark.parametrize("ratio", [0.0, 1.0, 2**1.5 - 1e-9, 2**1.5, 2**1.5 + 1e-9, 10.0, -2.0])
+def test_derivatives_of_a_braced_pair(ratio):
+    forward = _braced_slope(array(ratio))
+    reverse = _braced_gradient(array(ratio))
+    # Not across the opening, where the slope itself has a root's corner.
+    step = 1e-5 if abs(ratio - 2**1.5) > 1e-6 else 1e-9
+    s = [float(displacement(array(ratio + x))) for x in (step, -step)]
+    np.testing.assert_allclose(forward, reverse, rtol=1e-14)
+    np.testing.assert_allclose(forward, (s[0] - s[1]) / (2 * step), rtol=5e-5)
+
+
+_braced_slope = jax.jit(
+    lambda f: jax.jvp(strength.relative_displacement, (f,), (jnp.ones_like(f),))[1]
+)
+_braced_gradient = jax.jit(jax.grad(strength.relative_displacement))
+
+
+def test_stiffness_of_a_braced_pair():
+    """Twice one nut's tangent stiffness without load, one nut's own after the opening."""
+    preload, approach = array(1000.0), array(5e-6)
+    one = 1.5 * 1000.0 / 5e-6
+    np.testing.assert_allclose(
+        strength.braced_stiffness(array(0.0), preload, approach), 2 * one, rtol=1e-14
+    )
+    opened = strength.braced_stiffness(array(2**1.5 * 1000.0), preload, approach)
+    np.testing.assert_allclose(opened, np.sqrt(2) * one, rtol=1e-7)
+
+
+def test_preload_torque_is_that_of_both_senses():
+    """The quantity solves both nuts' balance; efficiencies of the same threads give the same."""
+    friction = Friction(thread=CoulombFriction(0.05))
+    play = Strength(play=AxialPlay(preload_force=1000.0))
+    braced = mechanism(stage(strength=play, friction=friction))
+    found = eqx.filter_jit(lambda m: prsm.compute(m, ["preload_torque"]))(braced)
+    forward = steady_state(mechanism(stage(friction=friction)), 100.0, 1000.0)
+    backward = steady_state(mechanism(stage(friction=friction)), -100.0, 1000.0)
+    expected = strength.preload_torque(
+        array(1000.0), array(10e-3), forward.efficiency, backward.efficiency
+    )
+    np.testing.assert_allclose(found["preload_torque"], expected[None], rtol=1e-10)
+
+
+def test_backlash_adds_up_the_teeth():
+    def play(**given):
+        return stage(strength=Strength(play=AxialPlay(**given)), geometry=thread())
+
+    gap = float(prsm.mesh(thread()).axial_gap)
+    thinned = play(screw_tooth_thinning=9e-5, roller_tooth_thinning=3e-5, nut_tooth_thinning=2e-5)
+    np.testing.assert_allclose(strength.backlash(thinned), 2 * gap + 1.7e-4, rtol=1e-12)
+    assert strength.backlash(play(axial_backlash=4e-5)) == 4e-5
+    assert strength.backlash(play(preload_force=100.0)) == 0
+    with pytest.raises(prsm.MissingDataError, match="axial_backlash"):
+        strength.backlash(play())
+    with pytest.raises(ValueError, match="remove one"):
+        AxialPlay(axial_backlash=1e-5, preload_force=1.0)
+
+
+def test_lost_motion_with_and_without_preload():
+    """Both ways by one nut's approach; half as far and less when a second nut braces it."""
+    loose = screwed(Strength(play=AxialPlay(axial_backlash=3e-5)))
+    load, moved = array(5000.0), eqx.filter_jit(strength.lost_motion)
+    contact = stage_contact(loose, load)
+    per_thread = 5000.0 / 200
+    approach = per_thread / contact.screw.axial_stiffness + per_thread / contact.nut.axial_stiffness
+    np.testing.assert_allclose(moved(loose, load), 3e-5 + 2 * approach, rtol=1e-12)
+    braced = screwed(Strength(play=AxialPlay(preload_force=5000.0 / 2**1.5)))
+    # At the opening s = 1, and one nut carries the load: (2^{3/2} F_p) on δ = 2 δ₀.
+    np.testing.assert_allclose(moved(braced, load), approach, rtol=1e-12)
+    halves = AxialPlay(preload_force=5000.0 / 2**1.5, arrangement="split_nut")
+    np.testing.assert_allclose(
+        moved(screwed(Strength(play=halves)), load), approach * 2 ** (2 / 3), rtol=1e-12
+    )
