@@ -11,6 +11,8 @@ from jaxtyping import Array, Float
 
 from ..mechanism import Scalar
 
+#: Coordinates X or Y relative to the corners [m], one axis each.
+Corners = Float[Array, "#cx #cy"]
 #: Antiderivatives of σ_xx, σ_yy, σ_zz, σ_xy, σ_yz, σ_zx, unit load.
 Components = tuple[Array, Array, Array, Array, Array, Array]
 
@@ -26,9 +28,7 @@ def _solid_angle(x: Array, y: Array, depth: Scalar, radius: Array) -> Array:
     return jnp.arctan2(x * y, depth * radius)
 
 
-def pressure_stress(
-    x: Float[Array, "cx 1"], y: Float[Array, "1 cy"], depth: Scalar, poisson_ratio: Scalar
-) -> Components:
+def pressure_stress(x: Corners, y: Corners, depth: Scalar, poisson_ratio: Scalar) -> Components:
     """Stresses by pressure, at a depth z ≥ 0."""
     radius, across_x, across_y = _radii(x, y, depth)
     slope = -_solid_angle(x, y, depth, radius)
@@ -49,9 +49,7 @@ def pressure_stress(
     return tuple(part / (2 * jnp.pi) for part in parts)  # type: ignore[return-value]
 
 
-def shear_stress(
-    x: Float[Array, "cx 1"], y: Float[Array, "1 cy"], depth: Scalar, poisson_ratio: Scalar
-) -> Components:
+def shear_stress(x: Corners, y: Corners, depth: Scalar, poisson_ratio: Scalar) -> Components:
     """Stresses by traction on the body in the direction of x, at a depth z ≥ 0."""
     radius, across_x, across_y = _radii(x, y, depth)
     below = radius + depth

@@ -1,0 +1,276 @@
+"""Half-space contact of flanks; tangential traction; stress below by influence functions."""
+
+import functools
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from scenes import array, stage, thread
+
+import prsm_jax as prsm
+from prsm_jax.contact import hertz_contact, subsurface_stress
+from prsm_jax.halfspace import (
+    flank_contact,
+    flank_gap,
+    grid_over,
+    partial_slip,
+    sliding_traction,
+    solve_contact,
+    subsurface_stress_field,
+    tangent_plane,
+)
+
+MODULUS = array(1.15e11)
+SHAPE = (32, 32)
+
+
+def _hertz(first, second):
+    total, difference = array(first + second), array((second - first) ** 2)
+    return hertz_contact(array(100.0), total, difference, MODULUS)
+
+
+@functools.cache
+def _on_grid(first, second):
+    """Exact Hertz contact, and its contact on a grid with the gap."""
+    exact = _hertz(first, second)
+    grid = grid_over(SHAPE, 1.3 * exact.semi_major, 1.3 * exact.semi_minor)
+    x, y = grid.points
+    gap = first * x**2 + second * y**2
+    return exact, gap, _solve(grid, gap)
+
+
+@eqx.filter_jit
+def _solve(grid, gap):
+    return solve_contact(grid, gap, MODULUS, load=array(100.0))
+
+
+# --- tangential traction ---
+
+_slip = eqx.filter_jit(partial_slip)
+
+
+def test_partial_slip_against_cattaneo_and_mindlin():
+    """Spheres: radius of the stick zone, traction, displacement; and sliding from μ F on."""
+    exact, gap, found = _on_grid(100.0, 100.0)
+    friction, force = 0.2, 10.0
+    slip = _slip(found, gap, MODULUS, array(friction), array(force))
+    radius = float(exact.semi_major)
+    share = (1 - force / (friction * 100.0)) ** (1 / 3)
+    area = float(jnp.sum(slip.stick.astype(float)) * found.grid.cell_area)
+    # Cells are counted whole: 20 across the stick zone.
+    assert area == pytest.approx(np.pi * (share * radius) ** 2, rel=5e-2)
+    assert jnp.sum(slip.traction) * found.grid.cell_area == pytest.approx(force, rel=1e-10)
+    assert not bool(slip.sliding)
+    assert jnp.array_equal(slip.stick | slip.slip, found.contact)
+    x, y = found.grid.points
+    square = (x**2 + y**2) / radius**2
+    expected = jnp.sqrt(jnp.maximum(1 - square, 0)) - share * jnp.sqrt(
+        jnp.maximum(1 - square / share**2, 0)
+    )
+    error = jnp.abs(slip.traction / (friction * exact.max_pressure) - expected)
+    # Two edges with infinite slopes, as in the normal contact.
+    assert jnp.mean(error) < 4e-3
+    # Mindlin 1949, both bodies alike: δ_x = 3μF/16a · 2(2 − ν)/G · (1 − (1 − Q/μF)^{2/3}).
+    poisson = 0.3
+    shear_modulus = float(MODULUS) * (1 - poisson**2) / (1 + poisson)
+    mindlin = 3 * friction * 100.0 / (16 * radius) * 2 * (2 - poisson) / shear_modulus
+    mindlin *= 1 - (1 - force / (friction * 100.0)) ** (2 / 3)
+    assert slip.displacement(friction, poisson) == pytest.approx(mindlin, rel=1e-3)
+
+    sliding = _slip(found, gap, MODULUS, array(friction), array(30.0))
+    assert bool(sliding.sliding)
+    assert int(sliding.code) == 3
+    assert sliding.force == pytest.approx(20.0, rel=1e-12)
+    np.testing.assert_allclose(sliding.traction, sliding_traction(found, friction), rtol=1e-12)
+    none = _slip(found, gap, MODULUS, array(friction), array(0.0))
+    # The same contact twice, each to its tolerance.
+    assert jnp.max(jnp.abs(none.traction)) < 1e-6 * float(found.max_pressure)
+
+
+# --- stress below ---
+
+_DEPTHS = jnp.asarray([0.0, 0.1, 0.3, 0.44, 0.48, 0.52, 0.8, 1.5])
+
+
+@eqx.filter_jit
+def _below(grid, pressure, depths, traction_x, traction_y):
+    return subsurface_stress_field(
+        grid, pressure, depths, array(0.3), traction_x=traction_x, traction_y=traction_y
+    )
+
+
+def test_stress_below_a_sphere():
+    """The textbook values at ν = 0.3, and the closed form on the axis (Johnson, section 3.4)."""
+    exact, _, found = _on_grid(100.0, 100.0)
+    radius, peak = float(exact.semi_major), float(exact.max_pressure)
+    no_traction = jnp.zeros(SHAPE)
+    stress = _below(found.grid, found.pressure, radius * _DEPTHS, no_traction, no_traction)
+    largest, depth = stress.max_von_mises
+    # 0.620 p₀ at 0.48 a; the grid of 25 cells leaves 0.1 %.
+    assert largest == pytest.approx(0.620 * peak, rel=2e-3)
+    assert depth == pytest.approx(0.481 * radius, rel=5e-3)
+    depths = np.asarray(_DEPTHS[2:])
+    axis = np.asarray(stress.tensor[2:, 15:17, 15:17].mean(axis=(1, 2))) / peak
+    downwards = -1 / (1 + depths**2)
+    radial = -1.3 * (1 - depths * np.arctan(1 / depths)) - downwards / 2
+    # The four points are half a cell off the axis, where stresses differ by its square.
+    np.testing.assert_allclose(axis[:, 2, 2], downwards, atol=3e-3)
+    np.testing.assert_allclose(axis[:, 0, 0], radial, atol=3e-3)
+    np.testing.assert_allclose(axis[:, 1, 1], radial, atol=3e-3)
+    # τ_max = 0.310 p₀ is half the largest difference on the axis.
+    assert np.max(axis[:, 0, 0] - axis[:, 2, 2]) / 2 == pytest.approx(0.310, rel=5e-3)
+
+
+def test_stress_below_an_ellipse_with_friction():
+    """Against the plane-wave solution of the Hertz ellipse, traction in both directions."""
+    exact, _, found = _on_grid(68.456, 96.673)
+    depths = exact.semi_minor * jnp.asarray([0.0, 0.3, 0.6, 1.2, 1.5, 2.0, 3.0, 4.0])
+    friction = array(0.2), array(-0.1)
+    tractions = [mu * found.pressure for mu in friction]
+    stress = _below(found.grid, found.pressure, depths, *tractions)
+    # On the surface: what was put on it.
+    surface = stress.tensor[0]
+    scale = float(exact.max_pressure)
+    np.testing.assert_allclose(surface[..., 2, 2], -found.pressure, rtol=0, atol=1e-12 * scale)
+    np.testing.assert_allclose(surface[..., 0, 2], -tractions[0], rtol=0, atol=1e-12 * scale)
+    np.testing.assert_allclose(surface[..., 1, 2], -tractions[1], rtol=0, atol=1e-12 * scale)
+    axes = jnp.stack([exact.semi_major, exact.semi_minor])
+    x, y = found.grid.points
+    rows, columns = np.array([4, 10, 16, 21, 29]), np.array([16, 3, 16, 24, 20])
+
+    @jax.jit
+    def analytic(points):
+        return jax.vmap(
+            lambda point: subsurface_stress(
+                point, axes, exact.max_pressure, array(0.3), jnp.stack(friction)
+            )
+        )(points)
+
+    for index in (1, 2, 4):
+        flat = [x[rows, columns], y[rows, columns], jnp.full(5, depths[index])]
+        expected = analytic(jnp.stack(flat, axis=-1))
+        error = jnp.abs(stress.tensor[index, rows, columns] - expected)
+        # Cells of constant pressure on a grid of 25 across: 0.15 % of p₀ nearest to the surface.
+        assert jnp.max(error) < 2e-3 * scale
+
+
+# --- real flanks ---
+
+_STAGE = stage(roller_count=1, engaged_threads=1.0, geometry=thread(5e-3))
+_WITH_CRESTS = stage(
+    roller_count=1,
+    engaged_threads=1.0,
+    geometry=thread(5e-3, screw_addendum=0.3e-3, roller_addendum=0.05e-3),
+)
+_contact = eqx.filter_jit(functools.partial(flank_contact, shape=SHAPE))
+
+
+@pytest.mark.parametrize("side", ["screw", "nut"])
+def test_gap_of_flanks_osculates_the_paraboloid(side):
+    """Near the contact it is A x² + B y² of the exact curvatures, axes aligned; and symmetric."""
+    geometry = thread(5e-3)
+    meshing = prsm.mesh(geometry)
+    plane = tangent_plane(geometry, meshing, side)
+    basis = np.stack([plane.major, plane.minor, plane.normal])
+    np.testing.assert_allclose(basis @ basis.T, np.eye(3), atol=1e-14)
+    inwards = 1 if side == "nut" else -1
+    np.testing.assert_allclose(getattr(meshing, side).normal, inwards * plane.normal, atol=1e-12)
+    curvature = getattr(meshing, side).curvature
+    spread = jnp.sqrt(curvature.difference_squared)
+    first, second = (curvature.total - spread) / 2, (curvature.total + spread) / 2
+    sizes, errors = (2e-4, 2e-5), []
+    for size in sizes:
+        grid = grid_over((4, 4), array(size), array(size))
+        x, y = grid.points
+        gap = flank_gap(geometry, plane, side, grid).gap
+        even = (gap + gap[::-1, ::-1]) / 2
+        expected = first * x**2 + second * y**2
+        # The odd part is of third order: a share of gap that falls with the size.
+        errors.append(float(jnp.max(jnp.abs(gap / expected - 1))))
+        np.testing.assert_allclose(even / expected, 1.0, atol=2e-3 * size / 2e-4)
+    assert errors[0] < 0.02
+    assert errors[1] == pytest.approx(errors[0] / 10, rel=0.3)
+
+
+@pytest.mark.parametrize("side", ["screw", "nut"])
+def test_contact_of_flanks_is_nearly_hertz(side):
+    found = _contact(_STAGE, side, array(100.0))
+    assert int(found.surface.code) == 0
+    # Terms of third order and the grid: 0.1 % together.
+    assert found.surface.max_pressure == pytest.approx(float(found.hertz.max_pressure), rel=1e-3)
+    assert found.surface.approach == pytest.approx(float(found.hertz.approach), rel=1e-3)
+    axial = found.surface.load / found.normal_per_axial
+    assert axial == pytest.approx(100.0, rel=1e-12)
+    expected = prsm.thread_contacts(prsm.Mechanism((_STAGE,)), 100.0)[0]
+    pressure = getattr(expected, side).hertz.max_pressure
+    assert found.hertz.max_pressure == pytest.approx(float(pressure), rel=1e-12)
+    assert found.flanks.body_edge is None
+
+
+def test_flanks_end_at_their_crests():
+    """No pressure past a crest inside the contact, more beside it; a rounded edge is milder."""
+    whole = _contact(_STAGE, "screw", array(100.0))
+    cut = _contact(_WITH_CRESTS, "screw", array(100.0))
+    rounded = _contact(_WITH_CRESTS, "screw", array(100.0), edge_radius=array(0.2e-3))
+    assert whole.flanks.roller_edge is None
+    edge = cut.flanks.roller_edge
+    assert jnp.any(cut.surface.pressure > 0)
+    assert not jnp.any(cut.surface.contact & (edge <= 0))
+    assert jnp.any(whole.surface.contact & (edge < 0))
+    assert cut.surface.load == pytest.approx(float(whole.surface.load), rel=1e-12)
+    assert cut.surface.approach > 1.02 * whole.surface.approach
+    assert cut.surface.max_pressure > 1.5 * whole.surface.max_pressure
+    assert whole.surface.max_pressure < rounded.surface.max_pressure < cut.surface.max_pressure
+    # The crest in space: the radius about the roller's axis where the distance vanishes.
+    grid, plane = cut.surface.grid, cut.plane
+    x, y = (np.asarray(c)[..., None] for c in grid.points)
+    points = np.asarray(plane.origin) + x * np.asarray(plane.major) + y * np.asarray(plane.minor)
+    radius = np.hypot(points[..., 0] - 20e-3, points[..., 1])
+    np.testing.assert_allclose(edge, (5.05e-3 - radius) * np.sqrt(2), atol=1e-12)
+
+
+def test_roughness_on_flanks():
+    """Heights as a function or as an array are one; peaks bring pressure and lower the approach."""
+    plain = _contact(_STAGE, "nut", array(100.0))
+    length = plain.hertz.semi_major / 4
+
+    @jax.tree_util.Partial
+    def waves(x, y):
+        return 1e-7 * jnp.cos(2 * jnp.pi * x / length) * jnp.cos(2 * jnp.pi * y / length)
+
+    heights = waves(*plain.surface.grid.points)
+    found = _contact(_STAGE, "nut", array(100.0), heights=heights)
+    assert int(found.surface.code) == 0
+    assert found.surface.max_pressure > 1.1 * plain.surface.max_pressure
+    by_function = flank_contact(_STAGE, "nut", 100.0, SHAPE, heights=waves)
+    np.testing.assert_allclose(by_function.surface.pressure, found.surface.pressure, rtol=1e-6)
+
+
+@pytest.mark.usefixtures("unchecked")
+def test_misuse_of_flanks_is_refused():
+    with pytest.raises(ValueError, match="choose 'screw' or 'nut'"):
+        flank_contact(_STAGE, "left", 100.0)
+    with pytest.raises(prsm.MissingDataError, match="engaged_threads"):
+        flank_contact(stage(engaged_threads=None), "nut", 100.0, SHAPE)
+
+
+def test_only_what_is_asked_for_is_traced():
+    """Normal contact, gap of flanks, slip and stress have labels of their own."""
+    _, gap, found = _on_grid(100.0, 100.0)
+    normal = prsm.traced_physics(_solve, found.grid, gap)
+    assert normal == {"halfspace_contact"}
+    flanks = prsm.traced_physics(lambda one: flank_contact(one, "nut", 100.0, SHAPE), _STAGE)
+    assert flanks == {"halfspace_contact", "flank_gap", "hertz", "meshing"}
+    assert "partial_slip" in prsm.traced_physics(
+        lambda g: partial_slip(found, g, MODULUS, 0.1, 1.0), gap
+    )
+
+    def size(**tractions):
+        jaxpr = jax.make_jaxpr(
+            lambda p: subsurface_stress_field(found.grid, p, _DEPTHS, 0.3, **tractions).tensor
+        )(found.pressure)
+        return len(str(jaxpr))
+
+    assert size() < 0.7 * size(traction_x=found.pressure)
