@@ -33,14 +33,17 @@ def line_subsurface_stress(
     """
     x, z = point[0] / half_width, point[1] / half_width
     real = 1 - x**2 + z**2
-    size = jnp.sqrt(real**2 + (2 * x * z) ** 2)
+    # The floors keep derivatives finite at the edges of the contact, where those of the stress
+    # are not.
+    floor = jnp.finfo(x.dtype).eps ** 2
+    size = jnp.sqrt(jnp.maximum(real**2 + (2 * x * z) ** 2, floor**2))
     over = real > 0
     # The larger of m and n first, the smaller from their product: no root of zero.
-    larger = jnp.sqrt(jnp.maximum((size + jnp.abs(real)) / 2, jnp.finfo(x.dtype).tiny))
+    larger = jnp.sqrt((size + jnp.abs(real)) / 2)
     m = jnp.where(over, larger, jnp.abs(x) * z / larger)
     n = jnp.where(over, x * z / larger, jnp.sign(x) * larger)
     # At the edges m = n = 0, and what they multiply stays finite.
-    below = jnp.maximum(m**2 + n**2, jnp.finfo(x.dtype).tiny)
+    below = m**2 + n**2 + floor
     share = (z**2 + n**2) / below
     xx = -(m * (1 + share) - 2 * z)
     zz = -m * (1 - share)

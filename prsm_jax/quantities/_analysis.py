@@ -8,10 +8,18 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
 from .._errors import MissingDataError
-from ..contact import StageContact, load_of, stage_contact
+from ..contact import (
+    StageContact,
+    StressMeasure,
+    StressPeak,
+    load_of,
+    stage_contact,
+    stress_peak_on_axis,
+)
 from ..dynamics import StageKinematics, SteadyState, all_kinematics, steady_state
 from ..geometry import Meshing
-from ..mechanism import Mechanism, Scalar
+from ..load_sharing import LoadDistribution, stage_load_distribution
+from ..mechanism import Mechanism, Scalar, material_of
 from ..modal import (
     ModeGroup,
     Modes,
@@ -49,6 +57,7 @@ class Analysis:
         self.mechanism = mechanism
         self._speed, self._load = speed, load
         self._flags: list[Bool[Array, ""]] = []
+        self._distributions: dict[int, LoadDistribution] = {}
 
     def require(self, flag: Bool[Array, ""]) -> None:
         """Let a quantity say, in a trace, whether the numbers it rests on can be used."""
@@ -168,12 +177,57 @@ class Analysis:
         return largest_demand(self.mechanism, self.spectrum)
 
     @cached_property
+    def stress_peaks(self) -> dict[str, dict[StressMeasure, StressPeak]]:
+        """Largest stresses below the contacts of all stages, in screw and nut, without friction."""
+
+        # Both sides of all stages at once: one program for each measure.
+        places = [(side, k) for side in ("screw", "nut") for k in range(len(self.contacts))]
+        hertz = [getattr(self.contacts[k], side).hertz for side, k in places]
+        given = (
+            jnp.stack([contact.semi_major for contact in hertz]),
+            jnp.stack([contact.semi_minor for contact in hertz]),
+            jnp.stack([contact.max_pressure for contact in hertz]),
+            jnp.stack(
+                [material_of(self.mechanism.stages[k], side).poisson_ratio for side, k in places]
+            ),
+        )
+        found: dict[str, dict[StressMeasure, StressPeak]] = {"screw": {}, "nut": {}}
+        measures: tuple[StressMeasure, ...] = ("von_mises", "max_shear")
+        for measure in measures:
+            peaks = jax.vmap(lambda *of, measure=measure: stress_peak_on_axis(*of, measure))(*given)
+            count = len(self.contacts)
+            found["screw"][measure] = jax.tree.map(lambda leaf, n=count: leaf[:n], peaks)
+            found["nut"][measure] = jax.tree.map(lambda leaf, n=count: leaf[n:], peaks)
+        return found
+
+    @cached_property
     def threads(self) -> tuple[ThreadStiffness, ...]:
         """Thread contact stiffness of every stage; contacts only where it is not given."""
         return tuple(
-            thread_stiffness(stage, lambda index=index: self.contacts[index])
+            thread_stiffness(stage, lambda index=index: self._loaded(index))
             for index, stage in enumerate(self.mechanism.stages)
         )
+
+    def _loaded(self, index: int) -> StageContact | LoadDistribution:
+        """The threads of a stage under load, as the stage says that they share it."""
+        if self.mechanism.stages[index].load_sharing is not None:
+            return self.distribution(index)
+        return self.contacts[index]
+
+    def distribution(self, index: int) -> LoadDistribution:
+        """How a stage (from 0) shares the load."""
+        if index not in self._distributions:
+            stage = self.mechanism.stages[index]
+            known = self.kinematics[index].meshing if stage.curvature == "exact" else None
+            found = stage_load_distribution(stage, self.load, known)
+            self._distributions[index] = found
+            self.require(found.converged)
+        return self._distributions[index]
+
+    @property
+    def distributions(self) -> tuple[LoadDistribution, ...]:
+        """How every stage shares the load."""
+        return tuple(self.distribution(i) for i in range(len(self.mechanism.stages)))
 
     @cached_property
     def systems(self) -> tuple[VibrationSystem, ...]:

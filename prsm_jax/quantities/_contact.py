@@ -50,6 +50,72 @@ def approach_nut(analysis: Analysis):
 
 
 @quantity(
+    "max_von_mises_screw",
+    "σ_v,s",
+    "Pa",
+    "largest reduced stress (von Mises) in the screw below a thread contact, without friction",
+    ("stage",),
+)
+def max_von_mises_screw(analysis: Analysis):
+    return analysis.stress_peaks["screw"]["von_mises"].value
+
+
+@quantity(
+    "max_von_mises_nut",
+    "σ_v,n",
+    "Pa",
+    "largest reduced stress (von Mises) in the nut below a thread contact, without friction",
+    ("stage",),
+)
+def max_von_mises_nut(analysis: Analysis):
+    return analysis.stress_peaks["nut"]["von_mises"].value
+
+
+@quantity(
+    "max_shear_stress_screw",
+    "τ_s",
+    "Pa",
+    "largest shear stress in the screw below a thread contact, without friction",
+    ("stage",),
+)
+def max_shear_stress_screw(analysis: Analysis):
+    return analysis.stress_peaks["screw"]["max_shear"].value
+
+
+@quantity(
+    "max_shear_stress_nut",
+    "τ_n",
+    "Pa",
+    "largest shear stress in the nut below a thread contact, without friction",
+    ("stage",),
+)
+def max_shear_stress_nut(analysis: Analysis):
+    return analysis.stress_peaks["nut"]["max_shear"].value
+
+
+@quantity(
+    "max_shear_depth_screw",
+    "z_s",
+    "m",
+    "depth of the largest shear stress in the screw, which a hardened layer must exceed",
+    ("stage",),
+)
+def max_shear_depth_screw(analysis: Analysis):
+    return analysis.stress_peaks["screw"]["max_shear"].position[..., 2]
+
+
+@quantity(
+    "max_shear_depth_nut",
+    "z_n",
+    "m",
+    "depth of the largest shear stress in the nut, which a hardened layer must exceed",
+    ("stage",),
+)
+def max_shear_depth_nut(analysis: Analysis):
+    return analysis.stress_peaks["nut"]["max_shear"].position[..., 2]
+
+
+@quantity(
     "thread_stiffness_screw",
     "k_sR",
     "N/m",
