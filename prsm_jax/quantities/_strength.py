@@ -191,7 +191,7 @@ def _life_factor(stage: Stage) -> Scalar:
 )
 def modified_rating_life(analysis: Analysis):
     factors = _per_stage(analysis, lambda _, stage: _life_factor(stage))
-    return factors * _rating_life(analysis, "revolutions")
+    return strength.modified_life(_rating_life(analysis, "revolutions"), factors)
 
 
 def _required_life(stage: Stage) -> Scalar:
@@ -213,7 +213,7 @@ def life_ratio(analysis: Analysis):
         return 1 / _required_life(stage) if found is None else found / _required_life(stage)
 
     factors = _per_stage(analysis, lambda _, stage: factor(stage))
-    return jnp.min(factors * _rating_life(analysis, "time"))
+    return jnp.min(strength.modified_life(_rating_life(analysis, "time"), factors))
 
 
 def _phase_damage(analysis: Analysis):
@@ -285,7 +285,7 @@ def buckling_load(analysis: Analysis):
 )
 def buckling_safety(analysis: Analysis):
     loads = _per_stage(analysis, lambda _, stage: strength.buckling_load(stage))
-    return jnp.min(strength.static_safety(loads, jnp.broadcast_to(analysis.demand[1], loads.shape)))
+    return strength.static_safety(jnp.min(loads), analysis.demand[1])
 
 
 @quantity(

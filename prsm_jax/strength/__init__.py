@@ -15,6 +15,7 @@ from ._life import (
     basic_life as basic_life,
     damage as damage,
     largest_flank_load as largest_flank_load,
+    modified_life as modified_life,
     rating_life as rating_life,
 )
 from ._load_spectrum import (

@@ -9,7 +9,7 @@ from ..mechanism import Scalar, Stage
 from ._contacts import preload_of
 from ._fatigue import WEIBULL_SLOPE
 from ._load_spectrum import LoadSpectrum, mean_load
-from ._powers import ratio_or_infinity
+from ._powers import ratio_or_infinity, scaled_unless_infinite
 from ._preload import flank_loads
 
 
@@ -59,19 +59,21 @@ def rating_life(stage: Stage, capacity: Scalar, spectrum: LoadSpectrum) -> Ratin
     # Σ L^{−10/9} of both is a sum of 10/3 powers of their loads.
     both = mean_load(jnp.stack(means), jnp.ones_like(jnp.stack(means)), 3 * WEIBULL_SLOPE)
     revolutions = basic_life(capacity, both)
+    seconds_per_turn = ratio_or_infinity(2 * jnp.pi * jnp.ones_like(both), spectrum.mean_speed)
+    turns = jnp.isfinite(seconds_per_turn)
+    time = scaled_unless_infinite(revolutions, jnp.where(turns, seconds_per_turn, 1.0))
     return RatingLife(
         revolutions=revolutions,
-        time=_infinite_or(
-            revolutions, lambda r: ratio_or_infinity(2 * jnp.pi * r, spectrum.mean_speed)
-        ),
-        distance=_infinite_or(revolutions, lambda r: r * stage.thread.lead),
+        time=jnp.where(turns, time, jnp.inf),
+        distance=scaled_unless_infinite(revolutions, stage.thread.lead),
     )
 
 
-def _infinite_or(revolutions: Scalar, function) -> Scalar:
-    """A function of a finite life; ∞ has no part in any derivative."""
-    finite = jnp.isfinite(revolutions)
-    return jnp.where(finite, function(jnp.where(finite, revolutions, 1.0)), jnp.inf)
+def modified_life(
+    life: Float[Array, "*stages"], factor: Float[Array, "*stages"]
+) -> Float[Array, "*stages"]:
+    """A life times `life_factor`, or over a time that is asked for; ∞ stays ∞."""
+    return scaled_unless_infinite(life, factor)
 
 
 def largest_flank_load(stage: Stage, load: Scalar) -> Scalar:

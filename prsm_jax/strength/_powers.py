@@ -20,3 +20,11 @@ def ratio_or_infinity(
     """`above / below`; ∞ where nothing (or less) is below, with derivative 0."""
     some = below > 0
     return jnp.where(some, above / jnp.where(some, below, 1.0), jnp.inf)
+
+
+def scaled_unless_infinite(
+    value: Float[Array, "*batch"], factor: Float[Array, "*batch"]
+) -> Float[Array, "*batch"]:
+    """`factor * value`; ∞ stays ∞ and has no part in any derivative."""
+    finite = jnp.isfinite(value)
+    return jnp.where(finite, factor * jnp.where(finite, value, 1.0), jnp.inf)
