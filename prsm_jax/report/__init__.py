@@ -36,6 +36,7 @@ from ._response_chart import response_chart as response_chart
 from ._sensitivity_bars import sensitivity_bars as sensitivity_bars
 from ._stage_animation import save_motion_animation as save_motion_animation
 from ._style import save_figure as save_figure
+from ._subsurface_chart import subsurface_chart as subsurface_chart
 from ._sweep_map import sweep_map as sweep_map
 from ._transient_chart import settling_time as settling_time, transient_chart as transient_chart
 from ._transient_pictures import save_transient_pictures as save_transient_pictures
