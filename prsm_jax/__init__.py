@@ -1,8 +1,8 @@
 """prsm_jax: differentiable modelling of planetary roller screw mechanisms in JAX.
 
 Data flows one way, and the folders are named after it: file → mechanism → geometry → contact →
-stiffness → modal, dynamics → response → findings, quantities → sensitivity, optimise, sweep →
-report. `validation` compares with published numbers, `cli` is the command line.
+load_sharing → stiffness → modal, dynamics → response → findings, quantities → sensitivity,
+optimise, sweep → report. `validation` compares with published numbers, `cli` is the command line.
 """
 
 from ._errors import (
@@ -43,6 +43,12 @@ from .file import (
 )
 from .findings import check as check
 from .geometry import Finding as Finding, mesh as mesh
+from .load_sharing import (
+    ForceDeflection as ForceDeflection,
+    LoadDistribution as LoadDistribution,
+    force_deflection as force_deflection,
+    load_distribution as load_distribution,
+)
 from .mechanism import (
     AerodynamicLoad as AerodynamicLoad,
     ConstantProfile as ConstantProfile,

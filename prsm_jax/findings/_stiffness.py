@@ -7,11 +7,11 @@ import jax.numpy as jnp
 import numpy as np
 
 from .._errors import MissingDataError
-from ..contact import load_of, stage_contact
+from ..contact import load_of
 from ..geometry import Finding
 from ..mechanism import Mechanism, Stage
 from ..modal import dense_matrices, vibration_system
-from ..stiffness import thread_stiffness
+from ..stiffness import loaded_threads, thread_stiffness
 
 #: Shortest and longest free length of a screw of unknown length, in diameters.
 _SHORTEST, _LONGEST = 1.0, 30.0
@@ -46,7 +46,7 @@ def _negative_eigenvalues(mechanism: Mechanism, stage: Stage) -> int | None:
     """How many eigenvalues of the stiffness matrix are negative; none where data are missing."""
     try:
         threads = thread_stiffness(
-            stage, lambda: stage_contact(stage, jnp.abs(load_of(mechanism, None)))
+            stage, lambda: loaded_threads(stage, jnp.abs(load_of(mechanism, None)))
         )
         matrix = np.asarray(dense_matrices(vibration_system(stage, threads))[0])
     except (MissingDataError, ValueError):

@@ -237,7 +237,7 @@ def balance(
 
 def _differences(cumulated: Float[Array, "... segments"], last: Scalar):
     """What each thread adds, from the sums after each but the last."""
-    edge = cumulated.shape[:-1] + (1,)
+    edge = (*cumulated.shape[:-1], 1)
     ends = (jnp.zeros(edge, cumulated.dtype), jnp.broadcast_to(last, edge))
     whole = jnp.concatenate([ends[0], cumulated, ends[1]], axis=-1)
     return whole[..., 1:] - whole[..., :-1]

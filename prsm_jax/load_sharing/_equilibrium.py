@@ -77,7 +77,9 @@ def _moved(state: State, step: State, share: Scalar) -> State:
 def _energy_slope(left: State, step: State) -> Scalar:
     along = jnp.sum(left.screw_approach * step.screw_approach)
     along = along + jnp.sum(left.approach * step.approach)
-    return along if left.wedge is None else along + jnp.sum(left.wedge * step.wedge)
+    if left.wedge is None or step.wedge is None:
+        return along
+    return along + jnp.sum(left.wedge * step.wedge)
 
 
 def _start(chains: Chains, control: Control, value: Scalar) -> State:

@@ -5,6 +5,8 @@ turns it into (A⁻¹ + C)⁻¹ = A (I + C A)⁻¹, which is regular from rigid 
 All matrices are those of spring networks, so elimination needs no pivoting.
 """
 
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -109,7 +111,7 @@ class _Numbers:
         size = range(len(matrix))
         ones = [[gamma[i] * matrix[i][j] + (1.0 if i == j else 0.0) for j in size] for i in size]
         inverse = _inverse(ones)
-        reduced = [[None] * len(matrix) for _ in size]
+        reduced: Any = [[None] * len(matrix) for _ in size]
         for i in size:
             for j in range(i, len(matrix)):
                 column = [inverse[k][j] for k in size]
@@ -194,7 +196,7 @@ def _eliminate(chains: Chains, teeth: tuple[Teeth, Teeth], rights: list[State]) 
     """Solve K Δq_i − ΔQ_i + ΔQ_{i−1} = y_i, Δq_{i+1} − Δq_i − C ΔQ_i = z_i without control."""
     screw, nut = (chains.weight[:, None] * side.slope for side in teeth)
     size = screw.shape[0] + 1
-    kit = _Numbers if size <= _LARGEST else _Arrays
+    kit: Any = _Numbers if size <= _LARGEST else _Arrays
     gamma = _columns(chains.roller_segment[None, :] / chains.weight[:, None], chains.nut_segment)
     forces = [_columns(right.screw_approach, right.approach) for right in rights]
     meshes = [_columns(right.roller_force, right.nut_force) for right in rights]
@@ -285,6 +287,8 @@ def _inner_product(first: State, second: State) -> Array:
 def _wedge_columns(chains: Chains, teeth: tuple[Teeth, Teeth], like: State):
     """Derivatives of the balance to the wedge of each class, and of the wedges to themselves."""
     screw, nut = teeth
+    assert screw.lean is not None
+    assert nut.lean is not None
     columns, own = [], []
     for index in range(chains.weight.shape[0]):
         here = (jnp.arange(chains.weight.shape[0]) == index).astype(like.approach.dtype)
@@ -315,7 +319,9 @@ def solve_linear(
     - `control`: what is prescribed.
     - `right`: right-hand side, in the layout of the residual.
     """
-    columns, own, wanted = [], [], []
+    columns: list[State] = []
+    own: list[Any] = []
+    wanted: list[Any] = []
     if right.wedge is not None:
         columns, own = _wedge_columns(chains, teeth, right)
         wanted = [right.wedge[i] for i in range(right.wedge.shape[0])]
@@ -334,7 +340,7 @@ def solve_linear(
         value - _inner_product(one, plain) for value, one in zip(wanted, columns, strict=True)
     ]
     if len(columns) <= _LARGEST:
-        extra = _Numbers.solve(matrix, vector)
+        extra: list[Any] = _Numbers.solve(matrix, vector)
     else:
         square = jnp.stack([jnp.stack(row) for row in matrix])
         extra = list(_Arrays.solve(square, jnp.stack(vector)))

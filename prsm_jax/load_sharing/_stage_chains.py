@@ -209,12 +209,12 @@ def with_units(
             reach = jnp.maximum(reach, -jnp.min(play) / 2)
     force = (jnp.abs(load) + jnp.abs(preload)) / (jnp.sum(chains.weight) * count)
     for side in sides:
-        pressed = jnp.broadcast_to(reach, chains.weight.shape + (1,))
+        pressed = jnp.broadcast_to(reach, (*chains.weight.shape, 1))
         force = force + jnp.mean(flank_force(pressed, side.hertz, side.tooth)) / 2
     force = jnp.where(force > 0, force, 1.0)
     length = zero
     for side in sides:
-        unit = jnp.broadcast_to(force, chains.weight.shape + (1,))
+        unit = jnp.broadcast_to(force, (*chains.weight.shape, 1))
         length = length + jnp.mean(flank_approach(unit, side.hertz, side.tooth)) / 2
     film = jnp.maximum(force / (length + span), _SOFTEST * force / length)
     film = _FILM[zero.dtype == jnp.float64] * film

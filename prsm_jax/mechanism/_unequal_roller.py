@@ -8,8 +8,8 @@ from ._fields import Scalar, choice, optional_number
 class UnequalRoller(eqx.Module):
     """One roller that is not like the others; what is absent is as for the others.
 
-    Leaves: the factors, the offset and the thinning. Static: `number` (which roller, counted from 1 at
-    the angle 0) and `missing`.
+    Leaves: the factors, the offset and the thinning. Static: `number` (which roller, counted from 1
+    at the angle 0) and `missing`.
 
     **Raises:** `ValueError` at construction for a number below 1, a roller that is missing and has
     factors, or one that differs in nothing.

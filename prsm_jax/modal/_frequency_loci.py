@@ -9,10 +9,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
-from ..contact import StageContact, load_of, stage_contact
+from ..contact import StageContact, load_of
 from ..geometry import mesh
+from ..load_sharing import LoadDistribution
 from ..mechanism import Mechanism, Scalar, find_parameters, set_parameter
-from ..stiffness import thread_stiffness
+from ..stiffness import loaded_threads, thread_stiffness
 from ._dense import stage_modes
 from ._families import FAMILIES, family_shares
 from ._modes import COUPLED, Modes
@@ -92,11 +93,14 @@ def _point(
     chosen = mechanism.stages[stage - 1]
     flags: list[Bool[Array, ""]] = []
 
-    def contact() -> StageContact:
+    def contact() -> StageContact | LoadDistribution:
         meshing = mesh(chosen.thread) if chosen.curvature == "exact" else None
-        found = stage_contact(chosen, jnp.abs(load_of(mechanism, load)), meshing)
+        found = loaded_threads(chosen, jnp.abs(load_of(mechanism, load)), meshing)
         if meshing is not None:
             flags.append(meshing.converged)
+        if isinstance(found, LoadDistribution):
+            flags.append(found.converged)
+            return found
         flags.extend(side.hertz.semi_major >= 0 for side in (found.screw, found.nut))
         return found
 

@@ -3,9 +3,9 @@
 import jax.numpy as jnp
 
 from .._physics import physics
-from ..contact import load_of, stage_contact
+from ..contact import load_of
 from ..mechanism import Mechanism, Scalar
-from ..stiffness import thread_stiffness
+from ..stiffness import loaded_threads, thread_stiffness
 from ._dense import stage_modes
 from ._modes import Modes
 from ._system import vibration_system
@@ -43,6 +43,6 @@ def modal(
         raise ValueError(f"stage is {stage}; the mechanism has stages 1 to {len(mechanism.stages)}")
     chosen = mechanism.stages[stage - 1]
     threads = thread_stiffness(
-        chosen, lambda: stage_contact(chosen, jnp.abs(load_of(mechanism, load)))
+        chosen, lambda: loaded_threads(chosen, jnp.abs(load_of(mechanism, load)))
     )
     return stage_modes(vibration_system(chosen, threads), shapes=shapes)

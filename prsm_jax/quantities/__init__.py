@@ -6,8 +6,11 @@ A quantity of your own is one function of an `Analysis` under the `quantity` dec
 from . import (
     _contact as _contact,
     _dimensions as _dimensions,
+    _load_sharing as _load_sharing,
     _locking as _locking,
     _operation as _operation,
+    _play as _play,
+    _rating_life as _rating_life,
     _strength as _strength,
     _vibration as _vibration,
 )

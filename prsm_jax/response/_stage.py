@@ -4,10 +4,10 @@ from typing import Literal
 
 import jax.numpy as jnp
 
-from ..contact import load_of, stage_contact
+from ..contact import load_of
 from ..mechanism import Mechanism, Scalar, Stage
 from ..modal import VibrationSystem, vibration_system
-from ..stiffness import thread_stiffness
+from ..stiffness import loaded_threads, thread_stiffness
 from ._dissipation import AnyDamping
 
 #: Take the damping that the mechanism has, if it has any.
@@ -33,7 +33,7 @@ def stage_system(
     """
     chosen = stage_of(mechanism, stage)
     threads = thread_stiffness(
-        chosen, lambda: stage_contact(chosen, jnp.abs(load_of(mechanism, load)))
+        chosen, lambda: loaded_threads(chosen, jnp.abs(load_of(mechanism, load)))
     )
     return vibration_system(chosen, threads)
 

@@ -9,5 +9,6 @@ from ._threads import (
     ThreadStiffness as ThreadStiffness,
     axial_stiffness as axial_stiffness,
     in_series as in_series,
+    loaded_threads as loaded_threads,
     thread_stiffness as thread_stiffness,
 )

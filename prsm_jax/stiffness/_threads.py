@@ -1,4 +1,4 @@
-"""Thread contact stiffness of one roller, given or from Hertz contact."""
+"""Thread contact stiffness of one roller: given, or from contacts that share the load."""
 
 from collections.abc import Callable
 
@@ -6,7 +6,9 @@ import equinox as eqx
 import jax.numpy as jnp
 
 from .._errors import MissingDataError
-from ..contact import StageContact
+from ..contact import StageContact, stage_contact
+from ..geometry import Meshing
+from ..load_sharing import LoadDistribution, stage_load_distribution
 from ..mechanism import Scalar, Stage, total_factor
 
 
@@ -17,16 +19,41 @@ class ThreadStiffness(eqx.Module):
     nut_roller: Scalar
 
 
-def thread_stiffness(stage: Stage, contact: Callable[[], StageContact]) -> ThreadStiffness:
-    """Thread contact stiffness of one roller with screw and nut [N/m].
+def loaded_threads(
+    stage: Stage, load: Scalar, meshing: Meshing | None = None
+) -> StageContact | LoadDistribution:
+    """The threads of a stage under an axial load [N], as the stage says that they share it.
 
-    Given numbers are taken as they are; what is not given is the axial secant stiffness of a
-    Hertz contact times the number of engaged threads (Wu et al. 2022, equations 36 to 47).
+    In equal parts, or as a load distribution where the stage has `load_sharing`; both know the
+    stiffness of one roller on either side (`.screw.roller_stiffness`, `.nut.roller_stiffness`).
 
     **Arguments:**
 
     - `stage`: the stage.
-    - `contact`: gives the thread contacts; called only if a stiffness has to be derived.
+    - `load`: axial load [N].
+    - `meshing`: its meshing, if known already.
+
+    **Raises:** `MissingDataError` if data are missing.
+    """
+    if stage.load_sharing is not None:
+        return stage_load_distribution(stage, load, meshing)
+    return stage_contact(stage, load, meshing)
+
+
+def thread_stiffness(
+    stage: Stage, contact: Callable[[], StageContact | LoadDistribution]
+) -> ThreadStiffness:
+    """Thread contact stiffness of one roller with screw and nut [N/m].
+
+    Given numbers are taken as they are; what is not given is the axial secant stiffness of a
+    Hertz contact times the number of engaged threads (Wu et al. 2022, equations 36 to 47), or the
+    sum over the threads of a load distribution, their teeth included.
+
+    **Arguments:**
+
+    - `stage`: the stage.
+    - `contact`: gives the threads under load (see `loaded_threads`); called only if a stiffness
+      has to be derived.
     """
     given = stage.stiffness
     screw = None if given is None else given.screw_roller

@@ -1,0 +1,94 @@
+"""Quantities of how threads and rollers share the load."""
+
+import functools
+
+import jax.numpy as jnp
+
+from .._errors import MissingDataError
+from ..mechanism import Scalar
+from ..stiffness import in_series
+from ._analysis import Analysis
+from ._catalogue import quantity
+
+
+def _per_stage(analysis: Analysis, function):
+    return jnp.stack([function(one) for one in analysis.distributions])
+
+
+@quantity(
+    "thread_sharing_factor_screw",
+    "K_s",
+    "1",
+    "largest thread load over the mean, screw side",
+    ("stage",),
+)
+def thread_sharing_factor_screw(analysis: Analysis):
+    return _per_stage(analysis, lambda one: one.screw.thread_sharing_factor)
+
+
+@quantity(
+    "thread_sharing_factor_nut",
+    "K_n",
+    "1",
+    "largest thread load over the mean, nut side",
+    ("stage",),
+)
+def thread_sharing_factor_nut(analysis: Analysis):
+    return _per_stage(analysis, lambda one: one.nut.thread_sharing_factor)
+
+
+@quantity("roller_sharing_factor", "K_R", "1", "largest load of a roller over the mean", ("stage",))
+def roller_sharing_factor(analysis: Analysis):
+    return _per_stage(analysis, lambda one: one.nut.roller_sharing_factor)
+
+
+@quantity(
+    "largest_thread_load", "F_max", "N", "largest axial load of a thread, either side", ("stage",)
+)
+def largest_thread_load(analysis: Analysis):
+    return _per_stage(
+        analysis,
+        lambda one: jnp.maximum(jnp.max(one.screw.thread_load), jnp.max(one.nut.thread_load)),
+    )
+
+
+@quantity(
+    "max_pressure_shared",
+    "p₀_max",
+    "Pa",
+    "largest Hertz pressure with the load as the threads share it",
+)
+def max_pressure_shared(analysis: Analysis):
+    return jnp.max(_per_stage(analysis, lambda one: one.max_pressure))
+
+
+@quantity(
+    "axial_stiffness_shared",
+    "K_ax",
+    "N/m",
+    "tangent axial stiffness with contacts, teeth and shafts in the nut, all stages in series",
+)
+def axial_stiffness_shared(analysis: Analysis):
+    stages = [one.tangent_stiffness for one in analysis.distributions]
+    return functools.reduce(in_series, stages)
+
+
+@quantity(
+    "axial_deflection", "x", "m", "axial deflection of the nut under the load, all stages together"
+)
+def axial_deflection(analysis: Analysis):
+    return jnp.sum(_per_stage(analysis, lambda one: one.deflection))
+
+
+@quantity(
+    "spacer_force", "F_v", "N", "force in the spacer of a split nut under the load", ("stage",)
+)
+def spacer_force(analysis: Analysis):
+    forces: list[Scalar] = []
+    for one in analysis.distributions:
+        if one.spacer_force is None:
+            raise MissingDataError(
+                "the nut is not split; give [stage.load_sharing.split_nut] with preload or offset"
+            )
+        forces.append(one.spacer_force)
+    return jnp.stack(forces)
