@@ -24,7 +24,7 @@ WRITTEN_UNITS: dict[str, tuple[str, ...]] = {
     "kg": ("kg", "g"),
     "kg·m²": ("kg mm^2", "kg m^2"),
     "kg/m³": ("kg/m^3",),
-    "s": ("s", "ms", "us"),
+    "s": ("s", "ms", "us", "h"),
     "Hz": ("kHz", "Hz"),
     "1/s": ("1/s",),
     "rad/s²": ("rad/s^2",),

@@ -10,7 +10,8 @@ from scenes import example
 import prsm_jax as prsm
 from prsm_jax.quantities import available_quantities, catalogue
 
-NAMES = tuple(q.name for q in catalogue() if q.function.__module__.endswith("_strength"))
+_FILES = ("_strength", "_rating_life", "_play")
+NAMES = tuple(q.name for q in catalogue() if q.function.__module__.endswith(_FILES))
 
 
 def _actuator(**duty):
