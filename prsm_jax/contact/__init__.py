@@ -1,6 +1,9 @@
 """Contact mechanics of the threads."""
 
-from ._approximations import APPROXIMATIONS as APPROXIMATIONS
+from ._approximations import (
+    APPROXIMATIONS as APPROXIMATIONS,
+    lisowski_coefficients as lisowski_coefficients,
+)
 from ._axis_ratio import axis_ratio_of as axis_ratio_of
 from ._axis_stress import axis_stress as axis_stress
 from ._contacts import load_of as load_of, thread_contacts as thread_contacts

@@ -54,17 +54,28 @@ _MAJOR = (-0.072576, 0.306757, -0.425848, 0.817353, 0.018040)
 _MINOR = (-0.640562, 3.471455, -7.405219, 7.984778, -4.592703, 1.771294, 0.108768)
 
 
-def lisowski(anisotropy: Scalar) -> tuple[Scalar, Scalar, Scalar]:
-    """Polynomials for the Hertz coefficients m_H and n_H in θ = arccos τ.
+def lisowski_coefficients(angle: Scalar) -> tuple[Scalar, Scalar]:
+    """Hertz coefficients m_H and n_H by the polynomials of Lisowski 2014, equations 8 and 9.
 
-    Romanowicz and Szybiński 2013, as given by Lisowski 2014 in equations 8 and 9; their leading
-    coefficient of 1/m_H is misprinted there as −0.72576. The axes are those of the source:
-    κ = n_H/m_H and E = π κ² m_H³/2. It gives no approach, so K is the exact one of this κ. Made
-    for θ from 15° to 90°; more slender ellipses are off by tens of per cent.
+    From Romanowicz and Szybiński 2013; the leading coefficient of 1/m_H, misprinted as −0.72576,
+    is −0.072576.
+
+    **Arguments:**
+
+    - `angle`: auxiliary angle θ = arccos τ [rad].
     """
-    angle = jnp.arccos(anisotropy)
-    major = 1 / _polynomial(_MAJOR, angle)
-    axis_ratio = _polynomial(_MINOR, angle) / major
+    return 1 / _polynomial(_MAJOR, angle), _polynomial(_MINOR, angle)
+
+
+def lisowski(anisotropy: Scalar) -> tuple[Scalar, Scalar, Scalar]:
+    """Polynomials for the Hertz coefficients, corrected; see `lisowski_coefficients`.
+
+    The axes are those of the source: κ = n_H/m_H and E = π κ² m_H³/2. It gives no approach, so K is
+    the exact one of this κ. Made for θ from 15° to 90°; more slender ellipses are off by ten per
+    cent and more.
+    """
+    major, minor = lisowski_coefficients(jnp.arccos(anisotropy))
+    axis_ratio = minor / major
     first, _ = complete_elliptic_integrals(axis_ratio)
     return axis_ratio, first, jnp.pi / 2 * axis_ratio**2 * major**3
 
