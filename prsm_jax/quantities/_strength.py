@@ -9,6 +9,7 @@ from collections.abc import Callable
 import jax.numpy as jnp
 
 from .. import strength
+from ..load_sharing import SideLoads
 from ..mechanism import Scalar, Stage
 from ._analysis import Analysis
 from ._catalogue import quantity
@@ -23,12 +24,43 @@ def _on_one_flank(analysis: Analysis, stage: Stage) -> Scalar:
     return strength.largest_flank_load(stage, analysis.demand[1])
 
 
+def _sides(analysis: Analysis, index: int) -> tuple[SideLoads, ...]:
+    """How the threads of a stage share the load, where the file says so; both sides.
+
+    Not those of a split nut, which carry its preload too.
+    """
+    sharing = analysis.mechanism.stages[index].load_sharing
+    if sharing is None or sharing.split_nut is not None:
+        return ()
+    found = analysis.distribution(index)
+    return found.screw, found.nut
+
+
+def _sharing_factor(analysis: Analysis, index: int) -> Scalar | float:
+    """Load of the most loaded thread over the mean, of the worse side."""
+    factors = [side.thread_sharing_factor for side in _sides(analysis, index)]
+    return jnp.max(jnp.stack(factors)) if factors else 1.0
+
+
+def _fatigue_factor(analysis: Analysis, index: int) -> Scalar | float:
+    factors = [
+        strength.fatigue_sharing_factor(
+            side.thread_load, jnp.broadcast_to(side.weight[:, None], side.thread_load.shape)
+        )
+        for side in _sides(analysis, index)
+    ]
+    return jnp.max(jnp.stack(factors)) if factors else 1.0
+
+
 def _static_capacity(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     # What is given needs no contacts.
     if stage.strength is None or stage.strength.static_capacity is not None:
         return strength.static_capacity(stage)
     return strength.static_capacity(
-        stage, analysis.meshing(index), analysis.reference_contacts[index]
+        stage,
+        analysis.meshing(index),
+        analysis.reference_contacts[index],
+        _sharing_factor(analysis, index),
     )
 
 
@@ -73,7 +105,10 @@ def permanent_deformation(analysis: Analysis):
         per_stage(
             analysis,
             lambda i, stage: strength.permanent_deformation(
-                stage, _on_one_flank(analysis, stage), analysis.meshing(i)
+                stage,
+                _on_one_flank(analysis, stage),
+                analysis.meshing(i),
+                _sharing_factor(analysis, i),
             ),
         )
     )
@@ -85,7 +120,10 @@ def dynamic_capacity_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     if stage.strength.dynamic_capacity is not None:
         return strength.dynamic_capacity(stage)
     return strength.dynamic_capacity(
-        stage, analysis.meshing(index), analysis.reference_contacts[index]
+        stage,
+        analysis.meshing(index),
+        analysis.reference_contacts[index],
+        _fatigue_factor(analysis, index),
     )
 
 

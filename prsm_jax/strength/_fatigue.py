@@ -12,6 +12,7 @@ this is the theory behind ISO 281 and ISO 3408-5, applied to their tracks.
 import math
 
 import jax.numpy as jnp
+from jaxtyping import Array, Float
 
 from .._errors import MissingDataError
 from .._physics import physics
@@ -19,6 +20,7 @@ from ..contact import StageContact, axis_ratio_of, contact_frames, engaged_threa
 from ..geometry import Meshing
 from ..mechanism import Scalar, Stage
 from ._contacts import REFERENCE_LOAD, meshing_of, reference_contact, strength_of, thread_share
+from ._load_spectrum import mean_load
 from ._subsurface import orthogonal_shear
 
 #: Exponents of stress, depth and life, and Weibull slope, of point contacts.
@@ -147,16 +149,23 @@ def fatigue_risk(stage: Stage, meshing: Meshing | None, contact: StageContact) -
     return _STEEL * total
 
 
-def fatigue_sharing_factor(thread_loads) -> Scalar:
+def fatigue_sharing_factor(
+    thread_loads: Float[Array, "*threads"], weights: Float[Array, "*threads"] | None = None
+) -> Scalar:
     r"""What unequal thread loads make of the capacity: $(\overline{q^{10/3}})^{3/10} \ge 1$.
 
-    Lundberg and Palmgren's risk goes with the 10/3 power of a contact's load.
+    q is a thread's load over the mean; Lundberg and Palmgren's risk goes with its 10/3 power. 1
+    without load.
 
     **Arguments:**
 
     - `thread_loads`: loads of all threads, in any unit, not negative.
+    - `weights`: how many threads each of them stands for; one if not given.
     """
-    share = thread_loads / jnp.mean(thread_loads)
-    loaded = share > 0
-    powers = jnp.where(loaded, jnp.where(loaded, share, 1.0) ** (10 / 3), 0.0)
-    return jnp.mean(powers) ** 0.3
+    if weights is None:
+        weights = jnp.ones_like(thread_loads)
+    shares = jnp.ravel(weights / jnp.sum(weights))
+    mean = jnp.sum(shares * jnp.ravel(thread_loads))
+    loaded = mean > 0
+    effective = mean_load(jnp.ravel(thread_loads), shares, 10 / 3)
+    return jnp.where(loaded, effective / jnp.where(loaded, mean, 1.0), 1.0)

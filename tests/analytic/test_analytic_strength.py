@@ -13,7 +13,15 @@ from scipy.optimize import brentq
 import prsm_jax as prsm
 from prsm_jax import strength
 from prsm_jax.contact import contact_frames
-from prsm_jax.mechanism import AxialPlay, CoulombFriction, Friction, Screw, ScrewShaft, Strength
+from prsm_jax.mechanism import (
+    AxialPlay,
+    CoulombFriction,
+    Friction,
+    LoadSharing,
+    Screw,
+    ScrewShaft,
+    Strength,
+)
 from prsm_jax.strength import _fatigue, _static, _subsurface
 
 PRESSURE = 4.2e9
@@ -71,6 +79,26 @@ def test_unequal_sharing_lowers_capacities():
     np.testing.assert_allclose(
         dynamic_capacity(half), dynamic_capacity(ESTIMATED) / factor, rtol=1e-13
     )
+
+
+def test_threads_that_share_unequally_lower_the_quantities():
+    """By the factors of the distribution itself; one thread is alone with its load."""
+    data = Strength(permissible_pressure=PRESSURE, material_factor=1.0)
+    sharing = LoadSharing(
+        6, screw_segment_stiffness=4e8, roller_segment_stiffness=1e8, nut_segment_stiffness=8e8
+    )
+    names = ["static_capacity", "dynamic_capacity", "static_safety"]
+    factors = ["thread_sharing_factor_screw", "thread_sharing_factor_nut"]
+    program = eqx.filter_jit(lambda m, wanted: prsm.compute(m, wanted))
+    one = mechanism(screwed(data, engaged_threads=6.0, load_sharing=sharing))
+    shared = program(one, [*names, *factors])
+    equal = program(mechanism(screwed(data, engaged_threads=6.0)), names)
+    largest = max(float(shared[name][0]) for name in factors)
+    assert largest > 1.2
+    for name in ("static_capacity", "static_safety"):
+        np.testing.assert_allclose(shared[name], equal[name] / largest, rtol=1e-12)
+    lowered = float(equal["dynamic_capacity"][0] / shared["dynamic_capacity"][0])
+    assert 1 < lowered < largest
 
 
 def test_permanent_deformation_in_newtons_and_millimetres():
