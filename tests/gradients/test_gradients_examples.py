@@ -47,8 +47,8 @@ def _results(name):
 
 #: Left out are those whose physics another has: the mission's mechanism is a part of the actuator,
 #: Li's second pair of stages has the laws of the first, and the annular rollers' nearest threaded
-#: mechanism those of the actuator.
-_LIKE_OTHERS = {"actuator_mission", "li2021_two_stage", "ring_roller"}
+#: mechanism those of the actuator. Load sharing has tests of its own.
+_LIKE_OTHERS = {"actuator_mission", "actuator_load_sharing", "li2021_two_stage", "ring_roller"}
 NAMES = [name for name in file.example_names() if name not in _LIKE_OTHERS]
 
 
