@@ -96,4 +96,9 @@ from .response import (
     mesh_response as mesh_response,
 )
 from .sensitivity import Sensitivity as Sensitivity, sensitivity as sensitivity
+from .strength import (
+    equivalent_load as equivalent_load,
+    load_spectrum as load_spectrum,
+    rating_life as rating_life,
+)
 from .sweep import sweep as sweep
