@@ -38,6 +38,7 @@ from . import (  # isort: skip
     _li2021_details as _li2021_details,
     _li_figures as _li_figures,
     _lisowski2014 as _lisowski2014,
+    _lisowski2014_surfaces as _lisowski2014_surfaces,
     _shape_function as _shape_function,
     _closed_forms as _closed_forms,
 )

@@ -13,10 +13,10 @@ from ._row import Row, differs, misprint, number
 from ._thread_contacts import LOADS, pairs_of_threads
 
 _HERTZ = {"screw": ("999", "1259", "1585"), "nut": ("969", "1221", "1585")}
-_ELEMENTS = {"screw": ("608", "1480", "1586"), "nut": (None, "879", "1531")}
+ELEMENTS = {"screw": ("608", "1480", "1586"), "nut": (None, "879", "1531")}
 _ERRORS = {"screw": ("39.1", "17.6", "0.1"), "nut": (None, "28.0", "0.5")}
 _DISPLACEMENTS = {"screw": ("0.00654", "0.01306", "0.02616"), "nut": (None, "0.01519", "0.03064")}
-_TABLE = {"screw": "Table 1", "nut": "Table 2"}
+TABLES = {"screw": "Table 1", "nut": "Table 2"}
 #: What three-digit tables, or the fits of equations 8 and 9, of the Hertz coefficients leave open.
 _COEFFICIENT_ERROR = 0.002
 _CITATION = (
@@ -37,7 +37,7 @@ def hertz_pressures() -> Iterator[Row]:
         for index, (load, printed) in enumerate(zip(LOADS, pressures, strict=True)):
             computed = float(_pressure("lisowski2014", side)[index])
             true = float(_pressure("exact", side)[index])
-            item = f"{_TABLE[side]}: Hertz pressure on the {side} side, {load:.0f} N"
+            item = f"{TABLES[side]}: Hertz pressure on the {side} side, {load:.0f} N"
             note = (
                 "curvatures of equations 1 to 3 (nut concave), φ = 0; the paper interpolates the "
                 "Hertz coefficients, so 0.2 % is allowed; with the curvatures of the flanks it is "
@@ -68,27 +68,27 @@ def flank_curvatures() -> Iterator[Row]:
         for index, (load, printed) in enumerate(zip(LOADS, pressures, strict=True)):
             ratio = float(_pressure("exact", side)[index] / _pressure("lisowski2014", side)[index])
             yield differs(
-                f"{_TABLE[side]}: Hertz pressure with the curvatures of the flanks, {side} side, "
+                f"{TABLES[side]}: Hertz pressure with the curvatures of the flanks, {side} side, "
                 f"{load:.0f} N",
                 printed,
                 float(_pressure("exact", side)[index]),
                 "MPa",
                 because="equations 1 to 3 take ((d/2)² + p²)/p, the inverse torsion of a helix "
-                "with the lead 2πp, for a radius of the flank in the rolling direction; the flank's own, "
-                f"about d/(2 sin α₀), is smaller, and the pressure {ratio:.2f} times as high at "
-                "every load",
+                "with the lead 2πp, for a radius of the flank in the rolling direction; the "
+                f"flank's own, about d/(2 sin α₀), is smaller, and the pressure {ratio:.2f} times "
+                "as high at every load",
             )
 
 
 @rows_of("lisowski2014")
 def finite_elements() -> Iterator[Row]:
     """Tables 1 and 2, finite elements, and their printed deviations; Table 3."""
-    for side, pressures in _ELEMENTS.items():
+    for side, pressures in ELEMENTS.items():
         for index, (load, printed) in enumerate(zip(LOADS, pressures, strict=True)):
             if printed is None:
                 continue
             contact = _pressure("lisowski2014", side)
-            item = f"{_TABLE[side]}: finite elements on the {side} side, {load:.0f} N"
+            item = f"{TABLES[side]}: finite elements on the {side} side, {load:.0f} N"
             previous = pressures[0] if side == "screw" else pressures[1]
             assert previous is not None
             growth = float(pressures[-1] or 0) / float(previous)
@@ -99,14 +99,14 @@ def finite_elements() -> Iterator[Row]:
                 float(contact[index]),
                 "MPa",
                 because=f"from {start:.0f} to 100 N the elements' pressure grows {growth:.2f} "
-                f"times, against {(100.0 / start) ** (1 / 3):.2f} for any Hertz contact: elements "
-                "of 0.01 mm are too coarse for the small contact at low load",
+                f"times, against {(100.0 / start) ** (1 / 3):.2f} for any Hertz contact: the "
+                "finite elements do not follow the small contact at low load",
             )
             error = _ERRORS[side][index]
             assert error is not None
             hertz = float(_HERTZ[side][index])
             deviation = 100 * abs(float(printed) / hertz - 1)
-            item = f"{_TABLE[side]}: deviation of the finite elements, {side} side, {load:.0f} N"
+            item = f"{TABLES[side]}: deviation of the finite elements, {side} side, {load:.0f} N"
             if side == "nut" and load == 100.0:
                 yield number(
                     item,
