@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import equinox as eqx
 import jax.numpy as jnp
 
+from ..geometry import Meshing, mesh
 from ..halfspace import FlankContact, flank_contact
 from ..mechanism import Stage, as_scalar
 from ._examples import example
@@ -15,7 +16,7 @@ from ._registry import rows_of
 from ._row import Row, differs
 from ._thread_contacts import LOADS
 
-_SHAPE = (64, 64)
+_SHAPE = (32, 32)
 _EXTENT = 1.3
 #: Radius that the crests' edges are rounded by [m]; sharp ones have infinite pressures.
 _EDGE_RADIUS = 0.2e-3
@@ -25,10 +26,14 @@ _HIGH, _LOW = 1e-3, 0.05e-3
 _ELEMENT = 1e-5
 
 
+_mesh = eqx.filter_jit(mesh)
+
+
 @eqx.filter_jit
-def _contact(stage: Stage, side: str, load, extent) -> FlankContact:
+def _contact(stage: Stage, meshing: Meshing, side: str, load, extent) -> FlankContact:
+    rounded = as_scalar(_EDGE_RADIUS)
     return flank_contact(
-        stage, side, load, _SHAPE, extent=extent, edge_radius=as_scalar(_EDGE_RADIUS)
+        stage, side, load, _SHAPE, extent=extent, edge_radius=rounded, meshing=meshing
     )
 
 
@@ -52,7 +57,7 @@ def flanks(
     stage = Stage(
         thread=thread, roller_count=1, material=stage.material, engaged_threads=as_scalar(1.0)
     )
-    found = _contact(stage, side, jnp.asarray(load), jnp.asarray(extent))
+    found = _contact(stage, _mesh(thread), side, jnp.asarray(load), jnp.asarray(extent))
     if int(found.surface.code) != 0:
         raise RuntimeError(f"no contact of the {side} side at {load} N: code {found.surface.code}")
     return found
