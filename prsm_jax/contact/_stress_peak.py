@@ -196,4 +196,4 @@ def stress_peak(
     moved = _moving(at, found, spacing, *given)
     flat = jnp.stack([moved[0] * major, moved[1] * minor])[order]
     position = jnp.concatenate([flat, moved[2:] * minor])
-    return StressPeak(max_pressure * at(found, *given), position)
+    return StressPeak(max_pressure * at(jax.lax.stop_gradient(moved), *given), position)

@@ -224,11 +224,11 @@ def solved_contact() -> Iterator[Row]:
             value,
             unit,
             because="without a lead, where the whole zone of 2 mm bears; the printed numbers "
-            "belong to about 43 N and a softer or flatter pair, see the rows above. With ψ 5° and equal "
-            f"profile angles the ring touches {np.degrees(abs(turned)):.1f}° away from the line of "
-            f"centres, where its flank is not parallel to the screw's: the gap opens by {lost:.0f} "
-            f"µm over the zone, the ring bears on {100 * float(skewed.loaded_share):.0f} % of it, "
-            f"at its crest, and this is {edge:.4g} {unit} there",
+            "belong to about 43 N and a softer or flatter pair, see the rows above. With ψ 5° and "
+            f"equal profile angles the ring touches {np.degrees(abs(turned)):.1f}° away from the "
+            "line of centres, where its flank is not parallel to the screw's: the gap opens by "
+            f"{lost:.0f} µm over the zone, the ring bears on "
+            f"{100 * float(skewed.loaded_share):.0f} % of it, at its crest, and this is {edge:.4g} {unit} there",
         )
 
 
@@ -263,9 +263,9 @@ def sensitivities() -> Iterator[Row]:
         f"{-1e-9 * straight['centre distance']:+.4g} MPa per mm closer at ψ = 0, "
         f"{-1e-9 * slopes['centre distance']:+.4g} at ψ 5°",
         straight["centre distance"] < 0,
-        "by the coefficient of the gap. At 20 mm the zone where the flanks overlap is as long as it "
-        "can be (crests end at roots), so it gets shorter either way, and the stress higher still; "
-        "the derivative is the mean of both sides",
+        "by the coefficient of the gap. At 20 mm the zone where the flanks overlap is as long as "
+        "it can be (crests end at roots), so it gets shorter either way, and the stress higher "
+        "still; the derivative is the mean of both sides",
     )
     yield differs(
         "Table 3: profile angles, optimal at 30°",
