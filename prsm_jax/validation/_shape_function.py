@@ -228,7 +228,8 @@ def solved_contact() -> Iterator[Row]:
             f"equal profile angles the ring touches {np.degrees(abs(turned)):.1f}° away from the "
             "line of centres, where its flank is not parallel to the screw's: the gap opens by "
             f"{lost:.0f} µm over the zone, the ring bears on "
-            f"{100 * float(skewed.loaded_share):.0f} % of it, at its crest, and this is {edge:.4g} {unit} there",
+            f"{100 * float(skewed.loaded_share):.0f} % of it, at its crest, and this is "
+            f"{edge:.4g} {unit} there",
         )
 
 
