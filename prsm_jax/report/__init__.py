@@ -31,6 +31,10 @@ from ._power_flow_chart import (
     power_flow_chart as power_flow_chart,
     power_history_chart as power_history_chart,
 )
+from ._pressure_map import (
+    pressure_map as pressure_map,
+    pressure_profiles as pressure_profiles,
+)
 from ._published_figure import published_figure as published_figure
 from ._response_chart import response_chart as response_chart
 from ._sensitivity_bars import sensitivity_bars as sensitivity_bars

@@ -1,0 +1,81 @@
+"""Pressure maps and cuts of contacts of true surfaces."""
+
+import dataclasses
+import functools
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from report_checks import assert_printable, axis_labels
+
+from prsm_jax.contact import HertzContact
+from prsm_jax.halfspace import (
+    FlankContact,
+    FlankGap,
+    Grid,
+    SurfaceContact,
+    TangentPlane,
+)
+from prsm_jax.report import pressure_map, pressure_profiles
+
+
+@functools.cache
+def _contact() -> FlankContact:
+    """A Hertz pressure written onto a grid, with a crest across it; nothing is solved."""
+    grid = Grid((24, 20), 2e-5, 1.8e-5)
+    x, y = grid.points
+    major, minor, peak = 2e-4, 1.5e-4, 2e9
+    inside = 1 - (x / major) ** 2 - (y / minor) ** 2
+    edge = y + x / 4 + 1e-4
+    pressure = jnp.where(edge > 0, peak * jnp.sqrt(jnp.maximum(inside, 0)), 0.0)
+    zero, number = jnp.zeros(grid.shape), jnp.asarray
+    surface = SurfaceContact(
+        grid, pressure, pressure > 0, zero, zero, number(4e-6), number(126.0), number(2.2e9),
+        number(9e-8), number(20), number(1e-9), number(0),
+    )  # fmt: skip
+    hertz = HertzContact(
+        number(major), number(minor), number(peak), number(4e-6), *(number(1.0),) * 3
+    )
+    flanks = FlankGap(zero, edge > 0, edge, None)
+    plane = TangentPlane(*(jnp.ones(3),) * 4)
+    return FlankContact(surface, flanks, plane, hertz, number(1.4))
+
+
+def test_map_shows_pressure_ellipse_and_edge():
+    whole = dataclasses.replace(
+        _contact(), flanks=dataclasses.replace(_contact().flanks, body_edge=None)
+    )
+    figure = pressure_map({"cut": _contact(), "whole": whole, "third": whole})
+    assert_printable(figure)
+    assert "contact pressure in MPa" in axis_labels(figure)
+    cut, second, *_ = figure.axes
+    assert "largest 2200 MPa, Hertz 2000 MPa, 126.0 N" in cut.get_xlabel().replace("\u202f", " ")
+    (image,) = cut.images
+    drawn = np.ma.filled(image.get_array(), np.nan)
+    expected = np.where(_contact().surface.contact, _contact().surface.pressure * 1e-6, np.nan).T
+    np.testing.assert_allclose(drawn, expected)
+    np.testing.assert_allclose(image.get_extent(), [-0.24, 0.24, -0.18, 0.18])
+    (ellipse,) = cut.patches
+    assert (ellipse.width, ellipse.height) == pytest.approx((0.4, 0.3))
+    assert cut.get_legend() is not None
+    assert second.get_legend() is None
+
+
+def test_profiles_show_cells_and_theory():
+    figure = pressure_profiles({"cut": _contact()})
+    assert_printable(figure)
+    assert axis_labels(figure) == [
+        "along the major axis in mm",
+        "contact pressure in MPa",
+        "along the minor axis in mm",
+    ]
+    theory, cells = figure.axes[0].lines[:2]
+    assert np.max(theory.get_ydata()) == pytest.approx(2000, rel=1e-3)
+    # Beside the axis by half a cell: a little less than on it.
+    assert 1900 < np.nanmax(cells.get_ydata()) < 2000
+
+
+def test_pictures_need_contacts():
+    for picture in (pressure_map, pressure_profiles):
+        with pytest.raises(ValueError, match="at least one contact"):
+            picture({})
