@@ -12,6 +12,7 @@ from typing import NamedTuple
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Bool, Int
 
 from ..mechanism import Scalar
@@ -246,13 +247,19 @@ def response(chains: Chains, state: State, control: Control, value: Scalar, righ
     The system is symmetric, so reverse mode solves it with the same elimination.
     """
 
-    def linear(change):
-        return jax.jvp(lambda s: residual(chains, s, control, value), (state,), (change,))[1]
+    # One vector: reverse mode wants every part of the right-hand side to be linear in what is
+    # differentiated, and some of the parts do not depend on it.
+    flat, whole = ravel_pytree(right)
+
+    def linear(vector):
+        left = jax.jvp(lambda s: residual(chains, s, control, value), (state,), (whole(vector),))
+        return ravel_pytree(left[1])[0]
 
     def solve(_, vector):
-        return solve_linear(chains, forces_and_slopes(chains, state), control, vector)
+        teeth = forces_and_slopes(chains, state)
+        return ravel_pytree(solve_linear(chains, teeth, control, whole(vector)))[0]
 
-    return jax.lax.custom_linear_solve(linear, right, solve, symmetric=True)
+    return whole(jax.lax.custom_linear_solve(linear, flat, solve, symmetric=True))
 
 
 def equilibrium(

@@ -60,12 +60,7 @@ def force_deflection(
 
     def point(value):
         found = balanced(whole, value, control)
-        return ForceDeflection(
-            found.load,
-            found.deflection,
-            found.tangent_stiffness,
-            found.stored_energy,
-            found.converged,
-        )
+        stiffness, energy = found.tangent_stiffness, found.stored_energy
+        return found.load, found.deflection, stiffness, energy, found.converged
 
-    return jax.vmap(point)(values)
+    return ForceDeflection(*jax.vmap(point)(values))

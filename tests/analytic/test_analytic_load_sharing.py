@@ -1,0 +1,385 @@
+"""Load sharing against closed forms, a minimisation of its own, and the work that loads do."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+from scenes import STEEL, array, mechanism
+from sharing_scenes import (
+    HERTZ,
+    TOOTH,
+    chains,
+    equilibrium,
+    force_deflection,
+    load_distribution,
+    loads_of,
+    sharing_stage,
+)
+
+import prsm_jax as prsm
+from prsm_jax.load_sharing import (
+    State,
+    flank_approach,
+    flank_force,
+    residual,
+    roller_classes,
+    tooth_compliance,
+)
+from prsm_jax.load_sharing._equilibrium import response
+from prsm_jax.mechanism import LoadSharing, SplitNut, UnequalRoller
+
+#: The search stops at 1e-12 of the largest force; a film 1e-12 as stiff as a contact adds as much.
+_BALANCE = 1e-10
+
+
+def _linear(**more):
+    defaults = {"hertz": None, "tooth": 1.0, "segments": (0.01,) * 3, "load": 20.0}
+    return chains(**(defaults | more))
+
+
+def _shares(bare, load=20.0):
+    found = equilibrium(bare, array(load))
+    assert int(found.result) == 0
+    return [side[0] for side in loads_of(bare, found)]
+
+
+@pytest.mark.parametrize(
+    ("same_end", "screw", "nut"),
+    [
+        (True, (1.977348, 0.552607), (1.977348, 0.552607)),
+        (False, (1.759164, 0.770791), (0.770791, 1.759164)),
+    ],
+)
+def test_linear_springs(same_end, screw, nut):
+    """20 threads, contact compliance 1, segments 0.01: the known factors, to their six digits."""
+    found = _shares(_linear(same_end=same_end))
+    for loads, ends in zip(found, (screw, nut), strict=True):
+        np.testing.assert_allclose(loads[[0, -1]], ends, atol=6e-7)
+        assert loads.mean() == pytest.approx(1.0, abs=_BALANCE)
+
+
+def test_rigid_roller_in_closed_form():
+    """A rigid roller leaves two ladders: S_i = n sinh μ(n+1−i)/sinh μn, cosh μ = 1 + e/2k."""
+    count, segment = 20, 0.03
+    screw, nut = _shares(_linear(segments=(segment, 0.0, segment)))
+    mu = np.arccosh(1 + segment / 2)
+    passing = count * np.sinh(mu * (count - np.arange(count + 1))) / np.sinh(mu * count)
+    np.testing.assert_allclose(screw, -np.diff(passing), rtol=1e-9)
+    np.testing.assert_allclose(nut, -np.diff(passing), rtol=1e-9)
+
+
+def test_limits():
+    """Rigid shafts share equally; rigid contacts leave all load to the end threads."""
+    np.testing.assert_allclose(_shares(_linear(segments=(0.0, 0.0, 0.0)))[0], 1.0, rtol=_BALANCE)
+    screw, _ = _shares(_linear(tooth=1e-9))
+    assert screw[0] == pytest.approx(20.0, rel=1e-3)
+    assert np.all(screw[1:] < 1e-2)
+
+
+def test_flank_law_is_the_inverse_of_its_approach():
+    """To rounding over 24 decades of the ratio of its two parts; nothing where flanks are apart."""
+    force = jnp.logspace(-12, 12, 49)
+    hertz, tooth = array(1e-7), array(3e-9)
+    found = flank_force(flank_approach(force, hertz, tooth), hertz, tooth)
+    np.testing.assert_allclose(found, force, rtol=5e-15)
+    assert float(flank_force(array(-1e-6), hertz, tooth)) == 0.0
+
+
+def test_tooth_compliance_against_the_integrals_of_a_wedge_shaped_beam():
+    """Bending, with the moment of the radial force, and shear; both bodies' radial parts."""
+    angle, pitch, thickness, depth, radius = np.radians(40.0), 2e-3, 0.9e-3, 0.5e-3, 12e-3
+    values = [array(x) for x in (angle, pitch, thickness, depth, radius)]
+    solid = tooth_compliance(STEEL, *values)
+    sleeve = tooth_compliance(STEEL, *values, array(18e-3))
+    modulus, poisson = 210e9, 0.3
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    place, weights = depth * (nodes + 1) / 2, weights * depth / 2
+    # From the root; a unit axial load presses at the depth's end, with tan α along the tooth.
+    local = thickness + 2 * (depth - place) * np.tan(angle)
+    lever = depth - place
+    moment = lever - np.tan(angle) * thickness / 2
+    bending = np.sum(weights * moment * lever * 12 * (1 - poisson**2) / (modulus * local**3))
+    shear = np.sum(weights * 1.2 * 2 * (1 + poisson) / (modulus * local))
+    assert float(solid.bending) == pytest.approx(bending, rel=1e-12)
+    assert float(solid.shear) == pytest.approx(shear, rel=1e-12)
+    ring = (18e-3**2 + radius**2) / (18e-3**2 - radius**2) + poisson
+    widening = np.tan(angle) ** 2 * radius / (pitch * modulus)
+    assert float(solid.radial) == pytest.approx((1 - poisson) * widening, rel=1e-12)
+    assert float(sleeve.radial) == pytest.approx(ring * widening, rel=1e-12)
+    assert float(sleeve.root_tilt) == float(solid.root_tilt)
+
+
+# Two classes of rollers, two of the first and one of the second, on six threads with errors.
+_GAPS = np.random.default_rng(5).normal(size=(2, 6)) * 2e-6
+
+
+def _minimised(bare, load):
+    """Forces at the minimum of the energy over all displacements, by SciPy."""
+    from scipy.optimize import minimize
+
+    weight, gaps, count = np.asarray(bare.weight), np.asarray(bare.screw.gap), 6
+    springs = [
+        1 / np.asarray(s) for s in (bare.screw_segment, bare.roller_segment, bare.nut_segment)
+    ]
+    length, force = 1e-6, 50.0  # to numbers of order 1
+
+    def flanks(approach):
+        closed = np.maximum(approach, 0) / HERTZ
+        return closed**1.5, 1.5 * np.sqrt(closed) / HERTZ, 0.4 * HERTZ * closed**2.5
+
+    def parts(unknown):
+        nodes = unknown.reshape(4, count) * length
+        screw, rollers = nodes[0], nodes[1:3]
+        # The nut is held at the far end.
+        nut = nodes[3] - nodes[3, -1]
+        return screw, rollers, nut
+
+    def energy(unknown):
+        screw, rollers, nut = parts(unknown)
+        total, slope = -load * screw[0], np.zeros((4, count))
+        slope[0, 0] -= load
+        chain = (np.ones(1), weight, np.ones(1))
+        rows = (np.array([screw]), rollers, np.array([nut]))
+        for at, (stiffness, many, row) in zip(
+            (0, 1, 3), zip(springs, chain, rows, strict=True), strict=True
+        ):
+            for index in range(len(row)):
+                stretch = row[index, :-1] - row[index, 1:]
+                pull = many[index] * stiffness * stretch
+                total += np.sum(pull * stretch) / 2
+                slope[at + index, :-1] += pull
+                slope[at + index, 1:] -= pull
+        for index in range(2):
+            for first, second, rows_ in (
+                (screw, rollers[index], (0, 1 + index)),
+                (rollers[index], nut, (1 + index, 3)),
+            ):
+                pressed, _, stored = flanks(first - second - gaps[index])
+                total += weight[index] * np.sum(stored)
+                slope[rows_[0]] += weight[index] * pressed
+                slope[rows_[1]] -= weight[index] * pressed
+        slope[3, -1] -= np.sum(slope[3])
+        return total / (force * length), slope.ravel() / force
+
+    start = np.repeat([40.0, 20.0, 20.0, 0.0], count)
+    found = minimize(
+        energy, start, jac=True, method="L-BFGS-B",
+        options={"maxiter": 20_000, "maxfun": 40_000, "ftol": 0.0, "gtol": 1e-9, "maxcor": 40},
+    )  # fmt: skip
+    screw, rollers, nut = parts(found.x)
+    return flanks(screw - rollers - gaps)[0], flanks(rollers - nut - gaps)[0]
+
+
+def _two_classes(**more):
+    defaults = {"gap": _GAPS, "tooth": None, "same_end": False, "load": 600.0}
+    return chains(6, (2.0, 1.0), **(defaults | more))
+
+
+def test_against_a_minimisation_of_the_energy():
+    """Displacements of every node, found by another method; its gradient ends near 1e-7."""
+    bare = _two_classes()
+    found = equilibrium(bare, array(600.0))
+    assert int(found.result) == 0
+    for ours, theirs in zip(loads_of(bare, found), _minimised(bare, 600.0), strict=True):
+        np.testing.assert_allclose(ours, theirs, atol=600 * 1e-6)
+    assert np.any(loads_of(bare, found)[0] == 0)
+
+
+@settings(max_examples=10)
+@given(st.floats(-3, 3), st.floats(-3, 3))
+def test_scaling(force, length):
+    """Loads in other units of force and lengths in other units of length are the same loads."""
+    newton, metre = 10**force, 10**length
+    plain = _two_classes()
+    scaled = _two_classes(
+        gap=_GAPS * metre,
+        hertz=HERTZ * metre / newton ** (2 / 3),
+        segments=tuple(s * metre / newton for s in (3e-11, 24e-11, 0.75e-11)),
+        load=600.0 * newton,
+    )
+    expected = loads_of(plain, equilibrium(plain, array(600.0)))
+    found = loads_of(scaled, equilibrium(scaled, array(600.0 * newton)))
+    for one, other in zip(expected, found, strict=True):
+        np.testing.assert_allclose(other / newton, one, atol=600 * _BALANCE)
+
+
+def test_the_order_of_rollers_does_not_matter():
+    plain = _two_classes()
+    turned = chains(6, (1.0, 2.0), gap=_GAPS[::-1].copy(), tooth=None, same_end=False, load=600.0)
+    expected = loads_of(plain, equilibrium(plain, array(600.0)))
+    found = loads_of(turned, equilibrium(turned, array(600.0)))
+    for one, other in zip(expected, found, strict=True):
+        np.testing.assert_allclose(other[::-1], one, atol=600 * _BALANCE)
+
+
+@pytest.mark.parametrize("weight", [(2.0, 1.0), (1.0, 2.0, 1.0, 1.0)])
+def test_the_tangent_is_symmetric_and_the_elimination_solves_it(weight):
+    """Written out for few classes and by arrays for many; with both flanks and wedges.
+
+    A saddle point of a convex energy: as many positive eigenvalues as there are approaches and
+    wedges, as many negative ones as forces and the unknown load.
+    """
+    count = len(weight)
+    rng = np.random.default_rng(count)
+    bare = chains(5, weight, gap=1e-6 * rng.normal(size=(count, 5)), backlash=-3e-6)
+    state = State(
+        *(1e-6 * jnp.asarray(rng.normal(size=s)) for s in ((count, 5), (5,))),
+        *(10.0 * jnp.asarray(rng.normal(size=s)) for s in ((count, 4), (4,))),
+        1e-7 * jnp.asarray(rng.normal(size=count)),
+        array(300.0),
+    )
+    flat, shape = jax.flatten_util.ravel_pytree(state)
+    value = array(1e-5)
+
+    @jax.jit
+    def both(right):
+        matrix = jax.jacobian(
+            lambda x: jax.flatten_util.ravel_pytree(residual(bare, shape(x), "deflection", value))[
+                0
+            ]
+        )(flat)
+        solved = response(bare, state, "deflection", value, shape(right))
+        return matrix, jax.flatten_util.ravel_pytree(solved)[0]
+
+    right = rng.normal(size=flat.size)
+    # Approaches in metres and forces in newtons: to one scale.
+    scale = np.concatenate([np.full(6 * count + 5, 1e-4), np.full(4 * count + 4, 1e3), [1e3]])
+    order = np.concatenate(
+        [np.arange(5 * count + 5), np.arange(9 * count + 9, 10 * count + 9),
+         np.arange(5 * count + 5, 9 * count + 9), [10 * count + 9]]
+    )  # fmt: skip
+    matrix, solved = both(jnp.asarray(right))
+    matrix = np.asarray(matrix)
+    np.testing.assert_allclose(matrix, matrix.T, atol=1e-15 * np.abs(matrix).max())
+    product = matrix @ np.asarray(solved)
+    np.testing.assert_allclose(product, right, atol=1e-7 * np.abs(right).max())
+    balanced = matrix[np.ix_(order, order)] * np.outer(scale, scale)
+    values = np.linalg.eigvalsh(balanced)
+    assert np.sum(values > 0) == 6 * count + 5
+    assert np.sum(values < 0) == 4 * count + 5
+
+
+def test_work_is_stored_energy():
+    """∫F dx = U and x = ∫dF/K, by quadrature in the cube root of the load: spectral."""
+    one = mechanism(sharing_stage())
+    nodes, weights = np.polynomial.legendre.leggauss(24)
+    root, largest = (nodes + 1) / 2, 12e3
+    curve = force_deflection(one, np.append(largest * root**3, largest))
+    assert np.all(np.asarray(curve.converged))
+    steps = weights / 2 * 3 * root**2 * largest
+    deflection, stiffness = np.asarray(curve.deflection), np.asarray(curve.tangent_stiffness)
+    complementary = np.sum(steps * deflection[:-1])
+    work = largest * deflection[-1] - complementary
+    assert float(curve.stored_energy[-1]) == pytest.approx(work, rel=1e-8)
+    assert np.sum(steps / stiffness[:-1]) == pytest.approx(deflection[-1], rel=1e-8)
+    assert np.all(np.diff(stiffness[:-1]) > 0)
+
+
+def test_stiff_shafts_and_teeth_share_as_the_equal_share_does():
+    """Then the stiffness that vibrations get is that of equal loads on all threads."""
+    rigid = {f"{body}_segment_stiffness": 1e30 for body in ("screw", "roller", "nut")}
+    one = mechanism(sharing_stage(tooth=None, **rigid))
+    found = load_distribution(one, array(7e3))
+    equal = prsm.thread_contacts(one, 7e3)[0]
+    np.testing.assert_allclose(found.screw.forward, 35.0, rtol=1e-9)
+    assert float(found.screw.thread_sharing_factor) == pytest.approx(1.0, rel=1e-9)
+    assert float(found.max_pressure) == pytest.approx(float(equal.screw.hertz.max_pressure))
+    for side in ("screw", "nut"):
+        expected = float(getattr(equal, side).roller_stiffness)
+        assert float(getattr(found, side).roller_stiffness) == pytest.approx(expected, rel=1e-9)
+    stiffness = prsm.compute(one, ["thread_stiffness_screw"], load=7e3)
+    assert float(stiffness["thread_stiffness_screw"][0]) == pytest.approx(
+        float(equal.screw.roller_stiffness), rel=1e-9
+    )
+
+
+def test_backlash_and_both_signs_of_the_load():
+    """The curve is the same on either side of the play; deflections give the loads back."""
+    one = mechanism(sharing_stage(backlash=10e-6))
+    loads = np.array([-12e3, -1e3, 1e3, 12e3])
+    curve = force_deflection(one, loads)
+    deflection = np.asarray(curve.deflection)
+    np.testing.assert_allclose(deflection[::-1] + deflection, -10e-6, rtol=1e-9)
+    back = force_deflection(one, deflections=deflection)
+    np.testing.assert_allclose(back.load, loads, rtol=1e-7)
+    assert np.all(np.asarray(curve.converged) & np.asarray(back.converged))
+
+
+def test_split_nut():
+    """Braced without load: the spacer's force on opposite flanks, and wedged on to the screw."""
+    one = mechanism(sharing_stage(split_nut=SplitNut(10, preload=3e3)))
+    found = load_distribution(one, array(0.0))
+    assert bool(found.converged)
+    nut, screw = found.nut, found.screw
+    assert float(found.spacer_force) == pytest.approx(3e3, rel=1e-6)
+    np.testing.assert_allclose(nut.forward[:, :10].sum(), 300.0, rtol=1e-6)
+    np.testing.assert_allclose(nut.reverse[:, 10:].sum(), 300.0, rtol=1e-6)
+    assert np.all(np.asarray(nut.forward)[:, 10:] == 0)
+    # Radially the screw bears what the nut presses; axially its flanks cancel.
+    pressed = screw.forward + screw.reverse
+    np.testing.assert_allclose(pressed.sum(), 600.0, rtol=1e-5)
+    np.testing.assert_allclose(screw.roller_load, 0.0, atol=1e-6)
+    assert float(found.chains.offset) > 0
+    # Both halves take part in a small load: stiffer than one nut under the load of a half.
+    assert float(found.tangent_stiffness) > 8e8
+
+
+def test_unequal_and_missing_rollers():
+    """A roller with thinner teeth carries less, a missing one nothing; sums stay."""
+    unequal = (UnequalRoller(3, tooth_thinning=2e-6), UnequalRoller(5, missing=True))
+    unequal = (*unequal, UnequalRoller(7, mass_factor=1.1))
+    one = mechanism(sharing_stage(unequal))
+    assert roller_classes(one.stages[0]) == ((1, 2, 4, 6, 7, 8, 9, 10), (3,))
+    found = load_distribution(one, array(12e3))
+    loads = np.asarray(found.nut.roller_load)
+    assert loads[1] < loads[0]
+    assert 8 * loads[0] + loads[1] == pytest.approx(12e3, rel=_BALANCE)
+    assert float(found.nut.roller_sharing_factor) == pytest.approx(loads[0] / (12e3 / 9), rel=1e-9)
+    numbers, rows = found.by_roller(found.nut.roller_load)
+    assert numbers == (1, 2, 3, 4, 6, 7, 8, 9, 10)
+    np.testing.assert_allclose(rows, np.where(np.array(numbers) == 3, loads[1], loads[0]))
+    worst = found.worst_thread("screw")
+    assert [int(x) for x in worst] == [0, 1]
+
+
+def test_only_what_a_stage_mentions_is_traced():
+    def physics(one):
+        return prsm.traced_physics(lambda m: prsm.compute(m, ["thread_stiffness_screw"]), one)
+
+    shared = mechanism(sharing_stage())
+    assert {"thread_chains", "flank_force", "tooth_compliance"} <= physics(shared)
+    plain = eqx.tree_at(lambda m: m.stages[0].load_sharing, shared, None)
+    assert not {"thread_chains", "flank_force", "tooth_compliance"} & physics(plain)
+    assert "tooth_compliance" not in physics(mechanism(sharing_stage(tooth=None)))
+
+
+@pytest.mark.parametrize(
+    ("given_", "message"),
+    [
+        ({"thread_count": 0}, "at least one thread"),
+        ({"thread_count": 3, "mounting": "left"}, "mounting is 'left'"),
+        ({"thread_count": 3, "screw_wear": [1e-6]}, "one number for each of the 3 threads"),
+    ],
+)
+def test_data_that_cannot_be(unchecked, given_, message):
+    with pytest.raises(ValueError, match=message):
+        LoadSharing(**given_)
+
+
+def test_errors_name_what_is_missing():
+    with pytest.raises(ValueError, match="either preload or offset"):
+        SplitNut(3)
+    with pytest.raises(ValueError, match="choose a smaller number"):
+        LoadSharing(4, split_nut=SplitNut(4, offset=1e-6))
+    with pytest.raises(prsm.MissingDataError, match="no load_sharing"):
+        prsm.load_distribution(prsm.load("wu2022"))
+    with pytest.raises(ValueError, match="stages 1 to 1"):
+        prsm.load_distribution(mechanism(sharing_stage()), stage=2)
+    with pytest.raises(ValueError, match="either loads or deflections"):
+        prsm.force_deflection(mechanism(sharing_stage()))
+    bare = eqx.tree_at(lambda m: m.stages[0].nut.wall_thickness, mechanism(sharing_stage()), None)
+    with pytest.raises(prsm.MissingDataError, match="wall_thickness"):
+        prsm.load_distribution(bare)
+    assert TOOTH > 0

@@ -1,0 +1,82 @@
+"""Load sharing where numbers are decades from those of a roller screw."""
+
+import dataclasses
+import itertools
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from scenes import array
+from sharing_scenes import HERTZ, SEGMENT, TOOTH, chains, equilibrium, loads_of
+
+from prsm_jax.load_sharing import equilibrium as solve, with_units
+
+_ERRORS = np.random.default_rng(8).normal(size=(1, 12)) * 2e-6
+_CONTACTS = (1e-12, 1e-6, 1.0, 1e6, 1e12)
+_SEGMENTS = (0.0, 1e-20, SEGMENT, 1e-5, 1.0, 1e12)
+_LOADS = (1e-6, 1.0, 1e3, 1e6)
+
+
+@eqx.filter_jit
+def _grid(scale, segment, load, errors):
+    def one(scale, segment, load):
+        # Errors of the size of an approach: larger ones than 1e12 approaches leave no digits.
+        unit = HERTZ * scale * (load / 12) ** (2 / 3)
+        bare = chains(
+            12,
+            gap=errors * unit,
+            hertz=HERTZ * scale,
+            tooth=TOOTH * scale,
+            segments=(segment, segment, segment),
+        )
+        units = with_units(bare, load=load)
+        bare = dataclasses.replace(
+            bare, film=units.film, force_unit=units.force_unit, guide=units.guide
+        )
+        found = solve(bare, load)
+        screw, _ = bare.screw.loads(found.state.screw_approach, 0.0)
+        return found.result, found.steps, jnp.sum(screw), jnp.min(screw)
+
+    return jax.vmap(one)(scale, segment, load)
+
+
+@pytest.mark.parametrize("errors", [0.0, 1.0])
+def test_stiff_and_soft(errors):
+    """Contacts over 24 decades, shafts from rigid to none, loads from 1 µN to 1 MN."""
+    grid = np.array(list(itertools.product(_CONTACTS, _SEGMENTS, _LOADS)))
+    pattern = jnp.asarray(errors * np.abs(_ERRORS) / np.abs(_ERRORS).max())
+    result, steps, total, least = _grid(*(jnp.asarray(c) for c in grid.T), pattern)
+    assert np.all(np.asarray(result) == 0), grid[np.asarray(result) != 0]
+    np.testing.assert_allclose(total, grid[:, 2], rtol=1e-8)
+    assert np.all(np.asarray(least) >= 0)
+    assert np.max(np.asarray(steps)) <= 40
+
+
+def test_one_thread_and_a_hundred():
+    one = chains(1, load=500.0)
+    found = equilibrium(one, array(500.0))
+    assert int(found.result) == 0
+    assert loads_of(one, found)[0][0, 0] == pytest.approx(500.0, rel=1e-10)
+    errors = np.random.default_rng(2).normal(size=(1, 100)) * 2e-6
+    many = chains(100, (30.0,), gap=errors, load=1e6)
+    found = equilibrium(many, array(1e6))
+    assert int(found.result) == 0
+    assert 30 * loads_of(many, found)[1].sum() == pytest.approx(1e6, rel=1e-9)
+
+
+def test_loose_teeth_without_load():
+    """Backlash and no load: all float, none carries, and the numbers are finite."""
+    loose = chains(8, gap=_ERRORS[:, :8], backlash=20e-6, load=0.0)
+    found = equilibrium(loose, array(0.0))
+    assert int(found.result) == 0
+    for side in loads_of(loose, found):
+        np.testing.assert_array_equal(side, 0.0)
+    state = jax.tree.leaves(found.state)
+    assert all(np.all(np.isfinite(leaf)) for leaf in state)
+
+
+def test_a_load_that_is_not_a_number_is_told():
+    found = equilibrium(chains(1, load=500.0), array(np.nan))
+    assert int(found.result) == 2

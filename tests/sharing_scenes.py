@@ -1,0 +1,92 @@
+"""Chains of threads that several tests use, and the compiled functions that they share."""
+
+import dataclasses
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from scenes import STEEL, array, stage
+
+from prsm_jax.load_sharing import (
+    Chains,
+    Flanks,
+    equilibrium as _equilibrium,
+    force_deflection as _force_deflection,
+    load_distribution as _load_distribution,
+    with_units,
+)
+from prsm_jax.mechanism import LoadSharing, Nut, Screw, ThreadTooth
+
+#: A thread of a roller screw: δ = b f^{2/3} + c f, about 2.5 µm at 60 N; a screw over one pitch.
+HERTZ, TOOTH, SEGMENT = 1.5e-7, 5e-9, 3e-11
+
+equilibrium = eqx.filter_jit(_equilibrium)
+load_distribution = eqx.filter_jit(_load_distribution)
+force_deflection = eqx.filter_jit(_force_deflection)
+
+
+def chains(
+    threads=20,
+    weight=(1.0,),
+    *,
+    gap=0.0,
+    backlash=None,
+    hertz=HERTZ,
+    tooth=TOOTH,
+    segments=(SEGMENT, 8 * SEGMENT, SEGMENT / 4),
+    same_end=True,
+    load=1200.0,
+    **more,
+):
+    """Chains with alike flanks on both sides; `segments` of screw, rollers and nut."""
+    classes = len(weight)
+    gaps = jnp.zeros((classes, threads)) + jnp.asarray(gap, float)
+    reverse = None if backlash is None else backlash / 2 - gaps
+    hertz, tooth = (
+        None if value is None else jnp.full((classes, 1), value, float) for value in (hertz, tooth)
+    )
+    flanks = Flanks(gaps, reverse, hertz, tooth)
+    screw, roller, nut = (jnp.full((threads - 1,), value, float) for value in segments)
+    bare = Chains(
+        jnp.asarray(weight, float),
+        flanks,
+        flanks,
+        screw,
+        roller,
+        nut,
+        film=array(0.0),
+        force_unit=array(1.0),
+        guide=array(0.0),
+        same_end=same_end,
+        **more,
+    )
+    units = with_units(bare, load=array(load))
+    return dataclasses.replace(
+        bare, film=units.film, force_unit=units.force_unit, guide=units.guide
+    )
+
+
+def loads_of(bare, found):
+    """Net loads of screw and nut side of one roller per class [N]."""
+    wedge = found.state.wedge
+    apart = 0.0 if wedge is None else wedge[:, None]
+    sides = (
+        bare.screw.loads(found.state.screw_approach, apart),
+        bare.nut.loads(found.state.nut_approach, -apart),
+    )
+    return [
+        np.asarray(forward if reverse is None else forward - reverse) for forward, reverse in sides
+    ]
+
+
+def sharing_stage(unequal=(), **more):
+    """A stage with sections, materials, teeth and 20 threads."""
+    sharing = LoadSharing(20, **({"tooth": ThreadTooth(8e-4, *[4.5e-4] * 3)} | more))
+    return stage(
+        friction=None,
+        screw=Screw(mass=0.76, inertia=1.7e-4, bore_radius=4e-3),
+        nut=Nut(mass=2.2, inertia=9e-4, wall_thickness=10e-3),
+        material=STEEL,
+        load_sharing=sharing,
+        unequal_roller=unequal,
+    )
