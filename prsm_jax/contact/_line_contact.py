@@ -16,22 +16,22 @@ from ._thread_contact import engaged_threads
 #: Edges of the slices, from the inner to the outer end of the zone.
 _EDGES = 129
 
-Slices = Float[Array, " slices"]
+Edges = Float[Array, " edges"]
 
 
 class SliceGeometry(eqx.Module):
     """What the slices of a line contact are before any load, at their edges."""
 
     #: Distance from the roller axis [m].
-    radius: Slices
+    radius: Edges
     #: Arc coordinate of the narrowest place, from the line of centres [m].
-    arc: Slices
+    arc: Edges
     #: Normal gap when the narrowest slice touches [m].
-    gap: Slices
+    gap: Edges
     #: Normal gap along the arc, half its second derivative [1/m].
-    coefficient: Slices
+    coefficient: Edges
     #: Axial force per unit of normal force.
-    normal: Slices
+    normal: Edges
     converged: Bool[Array, ""]
 
 
@@ -40,13 +40,13 @@ class LineContactResult(eqx.Module):
 
     slices: SliceGeometry
     #: Normal force per length of the contact line [N/m].
-    line_load: Slices
+    line_load: Edges
     #: Half-width of the contact [m].
-    half_width: Slices
+    half_width: Edges
     #: Pressure on the middle of the contact [Pa].
-    pressure: Slices
+    pressure: Edges
     #: Depth of contact, how far the undeformed flanks overlap [m].
-    depth: Slices
+    depth: Edges
     #: Axial force of this contact [N].
     axial_force: Scalar
     normal_force: Scalar
@@ -92,7 +92,7 @@ def slice_geometry(contact: LineContact, edges: int = _EDGES) -> SliceGeometry:
     )
 
 
-def _overlap_per_slice(overlap: Slices) -> Slices:
+def _overlap_per_slice(overlap: Edges) -> Float[Array, " slices"]:
     """Mean of max(0, u) over slices between whose edges u is linear; exact, and smooth in u."""
     lower, upper = jnp.minimum(overlap[:-1], overlap[1:]), jnp.maximum(overlap[:-1], overlap[1:])
     crossed = (lower < 0) & (upper > 0)
