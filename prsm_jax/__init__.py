@@ -43,6 +43,7 @@ from .file import (
 )
 from .findings import check as check
 from .geometry import Finding as Finding, mesh as mesh
+from .halfspace import flank_contact as flank_contact, solve_contact as solve_contact
 from .load_sharing import (
     ForceDeflection as ForceDeflection,
     LoadDistribution as LoadDistribution,
