@@ -8,6 +8,7 @@ from ._force_orbit import force_orbit as force_orbit
 from ._frequency_chart import frequency_chart as frequency_chart
 from ._frequency_loci_chart import frequency_loci_chart as frequency_loci_chart
 from ._history_chart import history_chart as history_chart
+from ._life_chart import life_chart as life_chart
 from ._loss_chart import loss_chart as loss_chart
 from ._mode_animation import (
     save_mode_animation as save_mode_animation,
@@ -38,6 +39,7 @@ from ._pressure_map import (
 from ._published_figure import published_figure as published_figure
 from ._response_chart import response_chart as response_chart
 from ._sensitivity_bars import sensitivity_bars as sensitivity_bars
+from ._shaft_limits_chart import shaft_limits_chart as shaft_limits_chart
 from ._stage_animation import save_motion_animation as save_motion_animation
 from ._style import save_figure as save_figure
 from ._subsurface_chart import subsurface_chart as subsurface_chart

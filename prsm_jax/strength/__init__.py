@@ -52,6 +52,7 @@ from ._shaft import (
     buckling_load as buckling_load,
     critical_speed as critical_speed,
     dn_value as dn_value,
+    loaded_length as loaded_length,
     permissible_speed as permissible_speed,
     root_radius as root_radius,
     slenderness_ratio as slenderness_ratio,

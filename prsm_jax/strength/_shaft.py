@@ -77,7 +77,11 @@ def unsupported_length(stage: Stage) -> Scalar:
     return stage.screw.length
 
 
-def _loaded_length(stage: Stage) -> Scalar:
+def loaded_length(stage: Stage) -> Scalar:
+    """Longest length under axial load: given, or the unsupported one [m].
+
+    **Raises:** `MissingDataError` as `unsupported_length`.
+    """
     length = shaft_of(stage).loaded_length
     return unsupported_length(stage) if length is None else length
 
@@ -99,7 +103,7 @@ def slenderness_ratio(stage: Stage, length: Scalar | None = None) -> Scalar:
 
     **Raises:** `MissingDataError` if data are missing.
     """
-    length = _loaded_length(stage) if length is None else length
+    length = loaded_length(stage) if length is None else length
     _, gyration_squared = _section(stage)
     return _EFFECTIVE_LENGTH[shaft_of(stage).end_conditions] * length / jnp.sqrt(gyration_squared)
 
