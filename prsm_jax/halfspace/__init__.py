@@ -10,6 +10,7 @@ from ._flank_gap import (
 )
 from ._grid import Grid as Grid, grid_over as grid_over
 from ._peak import peak_pressure as peak_pressure
+from ._ring_contact import ring_contact as ring_contact
 from ._subsurface_stress import (
     SubsurfaceStress as SubsurfaceStress,
     subsurface_stress_field as subsurface_stress_field,

@@ -16,6 +16,7 @@ from prsm_jax.geometry import (
     ring_vertex,
     shape_coefficient,
 )
+from prsm_jax.halfspace import ring_contact
 
 MODULUS = 210e9 / (2 * (1 - 0.3**2))
 FLANKS = example("ring_roller").stages[0].line_contact
@@ -155,3 +156,24 @@ def test_a_stage_shares_its_load():
     assert float(found.axial_force) == pytest.approx(55.0, rel=1e-10)
     with pytest.raises(prsm.MissingDataError, match="line_contact"):
         line_contact(example("lisowski2014").stages[0], array(1.0))
+
+
+def test_slices_against_the_half_space():
+    """In the middle of a parallel pair as the slices say, less what the ends take; more at them."""
+    solve = eqx.filter_jit(lambda c: ring_contact(c, array(55.0), array(MODULUS), shape=(64, 32)))
+    straight, skewed = solve(flanks(0.0)), solve(flanks(5.0))
+    for found, contact in ((straight, flanks(0.0)), (skewed, flanks(5.0))):
+        assert int(found.code) == 0
+        slices = under(contact)
+        assert float(found.load) == pytest.approx(float(slices.normal_force), rel=1e-6)
+        assert float(found.max_pressure) > 1.5 * float(slices.max_pressure)
+    rows = np.max(np.asarray(straight.pressure), axis=1)
+    slices = under(flanks(0.0))
+    assert 0.9 < rows[32] / float(slices.pressure[64]) < 1
+    loaded = rows[rows > 0]
+    assert min(loaded[0], loaded[-1]) > 1.5 * rows[32]
+    # A contact at the crest reaches about as far as the slices say.
+    rows = np.max(np.asarray(skewed.pressure), axis=1)
+    reach = np.sum(rows > 0) * float(skewed.grid.spacing_x)
+    length = 2e-3 / np.cos(np.pi / 6)
+    assert reach == pytest.approx(float(under(flanks(5.0)).loaded_share) * length, rel=0.15)
