@@ -75,8 +75,8 @@ def life_chart(
     damage.set_ylabel("damage in %")
     damage.set_xlabel("share of the turning in %")
     bars.set_title("Load spectrum")
-    named = " (by its number)" if len(loads) <= _MOST_NAMED else ""
-    damage.set_title(f"Damage by each phase{named}")
+    named = " (numbered)" if len(loads) <= _MOST_NAMED else ""
+    damage.set_title(f"Damage by phase{named}")
     _life_line(line.subplots(), rated, mean, static_capacity)
     return figure
 

@@ -103,9 +103,10 @@ def _dn_limit(axes: Axes, stage: Stage, length: float, rpm: DisplayUnit) -> None
     axes.annotate(
         f"DN limit {show(float(limit), 'm·rad/s')}",
         (length, speed),
-        (0, 4),
+        (0, 5),
         textcoords="offset points",
         fontsize=SMALL,
+        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},
     )
 
 
