@@ -1,8 +1,6 @@
-"""Verbs that analyse one mechanism: check, contact, steady, simulate."""
+"""Verbs that analyse one mechanism: check, steady, simulate."""
 
 import dataclasses
-import math
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -10,7 +8,6 @@ import equinox as eqx
 import numpy as np
 from cyclopts import Parameter
 
-from ..contact import StageContact, thread_contacts
 from ..dynamics import (
     Method,
     Scenario,
@@ -22,7 +19,6 @@ from ..dynamics import (
     steady_state,
 )
 from ..findings import check as run_checks
-from ..geometry import Meshing, mesh
 from ..mechanism import Mechanism, OperatingPoint
 from ._app import app
 from ._common import Common, emit, plain, table
@@ -44,67 +40,6 @@ def check(file: str, *, common: Common = _DEFAULT) -> int:
     keys = ("name", "severity", "stage", "value", "limit", "message")
     emit(common, {"findings": [{k: getattr(f, k) for k in keys} for f in findings]}, text)
     return int(any(f.severity == "error" for f in findings))
-
-
-def contact_results(
-    meshings: Sequence[Meshing], contacts: Sequence[StageContact]
-) -> dict[str, Any]:
-    """Thread contacts by the names of the JSON."""
-    stages = []
-    for meshing, pair in zip(meshings, contacts, strict=True):
-        sides: dict[str, Any] = {"stage": len(stages) + 1, "converged": meshing.converged}
-        for name in ("screw", "nut"):
-            where, result = getattr(meshing, name), getattr(pair, name)
-            hertz = result.hertz
-            sides[name] = {
-                "contact_radius_m": where.contact_radius,
-                "contact_angle_position_rad": where.contact_angle_position,
-                "roller_contact_radius_m": where.roller_contact_radius,
-                "roller_angle_position_rad": where.roller_angle_position,
-                "normal_force_n": result.normal_force,
-                "semi_major_m": hertz.semi_major,
-                "semi_minor_m": hertz.semi_minor,
-                "max_pressure_pa": hertz.max_pressure,
-                "approach_m": hertz.approach,
-                "stiffness_n_per_m": hertz.stiffness,
-                "stiffness_tangent_n_per_m": hertz.stiffness_tangent,
-                "axial_stiffness_n_per_m": result.axial_stiffness,
-                "roller_stiffness_n_per_m": result.roller_stiffness,
-            }
-        stages.append(sides)
-    return {"stages": stages}
-
-
-def _contacts(mechanism: Mechanism) -> dict[str, Any]:
-    meshings = [mesh(stage.thread) for stage in mechanism.stages]
-    return contact_results(meshings, thread_contacts(mechanism))
-
-
-@app.command
-def contact(file: str, *, common: Common = _DEFAULT) -> int:
-    """Thread contacts under the operating load: position, ellipse, pressure, stiffness."""
-    mechanism = common.load(file)
-    results = plain(run_stored("contact", _contacts, mechanism))
-    rows = []
-    for number, stage in enumerate(results["stages"], start=1):
-        for name in ("screw", "nut"):
-            side = stage[name]
-            rows.append(
-                (
-                    f"{number} {name}",
-                    side["contact_radius_m"] * 1e3,
-                    math.degrees(side["contact_angle_position_rad"]),
-                    side["normal_force_n"],
-                    side["semi_major_m"] * 1e3,
-                    side["semi_minor_m"] * 1e3,
-                    side["max_pressure_pa"] / 1e6,
-                    side["approach_m"] * 1e6,
-                    side["stiffness_n_per_m"] / 1e6,
-                )
-            )
-    columns = ["stage side", "r mm", "φ deg", "F_n N", "a mm", "b mm", "p₀ MPa", "δ µm", "F/δ N/µm"]
-    emit(common, results, lambda: table(f"Thread contacts: {file}", columns, rows))
-    return int(not all(stage["converged"] for stage in results["stages"]))
 
 
 def steady_results(state: SteadyState, point: OperatingPoint | None) -> dict[str, Any]:

@@ -5,6 +5,7 @@ import time
 from pathlib import Path
 from typing import Annotated, Any
 
+import equinox as eqx
 from cyclopts import Parameter
 
 from ..mechanism import find_parameters, get_parameter, set_parameter
@@ -12,19 +13,22 @@ from ..optimise import optimise
 from ..quantities import catalogue
 from ..report import ReportData
 from ..sensitivity import sensitivity
-from ._analyse import contact_results, steady_results, transient_results
+from ._analyse import steady_results, transient_results
 from ._app import app
 from ._common import Common, plain
+from ._contact import contact_results
 from ._modal import modal_results
 
 _DEFAULT = Common()
+# Searching for the largest stress is slow step by step.
+_contact_results = eqx.filter_jit(contact_results)
 
 
 def _all_results(data: ReportData) -> dict[str, Any]:
     """What the verbs contact, modal, steady and simulate give, as far as it was analysed."""
     results: dict[str, Any] = {}
     if data.meshings is not None and data.contacts is not None:
-        results["contact"] = contact_results(data.meshings, data.contacts)
+        results["contact"] = _contact_results(data.mechanism.stages, data.meshings, data.contacts)
     if data.modes is not None:
         results["modal"] = modal_results(data.modes[0])
     if data.steady is not None:

@@ -2,6 +2,7 @@
 
 from . import (
     _analyse as _analyse,
+    _contact as _contact,
     _demo as _demo,
     _design as _design,
     _lists as _lists,

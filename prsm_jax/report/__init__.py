@@ -2,8 +2,13 @@
 
 from ._campbell_chart import campbell_chart as campbell_chart
 from ._contact_ellipses import contact_ellipses as contact_ellipses
+from ._contact_pictures import (
+    contact_pictures as contact_pictures,
+    save_contact_pictures as save_contact_pictures,
+)
 from ._cross_section import cross_section as cross_section
 from ._data import ReportData as ReportData, analyse as analyse
+from ._force_deflection_chart import force_deflection_chart as force_deflection_chart
 from ._force_orbit import force_orbit as force_orbit
 from ._frequency_chart import frequency_chart as frequency_chart
 from ._frequency_loci_chart import frequency_loci_chart as frequency_loci_chart
@@ -44,6 +49,7 @@ from ._stage_animation import save_motion_animation as save_motion_animation
 from ._style import save_figure as save_figure
 from ._subsurface_chart import subsurface_chart as subsurface_chart
 from ._sweep_map import sweep_map as sweep_map
+from ._thread_load_chart import thread_load_chart as thread_load_chart
 from ._transient_chart import settling_time as settling_time, transient_chart as transient_chart
 from ._transient_pictures import save_transient_pictures as save_transient_pictures
 from ._write import write_report as write_report

@@ -1,0 +1,227 @@
+"""The verb contact: thread contacts, stress below them, line contact, shared loads, pictures."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from ..contact import (
+    HertzContact,
+    LineContactResult,
+    StageContact,
+    line_contact,
+    load_of,
+    stress_peak_on_axis,
+    thread_contacts,
+)
+from ..geometry import Meshing, mesh
+from ..load_sharing import LoadDistribution, SideLoads, load_distribution
+from ..mechanism import Mechanism, Scalar, Stage, material_of
+from ._app import app
+from ._common import Common, emit, plain, table
+from ._programs import run_stored
+
+_DEFAULT = Common()
+
+
+def _stress(hertz: HertzContact, poisson_ratio: Scalar) -> dict[str, Any]:
+    peaks = {
+        measure: stress_peak_on_axis(
+            hertz.semi_major, hertz.semi_minor, hertz.max_pressure, poisson_ratio, measure
+        )
+        for measure in ("von_mises", "max_shear")
+    }
+    return {
+        "max_von_mises_stress_pa": peaks["von_mises"].value,
+        "max_von_mises_depth_m": peaks["von_mises"].depth,
+        "max_shear_stress_pa": peaks["max_shear"].value,
+        "max_shear_depth_m": peaks["max_shear"].depth,
+    }
+
+
+def contact_results(
+    stages: Sequence[Stage], meshings: Sequence[Meshing], contacts: Sequence[StageContact]
+) -> dict[str, Any]:
+    """Thread contacts by the names of the JSON."""
+    found = []
+    for stage, meshing, pair in zip(stages, meshings, contacts, strict=True):
+        sides: dict[str, Any] = {"stage": len(found) + 1, "converged": meshing.converged}
+        for name in ("screw", "nut"):
+            where, result = getattr(meshing, name), getattr(pair, name)
+            hertz = result.hertz
+            sides[name] = {
+                "contact_radius_m": where.contact_radius,
+                "contact_angle_position_rad": where.contact_angle_position,
+                "roller_contact_radius_m": where.roller_contact_radius,
+                "roller_angle_position_rad": where.roller_angle_position,
+                "normal_force_n": result.normal_force,
+                "semi_major_m": hertz.semi_major,
+                "semi_minor_m": hertz.semi_minor,
+                "max_pressure_pa": hertz.max_pressure,
+                "approach_m": hertz.approach,
+                "stiffness_n_per_m": hertz.stiffness,
+                "stiffness_tangent_n_per_m": hertz.stiffness_tangent,
+                "axial_stiffness_n_per_m": result.axial_stiffness,
+                "roller_stiffness_n_per_m": result.roller_stiffness,
+                **_stress(hertz, material_of(stage, name).poisson_ratio),
+            }
+        found.append(sides)
+    return {"stages": found}
+
+
+def line_contact_results(line: LineContactResult) -> dict[str, Any]:
+    """A line contact by the names of the JSON."""
+    return {
+        "converged": line.converged,
+        "radius_m": line.slices.radius,
+        "line_load_n_per_m": line.line_load,
+        "half_width_m": line.half_width,
+        "pressure_pa": line.pressure,
+        "axial_force_n": line.axial_force,
+        "normal_force_n": line.normal_force,
+        "approach_m": line.approach,
+        "stiffness_tangent_n_per_m": line.stiffness_tangent,
+        "max_pressure_pa": line.max_pressure,
+        "max_half_width_m": line.max_half_width,
+        "loaded_share": line.loaded_share,
+        "edge_ratio": line.edge_ratio,
+        "parabola_fit": line.parabola_fit,
+    }
+
+
+def load_sharing_results(shared: LoadDistribution) -> dict[str, Any]:
+    """A load distribution by the names of the JSON; one row of loads for each class of rollers."""
+
+    def side(loads: SideLoads) -> dict[str, Any]:
+        return {
+            "thread_load_n": loads.forward,
+            "reverse_thread_load_n": loads.reverse,
+            "thread_pressure_pa": loads.max_pressure,
+            "roller_load_n": loads.roller_load,
+            "thread_sharing_factor": loads.thread_sharing_factor,
+            "roller_sharing_factor": loads.roller_sharing_factor,
+            "roller_stiffness_n_per_m": loads.roller_stiffness,
+        }
+
+    return {
+        "converged": shared.converged,
+        "screw": side(shared.screw),
+        "nut": side(shared.nut),
+        "max_pressure_pa": shared.max_pressure,
+        "deflection_m": shared.deflection,
+        "secant_stiffness_n_per_m": shared.secant_stiffness,
+        "tangent_stiffness_n_per_m": shared.tangent_stiffness,
+        "spacer_force_n": shared.spacer_force,
+    }
+
+
+def _contacts(mechanism: Mechanism) -> dict[str, Any]:
+    meshings = [mesh(stage.thread) for stage in mechanism.stages]
+    results = contact_results(mechanism.stages, meshings, thread_contacts(mechanism))
+    load = load_of(mechanism, None)
+    for number, (stage, found) in enumerate(
+        zip(mechanism.stages, results["stages"], strict=True), start=1
+    ):
+        if stage.line_contact is not None:
+            found["line_contact"] = line_contact_results(line_contact(stage, load))
+        if stage.load_sharing is not None:
+            shared = load_distribution(mechanism, load, stage=number)
+            found["load_sharing"] = load_sharing_results(shared)
+    return results
+
+
+@app.command
+def contact(file: str, *, common: Common = _DEFAULT) -> int:
+    """Thread contacts under the operating load: position, ellipse, pressure, stress, stiffness.
+
+    With [stage.line_contact] the line contact of rings, with [stage.load_sharing] the loads of
+    threads and rollers. --out draws them, and the pressure on the true flanks.
+    """
+    mechanism = common.load(file)
+    results = plain(run_stored("contact", _contacts, mechanism))
+    pictures: tuple[Path, ...] = ()
+    if common.out is not None:
+        from ..report import save_contact_pictures
+
+        pictures = save_contact_pictures(common.out, mechanism)
+        results["pictures"] = [str(path) for path in pictures]
+
+    def text() -> str:
+        words = _tables(file, results["stages"])
+        return words + (f"\n{len(pictures)} pictures in {common.out}" if pictures else "")
+
+    emit(common, results, text)
+    parts = [
+        part
+        for stage in results["stages"]
+        for part in (stage, stage.get("line_contact"), stage.get("load_sharing"))
+        if part is not None
+    ]
+    return int(not all(part["converged"] for part in parts))
+
+
+def _tables(file: str, stages: list[dict[str, Any]]) -> str:
+    rows, below, whole = [], [], []
+    for number, stage in enumerate(stages, start=1):
+        for name in ("screw", "nut"):
+            side = stage[name]
+            rows.append(
+                (
+                    f"{number} {name}",
+                    side["contact_radius_m"] * 1e3,
+                    math.degrees(side["contact_angle_position_rad"]),
+                    side["normal_force_n"],
+                    side["semi_major_m"] * 1e3,
+                    side["semi_minor_m"] * 1e3,
+                    side["max_pressure_pa"] / 1e6,
+                    side["approach_m"] * 1e6,
+                    side["stiffness_n_per_m"] / 1e6,
+                )
+            )
+            below.append(
+                (
+                    f"{number} {name}",
+                    side["max_von_mises_stress_pa"] / 1e6,
+                    side["max_von_mises_depth_m"] * 1e3,
+                    side["max_shear_stress_pa"] / 1e6,
+                    side["max_shear_depth_m"] * 1e3,
+                )
+            )
+        whole += _rows_of_line(number, stage.get("line_contact"))
+        whole += _rows_of_sharing(number, stage.get("load_sharing"))
+    columns = ["stage side", "r mm", "φ deg", "F_n N", "a mm", "b mm", "p₀ MPa", "δ µm", "F/δ N/µm"]
+    found = table(f"Thread contacts: {file}", columns, rows)
+    columns = ["stage side", "von Mises MPa", "at depth mm", "shear MPa", "at depth mm"]
+    found += table("Largest stress below them, without friction", columns, below)
+    return found + (table("As a whole", ["", ""], whole) if whole else "")
+
+
+def _rows_of_line(number: int, line: dict[str, Any] | None) -> list[tuple[str, float]]:
+    if line is None:
+        return []
+    rows = [
+        ("largest pressure MPa", line["max_pressure_pa"] / 1e6),
+        ("largest half-width mm", line["max_half_width_m"] * 1e3),
+        ("approach µm", line["approach_m"] * 1e6),
+        ("axial force N", line["axial_force_n"]),
+        ("share of the flank that carries", line["loaded_share"]),
+        ("largest line load over its mean", line["edge_ratio"]),
+        ("R² of the parabola", line["parabola_fit"]),
+    ]
+    return [(f"stage {number}: line contact, {name}", value) for name, value in rows]
+
+
+def _rows_of_sharing(number: int, shared: dict[str, Any] | None) -> list[tuple[str, float]]:
+    if shared is None:
+        return []
+    rows = [
+        ("largest over mean thread load, screw", shared["screw"]["thread_sharing_factor"]),
+        ("largest over mean thread load, nut", shared["nut"]["thread_sharing_factor"]),
+        ("largest over mean roller load", shared["screw"]["roller_sharing_factor"]),
+        ("largest pressure MPa", shared["max_pressure_pa"] / 1e6),
+        ("deflection µm", shared["deflection_m"] * 1e6),
+        ("axial stiffness dF/dx N/µm", shared["tangent_stiffness_n_per_m"] / 1e6),
+    ]
+    if shared["spacer_force_n"] is not None:
+        rows.append(("force in the spacer N", shared["spacer_force_n"]))
+    return [(f"stage {number}: load sharing, {name}", value) for name, value in rows]
