@@ -194,7 +194,11 @@ class Analysis:
         found: dict[str, dict[StressMeasure, StressPeak]] = {"screw": {}, "nut": {}}
         measures: tuple[StressMeasure, ...] = ("von_mises", "max_shear")
         for measure in measures:
-            peaks = jax.vmap(lambda *of, measure=measure: stress_peak_on_axis(*of, measure))(*given)
+
+            def below(major, minor, pressure, ratio, measure: StressMeasure = measure):
+                return stress_peak_on_axis(major, minor, pressure, ratio, measure)
+
+            peaks = jax.vmap(below)(*given)
             count = len(self.contacts)
             found["screw"][measure] = jax.tree.map(lambda leaf, n=count: leaf[:n], peaks)
             found["nut"][measure] = jax.tree.map(lambda leaf, n=count: leaf[n:], peaks)
