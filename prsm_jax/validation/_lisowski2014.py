@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -185,7 +186,7 @@ def coefficients() -> Iterator[Row]:
     ratio = axis_ratio_of(jnp.asarray(np.cos(angles)))
     _, second = complete_elliptic_integrals(ratio)
     exact = np.asarray(jnp.cbrt(2 * second / (jnp.pi * ratio**2)))
-    fitted = np.asarray(lisowski_coefficients(jnp.asarray(angles))[0])
+    fitted = np.asarray(jax.vmap(lisowski_coefficients)(jnp.asarray(angles))[0])
     worst = float(np.max(np.abs(fitted / exact - 1)))
     yield misprint(
         "equation 8: leading coefficient",
