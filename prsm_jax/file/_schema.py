@@ -25,7 +25,7 @@ from ._table import Table, checked, problem, read_boolean, read_choice, read_tab
 def _number_or_choice(field: dataclasses.Field, hint) -> Any:
     unit = field.metadata.get("unit")
     if field.metadata.get("list"):
-        return Annotated[tuple, checked(read_numbers, unit, limit_of(field.name, unit))]
+        return Annotated[tuple, checked(read_numbers, unit, limit_of(field.name, unit or "1"))]
     if unit is not None:
         return Annotated[float, checked(read_number, unit, limit_of(field.name, unit))]
     if hint is bool:
