@@ -164,7 +164,14 @@ _WITH_CRESTS = stage(
     engaged_threads=1.0,
     geometry=thread(5e-3, screw_addendum=0.3e-3, roller_addendum=0.05e-3),
 )
-_contact = eqx.filter_jit(functools.partial(flank_contact, shape=SHAPE))
+_compiled = eqx.filter_jit(functools.partial(flank_contact, shape=SHAPE))
+
+
+def _contact(one, side, load, **options):
+    # The meshing is a program of its own, which other tests compile as well.
+    return _compiled(one, side, load, meshing=mesh(one.thread), **options)
+
+
 _plane, _gap = eqx.filter_jit(tangent_plane), eqx.filter_jit(flank_gap)
 
 
