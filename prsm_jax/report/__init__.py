@@ -46,6 +46,7 @@ from ._response_chart import response_chart as response_chart
 from ._sensitivity_bars import sensitivity_bars as sensitivity_bars
 from ._shaft_limits_chart import shaft_limits_chart as shaft_limits_chart
 from ._stage_animation import save_motion_animation as save_motion_animation
+from ._stress_section import stress_section as stress_section
 from ._style import save_figure as save_figure
 from ._subsurface_chart import subsurface_chart as subsurface_chart
 from ._sweep_map import sweep_map as sweep_map

@@ -13,10 +13,11 @@ from prsm_jax.halfspace import (
     FlankContact,
     FlankGap,
     Grid,
+    SubsurfaceStress,
     SurfaceContact,
     TangentPlane,
 )
-from prsm_jax.report import pressure_map, pressure_profiles
+from prsm_jax.report import pressure_map, pressure_profiles, stress_section
 
 
 @functools.cache
@@ -75,7 +76,29 @@ def test_profiles_show_cells_and_theory():
     assert 1900 < np.nanmax(cells.get_ydata()) < 2000
 
 
-def test_pictures_need_contacts():
+def test_section_shows_the_largest_stress():
+    grid, depths = Grid((16, 12), 2e-5, 2e-5), jnp.asarray([0.0, 2e-5, 6e-5, 1e-4])
+    tensor = jnp.zeros((4, 16, 12, 3, 3)).at[..., 0, 0].set(1e6)
+    stress = SubsurfaceStress(grid, depths, tensor.at[2, 4, 7, 0, 0].set(9e8))
+    for along, position, title in (("x", -0.07, "y = 0.0300"), ("y", 0.03, "x = −0.0700")):
+        figure = stress_section(stress, along)
+        assert_printable(figure)
+        axes = figure.axes[0]
+        assert f"section at {title}" in axes.get_title(loc="left")
+        (mark,) = (line for line in axes.lines if line.get_marker() == "+")
+        assert mark.get_xdata()[0] == pytest.approx(position)
+        assert mark.get_ydata()[0] == pytest.approx(0.06)
+        assert "largest 900.0" in axes.get_xlabel()
+
+
+@pytest.mark.usefixtures("unchecked")
+def test_pictures_need_contacts_and_depths():
+    grid = Grid((4, 4), 2e-5, 2e-5)
+    one = SubsurfaceStress(grid, jnp.zeros(1), jnp.zeros((1, 4, 4, 3, 3)))
+    with pytest.raises(ValueError, match="at least two"):
+        stress_section(one)
+    with pytest.raises(ValueError, match="choose 'x' or 'y'"):
+        stress_section(one, "z")  # type: ignore[arg-type]
     for picture in (pressure_map, pressure_profiles):
         with pytest.raises(ValueError, match="at least one contact"):
             picture({})
