@@ -37,16 +37,6 @@ def contact_modulus(first: Material, second: Material) -> Scalar:
     return 1 / (compliance + (1 - second.poisson_ratio**2) / second.youngs_modulus)
 
 
-def _cube_root(value: Scalar) -> Scalar:
-    """Cube root of a load; no load (or tension, which a contact cannot carry) gives 0.
-
-    The derivative at zero load is infinite for the load and 0 for everything else; it is reported
-    as 0 so that it cannot turn into NaN by the chain rule.
-    """
-    loaded = value > 0
-    return jnp.where(loaded, jnp.cbrt(jnp.where(loaded, value, 1.0)), 0.0)
-
-
 def anisotropy_of(total: Scalar, difference_squared: Scalar) -> Scalar:
     """τ = (B − A)/(A + B) from A + B and (B − A)², with derivative 0 at the circle.
 
@@ -91,18 +81,21 @@ def hertz_contact(
         raise ValueError(
             f"Hertz method is {method!r}; choose one of exact, {', '.join(APPROXIMATIONS)}"
         )
-    root = _cube_root(force)
-    axis_factor = jnp.cbrt(3 * second / (2 * jnp.pi * modulus * axis_ratio**2 * total))
-    semi_major = axis_factor * root
-    # In powers of F^{1/3} throughout, so that nothing is 0/0 without load.
-    max_pressure = 3 * root / (2 * jnp.pi * axis_ratio * axis_factor**2)
-    approach_factor = 3 * first / (2 * jnp.pi * modulus * axis_factor)
-    stiffness = root / approach_factor
+    # Without a load (or in tension, which a contact cannot carry) everything is 0, and so are the
+    # derivatives: those with respect to the load are infinite there, and must not become NaN.
+    loaded = force > 0
+    carried = jnp.where(loaded, force, 1.0)
+    per_axis = 3 / (2 * jnp.pi) * carried
+    semi_major = jnp.cbrt(per_axis * second / (modulus * axis_ratio**2 * total))
+    inverse = per_axis / semi_major
+    approach = inverse * first / modulus
+    stiffness = jnp.where(loaded, carried / approach, 0.0)
+    semi_major_loaded = jnp.where(loaded, semi_major, 0.0)
     return HertzContact(
-        semi_major=semi_major,
-        semi_minor=axis_ratio * semi_major,
-        max_pressure=max_pressure,
-        approach=approach_factor * root**2,
+        semi_major=semi_major_loaded,
+        semi_minor=axis_ratio * semi_major_loaded,
+        max_pressure=jnp.where(loaded, inverse / (axis_ratio * semi_major), 0.0),
+        approach=jnp.where(loaded, approach, 0.0),
         stiffness=stiffness,
         stiffness_tangent=1.5 * stiffness,
         second_elliptic_integral=second,
