@@ -264,8 +264,11 @@ def load_distribution(
 
     **Raises:** `MissingDataError` if data are missing; `ValueError` for a stage that is not there.
     """
-    chosen = stage_at(mechanism, stage)
-    return stage_load_distribution(chosen, load_of(mechanism, load))
+    return _compiled(stage_at(mechanism, stage), load_of(mechanism, load))
+
+
+#: One program where a user calls it by itself; operation by operation it takes seconds.
+_compiled = eqx.filter_jit(stage_load_distribution)
 
 
 def stage_at(mechanism: Mechanism, stage: int) -> Stage:

@@ -5,9 +5,11 @@ from collections.abc import Sequence
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+from jax.typing import ArrayLike
 from jaxtyping import Array, Bool, Float
 
-from ..mechanism import Mechanism
+from ..mechanism import Mechanism, Stage
+from ._chains import Control
 from ._distribution import balanced, braced, stage_at
 from ._stage_chains import sharing_of, stage_chains
 
@@ -28,9 +30,9 @@ class ForceDeflection(eqx.Module):
 
 def force_deflection(
     mechanism: Mechanism,
-    loads: Float[Array, " points"] | Sequence[float] | None = None,
+    loads: ArrayLike | Sequence[float] | None = None,
     *,
-    deflections: Float[Array, " points"] | Sequence[float] | None = None,
+    deflections: ArrayLike | Sequence[float] | None = None,
     stage: int = 1,
 ) -> ForceDeflection:
     """Force–deflection curve of the nut of one stage, at given loads or given deflections.
@@ -50,13 +52,17 @@ def force_deflection(
         raise ValueError("give either loads or deflections")
     chosen = stage_at(mechanism, stage)
     dtype = chosen.thread.lead.dtype
-    whole = braced(stage_chains(chosen), chosen)
     if loads is not None:
-        values, control = jnp.asarray(loads, dtype), "load"
+        values = jnp.asarray(loads, dtype)
         if not sharing_of(chosen).has_reverse_flanks:
             values = jnp.abs(values)
-    else:
-        values, control = jnp.asarray(deflections, dtype), "deflection"
+        return _curve(chosen, values, "load")
+    return _curve(chosen, jnp.asarray(deflections, dtype), "deflection")
+
+
+@eqx.filter_jit
+def _curve(stage: Stage, values: Float[Array, " points"], control: Control) -> ForceDeflection:
+    whole = braced(stage_chains(stage), stage)
 
     def point(value):
         found = balanced(whole, value, control)

@@ -133,8 +133,12 @@ def test_batched_gradients():
 
 def test_second_derivative():
     """The slope of the first, by central differences."""
-    slope = jax.jit(jax.grad(lambda load: _outputs(_NUMBERS | {"load": load})[8]))
-    bend = jax.jit(jax.jacfwd(slope))(array(500.0))
+
+    def slope(load):
+        return _reverse(_NUMBERS | {"load": load}, jnp.eye(9)[8])["load"]
+
+    once = jax.grad(lambda load: _outputs(_NUMBERS | {"load": load})[8])
+    bend = jax.jit(jax.jacfwd(once))(array(500.0))
     difference = (slope(array(500.1)) - slope(array(499.9))) / 0.2
     assert float(bend) == pytest.approx(float(difference), rel=1e-4)
     assert abs(float(bend)) > 1e-7
@@ -154,12 +158,10 @@ def test_a_stage_and_its_tangent_stiffness():
 
     value = jax.jit(stiffness)
     here = jnp.ones(2)
-    forward = jax.jit(jax.jacfwd(stiffness))(here)
     reverse = jax.jit(jax.jacrev(stiffness))(here)
     steps = 0.01 * jnp.eye(2)
     difference = [(value(here + step) - value(here - step)) / 0.02 for step in steps]
     # The differences' own error is a few 1e-4 of the derivative (steps of 1 %, second order).
-    np.testing.assert_allclose(forward, np.stack(difference, axis=1), rtol=1e-3)
-    np.testing.assert_allclose(reverse, forward, rtol=1e-9)
+    np.testing.assert_allclose(reverse, np.stack(difference, axis=1), rtol=1e-3)
     # A larger bore softens the screw; a larger load stiffens the contacts.
-    assert float(forward[1, 0]) < 0 < float(forward[1, 1])
+    assert float(reverse[1, 0]) < 0 < float(reverse[1, 1])

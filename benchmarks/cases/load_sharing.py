@@ -1,0 +1,261 @@
+"""Load sharing among threads: chains in JAX against Newton and root searches in NumPy and SciPy.
+
+All minimise the same convex energy: segments of screw, roller and nut, and between them Hertz
+contacts in series with teeth that only press. The rivals work on displacements, as most published
+codes do: a Newton method with the banded Cholesky solver of SciPy, and its general root finder.
+"""
+
+import functools
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from prsm_jax.load_sharing import Chains, Flanks, equilibrium, with_units
+
+from ..harness import Case, Method, Prepared, Problem, Reference
+
+_THREADS = 20
+#: δ = b f^{2/3} + c f of a thread contact with its teeth, and segments of screw, roller and nut.
+_HERTZ, _TOOTH = 1.5e-7, 5e-9
+_SEGMENTS = (3e-11, 2.4e-10, 0.75e-11)
+_TOLERANCES = (1e-3, 1e-6, 1e-12)
+_LABEL = "thread loads"
+
+
+class _Instances(NamedTuple):
+    #: Load [N] and gaps of both sides [m] of each instance.
+    load: np.ndarray
+    gap: np.ndarray
+
+
+def _instances(count: int, classes: int) -> _Instances:
+    random = np.random.default_rng(20_140_601)
+    gaps = random.normal(size=(count, classes, _THREADS)) * 1e-6
+    return _Instances(random.uniform(2e3, 2e4, count), gaps)
+
+
+def _weights(classes: int) -> np.ndarray:
+    """Ten rollers, of which all but the last of the classes' are alike."""
+    weights = np.ones(classes)
+    weights[0] = 11.0 - classes
+    return weights
+
+
+def _loads(load, gap, weights, tolerance):
+    classes = len(weights)
+    hertz, tooth = (jnp.full((classes, 1), value) for value in (_HERTZ, _TOOTH))
+    flanks = Flanks(gap, None, hertz, tooth)
+    screw, roller, nut = (jnp.full((_THREADS - 1,), value) for value in _SEGMENTS)
+    unit = jnp.ones(())
+    bare = Chains(jnp.asarray(weights), flanks, flanks, screw, roller, nut, unit, unit, 0 * unit)
+    chains = with_units(bare, load=load)
+    found = equilibrium(chains, load, tolerance=tolerance)
+    forward, _ = chains.screw.loads(found.state.screw_approach, 0.0)
+    return forward
+
+
+@functools.cache
+def _program(classes: int, tolerance: float, batch: int | None):
+    weights = _weights(classes)
+
+    def one(args):
+        return _loads(*args, weights, tolerance)
+
+    if batch is None:
+        return jax.jit(lambda load, gap: one((load[0], gap[0]))[None])
+    return jax.jit(lambda load, gap: jax.lax.map(one, (load, gap), batch_size=batch))
+
+
+def _ours(instances: _Instances, classes: int, batch: int | None) -> Method:
+    def prepare(tolerance) -> Prepared:
+        count = 1 if batch is None else len(instances.load)
+        inputs = jnp.asarray(instances.load[:count]), jnp.asarray(instances.gap[:count])
+        program = _program(classes, tolerance, batch)
+        return Prepared(lambda: program(*inputs), count, lambda out: {_LABEL: out})
+
+    name = "one at a time" if batch is None else f"batch of {len(instances.load):,}"
+    return Method(name, prepare, _TOLERANCES, "tolerance")
+
+
+def _flank(approach):
+    """Force and slope of c f + b f^{2/3} = δ, by Newton in f^{1/3} from above."""
+    safe = np.maximum(approach, 1e-300)
+    root = np.minimum(np.sqrt(safe / _HERTZ), np.cbrt(safe / _TOOTH))
+    for _ in range(6):
+        value = _TOOTH * root**3 + _HERTZ * root**2 - safe
+        root = root - value / (3 * _TOOTH * root**2 + 2 * _HERTZ * root)
+    closed = approach > 0
+    slope = 3 * root / (3 * _TOOTH * root + 2 * _HERTZ)
+    return np.where(closed, root**3, 0.0), np.where(closed, slope, 0.0)
+
+
+class _Displacements:
+    """Energy, gradient and banded Hessian over displacements, thread by thread."""
+
+    def __init__(self, load, gap, weights):
+        self.load, self.gap, self.weights = load, gap, weights
+        self.size = len(weights) + 2
+        springs = np.concatenate([[1 / _SEGMENTS[0]], weights / _SEGMENTS[1], [1 / _SEGMENTS[2]]])
+        self.springs = springs[None, :]
+
+    def parts(self, unknown):
+        """Displacements [thread, body]; the nut is held where thread 1 is."""
+        return unknown.reshape(_THREADS, self.size)
+
+    def evaluate(self, unknown):
+        nodes = self.parts(unknown)
+        screw, rollers, nut = nodes[:, :1], nodes[:, 1:-1], nodes[:, -1:]
+        first, k1 = _flank(screw - rollers - self.gap.T)
+        second, k2 = _flank(rollers - nut - self.gap.T)
+        first, k1, second, k2 = (self.weights * x for x in (first, k1, second, k2))
+        pull = self.springs * (nodes[:-1] - nodes[1:])
+        gradient = np.zeros_like(nodes)
+        gradient[:-1] += pull
+        gradient[1:] -= pull
+        gradient[:, 0] += first.sum(1)
+        gradient[:, 1:-1] += second - first
+        gradient[:, -1] -= second.sum(1)
+        gradient[0, 0] -= self.load
+        # Held by a spring as stiff as the nut: the loads do not depend on it.
+        gradient[0, -1] += self.springs[0, -1] * nodes[0, -1]
+        return gradient.ravel(), first, k1, k2
+
+    def hessian(self, k1, k2):
+        m = self.size
+        band = np.zeros((m + 1, _THREADS * m))
+        diagonal = np.zeros((_THREADS, m))
+        diagonal[:-1] += self.springs
+        diagonal[1:] += self.springs
+        diagonal[:, 0] += k1.sum(1)
+        diagonal[:, 1:-1] += k1 + k2
+        diagonal[:, -1] += k2.sum(1)
+        diagonal[0, -1] += self.springs[0, -1]
+        band[0] = (diagonal + 1e-9 * np.max(k1 + k2)).ravel()
+        for j in range(m - 2):
+            band[j + 1, 0::m] = -k1[:, j]
+            band[m - 2 - j, j + 1 :: m] = -k2[:, j]
+        band[m, : (_THREADS - 1) * m] = np.tile(-self.springs[0], _THREADS - 1)
+        return band
+
+
+def _banded(instances: _Instances, classes: int, count: int) -> Method:
+    """Newton with a residual line search and SciPy's banded Cholesky factors."""
+    from scipy.linalg import solveh_banded
+
+    weights = _weights(classes)
+
+    def solve(load, gap, tolerance):
+        model = _Displacements(load, gap, weights)
+        start = np.zeros((_THREADS, model.size))
+        each = load / (10 * _THREADS)
+        reach = _HERTZ * each ** (2 / 3) + _TOOTH * each
+        start[:, 0], start[:, 1:-1] = 2 * (reach + gap.max()), reach + gap.max()
+        unknown = start.ravel()
+        gradient, first, k1, k2 = model.evaluate(unknown)
+        for _ in range(100):
+            error = np.max(np.abs(gradient))
+            if error <= tolerance * load:
+                break
+            step = solveh_banded(model.hessian(k1, k2), -gradient, lower=True, check_finite=False)
+            share = 1.0
+            while True:
+                trial = model.evaluate(unknown + share * step)
+                if trial[0] @ step <= 0.5 * abs(gradient @ step) or share < 1e-6:
+                    break
+                share /= 2
+            unknown = unknown + share * step
+            gradient, first, k1, k2 = trial
+        return (first / weights).T
+
+    def prepare(tolerance):
+        pairs = list(zip(instances.load[:count], instances.gap[:count], strict=True))
+
+        def call():
+            return np.stack([solve(load, gap, tolerance) for load, gap in pairs])
+
+        return Prepared(call, count, lambda out: {_LABEL: out})
+
+    return Method("Newton, SciPy solveh_banded", prepare, _TOLERANCES, "tolerance", kind="rival")
+
+
+def _root_finder(instances: _Instances, classes: int, count: int) -> Method:
+    """SciPy's root finder (MINPACK hybr) on the balance of all nodes."""
+    from scipy.optimize import root
+
+    weights, length = _weights(classes), 1e-6
+
+    def solve(load, gap, tolerance):
+        model = _Displacements(load, gap, weights)
+        each = load / (10 * _THREADS)
+        reach = _HERTZ * each ** (2 / 3) + _TOOTH * each
+        start = np.zeros((_THREADS, model.size))
+        start[:, 0], start[:, 1:-1] = 2 * (reach + gap.max()), reach + gap.max()
+        found = root(
+            lambda x: model.evaluate(x * length)[0] / load,
+            start.ravel() / length,
+            method="hybr",
+            options={"xtol": tolerance, "maxfev": 20_000},
+        )
+        return (model.evaluate(found.x * length)[1] / weights).T
+
+    def prepare(tolerance):
+        def call():
+            pairs = zip(instances.load[:count], instances.gap[:count], strict=True)
+            return np.stack([solve(load, gap, tolerance) for load, gap in pairs])
+
+        return Prepared(call, count, lambda out: {_LABEL: out})
+
+    return Method("SciPy optimize.root (hybr)", prepare, _TOLERANCES, "tolerance", kind="rival")
+
+
+def _problem(name: str, title: str, classes: int, batch: int, quick: bool) -> Problem:
+    size = batch // 20 if quick else batch
+    instances = _instances(size, classes)
+    compared = 10 if quick else 50
+
+    def reference():
+        # Two formulations that share no line have to agree before either is a reference.
+        load, gap = instances.load[:compared], instances.gap[:compared]
+        ours = np.asarray(_program(classes, 1e-13, 1)(jnp.asarray(load), jnp.asarray(gap)))
+        theirs: Any = _banded(instances, classes, compared).prepare(1e-13).call()
+        mean = load[:, None, None] / (10 * _THREADS)
+        if np.max(np.abs(ours - theirs) / mean) > 1e-8:
+            raise RuntimeError(f"load sharing, {name}: the two references disagree")
+        return {_LABEL: Reference(ours, np.broadcast_to(mean, ours.shape))}
+
+    chunk = 500 if classes <= 3 else 1
+    methods = [
+        _ours(instances, classes, chunk),
+        _ours(instances, classes, None),
+        _banded(instances, classes, 10 if quick else 50),
+    ]
+    if classes == 1:
+        methods.append(_root_finder(instances, classes, 1 if quick else 3))
+    return Problem(
+        name=name,
+        title=title,
+        instance="nut",
+        methods=methods,
+        reference=reference,
+        reference_note=(
+            f"the same balance to 1e-13 by chains and by displacements, {compared} nuts; errors "
+            "over the mean load of a thread"
+        ),
+        baseline="Newton, SciPy solveh_banded",
+        target=1e-8,
+    )
+
+
+def case(quick: bool) -> Case:
+    """The case of this module."""
+    return Case(
+        "load_sharing",
+        "Load on 20 threads of 10 rollers with pitch errors: chains in JAX, SciPy",
+        [
+            _problem("equal", "10 equal rollers", 1, 10_000, quick),
+            _problem("one_unequal", "10 rollers, one unlike the others", 2, 10_000, quick),
+            _problem("all_unequal", "10 rollers, all unlike", 10, 400, quick),
+        ],
+    )
