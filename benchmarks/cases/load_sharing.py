@@ -61,7 +61,8 @@ def _program(classes: int, tolerance: float, batch: int | None):
     weights = _weights(classes)
 
     def one(args):
-        return _loads(*args, weights, tolerance)
+        load, gap = args
+        return _loads(load, gap, weights, tolerance)
 
     if batch is None:
         return jax.jit(lambda load, gap: one((load[0], gap[0]))[None])

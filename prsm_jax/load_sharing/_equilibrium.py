@@ -171,7 +171,14 @@ def _largest(arrays) -> Scalar:
     return jnp.max(jnp.stack(sizes))
 
 
-def _cut(chains: Chains, start: _Point, step: State, control: Control, value: Scalar) -> _Point:
+def _cut(
+    chains: Chains,
+    start: _Point,
+    step: State,
+    control: Control,
+    value: Scalar,
+    worthwhile: Bool[Array, ""],
+) -> _Point:
     """The point after a step, cut by false position and bisection where it overshoots."""
     first = _energy_slope(start.left, step)
     one = jnp.ones_like(value)
@@ -185,7 +192,8 @@ def _cut(chains: Chains, start: _Point, step: State, control: Control, value: Sc
         outside = (slope > _SLOPE_LEFT * jnp.abs(first)) | (
             (slope < -_SLOPE_LEFT * jnp.abs(first)) & (count > 0)
         )
-        return outside & (first < 0) & (count < _MOST_CUTS) & (upper[0] > lower[0])
+        apart = upper[0] > lower[0]
+        return worthwhile & outside & (first < 0) & (count < _MOST_CUTS) & apart
 
     def closer(carry):
         _, slope, lower, upper, share, count = carry
@@ -215,10 +223,12 @@ def _search(
         return (error > tolerance) & (count < max_steps)
 
     def step(carry):
-        point, _, count = carry
+        point, error, count = carry
         right = jax.tree.map(jnp.negative, point.left)
         change = solve_linear(chains, (point.screw, point.nut), control, right)
-        point = _cut(chains, point, change, control, value)
+        # Where all but rounding is in balance a cut would chase noise, and in a batch hold up all.
+        worthwhile = error > jnp.maximum(tolerance, 1e3 * default_tolerance(value.dtype))
+        point = _cut(chains, point, change, control, value, worthwhile)
         return point, _error(chains, point), count + 1
 
     carry = (first, _error(chains, first), jnp.zeros_like(value))
