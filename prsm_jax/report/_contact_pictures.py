@@ -8,9 +8,12 @@ from ..contact import load_of, thread_contacts
 from ..halfspace import FlankContact, flank_contact
 from ..mechanism import CoulombFriction, Mechanism, Stage, material_of
 from ._contact_ellipses import contact_ellipses
+from ._force_deflection_chart import force_deflection_chart
 from ._pressure_map import pressure_map, pressure_profiles
+from ._shared_loads import shared_loads
 from ._style import Figure, save_figure
 from ._subsurface_chart import subsurface_chart
+from ._thread_load_chart import thread_load_chart
 
 _SIDES = ("screw", "nut")
 #: Below a contact that slides where the thread has no Coulomb friction.
@@ -41,7 +44,8 @@ def contact_pictures(
     """Draw the contacts of every stage under an axial load.
 
     For each stage: `contact-ellipses`; `pressure-map` and `pressure-profiles` on the true flanks;
-    `stress-screw` and `stress-nut` below the surfaces.
+    `stress-screw` and `stress-nut` below the surfaces; `thread-loads` and `force-deflection` where
+    the stage says how it shares its load.
 
     **Arguments:**
 
@@ -71,6 +75,10 @@ def contact_pictures(
             if float(hertz.max_pressure) > 0:
                 ratio = material_of(stage, side).poisson_ratio
                 figures[f"stress-{side}{suffix}"] = subsurface_chart(hertz, ratio, _friction(stage))
+        if stage.load_sharing is not None:
+            found, curve = shared_loads(mechanism, shared, number)
+            figures["thread-loads" + suffix] = thread_load_chart(found)
+            figures["force-deflection" + suffix] = force_deflection_chart({label: curve})
     return figures
 
 

@@ -1,11 +1,12 @@
 """What a report is about: one analysis, every part of it optional."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
+from jaxtyping import Array
 
 from .._errors import MissingDataError, PrsmError
 from ..contact import StageContact, load_of, stage_contact
@@ -21,9 +22,12 @@ from ..dynamics import (
 )
 from ..findings import check
 from ..geometry import Finding, Meshing, mesh
+from ..load_sharing import ForceDeflection, LoadDistribution
 from ..mechanism import Mechanism, find_parameters
 from ..modal import Modes, modal
+from ..quantities import available_quantities, compute
 from ._optimisation import Optimisation
+from ._shared_loads import shared_loads
 
 
 @dataclass(frozen=True)
@@ -44,6 +48,11 @@ class ReportData:
     forward: SteadyState | None = None
     backward: SteadyState | None = None
     transient: Transient | None = None
+    #: Quantities of strength and life by name.
+    strength: Mapping[str, Array] | None = None
+    #: Shared loads, and force–deflection curves, of those stages (from 0) that say how they share.
+    shared: Mapping[int, LoadDistribution] = field(default_factory=dict)
+    deflections: Mapping[int, ForceDeflection] = field(default_factory=dict)
     #: Result of `sensitivity`.
     sensitivity: Any = None
     optimisation: Optimisation | None = None
@@ -61,6 +70,31 @@ _meshings = eqx.filter_jit(lambda mechanism: tuple(mesh(s.thread) for s in mecha
 _modal = eqx.filter_jit(modal)
 _steady = eqx.filter_jit(steady_state)
 _simulate = eqx.filter_jit(simulate)
+_compute = eqx.filter_jit(compute)
+
+#: What the section on strength tells, where the file has the data.
+STRENGTH = (
+    "static_capacity",
+    "static_safety",
+    "dynamic_capacity",
+    "equivalent_load",
+    "equivalent_speed",
+    "rating_life",
+    "rating_life_time",
+    "rating_life_distance",
+    "modified_rating_life",
+    "life_ratio",
+    "buckling_load",
+    "buckling_safety",
+    "critical_speed",
+    "permissible_speed",
+    "critical_speed_margin",
+    "axial_backlash",
+    "lost_motion",
+    "preload_opening_load",
+    "preloaded_stiffness",
+    "preload_torque",
+)
 
 
 @eqx.filter_jit
@@ -112,6 +146,8 @@ def analyse(
     modes = attempt("vibration", _all_modes, mechanism)
     steady = attempt("steady state", _steady_states, mechanism) or (None, None, None)
     history = attempt("transient", _history, mechanism) if transient else None
+    strength = attempt("strength", _strength, mechanism)
+    shared = attempt("load sharing", _shared, mechanism) or ({}, {})
     return ReportData(
         mechanism=given,
         title=title or mechanism.title or "Planetary roller screw mechanism",
@@ -123,6 +159,9 @@ def analyse(
         forward=steady[1],
         backward=steady[2],
         transient=history,
+        strength=strength,
+        shared=shared[0],
+        deflections=shared[1],
         sensitivity=sensitivity,
         optimisation=optimisation,
         improved=None
@@ -175,3 +214,22 @@ def _history(mechanism: Mechanism) -> Transient | None:
     if int(run.solver.code) != 0:
         raise PrsmError(f"the simulation did not finish: {run.solver.result}")
     return run
+
+
+def _strength(mechanism: Mechanism) -> Mapping[str, Array] | None:
+    if all(stage.strength is None for stage in mechanism.stages):
+        return None
+    return _compute(mechanism, available_quantities(mechanism, STRENGTH))
+
+
+def _shared(
+    mechanism: Mechanism,
+) -> tuple[dict[int, LoadDistribution], dict[int, ForceDeflection]]:
+    """Of every stage with load sharing, its loads and its curve up to half as much again."""
+    load = load_of(mechanism, None)
+    found = {
+        index: shared_loads(mechanism, load, index + 1)
+        for index, stage in enumerate(mechanism.stages)
+        if stage.load_sharing is not None
+    }
+    return {i: pair[0] for i, pair in found.items()}, {i: pair[1] for i, pair in found.items()}

@@ -14,6 +14,7 @@ from ._data import ReportData
 from ._design_sections import optimisation_section, sensitivity_section
 from ._mechanism_section import findings_section, mechanism_section
 from ._section import Section, Table
+from ._strength_section import sharing_section, strength_section
 from ._units import show
 
 
@@ -24,9 +25,11 @@ def report_sections(data: ReportData) -> tuple[Section, ...]:
         mechanism_section(data),
         findings_section(data),
         contact_section(data),
+        sharing_section(data),
         vibration_section(data),
         steady_section(data),
         transient_section(data),
+        strength_section(data),
         sensitivity_section(data),
         optimisation_section(data),
         _provenance(data),

@@ -1,0 +1,118 @@
+"""Strength and life, and how threads share the load, as sections of a report."""
+
+import numpy as np
+
+from ..quantities import find_quantity
+from ..strength import load_spectrum
+from ._data import ReportData
+from ._force_deflection_chart import force_deflection_chart
+from ._life_chart import life_chart
+from ._section import Picture, Section, Table
+from ._shaft_limits_chart import shaft_limits_chart
+from ._style import readable
+from ._thread_load_chart import thread_load_chart
+from ._units import number, show
+
+
+def _suffix(data: ReportData, index: int) -> tuple[str, str]:
+    if len(data.mechanism.stages) == 1:
+        return "", ""
+    return f"_stage_{index + 1}", f", stage {index + 1}"
+
+
+def strength_section(data: ReportData) -> Section | None:
+    """Capacities, safety, life, limits of the shaft, play: what the file has the data for."""
+    if not data.strength:
+        return None
+    improved = None if data.improved is None else data.improved.strength
+    rows = []
+    for name, value in data.strength.items():
+        quantity = find_quantity(name)
+        after = np.ravel(improved[name]) if improved and name in improved else None
+        for index, component in enumerate(np.ravel(value)):
+            several = np.size(value) > 1
+            words = f", {quantity.dimensions[0]} {index + 1}" if several else ""
+            cells = [readable(name) + words, quantity.symbol, show(component, quantity.unit, name)]
+            if improved:
+                cells.append("" if after is None else show(after[index], quantity.unit, name))
+            rows.append(tuple(cells))
+    head = ("", "symbol", "value", *(("after the optimisation",) if improved else ()))
+    words = (
+        "No standard exists for planetary roller screws: capacities and life are the practice of "
+        "ball bearings and ball screws (ISO 76, ISO 281, ISO 3408-5), carried over to the contacts "
+        "computed here.",
+    )
+    table = Table("Strength and life", head, tuple(rows))
+    return Section("strength", "Strength and life", words, (table,), _strength_pictures(data))
+
+
+def _strength_pictures(data: ReportData) -> tuple[Picture, ...]:
+    mechanism, values = data.mechanism, data.strength or {}
+    pictures = []
+    cycle, point = mechanism.duty_cycle, mechanism.operating_point
+    loaded = cycle is not None and bool(np.any(np.asarray(cycle.load) != 0))
+    for index, stage in enumerate(mechanism.stages):
+        suffix, words = _suffix(data, index)
+        if loaded and cycle is not None and "dynamic_capacity" in values:
+            capacity = float(np.ravel(values["dynamic_capacity"])[index])
+            static = values.get("static_capacity")
+            ends = None if static is None else float(np.ravel(static)[index])
+            pictures.append(
+                Picture(
+                    f"life{suffix}",
+                    f"Loads of the duty cycle, the damage they do, and the life{words}.",
+                    lambda c=capacity, s=ends: life_chart(c, load_spectrum(cycle), s),
+                )
+            )
+        if stage.strength is not None and stage.strength.shaft is not None:
+            demand = (None, None) if point is None else (abs(point.load), abs(point.speed))
+            pictures.append(
+                Picture(
+                    f"shaft_limits{suffix}",
+                    f"What the screw bears over its unsupported length{words}; the points are the "
+                    "operating point's.",
+                    lambda s=stage, d=demand: shaft_limits_chart(s, *d),
+                )
+            )
+    return tuple(pictures)
+
+
+def sharing_section(data: ReportData) -> Section | None:
+    """How threads and rollers share the load, where the file says how they are held."""
+    if not data.shared:
+        return None
+    tables, pictures = [], []
+    for index, shared in data.shared.items():
+        suffix, words = _suffix(data, index)
+        rows = [
+            ("largest over mean thread load, screw", number(shared.screw.thread_sharing_factor)),
+            ("largest over mean thread load, nut", number(shared.nut.thread_sharing_factor)),
+            ("largest over mean roller load", number(shared.screw.roller_sharing_factor)),
+            ("largest pressure", show(shared.max_pressure, "Pa")),
+            ("deflection", show(shared.deflection, "m")),
+            ("axial stiffness dF/dx", show(shared.tangent_stiffness, "N/m")),
+        ]
+        if shared.spacer_force is not None:
+            rows.append(("force in the spacer", show(shared.spacer_force, "N")))
+        tables.append(Table(f"Shared loads{words}", ("", ""), tuple(rows)))
+        pictures.append(
+            Picture(
+                f"thread_loads{suffix}",
+                f"Load of every thread{words}.",
+                lambda shared=shared: thread_load_chart(shared),
+            )
+        )
+        curve = data.deflections.get(index)
+        if curve is not None:
+            pictures.append(
+                Picture(
+                    f"force_deflection{suffix}",
+                    f"Axial load over deflection of the nut, and its stiffness{words}.",
+                    lambda curve=curve: force_deflection_chart({data.title: curve}),
+                )
+            )
+    words = (
+        "Shafts, teeth and contacts give way, so threads do not share the load equally. The "
+        "threads count from the end of the nut where the screw's force enters.",
+    )
+    return Section("load_sharing", "Load sharing", words, tuple(tables), tuple(pictures))
