@@ -93,7 +93,7 @@ report.pressure_map({"whole flank": whole, "crest 0.08 mm above the nominal radi
 # ## Threads and rollers share the load
 # Shafts stretch and are compressed, so the threads at the ends carry more than those in the middle.
 # The nut here is in two halves, braced against each other: no backlash, and the opposite flanks of
-# one half unload as the load grows.
+# one half unload as the load grows. Past the opening load the nut is softer.
 
 # %%
 braced = prsm.load("actuator_load_sharing")
@@ -101,25 +101,18 @@ shared = eqx.filter_jit(load_distribution)(braced)
 report.thread_load_chart(shared)
 
 # %%
-loads = np.linspace(-12e3, 12e3, 41)
-loose = eqx.tree_at(
-    lambda m: m.stages[0].load_sharing,
-    braced,
-    dataclasses.replace(braced.stages[0].load_sharing, split_nut=None),
-)
-curve = eqx.filter_jit(lambda m: force_deflection(m, loads))
-curves = {"preload 1.5 kN": curve(braced), "backlash 6 µm": curve(loose)}
-report.force_deflection_chart(curves)
+curve = eqx.filter_jit(force_deflection)(braced, np.linspace(-18e3, 18e3, 61))
+report.force_deflection_chart({"preload 1.5 kN": curve})
 
 # %% [markdown]
 # The work of the load is the energy that contacts, teeth and shafts store:
 
 # %%
-found = curves["preload 1.5 kN"]
-work = np.trapezoid(found.load, found.deflection)
-stored = float(found.stored_energy[-1] - found.stored_energy[0])
-print(f"work {work:.5f} J, stored {stored:.5f} J")
-assert abs(work - stored) < 1e-3 * float(found.stored_energy.max())
+loading = slice(30, None)
+work = np.trapezoid(curve.load[loading], curve.deflection[loading])
+stored = float(curve.stored_energy[-1] - curve.stored_energy[30])
+print(f"work {work:.4f} J, stored {stored:.4f} J")
+assert abs(work - stored) < 1e-3 * stored
 
 # %% [markdown]
 # ## Rings in line contact

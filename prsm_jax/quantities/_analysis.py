@@ -222,8 +222,7 @@ class Analysis:
         """How a stage (from 0) shares the load."""
         if index not in self._distributions:
             stage = self.mechanism.stages[index]
-            known = self.kinematics[index].meshing if stage.curvature == "exact" else None
-            found = stage_load_distribution(stage, self.load, known)
+            found = stage_load_distribution(stage, self.load, self.meshing(index))
             self._distributions[index] = found
             self.require(found.converged)
         return self._distributions[index]

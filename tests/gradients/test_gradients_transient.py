@@ -15,7 +15,7 @@ VARIABLES = ("lead", "contact_angle", "roller_radius")
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("method", ["implicit", "explicit", "rosenbrock"])
+@pytest.mark.parametrize("method", ["implicit", "rosenbrock"])
 def test_forward_and_reverse_against_differences(method):
     """Half way through the run-up, where everything still moves.
 
@@ -56,8 +56,8 @@ def test_forward_and_reverse_against_differences(method):
     np.testing.assert_allclose(forward, differences, rtol=1e-6, atol=2e-7)
     np.testing.assert_allclose(reverse, differences, rtol=1e-6, atol=2e-7)
     # The two modes are two programs. Where rounding makes them take different steps, each
-    # derivative carries its own error: of the size of the bound above for explicit ones.
-    same = {"implicit": 1e-9, "explicit": 1e-6, "rosenbrock": 1e-8}[method]
+    # derivative carries its own error.
+    same = {"implicit": 1e-9, "rosenbrock": 1e-8}[method]
     np.testing.assert_allclose(forward, reverse, rtol=same, atol=same / 10)
     if method == "rosenbrock":
         # Alone, each reverse derivative is a program of its own, compiled differently.
