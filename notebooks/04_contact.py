@@ -118,7 +118,7 @@ assert abs(work - stored) < 1e-3 * stored
 # ## Rings in line contact
 # Rollers of rings touch the screw along a line. In every slice the gap is a parabola, and every
 # slice a Hertz line contact. Flanks with the same profile angle are not parallel, because the
-# screw's has a lead: the load goes to one end, and a hundredth of a degree decides the pressure.
+# screw's has a lead: the load goes to one end, and tenths of a degree decide the pressure.
 # All of it can be differentiated: these are exact sensitivities of the largest pressure.
 
 # %%
