@@ -53,24 +53,25 @@ def _ellipse(anisotropy: Real) -> tuple[Real, Real, Real]:
     _, b, d = associated_elliptic_integrals(axis_ratio)
     square, parameter = axis_ratio**2, (1 - axis_ratio) * (1 + axis_ratio)
     elongated = parameter > _NEARLY_CIRCULAR
-    below = jnp.where(elongated, parameter, 1.0)
+    inverse = 1 / jnp.where(elongated, parameter, 1.0)
     first_d = jnp.where(
         elongated,
-        -(b - square * d) / below,
+        -(b - square * d) * inverse,
         -math.pi / 2 * square * (0.375 + parameter * (15 / 32 + parameter * 525 / 1024)),
     )
     first_b = -b - first_d
     second_d = jnp.where(
         elongated,
-        -(first_b - square * (2 * d + 3 * first_d)) / below,
+        -(first_b - square * (2 * d + 3 * first_d)) * inverse,
         2 * first_d + math.pi * 15 / 32,
     )
     second_b = -first_b - second_d
-    grown_d, grown_b = first_d / d, first_b / b
+    inverse_d, inverse_b = 1 / d, 1 / b
+    grown_d, grown_b = first_d * inverse_d, first_b * inverse_b
     slope = 2 + grown_d - grown_b
-    bend = second_d / d - grown_d**2 - second_b / b + grown_b**2
-    step = (2 * start + jnp.log(d / b) - target) / slope
-    step = -step / (1 - step * bend / (2 * slope))
+    bend = second_d * inverse_d - grown_d**2 - second_b * inverse_b + grown_b**2
+    residual = 2 * start + jnp.log(d * inverse_b) - target
+    step = -2 * residual * slope / (2 * slope**2 - residual * bend)
     # κ cannot exceed one; rounding at the circle must not push it over.
     axis_ratio = jnp.minimum(axis_ratio * (1 + step + step**2 / 2), 1.0)
     b = b + step * (first_b + step / 2 * second_b)

@@ -148,9 +148,9 @@ def _check_meshing(stage: Stage, number: int) -> list[Finding]:
                 number,
                 float(thread.profile_radius),
                 float(thread.roller_radius / jnp.sin(thread.flank_angle)),
-                "screw and roller flanks have no common normal; the roller's profile radius "
-                f"{float(thread.profile_radius) * 1e3:.4g} mm is probably too small for this "
-                "lead and contact angle",
+                "screw and roller flanks do not touch in a point; the roller's profile radius "
+                f"{float(thread.profile_radius) * 1e3:.4g} mm is too large (the profile too flat) "
+                "for this lead and contact angle",
             )
         ]
     found = []

@@ -2,9 +2,9 @@
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Float
 
 from ..mechanism import Scalar
+from ._flanks import Slope, SymmetricTensor
 
 
 class RelativeCurvature(eqx.Module):
@@ -21,32 +21,12 @@ class RelativeCurvature(eqx.Module):
     rolling: Scalar
 
 
-def tangent_tensor(
-    slope: Float[Array, "2"], hessian: Float[Array, "2 2"]
-) -> tuple[Float[Array, "2 2"], Float[Array, "2 2"]]:
-    """Curvature tensor S of the gap in the tangent plane, and how that plane lies.
-
-    With the common slope g = ∇z the tangent plane has the metric G = I + g gᵀ, and the gap along
-    the normal is the axial gap times cos γ = 1/√(1 + |g|²); so S = cos γ G^{-1/2} H G^{-1/2}.
-
-    **Arguments:**
-
-    - `slope`: the common gradient of both surfaces over the transverse plane.
-    - `hessian`: the Hessian of the axial gap over the transverse plane [1/m].
-
-    **Returns:** S [1/m], and G^{-1/2}, which takes orthonormal coordinates of the tangent plane to
-    transverse ones.
-    """
-    cosine = 1 / jnp.sqrt(1 + jnp.sum(slope**2))
-    # G^{-1/2} = I − g gᵀ (1 − cos γ)/|g|², and (1 − cos γ)/|g|² = cos²γ/(1 + cos γ).
-    whitening = jnp.eye(2, dtype=slope.dtype) - jnp.outer(slope, slope) * (cosine**2 / (1 + cosine))
-    return cosine * whitening @ hessian @ whitening, whitening
-
-
-def relative_curvature(slope: Float[Array, "2"], hessian: Float[Array, "2 2"]) -> RelativeCurvature:
+def relative_curvature(slope: Slope, hessian: SymmetricTensor) -> RelativeCurvature:
     """Project the Hessian of an axial gap onto the common tangent plane.
 
-    No small-lead approximation is made.
+    No small-lead approximation is made. With the common slope g = ∇z the tangent plane has the
+    metric G = I + g gᵀ, and the gap along the normal is the axial gap times
+    cos γ = 1/√(1 + |g|²); so the curvature tensor is S = cos γ G^{-1/2} H G^{-1/2}.
 
     The rolling direction is the tangent that lies in the transverse plane, because the bodies
     turn about axes normal to that plane.
@@ -57,8 +37,46 @@ def relative_curvature(slope: Float[Array, "2"], hessian: Float[Array, "2 2"]) -
     - `hessian`: the Hessian of the gap over the transverse plane [1/m].
     """
     tensor, _ = tangent_tensor(slope, hessian)
-    total = (tensor[0, 0] + tensor[1, 1]) / 2
-    difference_squared = ((tensor[0, 0] - tensor[1, 1]) / 2) ** 2 + tensor[0, 1] ** 2
-    across = jnp.stack([-slope[1], slope[0]])
-    rolling = across @ tensor @ across / (2 * jnp.sum(slope**2))
-    return RelativeCurvature(total, difference_squared, rolling)
+    x, y = slope
+    # Across g the metric is 1: there S is cos γ H.
+    across = y**2 * tensor.xx - 2 * x * y * tensor.xy + x**2 * tensor.yy
+    return RelativeCurvature(
+        total=(tensor.xx + tensor.yy) / 2,
+        difference_squared=((tensor.xx - tensor.yy) / 2) ** 2 + tensor.xy**2,
+        rolling=across / (2 * (x**2 + y**2)),
+    )
+
+
+def tangent_tensor(
+    slope: Slope, hessian: SymmetricTensor
+) -> tuple[SymmetricTensor, SymmetricTensor]:
+    """Curvature tensor S of the gap in the tangent plane, and how that plane lies.
+
+    **Arguments:**
+
+    - `slope`: the common gradient of both surfaces over the transverse plane.
+    - `hessian`: the Hessian of the axial gap over the transverse plane [1/m].
+
+    **Returns:** S = cos γ G^{-1/2} H G^{-1/2} [1/m], and G^{-1/2}, which takes orthonormal
+    coordinates of the tangent plane to transverse ones.
+    """
+    x, y = slope
+    cosine = 1 / jnp.sqrt(1 + x**2 + y**2)
+    # G^{-1/2} = I − g gᵀ (1 − cos γ)/|g|², and (1 − cos γ)/|g|² = cos²γ/(1 + cos γ).
+    share = cosine**2 / (1 + cosine)
+    whitening = SymmetricTensor(1 - share * x**2, -share * x * y, 1 - share * y**2)
+    bent = SymmetricTensor(*(cosine * entry for entry in hessian))
+    return _congruent(whitening, bent), whitening
+
+
+def _congruent(outer: SymmetricTensor, inner: SymmetricTensor) -> SymmetricTensor:
+    """The symmetric 2×2 product W H W."""
+    first_x = outer.xx * inner.xx + outer.xy * inner.xy
+    first_y = outer.xx * inner.xy + outer.xy * inner.yy
+    second_x = outer.xy * inner.xx + outer.yy * inner.xy
+    second_y = outer.xy * inner.xy + outer.yy * inner.yy
+    return SymmetricTensor(
+        first_x * outer.xx + first_y * outer.xy,
+        first_x * outer.xy + first_y * outer.yy,
+        second_x * outer.xy + second_y * outer.yy,
+    )

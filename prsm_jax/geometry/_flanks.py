@@ -7,103 +7,168 @@ transverse plane; the roller flank is a convex arc of radius ρ that passes thro
 radius with the slope tan α. Heights are counted from the flanks at the nominal radii.
 """
 
+from typing import NamedTuple, TypeAlias
+
+import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Float
 
 from ..mechanism import Scalar, Thread
 
-
-def _arc(thread: Thread, radius: Scalar) -> tuple[Scalar, Scalar]:
-    """Height √(ρ² − d²) of the roller's profile arc and its offset d = r − (r_R − ρ sin α) [m].
-
-    Beyond the end of the arc (|d| > ρ) there is no flank; there the height is that of the
-    shallowest arc that still rises, whose steep but finite slope sends a root search back.
-    """
-    profile_radius = thread.profile_radius
-    offset = radius - thread.roller_radius + profile_radius * jnp.sin(thread.flank_angle)
-    # A hundredth of ρ above its end the arc is already steeper than any thread flank.
-    floor = 1e-4 * profile_radius**2
-    return jnp.sqrt(jnp.maximum(profile_radius**2 - offset**2, floor)), offset
+#: Gradient (∂z/∂x, ∂z/∂y) of a height over the transverse plane. Like `SymmetricTensor` plain
+#: numbers rather than an array: a batch of designs then runs in one fused loop without a copy.
+Slope: TypeAlias = tuple[Scalar, Scalar]
 
 
-def _arc_height(thread: Thread, radius: Scalar) -> Scalar:
-    return _arc(thread, radius)[0]
+class SymmetricTensor(NamedTuple):
+    """A symmetric 2×2 tensor, like the second derivatives of a height [1/m]."""
+
+    xx: Scalar
+    xy: Scalar
+    yy: Scalar
 
 
-def _arc_top(thread: Thread) -> Scalar:
-    return thread.profile_radius * jnp.cos(thread.flank_angle)
+class Flanks(eqx.Module):
+    """The numbers by which the flanks of one stage are described."""
+
+    #: Slope tan α of screw and nut in the axial section, and of the roller at its nominal radius.
+    slope: Scalar
+    #: Lead of screw and nut over 2π [m/rad].
+    reduced_lead: Scalar
+    #: Lead of the roller over 2π [m/rad].
+    roller_reduced_lead: Scalar
+    centre_distance: Scalar
+    screw_radius: Scalar
+    nut_radius: Scalar
+    #: Radius ρ of the roller's profile arc [m].
+    profile_radius: Scalar
+    #: Distance of the arc's centre from the roller axis, r_R − ρ sin α [m].
+    arc_centre: Scalar
 
 
-def _polar(x: Scalar, y: Scalar) -> tuple[Scalar, Float[Array, "2"], Float[Array, "2"]]:
-    """Radius and the radial and tangential unit vectors of a point."""
-    radius = jnp.hypot(x, y)
-    return radius, jnp.stack([x, y]) / radius, jnp.stack([-y, x]) / radius
+class _Polar(NamedTuple):
+    """A point about an axis: 1/r and the radial unit vector (the tangential one is (−y, x))."""
+
+    inverse_radius: Scalar
+    x: Scalar
+    y: Scalar
 
 
-def _helicoid_slope(point, profile_slope: Scalar, lead: Scalar) -> Float[Array, "2"]:
-    """∇z = f' e + (lead/2π)/r t of a helicoid."""
-    radius, radial, tangential = point
-    return profile_slope * radial + lead / (2 * jnp.pi * radius) * tangential
-
-
-def _helicoid_hessian(
-    point, profile_slope: Scalar, profile_bend: Scalar | float, lead: Scalar
-) -> Float[Array, "2 2"]:
-    """∇∇z = f'' e eᵀ + f'/r t tᵀ − (lead/2π)/r² (e tᵀ + t eᵀ) of a helicoid."""
-    radius, radial, tangential = point
-    mixed = jnp.outer(radial, tangential)
-    return (
-        profile_bend * jnp.outer(radial, radial)
-        + profile_slope / radius * jnp.outer(tangential, tangential)
-        - lead / (2 * jnp.pi * radius**2) * (mixed + mixed.T)
-    )
-
-
-def screw_side_slopes(
-    thread: Thread, x: Scalar, y: Scalar
-) -> tuple[Float[Array, "2"], Float[Array, "2"]]:
-    """Gradients of the loaded screw and roller flanks over the point (x, y).
-
-    They are equal where the flanks touch: common normal.
+def flanks_of(thread: Thread) -> Flanks:
+    """The flanks of a thread geometry.
 
     **Arguments:**
 
     - `thread`: the thread geometry.
-    - `x`, `y`: transverse coordinates about the screw axis, roller axis at (a, 0) [m].
     """
-    screw = _polar(x, y)
-    roller = _polar(x - thread.centre_distance, y)
-    height, offset = _arc(thread, roller[0])
+    # By a division: XLA's CPU compiler evaluates a tangent, a slow call, again in every loop over a
+    # batch that uses it, but a quotient once.
+    slope = 1 / jnp.tan(thread.contact_angle)
+    reduced_lead = thread.lead / (2 * jnp.pi)
+    profile_radius = thread.roller_profile_radius
+    sine = slope / jnp.sqrt(1 + slope**2)
+    if profile_radius is None:
+        # The arc is centred on the axis.
+        profile_radius, arc_centre = thread.roller_radius / sine, jnp.zeros_like(sine)
+    else:
+        arc_centre = thread.roller_radius - profile_radius * sine
+    return Flanks(
+        slope=slope,
+        reduced_lead=reduced_lead,
+        roller_reduced_lead=reduced_lead / thread.starts,
+        centre_distance=thread.centre_distance,
+        screw_radius=thread.screw_radius,
+        nut_radius=thread.nut_radius,
+        profile_radius=profile_radius,
+        arc_centre=arc_centre,
+    )
+
+
+def _arc(flanks: Flanks, radius: Scalar) -> tuple[Scalar, Scalar]:
+    """Height √(ρ² − d²) of the roller's profile arc and its offset d from the arc's centre [m].
+
+    Beyond the end of the arc (|d| > ρ) there is no flank; there the height is that of the
+    shallowest arc that still rises.
+    """
+    offset = radius - flanks.arc_centre
+    # A hundredth of ρ above its end the arc is already steeper than any thread flank.
+    floor = 1e-4 * flanks.profile_radius**2
+    return jnp.sqrt(jnp.maximum(flanks.profile_radius**2 - offset**2, floor)), offset
+
+
+def _depth(flanks: Flanks, radius: Scalar) -> Scalar:
+    """Depth of the roller's profile below its height at the nominal radius [m]."""
+    # √(ρ² − d²) = ρ cos α there.
+    nominal = flanks.profile_radius / jnp.sqrt(1 + flanks.slope**2)
+    return nominal - _arc(flanks, radius)[0]
+
+
+def _polar(x: Scalar, y: Scalar) -> tuple[Scalar, _Polar]:
+    """Distance from an axis, and the point about it."""
+    radius = jnp.sqrt(x**2 + y**2)
+    inverse = 1 / radius
+    return radius, _Polar(inverse, x * inverse, y * inverse)
+
+
+def helicoid_slope(profile_slope: Scalar, reduced_lead: Scalar, x: Scalar, y: Scalar) -> Slope:
+    """∇z = f' e + (lead/2π)/r t of a helicoid over the point (x, y).
+
+    **Arguments:**
+
+    - `profile_slope`: slope f' of the profile in the axial section at that point.
+    - `reduced_lead`: lead over 2π [m/rad].
+    - `x`, `y`: transverse coordinates about the helicoid's axis [m].
+    """
+    _, point = _polar(x, y)
+    turning = reduced_lead * point.inverse_radius
     return (
-        _helicoid_slope(screw, jnp.tan(thread.flank_angle), thread.lead),
-        _helicoid_slope(roller, -offset / height, thread.pitch),
+        profile_slope * point.x - turning * point.y,
+        profile_slope * point.y + turning * point.x,
     )
 
 
-def screw_side_hessian(thread: Thread, x: Scalar, y: Scalar) -> Float[Array, "2 2"]:
+def _helicoid_hessian(
+    point: _Polar, profile_slope: Scalar, profile_bend: Scalar | float, reduced_lead: Scalar
+) -> SymmetricTensor:
+    """∇∇z = f'' e eᵀ + f'/r t tᵀ − (lead/2π)/r² (e tᵀ + t eᵀ) of a helicoid."""
+    along, mixed, across = point.x**2, point.x * point.y, point.y**2
+    turn = profile_slope * point.inverse_radius
+    shear = reduced_lead * point.inverse_radius**2
+    return SymmetricTensor(
+        profile_bend * along + turn * across + 2 * shear * mixed,
+        (profile_bend - turn) * mixed - shear * (along - across),
+        profile_bend * across + turn * along - 2 * shear * mixed,
+    )
+
+
+def _hessians(
+    flanks: Flanks, x: Scalar, y: Scalar, roller_reduced_lead: Scalar
+) -> tuple[SymmetricTensor, SymmetricTensor]:
+    """Hessians of the straight flank, and of the roller's counted in depths."""
+    _, straight = _polar(x, y)
+    radius, roller = _polar(x - flanks.centre_distance, y)
+    height, offset = _arc(flanks, radius)
+    # f = √(ρ² − d²): −f' = d/f, −f'' = ρ²/f³.
+    inverse = 1 / height
+    bend = flanks.profile_radius**2 * inverse**3
+    return (
+        _helicoid_hessian(straight, flanks.slope, 0.0, flanks.reduced_lead),
+        _helicoid_hessian(roller, offset * inverse, bend, roller_reduced_lead),
+    )
+
+
+def screw_side_hessian(flanks: Flanks, x: Scalar, y: Scalar) -> SymmetricTensor:
     """Hessian of `screw_side_gap` over the transverse plane [1/m]."""
-    screw = _polar(x, y)
-    roller = _polar(x - thread.centre_distance, y)
-    height, offset = _arc(thread, roller[0])
-    # f = √(ρ² − d²): f' = −d/f, f'' = −ρ²/f³.
-    bend = -(thread.profile_radius**2) / height**3
-    return _helicoid_hessian(
-        screw, jnp.tan(thread.flank_angle), 0.0, thread.lead
-    ) - _helicoid_hessian(roller, -offset / height, bend, thread.pitch)
+    screw, depth = _hessians(flanks, x, y, -flanks.roller_reduced_lead)
+    return SymmetricTensor(screw.xx + depth.xx, screw.xy + depth.xy, screw.yy + depth.yy)
 
 
-def nut_side_hessian(thread: Thread, x: Scalar, y: Scalar) -> Float[Array, "2 2"]:
+def nut_side_hessian(flanks: Flanks, x: Scalar, y: Scalar) -> SymmetricTensor:
     """Hessian of `nut_side_gap` over the transverse plane [1/m]."""
-    nut = _polar(x, y)
-    roller = _polar(x - thread.centre_distance, y)
-    height, offset = _arc(thread, roller[0])
-    bend = thread.profile_radius**2 / height**3
-    return _helicoid_hessian(roller, offset / height, bend, thread.pitch) - _helicoid_hessian(
-        nut, jnp.tan(thread.flank_angle), 0.0, thread.lead
-    )
+    nut, roller = _hessians(flanks, x, y, flanks.roller_reduced_lead)
+    return SymmetricTensor(roller.xx - nut.xx, roller.xy - nut.xy, roller.yy - nut.yy)
 
 
-def screw_side_heights(thread: Thread, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
+def screw_side_heights(flanks: Flanks, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
     """Axial heights of the loaded screw and roller flanks over the point (x, y) [m].
 
     Both are zero at the nominal point (r_s, 0) when both teeth are half a pitch thick; the screw's
@@ -111,21 +176,19 @@ def screw_side_heights(thread: Thread, x: Scalar, y: Scalar) -> tuple[Scalar, Sc
 
     **Arguments:**
 
-    - `thread`: the thread geometry.
+    - `flanks`: of the stage.
     - `x`, `y`: transverse coordinates about the screw axis, roller axis at (a, 0) [m].
     """
-    centre = thread.centre_distance
-    screw_radius = jnp.hypot(x, y)
-    roller_radius = jnp.hypot(x - centre, y)
-    screw_turn, roller_turn = jnp.arctan2(y, x), -jnp.arctan2(y, centre - x)
-    screw = jnp.tan(thread.flank_angle) * (screw_radius - thread.screw_radius)
-    screw = screw + thread.lead / (2 * jnp.pi) * screw_turn
-    roller = _arc_height(thread, roller_radius) - _arc_top(thread)
-    roller = roller + thread.pitch / (2 * jnp.pi) * roller_turn
-    return screw, roller
+    from_roller = flanks.centre_distance - x
+    screw_radius = jnp.sqrt(x**2 + y**2)
+    roller_radius = jnp.sqrt(from_roller**2 + y**2)
+    screw = flanks.slope * (screw_radius - flanks.screw_radius)
+    screw = screw + flanks.reduced_lead * jnp.arctan2(y, x)
+    roller = -_depth(flanks, roller_radius)
+    return screw, roller - flanks.roller_reduced_lead * jnp.arctan2(y, from_roller)
 
 
-def screw_side_gap(thread: Thread, x: Scalar, y: Scalar) -> Scalar:
+def screw_side_gap(flanks: Flanks, x: Scalar, y: Scalar) -> Scalar:
     """Axial gap between the loaded screw and roller flanks over the point (x, y) [m].
 
     Zero at the nominal point (r_s, 0) when both teeth are half a pitch thick; negative is
@@ -133,38 +196,37 @@ def screw_side_gap(thread: Thread, x: Scalar, y: Scalar) -> Scalar:
 
     **Arguments:**
 
-    - `thread`: the thread geometry.
+    - `flanks`: of the stage.
     - `x`, `y`: transverse coordinates about the screw axis, roller axis at (a, 0) [m].
     """
-    screw, roller = screw_side_heights(thread, x, y)
+    screw, roller = screw_side_heights(flanks, x, y)
     return screw - roller
 
 
-def nut_side_heights(thread: Thread, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
+def nut_side_heights(flanks: Flanks, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
     """Axial heights of the loaded roller and nut flanks over the point (x, y); roller above [m].
 
     **Arguments:**
 
-    - `thread`: the thread geometry.
+    - `flanks`: of the stage.
     - `x`, `y`: transverse coordinates about the nut (and screw) axis, roller axis at (a, 0) [m].
     """
-    centre = thread.centre_distance
-    nut_radius = jnp.hypot(x, y)
-    roller_radius = jnp.hypot(x - centre, y)
-    nut = jnp.tan(thread.flank_angle) * (nut_radius - thread.nut_radius)
-    nut = nut + thread.lead / (2 * jnp.pi) * jnp.arctan2(y, x)
-    roller = _arc_top(thread) - _arc_height(thread, roller_radius)
-    roller = roller + thread.pitch / (2 * jnp.pi) * jnp.arctan2(y, x - centre)
-    return roller, nut
+    from_roller = x - flanks.centre_distance
+    nut_radius = jnp.sqrt(x**2 + y**2)
+    roller_radius = jnp.sqrt(from_roller**2 + y**2)
+    nut = flanks.slope * (nut_radius - flanks.nut_radius)
+    nut = nut + flanks.reduced_lead * jnp.arctan2(y, x)
+    roller = _depth(flanks, roller_radius)
+    return roller + flanks.roller_reduced_lead * jnp.arctan2(y, from_roller), nut
 
 
-def nut_side_gap(thread: Thread, x: Scalar, y: Scalar) -> Scalar:
+def nut_side_gap(flanks: Flanks, x: Scalar, y: Scalar) -> Scalar:
     """Axial gap between the loaded roller and nut flanks over the point (x, y) [m].
 
     **Arguments:**
 
-    - `thread`: the thread geometry.
+    - `flanks`: of the stage.
     - `x`, `y`: transverse coordinates about the nut (and screw) axis, roller axis at (a, 0) [m].
     """
-    roller, nut = nut_side_heights(thread, x, y)
+    roller, nut = nut_side_heights(flanks, x, y)
     return roller - nut

@@ -1,17 +1,24 @@
 """Where the threads touch: the points of common normal between roller, screw and nut."""
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from .._physics import physics
-from .._root import find_root
+from .._root import find_root_of
 from ..mechanism import Scalar, Thread
 from ._curvature import RelativeCurvature, relative_curvature
-from ._flanks import nut_side_hessian, screw_side_gap, screw_side_hessian, screw_side_slopes
+from ._flanks import (
+    Flanks,
+    Slope,
+    flanks_of,
+    helicoid_slope,
+    nut_side_hessian,
+    screw_side_gap,
+    screw_side_hessian,
+)
 
-#: Newton steps allowed; from the starting values below four are enough over the whole range.
+#: Newton steps allowed; from the starting value below three are enough over the whole range.
 _MAXIMUM_STEPS = 32
 
 
@@ -45,91 +52,144 @@ class Meshing(eqx.Module):
     converged: Bool[Array, ""]
 
 
-def starting_angles(thread: Thread) -> tuple[Scalar, Scalar]:
-    """Small-angle estimate of the contact positions on screw and roller (magnitudes) [rad].
+class _Triangle(eqx.Module):
+    """Screw axis, roller axis and contact point, for a given slope s of the roller's profile."""
 
-    φ_s ≈ (tan λ_s + tan λ_R) / (tan α (1 + r_s/r_R)), φ_R = φ_s r_s/r_R; one to two per cent high.
+    roller_radius: Scalar
+    screw_radius: Scalar
+    #: 1/|∇z|² by the roller's flank.
+    flatness: Scalar
+
+
+def starting_slope(flanks: Flanks) -> Scalar:
+    """Slope of the roller's profile at the contact, to second order in the helix angles.
+
+    Both flanks are equally steep, `s² + tan²λ_R = tan²α + tan²λ_s`, at the nominal radii.
     """
-    helix_slopes = jnp.tan(thread.screw_helix_angle) + jnp.tan(thread.roller_helix_angle)
-    ratio = thread.screw_radius / thread.roller_radius
-    screw_angle = helix_slopes / (jnp.tan(thread.flank_angle) * (1 + ratio))
-    return screw_angle, screw_angle * ratio
+    screw_helix = flanks.reduced_lead / flanks.screw_radius
+    roller_helix = flanks.reduced_lead / flanks.nut_radius
+    return jnp.sqrt(flanks.slope**2 + screw_helix**2 - roller_helix**2)
 
 
-def _slope_difference(unknown: Float[Array, "2"], thread: Thread) -> Float[Array, "2"]:
-    x, y = unknown * thread.centre_distance
-    screw, roller = screw_side_slopes(thread, x, y)
-    return screw - roller
+def _triangle(flanks: Flanks, slope: Scalar) -> tuple[_Triangle, Scalar, Scalar]:
+    """The triangle of the axes and the contact; the residual in s, and its derivative.
+
+    The arc has the slope s at the roller radius `r = r_R + ρ (s/√(1 + s²) − sin α)`. Where both
+    gradients are one vector, the angle T between the radii of screw and roller has
+    `cos T = (s tan α − h h_R/(r r_s'))/|∇z|²` with the reduced leads h and h_R, so that the law of
+    cosines is a quadratic equation for the screw radius r_s'. What remains is that both flanks are
+    equally steep, `s² + (h_R/r)² = tan²α + (h/r_s')²`.
+    """
+    distance, steep = flanks.centre_distance, flanks.slope
+    cosine = 1 / jnp.sqrt(1 + slope**2)
+    roller = flanks.arc_centre + flanks.profile_radius * slope * cosine
+    roller_moves = flanks.profile_radius * cosine**3
+    roller_helix = flanks.roller_reduced_lead / roller
+    flatness = 1 / (slope**2 + roller_helix**2)
+    # d(|∇z|²)/ds / 2
+    steepens = slope - roller_helix**2 / roller * roller_moves
+
+    # r_s'² + 2 r_s' half + r² − a² − twist = 0
+    half = roller * steep * slope * flatness
+    twist = 2 * flanks.reduced_lead * flanks.roller_reduced_lead * flatness
+    # Beyond the screw axis there is no triangle; a search that strays there stays finite.
+    square = half**2 + (distance - roller) * (distance + roller) + twist
+    root = jnp.sqrt(jnp.maximum(square, 1e-4 * distance**2))
+    screw = root - half
+    relative = -2 * steepens * flatness
+    half_moves = half * relative + steep * flatness * (roller + slope * roller_moves)
+    screw_moves = (twist * relative / 2 - screw * half_moves - roller * roller_moves) / root
+
+    screw_helix = flanks.reduced_lead / screw
+    residual = slope**2 - steep**2 + (roller_helix - screw_helix) * (roller_helix + screw_helix)
+    derivative = 2 * (steepens + screw_helix**2 / screw * screw_moves)
+    return _Triangle(roller, screw, flatness), residual, derivative
 
 
-def _solve(thread: Thread) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
-    """Common-normal point (x, y) of the screw side, by Newton with implicit derivatives."""
-    centre = thread.centre_distance
-    # The unknowns are in units of the centre distance, so that one tolerance fits every size.
-    # A roller profile radius off the axis changes the arc's curvature but not its slope at the
-    # nominal radius, so the same estimate serves as a start.
-    angle, _ = starting_angles(thread)
-    start = jnp.stack([thread.screw_radius * jnp.cos(angle), -thread.screw_radius * jnp.sin(angle)])
-    unknown, found = find_root(
-        lambda unknown: _slope_difference(unknown, thread),
-        start / centre,
-        tolerance=1e-12 if centre.dtype == jnp.float64 else 1e-5,
-        max_steps=_MAXIMUM_STEPS,
-    )
-    return unknown * centre, found
+def _steepness(flanks: Flanks, slope: Scalar) -> tuple[Scalar, Scalar]:
+    """By how much the roller is steeper than the screw, squared, and the derivative in s."""
+    _, residual, derivative = _triangle(flanks, slope)
+    return residual, derivative
 
 
-def _unit_normal(slope: Float[Array, "2"], sign: float) -> Float[Array, "3"]:
+def contact_point(flanks: Flanks, slope: Scalar) -> tuple[Scalar, Scalar]:
+    """Where the roller's profile has the slope s and both gradients the same direction.
+
+    **Arguments:**
+
+    - `flanks`: of the stage.
+    - `slope`: slope s of the roller's profile; the root of the equal steepness makes it a contact.
+
+    **Returns:** (x, y) about the screw axis, roller axis at (a, 0) [m].
+    """
+    triangle, _, _ = _triangle(flanks, slope)
+    distance = flanks.centre_distance
+    roller, screw = triangle.roller_radius, triangle.screw_radius
+    # sin T = (tan α tan λ_R + s tan λ_s)/|∇z|², and r_s' r sin T = a |y|.
+    aside = flanks.slope * flanks.roller_reduced_lead * screw + slope * flanks.reduced_lead * roller
+    along = distance + (screw - roller) * (screw + roller) / distance
+    return along / 2, -aside * triangle.flatness / distance
+
+
+def _unit_normal(slope: Slope, sign: float) -> Float[Array, "3"]:
     """Unit vector along ±(∂z/∂x, ∂z/∂y, −1)."""
-    length = jnp.sqrt(1 + jnp.sum(slope**2))
-    return sign * jnp.concatenate([slope, -jnp.ones_like(slope[:1])]) / length
+    x, y = slope
+    scale = sign / jnp.sqrt(1 + x**2 + y**2)
+    return jnp.stack([x * scale, y * scale, -scale])
 
 
 @physics("meshing")
 def mesh(thread: Thread) -> Meshing:
     """Contact points, normals and relative curvatures of one roller with screw and nut.
 
-    On the screw side the flanks touch where the gradient of their axial gap over the transverse
-    plane vanishes: two equations for (x, y), regular down to zero lead. Derivatives go through
-    the root by the implicit function theorem. On the nut side, roller and nut have the same helix
-    angle, so the contact lies on the line of centres at the nominal radii, exactly. Equations:
-    common normal of two helicoids, as in Fu et al. 2017 and Jones and Velinsky 2013, in Cartesian
-    form.
+    On the screw side the flanks touch where their gradients over the transverse plane are equal:
+    same direction and same steepness. The direction is solved in closed form, which leaves one
+    equation for the slope of the roller's profile, regular down to zero lead. Derivatives go
+    through its root by the implicit function theorem. On the nut side, roller and nut have the same
+    helix angle, so the contact lies on the line of centres at the nominal radii, exactly.
+    Equations: common normal of two helicoids, as in Fu et al. 2017 and Jones and Velinsky 2013,
+    with one unknown.
 
     **Arguments:**
 
     - `thread`: the thread geometry.
 
-    **Returns:** a `Meshing`; `converged` is false where no common normal was found (for example
-    a profile arc that ends before the contact).
+    **Returns:** a `Meshing`; `converged` is false where the flanks do not touch in a point (the
+    roller's profile is too flat for so steep a helix); the numbers are finite, not to be used.
     """
-    centre = thread.centre_distance
-    point, converged = _solve(thread)
-    x, y = point[0], point[1]
-    slope, _ = screw_side_slopes(thread, x, y)
+    flanks = flanks_of(thread)
+    distance = flanks.centre_distance
+    start = starting_slope(flanks)
+    profile_slope, found = find_root_of(
+        _steepness,
+        flanks,
+        start,
+        tolerance=1e-12 if distance.dtype == jnp.float64 else 1e-5,
+        max_steps=_MAXIMUM_STEPS,
+    )
+    x, y = contact_point(flanks, jnp.where(found, profile_slope, start))
+    slope = helicoid_slope(flanks.slope, flanks.reduced_lead, x, y)
     screw = ThreadContact(
-        contact_radius=jnp.hypot(x, y),
+        contact_radius=jnp.sqrt(x**2 + y**2),
         contact_angle_position=jnp.arctan2(y, x),
-        roller_contact_radius=jnp.hypot(x - centre, y),
-        roller_angle_position=jnp.arctan2(y, centre - x),
+        roller_contact_radius=jnp.sqrt((distance - x) ** 2 + y**2),
+        roller_angle_position=jnp.arctan2(y, distance - x),
         normal=_unit_normal(slope, 1.0),
-        curvature=relative_curvature(slope, screw_side_hessian(thread, x, y)),
+        curvature=relative_curvature(slope, screw_side_hessian(flanks, x, y)),
     )
 
-    nut_slope = jnp.stack(
-        [jnp.tan(thread.flank_angle), thread.lead / (2 * jnp.pi * thread.nut_radius)]
-    )
-    nut_hessian = nut_side_hessian(thread, thread.nut_radius, jnp.zeros_like(centre))
+    nut_slope = flanks.slope, flanks.reduced_lead / flanks.nut_radius
+    on_line = jnp.zeros_like(distance)
+    nut_hessian = nut_side_hessian(flanks, flanks.nut_radius, on_line)
     nut = ThreadContact(
-        contact_radius=thread.nut_radius,
-        contact_angle_position=jnp.zeros_like(centre),
+        contact_radius=flanks.nut_radius,
+        contact_angle_position=on_line,
         roller_contact_radius=thread.roller_radius,
-        roller_angle_position=jnp.zeros_like(centre),
+        roller_angle_position=on_line,
         normal=_unit_normal(nut_slope, -1.0),
         curvature=relative_curvature(nut_slope, nut_hessian),
     )
-    # XLA's CPU compiler (jaxlib 0.10.2, pass reshape-mover) computes wrong reverse derivatives, by
-    # some per cent, when it optimises the root's derivative together with what uses the contact.
-    return jax.lax.optimization_barrier(
-        Meshing(screw, nut, screw_side_gap(thread, x, y), converged)
-    )
+    # A root beyond the screw axis has no triangle, and where the gap has a saddle flanks intersect.
+    bend = screw.curvature
+    touches = (screw.roller_contact_radius < distance) & (bend.total**2 > bend.difference_squared)
+    return Meshing(screw, nut, screw_side_gap(flanks, x, y), found & touches)

@@ -11,6 +11,7 @@ from jaxtyping import Array, Bool, Float
 from .._physics import physics
 from ..geometry import (
     Meshing,
+    flanks_of,
     nut_side_heights,
     nut_side_hessian,
     screw_side_heights,
@@ -81,26 +82,32 @@ def tangent_plane(thread: Thread, meshing: Meshing, side: Side) -> TangentPlane:
     - `side`: `"screw"` or `"nut"`.
     """
     heights, hessian = _SURFACES[side]
+    flanks = flanks_of(thread)
     contact = getattr(meshing, side)
     x = contact.contact_radius * jnp.cos(contact.contact_angle_position)
     y = contact.contact_radius * jnp.sin(contact.contact_angle_position)
-    slope = -contact.normal[:2] / contact.normal[2]
-    tensor, whitening = tangent_tensor(slope, hessian(thread, x, y))
+    slope_x, slope_y = (
+        -contact.normal[0] / contact.normal[2],
+        -contact.normal[1] / contact.normal[2],
+    )
+    tensor, whitening = tangent_tensor((slope_x, slope_y), hessian(flanks, x, y))
     held = jax.lax.stop_gradient(tensor)
     # Half the angle of the deviator; 0 at a circle, where arctan2 gives it by itself.
-    steep = jnp.arctan2(2 * held[0, 1], held[0, 0] - held[1, 1]) / 2
+    steep = jnp.arctan2(2 * held.xy, held.xx - held.yy) / 2
 
     def direction(angle):
-        flat = whitening @ jnp.stack([jnp.cos(angle), jnp.sin(angle)])
-        return jnp.concatenate([flat, jnp.sum(slope * flat)[None]])
+        cosine, sine = jnp.cos(angle), jnp.sin(angle)
+        flat_x = whitening.xx * cosine + whitening.xy * sine
+        flat_y = whitening.xy * cosine + whitening.yy * sine
+        return jnp.stack([flat_x, flat_y, slope_x * flat_x + slope_y * flat_y])
 
-    upper, lower = heights(thread, x, y)
-    upwards = jnp.concatenate([-slope, jnp.ones_like(slope[:1])])
+    upper, lower = heights(flanks, x, y)
+    upwards = jnp.stack([-slope_x, -slope_y, jnp.ones_like(slope_x)])
     return TangentPlane(
         origin=jnp.stack([x, y, (upper + lower) / 2]),
         major=direction(steep - jnp.pi / 2),
         minor=direction(steep),
-        normal=upwards / jnp.sqrt(1 + jnp.sum(slope**2)),
+        normal=upwards / jnp.sqrt(1 + slope_x**2 + slope_y**2),
     )
 
 
@@ -160,13 +167,14 @@ def flank_gap(thread: Thread, plane: TangentPlane, side: Side, grid: Grid) -> Fl
     - `grid`: x along the plane's major and y along its minor direction.
     """
     heights, _ = _SURFACES[side]
+    flanks = flanks_of(thread)
     # Distances on the flank over distances of radii.
     stretch = 1 / jnp.cos(thread.flank_angle)
 
     def at(x, y):
         foot = plane.origin + x * plane.major + y * plane.minor
         upper, lower = (
-            _height_along_normal(lambda u, v, i=i: heights(thread, u, v)[i], plane, foot)
+            _height_along_normal(lambda u, v, i=i: heights(flanks, u, v)[i], plane, foot)
             for i in (0, 1)
         )
         body, roller = _crests(thread, side, foot[0], foot[1])

@@ -61,11 +61,11 @@ def test_gear_assembly(teeth, count, severity):
 
 
 def test_meshing():
-    """A profile radius far below r_R / sin α ends its arc before the flanks become parallel."""
-    short = thread(lead=40e-3, roller_profile_radius=2.9e-3)
-    found = _findings(stage(geometry=short))["meshing"]
+    """A profile far flatter than r_R / sin α never gets as steep as the screw's helix asks."""
+    flat = thread(lead=100e-3, roller_profile_radius=0.2)
+    found = _findings(stage(geometry=flat))["meshing"]
     assert found.severity == "error"
-    assert found.value == pytest.approx(2.9e-3)
+    assert found.value == pytest.approx(0.2)
 
 
 def test_contact_on_flank():

@@ -11,7 +11,9 @@ from scenes import array, mesh, stage, thread
 
 import prsm_jax as prsm
 from prsm_jax.dynamics import slip_velocity, stage_kinematics
-from prsm_jax.geometry._flanks import nut_side_gap
+from prsm_jax.geometry import flanks_of
+from prsm_jax.geometry._flanks import nut_side_gap, screw_side_gap
+from prsm_jax.geometry._meshing import _steepness, starting_slope
 from prsm_jax.mechanism import DESIGN_VARIABLES
 
 _kinematics = eqx.filter_jit(stage_kinematics)
@@ -73,7 +75,7 @@ def _two_angles(geometry):
 
 @given(DESIGNS)
 def test_two_angle_form(geometry):
-    """The package solves for (x, y); the two-angle form gives the same contact.
+    """The package solves for the slope of the profile; the two-angle form gives the same contact.
 
     Tolerance: SciPy's residual of 1e-12 on angles that the sine rule divides by each other.
     """
@@ -85,6 +87,49 @@ def test_two_angle_form(geometry):
     assert found.roller_contact_radius == pytest.approx(roller, rel=1e-10)
     assert -found.contact_angle_position == pytest.approx(screw_angle, rel=1e-9)
     assert -found.roller_angle_position == pytest.approx(roller_angle, rel=1e-9)
+
+
+@jax.jit
+def _steepest_difference(geometry):
+    """Gradient of the gap at the contact found, by differentiation of the heights themselves."""
+    flanks, contact = flanks_of(geometry), mesh(geometry).screw
+    turn = contact.contact_angle_position
+    point = contact.contact_radius * jnp.stack([jnp.cos(turn), jnp.sin(turn)])
+    return jnp.max(jnp.abs(jax.grad(lambda p: screw_side_gap(flanks, p[0], p[1]))(point)))
+
+
+@given(DESIGNS, st.floats(-1.0, 2.0), st.floats(0.0, 1.3))
+def test_what_meshes_touches_however_flat_the_profile_or_steep_the_helix(geometry, flat, steep):
+    """Profile radii from a tenth to a hundred times r_R / sin α, leads up to twenty times as large.
+
+    Where the search says that it found a contact the gap has no slope; where it did not, its
+    numbers are finite all the same.
+    """
+    centred = geometry.roller_radius / jnp.sin(geometry.flank_angle)
+    extreme = eqx.tree_at(
+        lambda t: (t.roller_profile_radius, t.lead),
+        geometry,
+        (centred * 10**flat, geometry.lead * 10**steep),
+    )
+    found = mesh(extreme)
+    assert all(np.all(np.isfinite(leaf)) for leaf in jax.tree.leaves(found))
+    if found.converged:
+        # Slopes are of order one to ten and contacts of order of the centre distance.
+        assert _steepest_difference(extreme) < 1e-10
+
+
+@given(DESIGNS, st.floats(0.5, 2.0))
+def test_derivative_of_the_steepness(geometry, factor):
+    """The derivative by hand that Newton uses is that of the residual."""
+    flanks = flanks_of(geometry)
+    slope = starting_slope(flanks) * factor
+    (_, by_hand), (differentiated, _) = _steepness_and_change(flanks, slope)
+    assert by_hand == pytest.approx(float(differentiated), rel=1e-11)
+
+
+@jax.jit
+def _steepness_and_change(flanks, slope):
+    return jax.jvp(lambda s: _steepness(flanks, s), (slope,), (jnp.ones_like(slope),))
 
 
 @given(DESIGNS)
@@ -121,7 +166,7 @@ def test_slip_would_not_be_tangential_with_the_angles_mirrored():
 @eqx.filter_jit
 def _nut_slope(geometry):
     point = jnp.stack([geometry.nut_radius, jnp.zeros_like(geometry.nut_radius)])
-    return jax.grad(lambda p: nut_side_gap(geometry, p[0], p[1]))(point)
+    return jax.grad(lambda p: nut_side_gap(flanks_of(geometry), p[0], p[1]))(point)
 
 
 @given(DESIGNS)

@@ -274,8 +274,8 @@ def test_losses_that_stop_the_carrier_are_marked_invalid():
 
 
 def test_unmeshed_design_is_marked_invalid():
-    short = thread(lead=40e-3, roller_profile_radius=2.9e-3)
-    steady = steady_state(mechanism(stage(geometry=short)))
+    flat = thread(lead=100e-3, roller_profile_radius=0.2)
+    steady = steady_state(mechanism(stage(geometry=flat)))
     assert not steady.valid
     assert _finite(steady)
 
