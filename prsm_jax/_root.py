@@ -62,20 +62,19 @@ def find_root(
 
     **Returns:** the root (the last iterate where none was found), and whether it was found.
     """
+    # Traced once: what the function closes over becomes the arguments of the root.
+    closed = jax.make_jaxpr(function)(guess)
+    jaxpr = closed.jaxpr
 
-    def search(residual, start):
-        def evaluate(unknown):
-            return jax.jvp(residual, (unknown,), (jnp.ones_like(unknown),))
+    def residual(constants, unknown):
+        (value,) = jax.core.eval_jaxpr(jaxpr, constants, unknown)
+        return value
 
-        return _search(evaluate, start, tolerance, max_steps)
+    def with_derivative(constants, unknown):
+        return jax.jvp(lambda x: residual(constants, x), (unknown,), (jnp.ones_like(unknown),))
 
-    root, found = jax.lax.custom_root(
-        function,
-        jax.lax.stop_gradient(guess),
-        search,
-        lambda linear, right: right / linear(jnp.ones_like(right)),
-        has_aux=True,
-    )
+    start = jax.lax.stop_gradient(guess)
+    root, found = _root(residual, with_derivative, tolerance, max_steps, closed.consts, start)
     return root, found > 0.5
 
 
@@ -99,23 +98,34 @@ def find_root_of(
 
     **Returns:** the root (the last iterate where none was found), and whether it was found.
     """
-    root, found = _root(residual, tolerance, max_steps, arguments, jax.lax.stop_gradient(guess))
+    root, found = _root(
+        lambda arguments, unknown: residual(arguments, unknown)[0],
+        residual,
+        tolerance,
+        max_steps,
+        arguments,
+        jax.lax.stop_gradient(guess),
+    )
     return root, found > 0.5
 
 
-@functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1, 2))
-def _root(residual, tolerance, max_steps, arguments, guess):
-    return _search(lambda unknown: residual(arguments, unknown), guess, tolerance, max_steps)
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1, 2, 3))
+def _root(residual, with_derivative, tolerance, max_steps, arguments, guess):
+    return _search(lambda x: with_derivative(arguments, x), guess, tolerance, max_steps)
 
 
 @functools.partial(_root.defjvp, symbolic_zeros=True)
-def _root_derivative(residual, tolerance, max_steps, primals, tangents):
+def _root_derivative(residual, with_derivative, tolerance, max_steps, primals, tangents):
     arguments, guess = primals
-    root, found = _root(residual, tolerance, max_steps, arguments, guess)
+    root, found = _root(residual, with_derivative, tolerance, max_steps, arguments, guess)
     leaves, structure = jax.tree.flatten(arguments)
     changes = structure.flatten_up_to(tangents[0])
     # Numbers that do not move are not differentiated: half the program where one of eight does.
-    moving = [i for i, change in enumerate(changes) if not isinstance(change, SymbolicZero)]
+    moving = [
+        i
+        for i, (leaf, change) in enumerate(zip(leaves, changes, strict=True))
+        if jnp.issubdtype(leaf.dtype, jnp.inexact) and not isinstance(change, SymbolicZero)
+    ]
     if not moving:
         return (root, found), (jnp.zeros_like(root), jnp.zeros_like(found))
 
@@ -123,7 +133,6 @@ def _root_derivative(residual, tolerance, max_steps, primals, tangents):
         new = dict(zip(moving, moved, strict=True))
         return residual(structure.unflatten([new.get(i, x) for i, x in enumerate(leaves)]), root)
 
-    (_, slope), (change, _) = jax.jvp(
-        at_root, ([leaves[i] for i in moving],), ([changes[i] for i in moving],)
-    )
+    _, slope = with_derivative(arguments, root)
+    _, change = jax.jvp(at_root, ([leaves[i] for i in moving],), ([changes[i] for i in moving],))
     return (root, found), (-change / slope, jnp.zeros_like(found))

@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ._elliptic import associated_elliptic_integrals, complete_elliptic_integrals
+from ._elliptic import associated_elliptic_integrals
 
 Real = Float[Array, "*batch"]
 
@@ -27,13 +27,6 @@ def antoine_log_axis_ratio(log_curvature_ratio: Real) -> Real:
         0.42678878 + square * (4.2605401e-2 + square * (9.0786922e-4 + square * 2.7868927e-6))
     )
     return -2 / 3 * log_curvature_ratio * (numerator / denominator)
-
-
-def _log_curvature_ratio(log_axis_ratio):
-    """log(A/B) as a function of log κ: A/B = κ² D(m)/B(m)."""
-    axis_ratio = jnp.exp(log_axis_ratio)
-    _, integral_b, integral_d = associated_elliptic_integrals(axis_ratio)
-    return 2 * log_axis_ratio + jnp.log(integral_d / integral_b)
 
 
 def _target(anisotropy: Real) -> Real:
@@ -80,6 +73,34 @@ def _ellipse(anisotropy: Real) -> tuple[Real, Real, Real]:
 
 
 @jax.custom_jvp
+def contact_ellipse(anisotropy: Real) -> tuple[Real, Real, Real]:
+    """κ, K(1 − κ²) and E(1 − κ²) of the contact ellipse; see `axis_ratio_of`."""
+    return _ellipse(anisotropy)
+
+
+@contact_ellipse.defjvp
+def _contact_ellipse_jvp(primals, tangents):
+    """By the derivative of the root, not of the step; with x = log κ as the inner unknown."""
+    (anisotropy,), (tangent,) = primals, tangents
+    axis_ratio, first, second = contact_ellipse(anisotropy)
+    logarithm = jnp.log(axis_ratio)
+
+    def integrals(logarithm):
+        _, integral_b, integral_d = associated_elliptic_integrals(jnp.exp(logarithm))
+        return integral_b, integral_d
+
+    (b, d), (moves_b, moves_d) = jax.jvp(integrals, (logarithm,), (jnp.ones_like(logarithm),))
+    # A/B = κ² D/B, and log(A/B) = log((1 − τ)/(1 + τ)).
+    target_slope = -2 / ((1 - anisotropy) * (1 + anisotropy))
+    change = target_slope / (2 + moves_d / d - moves_b / b) * tangent
+    second_moves = moves_b + axis_ratio**2 * (2 * d + moves_d)
+    return (axis_ratio, first, second), (
+        axis_ratio * change,
+        (moves_b + moves_d) * change,
+        second_moves * change,
+    )
+
+
 def axis_ratio_of(anisotropy: Real) -> Real:
     """Axis ratio κ = b/a of the contact ellipse, exact Hertz theory.
 
@@ -92,28 +113,4 @@ def axis_ratio_of(anisotropy: Real) -> Real:
 
     **Returns:** κ in (0, 1].
     """
-    return _ellipse(anisotropy)[0]
-
-
-@axis_ratio_of.defjvp
-def _axis_ratio_jvp(primals, tangents):
-    (anisotropy,), (tangent,) = primals, tangents
-    axis_ratio = axis_ratio_of(anisotropy)
-    log_axis_ratio = jnp.log(axis_ratio)
-    ones = jnp.ones_like(log_axis_ratio)
-    _, slope = jax.jvp(_log_curvature_ratio, (log_axis_ratio,), (ones,))
-    target_slope = -2 / ((1 - anisotropy) * (1 + anisotropy))
-    return axis_ratio, axis_ratio * target_slope / slope * tangent
-
-
-@jax.custom_jvp
-def contact_ellipse(anisotropy: Real) -> tuple[Real, Real, Real]:
-    """κ, K(1 − κ²) and E(1 − κ²) of the contact ellipse; see `axis_ratio_of`."""
-    return _ellipse(anisotropy)
-
-
-@contact_ellipse.defjvp
-def _contact_ellipse_jvp(primals, tangents):
-    axis_ratio, tangent = jax.jvp(axis_ratio_of, primals, tangents)
-    integrals, changes = jax.jvp(complete_elliptic_integrals, (axis_ratio,), (tangent,))
-    return (axis_ratio, *integrals), (tangent, *changes)
+    return contact_ellipse(anisotropy)[0]
