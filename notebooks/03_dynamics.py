@@ -237,7 +237,8 @@ found = minimize(
     lambda x: tuple(np.asarray(v, float) for v in reversed(slopes_and_value(jnp.asarray(x)))),
     np.radians([55.0, 35.0]),
     jac=True,
-    method="BFGS",
+    method="L-BFGS-B",
+    bounds=np.radians([[20.0, 70.0]] * 2),
 )
 _, before = slopes_and_value(jnp.radians(jnp.array([55.0, 35.0])))
 half = np.degrees(np.arctan(0.1)) / 2

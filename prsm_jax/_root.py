@@ -12,6 +12,7 @@ from collections.abc import Callable
 import jax
 import jax.numpy as jnp
 from jax.custom_derivatives import SymbolicZero
+from jax.extend.core import ClosedJaxpr, jaxpr_as_fun
 from jaxtyping import Array, Bool, PyTree
 
 from .mechanism import Scalar
@@ -67,7 +68,7 @@ def find_root(
     jaxpr = closed.jaxpr
 
     def residual(constants, unknown):
-        (value,) = jax.core.eval_jaxpr(jaxpr, constants, unknown)
+        (value,) = jaxpr_as_fun(ClosedJaxpr(jaxpr, constants))(unknown)
         return value
 
     def with_derivative(constants, unknown):

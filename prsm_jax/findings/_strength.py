@@ -8,66 +8,39 @@ import jax.numpy as jnp
 
 from .. import strength
 from .._errors import MissingDataError
-from ..geometry import Finding, mesh
+from ..geometry import Finding
 from ..mechanism import Mechanism, Stage
+from ..quantities import Analysis, dynamic_capacity_of, static_safety_of
 
 #: What catalogues of ball screws ask for against buckling.
 _BUCKLING_SAFETY = 2.0
+#: Preloads that differ by less are the same but for rounding.
+_SAME_PRELOAD = 0.01
 
 
-class _Demand:
-    """A stage, what it lives with, and contacts that several findings share, in one trace."""
-
-    def __init__(self, mechanism: Mechanism, stage: Stage):
-        self.stage = stage
-        self.spectrum = strength.spectrum_of(mechanism)
-        self.speed, self.load = strength.largest_demand(mechanism, self.spectrum)
-
-    @functools.cached_property
-    def meshing(self):
-        return mesh(self.stage.thread)
-
-    @functools.cached_property
-    def contact(self):
-        return strength.reference_contact(self.stage, self.meshing)
-
-
-def _static_safety(demand: _Demand):
-    stage = demand.stage
-    capacity = strength.static_capacity(stage)
-    if stage.strength is not None and stage.strength.static_capacity is None:
-        capacity = strength.static_capacity(stage, demand.meshing, demand.contact)
-    return strength.static_safety(capacity, strength.largest_flank_load(stage, demand.load))
-
-
-def _life(demand: _Demand):
-    stage = demand.stage
-    assert stage.strength is not None
-    if stage.strength.dynamic_capacity is None and stage.strength.material_factor is not None:
-        capacity = strength.dynamic_capacity(stage, demand.meshing, demand.contact)
-    else:
-        capacity = strength.dynamic_capacity(stage)
-    life = strength.rating_life(stage, capacity, demand.spectrum).time
+def _life(analysis: Analysis, index: int, stage: Stage):
+    capacity = dynamic_capacity_of(analysis, index, stage)
+    life = strength.rating_life(stage, capacity, analysis.spectrum).time
     factor = strength.life_factor(stage)
     return life if factor is None else life * factor
 
 
-def _buckling_safety(demand: _Demand):
-    return strength.static_safety(strength.buckling_load(demand.stage), demand.load)
+def _buckling_safety(analysis: Analysis, _: int, stage: Stage):
+    return strength.static_safety(strength.buckling_load(stage), analysis.demand[1])
 
 
-def _speeds(demand: _Demand):
-    stage = demand.stage
+def _speeds(analysis: Analysis, _: int, stage: Stage):
     limits = strength.permissible_speed(stage), strength.critical_speed(stage)
-    return jnp.stack([demand.speed, *limits])
+    return jnp.stack([analysis.demand[0], *limits])
 
 
-def _minimum_amplitude(demand: _Demand):
-    return strength.minimum_oscillation_amplitude(demand.stage, demand.load, contact=demand.contact)
+def _minimum_amplitude(analysis: Analysis, index: int, stage: Stage):
+    contact = analysis.reference_contact(index)
+    return strength.minimum_oscillation_amplitude(stage, analysis.demand[1], contact=contact)
 
 
-def _backlash(demand: _Demand):
-    return strength.backlash(demand.stage, demand.meshing)
+def _backlash(analysis: Analysis, index: int, stage: Stage):
+    return strength.backlash(stage, analysis.kinematics[index].meshing)
 
 
 def _asked_for(stage: Stage) -> dict[str, Callable]:
@@ -77,7 +50,7 @@ def _asked_for(stage: Stage) -> dict[str, Callable]:
     if data is None:
         return asked
     if data.permissible_pressure is not None or data.static_capacity is not None:
-        asked["static_safety"] = _static_safety
+        asked["static_safety"] = static_safety_of
     if data.required_life is not None:
         asked["life"] = _life
     if data.oscillation_amplitude is not None:
@@ -93,12 +66,12 @@ def _asked_for(stage: Stage) -> dict[str, Callable]:
 def _compiled():
     @eqx.filter_jit
     def numbers(mechanism: Mechanism):
-        found = []
-        for stage in mechanism.stages:
-            demand, known = _Demand(mechanism, stage), {}
+        analysis, found = Analysis(mechanism), []
+        for index, stage in enumerate(mechanism.stages):
+            known = {}
             for name, function in _asked_for(stage).items():
                 try:
-                    known[name] = function(demand)
+                    known[name] = function(analysis, index, stage)
                 except MissingDataError:
                     continue
             found.append(known)
@@ -177,6 +150,26 @@ def _check(stage: Stage, known: dict, number: int) -> Iterator[Finding]:
         )
 
 
+def _check_preload(stage: Stage, number: int) -> Iterator[Finding]:
+    """The force that life and safety are reckoned with, and that of the shared load."""
+    play = None if stage.strength is None else stage.strength.play
+    split = None if stage.load_sharing is None else stage.load_sharing.split_nut
+    if play is None or play.preload_force is None or split is None or split.preload is None:
+        return
+    stated, spacer = float(play.preload_force), float(split.preload)
+    if abs(stated - spacer) > _SAME_PRELOAD * max(stated, spacer):
+        yield Finding(
+            "preload",
+            "warning",
+            number,
+            stated,
+            spacer,
+            f"stage.strength.play.preload_force is {stated:.4g} N and "
+            f"stage.load_sharing.split_nut.preload {spacer:.4g} N, which are one force: life and "
+            "static safety rest on the first, thread loads on the second; give both the same",
+        )
+
+
 def _check_speed(
     speed: float, permissible: float, critical: float, number: int
 ) -> Iterator[Finding]:
@@ -201,8 +194,8 @@ def strength_findings(mechanism: Mechanism) -> tuple[Finding, ...]:
 
     `static_safety`: threads are dented. `rating_life`: shorter than asked for. `buckling`,
     `screw_speed`: the screw as a column and as a shaft. `false_brinelling`: it swings too little.
-    `backlash`: there is less than none. Of a stage without strength data, or of what lacks data,
-    nothing is found.
+    `backlash`: there is less than none. `preload`: two numbers for one force. Of a stage without
+    strength data, or of what lacks data, nothing is found.
 
     **Arguments:**
 
@@ -217,4 +210,5 @@ def strength_findings(mechanism: Mechanism) -> tuple[Finding, ...]:
     found = []
     for number, (stage, known) in enumerate(zip(mechanism.stages, numbers, strict=True), start=1):
         found += _check(stage, known, number)
+        found += _check_preload(stage, number)
     return tuple(found)

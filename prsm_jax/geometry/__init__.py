@@ -11,7 +11,7 @@ from ._curvature import (
     tangent_tensor as tangent_tensor,
 )
 from ._flanks import (
-    Flanks as Flanks,
+    FlankGeometry as FlankGeometry,
     flanks_of as flanks_of,
     nut_side_heights as nut_side_heights,
     nut_side_hessian as nut_side_hessian,

@@ -27,7 +27,7 @@ class SymmetricTensor(NamedTuple):
     yy: Scalar
 
 
-class Flanks(eqx.Module):
+class FlankGeometry(eqx.Module):
     """The numbers by which the flanks of one stage are described."""
 
     #: Slope tan α of screw and nut in the axial section, and of the roller at its nominal radius.
@@ -53,7 +53,7 @@ class _Polar(NamedTuple):
     y: Scalar
 
 
-def flanks_of(thread: Thread) -> Flanks:
+def flanks_of(thread: Thread) -> FlankGeometry:
     """The flanks of a thread geometry.
 
     **Arguments:**
@@ -71,7 +71,7 @@ def flanks_of(thread: Thread) -> Flanks:
         profile_radius, arc_centre = thread.roller_radius / sine, jnp.zeros_like(sine)
     else:
         arc_centre = thread.roller_radius - profile_radius * sine
-    return Flanks(
+    return FlankGeometry(
         slope=slope,
         reduced_lead=reduced_lead,
         roller_reduced_lead=reduced_lead / thread.starts,
@@ -83,7 +83,7 @@ def flanks_of(thread: Thread) -> Flanks:
     )
 
 
-def _arc(flanks: Flanks, radius: Scalar) -> tuple[Scalar, Scalar]:
+def _arc(flanks: FlankGeometry, radius: Scalar) -> tuple[Scalar, Scalar]:
     """Height √(ρ² − d²) of the roller's profile arc and its offset d from the arc's centre [m].
 
     Beyond the end of the arc (|d| > ρ) there is no flank; there the height is that of the
@@ -95,7 +95,7 @@ def _arc(flanks: Flanks, radius: Scalar) -> tuple[Scalar, Scalar]:
     return jnp.sqrt(jnp.maximum(flanks.profile_radius**2 - offset**2, floor)), offset
 
 
-def _depth(flanks: Flanks, radius: Scalar) -> Scalar:
+def _depth(flanks: FlankGeometry, radius: Scalar) -> Scalar:
     """Depth of the roller's profile below its height at the nominal radius [m]."""
     # √(ρ² − d²) = ρ cos α there.
     nominal = flanks.profile_radius / jnp.sqrt(1 + flanks.slope**2)
@@ -141,7 +141,7 @@ def _helicoid_hessian(
 
 
 def _hessians(
-    flanks: Flanks, x: Scalar, y: Scalar, roller_reduced_lead: Scalar
+    flanks: FlankGeometry, x: Scalar, y: Scalar, roller_reduced_lead: Scalar
 ) -> tuple[SymmetricTensor, SymmetricTensor]:
     """Hessians of the straight flank, and of the roller's counted in depths."""
     _, straight = _polar(x, y)
@@ -156,19 +156,19 @@ def _hessians(
     )
 
 
-def screw_side_hessian(flanks: Flanks, x: Scalar, y: Scalar) -> SymmetricTensor:
+def screw_side_hessian(flanks: FlankGeometry, x: Scalar, y: Scalar) -> SymmetricTensor:
     """Hessian of `screw_side_gap` over the transverse plane [1/m]."""
     screw, depth = _hessians(flanks, x, y, -flanks.roller_reduced_lead)
     return SymmetricTensor(screw.xx + depth.xx, screw.xy + depth.xy, screw.yy + depth.yy)
 
 
-def nut_side_hessian(flanks: Flanks, x: Scalar, y: Scalar) -> SymmetricTensor:
+def nut_side_hessian(flanks: FlankGeometry, x: Scalar, y: Scalar) -> SymmetricTensor:
     """Hessian of `nut_side_gap` over the transverse plane [1/m]."""
     nut, roller = _hessians(flanks, x, y, flanks.roller_reduced_lead)
     return SymmetricTensor(roller.xx - nut.xx, roller.xy - nut.xy, roller.yy - nut.yy)
 
 
-def screw_side_heights(flanks: Flanks, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
+def screw_side_heights(flanks: FlankGeometry, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
     """Axial heights of the loaded screw and roller flanks over the point (x, y) [m].
 
     Both are zero at the nominal point (r_s, 0) when both teeth are half a pitch thick; the screw's
@@ -188,7 +188,7 @@ def screw_side_heights(flanks: Flanks, x: Scalar, y: Scalar) -> tuple[Scalar, Sc
     return screw, roller - flanks.roller_reduced_lead * jnp.arctan2(y, from_roller)
 
 
-def screw_side_gap(flanks: Flanks, x: Scalar, y: Scalar) -> Scalar:
+def screw_side_gap(flanks: FlankGeometry, x: Scalar, y: Scalar) -> Scalar:
     """Axial gap between the loaded screw and roller flanks over the point (x, y) [m].
 
     Zero at the nominal point (r_s, 0) when both teeth are half a pitch thick; negative is
@@ -203,7 +203,7 @@ def screw_side_gap(flanks: Flanks, x: Scalar, y: Scalar) -> Scalar:
     return screw - roller
 
 
-def nut_side_heights(flanks: Flanks, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
+def nut_side_heights(flanks: FlankGeometry, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
     """Axial heights of the loaded roller and nut flanks over the point (x, y); roller above [m].
 
     **Arguments:**
@@ -220,7 +220,7 @@ def nut_side_heights(flanks: Flanks, x: Scalar, y: Scalar) -> tuple[Scalar, Scal
     return roller + flanks.roller_reduced_lead * jnp.arctan2(y, from_roller), nut
 
 
-def nut_side_gap(flanks: Flanks, x: Scalar, y: Scalar) -> Scalar:
+def nut_side_gap(flanks: FlankGeometry, x: Scalar, y: Scalar) -> Scalar:
     """Axial gap between the loaded roller and nut flanks over the point (x, y) [m].
 
     **Arguments:**

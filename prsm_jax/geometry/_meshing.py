@@ -9,7 +9,7 @@ from .._root import find_root_of
 from ..mechanism import Scalar, Thread
 from ._curvature import RelativeCurvature, relative_curvature
 from ._flanks import (
-    Flanks,
+    FlankGeometry,
     Slope,
     flanks_of,
     helicoid_slope,
@@ -61,7 +61,7 @@ class _Triangle(eqx.Module):
     flatness: Scalar
 
 
-def starting_slope(flanks: Flanks) -> Scalar:
+def starting_slope(flanks: FlankGeometry) -> Scalar:
     """Slope of the roller's profile at the contact, to second order in the helix angles.
 
     Both flanks are equally steep, `s² + tan²λ_R = tan²α + tan²λ_s`, at the nominal radii.
@@ -71,7 +71,7 @@ def starting_slope(flanks: Flanks) -> Scalar:
     return jnp.sqrt(flanks.slope**2 + screw_helix**2 - roller_helix**2)
 
 
-def _triangle(flanks: Flanks, slope: Scalar) -> tuple[_Triangle, Scalar, Scalar]:
+def _triangle(flanks: FlankGeometry, slope: Scalar) -> tuple[_Triangle, Scalar, Scalar]:
     """The triangle of the axes and the contact; the residual in s, and its derivative.
 
     The arc has the slope s at the roller radius `r = r_R + ρ (s/√(1 + s²) − sin α)`. Where both
@@ -106,13 +106,13 @@ def _triangle(flanks: Flanks, slope: Scalar) -> tuple[_Triangle, Scalar, Scalar]
     return _Triangle(roller, screw, flatness), residual, derivative
 
 
-def _steepness(flanks: Flanks, slope: Scalar) -> tuple[Scalar, Scalar]:
+def _steepness(flanks: FlankGeometry, slope: Scalar) -> tuple[Scalar, Scalar]:
     """By how much the roller is steeper than the screw, squared, and the derivative in s."""
     _, residual, derivative = _triangle(flanks, slope)
     return residual, derivative
 
 
-def contact_point(flanks: Flanks, slope: Scalar) -> tuple[Scalar, Scalar]:
+def contact_point(flanks: FlankGeometry, slope: Scalar) -> tuple[Scalar, Scalar]:
     """Where the roller's profile has the slope s and both gradients the same direction.
 
     **Arguments:**
@@ -192,4 +192,5 @@ def mesh(thread: Thread) -> Meshing:
     # A root beyond the screw axis has no triangle, and where the gap has a saddle flanks intersect.
     bend = screw.curvature
     touches = (screw.roller_contact_radius < distance) & (bend.total**2 > bend.difference_squared)
-    return Meshing(screw, nut, screw_side_gap(flanks, x, y), found & touches)
+    possible = (flanks.slope > 0) & (bend.total > 0)
+    return Meshing(screw, nut, screw_side_gap(flanks, x, y), found & touches & possible)

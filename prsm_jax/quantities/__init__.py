@@ -25,3 +25,7 @@ from ._catalogue import (
     find_quantity as find_quantity,
     quantity as quantity,
 )
+from ._strength import (
+    dynamic_capacity_of as dynamic_capacity_of,
+    static_safety_of as static_safety_of,
+)

@@ -58,6 +58,7 @@ class Analysis:
         self._speed, self._load = speed, load
         self._flags: list[Bool[Array, ""]] = []
         self._distributions: dict[int, LoadDistribution] = {}
+        self._reference_contacts: dict[int, StageContact] = {}
 
     def require(self, flag: Bool[Array, ""]) -> None:
         """Let a quantity say, in a trace, whether the numbers it rests on can be used."""
@@ -145,13 +146,12 @@ class Analysis:
             for index, stage in enumerate(self.mechanism.stages)
         )
 
-    @cached_property
-    def reference_contacts(self) -> tuple[StageContact, ...]:
-        """Hertz contacts of every stage under the load that capacities are scaled from."""
-        return tuple(
-            reference_contact(stage, self.meshing(index))
-            for index, stage in enumerate(self.mechanism.stages)
-        )
+    def reference_contact(self, index: int) -> StageContact:
+        """Hertz contacts of a stage (from 0) under the load that capacities are scaled from."""
+        if index not in self._reference_contacts:
+            stage = self.mechanism.stages[index]
+            self._reference_contacts[index] = reference_contact(stage, self.meshing(index))
+        return self._reference_contacts[index]
 
     def meshing(self, index: int) -> Meshing | None:
         """Meshing of a stage, where its curvatures come from it."""

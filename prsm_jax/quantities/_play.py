@@ -46,7 +46,7 @@ def lost_motion(analysis: Analysis):
             stage,
             analysis.load,
             analysis.kinematics[index].meshing if thinned else None,
-            analysis.reference_contacts[index],
+            analysis.reference_contact(index),
         )
 
     return per_stage(analysis, of)
@@ -75,9 +75,7 @@ def preload_opening_load(analysis: Analysis):
 def preloaded_stiffness(analysis: Analysis):
     def of(index: int, stage: Stage) -> Scalar:
         strength.preload_force(stage)
-        return strength.preloaded_stiffness(
-            stage, analysis.load, analysis.reference_contacts[index]
-        )
+        return strength.preloaded_stiffness(stage, analysis.load, analysis.reference_contact(index))
 
     return per_stage(analysis, of)
 

@@ -162,6 +162,6 @@ def minimum_oscillation_amplitude(analysis: Analysis):
     return per_stage(
         analysis,
         lambda i, stage: strength.minimum_oscillation_amplitude(
-            stage, analysis.load, contact=analysis.reference_contacts[i]
+            stage, analysis.load, contact=analysis.reference_contact(i)
         ),
     )

@@ -52,14 +52,14 @@ def _fatigue_factor(analysis: Analysis, index: int) -> Scalar | float:
     return jnp.max(jnp.stack(factors)) if factors else 1.0
 
 
-def _static_capacity(analysis: Analysis, index: int, stage: Stage) -> Scalar:
+def _static_capacity_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     # What is given needs no contacts.
     if stage.strength is None or stage.strength.static_capacity is not None:
         return strength.static_capacity(stage)
     return strength.static_capacity(
         stage,
         analysis.meshing(index),
-        analysis.reference_contacts[index],
+        analysis.reference_contact(index),
         _sharing_factor(analysis, index),
     )
 
@@ -72,7 +72,13 @@ def _static_capacity(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     ("stage",),
 )
 def static_capacity(analysis: Analysis):
-    return per_stage(analysis, lambda i, stage: _static_capacity(analysis, i, stage))
+    return per_stage(analysis, lambda i, stage: _static_capacity_of(analysis, i, stage))
+
+
+def static_safety_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
+    return strength.static_safety(
+        _static_capacity_of(analysis, index, stage), _on_one_flank(analysis, stage)
+    )
 
 
 @quantity(
@@ -83,14 +89,7 @@ def static_capacity(analysis: Analysis):
     "stages; ∞ without load",
 )
 def static_safety(analysis: Analysis):
-    return jnp.min(
-        per_stage(
-            analysis,
-            lambda i, stage: strength.static_safety(
-                _static_capacity(analysis, i, stage), _on_one_flank(analysis, stage)
-            ),
-        )
-    )
+    return jnp.min(per_stage(analysis, lambda i, stage: static_safety_of(analysis, i, stage)))
 
 
 @quantity(
@@ -122,7 +121,7 @@ def dynamic_capacity_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     return strength.dynamic_capacity(
         stage,
         analysis.meshing(index),
-        analysis.reference_contacts[index],
+        analysis.reference_contact(index),
         _fatigue_factor(analysis, index),
     )
 
@@ -139,16 +138,46 @@ def dynamic_capacity(analysis: Analysis):
     return per_stage(analysis, lambda i, stage: dynamic_capacity_of(analysis, i, stage))
 
 
-@quantity(
-    "buckling_load",
-    "F_k",
-    "N",
-    "axial load at which the screw buckles (Euler; Johnson where short and its yield strength is "
-    "given)",
-    ("stage",),
+#: Name, symbol, unit and description of what the screw alone decides.
+_OF_THE_SCREW = (
+    (
+        "buckling_load",
+        "F_k",
+        "N",
+        "axial load at which the screw buckles (Euler; Johnson where short and its yield strength "
+        "is given)",
+        strength.buckling_load,
+    ),
+    (
+        "slenderness_ratio",
+        "λ_k",
+        "1",
+        "effective length of the screw over its radius of gyration at the thread's root",
+        strength.slenderness_ratio,
+    ),
+    (
+        "critical_speed",
+        "Ω_k",
+        "rad/s",
+        "screw speed at its first bending frequency, where it whirls, the nut at its worst place",
+        strength.critical_speed,
+    ),
+    (
+        "permissible_speed",
+        "Ω_perm",
+        "rad/s",
+        "permissible share of the critical speed, or the speed of the DN limit if that is lower",
+        strength.permissible_speed,
+    ),
 )
-def buckling_load(analysis: Analysis):
-    return per_stage(analysis, lambda _, stage: strength.buckling_load(stage))
+
+
+def _of_every_stage(function: Callable[[Stage], Scalar]):
+    return lambda analysis: per_stage(analysis, lambda _, stage: function(stage))
+
+
+for _name, _symbol, _unit, _description, _function in _OF_THE_SCREW:
+    quantity(_name, _symbol, _unit, _description, ("stage",))(_of_every_stage(_function))
 
 
 @quantity(
@@ -160,39 +189,6 @@ def buckling_load(analysis: Analysis):
 def buckling_safety(analysis: Analysis):
     loads = per_stage(analysis, lambda _, stage: strength.buckling_load(stage))
     return strength.static_safety(jnp.min(loads), analysis.demand[1])
-
-
-@quantity(
-    "slenderness_ratio",
-    "λ_k",
-    "1",
-    "effective length of the screw over its radius of gyration at the thread's root",
-    ("stage",),
-)
-def slenderness_ratio(analysis: Analysis):
-    return per_stage(analysis, lambda _, stage: strength.slenderness_ratio(stage))
-
-
-@quantity(
-    "critical_speed",
-    "Ω_k",
-    "rad/s",
-    "screw speed at its first bending frequency, where it whirls, the nut at its worst place",
-    ("stage",),
-)
-def critical_speed(analysis: Analysis):
-    return per_stage(analysis, lambda _, stage: strength.critical_speed(stage))
-
-
-@quantity(
-    "permissible_speed",
-    "Ω_perm",
-    "rad/s",
-    "permissible share of the critical speed, or the speed of the DN limit if that is lower",
-    ("stage",),
-)
-def permissible_speed(analysis: Analysis):
-    return per_stage(analysis, lambda _, stage: strength.permissible_speed(stage))
 
 
 @quantity(

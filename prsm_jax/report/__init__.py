@@ -14,6 +14,7 @@ from ._frequency_chart import frequency_chart as frequency_chart
 from ._frequency_loci_chart import frequency_loci_chart as frequency_loci_chart
 from ._history_chart import history_chart as history_chart
 from ._life_chart import life_chart as life_chart
+from ._line_contact_chart import line_contact_chart as line_contact_chart
 from ._loss_chart import loss_chart as loss_chart
 from ._mode_animation import (
     save_mode_animation as save_mode_animation,

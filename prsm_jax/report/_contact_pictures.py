@@ -4,11 +4,12 @@ from pathlib import Path
 
 import equinox as eqx
 
-from ..contact import load_of, thread_contacts
-from ..halfspace import FlankContact, flank_contact
+from ..contact import contact_modulus, line_contact, load_of, thread_contacts
+from ..halfspace import FlankContact, flank_contact, ring_contact
 from ..mechanism import CoulombFriction, Mechanism, Stage, material_of
 from ._contact_ellipses import contact_ellipses
 from ._force_deflection_chart import force_deflection_chart
+from ._line_contact_chart import line_contact_chart
 from ._pressure_map import pressure_map, pressure_profiles
 from ._shared_loads import shared_loads
 from ._style import Figure, save_figure
@@ -20,6 +21,7 @@ _SIDES = ("screw", "nut")
 _USUAL_FRICTION = 0.1
 
 _flank_contact = eqx.filter_jit(flank_contact)
+_line, _ring_contact = eqx.filter_jit(line_contact), eqx.filter_jit(ring_contact)
 _thread_contacts = eqx.filter_jit(thread_contacts)
 
 
@@ -38,14 +40,23 @@ def _true_flanks(stage: Stage, load, cells: int) -> dict[str, FlankContact]:
     return found
 
 
+def _line_contact(stage: Stage, load) -> Figure:
+    assert stage.line_contact is not None
+    line = _line(stage, load)
+    modulus = contact_modulus(material_of(stage, "screw"), material_of(stage, "roller"))
+    surface = _ring_contact(stage.line_contact, line.axial_force, modulus, slices=line)
+    # A solution that was not found is not drawn.
+    return line_contact_chart(stage.line_contact, line, surface if bool(surface.found) else None)
+
+
 def contact_pictures(
     mechanism: Mechanism, load: float | None = None, *, cells: int = 128
 ) -> dict[str, Figure]:
     """Draw the contacts of every stage under an axial load.
 
     For each stage: `contact-ellipses`; `pressure-map` and `pressure-profiles` on the true flanks;
-    `stress-screw` and `stress-nut` below the surfaces; `thread-loads` and `force-deflection` where
-    the stage says how it shares its load.
+    `stress-screw` and `stress-nut` below the surfaces; `line-contact` of rings;
+    `thread-loads` and `force-deflection` where the stage says how it shares its load.
 
     **Arguments:**
 
@@ -75,6 +86,8 @@ def contact_pictures(
             if float(hertz.max_pressure) > 0:
                 ratio = material_of(stage, side).poisson_ratio
                 figures[f"stress-{side}{suffix}"] = subsurface_chart(hertz, ratio, _friction(stage))
+        if stage.line_contact is not None:
+            figures["line-contact" + suffix] = _line_contact(stage, shared)
         if stage.load_sharing is not None:
             found, curve = shared_loads(mechanism, shared, number)
             figures["thread-loads" + suffix] = thread_load_chart(found)

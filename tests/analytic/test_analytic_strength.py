@@ -20,6 +20,7 @@ from prsm_jax.mechanism import (
     LoadSharing,
     Screw,
     ScrewShaft,
+    SplitNut,
     Strength,
 )
 from prsm_jax.strength import _fatigue, _static, _subsurface
@@ -360,6 +361,21 @@ def test_backlash_adds_up_the_teeth():
         strength.backlash(play())
     with pytest.raises(ValueError, match="remove one"):
         AxialPlay(axial_backlash=1e-5, preload_force=1.0)
+
+
+def test_two_preloads_for_one_force_are_found():
+    def found(stated, spacer):
+        one = stage(
+            strength=Strength(play=AxialPlay(preload_force=stated)),
+            load_sharing=LoadSharing(20, split_nut=SplitNut(10, preload=spacer)),
+        )
+        return [f for f in prsm.check(mechanism(one)) if f.name == "preload"]
+
+    assert found(3e3, 3.01e3) == []
+    (finding,) = found(3e3, 2e3)
+    assert (finding.value, finding.limit) == (3e3, 2e3)
+    assert "is 3000 N" in finding.message
+    assert "preload 2000 N" in finding.message
 
 
 def test_lost_motion_with_and_without_preload():

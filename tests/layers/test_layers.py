@@ -33,7 +33,7 @@ LAYERS = {
     },
 }
 LAYERS["quantities"] = set(LAYERS) - {"file"}
-LAYERS["findings"] = set(LAYERS["quantities"])
+LAYERS["findings"] = LAYERS["quantities"] | {"quantities"}
 _PHYSICS = LAYERS["quantities"] | {"quantities", "findings"}
 LAYERS["sensitivity"] = LAYERS["optimise"] = LAYERS["sweep"] = _PHYSICS
 LAYERS["validation"] = _PHYSICS | {"file"}

@@ -157,13 +157,13 @@ def test_no_usable_start_is_a_report(own_quantities):
 
 
 def test_designs_that_do_not_mesh_are_no_designs(own_quantities):
-    """A roller profile of 0.1 mm has no common normal, however good its objective looks."""
+    """A roller profile of 0.25 m touches nowhere; the search starts there and leaves it."""
     own_quantities("profile", lambda a: a.mechanism.stages[0].thread.profile_radius * 1e3)
-    tiny = scenes.mechanism(
-        scenes.stage(geometry=scenes.thread(lead=20e-3, roller_profile_radius=1e-4))
+    flat = scenes.mechanism(
+        scenes.stage(geometry=scenes.thread(lead=20e-3, roller_profile_radius=0.25))
     )
-    box = {"roller_profile_radius": (1e-4, 8e-3)}
-    best = optimise(tiny, box, minimise="profile", starts=3)
+    box = {"roller_profile_radius": (4e-3, 0.3)}
+    best = optimise(flat, box, minimise="profile", starts=3)
     assert best.runs[0].end is None
     assert best.optimum.usable
     assert not best.start.usable

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from report_checks import assert_printable, axis_labels
 
-from prsm_jax.contact import HertzContact
+from prsm_jax.contact import HertzContact, LineContactResult, SliceGeometry
 from prsm_jax.halfspace import (
     FlankContact,
     FlankGap,
@@ -17,7 +17,8 @@ from prsm_jax.halfspace import (
     SurfaceContact,
     TangentPlane,
 )
-from prsm_jax.report import pressure_map, pressure_profiles, stress_section
+from prsm_jax.mechanism import LineContact
+from prsm_jax.report import line_contact_chart, pressure_map, pressure_profiles, stress_section
 
 
 @functools.cache
@@ -102,3 +103,35 @@ def test_pictures_need_contacts_and_depths():
     for picture in (pressure_map, pressure_profiles):
         with pytest.raises(ValueError, match="at least one contact"):
             picture({})
+
+
+def test_line_contact_shows_pressure_and_footprint():
+    radius = jnp.linspace(8e-3, 10e-3, 41)
+    number, share = jnp.asarray, jnp.linspace(-1.0, 1.0, 41)
+    half = 5e-5 * jnp.sqrt(jnp.maximum(share, 0.0))
+    pressure = 1e9 * jnp.sqrt(jnp.maximum(share, 0.0))
+    slices = SliceGeometry(
+        radius, jnp.full(41, -4e-4), 0 * radius, 0 * radius, 0 * radius, number(True)
+    )
+    line = LineContactResult(
+        slices, pressure, half, pressure, half, *(number(1.0),) * 4, number(1e9), number(5e-5),
+        number(0.5), *(number(1.0),) * 2, number(True),
+    )  # fmt: skip
+    flanks = LineContact(
+        *(number(v) for v in (9e-3, 11e-3, 8e-3, 10e-3, 19e-3)), number(0.5), number(0.5)
+    )
+    alone = line_contact_chart(flanks, line)
+    assert_printable(alone)
+    figure = line_contact_chart(flanks, line, _contact().surface)
+    assert_printable(figure)
+    assert axis_labels(figure) == [
+        "pressure on the middle in MPa",
+        "distance from the roller axis in mm",
+        "arc from the line of\ncentres in µm",
+    ]
+    above, below = figure.axes
+    np.testing.assert_allclose(above.lines[0].get_ydata(), pressure * 1e-6)
+    assert len(above.lines) == 2
+    assert "50 % of the flank bears" in above.get_title(loc="left")
+    low, high = below.get_ylim()
+    assert low < -450 < -350 < high

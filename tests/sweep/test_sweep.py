@@ -71,9 +71,9 @@ def test_labels_and_units():
 
 
 def test_a_failed_design_is_marked_and_alone():
-    """Without a common normal there is nothing to report; the neighbours do not notice."""
+    """Flanks that touch nowhere have nothing to report; the neighbours do not notice."""
     base = scenes.mechanism(scenes.stage(geometry=scenes.thread(lead=20e-3)))
-    radii = np.array([4e-3, 1e-4, 5e-3])
+    radii = np.array([4e-3, 0.3, 5e-3])
     data = sweep(base, {"roller_profile_radius": radii}, QUANTITIES)
     np.testing.assert_array_equal(data.failed, [False, True, False])
     assert data.attrs["failed"] == 1
