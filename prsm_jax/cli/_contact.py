@@ -101,15 +101,19 @@ def load_sharing_results(shared: LoadDistribution) -> dict[str, Any]:
             "thread_sharing_factor": loads.thread_sharing_factor,
             "roller_sharing_factor": loads.roller_sharing_factor,
             "roller_stiffness_n_per_m": loads.roller_stiffness,
+            "class_stiffness_n_per_m": loads.stiffness,
         }
 
+    elastic = shared.elastic
     return {
-        "converged": shared.converged,
+        "rollers": [list(numbers) for numbers in shared.rollers],
+        "converged": shared.converged & elastic.converged,
         "screw": side(shared.screw),
         "nut": side(shared.nut),
         "max_pressure_pa": shared.max_pressure,
-        "deflection_m": shared.deflection,
-        "secant_stiffness_n_per_m": shared.secant_stiffness,
+        "deflection_m": elastic.deflection,
+        "unloaded_deflection_m": elastic.rest,
+        "secant_stiffness_n_per_m": elastic.secant_stiffness,
         "tangent_stiffness_n_per_m": shared.tangent_stiffness,
         "spacer_force_n": shared.spacer_force,
     }

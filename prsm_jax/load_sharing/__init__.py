@@ -30,4 +30,8 @@ from ._stage_chains import (
     tooth_compliances as tooth_compliances,
     with_units as with_units,
 )
+from ._unloaded import (
+    ElasticDeflection as ElasticDeflection,
+    elastic_deflection as elastic_deflection,
+)
 from ._yamamoto import ToothCompliance as ToothCompliance, tooth_compliance as tooth_compliance

@@ -21,7 +21,12 @@ from ._chains import (
 )
 from ._equilibrium import Equilibrium, equilibrium, response
 from ._ladder import control_column
-from ._stage_chains import UNITS, StageChains, sharing_of, stage_chains, with_units
+from ._stage_chains import StageChains, sharing_of, stage_chains, with_units_of
+from ._unloaded import ElasticDeflection, elastic_deflection
+
+#: Share of a typical force, in double and single precision, below which there is none: well above
+#: the film's.
+_NOTHING = {True: 1e-9, False: 1e-3}
 
 
 class SideLoads(eqx.Module):
@@ -33,10 +38,13 @@ class SideLoads(eqx.Module):
     reverse: Float[Array, "classes threads"] | None
     #: Largest Hertz pressure of each thread [Pa].
     max_pressure: Float[Array, "classes threads"]
-    #: Axial secant stiffness of one roller of each class, its threads in parallel [N/m].
+    #: Axial secant stiffness of one roller of each class, its threads in parallel and its
+    #: `stiffness_factor` in it [N/m]; 0 for a roller that carries nothing.
     stiffness: Float[Array, " classes"]
     #: How many rollers each class stands for.
     weight: Float[Array, " classes"]
+    #: A typical force on one thread [N], which tells a load from rounding; `None` if not known.
+    force_unit: Scalar | None = None
 
     @property
     def thread_load(self) -> Float[Array, "classes threads"]:
@@ -51,27 +59,45 @@ class SideLoads(eqx.Module):
 
     @property
     def roller_stiffness(self) -> Scalar:
-        """Axial secant stiffness of one nominal roller (the first class) [N/m]."""
+        """Axial secant stiffness of one roller of the first class [N/m].
+
+        The nominal ones; where all are unlike, the first roller. Those of the others are in
+        `stiffness`.
+        """
         return self.stiffness[0]
 
     @property
     def thread_sharing_factor(self) -> Scalar:
         """Largest load of a thread over the mean of all; 1 without load."""
+        return self._ratio(jnp.max(self.thread_load), self._mean_thread_load)
+
+    @property
+    def _mean_thread_load(self) -> Scalar:
         load = self.thread_load
-        mean = jnp.sum(self.weight[:, None] * load) / (jnp.sum(self.weight) * load.shape[1])
-        return _ratio(jnp.max(load), mean)
+        return jnp.sum(self.weight[:, None] * load) / (jnp.sum(self.weight) * load.shape[1])
+
+    @property
+    def loaded(self) -> Bool[Array, ""]:
+        """Whether the threads bear more than rounding."""
+        return self._mean_thread_load > self._nothing
+
+    @property
+    def _nothing(self) -> Scalar | float:
+        """Up to here a force is rounding, or that of the film which keeps loose teeth [N]."""
+        if self.force_unit is None:
+            return 0.0
+        return _NOTHING[self.weight.dtype == jnp.float64] * self.force_unit
 
     @property
     def roller_sharing_factor(self) -> Scalar:
         """Largest load of a roller over the mean of all; 1 without load."""
         load = self.roller_load
         mean = jnp.abs(jnp.sum(self.weight * load)) / jnp.sum(self.weight)
-        return _ratio(jnp.max(jnp.abs(load)), mean)
+        return self._ratio(jnp.max(jnp.abs(load)), mean)
 
-
-def _ratio(part: Scalar, whole: Scalar) -> Scalar:
-    loaded = whole > 0
-    return jnp.where(loaded, part / jnp.where(loaded, whole, 1.0), 1.0)
+    def _ratio(self, part: Scalar, whole: Scalar) -> Scalar:
+        loaded = whole > self._nothing
+        return jnp.where(loaded, part / jnp.where(loaded, whole, 1.0), 1.0)
 
 
 class LoadDistribution(eqx.Module):
@@ -84,7 +110,8 @@ class LoadDistribution(eqx.Module):
     screw: SideLoads
     nut: SideLoads
     load: Scalar
-    #: Travel of screw towards nut from where nominal forward flanks touch, at their ends [m].
+    #: Travel of screw towards nut from where nominal forward flanks touch, at their ends [m]. With
+    #: play, errors or preload it is not 0 without a load: see `elastic`.
     deflection: Scalar
     #: Tangent stiffness between screw and nut dF/dx, shafts and teeth included [N/m].
     tangent_stiffness: Scalar
@@ -98,10 +125,14 @@ class LoadDistribution(eqx.Module):
     rollers: tuple[tuple[int, ...], ...] = eqx.field(static=True)
 
     @property
+    def elastic(self) -> ElasticDeflection:
+        """What the load itself does to `deflection`: without preload, play and errors."""
+        return elastic_deflection(self.chains, self.load, self.deflection)
+
+    @property
     def secant_stiffness(self) -> Scalar:
-        """Load over deflection [N/m]; 0 without deflection."""
-        moved = self.deflection != 0
-        return jnp.where(moved, self.load / jnp.where(moved, self.deflection, 1.0), 0.0)
+        """Load over the travel that it causes (see `elastic`) [N/m]; 0 without load."""
+        return self.elastic.secant_stiffness
 
     @property
     def max_pressure(self) -> Scalar:
@@ -162,6 +193,7 @@ def _side(whole: StageChains, side: Literal["screw", "nut"], state: State) -> Si
         max_pressure=unit.max_pressure * _positive_root(largest * normal),
         stiffness=jnp.sum(stiffness, axis=1),
         weight=whole.chains.weight,
+        force_unit=whole.chains.force_unit,
     )
 
 
@@ -183,8 +215,8 @@ def braced(whole: StageChains, stage: Stage) -> StageChains:
     split = sharing_of(stage).split_nut
     if split is None or split.preload is None:
         return whole
-    chains = with_units(whole.chains, preload=split.preload)
-    found = equilibrium(_units_of(whole.chains, chains), split.preload, "preload")
+    chains = with_units_of(whole.chains, preload=split.preload)
+    found = equilibrium(chains, split.preload, "preload")
     return eqx.tree_at(
         lambda w: (w.chains.offset, w.meshing_converged),
         whole,
@@ -193,14 +225,10 @@ def braced(whole: StageChains, stage: Stage) -> StageChains:
     )
 
 
-def _units_of(chains: Chains, units: Chains) -> Chains:
-    return eqx.tree_at(UNITS, chains, UNITS(units))
-
-
 def balanced(whole: StageChains, value: Scalar, control: Control = "load") -> LoadDistribution:
     """The distribution of a load, or of a deflection, in chains that are braced already."""
     prescribed = {control: value}
-    chains = _units_of(whole.chains, with_units(whole.chains, **prescribed))
+    chains = with_units_of(whole.chains, **prescribed)
     found = equilibrium(chains, value, control)
     load, offset = load_and_offset(chains, found.state, control, value)
     state = found.state

@@ -55,9 +55,7 @@ def roller_classes(stage: Stage) -> tuple[tuple[int, ...], ...]:
     unequal = {
         roller.number: roller
         for roller in stage.unequal_roller
-        if roller.missing
-        or roller.stiffness_factor is not None
-        or roller.tooth_thinning is not None
+        if roller.missing or roller.carries_otherwise
     }
     nominal = tuple(n for n in range(1, stage.roller_count + 1) if n not in unequal)
     others = tuple((n,) for n, roller in sorted(unequal.items()) if not roller.missing)
@@ -224,6 +222,11 @@ def with_units(
 def UNITS(chains: Chains):
     """What `with_units` sets, for `eqx.tree_at`."""
     return chains.film, chains.force_unit, chains.guide
+
+
+def with_units_of(chains: Chains, **prescribed: Scalar) -> Chains:
+    """The chains, with all their derivatives, and the units that `with_units` finds."""
+    return eqx.tree_at(UNITS, chains, UNITS(with_units(chains, **prescribed)))
 
 
 def stage_chains(stage: Stage, meshing: Meshing | None = None) -> StageChains:

@@ -49,6 +49,11 @@ class UnequalRoller(eqx.Module):
                 "mass_factor, position_offset, tooth_thinning or missing = true, or remove it"
             )
 
+    @property
+    def carries_otherwise(self) -> bool:
+        """Whether this roller takes another part of the load than the others."""
+        return self.stiffness_factor is not None or self.tooth_thinning is not None
+
 
 def check_unequal_rollers(rollers: tuple[UnequalRoller, ...], roller_count: int) -> None:
     """Check that unequal rollers fit a stage.

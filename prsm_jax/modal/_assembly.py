@@ -147,7 +147,9 @@ def spring_network(
             elongation += [(tangential, -jnp.cos(alpha)), (radial, -sign * jnp.sin(alpha))]
         mesh = mesh_name(body.name)
         springs = tuple(Spring(mesh, number) for number in numbers)
-        builder.add(springs, factor * body.mesh_stiffness, elongation)
+        each = body.each_mesh_stiffness
+        stiffness = factor * body.mesh_stiffness if each is None else each
+        builder.add(springs, stiffness, elongation)
         other = body.radial_support if body.radial_support_y is None else body.radial_support_y
         held = f"{body.name}_support"
         for coordinate, name, stiffness in (

@@ -26,6 +26,9 @@ class CentralBody(eqx.Module):
     #: Angle of the contact's line of action against the tangent [rad]; it only turns the modes
     #: unless rollers move in translation.
     contact_angle: Scalar | None = None
+    #: Stiffness of the spring to each roller, where it is known one by one; then in place of
+    #: `mesh_stiffness` and the stiffness factors [N/m].
+    each_mesh_stiffness: Float[Array, " rollers"] | None = None
 
 
 class CarrierBody(eqx.Module):
@@ -165,7 +168,7 @@ def vibration_system(stage: Stage, threads: ThreadStiffness) -> VibrationSystem:
     **Arguments:**
 
     - `stage`: the stage; needs masses and inertias (given or from dimensions).
-    - `threads`: thread contact stiffness of one roller.
+    - `threads`: thread contact stiffness of one roller, or of each.
 
     **Raises:** `MissingDataError` if masses are missing.
     """
@@ -175,7 +178,13 @@ def vibration_system(stage: Stage, threads: ThreadStiffness) -> VibrationSystem:
     held = stage.roller.support
     pins = None if held is None else held.radial_stiffness
 
-    def central(name: str, radius: Scalar, stiffness: Scalar, sign: int) -> CentralBody:
+    def central(
+        name: str,
+        radius: Scalar,
+        stiffness: Scalar,
+        sign: int,
+        each: Float[Array, " rollers"] | None = None,
+    ) -> CentralBody:
         mass = body_mass(stage, name)
         support: Support | None = getattr(stage, name).support
         return CentralBody(
@@ -188,13 +197,19 @@ def vibration_system(stage: Stage, threads: ThreadStiffness) -> VibrationSystem:
             name=name,
             radial_support_y=None if support is None else support.radial_stiffness_y,
             contact_angle=None if pins is None else _contact_angle(stage, name),
+            each_mesh_stiffness=each,
         )
 
-    bodies = [central("screw", thread.screw_radius, threads.screw_roller * projection, 1)]
+    screw, nut = threads.screw_roller * projection, threads.nut_roller * projection
+    screw_each, nut_each = (
+        None if each is None else each * projection
+        for each in (threads.screw_each, threads.nut_each)
+    )
+    bodies = [central("screw", thread.screw_radius, screw, 1, screw_each)]
     if ring_stiffness is not None:
         # The pitch circle of the ring gear is the nominal circle of the nut's thread.
         bodies.append(central("ring_gear", thread.nut_radius, ring_stiffness, -1))
-    bodies.append(central("nut", thread.nut_radius, threads.nut_roller * projection, -1))
+    bodies.append(central("nut", thread.nut_radius, nut, -1, nut_each))
 
     scatter = _scatter(stage)
     present = stage.roller_count if scatter is None else len(scatter.numbers)

@@ -3,7 +3,9 @@
 from collections.abc import Callable
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
+from jaxtyping import Array, Float
 
 from .._errors import MissingDataError
 from ..contact import StageContact, stage_contact
@@ -17,6 +19,10 @@ class ThreadStiffness(eqx.Module):
 
     screw_roller: Scalar
     nut_roller: Scalar
+    #: Of each roller that is there, where a load distribution has unlike rollers; then without
+    #: any further factor, and `screw_roller` and `nut_roller` are those of its first class.
+    screw_each: Float[Array, " rollers"] | None = None
+    nut_each: Float[Array, " rollers"] | None = None
 
 
 def loaded_threads(
@@ -47,7 +53,8 @@ def thread_stiffness(
 
     Given numbers are taken as they are; what is not given is the axial secant stiffness of a
     Hertz contact times the number of engaged threads (Wu et al. 2022, equations 36 to 47), or the
-    sum over the threads of a load distribution, their teeth included.
+    sum over the threads of a load distribution, their teeth included. Where that tells rollers
+    apart (`stiffness_factor`, `tooth_thinning`) each has the stiffness at the load that it carries.
 
     **Arguments:**
 
@@ -67,10 +74,30 @@ def thread_stiffness(
             f"thread contact stiffness: {error} — or give stage.stiffness.screw_roller and "
             "stage.stiffness.nut_roller"
         ) from error
+    unlike = any(roller.carries_otherwise for roller in stage.unequal_roller)
+    each: list[Array | None] = [None, None]
+    if unlike and isinstance(derived, LoadDistribution):
+        each = [
+            derived.by_roller(side.stiffness)[1] if number is None else _each(stage, number)
+            for side, number in ((derived.screw, screw), (derived.nut, nut))
+        ]
     return ThreadStiffness(
         derived.screw.roller_stiffness if screw is None else screw,
         derived.nut.roller_stiffness if nut is None else nut,
+        *each,
     )
+
+
+def _each(stage: Stage, given: Scalar) -> Float[Array, " rollers"]:
+    """A given stiffness of one roller, times the factor of each that is there [N/m]."""
+    unequal = {roller.number: roller for roller in stage.unequal_roller}
+    found = []
+    for number in range(1, stage.roller_count + 1):
+        roller = unequal.get(number)
+        if roller is None or not roller.missing:
+            factor = None if roller is None else roller.stiffness_factor
+            found.append(given if factor is None else given * factor)
+    return jnp.stack(found)
 
 
 def in_series(first: Scalar, second: Scalar) -> Scalar:
@@ -85,5 +112,7 @@ def axial_stiffness(stage: Stage, threads: ThreadStiffness) -> Scalar:
 
     Shafts and teeth are taken as rigid [N/m].
     """
+    if threads.screw_each is not None and threads.nut_each is not None:
+        return jnp.sum(jax.vmap(in_series)(threads.screw_each, threads.nut_each))
     count = total_factor(stage.unequal_roller, stage.roller_count, "stiffness_factor")
     return count * in_series(threads.screw_roller, threads.nut_roller)

@@ -1,5 +1,7 @@
 """Load sharing against closed forms, a minimisation of its own, and the work that loads do."""
 
+import dataclasses
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -21,6 +23,7 @@ from sharing_scenes import (
 import prsm_jax as prsm
 from prsm_jax.load_sharing import (
     State,
+    elastic_deflection,
     flank_approach,
     flank_force,
     residual,
@@ -28,7 +31,9 @@ from prsm_jax.load_sharing import (
     tooth_compliance,
 )
 from prsm_jax.load_sharing._equilibrium import response
-from prsm_jax.mechanism import LoadSharing, SplitNut, UnequalRoller
+from prsm_jax.mechanism import GivenStiffness, LoadSharing, SplitNut, UnequalRoller
+from prsm_jax.modal import spring_network, vibration_system
+from prsm_jax.stiffness import axial_stiffness, thread_stiffness
 
 #: The search stops at 1e-12 of the largest force; a film 1e-12 as stiff as a contact adds as much.
 _BALANCE = 1e-10
@@ -324,6 +329,96 @@ def test_split_nut():
     assert float(found.chains.offset) > 0
     # Both halves take part in a small load: stiffer than one nut under the load of a half.
     assert float(found.tangent_stiffness) > 8e8
+
+
+def test_deflection_of_a_braced_nut_is_that_of_the_load_alone():
+    """Not that of the spacer: without a load there is none, and small loads meet the tangent."""
+    one = mechanism(sharing_stage(split_nut=SplitNut(10, preload=3e3)))
+    resting = load_distribution(one, array(0.0))
+    assert float(resting.deflection) > 5e-6
+    assert float(resting.elastic.deflection) == pytest.approx(0.0, abs=1e-15)
+    assert float(resting.secant_stiffness) == 0
+    tangent = float(resting.tangent_stiffness)
+    for load in (100.0, -100.0):
+        found = load_distribution(one, array(load))
+        elastic = found.elastic
+        assert bool(elastic.braced & elastic.converged)
+        assert float(elastic.rest) == pytest.approx(float(resting.deflection), rel=1e-9)
+        # The tangent itself changes by 2e-4 over these loads.
+        assert float(found.secant_stiffness) == pytest.approx(tangent, rel=3e-4)
+        assert float(elastic.deflection) == pytest.approx(load / tangent, rel=3e-4)
+
+
+def test_deflection_with_play_starts_at_the_first_contact():
+    """Rigid travel to it in closed form, on either side; as the load goes, nothing is left."""
+    errors = np.random.default_rng(4).normal(size=(2, 6)) * 1e-6
+
+    @eqx.filter_jit
+    def at(load, backlash):
+        bare = chains(6, (2.0, 1.0), gap=jnp.asarray(errors), backlash=None)
+        # Play on the screw side only, errors on both.
+        flanks = eqx.tree_at(
+            lambda f: f.reverse_gap, bare.screw, backlash - bare.screw.gap,
+            is_leaf=lambda x: x is None,
+        )  # fmt: skip
+        other = eqx.tree_at(
+            lambda f: f.reverse_gap, bare.nut, -bare.nut.gap, is_leaf=lambda x: x is None
+        )
+        bare = dataclasses.replace(bare, screw=flanks, nut=other)
+        return elastic_deflection(bare, load, jnp.zeros_like(load))
+
+    rest = 2 * errors.min(axis=1)
+    forward, backward = (at(array(load), array(2e-5)) for load in (1.0, -1.0))
+    assert float(forward.rest) == pytest.approx(rest.min(), rel=1e-12)
+    back = (2e-5 - errors.max(axis=1)) - errors.max(axis=1)
+    assert float(backward.rest) == pytest.approx(-back.min(), rel=1e-12)
+    assert not bool(forward.braced | backward.braced)
+    nothing = at(array(0.0), array(2e-5))
+    assert float(nothing.deflection) == 0
+    # As the play closes into a fit without any, the balance without load goes on from there.
+    least = -(rest.min() + back.min() - 2e-5)
+    braced, loose = (at(array(1.0), array(least + 1e-12 * sign)) for sign in (-1, 1))
+    assert bool(braced.braced & braced.converged)
+    assert not bool(loose.braced)
+    # The soft guidance of a roller that has to wedge by 1 µm bends contacts by some 10 pm.
+    assert float(braced.rest) == pytest.approx(float(loose.rest), abs=1e-10)
+
+
+def _threads_of(one):
+    """The stiffnesses that vibrations get, without a load sharing of their own."""
+    found = load_distribution(one, array(6e3))
+    return found, thread_stiffness(one.stages[0], lambda: found)
+
+
+@pytest.mark.parametrize(
+    ("factors", "thinning"),
+    [((2.0, 2.0, 2.0), (0.0, 0.0, 0.0)), ((1.0, 0.5, 1.0), (0.0, 0.0, 30e-6))],
+)
+def test_stiffness_of_unlike_rollers(factors, thinning):
+    """Each with what it has under its load: with rigid shafts they add up to the nut's secant."""
+    unequal = tuple(
+        UnequalRoller(n, stiffness_factor=array(factor), tooth_thinning=array(thinner))
+        for n, (factor, thinner) in enumerate(zip(factors, thinning, strict=True), start=1)
+    )
+    rigid = {f"{body}_segment_stiffness": 1e30 for body in ("screw", "roller", "nut")}
+    stage = dataclasses.replace(sharing_stage(unequal, tooth=None, **rigid), roller_count=3)
+    found, threads = _threads_of(mechanism(stage))
+    each = np.asarray(threads.screw_each)
+    alike = np.asarray(factors) * (np.asarray(thinning) == 0)
+    np.testing.assert_allclose(each / each[0], alike / alike[0], rtol=1e-9)
+    assert float(axial_stiffness(stage, threads)) == pytest.approx(
+        float(found.secant_stiffness), rel=1e-9
+    )
+    network = spring_network(vibration_system(stage, threads))
+    springs = [float(network.stiffness[network.springs.index(s)]) for s in network.springs
+               if s.name == "screw_roller"]  # fmt: skip
+    helix = float(jnp.cos(stage.thread.roller_helix_angle)) ** 2
+    np.testing.assert_allclose(springs, each * helix, rtol=1e-12)
+    # A given stiffness is a nominal one and takes the factors; thinner teeth do not enter it.
+    given_ = dataclasses.replace(stage, stiffness=GivenStiffness(nut_roller=array(1e8)))
+    np.testing.assert_allclose(
+        thread_stiffness(given_, lambda: found).nut_each, 1e8 * np.asarray(factors), rtol=1e-12
+    )
 
 
 def test_unequal_and_missing_rollers():
