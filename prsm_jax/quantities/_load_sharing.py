@@ -74,10 +74,17 @@ def axial_stiffness_shared(analysis: Analysis):
 
 
 @quantity(
-    "axial_deflection", "x", "m", "axial deflection of the nut under the load, all stages together"
+    "axial_deflection",
+    "x",
+    "m",
+    "axial deflection of the nut by the load: from where the nut stands without it, braced or at "
+    "the first contact with play and errors passed; all stages together",
 )
 def axial_deflection(analysis: Analysis):
-    return jnp.sum(_per_stage(analysis, lambda one: one.deflection))
+    elastic = [one.elastic for one in analysis.distributions]
+    for one in elastic:
+        analysis.require(one.converged)
+    return jnp.sum(jnp.stack([one.deflection for one in elastic]))
 
 
 @quantity(
