@@ -26,7 +26,6 @@ from ._distinct import (
     DistinctFrequencies as DistinctFrequencies,
     distinct_frequencies as distinct_frequencies,
 )
-from ._eigen import generalised_eigen as generalised_eigen, symmetric_eigen as symmetric_eigen
 from ._energy import (
     kinetic_energies as kinetic_energies,
     strain_energies as strain_energies,
