@@ -102,7 +102,7 @@ report.thread_load_chart(shared)
 
 # %%
 curve = eqx.filter_jit(force_deflection)(braced, np.linspace(-18e3, 18e3, 61))
-report.force_deflection_chart({"preload 1.5 kN": curve})
+report.force_deflection_chart({"preload 5 kN": curve})
 
 # %% [markdown]
 # The work of the load is the energy that contacts, teeth and shafts store:

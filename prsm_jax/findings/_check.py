@@ -15,9 +15,10 @@ def check(mechanism: Mechanism) -> tuple[Finding, ...]:
     `carrier_clearance`, `meshing`, `contact_on_flank`, `tooth_thickness`. Do the numbers behind its
     vibration make sense: `inertia`, `mass`, `torsional_support`, `negative_stiffness`. Does
     friction let it move: `jamming`, `self_locking`. Does it last: `static_safety`, `rating_life`,
-    `buckling`, `screw_speed`, `false_brinelling`, `backlash`. Nothing is raised; a mechanism
-    without findings gives an empty tuple. Needs concrete numbers: inside a trace use the
-    quantities instead (`roller_clearance`, …).
+    `buckling`, `screw_speed`, `false_brinelling`, `backlash`. Do its numbers agree: `preload`,
+    `engaged_threads`, `axial_backlash`. Nothing is raised; a mechanism without findings gives an
+    empty tuple. Needs concrete numbers: inside a trace use the quantities instead
+    (`roller_clearance`, …).
 
     **Arguments:**
 

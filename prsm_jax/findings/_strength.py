@@ -10,12 +10,16 @@ from .. import strength
 from .._errors import MissingDataError
 from ..geometry import Finding
 from ..mechanism import Mechanism, Stage
-from ..quantities import Analysis, dynamic_capacity_of, static_safety_of
+from ..quantities import (
+    Analysis,
+    dynamic_capacity_of,
+    minimum_amplitude_of,
+    static_safety_of,
+)
+from ._agreement import agreement_findings
 
 #: What catalogues of ball screws ask for against buckling.
 _BUCKLING_SAFETY = 2.0
-#: Preloads that differ by less are the same but for rounding.
-_SAME_PRELOAD = 0.01
 
 
 def _life(analysis: Analysis, index: int, stage: Stage):
@@ -34,11 +38,6 @@ def _speeds(analysis: Analysis, _: int, stage: Stage):
     return jnp.stack([analysis.demand[0], *limits])
 
 
-def _minimum_amplitude(analysis: Analysis, index: int, stage: Stage):
-    contact = analysis.reference_contact(index)
-    return strength.minimum_oscillation_amplitude(stage, analysis.demand[1], contact=contact)
-
-
 def _backlash(analysis: Analysis, index: int, stage: Stage):
     return strength.backlash(stage, analysis.kinematics[index].meshing)
 
@@ -54,7 +53,7 @@ def _asked_for(stage: Stage) -> dict[str, Callable]:
     if data.required_life is not None:
         asked["life"] = _life
     if data.oscillation_amplitude is not None:
-        asked["oscillation"] = _minimum_amplitude
+        asked["oscillation"] = minimum_amplitude_of
     if data.shaft is not None:
         asked |= {"buckling": _buckling_safety, "speed": _speeds}
     if strength.needs_meshing_for_backlash(stage):
@@ -150,26 +149,6 @@ def _check(stage: Stage, known: dict, number: int) -> Iterator[Finding]:
         )
 
 
-def _check_preload(stage: Stage, number: int) -> Iterator[Finding]:
-    """The force that life and safety are reckoned with, and that of the shared load."""
-    play = None if stage.strength is None else stage.strength.play
-    split = None if stage.load_sharing is None else stage.load_sharing.split_nut
-    if play is None or play.preload_force is None or split is None or split.preload is None:
-        return
-    stated, spacer = float(play.preload_force), float(split.preload)
-    if abs(stated - spacer) > _SAME_PRELOAD * max(stated, spacer):
-        yield Finding(
-            "preload",
-            "warning",
-            number,
-            stated,
-            spacer,
-            f"stage.strength.play.preload_force is {stated:.4g} N and "
-            f"stage.load_sharing.split_nut.preload {spacer:.4g} N, which are one force: life and "
-            "static safety rest on the first, thread loads on the second; give both the same",
-        )
-
-
 def _check_speed(
     speed: float, permissible: float, critical: float, number: int
 ) -> Iterator[Finding]:
@@ -194,21 +173,17 @@ def strength_findings(mechanism: Mechanism) -> tuple[Finding, ...]:
 
     `static_safety`: threads are dented. `rating_life`: shorter than asked for. `buckling`,
     `screw_speed`: the screw as a column and as a shaft. `false_brinelling`: it swings too little.
-    `backlash`: there is less than none. `preload`: two numbers for one force. Of a stage without
-    strength data, or of what lacks data, nothing is found.
+    `backlash`: there is less than none. `preload`, `engaged_threads`, `axial_backlash`: strength
+    and load sharing have two numbers for one thing. Of what lacks data nothing is found.
 
     **Arguments:**
 
     - `mechanism`: the mechanism, with concrete numbers.
     """
-    if all(stage.strength is None for stage in mechanism.stages):
-        return ()
-    try:
-        numbers = _compiled()(mechanism)
-    except MissingDataError:
-        return ()
+    asked = any(_asked_for(stage) for stage in mechanism.stages)
+    numbers = _compiled()(mechanism) if asked else [{} for _ in mechanism.stages]
     found = []
     for number, (stage, known) in enumerate(zip(mechanism.stages, numbers, strict=True), start=1):
         found += _check(stage, known, number)
-        found += _check_preload(stage, number)
+        found += agreement_findings(stage, number, known.get("backlash"))
     return tuple(found)

@@ -25,6 +25,7 @@ from ._catalogue import (
     find_quantity as find_quantity,
     quantity as quantity,
 )
+from ._rating_life import minimum_amplitude_of as minimum_amplitude_of
 from ._strength import (
     dynamic_capacity_of as dynamic_capacity_of,
     static_safety_of as static_safety_of,

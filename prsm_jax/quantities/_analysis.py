@@ -2,7 +2,9 @@
 
 from collections.abc import Callable
 from functools import cached_property
+from typing import Literal, TypeAlias
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool
@@ -19,7 +21,7 @@ from ..contact import (
 from ..dynamics import StageKinematics, SteadyState, all_kinematics, steady_state
 from ..geometry import Meshing
 from ..load_sharing import LoadDistribution, stage_load_distribution
-from ..mechanism import Mechanism, Scalar, material_of
+from ..mechanism import Mechanism, Scalar, Stage, material_of
 from ..modal import (
     ModeGroup,
     Modes,
@@ -36,10 +38,17 @@ from ..stiffness import ThreadStiffness, thread_stiffness
 from ..strength import (
     LoadSpectrum,
     constant_load,
+    equivalent_load,
     largest_demand,
+    largest_flank_load,
+    preload_of,
     reference_contact,
     spectrum_of,
 )
+
+#: Under which load threads share: that of the operating point; or on one flank, a preload of two
+#: nuts included, the largest of all, or the constant one with the fatigue of the duty cycle.
+SharedLoad: TypeAlias = Literal["operating_point", "largest", "equivalent"]
 
 
 class Analysis:
@@ -57,7 +66,7 @@ class Analysis:
         self.mechanism = mechanism
         self._speed, self._load = speed, load
         self._flags: list[Bool[Array, ""]] = []
-        self._distributions: dict[int, LoadDistribution] = {}
+        self._distributions: dict[tuple[int, SharedLoad], LoadDistribution] = {}
         self._reference_contacts: dict[int, StageContact] = {}
 
     def require(self, flag: Bool[Array, ""]) -> None:
@@ -108,9 +117,14 @@ class Analysis:
         return jnp.asarray(speed, self.mechanism.stages[0].thread.lead.dtype)
 
     @cached_property
+    def signed_load(self) -> Scalar:
+        """Axial load: given, or that of the operating point [N]."""
+        return load_of(self.mechanism, self._load)
+
+    @cached_property
     def load(self) -> Scalar:
         """Magnitude of the axial load [N]."""
-        return jnp.abs(load_of(self.mechanism, self._load))
+        return jnp.abs(self.signed_load)
 
     @cached_property
     def steady(self) -> SteadyState:
@@ -158,6 +172,11 @@ class Analysis:
         exact = self.mechanism.stages[index].curvature == "exact"
         return self.kinematics[index].meshing if exact else None
 
+    @property
+    def _asked(self) -> bool:
+        """Whether a speed or load was asked for, which then takes the place of the duty cycle."""
+        return self._speed is not None or self._load is not None
+
     @cached_property
     def spectrum(self) -> LoadSpectrum:
         """What speed and load the mechanism lives with.
@@ -165,14 +184,14 @@ class Analysis:
         Those of the duty cycle; of the operating point without one, or where another speed or load
         was asked for.
         """
-        if self._speed is not None or self._load is not None:
-            return constant_load(self.speed, load_of(self.mechanism, self._load))
+        if self._asked:
+            return constant_load(self.speed, self.signed_load)
         return spectrum_of(self.mechanism)
 
     @cached_property
     def demand(self) -> tuple[Scalar, Scalar]:
         """Largest magnitudes of speed and load, of spectrum and operating point [rad/s, N]."""
-        if self._speed is not None or self._load is not None:
+        if self._asked:
             return jnp.abs(self.speed), self.load
         return largest_demand(self.mechanism, self.spectrum)
 
@@ -218,18 +237,47 @@ class Analysis:
             return self.distribution(index)
         return self.contacts[index]
 
-    def distribution(self, index: int) -> LoadDistribution:
-        """How a stage (from 0) shares the load."""
-        if index not in self._distributions:
-            stage = self.mechanism.stages[index]
-            found = stage_load_distribution(stage, self.load, self.meshing(index))
-            self._distributions[index] = found
+    def distribution(self, index: int, under: SharedLoad = "operating_point") -> LoadDistribution:
+        """How a stage (from 0) shares a load."""
+        stage = self.mechanism.stages[index]
+        key = index, self._alike(stage, under)
+        if key not in self._distributions:
+            load = self._shared_load(stage, key[1])
+            found = stage_load_distribution(stage, load, self.meshing(index))
+            self._distributions[key] = found
             self.require(found.converged)
-        return self._distributions[index]
+        return self._distributions[key]
+
+    def _alike(self, stage: Stage, under: SharedLoad) -> SharedLoad:
+        """The first of the loads that are one by structure: no distribution is traced twice."""
+        one = self._asked or self.mechanism.duty_cycle is None
+        if not one or under == "operating_point":
+            return under
+        return "operating_point" if preload_of(stage) is None else "largest"
+
+    def _shared_load(self, stage: Stage, under: SharedLoad) -> Scalar:
+        """An axial load [N] with its sign: that of the phase which counts most."""
+        if under == "operating_point":
+            return self.signed_load
+        spectrum, point = self.spectrum, self.mechanism.operating_point
+        if under == "largest":
+            magnitude, loads = largest_flank_load(stage, self.demand[1]), spectrum.load
+            if point is not None and not self._asked:
+                loads = jnp.append(loads, point.load)
+            harm = jnp.abs(loads)
+        else:
+            pressed = largest_flank_load(stage, jnp.abs(spectrum.load))
+            magnitude = equivalent_load(eqx.tree_at(lambda s: s.load, spectrum, pressed))
+            loads, harm = spectrum.load, spectrum.weights ** (1 / 3) * jnp.abs(spectrum.load)
+        sharing = stage.load_sharing
+        if sharing is None or not sharing.has_reverse_flanks:
+            return magnitude
+        worst = loads[jnp.argmax(jax.lax.stop_gradient(harm))]
+        return jnp.where(worst < 0, -magnitude, magnitude)
 
     @property
     def distributions(self) -> tuple[LoadDistribution, ...]:
-        """How every stage shares the load."""
+        """How every stage shares the load of the operating point."""
         return tuple(self.distribution(i) for i in range(len(self.mechanism.stages)))
 
     @cached_property

@@ -20,7 +20,8 @@ _CREEP = 1e-6
     "axial_backlash",
     "j_a",
     "m",
-    "travel of the unloaded nut: measured, or from thinned teeth and the meshing; 0 with preload",
+    "travel of the unloaded nut: measured, from thinned teeth and the meshing, or that of load "
+    "sharing; 0 with preload",
     ("stage",),
 )
 def axial_backlash(analysis: Analysis):
@@ -56,7 +57,8 @@ def lost_motion(analysis: Analysis):
     "preload_opening_load",
     "F_lim",
     "N",
-    "axial load that frees one of two braced nuts, 2^{3/2} times the preload",
+    "axial load that frees one of two braced nuts, 2^{3/2} times the preload (as ISO 3408-5 for "
+    "ball screws)",
     ("stage",),
 )
 def preload_opening_load(analysis: Analysis):

@@ -7,17 +7,25 @@ from .._errors import MissingDataError
 from ..mechanism import Scalar, Stage
 from ._analysis import Analysis
 from ._catalogue import quantity
-from ._strength import dynamic_capacity_of, per_stage
+from ._strength import dynamic_capacity_of, on_one_flank, per_stage
 
 
-@quantity("equivalent_load", "F_m", "N", "cubic mean load of the duty cycle, weighted by travel")
+@quantity(
+    "equivalent_load",
+    "F_m",
+    "N",
+    "cubic mean load of the duty cycle, weighted by travel (as ISO 3408-5 for ball screws)",
+)
 def equivalent_load(analysis: Analysis):
     _needs_duty_cycle(analysis)
     return strength.equivalent_load(analysis.spectrum)
 
 
 @quantity(
-    "equivalent_speed", "Ω_m", "rad/s", "mean magnitude of the screw speed over the duty cycle"
+    "equivalent_speed",
+    "Ω_m",
+    "rad/s",
+    "mean magnitude of the screw speed over the duty cycle (as ISO 3408-5 for ball screws)",
 )
 def equivalent_speed(analysis: Analysis):
     _needs_duty_cycle(analysis)
@@ -107,7 +115,7 @@ def _required_life(stage: Stage) -> Scalar:
     "L/L_req",
     "1",
     "rating life in time, modified as far as factors are given, over the life asked for, smallest "
-    "of all stages",
+    "of all stages (as ISO 3408-5 for ball screws and ISO 281 for bearings)",
 )
 def life_ratio(analysis: Analysis):
     def factor(stage: Stage) -> Scalar:
@@ -132,7 +140,8 @@ def _phase_damage(analysis: Analysis):
     "phase_damage",
     "D_i",
     "1",
-    "share of the basic rating life that each phase of one duty cycle uses up (Palmgren–Miner)",
+    "share of the basic rating life (as ISO 3408-5 for ball screws) that each phase of one duty "
+    "cycle uses up (Palmgren–Miner)",
     ("stage", "phase"),
 )
 def phase_damage(analysis: Analysis):
@@ -143,7 +152,8 @@ def phase_damage(analysis: Analysis):
     "duty_cycle_damage",
     "D",
     "1",
-    "share of the basic rating life that one duty cycle uses up (Palmgren–Miner)",
+    "share of the basic rating life (as ISO 3408-5 for ball screws) that one duty cycle uses up "
+    "(Palmgren–Miner)",
     ("stage",),
 )
 def duty_cycle_damage(analysis: Analysis):
@@ -154,14 +164,15 @@ def duty_cycle_damage(analysis: Analysis):
     "minimum_oscillation_amplitude",
     "φ_min",
     "rad",
-    "amplitude of a swinging screw below which contacts do not leave their own ellipse, and false "
-    "brinelling is to be expected",
+    "amplitude of a swinging screw below which contacts do not leave their own ellipse under the "
+    "largest load, and false brinelling is to be expected (as seen in bearings)",
     ("stage",),
 )
 def minimum_oscillation_amplitude(analysis: Analysis):
-    return per_stage(
-        analysis,
-        lambda i, stage: strength.minimum_oscillation_amplitude(
-            stage, analysis.load, contact=analysis.reference_contact(i)
-        ),
+    return per_stage(analysis, lambda i, stage: minimum_amplitude_of(analysis, i, stage))
+
+
+def minimum_amplitude_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
+    return strength.minimum_oscillation_amplitude(
+        stage, on_one_flank(analysis, stage), contact=analysis.reference_contact(index)
     )

@@ -11,7 +11,7 @@ import jax.numpy as jnp
 from .. import strength
 from ..load_sharing import SideLoads
 from ..mechanism import Scalar, Stage
-from ._analysis import Analysis
+from ._analysis import Analysis, SharedLoad
 from ._catalogue import quantity
 
 
@@ -19,35 +19,37 @@ def per_stage(analysis: Analysis, function: Callable[[int, Stage], Scalar]):
     return jnp.stack([function(i, stage) for i, stage in enumerate(analysis.mechanism.stages)])
 
 
-def _on_one_flank(analysis: Analysis, stage: Stage) -> Scalar:
-    """Largest load on one flank, preload included [N]."""
+def on_one_flank(analysis: Analysis, stage: Stage) -> Scalar:
+    """Largest load on one flank, of operating point and duty cycle, preload included [N]."""
     return strength.largest_flank_load(stage, analysis.demand[1])
 
 
-def _sides(analysis: Analysis, index: int) -> tuple[SideLoads, ...]:
-    """How the threads of a stage share the load, where the file says so; both sides.
+def _sides(analysis: Analysis, index: int, under: SharedLoad) -> tuple[SideLoads, ...]:
+    """How the threads of a stage share a load, where the file says so; both sides.
 
     Not those of a split nut, which carry its preload too.
     """
     sharing = analysis.mechanism.stages[index].load_sharing
     if sharing is None or sharing.split_nut is not None:
         return ()
-    found = analysis.distribution(index)
+    found = analysis.distribution(index, under)
     return found.screw, found.nut
 
 
 def _sharing_factor(analysis: Analysis, index: int) -> Scalar | float:
-    """Load of the most loaded thread over the mean, of the worse side."""
-    factors = [side.thread_sharing_factor for side in _sides(analysis, index)]
+    """Load of the most loaded thread over the mean, of the worse side, under the largest load."""
+    factors = [side.thread_sharing_factor for side in _sides(analysis, index, "largest")]
     return jnp.max(jnp.stack(factors)) if factors else 1.0
 
 
 def _fatigue_factor(analysis: Analysis, index: int) -> Scalar | float:
+    """What unequal thread loads make of the capacity, of the worse side, under the mean load."""
     factors = [
         strength.fatigue_sharing_factor(
-            side.thread_load, jnp.broadcast_to(side.weight[:, None], side.thread_load.shape)
+            jnp.where(side.loaded, side.thread_load, 0.0),
+            jnp.broadcast_to(side.weight[:, None], side.thread_load.shape),
         )
-        for side in _sides(analysis, index)
+        for side in _sides(analysis, index, "equivalent")
     ]
     return jnp.max(jnp.stack(factors)) if factors else 1.0
 
@@ -68,7 +70,8 @@ def _static_capacity_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     "static_capacity",
     "C_0a",
     "N",
-    "static axial capacity: given, or at the permissible Hertz pressure (as in ISO 76)",
+    "static axial capacity: given, or at the permissible Hertz pressure (as ISO 76 for bearings), "
+    "threads sharing as under the largest load",
     ("stage",),
 )
 def static_capacity(analysis: Analysis):
@@ -77,7 +80,7 @@ def static_capacity(analysis: Analysis):
 
 def static_safety_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     return strength.static_safety(
-        _static_capacity_of(analysis, index, stage), _on_one_flank(analysis, stage)
+        _static_capacity_of(analysis, index, stage), on_one_flank(analysis, stage)
     )
 
 
@@ -86,7 +89,7 @@ def static_safety_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     "s_0",
     "1",
     "static capacity over the largest load of operating point and duty cycle, smallest of all "
-    "stages; ∞ without load",
+    "stages (as ISO 76 for bearings); ∞ without load",
 )
 def static_safety(analysis: Analysis):
     return jnp.min(per_stage(analysis, lambda i, stage: static_safety_of(analysis, i, stage)))
@@ -105,7 +108,7 @@ def permanent_deformation(analysis: Analysis):
             analysis,
             lambda i, stage: strength.permanent_deformation(
                 stage,
-                _on_one_flank(analysis, stage),
+                on_one_flank(analysis, stage),
                 analysis.meshing(i),
                 _sharing_factor(analysis, i),
             ),
@@ -131,7 +134,8 @@ def dynamic_capacity_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     "C_a",
     "N",
     "dynamic axial capacity for 1e6 turns: given, or estimated by the theory of ball bearings "
-    "(Lundberg and Palmgren), as no standard exists for roller screws",
+    "(Lundberg and Palmgren), as no standard exists for roller screws, threads sharing as under "
+    "the equivalent load",
     ("stage",),
 )
 def dynamic_capacity(analysis: Analysis):
@@ -166,7 +170,8 @@ _OF_THE_SCREW = (
         "permissible_speed",
         "Ω_perm",
         "rad/s",
-        "permissible share of the critical speed, or the speed of the DN limit if that is lower",
+        "permissible share of the critical speed, or the speed of the DN limit if that is lower "
+        "(as catalogues of ball screws)",
         strength.permissible_speed,
     ),
 )
@@ -184,7 +189,8 @@ for _name, _symbol, _unit, _description, _function in _OF_THE_SCREW:
     "buckling_safety",
     "s_k",
     "1",
-    "buckling load over the largest load, as if it pressed, smallest of all stages; ∞ without load",
+    "buckling load over the largest load, as if it pressed, smallest of all stages (catalogues of "
+    "ball screws ask for 2); ∞ without load",
 )
 def buckling_safety(analysis: Analysis):
     loads = per_stage(analysis, lambda _, stage: strength.buckling_load(stage))
@@ -195,7 +201,8 @@ def buckling_safety(analysis: Analysis):
     "critical_speed_margin",
     "m_Ω",
     "1",
-    "1 − largest speed over permissible speed, smallest of all stages: at 0 the limit is reached",
+    "1 − largest speed over permissible speed, smallest of all stages (as catalogues of ball "
+    "screws): at 0 the limit is reached",
 )
 def critical_speed_margin(analysis: Analysis):
     limits = per_stage(analysis, lambda _, stage: strength.permissible_speed(stage))
@@ -206,7 +213,7 @@ def critical_speed_margin(analysis: Analysis):
     "dn_value",
     "d Ω",
     "m·rad/s",
-    "nominal screw diameter times the largest speed (DN value)",
+    "nominal screw diameter times the largest speed (DN value, as catalogues of ball screws)",
     ("stage",),
 )
 def dn_value(analysis: Analysis):

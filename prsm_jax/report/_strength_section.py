@@ -1,9 +1,12 @@
 """Strength and life, and how threads share the load, as sections of a report."""
 
+import equinox as eqx
+import jax.numpy as jnp
 import numpy as np
 
+from ..mechanism import DutyCycle, Stage
 from ..quantities import find_quantity
-from ..strength import load_spectrum
+from ..strength import LoadSpectrum, flank_loads, load_spectrum, preload_of
 from ._data import ReportData
 from ._force_deflection_chart import force_deflection_chart
 from ._life_chart import life_chart
@@ -50,18 +53,21 @@ def _strength_pictures(data: ReportData) -> tuple[Picture, ...]:
     mechanism, values = data.mechanism, data.strength or {}
     pictures = []
     cycle, point = mechanism.duty_cycle, mechanism.operating_point
-    loaded = cycle is not None and bool(np.any(np.asarray(cycle.load) != 0))
     for index, stage in enumerate(mechanism.stages):
         suffix, words = _suffix(data, index)
-        if loaded and cycle is not None and "dynamic_capacity" in values:
+        # Without a life there is none to draw: then the preload is not known either.
+        drawn = None
+        if cycle is not None and "dynamic_capacity" in values and "rating_life" in values:
+            drawn, whose = _pressed(stage, cycle)
+        if drawn is not None and bool(jnp.any(drawn.load != 0)):
             capacity = float(np.ravel(values["dynamic_capacity"])[index])
             static = values.get("static_capacity")
             ends = None if static is None else float(np.ravel(static)[index])
             pictures.append(
                 Picture(
                     f"life{suffix}",
-                    f"Loads of the duty cycle, the damage they do, and the life{words}.",
-                    lambda c=capacity, s=ends: life_chart(c, load_spectrum(cycle), s),
+                    f"Loads of the duty cycle, the damage they do, and the life{words}.{whose}",
+                    lambda c=capacity, s=ends, d=drawn: life_chart(c, d, s),
                 )
             )
         if stage.strength is not None and stage.strength.shaft is not None:
@@ -77,6 +83,23 @@ def _strength_pictures(data: ReportData) -> tuple[Picture, ...]:
     return tuple(pictures)
 
 
+def _pressed(stage: Stage, cycle: DutyCycle) -> tuple[LoadSpectrum, str]:
+    """The loads that a life chart draws, and in words which flanks they press."""
+    spectrum, preload = load_spectrum(cycle), preload_of(stage)
+    if preload is None:
+        if not bool(jnp.any(spectrum.load > 0) & jnp.any(spectrum.load < 0)):
+            return spectrum, ""
+        return spectrum, (
+            " Magnitudes count, as if on one flank; the table keeps the loads of both flanks apart."
+        )
+    harm = [jnp.sum(spectrum.weights * load**3) for load in flank_loads(spectrum.load, preload)]
+    worse = flank_loads(spectrum.load, preload)[0 if harm[0] >= harm[1] else 1]
+    return eqx.tree_at(lambda s: s.load, spectrum, worse), (
+        " The loads are those of the flanks that are loaded more, preload included; the table "
+        "adds up the flanks on both sides."
+    )
+
+
 def sharing_section(data: ReportData) -> Section | None:
     """How threads and rollers share the load, where the file says how they are held."""
     if not data.shared:
@@ -89,7 +112,7 @@ def sharing_section(data: ReportData) -> Section | None:
             ("largest over mean thread load, nut", number(shared.nut.thread_sharing_factor)),
             ("largest over mean roller load", number(shared.screw.roller_sharing_factor)),
             ("largest pressure", show(shared.max_pressure, "Pa")),
-            ("deflection", show(shared.deflection, "m")),
+            ("deflection", show(shared.elastic.deflection, "m")),
             ("axial stiffness dF/dx", show(shared.tangent_stiffness, "N/m")),
         ]
         if shared.spacer_force is not None:

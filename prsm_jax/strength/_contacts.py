@@ -5,7 +5,7 @@ import jax.numpy as jnp
 from .._errors import MissingDataError
 from ..contact import StageContact, engaged_threads, stage_contact
 from ..geometry import Meshing, mesh
-from ..mechanism import Scalar, Stage, Strength
+from ..mechanism import Scalar, SplitNut, Stage, Strength
 from ._powers import positive_power
 
 #: Axial load [N]. Its value has no effect: pressures go with its cube root, exactly.
@@ -41,22 +41,59 @@ def strength_of(stage: Stage) -> Strength:
     return stage.strength
 
 
+def split_nut_of(stage: Stage) -> SplitNut | None:
+    """The split nut of a stage's load sharing, or `None`."""
+    return None if stage.load_sharing is None else stage.load_sharing.split_nut
+
+
 def preload_of(stage: Stage) -> Scalar | None:
-    """The preload of a stage [N], or `None` where its nut is not braced."""
+    """The preload of a stage [N], or `None` where its nut is not braced.
+
+    As given for strength, or else that of the split nut of load sharing.
+
+    **Raises:** `MissingDataError` where only the offset of a split nut is given, from which the
+    preload results.
+    """
     play = None if stage.strength is None else stage.strength.play
-    return None if play is None else play.preload_force
+    if play is not None and play.preload_force is not None:
+        return play.preload_force
+    split = split_nut_of(stage)
+    if split is None:
+        return None
+    if split.preload is None:
+        raise MissingDataError(
+            "the preload of the split nut results from its offset; give it as "
+            'stage.strength.play.preload_force with arrangement = "split_nut" (the quantity '
+            "spacer_force at load 0), or stage.load_sharing.split_nut.preload instead of the offset"
+        )
+    return split.preload
+
+
+def is_braced(stage: Stage) -> bool:
+    """Whether two nuts, or the halves of one, are braced; by how much need not be known."""
+    play = None if stage.strength is None else stage.strength.play
+    stated = play is not None and play.preload_force is not None
+    return stated or split_nut_of(stage) is not None
 
 
 def thread_share(stage: Stage) -> float:
     """Share of the engaged threads that carry a load of one direction.
 
-    Half of them in a split nut, whose halves brace the same rollers.
+    Half of them in a split nut, whose halves brace the same rollers; those of the smaller half
+    where load sharing says after which thread it is split.
     """
-    if preload_of(stage) is None:
+    play = None if stage.strength is None else stage.strength.play
+    split = split_nut_of(stage)
+    if play is not None and play.preload_force is not None:
+        if play.arrangement == "double_nut":
+            return 1.0
+        if split is None:
+            return 0.5
+    if split is None:
         return 1.0
-    strength = strength_of(stage)
-    assert strength.play is not None
-    return 0.5 if strength.play.arrangement == "split_nut" else 1.0
+    assert stage.load_sharing is not None
+    count = stage.load_sharing.thread_count
+    return min(split.after_thread, count - split.after_thread) / count
 
 
 def axial_approach(

@@ -76,13 +76,15 @@ def modified_life(
     return scaled_unless_infinite(life, factor)
 
 
-def largest_flank_load(stage: Stage, load: Scalar) -> Scalar:
+def largest_flank_load(stage: Stage, load: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
     """Load on the flanks that an axial load presses, preload included [N].
 
     **Arguments:**
 
     - `stage`: the stage, with its preload if there is one.
     - `load`: axial load, not negative [N].
+
+    **Raises:** `MissingDataError` where the preload of a split nut is given by its offset only.
     """
     preload = preload_of(stage)
     return load if preload is None else flank_loads(load, preload)[0]

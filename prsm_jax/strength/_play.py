@@ -7,7 +7,7 @@ from .._physics import physics
 from ..contact import StageContact
 from ..geometry import Meshing, mesh
 from ..mechanism import AxialPlay, Scalar, Stage
-from ._contacts import axial_approach, preload_of, strength_of, thread_share
+from ._contacts import axial_approach, is_braced, preload_of, strength_of, thread_share
 from ._preload import braced_stiffness, relative_displacement
 
 
@@ -29,7 +29,10 @@ def preload_force(stage: Stage) -> Scalar:
     """
     preload = preload_of(stage)
     if preload is None:
-        raise MissingDataError("the nut is not braced; give stage.strength.play.preload_force")
+        raise MissingDataError(
+            "the nut is not braced; give stage.strength.play.preload_force, or "
+            "stage.load_sharing.split_nut"
+        )
     return preload
 
 
@@ -40,22 +43,28 @@ def backlash(stage: Stage, meshing: Meshing | None = None) -> Scalar:
     As measured; or the play of the screw's threads in the rollers' and of those in the nut's:
     $2 g + t_s + 2 t_R + t_n$ with the axial gap g per flank that the meshing leaves between teeth
     of half a pitch (it is negative on the screw's side and 0 on the nut's) and the thinning t of
-    the teeth of screw, roller and nut. 0 where the nut is braced. Negative where teeth interfere.
+    the teeth of screw, roller and nut; or else the backlash of load sharing. 0 where the nut is
+    braced. Negative where teeth interfere.
 
     **Arguments:**
 
-    - `stage`: the stage, with play data.
+    - `stage`: the stage, with play data or load sharing.
     - `meshing`: its meshing, if known already.
 
     **Raises:** `MissingDataError` if neither backlash nor thinning nor preload is given.
     """
-    play = play_of(stage)
-    if play.preload_force is not None:
-        return jnp.zeros_like(play.preload_force)
-    if play.axial_backlash is not None:
+    play = None if stage.strength is None else stage.strength.play
+    if play is not None and play.axial_backlash is not None:
         return play.axial_backlash
-    thinning = _thinning(play)
+    preload = preload_of(stage)
+    if preload is not None:
+        return jnp.zeros_like(preload)
+    thinning = [] if play is None else _thinning(play)
     if not thinning:
+        sharing = stage.load_sharing
+        if sharing is not None and sharing.backlash is not None:
+            return sharing.backlash
+        play_of(stage)  # Names the table that is missing, where one is.
         raise MissingDataError(
             "the play of the threads is not known; give stage.strength.play.axial_backlash, or "
             "screw_tooth_thinning, roller_tooth_thinning and nut_tooth_thinning"
@@ -80,7 +89,7 @@ def _thinning(play: AxialPlay) -> list[Scalar]:
 def needs_meshing_for_backlash(stage: Stage) -> bool:
     """Whether the backlash follows from the teeth."""
     play = None if stage.strength is None else stage.strength.play
-    if play is None or play.preload_force is not None or play.axial_backlash is not None:
+    if play is None or play.axial_backlash is not None or is_braced(stage):
         return False
     return bool(_thinning(play))
 
@@ -104,14 +113,14 @@ def lost_motion(
 
     **Arguments:**
 
-    - `stage`: the stage, with play data, materials and `engaged_threads`.
+    - `stage`: the stage, with play data or load sharing, materials and `engaged_threads`.
     - `load`: F, whose magnitude counts [N].
     - `meshing`: its meshing, if known already.
     - `contact`: `reference_contact` of the stage, if known already.
 
     **Raises:** `MissingDataError` if data are missing.
     """
-    preload = play_of(stage).preload_force
+    preload = preload_of(stage)
     if preload is not None:
         displacement = relative_displacement(jnp.abs(load) / preload)
         return 2 * displacement * _approach(stage, preload, contact)

@@ -364,9 +364,9 @@ def test_backlash_adds_up_the_teeth():
 
 
 def test_two_preloads_for_one_force_are_found():
-    def found(stated, spacer):
+    def found(stated, spacer, arrangement="split_nut"):
         one = stage(
-            strength=Strength(play=AxialPlay(preload_force=stated)),
+            strength=Strength(play=AxialPlay(preload_force=stated, arrangement=arrangement)),
             load_sharing=LoadSharing(20, split_nut=SplitNut(10, preload=spacer)),
         )
         return [f for f in prsm.check(mechanism(one)) if f.name == "preload"]
@@ -376,6 +376,72 @@ def test_two_preloads_for_one_force_are_found():
     assert (finding.value, finding.limit) == (3e3, 2e3)
     assert "is 3000 N" in finding.message
     assert "preload 2000 N" in finding.message
+    (finding,) = found(3e3, 3e3, "double_nut")
+    assert 'arrangement is "double_nut"' in finding.message
+
+
+def test_contradictions_of_strength_and_load_sharing_are_found():
+    """Each by its name and both numbers; what has a reason is none."""
+
+    def found(play=None, engaged=20.0, **sharing):
+        data = None if play is None else Strength(play=AxialPlay(**play))
+        one = stage(strength=data, engaged_threads=engaged, load_sharing=LoadSharing(20, **sharing))
+        names = {"preload", "engaged_threads", "axial_backlash"}
+        return [(f.name, f.value, f.limit) for f in prsm.check(mechanism(one)) if f.name in names]
+
+    assert found() == found(engaged=19.6) == found({"axial_backlash": 5e-6}, backlash=5e-6) == []
+    assert found(engaged=10.0) == [("engaged_threads", 10.0, 20.0)]
+    halves, apart = SplitNut(10, preload=1e3), SplitNut(10, offset=2e-5)
+    assert found(engaged=10.0, split_nut=halves) == [("engaged_threads", 10.0, 20.0)]
+    # Both nuts of a pair in one chain, and the threads of one.
+    pair = found({"preload_force": 1e3}, 10.0, split_nut=halves)
+    assert [name for name, *_ in pair] == ["preload"]
+    assert found({"axial_backlash": 5e-6}, backlash=8e-6) == [("axial_backlash", 5e-6, 8e-6)]
+    assert found({"axial_backlash": 5e-6}, split_nut=halves) == [("axial_backlash", 5e-6, 0.0)]
+    # Thinned teeth leave a play that nobody has measured.
+    ((name, play, _),) = found({"screw_tooth_thinning": 2e-4}, backlash=8e-6)
+    gap = float(prsm.mesh(thread()).axial_gap)
+    assert name == "axial_backlash"
+    np.testing.assert_allclose(play, 2 * gap + 2e-4, rtol=1e-12)
+    assert found(split_nut=apart) == []
+    assert found({}, split_nut=apart) == [("preload", 2e-5, 0.0)]
+    stated = {"preload_force": 1e3, "arrangement": "split_nut"}
+    assert found(stated, split_nut=apart) == []
+
+
+def test_the_preload_of_a_split_nut_counts_in_strength():
+    """Given for load sharing only, it is that which strength could have been given itself."""
+    names = ["static_safety", "rating_life", "axial_backlash", "lost_motion", "preload_torque"]
+    data = {"static_capacity": 9e4, "dynamic_capacity": 6e4}
+    stated = AxialPlay(preload_force=3e3, arrangement="split_nut")
+    program = eqx.filter_jit(lambda m: prsm.compute(m, names))
+
+    def computed(play=None, **split):
+        sharing = LoadSharing(20, split_nut=SplitNut(**split)) if split else None
+        one = screwed(Strength(**data, play=play), load_sharing=sharing)
+        return program(mechanism(one, load=0.0))
+
+    expected = computed(stated)
+    assert expected["static_safety"] == 9e4 / 3e3
+    spacer = computed(after_thread=10, preload=3e3)
+    for name in names:
+        np.testing.assert_allclose(spacer[name], expected[name], rtol=1e-14, err_msg=name)
+    # Its halves need not be alike: the smaller one bears the load with fewer threads.
+    uneven = screwed(ESTIMATED.strength, load_sharing=LoadSharing(20, split_nut=SplitNut(5, 3e3)))
+    np.testing.assert_allclose(static_capacity(uneven), static_capacity(ESTIMATED) / 4, rtol=1e-14)
+    # A preload that results from the spacer's length is no number of the file.
+    assert computed(stated, after_thread=10, offset=2e-5)["static_safety"] == 9e4 / 3e3
+    for name in ("static_safety", "rating_life", "lost_motion"):
+        with pytest.raises(prsm.MissingDataError, match="results from its offset"):
+            prsm.compute(
+                mechanism(
+                    screwed(
+                        Strength(**data),
+                        load_sharing=LoadSharing(20, split_nut=SplitNut(10, offset=2e-5)),
+                    )
+                ),
+                [name],
+            )
 
 
 def test_lost_motion_with_and_without_preload():

@@ -1,0 +1,140 @@
+"""Findings on numbers that strength and load sharing both have, and that contradict each other."""
+
+from collections.abc import Iterator
+
+from ..geometry import Finding
+from ..mechanism import Scalar, Stage
+
+#: Preloads, and plays, that differ by less are the same but for rounding.
+_SAME = 0.01
+
+
+def agreement_findings(stage: Stage, number: int, teeth: Scalar | None = None) -> Iterator[Finding]:
+    """Two numbers for one thing: `preload`, `engaged_threads`, `axial_backlash`.
+
+    **Arguments:**
+
+    - `stage`, `number`: the stage, and its number from 1.
+    - `teeth`: the play that its thinned teeth leave [m], where that is known.
+    """
+    yield from _check_preload(stage, number)
+    yield from _check_threads(stage, number)
+    yield from _check_play(stage, number, teeth)
+
+
+def _check_preload(stage: Stage, number: int) -> Iterator[Finding]:
+    """The force that life and safety are reckoned with, and that of the shared load."""
+    play = None if stage.strength is None else stage.strength.play
+    split = None if stage.load_sharing is None else stage.load_sharing.split_nut
+    if split is None:
+        return
+    if play is None or play.preload_force is None:
+        if split.preload is None and stage.strength is not None:
+            assert split.offset is not None
+            offset = float(split.offset)
+            yield Finding(
+                "preload",
+                "warning",
+                number,
+                offset,
+                0.0,
+                f"stage.load_sharing.split_nut.offset is {offset * 1e6:.4g} um, from which a "
+                "preload results that life and static safety are not evaluated with; give it as "
+                'stage.strength.play.preload_force with arrangement = "split_nut" (the quantity '
+                "spacer_force at load 0)",
+            )
+        return
+    if play.arrangement != "split_nut":
+        yield Finding(
+            "preload",
+            "warning",
+            number,
+            1.0,
+            0.5,
+            f'stage.strength.play.arrangement is "{play.arrangement}", and stage.load_sharing has '
+            "a split nut: life and static safety count all engaged threads in either direction, "
+            'and thread loads those of one half; give arrangement = "split_nut"',
+        )
+    if split.preload is None:
+        return
+    stated, spacer = float(play.preload_force), float(split.preload)
+    if abs(stated - spacer) > _SAME * max(stated, spacer):
+        yield Finding(
+            "preload",
+            "warning",
+            number,
+            stated,
+            spacer,
+            f"stage.strength.play.preload_force is {stated:.4g} N and "
+            f"stage.load_sharing.split_nut.preload {spacer:.4g} N, which are one force: life and "
+            "static safety rest on the first, thread loads on the second; give both the same",
+        )
+
+
+def _check_threads(stage: Stage, number: int) -> Iterator[Finding]:
+    """How many threads carry, in equal shares and in the chains of load sharing."""
+    sharing = stage.load_sharing
+    if sharing is None or stage.engaged_threads is None:
+        return
+    engaged, count = float(stage.engaged_threads), sharing.thread_count
+    # A share of a thread may be engaged; the chains have whole ones.
+    if abs(engaged - count) < 1:
+        return
+    play, split = None if stage.strength is None else stage.strength.play, sharing.split_nut
+    if play is not None and play.preload_force is not None and split is not None:
+        of_one_nut = abs(engaged - split.after_thread) < 1
+        if play.arrangement == "double_nut" and of_one_nut:
+            # Both nuts in one chain, and the threads of one of them: each means what it says.
+            return
+    yield Finding(
+        "engaged_threads",
+        "warning",
+        number,
+        engaged,
+        float(count),
+        f"stage.engaged_threads is {engaged:.4g} and stage.load_sharing.thread_count {count}, "
+        "which are one number: capacities, pressures and stiffnesses of equal shares rest on the "
+        "first, thread loads on the second; give both the same"
+        + ("" if split is None else ", both halves of the split nut together"),
+    )
+
+
+def _check_play(stage: Stage, number: int, teeth: Scalar | None) -> Iterator[Finding]:
+    """How far the nut moves without load, for strength and for load sharing."""
+    play, sharing = None if stage.strength is None else stage.strength.play, stage.load_sharing
+    if play is None or sharing is None:
+        return
+    if sharing.split_nut is not None:
+        if play.axial_backlash is not None and float(play.axial_backlash) != 0:
+            stated = float(play.axial_backlash)
+            yield Finding(
+                "axial_backlash",
+                "warning",
+                number,
+                stated,
+                0.0,
+                f"stage.strength.play.axial_backlash is {stated * 1e6:.4g} um, and "
+                "stage.load_sharing.split_nut leaves none: remove the first (the play before "
+                "bracing is stage.load_sharing.backlash)",
+            )
+        return
+    if sharing.backlash is None or play.preload_force is not None:
+        return
+    if play.axial_backlash is not None:
+        stated, source = float(play.axial_backlash), "stage.strength.play.axial_backlash is"
+    elif teeth is not None:
+        stated, source = float(teeth), "the teeth of stage.strength.play leave a play of"
+    else:
+        return
+    shared = float(sharing.backlash)
+    if abs(stated - shared) > _SAME * max(abs(stated), abs(shared)):
+        yield Finding(
+            "axial_backlash",
+            "warning",
+            number,
+            stated,
+            shared,
+            f"{source} {stated * 1e6:.4g} um and stage.load_sharing.backlash "
+            f"{shared * 1e6:.4g} um, which are one play: backlash and lost motion rest on the "
+            "first, thread loads on the second; give both the same",
+        )
