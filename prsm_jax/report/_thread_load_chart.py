@@ -1,9 +1,11 @@
 """Load per thread on both sides and both flanks: bars for one class of rollers, a map for many."""
 
+from typing import Any
+
 import numpy as np
 
 from ..load_sharing import LoadDistribution, SideLoads
-from ._style import FAINT, INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure
+from ._style import FAINT, INK, MUTED, SERIES, SMALL, TITLE, Axes, Figure, drawn, page_figure
 from ._units import display_unit, in_unit, number
 
 _SIDES = (("screw", "screw side"), ("nut", "nut side"))
@@ -15,7 +17,8 @@ def thread_load_chart(found: LoadDistribution) -> Figure:
     """Draw how threads share the load, screw side above, nut side below.
 
     With equal rollers one stands for all, as bars; the flanks that a positive load presses point
-    up, the opposite flanks down. Unequal rollers are a map of rollers over threads beside it.
+    up, the opposite flanks down. Unequal rollers are maps of rollers over threads, one for each
+    flank that is modelled, all in one colour scale, with the sums of each roller beside them.
 
     **Arguments:**
 
@@ -69,59 +72,90 @@ def _mean_line(axes: Axes, side: SideLoads, count: int) -> None:
         axes.axhline(sign * mean, color=MUTED, lw=1.0, ls=(0, (4, 2)), label=label)
 
 
-def _ticks(count: int) -> np.ndarray:
-    step = next(s for s in (1, 2, 5, 10, 20, 50, 100, 1000) if count / s <= 25)
+def _ticks(count: int, most: int = 25) -> np.ndarray:
+    step = next(s for s in (1, 2, 5, 10, 20, 50, 100, 1000) if count / s <= most)
     ticks = np.arange(0, count + 1, step)
     return np.unique(np.where(ticks == 0, 1, ticks))
+
+
+def _flanks_of(found: LoadDistribution, name: str) -> list[tuple[str, np.ndarray]]:
+    """Loads on each flank that one side has, a row per roller."""
+    side: SideLoads = getattr(found, name)
+    pairs = [("forward flanks", side.forward), ("opposite flanks", side.reverse)]
+    return [
+        (words, np.asarray(found.by_roller(values)[1]))
+        for words, values in pairs
+        if values is not None
+    ]
 
 
 def _maps(found: LoadDistribution) -> Figure:
     from matplotlib.colors import LinearSegmentedColormap
 
     numbers, _ = found.by_roller(found.screw.forward)
-    # Net loads: a roller that is pressed on its opposite flanks is below zero.
-    loads = {}
-    for name, _ in _SIDES:
-        side: SideLoads = getattr(found, name)
-        net = side.forward if side.reverse is None else side.forward - side.reverse
-        loads[name] = np.asarray(found.by_roller(net)[1])
-    largest = max(np.abs(values).max() for values in loads.values()) or 1.0
-    signed = min(values.min() for values in loads.values()) < -1e-9 * largest
-    colours = ["#ffffff", "#cfe3f1", _FORWARD, "#00263d"]
-    if signed:
-        colours = ["#5c2500", "#d55e00", "#ffffff", _FORWARD, "#00263d"]
-    scale = LinearSegmentedColormap.from_list("load", colours)
-    figure = page_figure(2 * (4.5 * len(numbers) + 20) + 12)
-    grid = figure.subplots(2, 2, width_ratios=(5, 1), sharey="row", sharex="col")
+    sides = [(name, words, _flanks_of(found, name)) for name, words in _SIDES]
+    # One map for each flank: in a difference of the two what wedges a roller would disappear.
+    largest = max(values.max() for *_, flanks in sides for _, values in flanks) or 1.0
+    scale = LinearSegmentedColormap.from_list("load", ["#ffffff", "#cfe3f1", _FORWARD, "#00263d"])
+    columns = len(sides[0][2])
+    figure = page_figure(2 * (4.5 * len(numbers) + 20) + 24)
+    grid = figure.subplots(
+        2, columns + 1, width_ratios=[5 / columns] * columns + [1.3], sharey="row", sharex="col"
+    )
     image = None
-    for (axes, beside), (name, words) in zip(grid, _SIDES, strict=True):
-        values = loads[name]
-        image = axes.imshow(
-            values,
-            aspect="auto",
-            cmap=scale,
-            vmin=-largest if signed else 0.0,
-            vmax=largest,
-            extent=(0.5, values.shape[1] + 0.5, len(numbers) - 0.5, -0.5),
-            interpolation="nearest",
-        )
-        factor = number(float(getattr(found, name).thread_sharing_factor), 3)
-        axes.set_title(f"{_title(found)}: {words}, largest over mean {factor}")
-        axes.set_yticks(range(len(numbers)), [str(n) for n in numbers])
-        axes.set_ylabel("roller")
-        axes.set_xticks(_ticks(values.shape[1]))
-        axes.tick_params(length=0)
-        sums = values.sum(axis=1)
-        beside.barh(range(len(numbers)), sums, height=0.7, color=_FORWARD)
-        beside.axvline(sums.mean(), color=MUTED, lw=1.0, ls=(0, (4, 2)))
-        beside.grid(axis="x", color=FAINT)
-        beside.tick_params(axis="y", length=0)
-        beside.set_title("sum")
-    grid[1, 0].set_xlabel("thread, from the end where the screw's force enters")
-    grid[1, 1].set_xlabel("load of a roller in N")
+    for row, (_, words, flanks) in zip(grid, sides, strict=True):
+        for axes, (flank, values) in zip(row, flanks, strict=False):
+            image = axes.imshow(
+                values,
+                aspect="auto",
+                cmap=scale,
+                vmin=0.0,
+                vmax=largest,
+                extent=(0.5, values.shape[1] + 0.5, len(numbers) - 0.5, -0.5),
+                interpolation="nearest",
+            )
+            axes.set_title(f"{words}, {flank}")
+            axes.set_xticks(_ticks(values.shape[1], 25 if columns == 1 else 8))
+            axes.tick_params(length=0)
+            axes.spines[["top", "right"]].set_visible(True)
+        row[0].set_ylabel("roller")
+        row[0].set_yticks(range(len(numbers)), [str(n) for n in numbers])
+        _sums(row[-1], [values.sum(axis=1) for _, values in flanks])
+    between = " " if columns == 1 else "\n"
+    for axes in grid[1, :-1]:
+        axes.set_xlabel(f"thread, from the end where{between}the screw's force enters")
+    grid[1, -1].set_xlabel("load of a roller in N")
+    factors = [
+        f"{words} {number(float(getattr(found, name).thread_sharing_factor), 3)}"
+        for name, words in _SIDES
+    ]
+    title = f"{_title(found)}; largest over mean: {', '.join(factors)}"
+    figure.suptitle(title, x=0.01, ha="left", fontsize=TITLE, fontweight="bold")
+    handles, labels = grid[0, -1].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4)
     assert image is not None
-    bar = figure.colorbar(image, ax=grid[:, 1].tolist(), aspect=40, pad=0.08)
+    bar = figure.colorbar(image, ax=grid[:, -1].tolist(), aspect=40, pad=0.08)
     bar.set_label("axial load of a thread in N")
     bar.outline.set_linewidth(0.4)
     bar.ax.tick_params(labelsize=SMALL)
     return figure
+
+
+def _sums(axes: Axes, sums: list[np.ndarray]) -> None:
+    """What each roller bears in all: forward flanks to the right, opposite ones to the left."""
+    places = range(len(sums[0]))
+    axes.barh(places, sums[0], height=0.7, color=_FORWARD, label="forward flanks")
+    net = sums[0]
+    if len(sums) > 1:
+        hatched: Any = {"facecolor": _REVERSE, "hatch": "////", "edgecolor": "white"}
+        axes.barh(places, -sums[1], height=0.7, label="opposite flanks", **hatched)
+        axes.axvline(0, color=INK, lw=0.6)
+        net = sums[0] - sums[1]
+        mark: Any = {"marker": "D", "ms": 4, "mfc": INK, "mec": "white", "mew": 0.6, "zorder": 3}
+        axes.plot(net, places, ls="", label="difference of both", **mark)
+    style: Any = {"color": MUTED, "lw": 1.0, "ls": (0, (4, 2)), "zorder": 2}
+    axes.axvline(net.mean(), label="shared equally by rollers", **style)
+    axes.xaxis.set_major_formatter(lambda value, _: f"{abs(value):g}")
+    axes.grid(axis="x", color=FAINT)
+    axes.tick_params(axis="y", length=0)
+    axes.set_title("sum")

@@ -74,6 +74,23 @@ def test_a_map_of_unequal_rollers():
     assert not overlaps(figure)
 
 
+def test_maps_of_both_flanks():
+    """What presses a roller on opposite flanks is seen on both, and does not cancel."""
+    forward = np.array([[90.0, 60.0, 0.0], [9.0, 6.0, 3.0]])
+    reverse = np.array([[90.0, 0.0, 30.0], [0.0, 0.0, 1.0]])
+    figure = thread_load_chart(_distribution(forward, reverse, rollers=((1, 3), (2,))))
+    pressed, opposite, sums = figure.axes[:3]
+    for axes, loads in ((pressed, forward), (opposite, reverse)):
+        (image,) = axes.images
+        np.testing.assert_allclose(image.get_array(), loads[[0, 1, 0]])
+        assert image.get_clim() == (0.0, 90.0)
+    widths = [bar.get_width() for bar in sums.patches]
+    np.testing.assert_allclose(widths, [150, 18, 150, -120, -1, -120])
+    titles = [axes.get_title("left") for axes in figure.axes]
+    assert {"screw side, forward flanks", "nut side, opposite flanks"} <= set(titles)
+    assert not overlaps(figure)
+
+
 def test_force_over_deflection():
     load = jnp.asarray([-10e3, -1e3, 1e3, 10e3])
     deflection = jnp.asarray([-3e-5, -1.2e-5, 0.2e-5, 2e-5])
