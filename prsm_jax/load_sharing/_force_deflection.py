@@ -19,7 +19,8 @@ class ForceDeflection(eqx.Module):
 
     #: [N]
     load: Float[Array, " points"]
-    #: Travel of screw towards nut from where nominal forward flanks touch [m].
+    #: Travel of screw towards nut from where nominal forward flanks touch, play and what the
+    #: preload makes of it included [m].
     deflection: Float[Array, " points"]
     #: dF/dx [N/m].
     tangent_stiffness: Float[Array, " points"]

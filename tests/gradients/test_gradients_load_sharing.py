@@ -11,7 +11,7 @@ from scenes import array, mechanism
 from sharing_scenes import HERTZ, SEGMENT, TOOTH, chains, sharing_stage
 
 import prsm_jax as prsm
-from prsm_jax.load_sharing import equilibrium
+from prsm_jax.load_sharing import elastic_deflection, equilibrium
 
 _GAPS = np.random.default_rng(3).normal(size=(1, 8)) * 2e-6
 _NUMBERS = {
@@ -106,6 +106,33 @@ def test_a_contact_that_just_opens():
         np.testing.assert_allclose(onesided, forward, atol=0.05)
     backward = _reverse(numbers, jnp.ones(9))
     assert all(np.all(np.isfinite(leaf)) for leaf in jax.tree.leaves(backward))
+
+
+@pytest.mark.parametrize("backlash", [-12e-6, 20e-6])
+def test_where_a_nut_stands_without_load(backlash):
+    """Braced by thick rollers, or with play: both modes against differences."""
+    got, forward, reverse = _rest(array(backlash))
+    assert bool(got.braced) == (backlash < 0)
+    step = 1e-9
+    after, before = (_rest(array(backlash + sign * step))[0] for sign in (1, -1))
+    difference = (float(after.rest) - float(before.rest)) / (2 * step)
+    # Differences of second order, and rests found to 1e-12 of some micrometres.
+    assert float(forward) == pytest.approx(difference, abs=1e-6)
+    assert float(reverse) == pytest.approx(float(forward), abs=1e-12)
+    # Backward the play is passed first; a braced nut floats in the middle of what there is.
+    assert float(forward) == pytest.approx(-1 if backlash > 0 else -0.5, abs=0.2)
+
+
+@jax.jit
+def _rest(backlash):
+    def found(value):
+        bare = chains(4, gap=jnp.asarray(_GAPS[:, :4]), backlash=value)
+        return elastic_deflection(bare, array(-100.0), array(0.0))
+
+    def rest(value):
+        return found(value).rest
+
+    return found(backlash), jax.jacfwd(rest)(backlash), jax.jacrev(rest)(backlash)
 
 
 def test_no_load_at_all():
