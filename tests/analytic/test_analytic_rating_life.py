@@ -1,5 +1,7 @@
 """Equivalent load, rating life and its factors by hand, and what must not change them."""
 
+import dataclasses
+import re
 from types import SimpleNamespace
 
 import equinox as eqx
@@ -13,6 +15,7 @@ from scenes import array, example, mechanism, stage, thread
 import prsm_jax as prsm
 from prsm_jax import strength
 from prsm_jax.mechanism import AxialPlay, DutyCycle, Strength
+from prsm_jax.quantities import catalogue
 from prsm_jax.strength import LoadSpectrum
 
 CAPACITY = 50e3
@@ -228,6 +231,48 @@ def test_small_swings_stress_less_material_more_often():
     np.testing.assert_allclose(factor(ONE, array(critical / 1024)), 0.5, rtol=1e-12)
     np.testing.assert_allclose(factor(ONE, array(critical)), 1.0, rtol=1e-14)
     assert factor(ONE, array(3 * critical)) == 1.0
+
+
+def test_a_swing_is_judged_under_the_largest_load_on_a_flank():
+    """Of the duty cycle and with the preload: the ellipse grows with the cube root of the load."""
+    swinging = stage(
+        curvature="wu2022",
+        strength=Strength(oscillation_amplitude=1e-4, play=AxialPlay(preload_force=4e3)),
+    )
+    one = mechanism(swinging, load=1e3)
+    cycle = DutyCycle(*(jnp.asarray(x) for x in ([1.0, 1.0], [10.0, 10.0], [0.0, 8e3])))
+    one = dataclasses.replace(one, duty_cycle=cycle)
+    expected = eqx.filter_jit(strength.minimum_oscillation_amplitude)(
+        swinging, strength.braced_loads(array(8e3), array(4e3))[0]
+    )
+    name = "minimum_oscillation_amplitude"
+    found = eqx.filter_jit(lambda m: prsm.compute(m, [name])[name])(one)
+    np.testing.assert_allclose(found, expected[None], rtol=1e-13)
+    named = {f.name: f for f in prsm.findings.strength_findings(one)}
+    np.testing.assert_allclose(named["false_brinelling"].limit, expected, rtol=1e-13)
+
+
+#: What rests on mechanics alone.
+MECHANICS = {
+    "buckling_load",
+    "slenderness_ratio",
+    "critical_speed",
+    "axial_backlash",
+    "lost_motion",
+    "preloaded_stiffness",
+    "preload_torque",
+}
+
+
+def test_the_catalogue_says_what_rests_on_other_machines():
+    """All else is the practice of bearings and ball screws, and says so by name."""
+    files = ("_strength", "_rating_life", "_play")
+    known = {q.name: q for q in catalogue() if q.function.__module__.endswith(files)}
+    # Those of the screw alone are made in a loop, by functions of the same file.
+    assert set(known) > MECHANICS
+    for name in set(known) - MECHANICS:
+        words = known[name].description
+        assert re.search(r"ISO \d+|ball screws|bearings?\b", words), f"{name}: {words}"
 
 
 def test_factors_multiply():

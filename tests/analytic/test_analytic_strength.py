@@ -16,13 +16,17 @@ from prsm_jax.contact import contact_frames
 from prsm_jax.mechanism import (
     AxialPlay,
     CoulombFriction,
+    DutyCycle,
     Friction,
     LoadSharing,
+    Mechanism,
+    OperatingPoint,
     Screw,
     ScrewShaft,
     SplitNut,
     Strength,
 )
+from prsm_jax.quantities import _analysis
 from prsm_jax.strength import _fatigue, _static, _subsurface
 
 PRESSURE = 4.2e9
@@ -100,6 +104,95 @@ def test_threads_that_share_unequally_lower_the_quantities():
         np.testing.assert_allclose(shared[name], equal[name] / largest, rtol=1e-12)
     lowered = float(equal["dynamic_capacity"][0] / shared["dynamic_capacity"][0])
     assert 1 < lowered < largest
+
+
+#: Three threads with errors and wear as large as their approaches: how they share depends on the
+#: load and, with both flanks, on its sense.
+UNEVEN = LoadSharing(
+    3,
+    screw_segment_stiffness=4e8,
+    roller_segment_stiffness=1e8,
+    nut_segment_stiffness=8e8,
+    backlash=2e-5,
+    screw_pitch_error=jnp.asarray([0.0, 4e-6, -3e-6]),
+    screw_wear=jnp.asarray([3e-6, 0.0, 0.0]),
+)
+_borne = eqx.filter_jit(
+    lambda m: prsm.compute(m, ["static_capacity", "static_safety", "dynamic_capacity"])
+)
+
+
+def _uneven(point, cycle=None, sharing=UNEVEN, play=None):
+    data = Strength(permissible_pressure=PRESSURE, material_factor=1.0, play=play)
+    one = screwed(data, engaged_threads=3.0, load_sharing=sharing)
+    operating = None if point is None else OperatingPoint(100.0, point)
+    turning = None
+    if cycle is not None:
+        turning = DutyCycle(*(jnp.asarray(x) for x in ([1.0, 1.0], [10.0, 30.0], cycle)))
+    return Mechanism((one,), operating, duty_cycle=turning)
+
+
+def test_threads_share_as_under_the_load_that_strength_looks_at():
+    """Static strength at the largest load, fatigue at the equivalent one, whatever the point."""
+    at = {load: _borne(_uneven(load)) for load in (-3e3, 3e3)}
+    cubes = 0.25 * 1e3**3 + 0.75 * 3e3**3
+    mean = _borne(_uneven(float(np.cbrt(cubes))))
+    # Wear is on the forward flanks: the sense of the load makes a difference.
+    assert abs(at[3e3]["static_capacity"][0] / at[-3e3]["static_capacity"][0] - 1) > 0.02
+    assert abs(mean["dynamic_capacity"][0] / at[3e3]["dynamic_capacity"][0] - 1) > 0.01
+    for point in (0.0, 2e2, 2.9e3):
+        found = _borne(_uneven(point, [1e3, 3e3]))
+        for name in ("static_capacity", "static_safety"):
+            np.testing.assert_allclose(found[name], at[3e3][name], rtol=1e-12)
+        np.testing.assert_allclose(found["dynamic_capacity"], mean["dynamic_capacity"], rtol=1e-12)
+    back = _borne(_uneven(1e3, [1e3, -3e3]))
+    np.testing.assert_allclose(back["static_safety"], at[-3e3]["static_safety"], rtol=1e-12)
+    # The operating point is borne too, if it is larger than all phases.
+    above = _borne(_uneven(-3e3, [1e3, 2e3]))
+    np.testing.assert_allclose(above["static_safety"], at[-3e3]["static_safety"], rtol=1e-12)
+
+
+def test_without_load_nothing_is_shared_unequally():
+    """One tooth would be the first to touch; what it bears is rounding."""
+    idle = _borne(_uneven(0.0))
+    whole = static_capacity(screwed(ESTIMATED.strength, engaged_threads=3.0))
+    np.testing.assert_allclose(idle["static_capacity"], whole[None], rtol=1e-12)
+    assert np.isinf(idle["static_safety"])
+    # However small, a load is one: one tooth bears all of it.
+    hardly = _borne(_uneven(1e-6))
+    np.testing.assert_allclose(hardly["static_capacity"], whole[None] / 3, rtol=1e-3)
+
+
+def test_a_preload_of_two_nuts_is_shared_too():
+    """Without a load each nut bears the preload, and its threads share that."""
+    braced = _borne(_uneven(0.0, play=AxialPlay(preload_force=3e3)))
+    alone = _borne(_uneven(3e3))
+    for name in ("static_capacity", "static_safety", "dynamic_capacity"):
+        np.testing.assert_allclose(braced[name], alone[name], rtol=1e-12)
+
+
+def test_one_load_is_shared_once(monkeypatch):
+    """Balances in the program: one where the operating point is all, three with a duty cycle."""
+    solved = []
+    one_stage = _analysis.stage_load_distribution
+    monkeypatch.setattr(
+        _analysis,
+        "stage_load_distribution",
+        lambda *given: solved.append(given) or one_stage(*given),
+    )
+
+    def balances(one, names=("static_safety", "rating_life", "largest_thread_load"), **given):
+        solved.clear()
+        eqx.filter_eval_shape(lambda m: prsm.compute(m, names, **given), one)
+        return len(solved)
+
+    assert balances(_uneven(3e3)) == 1
+    assert balances(_uneven(3e3, [1e3, 2e3])) == 3
+    assert balances(_uneven(3e3, [1e3, 2e3]), load=5e3) == 1
+    # What lacks an operating point has a strength all the same.
+    assert balances(_uneven(None, [1e3, 2e3]), ("static_safety", "rating_life")) == 2
+    # A preload is not on the flanks of the operating point.
+    assert balances(_uneven(3e3, play=AxialPlay(preload_force=1e3))) == 2
 
 
 def test_permanent_deformation_in_newtons_and_millimetres():

@@ -5,9 +5,19 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from scenes import example
+from scenes import example, stage
 
 import prsm_jax as prsm
+from prsm_jax.mechanism import (
+    AxialPlay,
+    CoulombFriction,
+    DutyCycle,
+    Friction,
+    LoadSharing,
+    Mechanism,
+    OperatingPoint,
+    Strength,
+)
 from prsm_jax.quantities import available_quantities, catalogue
 
 _FILES = ("_strength", "_rating_life", "_play")
@@ -22,7 +32,7 @@ def _actuator(**duty):
     return eqx.tree_at(lambda m: [getattr(m.duty_cycle, n) for n in given], one, new)
 
 
-#: What a preload makes has derivatives of its own, in closed form, and tests beside it.
+#: What a preload makes; the actuator has none.
 BRACED = {"preload_opening_load", "preloaded_stiffness", "preload_torque"}
 AVAILABLE = tuple(name for name in NAMES if name not in BRACED)
 
@@ -111,3 +121,64 @@ def test_reverse_agrees_with_forward_and_stays_finite(duty):
         expected = float(jnp.sum(weights * slopes))
         size = float(jnp.sum(jnp.abs(weights * slopes)))
         assert _dot(gradient, direction) == pytest.approx(expected, abs=1e-10 * size)
+
+
+#: What rests on a preload, and on how threads share the largest and the equivalent load.
+SHARED = (*sorted(BRACED), "lost_motion", "static_safety", "rating_life")
+
+
+def _braced():
+    """Two braced nuts of four threads with pitch errors, and a duty cycle."""
+    sharing = LoadSharing(
+        4,
+        screw_segment_stiffness=4e8,
+        roller_segment_stiffness=1e8,
+        nut_segment_stiffness=8e8,
+        nut_pitch_error=jnp.asarray([0.0, 1e-6, -5e-7, 2e-6]),
+    )
+    data = Strength(4.2e9, material_factor=1.1, play=AxialPlay(preload_force=2e3))
+    one = stage(
+        friction=Friction(thread=CoulombFriction(0.06)),
+        curvature="wu2022",
+        gear=None,
+        engaged_threads=4.0,
+        strength=data,
+        load_sharing=sharing,
+    )
+    cycle = DutyCycle(*(jnp.asarray(x) for x in ([2.0, 1.0], [10.0, -40.0], [1e3, 3e3])))
+    return Mechanism((one,), OperatingPoint(100.0, 1.5e3), duty_cycle=cycle)
+
+
+@eqx.filter_jit
+def _all_ways(leaves, direction, weights, rest):
+    def values(given):
+        found = prsm.compute(eqx.combine(given, rest), SHARED)
+        return jnp.concatenate([jnp.ravel(found[name]) for name in SHARED])
+
+    here, slopes = jax.jvp(values, (leaves,), (direction,))
+    return here, slopes, jax.vjp(values, leaves)[1](weights / here)[0]
+
+
+def test_derivatives_through_preload_and_shared_loads():
+    leaves, rest = eqx.partition(_braced(), eqx.is_inexact_array)
+    direction = _direction(leaves)
+    weights = jnp.cos(jnp.arange(float(len(SHARED))))
+    here, slopes, gradient = _all_ways(leaves, direction, weights, rest)
+    step = 1e-5
+    ends = [
+        _all_ways(
+            jax.tree.map(lambda x, d, s=s: x + s * step * d, leaves, direction),
+            direction,
+            weights,
+            rest,
+        )[0]
+        for s in (1, -1)
+    ]
+    assert np.isfinite(here).all()
+    # Second order in a step of 1e-5; the balance of the threads has 1e-12, over the step 1e-7.
+    np.testing.assert_allclose(
+        slopes / here, (ends[0] - ends[1]) / (2 * step * here), rtol=1e-6, atol=1e-6
+    )
+    expected = jnp.sum(weights / here * slopes)
+    size = float(jnp.sum(jnp.abs(weights / here * slopes)))
+    assert _dot(gradient, direction) == pytest.approx(float(expected), abs=1e-9 * size)
