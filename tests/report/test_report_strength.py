@@ -1,13 +1,22 @@
 """Charts of strength: readable, with units, and with the numbers of the laws."""
 
+import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from report_checks import assert_printable, axis_labels
 
 import prsm_jax as prsm
-from prsm_jax.report import life_chart, shaft_limits_chart
-from prsm_jax.strength import LoadSpectrum, buckling_load, permissible_speed
+from prsm_jax.mechanism import AxialPlay
+from prsm_jax.report import ReportData, life_chart, shaft_limits_chart
+from prsm_jax.report._strength_section import strength_section
+from prsm_jax.strength import (
+    LoadSpectrum,
+    braced_loads,
+    buckling_load,
+    permissible_speed,
+    rating_life,
+)
 
 
 def test_life_of_a_duty_cycle(actuator):
@@ -50,3 +59,35 @@ def test_limits_of_the_shaft_pass_through_the_laws(actuator):
     np.testing.assert_allclose(rpm[90], expected)
     assert "largest load" in " ".join(t.get_text() for t in buckling.texts)
     assert not shaft_limits_chart(stage).axes[0].texts
+
+
+def test_the_life_in_a_report_is_drawn_with_the_preload(actuator):
+    """On the flank that is loaded more; the table's life is that of both flanks together."""
+    play = AxialPlay(preload_force=8e3)
+    braced = eqx.tree_at(lambda m: m.stages[0].strength.play, actuator, play)
+    capacity = jnp.asarray(6e4)
+    life = rating_life(braced.stages[0], capacity, prsm.load_spectrum(braced.duty_cycle))
+    values = {"dynamic_capacity": capacity[None], "rating_life": life.revolutions[None]}
+
+    def drawn(one, given):
+        section = strength_section(ReportData(one, "a title", strength=given))
+        return [p for p in section.pictures if p.name == "life"]
+
+    (picture,) = drawn(braced, values)
+    assert "preload included" in picture.caption
+    figure = picture.draw()
+    assert_printable(figure)
+    *_, line = figure.axes
+    mean = 1e3 * float(line.lines[2].get_xdata()[0])
+    spectrum = prsm.load_spectrum(braced.duty_cycle)
+    means = [
+        float(np.cbrt(jnp.sum(spectrum.weights * load**3)))
+        for load in braced_loads(spectrum.load, jnp.asarray(8e3))
+    ]
+    np.testing.assert_allclose(mean, max(means), rtol=1e-12)
+    both = sum((1e6 * (6e4 / x) ** 3) ** (-10 / 9) for x in means) ** -0.9
+    np.testing.assert_allclose(life.revolutions, both, rtol=1e-12)
+    # Without a life, as where the preload is not known, there is none to draw.
+    assert drawn(braced, {"dynamic_capacity": capacity[None]}) == []
+    (alone,) = drawn(actuator, values)
+    assert "preload" not in alone.caption
