@@ -68,10 +68,11 @@ def validate(
 
 def _published_pictures(folder: Path, source: str | None) -> list[Path]:
     """The figures of the papers, drawn anew."""
-    from ..report import published_figure, save_figure
-    from ..validation import published_figures
+    from ..report import published_figure, published_pressure, save_figure
+    from ..validation import published_figures, published_pressures
 
     # Everything that can fail comes before the folder.
     drawn = {figure.file_name: published_figure(figure) for figure in published_figures(source)}
+    drawn |= {one.file_name: published_pressure(one) for one in published_pressures(source)}
     folder.mkdir(parents=True, exist_ok=True)
     return [path for name, figure in drawn.items() for path in save_figure(figure, folder / name)]

@@ -28,9 +28,13 @@ def axis_stress(
     - `max_pressure`: p₀ [Pa].
     - `poisson_ratio`: ν of this body.
 
-    **Returns:** σ along a, σ along b, σ in depth [Pa].
+    **Returns:** σ along a, σ along b, σ in depth [Pa]; 0 where the semi-axes are 0, without a load.
     """
-    ratio, zeta = semi_minor / semi_major, depth / semi_major
+    unloaded = semi_minor <= 0
+    semi_major, semi_minor = (jnp.where(unloaded, 1.0, axis) for axis in (semi_major, semi_minor))
+    max_pressure = jnp.where(unloaded, 0.0, max_pressure)
+    # The integrals take the root of ζ²: at the surface its derivative needs a ζ that is not 0.
+    ratio, zeta = semi_minor / semi_major, depth / semi_major + jnp.finfo(depth.dtype).eps ** 2
     square, below = ratio**2, 1 + zeta**2
     ratio_below = jnp.sqrt((square + zeta**2) / below)
     # ∫ sin²θ/Δ and ∫ cos²θ/Δ up to arccot ζ, the amplitude at this depth.

@@ -29,8 +29,12 @@ def line_subsurface_stress(
     - `traction`: shear traction per pressure that acts on this body in x. Without it no friction
       is traced.
 
-    **Returns:** the symmetric stress tensor in (x, y, z), y along the line [Pa].
+    **Returns:** the symmetric stress tensor in (x, y, z), y along the line [Pa]; 0 where the
+    half-width is 0, without a load.
     """
+    unloaded = half_width <= 0
+    half_width = jnp.where(unloaded, 1.0, half_width)
+    max_pressure = jnp.where(unloaded, 0.0, max_pressure)
     x, z = point[0] / half_width, point[1] / half_width
     real = 1 - x**2 + z**2
     # The floors keep derivatives finite at the edges of the contact, where those of the stress

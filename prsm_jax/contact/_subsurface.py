@@ -187,7 +187,7 @@ def subsurface_stress(
       is traced.
     - `nodes`: nodes of the quadrature, even.
 
-    **Returns:** the symmetric stress tensor [Pa].
+    **Returns:** the symmetric stress tensor [Pa]; 0 where the semi-axes are 0, without a load.
 
     **Raises:** `ValueError` for an odd number of nodes or fewer than 8.
 
@@ -196,6 +196,9 @@ def subsurface_stress(
     """
     if nodes < 8 or nodes % 2:
         raise ValueError(f"nodes is {nodes}; the rule needs an even number, at least 8")
+    unloaded = jnp.min(semi_axes) <= 0
+    semi_axes = jnp.where(unloaded, 1.0, semi_axes)
+    max_pressure = jnp.where(unloaded, 0.0, max_pressure)
     # In the frame of the longer axis, κ ≤ 1.
     turned = semi_axes[1] > semi_axes[0]
     major, minor = jnp.max(semi_axes), jnp.min(semi_axes)

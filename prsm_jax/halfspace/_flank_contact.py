@@ -20,13 +20,17 @@ Heights = (
 )
 
 
+#: Half the grid over the relative radius of curvature where a contact without load has no ellipse.
+_UNLOADED = 1e-4
+
+
 class FlankContact(eqx.Module):
     """One thread contact of a roller with true surfaces, beside its Hertz contact."""
 
     surface: SurfaceContact
     flanks: FlankGap
     plane: TangentPlane
-    #: The same normal force on the osculating paraboloids.
+    #: The same normal force, or the approach that was given, on the osculating paraboloids.
     hertz: HertzContact
     #: Normal force per axial force of the contact, F_n/F_a.
     normal_per_axial: Scalar
@@ -41,12 +45,21 @@ def _rounded(flanks: FlankGap, edge_radius: Scalar) -> Float[Array, "nx ny"]:
     return gap
 
 
+def _hertz_force(
+    approach: Scalar, total: Scalar, difference_squared: Scalar, modulus: Scalar
+) -> Scalar:
+    """Normal force of a Hertz contact at an approach, F ∝ δ^{3/2}; 0 where it is open."""
+    unit = hertz_contact(jnp.ones_like(modulus), total, difference_squared, modulus)
+    return (jnp.maximum(approach, 0.0) / unit.approach) ** 1.5
+
+
 def flank_contact(
     stage: Stage,
     side: str,
-    load: Scalar | float,
+    load: Scalar | float | None = None,
     shape: tuple[int, int] = (128, 128),
     *,
+    approach: Scalar | float | None = None,
     extent: Scalar | float = 1.3,
     heights: Heights | None = None,
     edge_radius: Scalar | float | None = None,
@@ -65,13 +78,17 @@ def flank_contact(
     away from it.
 
     The axial load is shared equally by rollers and threads, as in `stage_contact`. Curvatures and
-    normals are always the exact ones, whatever the stage's convention.
+    normals are always the exact ones, whatever the stage's convention. Without a load there is no
+    pressure, and the result code is 3.
 
     **Arguments:**
 
-    - `stage`: the stage; needs materials and `engaged_threads`.
+    - `stage`: the stage; needs materials, and `engaged_threads` for a load.
     - `side`: `"screw"` or `"nut"`.
-    - `load`: axial load on the nut [N].
+    - `load`: axial load on the nut [N]; its magnitude counts; or
+    - `approach`: approach of the two flanks of this contact along their common normal, 0 where
+      smooth ones touch [m]. The grid is that of the Hertz ellipse at this approach, so peaks of
+      rough flanks that touch before, at an approach of 0 or less, want a load instead.
     - `shape`: number of cells along the major and the minor axis of the ellipse.
     - `extent`: half the grid over the semi-axes of the Hertz ellipse.
     - `heights`: roughness or waviness of both surfaces together, positive outwards, so a peak
@@ -82,19 +99,34 @@ def flank_contact(
     - `tolerance`, `max_iterations`: as in `solve_contact`.
 
     **Raises:** `MissingDataError` if materials or engaged threads are not given; `ValueError` for
-    an unknown side or heights that do not fit the grid.
+    an unknown side, heights that do not fit the grid, and unless exactly one of `load` and
+    `approach` is given.
     """
+    if (load is None) == (approach is None):
+        raise ValueError(
+            f"load is {load!r} and approach is {approach!r}; give exactly one of the two"
+        )
     side = checked_side(side)
     thread = stage.thread
     meshing = mesh(thread) if meshing is None else meshing
     contact = getattr(meshing, side)
     modulus = contact_modulus(material_of(stage, "roller"), material_of(stage, side))
     normal_per_axial = 1 / jnp.abs(contact.normal[2])
-    axial = jnp.asarray(load, modulus.dtype) / (stage.present_roller_count * engaged_threads(stage))
-    force = axial * normal_per_axial
     curvature = contact.curvature
-    hertz = hertz_contact(force, curvature.total, curvature.difference_squared, modulus)
-    grid = grid_over(shape, extent * hertz.semi_major, extent * hertz.semi_minor)
+    paraboloids = curvature.total, curvature.difference_squared, modulus
+    if load is None:
+        approach = jnp.asarray(approach, modulus.dtype)
+        force = _hertz_force(approach, *paraboloids)
+    else:
+        magnitude = jnp.abs(jnp.asarray(load, modulus.dtype))
+        axial = magnitude / (stage.present_roller_count * engaged_threads(stage))
+        force = axial * normal_per_axial
+    hertz = hertz_contact(force, *paraboloids)
+    half_axes = (
+        jnp.where(hertz.semi_minor > 0, axis, _UNLOADED / curvature.total)
+        for axis in (hertz.semi_major, hertz.semi_minor)
+    )
+    grid = grid_over(shape, *(extent * half for half in half_axes))
     plane = tangent_plane(thread, meshing, side)
     flanks = flank_gap(thread, plane, side, grid)
     material = None if edge_radius is not None else flanks.material
@@ -107,7 +139,8 @@ def flank_contact(
         grid,
         gap,
         modulus,
-        load=force,
+        load=force if approach is None else None,
+        approach=approach,
         material=material,
         tolerance=tolerance,
         max_iterations=max_iterations,

@@ -74,9 +74,16 @@ def constrained_conjugate_gradients(
     - `max_iterations`: steps allowed.
     """
 
+    # Without any pressure the bodies just touch, whatever constant the gap holds.
+    nearest = jnp.min(gap, where=material, initial=jnp.inf)
+    nearest = jnp.where(jnp.isfinite(nearest), nearest, 0.0)
+
     def assess(pressure, displacement):
         contact = (pressure > 0).astype(pressure.dtype)
-        approach = _mean(displacement + gap, contact) if control == "load" else target
+        approach = target
+        if control == "load":
+            mean = _mean(displacement + gap, contact)
+            approach = jnp.where(jnp.any(pressure > 0), mean, nearest)
         opened = displacement + gap - approach
         overlap = jnp.where(material & (pressure <= 0), -opened, 0.0)
         violation = jnp.maximum(jnp.max(jnp.abs(opened) * contact), jnp.max(overlap))

@@ -76,14 +76,15 @@ def partial_slip(
 
     - `contact`: the normal contact under the load F.
     - `gap`, `modulus`, `material`: what it was found with.
-    - `coefficient`: friction coefficient μ.
+    - `coefficient`: friction coefficient μ; without friction (0) nothing sticks.
     - `force`: tangential force Q ≥ 0 [N]; from μ F on the contact slides.
     - `tolerance`, `max_iterations`: as in `solve_contact`.
     """
     mu = jnp.asarray(coefficient, gap.dtype)
     asked = jnp.maximum(jnp.asarray(force, gap.dtype), 0.0)
     limit = mu * contact.load
-    remaining = jnp.maximum(contact.load - asked / mu, 0.0)
+    sliding = asked >= limit
+    remaining = jnp.where(sliding, 0.0, contact.load - asked / jnp.where(sliding, 1.0, mu))
     inner = solve_contact(
         contact.grid,
         gap,
@@ -98,7 +99,7 @@ def partial_slip(
         stick=inner.contact,
         slip=contact.contact & ~inner.contact,
         force=jnp.minimum(asked, limit),
-        sliding=asked >= limit,
+        sliding=sliding,
         approach_difference=contact.approach - inner.approach,
         code=inner.code,
     )

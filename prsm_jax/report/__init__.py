@@ -43,6 +43,7 @@ from ._pressure_map import (
     pressure_profiles as pressure_profiles,
 )
 from ._published_figure import published_figure as published_figure
+from ._published_pressure import published_pressure as published_pressure
 from ._response_chart import response_chart as response_chart
 from ._sensitivity_bars import sensitivity_bars as sensitivity_bars
 from ._shaft_limits_chart import shaft_limits_chart as shaft_limits_chart

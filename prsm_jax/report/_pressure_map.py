@@ -53,7 +53,7 @@ def pressure_map(contacts: Mapping[str, FlankContact]) -> Figure:
     panels = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
     image = None
     for axes, (label, contact) in zip(panels.flat, contacts.items(), strict=False):
-        image = _map(axes, contact, unit, max(highest, 1e-12))
+        image = draw_map(axes, contact, unit, max(highest, 1e-12))
         axes.set_title(label)
         axes.set_xlim(-limits[0], limits[0])
         axes.set_ylim(-limits[1], limits[1])
@@ -76,7 +76,11 @@ def pressure_map(contacts: Mapping[str, FlankContact]) -> Figure:
     return figure
 
 
-def _map(axes, contact: FlankContact, unit, highest: float):
+def draw_map(axes, contact: FlankContact, unit, highest: float, *, named: bool = True):
+    """The pressure of one contact with ellipse and crests, up to `highest` in MPa; the image.
+
+    `named`: whether crests that cross the map get a legend.
+    """
     from matplotlib.patches import Ellipse
 
     surface = contact.surface
@@ -107,7 +111,7 @@ def _map(axes, contact: FlankContact, unit, highest: float):
             )
             line.set_linestyle(":")
             axes.plot([], [], color=SERIES[3], lw=1.2, ls=":", label=name)
-    if axes.get_legend_handles_labels()[0]:
+    if named and axes.get_legend_handles_labels()[0]:
         axes.legend(loc="upper right")
     axes.axhline(0, color=INK, lw=0.3, ls=(0, (9, 2, 1.5, 2)))
     axes.axvline(0, color=INK, lw=0.3, ls=(0, (9, 2, 1.5, 2)))

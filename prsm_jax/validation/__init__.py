@@ -10,6 +10,13 @@ from ._figures import (
     PublishedFigure as PublishedFigure,
     published_figures as published_figures,
 )
+from ._pressure_figures import (
+    PressureFigure as PressureFigure,
+    PressurePanel as PressurePanel,
+    PrintedEllipse as PrintedEllipse,
+    PrintedPressure as PrintedPressure,
+    published_pressures as published_pressures,
+)
 from ._registry import rows_of as rows_of, sources as sources, validate as validate
 from ._row import (
     VERDICTS as VERDICTS,
@@ -39,6 +46,7 @@ from . import (  # isort: skip
     _li_figures as _li_figures,
     _lisowski2014 as _lisowski2014,
     _lisowski2014_surfaces as _lisowski2014_surfaces,
+    _lisowski2014_maps as _lisowski2014_maps,
     _shape_function as _shape_function,
     _closed_forms as _closed_forms,
 )

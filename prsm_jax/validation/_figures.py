@@ -1,7 +1,8 @@
 """Published figures as data: the toolkit's curves on the paper's axes, with the printed values."""
 
 import dataclasses
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from typing import TypeVar
 
 import numpy as np
 
@@ -65,6 +66,19 @@ class PublishedFigure:
         return f"{self.source}-figure-{self.number}"
 
 
+_T = TypeVar("_T")
+
+
+def chosen(registry: Mapping[str, _T], source: str | None) -> list[_T]:
+    """What a registry holds of one source, or of all of them.
+
+    **Raises:** `UnknownNameError` for a source that is not covered.
+    """
+    if source is not None and source not in sources():
+        raise UnknownNameError(f"unknown source {source!r}; {closest(source, sources())}")
+    return [entry for name, entry in registry.items() if source in (None, name)]
+
+
 FigureFunction = Callable[[], Iterator[PublishedFigure]]
 _FIGURES: dict[str, FigureFunction] = {}
 
@@ -88,7 +102,4 @@ def published_figures(source: str | None = None) -> tuple[PublishedFigure, ...]:
 
     **Raises:** `UnknownNameError` for a source that is not covered.
     """
-    if source is not None and source not in sources():
-        raise UnknownNameError(f"unknown source {source!r}; {closest(source, sources())}")
-    chosen = _FIGURES if source is None else [name for name in _FIGURES if name == source]
-    return tuple(figure for name in chosen for figure in _FIGURES[name]())
+    return tuple(figure for function in chosen(_FIGURES, source) for figure in function())

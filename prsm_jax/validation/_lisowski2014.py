@@ -13,7 +13,7 @@ from ._registry import rows_of
 from ._row import Row, differs, misprint, number
 from ._thread_contacts import LOADS, pairs_of_threads
 
-_HERTZ = {"screw": ("999", "1259", "1585"), "nut": ("969", "1221", "1585")}
+HERTZ = {"screw": ("999", "1259", "1585"), "nut": ("969", "1221", "1585")}
 ELEMENTS = {"screw": ("608", "1480", "1586"), "nut": (None, "879", "1531")}
 _ERRORS = {"screw": ("39.1", "17.6", "0.1"), "nut": (None, "28.0", "0.5")}
 _DISPLACEMENTS = {"screw": ("0.00654", "0.01306", "0.02616"), "nut": (None, "0.01519", "0.03064")}
@@ -34,7 +34,7 @@ def _pressure(convention: CurvatureConvention, side: str) -> np.ndarray:
 @rows_of("lisowski2014", _CITATION)
 def hertz_pressures() -> Iterator[Row]:
     """Tables 1 and 2, analytic columns."""
-    for side, pressures in _HERTZ.items():
+    for side, pressures in HERTZ.items():
         for index, (load, printed) in enumerate(zip(LOADS, pressures, strict=True)):
             computed = float(_pressure("lisowski2014", side)[index])
             true = float(_pressure("exact", side)[index])
@@ -65,7 +65,7 @@ def hertz_pressures() -> Iterator[Row]:
 @rows_of("lisowski2014")
 def flank_curvatures() -> Iterator[Row]:
     """Tables 1 and 2 in the other convention: the curvatures that the flanks have."""
-    for side, pressures in _HERTZ.items():
+    for side, pressures in HERTZ.items():
         for index, (load, printed) in enumerate(zip(LOADS, pressures, strict=True)):
             ratio = float(_pressure("exact", side)[index] / _pressure("lisowski2014", side)[index])
             yield differs(
@@ -105,7 +105,7 @@ def finite_elements() -> Iterator[Row]:
             )
             error = _ERRORS[side][index]
             assert error is not None
-            hertz = float(_HERTZ[side][index])
+            hertz = float(HERTZ[side][index])
             deviation = 100 * abs(float(printed) / hertz - 1)
             item = f"{TABLES[side]}: deviation of the finite elements, {side} side, {load:.0f} N"
             if side == "nut" and load == 100.0:
@@ -148,7 +148,7 @@ def finite_elements() -> Iterator[Row]:
             float(nut) / float(screw),
             note="from the two printed displacements",
         )
-    approach = {side: np.array(LOADS) / contacts[side].axial_stiffness for side in _HERTZ}
+    approach = {side: np.array(LOADS) / contacts[side].axial_stiffness for side in HERTZ}
     screw = 1e3 * approach["screw"]
     for index, load, printed in ((1, 50.0, "1.16"), (2, 100.0, "1.17")):
         yield differs(

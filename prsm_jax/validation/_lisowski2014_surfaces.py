@@ -16,12 +16,12 @@ from ._registry import rows_of
 from ._row import Row, differs
 from ._thread_contacts import LOADS
 
-_SHAPE = (32, 32)
+_CELLS = 32
 _EXTENT = 1.3
 #: Radius that the crests' edges are rounded by [m]; sharp ones have infinite pressures.
-_EDGE_RADIUS = 0.2e-3
+EDGE_RADIUS = 0.2e-3
 #: Threads so high that no flank ends inside a contact, and as high as a fortieth of the pitch [m].
-_HIGH, _LOW = 1e-3, 0.05e-3
+_HIGH, LOW = 1e-3, 0.05e-3
 #: Element size of the paper [m].
 _ELEMENT = 1e-5
 
@@ -30,16 +30,20 @@ _mesh = eqx.filter_jit(mesh)
 
 
 @eqx.filter_jit
-def _contact(stage: Stage, meshing: Meshing, side: str, load, extent) -> FlankContact:
-    rounded = as_scalar(_EDGE_RADIUS)
+def _contact(stage: Stage, meshing: Meshing, side: str, load, extent, cells: int) -> FlankContact:
+    rounded = as_scalar(EDGE_RADIUS)
     return flank_contact(
-        stage, side, load, _SHAPE, extent=extent, edge_radius=rounded, meshing=meshing
+        stage, side, load, (cells, cells), extent=extent, edge_radius=rounded, meshing=meshing
     )
 
 
 @functools.cache
 def flanks(
-    side: str, load: float, addendum: float = _HIGH, extent: float = _EXTENT
+    side: str,
+    load: float,
+    addendum: float = _HIGH,
+    extent: float = _EXTENT,
+    cells: int = _CELLS,
 ) -> FlankContact:
     """Contact of one pair of the paper's threads with true flanks.
 
@@ -49,6 +53,7 @@ def flanks(
     - `load`: axial load on the pair [N].
     - `addendum`: height of the screw's and nut's threads above the nominal radius [m].
     - `extent`: half the grid over the semi-axes of the Hertz ellipse.
+    - `cells`: cells along each axis of the grid.
     """
     stage = example("lisowski2014").stages[0]
     thread = dataclasses.replace(
@@ -57,7 +62,7 @@ def flanks(
     stage = Stage(
         thread=thread, roller_count=1, material=stage.material, engaged_threads=as_scalar(1.0)
     )
-    found = _contact(stage, _mesh(thread), side, jnp.asarray(load), jnp.asarray(extent))
+    found = _contact(stage, _mesh(thread), side, jnp.asarray(load), jnp.asarray(extent), cells)
     if int(found.surface.code) != 0:
         raise RuntimeError(f"no contact of the {side} side at {load} N: code {found.surface.code}")
     return found
@@ -93,25 +98,25 @@ def true_flanks() -> Iterator[Row]:
 @rows_of("lisowski2014")
 def edges() -> Iterator[Row]:
     """Section 4: the nut side's edge zone, and the size of the elements."""
-    whole, low = flanks("nut", 50.0), flanks("nut", 50.0, _LOW)
+    whole, low = flanks("nut", 50.0), flanks("nut", 50.0, LOW)
     assert low.flanks.body_edge is not None
     past = int(jnp.sum(low.surface.contact & (low.flanks.body_edge < 0)))
     reach = 1e3 * _radial_reach(whole)
     yield differs(
         "section 4: the contact of roller and nut has an edge zone, 50 N",
         "an edge zone",
-        f"only with a nut thread lower than {reach:.3f} mm; at {1e3 * _LOW:g} mm {past} cells bear "
+        f"only with a nut thread lower than {reach:.3f} mm; at {1e3 * LOW:g} mm {past} cells bear "
         f"past its crest and the pressure is {_share(low):.2f} times Hertz",
         because="the ellipse reaches no further along the nut's radius, and heights of threads are "
         "not printed. A crest inside the contact would explain an open contact area, not the low "
-        f"879 MPa: an edge, here rounded by {1e3 * _EDGE_RADIUS:g} mm, raises the pressure. The "
+        f"879 MPa: an edge, here rounded by {1e3 * EDGE_RADIUS:g} mm, raises the pressure. The "
         "paper takes the pressure at the border of the sliding zone, which is not the largest",
     )
     for side, printed in (("screw", "39.1"), ("nut", "28.0")):
         load = 25.0 if side == "screw" else 50.0
         # The shorter axis in cells of that size; the longer one has longer cells still.
         axis = float(flanks(side, load).hertz.semi_minor)
-        coarse = flanks(side, load, _HIGH, _ELEMENT * _SHAPE[1] / 2 / axis)
+        coarse = flanks(side, load, _HIGH, _ELEMENT * _CELLS / 2 / axis)
         highest = float(jnp.max(coarse.surface.pressure) / coarse.hertz.max_pressure)
         yield differs(
             f"section 4: error at low load from elements of 0.01 mm, {side} side, {load:.0f} N",

@@ -18,10 +18,12 @@ LOADS = (25.0, 50.0, 100.0)
 
 @dataclasses.dataclass(frozen=True)
 class PairOfThreads:
-    """Largest pressure [Pa] and axial secant stiffness [N/m] at each of `LOADS`."""
+    """Largest pressure [Pa], axial secant stiffness [N/m], semi-axes [m] at each of `LOADS`."""
 
     pressure: np.ndarray
     axial_stiffness: np.ndarray
+    semi_major: np.ndarray
+    semi_minor: np.ndarray
 
 
 @eqx.filter_jit
@@ -57,6 +59,8 @@ def pairs_of_threads(name: str) -> dict[str, dict[str, PairOfThreads]]:
             side: PairOfThreads(
                 np.asarray(getattr(contact, side).hertz.max_pressure),
                 np.asarray(getattr(contact, side).axial_stiffness),
+                np.asarray(getattr(contact, side).hertz.semi_major),
+                np.asarray(getattr(contact, side).hertz.semi_minor),
             )
             for side in ("screw", "nut")
         }

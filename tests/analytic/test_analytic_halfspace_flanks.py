@@ -89,6 +89,35 @@ def test_partial_slip_against_cattaneo_and_mindlin():
     assert jnp.max(jnp.abs(none.traction)) < 1e-6 * float(found.max_pressure)
 
 
+def test_nothing_sticks_without_friction():
+    """μ = 0 with and without a force: no traction, and derivatives that are numbers."""
+    _, gap, found = _on_grid(100.0, 100.0)
+
+    def values(given):
+        slip = partial_slip(found, gap, MODULUS, given[0], given[1], tolerance=1e-12)
+        return jnp.stack([jnp.sum(slip.traction**2) / 1e18, 1e6 * slip.approach_difference])
+
+    @jax.jit
+    @jax.vmap
+    def everything(given):
+        value, slope = jax.linearize(values, given)
+        pull = jax.linear_transpose(slope, given)
+        forward = jax.vmap(slope)(jnp.eye(2)).T
+        return value, forward, jax.vmap(lambda one: pull(one)[0])(jnp.eye(2))
+
+    given = jnp.asarray([[0.0, 0.0], [0.0, 5.0], [0.2, 0.0], [0.2, 10.0]])
+    value, forward, reverse = everything(given)
+    assert jnp.all(value[:2, 0] == 0)
+    # The whole approach, from where the nearest cells touch: nothing sticks.
+    whole = found.approach - jnp.min(gap)
+    np.testing.assert_allclose(value[:2, 1], 1e6 * whole, rtol=1e-6)
+    assert jnp.all(jnp.isfinite(forward))
+    np.testing.assert_allclose(forward, reverse, rtol=1e-7, atol=1e-9)
+    none = _slip(found, gap, MODULUS, array(0.0), array(0.0))
+    assert (float(none.force), int(none.code), bool(none.sliding)) == (0.0, 3, True)
+    assert jnp.array_equal(none.slip, found.contact)
+
+
 # --- stress below ---
 
 _DEPTHS = jnp.asarray([0.0, 0.1, 0.3, 0.44, 0.48, 0.52, 0.8, 1.5])
@@ -217,6 +246,61 @@ def test_contact_of_flanks_is_nearly_hertz(side):
     assert found.flanks.body_edge is None
 
 
+def test_load_of_either_sign_and_none():
+    """The magnitude of the load counts, as in Hertz contacts; without one the code says so."""
+    pulled, pushed, none = (_contact(_STAGE, "screw", array(load)) for load in (-100.0, 100.0, 0.0))
+    for one, other in zip(jax.tree.leaves(pulled), jax.tree.leaves(pushed), strict=True):
+        np.testing.assert_array_equal(one, other)
+    assert int(none.surface.code) == 3
+    assert all(np.all(np.isfinite(leaf)) for leaf in jax.tree.leaves(none))
+    for name in ("pressure", "contact", "displacement", "load", "max_pressure", "area"):
+        assert not np.any(getattr(none.surface, name)), name
+    for name in ("semi_major", "semi_minor", "max_pressure", "approach"):
+        assert float(getattr(none.hertz, name)) == 0, name
+    # The cells nearest to the contact point are less than an atom away from it.
+    assert abs(float(none.surface.approach)) < 1e-12
+
+
+def test_flanks_at_an_approach():
+    """What a load brings about brings that load about; open flanks carry none; derivatives."""
+    under_load = _contact(_STAGE, "screw", array(100.0))
+    meshing = mesh(_STAGE.thread)
+
+    def values(approach):
+        found = flank_contact(
+            _STAGE, "screw", shape=SHAPE, approach=approach, meshing=meshing, tolerance=1e-12
+        )
+        code = found.surface.code.astype(float)
+        return jnp.stack([found.surface.load, 1e-9 * found.surface.max_pressure, code])
+
+    @jax.jit
+    @jax.vmap
+    def everything(approach):
+        value, slope = jax.linearize(values, approach)
+        (reverse,) = jax.vmap(jax.linear_transpose(slope, approach))(jnp.eye(3))
+        return value, slope(jnp.ones_like(approach)), reverse
+
+    closed = float(under_load.surface.approach)
+    step = 1e-4 * closed
+    # An approach of exactly 0 is decided by the last digit of the gap.
+    approaches = jnp.asarray([closed, closed + step, closed - step, -0.5 * closed, -1e-9])
+    value, forward, reverse = everything(approaches)
+    # The grid follows Hertz theory's approach instead of its load, 1e-3 apart.
+    assert value[0, 0] == pytest.approx(float(under_load.surface.load), rel=1e-4)
+    peak = float(under_load.surface.max_pressure)
+    assert value[0, 1] == pytest.approx(1e-9 * peak, rel=1e-4)
+    assert value[:, 2].tolist() == [0, 0, 0, 3, 3]
+    np.testing.assert_array_equal(value[3:, :2], 0.0)
+    np.testing.assert_array_equal(forward[3:, :2], 0.0)
+    np.testing.assert_allclose(forward, reverse, rtol=1e-7)
+    # Cells that change sides move the differences by the error of the grid.
+    differences = (value[1] - value[2]) / (2 * step)
+    np.testing.assert_allclose(forward[0], differences, rtol=5e-4, atol=1e-12)
+    # F ∝ δ^{3/2} and p₀ ∝ δ^{1/2}.
+    share = closed * forward[0, :2] / value[0, :2]
+    np.testing.assert_allclose(share, [1.5, 0.5], rtol=2e-3)
+
+
 def test_flanks_end_at_their_crests():
     """No pressure past a crest inside the contact, more beside it; a rounded edge is milder."""
     whole = _contact(_STAGE, "screw", array(100.0))
@@ -263,6 +347,9 @@ def test_roughness_on_flanks():
 def test_misuse_of_flanks_is_refused():
     with pytest.raises(ValueError, match="choose 'screw' or 'nut'"):
         flank_contact(_STAGE, "left", 100.0)
+    for given in ({}, {"load": 100.0, "approach": 1e-6}):
+        with pytest.raises(ValueError, match="exactly one of the two"):
+            flank_contact(_STAGE, "nut", shape=SHAPE, **given)
     with pytest.raises(prsm.MissingDataError, match="engaged_threads"):
         flank_contact(stage(engaged_threads=None), "nut", 100.0, SHAPE)
 

@@ -287,6 +287,39 @@ def test_friction_brings_the_largest_stress_up():
     assert float(slope) == pytest.approx(float(numeric), rel=1e-5)
 
 
+def test_no_stress_without_a_load():
+    """Contacts with and without load in one batch: zero stress and derivatives that are numbers."""
+    poisson, pulled = array(RATIO), jnp.asarray([0.2, 0.1])
+
+    def values(given):
+        peak, depth = given[2], given[3]
+        elliptical = subsurface_stress(
+            jnp.stack([depth / 3, depth / 5, depth]), given[:2], peak, poisson, pulled, nodes=16
+        )
+        axis = jnp.stack(axis_stress(depth, given[0], given[1], peak, poisson))
+        line = line_subsurface_stress(given[2:] * 0 + depth, given[1], peak, poisson, pulled[0])
+        return jnp.concatenate([elliptical.ravel(), axis, line.ravel()])
+
+    @jax.jit
+    @jax.vmap
+    def everything(given):
+        value, slope = jax.linearize(values, given)
+        (reverse,) = jax.vmap(jax.linear_transpose(slope, given))(jnp.eye(len(value)))
+        return value, jax.vmap(slope)(jnp.eye(4)).T, reverse
+
+    # Semi-axes, largest pressure, depth.
+    given = [[0, 0, 0, 1.0], [0, 0, 0, 0], [2, 1, 1, 0.5], [2, 1, 1, 0], [2, 1, 1, 1e-6]]
+    value, forward, reverse = everything(jnp.asarray(given))
+    assert jnp.all(value[:2] == 0)
+    assert jnp.count_nonzero(value[2]) == 17
+    for slopes in (forward, reverse):
+        assert jnp.all(slopes[:2] == 0)
+    np.testing.assert_allclose(forward[2], reverse[2], atol=1e-12)
+    # On the axis the surface is an ordinary place; the stress bends by less than 1e-5 there.
+    np.testing.assert_allclose(forward[3, 9:12], reverse[3, 9:12], atol=1e-12)
+    np.testing.assert_allclose(forward[3, 9:12], forward[4, 9:12], atol=1e-5)
+
+
 @pytest.mark.usefixtures("unchecked")
 def test_wrong_choices_are_refused():
     given = array(1.0), array(1.0), array(1.0), array(RATIO)

@@ -41,6 +41,10 @@ SCENES = {
     "no material": (1e-8 * _PARABOLOID, ~_ALL, 1e-5, 1e-5, 1e11, 10.0, 1),
     "no load": (1e-8 * _PARABOLOID, _ALL, 1e-5, 1e-5, 1e11, 0.0, 3),
     "pulled": (1e-8 * _PARABOLOID, _ALL, 1e-5, 1e-5, 1e11, -3.0, 3),
+    # Its peaks overlap before there is any load, by more than the tolerance counted in metres.
+    "no load on a rough gap": (
+        1e-8 * _PARABOLOID + 1e-6 * _NOISE, _ALL, 1e-5, 1e-5, 1e11, 0.0, 3,
+    ),
     "not a number": (jnp.full(_SHAPE, jnp.nan), _ALL, 1e-5, 1e-5, 1e11, 10.0, 1),
     "infinite load": (1e-8 * _PARABOLOID, _ALL, 1e-5, 1e-5, 1e11, np.inf, 1),
 }  # fmt: skip

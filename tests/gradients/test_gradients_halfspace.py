@@ -125,7 +125,8 @@ def test_flanks_differentiate_through_meshing_and_gap():
             edge_radius=0.3e-3,
             tolerance=1e-12,
         )
-        return jnp.log(jnp.stack([found.surface.max_pressure, found.surface.approach]))
+        # In units of order one.
+        return jnp.stack([1e-9 * found.surface.max_pressure, 1e6 * found.surface.approach])
 
     none, step = jnp.zeros(4), 1e-4
     direction = jnp.asarray([0.3, -0.2, 0.1, 0.5])
@@ -136,11 +137,20 @@ def test_flanks_differentiate_through_meshing_and_gap():
         pull = jax.linear_transpose(slope, changes)
         return value, slope(direction), jax.vmap(pull)(jnp.eye(2))[0]
 
-    _, forward, reverse = everything(none)
+    value, forward, reverse = everything(none)
     ends = [everything(sign * step * direction)[0] for sign in (1, -1)]
     difference = (ends[0] - ends[1]) / (2 * step)
     np.testing.assert_allclose(reverse @ direction, forward, rtol=1e-7)
     # The grid's directions are held in derivatives: turning it moves the cells' errors only.
-    np.testing.assert_allclose(forward, difference, rtol=0, atol=5e-4)
+    np.testing.assert_allclose(forward / value, difference / value, rtol=0, atol=5e-4)
     # A longer flank lowers pressure and approach.
     assert np.all(reverse[:, 2] < 0)
+    # The other way round: the same contact, its derivative by the load mirrored.
+    load = jnp.asarray([0.0, 0.0, 0.0, 1.0])
+    pulled, _, mirrored = everything(-2.0 * load)
+    np.testing.assert_array_equal(pulled, value)
+    np.testing.assert_array_equal(mirrored, np.asarray(reverse) * [1, 1, 1, -1])
+    # Without a load nothing depends on anything, but where the cells lie.
+    unloaded, ahead, back = everything(-1.0 * load)
+    for numbers in (unloaded, ahead, back):
+        np.testing.assert_allclose(numbers, 0.0, atol=1e-6)

@@ -18,7 +18,14 @@ from prsm_jax.halfspace import (
     TangentPlane,
 )
 from prsm_jax.mechanism import LineContact
-from prsm_jax.report import line_contact_chart, pressure_map, pressure_profiles, stress_section
+from prsm_jax.report import (
+    line_contact_chart,
+    pressure_map,
+    pressure_profiles,
+    published_pressure,
+    stress_section,
+)
+from prsm_jax.validation import PressureFigure, PressurePanel, PrintedEllipse, PrintedPressure
 
 
 @functools.cache
@@ -61,6 +68,45 @@ def test_map_shows_pressure_ellipse_and_edge():
     assert (ellipse.width, ellipse.height) == pytest.approx((0.4, 0.3))
     assert cut.get_legend() is not None
     assert second.get_legend() is None
+
+
+def test_published_pressures_stand_below_their_maps():
+    """One scale for all; the printed values and their distance; both ellipses and the crest."""
+    elements = PrintedPressure("elements", 1.1e9), PrintedPressure("Hertz", 2.2e9, 1.65e9)
+    whole = dataclasses.replace(
+        _contact(), flanks=dataclasses.replace(_contact().flanks, body_edge=None)
+    )
+    panels = (
+        PressurePanel("cut", _contact(), elements, PrintedEllipse(3e-4, 1e-4, np.pi / 2)),
+        PressurePanel("whole", whole, (PrintedPressure("elements", None),)),
+        PressurePanel("bare", whole),
+    )
+    figure = published_pressure(PressureFigure("lisowski2014", "name", "Two rows", (panels,) * 2))
+    assert_printable(figure)
+    cut, second, third, *_ = figure.axes
+    lines = cut.get_xlabel().replace("\u202f", " ").split("\n")
+    assert lines == [
+        "major axis in mm",
+        "true flanks 2200 MPa",
+        "paper, elements 1100 MPa, \u221250 %",
+        "paper, Hertz 2200 (read 1650) MPa, \u221225 %",
+    ]
+    assert second.get_xlabel().endswith("paper, elements: none printed")
+    hertz, printed = cut.patches
+    assert (hertz.width, hertz.height, hertz.angle) == pytest.approx((0.4, 0.3, 0))
+    assert (printed.width, printed.height, printed.angle) == pytest.approx((0.6, 0.2, 90))
+    # The tall ellipse fits, and all panels have the same limits.
+    assert 0.3 < cut.get_ylim()[1] < 0.4
+    assert len({(axes.get_xlim(), axes.get_ylim()) for axes in figure.axes[:6]}) == 1
+    assert len({axes.images[0].get_clim() for axes in figure.axes[:6]}) == 1
+    assert cut.collections
+    assert not third.collections
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == [
+        "Hertz ellipse, curvatures of the flanks",
+        "Hertz ellipse of the paper",
+        "crest of a thread",
+    ]
 
 
 def test_profiles_show_cells_and_theory():

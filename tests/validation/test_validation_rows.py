@@ -19,6 +19,7 @@ from prsm_jax.validation import (
     markdown,
     misprint,
     number,
+    published_pressures,
     sources,
     summary,
     table,
@@ -240,3 +241,50 @@ def test_verdicts_change_with_the_numbers():
     assert trend("x", "rises", "falls", False).verdict == "not reproduced"
     assert trend("x", "rises", "rises", bool(jnp.asarray(True))).verdict == "trend reproduced"
     assert differs("x", "A - B", "B - A", because="b").relative_difference is None
+
+
+def test_lisowski_pressure_maps_hold_what_the_paper_prints(rows):
+    """Both sides at three loads; where the flanks are whole they bear like exact Hertz contacts."""
+    assert rows  # the rows solve the same contacts with as many cells
+    maps, edge_zone = published_pressures("lisowski2014", cells=32)
+    panels = [panel for row in maps.rows for panel in row]
+    assert [panel.name for panel in panels] == [
+        f"{side} side, {load} N" for side in ("screw", "nut") for load in (25, 50, 100)
+    ]
+    printed = [[one.value and one.value / 1e6 for one in panel.printed] for panel in panels]
+    assert printed == [
+        [608, 999],
+        [1480, 1259],
+        [1586, 1585],
+        [None, 969],
+        [879, 1221],
+        [1531, 1585],
+    ]
+    assert [one.correct for panel in panels for one in panel.printed if one.correct] == [1539e6]
+    for panel in panels:
+        surface, hertz = panel.contact.surface, panel.contact.hertz
+        assert surface.max_pressure == pytest.approx(float(hertz.max_pressure), rel=1e-3)
+        assert panel.ellipse is not None
+        # The paper's radii make the contact larger, by as much as they lower the pressure.
+        area = panel.ellipse.semi_major * panel.ellipse.semi_minor
+        share = float(hertz.semi_major * hertz.semi_minor) / area
+        # The paper's normal force leaves out the helix.
+        share *= np.sqrt(2) / float(panel.contact.normal_per_axial)
+        expected = {one.name: one.correct or one.value for one in panel.printed}["Hertz"]
+        # What the interpolated Hertz coefficients of the paper leave open.
+        assert share * hertz.max_pressure == pytest.approx(expected, rel=2e-3)
+    # The screw and the roller are both convex: the longer axis lies along the profile, where the
+    # paper has the shorter one; in the concave nut both lie along the thread.
+    turned = [abs(np.cos(panel.ellipse.angle)) for panel in panels]
+    assert max(turned[:3]) < 0.1
+    assert min(turned[3:]) > 0.9
+    whole, *cut = edge_zone.rows[0]
+    assert edge_zone.file_name == "lisowski2014-edge-zone"
+    for panel in cut:
+        edge = panel.contact.flanks.body_edge
+        assert float(jnp.min(edge)) < 0 < float(jnp.max(edge))
+        peak = panel.contact.surface.max_pressure
+        assert peak > 1.1 * whole.contact.surface.max_pressure
+    assert published_pressures("wu2022") == ()
+    with pytest.raises(prsm.UnknownNameError, match="lisowski2014"):
+        published_pressures("lisowski2015")

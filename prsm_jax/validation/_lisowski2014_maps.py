@@ -1,0 +1,78 @@
+"""Lisowski 2014: pressure maps of both sides at the three loads, and of a nut thread that ends."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..halfspace import FlankContact
+from ._lisowski2014 import ELEMENTS, HERTZ
+from ._lisowski2014_surfaces import EDGE_RADIUS, LOW, flanks
+from ._pressure_figures import (
+    PressureFigure,
+    PressurePanel,
+    PrintedEllipse,
+    PrintedPressure,
+    pressure_figures_of,
+)
+from ._thread_contacts import LOADS, pairs_of_threads
+
+#: The printed 1585 MPa is the screw side's; see the rows of Table 2.
+_CORRECT = {("nut", 100.0): 1539e6}
+#: Heights of the nut's thread between one that cuts the contact and one that does not [m].
+_HEIGHTS = (None, 0.075e-3, LOW)
+
+
+def _printed(side: str, load: float) -> tuple[PrintedPressure, ...]:
+    index = LOADS.index(load)
+    elements = ELEMENTS[side][index]
+    hertz = 1e6 * float(HERTZ[side][index])
+    return (
+        PrintedPressure("elements", None if elements is None else 1e6 * float(elements)),
+        PrintedPressure("Hertz", hertz, _CORRECT.get((side, load))),
+    )
+
+
+def _ellipse(found: FlankContact, side: str, load: float) -> PrintedEllipse:
+    """By equations 1 to 7, φ = 0: the minor axis lies along the profile of the thread."""
+    pair = pairs_of_threads("lisowski2014")["lisowski2014"][side]
+    index, plane = LOADS.index(load), found.plane
+    profile = np.asarray(plane.origin[:2])
+    along, across = (float(np.asarray(axis[:2]) @ profile) for axis in (plane.major, plane.minor))
+    return PrintedEllipse(
+        float(pair.semi_major[index]),
+        float(pair.semi_minor[index]),
+        float(np.arctan2(across, along)) + np.pi / 2,
+    )
+
+
+@pressure_figures_of("lisowski2014")
+def maps(cells: int) -> Iterator[PressureFigure]:
+    """Tables 1 and 2, and the edge zone of section 4."""
+
+    def panel(side: str, load: float) -> PressurePanel:
+        found = flanks(side, load, cells=cells)
+        name = f"{side} side, {load:.0f} N"
+        return PressurePanel(name, found, _printed(side, load), _ellipse(found, side, load))
+
+    yield PressureFigure(
+        "lisowski2014",
+        "pressure-maps",
+        "Contact pressure of one pair of threads (Lisowski 2014, Tables 1 and 2)",
+        tuple(tuple(panel(side, load) for load in LOADS) for side in HERTZ),
+    )
+
+    def edge(height: float | None) -> PressurePanel:
+        if height is None:
+            found, name = flanks("nut", 50.0, cells=cells), "high thread"
+        else:
+            found = flanks("nut", 50.0, height, cells=cells)
+            name = f"thread {1e3 * height:g} mm high"
+        return PressurePanel(name, found, _printed("nut", 50.0))
+
+    yield PressureFigure(
+        "lisowski2014",
+        "edge-zone",
+        "Nut side, 50 N: crest inside the contact, its edge rounded by "
+        f"{1e3 * EDGE_RADIUS:g} mm (Lisowski 2014, section 4)",
+        (tuple(edge(height) for height in _HEIGHTS),),
+    )
