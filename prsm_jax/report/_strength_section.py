@@ -4,9 +4,16 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
-from ..mechanism import DutyCycle, Stage
+from ..mechanism import DutyCycle, Mechanism, Scalar, Stage
 from ..quantities import find_quantity
-from ..strength import LoadSpectrum, flank_loads, load_spectrum, preload_of
+from ..strength import (
+    LoadSpectrum,
+    flank_loads,
+    largest_demand,
+    load_spectrum,
+    preload_of,
+    spectrum_of,
+)
 from ._data import ReportData
 from ._force_deflection_chart import force_deflection_chart
 from ._life_chart import life_chart
@@ -52,7 +59,7 @@ def strength_section(data: ReportData) -> Section | None:
 def _strength_pictures(data: ReportData) -> tuple[Picture, ...]:
     mechanism, values = data.mechanism, data.strength or {}
     pictures = []
-    cycle, point = mechanism.duty_cycle, mechanism.operating_point
+    cycle = mechanism.duty_cycle
     for index, stage in enumerate(mechanism.stages):
         suffix, words = _suffix(data, index)
         # Without a life there is none to draw: then the preload is not known either.
@@ -71,16 +78,23 @@ def _strength_pictures(data: ReportData) -> tuple[Picture, ...]:
                 )
             )
         if stage.strength is not None and stage.strength.shaft is not None:
-            demand = (None, None) if point is None else (abs(point.load), abs(point.speed))
             pictures.append(
                 Picture(
                     f"shaft_limits{suffix}",
                     f"What the screw bears over its unsupported length{words}; the points are the "
-                    "operating point's.",
-                    lambda s=stage, d=demand: shaft_limits_chart(s, *d),
+                    "largest load and speed of operating point and duty cycle.",
+                    lambda s=stage: shaft_limits_chart(s, *_demand(mechanism)),
                 )
             )
     return tuple(pictures)
+
+
+def _demand(mechanism: Mechanism) -> tuple[Scalar | None, Scalar | None]:
+    """Largest load and speed, as far as anything is given."""
+    if mechanism.duty_cycle is None and mechanism.operating_point is None:
+        return None, None
+    speed, load = largest_demand(mechanism, spectrum_of(mechanism))
+    return load, speed
 
 
 def _pressed(stage: Stage, cycle: DutyCycle) -> tuple[LoadSpectrum, str]:
