@@ -226,7 +226,7 @@ def _problem(name: str, title: str, classes: int, batch: int, quick: bool) -> Pr
             raise RuntimeError(f"load sharing, {name}: the two references disagree")
         return {_LABEL: Reference(ours, np.broadcast_to(mean, ours.shape))}
 
-    chunk = 500 if classes <= 3 else 1
+    chunk = 500 if classes <= 3 else 50
     methods = [
         _ours(instances, classes, chunk),
         _ours(instances, classes, None),

@@ -12,6 +12,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ._chains import Chains, Control, State, Teeth
+from ._wide_ladder import Ladder, eliminate as wide_eliminate, gauss_jordan
 
 #: Up to here a thread's matrix is written out number by number, which is fast in batches.
 _LARGEST = 4
@@ -31,19 +32,6 @@ def _inverse(matrix: list[list]) -> list[list]:
                     -factor * pivot if j == k else rows[i][j] - factor * rows[k][j] for j in size
                 ]
     return rows
-
-
-def _inverse_array(matrix: Float[Array, "n n"]) -> Float[Array, "n n"]:
-    """As `_inverse`, row by row of an array."""
-    size = matrix.shape[-1]
-    for k in range(size):
-        pivot = 1 / matrix[k, k]
-        here = jnp.arange(size) == k
-        row = jnp.where(here, pivot, matrix[k] * pivot)
-        factor = jnp.where(here, 0.0, matrix[:, k])
-        rest = jnp.where(here[None, :], 0.0, matrix)
-        matrix = jnp.where(here[:, None], row[None, :], rest - factor[:, None] * row[None, :])
-    return matrix
 
 
 class _Numbers:
@@ -124,69 +112,6 @@ class _Numbers:
         return inverse, reduced
 
 
-class _Arrays:
-    """The same with arrays, for more classes of rollers than can be written out."""
-
-    @staticmethod
-    def thread(screw, nut):
-        inner = jnp.diag(screw + nut)
-        below = jnp.concatenate([-nut, jnp.sum(nut)[None]])
-        return jnp.concatenate(
-            [jnp.concatenate([inner, -nut[:, None]], axis=1), below[None, :]], axis=0
-        )
-
-    @staticmethod
-    def split(values):
-        return values
-
-    @staticmethod
-    def zero(size, like):
-        return jnp.zeros((size, size), like.dtype)
-
-    @staticmethod
-    def zeros(size, like):
-        return jnp.zeros((size,), like.dtype)
-
-    @staticmethod
-    def plus(first, second):
-        return first + second
-
-    @staticmethod
-    def add(first, second):
-        return first + second
-
-    @staticmethod
-    def less(first, second):
-        return first - second
-
-    @staticmethod
-    def times(matrix, vector):
-        return jnp.sum(matrix * vector[None, :], axis=1)
-
-    @staticmethod
-    def times_transposed(matrix, vector):
-        return jnp.sum(matrix * vector[:, None], axis=0)
-
-    @staticmethod
-    def along(gamma, screw, vector):
-        return gamma * vector + screw * jnp.sum(vector)
-
-    @staticmethod
-    def solve(matrix, vector):
-        return _Arrays.times(_inverse_array(matrix), vector)
-
-    @staticmethod
-    def series(matrix, gamma, screw):
-        size = matrix.shape[-1]
-        inverse = _inverse_array(jnp.eye(size, dtype=matrix.dtype) + gamma[:, None] * matrix)
-        reduced = matrix @ inverse
-        reduced = (reduced + reduced.T) / 2
-        ground, widened = jnp.sum(reduced, axis=1), jnp.sum(inverse, axis=1)
-        share = screw / (1 + screw * jnp.sum(ground))
-        inverse = inverse - share * widened[:, None] * ground[None, :]
-        return inverse, reduced - share * ground[:, None] * ground[None, :]
-
-
 def _columns(per_class: Float[Array, "classes n"], last: Float[Array, " n"]):
     """Rows per thread from rows per class: (d₁ …, D) at every thread [threads, classes + 1]."""
     return jnp.concatenate([per_class, last[None, :]], axis=0).T
@@ -196,7 +121,8 @@ def _eliminate(chains: Chains, teeth: tuple[Teeth, Teeth], rights: list[State]) 
     """Solve K Δq_i − ΔQ_i + ΔQ_{i−1} = y_i, Δq_{i+1} − Δq_i − C ΔQ_i = z_i without control."""
     screw, nut = (chains.weight[:, None] * side.slope for side in teeth)
     size = screw.shape[0] + 1
-    kit: Any = _Numbers if size <= _LARGEST else _Arrays
+    if size > _LARGEST:
+        return _eliminate_wide(chains, screw, nut, rights)
     gamma = _columns(chains.roller_segment[None, :] / chains.weight[:, None], chains.nut_segment)
     forces = [_columns(right.screw_approach, right.approach) for right in rights]
     meshes = [_columns(right.roller_force, right.nut_force) for right in rights]
@@ -204,17 +130,22 @@ def _eliminate(chains: Chains, teeth: tuple[Teeth, Teeth], rights: list[State]) 
 
     def joined(below, screw_row, nut_row, force_rows):
         matrix, carried = below
-        matrix = kit.plus(kit.thread(kit.split(screw_row), kit.split(nut_row)), matrix)
+        matrix = _Numbers.plus(
+            _Numbers.thread(_Numbers.split(screw_row), _Numbers.split(nut_row)), matrix
+        )
         return matrix, [
-            kit.less(one, kit.split(row)) for one, row in zip(carried, force_rows, strict=True)
+            _Numbers.less(one, _Numbers.split(row))
+            for one, row in zip(carried, force_rows, strict=True)
         ]
 
     def up(below, thread):
         screw_row, nut_row, force_rows, mesh_rows, gamma_row, segment = thread
         matrix, carried = joined(below, screw_row, nut_row, force_rows)
-        inverse, reduced = kit.series(matrix, kit.split(gamma_row), segment)
+        inverse, reduced = _Numbers.series(matrix, _Numbers.split(gamma_row), segment)
         above = [
-            kit.times_transposed(inverse, kit.less(one, kit.times(matrix, kit.split(row))))
+            _Numbers.times_transposed(
+                inverse, _Numbers.less(one, _Numbers.times(matrix, _Numbers.split(row)))
+            )
             for one, row in zip(carried, mesh_rows, strict=True)
         ]
         return (reduced, above), (matrix, inverse, carried)
@@ -223,30 +154,45 @@ def _eliminate(chains: Chains, teeth: tuple[Teeth, Teeth], rights: list[State]) 
         (matrix, inverse, carried), mesh_rows, gamma_row, segment = thread
         changes, inner = [], []
         for one, row, change in zip(carried, mesh_rows, above, strict=True):
-            along = kit.along(kit.split(gamma_row), segment, one)
-            here = kit.times(inverse, kit.less(kit.less(change, kit.split(row)), along))
+            along = _Numbers.along(_Numbers.split(gamma_row), segment, one)
+            here = _Numbers.times(
+                inverse, _Numbers.less(_Numbers.less(change, _Numbers.split(row)), along)
+            )
             changes.append(here)
-            inner.append(kit.add(kit.times(matrix, here), one))
+            inner.append(_Numbers.add(_Numbers.times(matrix, here), one))
         return changes, (changes, inner)
 
-    nothing = (kit.zero(size, like), [kit.zeros(size, like) for _ in rights])
+    nothing = (_Numbers.zero(size, like), [_Numbers.zeros(size, like) for _ in rights])
     segments = (gamma, chains.screw_segment)
     rows = (screw.T[:-1], nut.T[:-1], [force[:-1] for force in forces], meshes, *segments)
     below, kept = jax.lax.scan(up, nothing, rows)
     matrix, carried = joined(below, screw[:, -1], nut[:, -1], [force[-1] for force in forces])
-    last = [kit.solve(matrix, [-x for x in one] if kit is _Numbers else -one) for one in carried]
+    last = [_Numbers.solve(matrix, [-x for x in one]) for one in carried]
     _, (changes, inner) = jax.lax.scan(down, last, (kept, meshes, *segments), reverse=True)
     return [
-        _state(kit, change, end, force)
-        for change, end, force in zip(changes, last, inner, strict=True)
+        _state(change, end, force) for change, end, force in zip(changes, last, inner, strict=True)
     ]
 
 
-def _state(kit, changes, last, inner) -> State:
-    if kit is _Numbers:
-        changes, last, inner = jnp.stack(changes), jnp.stack(last), jnp.stack(inner)
-    else:
-        changes, inner = changes.T, inner.T
+def _eliminate_wide(chains: Chains, screw: Array, nut: Array, rights: list[State]) -> list[State]:
+    """As `_eliminate`, for more classes of rollers than can be written out."""
+    gamma = _columns(chains.roller_segment[None, :] / chains.weight[:, None], chains.nut_segment)
+    forces = [_columns(right.screw_approach, right.approach) for right in rights]
+    meshes = [_columns(right.roller_force, right.nut_force) for right in rights]
+    ladder = Ladder(
+        screw.T, nut.T, gamma, chains.screw_segment, jnp.stack(forces, -1), jnp.stack(meshes, -1)
+    )
+    changes, inner = wide_eliminate(jax.tree.map(lambda values: values[..., None], ladder))
+    return [
+        State(
+            changes[:, :-1, i, 0].T, changes[:, -1, i, 0], inner[:, :-1, i, 0].T, inner[:, -1, i, 0]
+        )
+        for i in range(len(rights))
+    ]
+
+
+def _state(changes, last, inner) -> State:
+    changes, last, inner = jnp.stack(changes), jnp.stack(last), jnp.stack(inner)
     whole = jnp.concatenate([changes, last[:, None]], axis=1)
     return State(whole[:-1], whole[-1], inner[:-1], inner[-1])
 
@@ -343,7 +289,7 @@ def solve_linear(
         extra: list[Any] = _Numbers.solve(matrix, vector)
     else:
         square = jnp.stack([jnp.stack(row) for row in matrix])
-        extra = list(_Arrays.solve(square, jnp.stack(vector)))
+        extra = list(gauss_jordan(square, jnp.stack(vector)[:, None])[:, 0])
     moved = bare(plain)
     for share, response in zip(extra, responses, strict=True):
         moved = jax.tree.map(lambda a, b, c=share: a - c * b, moved, bare(response))

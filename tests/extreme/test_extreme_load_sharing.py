@@ -54,6 +54,28 @@ def test_stiff_and_soft(errors):
     assert np.max(np.asarray(steps)) <= 40
 
 
+def test_many_unlike_rollers_from_rigid_shafts_to_none():
+    """By arrays, a batch side by side or one alone: as three classes number by number."""
+    errors = np.random.default_rng(9).normal(size=(4, 6)) * 1e-6
+    # The fourth is like the third, so that three classes say the same.
+    errors[3] = errors[2]
+
+    def total(weight, segment):
+        bare = chains(6, weight, gap=errors[: len(weight)], segments=(segment,) * 3)
+        found = solve(bare, array(1e3))
+        screw, _ = bare.screw.loads(found.state.screw_approach, 0.0)
+        return found.result, screw[:3]
+
+    segments = jnp.asarray([0.0, 1e-20, SEGMENT, 1e-5, 1e12])
+    batch = jax.jit(jax.vmap(lambda s: total((1.0, 2.0, 1.0, 1.0), s)))
+    result, loads = batch(segments)
+    few, expected = jax.jit(jax.vmap(lambda s: total((1.0, 2.0, 2.0), s)))(segments)
+    assert np.all(np.asarray(result) == 0) & np.all(np.asarray(few) == 0)
+    np.testing.assert_allclose(loads, expected, atol=1e-7)
+    alone = jax.jit(lambda s: total((1.0, 2.0, 1.0, 1.0), s))(segments[2])
+    np.testing.assert_allclose(alone[1], expected[2], atol=1e-7)
+
+
 def test_one_thread_and_a_hundred():
     one = chains(1, load=500.0)
     found = equilibrium(one, array(500.0))
