@@ -119,7 +119,7 @@ def max_shear_depth_nut(analysis: Analysis):
     "thread_stiffness_screw",
     "k_sR",
     "N/m",
-    "thread contact stiffness of one roller with the screw",
+    "thread contact stiffness of one roller with the screw; of the first where all are unlike",
     ("stage",),
 )
 def thread_stiffness_screw(analysis: Analysis):
@@ -130,7 +130,7 @@ def thread_stiffness_screw(analysis: Analysis):
     "thread_stiffness_nut",
     "k_nR",
     "N/m",
-    "thread contact stiffness of one roller with the nut",
+    "thread contact stiffness of one roller with the nut; of the first where all are unlike",
     ("stage",),
 )
 def thread_stiffness_nut(analysis: Analysis):
