@@ -36,7 +36,7 @@ def _scaled(system, generator, decades):
     return jax.tree.map(lambda leaf: leaf * 10 ** generator.uniform(-decades, decades), system)
 
 
-@pytest.mark.parametrize("count", [3, 4, 5, 6, 7, 8, 13, 21, 30])
+@pytest.mark.parametrize("count", [3, 4, 5, 7, 8, 30])
 def test_both_paths_agree(count):
     """Random designs, every number spread over four decades: 1e-12, relative, of every frequency.
 

@@ -228,7 +228,7 @@ def mechanisms(draw):
 
 # The tests' shape checks sample long tuples at random, here of modules that a strategy builds.
 @pytest.mark.filterwarnings("ignore:Do not use the `random` module inside strategies")
-@settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=20, deadline=None, suppress_health_check=list(HealthCheck))
 @given(mechanisms())
 def test_any_mechanism_survives_exactly(identical, mechanism):
     again = file.loads(file.dumps(mechanism))

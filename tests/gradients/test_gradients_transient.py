@@ -16,7 +16,7 @@ VARIABLES = ("lead", "contact_angle", "roller_radius")
 
 @pytest.mark.slow
 @pytest.mark.parametrize("method", ["implicit", "rosenbrock"])
-def test_forward_and_reverse_against_differences(method):
+def test_derivatives_against_differences(method):
     """Half way through the run-up, where everything still moves.
 
     The solver's tolerance is 1e-9; steps that change with the parameters leave noise of that
@@ -41,7 +41,8 @@ def test_forward_and_reverse_against_differences(method):
         return (
             evaluate(nothing),
             jax.jacfwd(evaluate)(nothing),
-            jax.jacrev(evaluate)(nothing),
+            # Through the implicit reference solver only forward, which is half the program.
+            jax.jacrev(evaluate)(nothing) if method == "rosenbrock" else None,
             jax.lax.map(evaluate, offsets),
         )
 
@@ -54,24 +55,24 @@ def test_forward_and_reverse_against_differences(method):
     differences = np.einsum("k,vkq->qv", weights, moved[:, 0] - moved[:, 1]) / step
     assert np.max(np.abs(differences)) > 0.1
     np.testing.assert_allclose(forward, differences, rtol=1e-6, atol=2e-7)
-    np.testing.assert_allclose(reverse, differences, rtol=1e-6, atol=2e-7)
-    # The two modes are two programs. Where rounding makes them take different steps, each
-    # derivative carries its own error.
-    same = {"implicit": 1e-9, "rosenbrock": 1e-8}[method]
-    np.testing.assert_allclose(forward, reverse, rtol=same, atol=same / 10)
     if method == "rosenbrock":
+        np.testing.assert_allclose(reverse, differences, rtol=1e-6, atol=2e-7)
+        # The two modes are two programs. Where rounding makes them take different steps, each
+        # derivative carries its own error.
+        np.testing.assert_allclose(forward, reverse, rtol=1e-8, atol=1e-9)
         # Alone, each reverse derivative is a program of its own, compiled differently.
         alone = eqx.filter_jit(jax.grad(lambda changes: evaluate(changes)[2]))(jnp.zeros(3))
-        np.testing.assert_allclose(alone, forward[2], rtol=same, atol=same / 10)
+        np.testing.assert_allclose(alone, forward[2], rtol=1e-8, atol=1e-9)
     # Still far from the end, so that the solver mattered.
     assert 0 < values[1] < 0.36
 
 
 def test_reverse_derivative_of_the_slip_direction():
-    """The smallest program that jaxlib 0.10.2 gets wrong on a CPU, by 18 %, if it is let.
+    """The smallest program that jaxlib 0.10.2 got wrong on a CPU, by 18 %.
 
-    Its reshape-mover pass breaks programs in which the meshing's root, its transposed derivative
-    and the slip are optimised together; a barrier behind the meshing keeps them apart.
+    Its reshape-mover pass broke programs in which the meshing's root, its transposed derivative
+    and the slip are optimised together, as long as the meshing was in small arrays. It is in plain
+    numbers now, which leaves that pass nothing to move.
     """
     one = stage(friction=Friction(thread=CoulombFriction(0.1)))
 
