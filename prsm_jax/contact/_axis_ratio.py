@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ._elliptic import associated_elliptic_integrals
+from ._elliptic import integrals_of_square
 
 Real = Float[Array, "*batch"]
 
@@ -43,8 +43,8 @@ def _ellipse(anisotropy: Real) -> tuple[Real, Real, Real]:
     target = _target(anisotropy)
     start = antoine_log_axis_ratio(-target)
     axis_ratio = jnp.exp(start)
-    _, b, d = associated_elliptic_integrals(axis_ratio)
     square, parameter = axis_ratio**2, (1 - axis_ratio) * (1 + axis_ratio)
+    b, d = integrals_of_square(square, start)
     elongated = parameter > _NEARLY_CIRCULAR
     inverse = 1 / jnp.where(elongated, parameter, 1.0)
     first_d = jnp.where(
@@ -86,8 +86,7 @@ def _contact_ellipse_jvp(primals, tangents):
     logarithm = jnp.log(axis_ratio)
 
     def integrals(logarithm):
-        _, integral_b, integral_d = associated_elliptic_integrals(jnp.exp(logarithm))
-        return integral_b, integral_d
+        return integrals_of_square(jnp.exp(2 * logarithm), logarithm)
 
     (b, d), (moves_b, moves_d) = jax.jvp(integrals, (logarithm,), (jnp.ones_like(logarithm),))
     # A/B = κ² D/B, and log(A/B) = log((1 − τ)/(1 + τ)).

@@ -83,12 +83,27 @@ def associated_elliptic_integrals(
 
     **Returns:** `(K, B, D)` of the parameter m = 1 − κ².
     """
-    square, logarithm = axis_ratio**2, -2 * jnp.log(axis_ratio)
-    integral_b = _polynomial(_B_LOGARITHMIC, square) * square * logarithm
-    integral_b = integral_b + _polynomial(_B_REGULAR, square)
-    integral_d = _polynomial(_D_LOGARITHMIC, square) * logarithm
-    integral_d = integral_d + _polynomial(_D_REGULAR, square)
+    integral_b, integral_d = integrals_of_square(axis_ratio**2, jnp.log(axis_ratio))
     return integral_b + integral_d, integral_b, integral_d
+
+
+def integrals_of_square(
+    square: Float[Array, "*batch"], logarithm: Float[Array, "*batch"]
+) -> tuple[Float[Array, "*batch"], Float[Array, "*batch"]]:
+    """B and D where κ² and log κ are known already.
+
+    **Arguments:**
+
+    - `square`: κ² in (0, 1].
+    - `logarithm`: log κ.
+    """
+    twice = -2 * logarithm
+    integral_b = _polynomial(_B_LOGARITHMIC, square) * square * twice
+    integral_d = _polynomial(_D_LOGARITHMIC, square) * twice
+    return (
+        integral_b + _polynomial(_B_REGULAR, square),
+        integral_d + _polynomial(_D_REGULAR, square),
+    )
 
 
 def complete_elliptic_integrals(
