@@ -61,8 +61,8 @@ def _starting_angles(thread: Thread) -> _Positions:
 def _second_order(thread: Thread) -> _Positions:
     """The package's starting point: no root search."""
     flanks = flanks_of(thread)
-    x, y = contact_point(flanks, starting_slope(flanks))
-    return jnp.sqrt(x**2 + y**2), jnp.arctan2(y, flanks.centre_distance - x)
+    triangle, x, y = contact_point(flanks, starting_slope(flanks))
+    return triangle.screw_radius, jnp.arctan2(y, flanks.centre_distance - x)
 
 
 def _by_sine_rule(thread: Thread, screw_angle, roller_angle) -> _Positions:

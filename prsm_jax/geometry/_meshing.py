@@ -52,7 +52,7 @@ class Meshing(eqx.Module):
     converged: Bool[Array, ""]
 
 
-class _Triangle(eqx.Module):
+class ContactTriangle(eqx.Module):
     """Screw axis, roller axis and contact point, for a given slope s of the roller's profile."""
 
     roller_radius: Scalar
@@ -71,7 +71,7 @@ def starting_slope(flanks: FlankGeometry) -> Scalar:
     return jnp.sqrt(flanks.slope**2 + screw_helix**2 - roller_helix**2)
 
 
-def _triangle(flanks: FlankGeometry, slope: Scalar) -> tuple[_Triangle, Scalar, Scalar]:
+def _triangle(flanks: FlankGeometry, slope: Scalar) -> tuple[ContactTriangle, Scalar, Scalar]:
     """The triangle of the axes and the contact; the residual in s, and its derivative.
 
     The arc has the slope s at the roller radius `r = r_R + ρ (s/√(1 + s²) − sin α)`. Where both
@@ -103,7 +103,7 @@ def _triangle(flanks: FlankGeometry, slope: Scalar) -> tuple[_Triangle, Scalar, 
     screw_helix = flanks.reduced_lead / screw
     residual = slope**2 - steep**2 + (roller_helix - screw_helix) * (roller_helix + screw_helix)
     derivative = 2 * (steepens + screw_helix**2 / screw * screw_moves)
-    return _Triangle(roller, screw, flatness), residual, derivative
+    return ContactTriangle(roller, screw, flatness), residual, derivative
 
 
 def _steepness(flanks: FlankGeometry, slope: Scalar) -> tuple[Scalar, Scalar]:
@@ -112,7 +112,7 @@ def _steepness(flanks: FlankGeometry, slope: Scalar) -> tuple[Scalar, Scalar]:
     return residual, derivative
 
 
-def contact_point(flanks: FlankGeometry, slope: Scalar) -> tuple[Scalar, Scalar]:
+def contact_point(flanks: FlankGeometry, slope: Scalar) -> tuple[ContactTriangle, Scalar, Scalar]:
     """Where the roller's profile has the slope s and both gradients the same direction.
 
     **Arguments:**
@@ -120,7 +120,7 @@ def contact_point(flanks: FlankGeometry, slope: Scalar) -> tuple[Scalar, Scalar]
     - `flanks`: of the stage.
     - `slope`: slope s of the roller's profile; the root of the equal steepness makes it a contact.
 
-    **Returns:** (x, y) about the screw axis, roller axis at (a, 0) [m].
+    **Returns:** the radii there, and (x, y) about the screw axis, roller axis at (a, 0) [m].
     """
     triangle, _, _ = _triangle(flanks, slope)
     distance = flanks.centre_distance
@@ -128,7 +128,7 @@ def contact_point(flanks: FlankGeometry, slope: Scalar) -> tuple[Scalar, Scalar]
     # sin T = (tan α tan λ_R + s tan λ_s)/|∇z|², and r_s' r sin T = a |y|.
     aside = flanks.slope * flanks.roller_reduced_lead * screw + slope * flanks.reduced_lead * roller
     along = distance + (screw - roller) * (screw + roller) / distance
-    return along / 2, -aside * triangle.flatness / distance
+    return triangle, along / 2, -aside * triangle.flatness / distance
 
 
 def _unit_normal(slope: Slope, sign: float) -> Float[Array, "3"]:
@@ -167,12 +167,12 @@ def mesh(thread: Thread) -> Meshing:
         tolerance=1e-12 if distance.dtype == jnp.float64 else 1e-5,
         max_steps=_MAXIMUM_STEPS,
     )
-    x, y = contact_point(flanks, jnp.where(found, profile_slope, start))
+    triangle, x, y = contact_point(flanks, jnp.where(found, profile_slope, start))
     slope = helicoid_slope(flanks.slope, flanks.reduced_lead, x, y)
     screw = ThreadContact(
-        contact_radius=jnp.sqrt(x**2 + y**2),
+        contact_radius=triangle.screw_radius,
         contact_angle_position=jnp.arctan2(y, x),
-        roller_contact_radius=jnp.sqrt((distance - x) ** 2 + y**2),
+        roller_contact_radius=triangle.roller_radius,
         roller_angle_position=jnp.arctan2(y, distance - x),
         normal=_unit_normal(slope, 1.0),
         curvature=relative_curvature(slope, screw_side_hessian(flanks, x, y)),
