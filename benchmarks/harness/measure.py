@@ -23,11 +23,11 @@ class Budget:
 
     rounds: int
     seconds: float
-    sample_seconds: float = 2e-3
+    sample_seconds: float = 20e-3
 
 
 FULL = Budget(rounds=15, seconds=1.0)
-QUICK = Budget(rounds=5, seconds=0.15)
+QUICK = Budget(rounds=5, seconds=0.15, sample_seconds=2e-3)
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from typing import Literal, TypeAlias
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 
 from .._physics import physics
@@ -48,10 +49,26 @@ def anisotropy_of(total: Scalar, difference_squared: Scalar) -> Scalar:
     return jnp.where(elongated, root, 0.0) / total
 
 
-def _cube_root(cube: Scalar) -> Scalar:
-    """Root of a positive number: a power and one step of Newton, half the time of `jnp.cbrt`."""
-    root = jnp.exp(jnp.log(cube) / 3)
-    return root - (root - cube / root**2) / 3
+@jax.custom_jvp
+def _inverse_cube_root(cube: Scalar) -> Scalar:
+    """1/∛ of a number above 1e-70: a power in single precision and one step of third order.
+
+    A third of the run time of `jnp.cbrt` and a quotient. Small numbers (the cube of a semi-axis in
+    metres) are scaled into single precision; those below 1e-70 give something finite.
+    """
+    scale = jnp.where(cube < 2.0**-100, 2.0**120, 1.0).astype(cube.dtype)
+    single = jnp.maximum((cube * scale).astype(jnp.float32), jnp.finfo(jnp.float32).tiny)
+    shrink = jnp.where(cube < 2.0**-100, 2.0**40, 1.0).astype(cube.dtype)
+    root = jnp.exp(jnp.log(single) * (-1 / 3)).astype(cube.dtype) * shrink
+    excess = 1 - cube * root**3
+    return root * (1 + excess * (1 / 3 + excess * (2 / 9)))
+
+
+@_inverse_cube_root.defjvp
+def _inverse_cube_root_jvp(primals, tangents):
+    (cube,), (tangent,) = primals, tangents
+    root = _inverse_cube_root(cube)
+    return root, root / cube * tangent * (-1 / 3)
 
 
 @physics("hertz")
@@ -92,15 +109,17 @@ def hertz_contact(
     loaded = force > 0
     carried = jnp.where(loaded, force, 1.0)
     per_axis = 3 / (2 * jnp.pi) * carried
-    semi_major = _cube_root(per_axis * second / (modulus * axis_ratio**2 * total))
-    inverse = per_axis / semi_major
+    cube = per_axis * second / (modulus * axis_ratio**2 * total)
+    inverse_major = _inverse_cube_root(cube)
+    semi_major = cube * inverse_major**2
+    inverse = per_axis * inverse_major
     approach = inverse * first / modulus
     stiffness = jnp.where(loaded, carried / approach, 0.0)
     semi_major_loaded = jnp.where(loaded, semi_major, 0.0)
     return HertzContact(
         semi_major=semi_major_loaded,
         semi_minor=axis_ratio * semi_major_loaded,
-        max_pressure=jnp.where(loaded, inverse / (axis_ratio * semi_major), 0.0),
+        max_pressure=jnp.where(loaded, inverse * inverse_major / axis_ratio, 0.0),
         approach=jnp.where(loaded, approach, 0.0),
         stiffness=stiffness,
         stiffness_tangent=1.5 * stiffness,
