@@ -135,7 +135,8 @@ def stress_peak_on_axis(
     # The top of the parabola through three points, and one step of Newton from there, which also
     # carries the derivatives.
     near = 1e-3 if ratio.dtype == jnp.float64 else 1e-2
-    before, here, after = (at(found + k * near, *stopped) for k in (-1, 0, 1))
+    beside = found[None] + near * jnp.asarray([[-1.0], [0.0], [1.0]], ratio.dtype)
+    before, here, after = jax.vmap(lambda depth: at(depth, *stopped))(beside)
     bend = (after - 2 * here + before) / near**2
     top = found - (after - before) / (2 * near * bend)
     value, slope = jax.jvp(

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from functools import cached_property
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias, TypeVar
 
 import equinox as eqx
 import jax
@@ -49,6 +49,14 @@ from ..strength import (
 #: Under which load threads share: that of the operating point; or on one flank, a preload of two
 #: nuts included, the largest of all, or the constant one with the fatigue of the duty cycle.
 SharedLoad: TypeAlias = Literal["operating_point", "largest", "equivalent"]
+_Made = TypeVar("_Made")
+#: What `symmetric_modes` consists of, in its order.
+_SYMMETRIC_FAMILIES: dict[str, Callable[[VibrationSystem], ModeGroup | None]] = {
+    "carrier": carrier_mode,
+    "torsional": torsional_modes,
+    "transverse": transverse_modes,
+    "roller": roller_modes,
+}
 
 
 class Analysis:
@@ -67,7 +75,7 @@ class Analysis:
         self._speed, self._load = speed, load
         self._flags: list[Bool[Array, ""]] = []
         self._distributions: dict[tuple[int, SharedLoad], LoadDistribution] = {}
-        self._reference_contacts: dict[int, StageContact] = {}
+        self._once: dict[tuple[str, int], Any] = {}
 
     def require(self, flag: Bool[Array, ""]) -> None:
         """Let a quantity say, in a trace, whether the numbers it rests on can be used."""
@@ -162,10 +170,16 @@ class Analysis:
 
     def reference_contact(self, index: int) -> StageContact:
         """Hertz contacts of a stage (from 0) under the load that capacities are scaled from."""
-        if index not in self._reference_contacts:
-            stage = self.mechanism.stages[index]
-            self._reference_contacts[index] = reference_contact(stage, self.meshing(index))
-        return self._reference_contacts[index]
+        stage = self.mechanism.stages[index]
+        return self.once(
+            ("reference_contact", index), lambda: reference_contact(stage, self.meshing(index))
+        )
+
+    def once(self, key: tuple[str, int], make: Callable[[], _Made]) -> _Made:
+        """What several quantities share of a stage: traced when first asked for."""
+        if key not in self._once:
+            self._once[key] = make()
+        return self._once[key]
 
     def meshing(self, index: int) -> Meshing | None:
         """Meshing of a stage, where its curvatures come from it."""
@@ -291,29 +305,37 @@ class Analysis:
     @cached_property
     def torsional(self) -> tuple[ModeGroup, ...]:
         """Torsional modes of every stage."""
-        return tuple(self._families("torsional", torsional_modes))
+        return tuple(self._families("torsional"))
 
     @cached_property
     def transverse(self) -> tuple[ModeGroup, ...]:
         """Transverse modes of every stage."""
-        return tuple(self._families("transverse", transverse_modes))
+        return tuple(self._families("transverse"))
 
-    def _families(self, family: str, by_symmetry: Callable[[VibrationSystem], ModeGroup]):
+    def _families(self, family: str):
         for index, system in enumerate(self.systems):
             # One family by itself, where symmetry allows: the others are then not traced.
             if system.symmetric:
-                yield by_symmetry(system)
+                group = self._by_itself(family, index)
             else:
                 group = family_modes(self.modes[index], family)
-                assert group is not None
-                yield group
+            assert group is not None
+            yield group
+
+    def _by_itself(self, family: str, index: int) -> ModeGroup | None:
+        make = _SYMMETRIC_FAMILIES[family]
+        return self.once((family, index), lambda: make(self.systems[index]))
 
     @cached_property
     def modes(self) -> tuple[Modes, ...]:
         """All modes of every stage."""
         found: list[Modes] = []
-        for system in self.systems:
-            if found and not system.symmetric:
+        for index, system in enumerate(self.systems):
+            if system.symmetric:
+                groups = [self._by_itself(name, index) for name in _SYMMETRIC_FAMILIES]
+                found.append(Modes(tuple(group for group in groups if group is not None)))
+                continue
+            if found:
                 # One after the other: two batched LAPACK calls at once can wait for each other's
                 # threads for ever (jaxlib 0.10.2 on a CPU with two cores).
                 system, _ = jax.lax.optimization_barrier((system, found[-1].frequencies))
@@ -328,9 +350,9 @@ class Analysis:
     @cached_property
     def roller(self) -> tuple[ModeGroup | None, ...]:
         """Roller modes of every symmetric stage; `None` with three rollers."""
-        return tuple(roller_modes(system) for system in self.systems)
+        return tuple(self._by_itself("roller", i) for i in range(len(self.systems)))
 
     @cached_property
     def carrier(self) -> tuple[ModeGroup | None, ...]:
         """Carrier mode of every stage; `None` where it does not move on its own."""
-        return tuple(carrier_mode(system) for system in self.systems)
+        return tuple(self._by_itself("carrier", i) for i in range(len(self.systems)))

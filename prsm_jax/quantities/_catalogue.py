@@ -150,7 +150,7 @@ def _available(structure, leaves: tuple, candidates: tuple[Quantity, ...]) -> tu
         for candidate in candidates:
             try:
                 candidate.function(analysis)
-            except ValueError:
+            except MissingDataError:
                 continue
             names.append(candidate.name)
 

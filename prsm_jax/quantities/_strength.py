@@ -58,11 +58,14 @@ def _static_capacity_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     # What is given needs no contacts.
     if stage.strength is None or stage.strength.static_capacity is not None:
         return strength.static_capacity(stage)
-    return strength.static_capacity(
-        stage,
-        analysis.meshing(index),
-        analysis.reference_contact(index),
-        _sharing_factor(analysis, index),
+    return analysis.once(
+        ("static_capacity", index),
+        lambda: strength.static_capacity(
+            stage,
+            analysis.meshing(index),
+            analysis.reference_contact(index),
+            _sharing_factor(analysis, index),
+        ),
     )
 
 
@@ -121,11 +124,14 @@ def dynamic_capacity_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
         return strength.dynamic_capacity(stage)
     if stage.strength.dynamic_capacity is not None:
         return strength.dynamic_capacity(stage)
-    return strength.dynamic_capacity(
-        stage,
-        analysis.meshing(index),
-        analysis.reference_contact(index),
-        _fatigue_factor(analysis, index),
+    return analysis.once(
+        ("dynamic_capacity", index),
+        lambda: strength.dynamic_capacity(
+            stage,
+            analysis.meshing(index),
+            analysis.reference_contact(index),
+            _fatigue_factor(analysis, index),
+        ),
     )
 
 
