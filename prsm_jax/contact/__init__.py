@@ -32,6 +32,7 @@ from ._stress_measures import (
     von_mises_stress as von_mises_stress,
 )
 from ._stress_peak import (
+    AxisMeasure as AxisMeasure,
     StressMeasure as StressMeasure,
     StressPeak as StressPeak,
     stress_peak as stress_peak,

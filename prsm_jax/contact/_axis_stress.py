@@ -4,7 +4,7 @@ import jax.numpy as jnp
 
 from .._physics import physics
 from ..mechanism import Scalar
-from ._carlson import carlson_rd, carlson_rf
+from ._carlson import carlson_rf_and_rd
 
 
 @physics("axis_stress")
@@ -41,8 +41,9 @@ def axis_stress(
     cosine_squared, delta_squared = zeta**2 / below, ratio_below**2
     one = jnp.ones_like(zeta)
     sine = 1 / jnp.sqrt(below)
-    integral_d = sine**3 * carlson_rd(cosine_squared, delta_squared, one) / 3
-    integral_b = sine * carlson_rf(cosine_squared, delta_squared, one) - integral_d
+    first_kind, second_kind = carlson_rf_and_rd(cosine_squared, delta_squared, one)
+    integral_d = sine**3 * second_kind / 3
+    integral_b = sine * first_kind - integral_d
     shared = 1 / (below * (1 + ratio_below))
     along = zeta * integral_d - shared / 2
     along_poisson = (shared + zeta * integral_b - 1) / square

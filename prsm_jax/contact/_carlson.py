@@ -16,33 +16,12 @@ def _doubled(x, y, z):
     return (x + shift) / 4, (y + shift) / 4, (z + shift) / 4, 1 / (roots[2] * (z + shift))
 
 
-def carlson_rf(
+def carlson_rf_and_rd(
     x: Float[Array, "*batch"], y: Float[Array, "*batch"], z: Float[Array, "*batch"]
-) -> Float[Array, "*batch"]:
-    """R_F(x, y, z) = ½ ∫₀^∞ dt / √((t + x)(t + y)(t + z)).
+) -> tuple[Float[Array, "*batch"], Float[Array, "*batch"]]:
+    """R_F = ½ ∫₀^∞ dt / √((t + x)(t + y)(t + z)) and R_D = (3/2) ∫₀^∞ dt / ((t + z) √(…)).
 
-    Source: Carlson 1995; DLMF 19.36.1.
-
-    **Arguments:**
-
-    - `x`, `y`, `z`: not negative, at most one of them zero.
-    """
-    # A loop: unrolled, the compiler's fusion triples the work with every duplication.
-    x, y, z = jax.lax.fori_loop(0, _DOUBLINGS, lambda _, xyz: _doubled(*xyz)[:3], (x, y, z))
-    mean = (x + y + z) / 3
-    first, second = 1 - x / mean, 1 - y / mean
-    third = -first - second
-    two, three = first * second - third**2, first * second * third
-    series = 1 - two / 10 + three / 14 + two**2 / 24 - 3 * two * three / 44
-    return series / jnp.sqrt(mean)
-
-
-def carlson_rd(
-    x: Float[Array, "*batch"], y: Float[Array, "*batch"], z: Float[Array, "*batch"]
-) -> Float[Array, "*batch"]:
-    """R_D(x, y, z) = (3/2) ∫₀^∞ dt / ((t + z) √((t + x)(t + y)(t + z))).
-
-    Source: Carlson 1995; DLMF 19.36.2.
+    Of the same arguments, which they double alike. Source: Carlson 1995; DLMF 19.36.1 and 19.36.2.
 
     **Arguments:**
 
@@ -55,8 +34,24 @@ def carlson_rd(
         x, y, z, part = _doubled(x, y, z)
         return x, y, z, total + scale * part, scale / 4
 
+    # A loop: unrolled, the compiler's fusion triples the work with every duplication.
     start = (x, y, z, jnp.zeros_like(z), jnp.ones_like(z))
     x, y, z, total, scale = jax.lax.fori_loop(0, _DOUBLINGS, double, start)
+    return _first_kind(x, y, z), 3 * total + scale * _second_kind(x, y, z)
+
+
+def _first_kind(x, y, z):
+    """R_F of arguments that all but coincide."""
+    mean = (x + y + z) / 3
+    first, second = 1 - x / mean, 1 - y / mean
+    third = -first - second
+    two, three = first * second - third**2, first * second * third
+    series = 1 - two / 10 + three / 14 + two**2 / 24 - 3 * two * three / 44
+    return series / jnp.sqrt(mean)
+
+
+def _second_kind(x, y, z):
+    """R_D of arguments that all but coincide."""
     mean = (x + y + 3 * z) / 5
     first, second = 1 - x / mean, 1 - y / mean
     third = -(first + second) / 3
@@ -67,4 +62,4 @@ def carlson_rd(
     five = product * third**3
     series = 1 - 3 * two / 14 + three / 6 + 9 * two**2 / 88 - 3 * four / 22
     series = series - 9 * two * three / 52 + 3 * five / 26
-    return 3 * total + scale * series / (mean * jnp.sqrt(mean))
+    return series / (mean * jnp.sqrt(mean))

@@ -81,3 +81,17 @@ def max_shear_stress(stress: Stress) -> Measure:
     """
     second = _second_invariant(stress)
     return _safe_sqrt(second) * jnp.cos(_lode_angle(stress, second))
+
+
+@physics("von_mises")
+def von_mises_of_principal(first: Measure, second: Measure, third: Measure) -> Measure:
+    """`von_mises_stress` of principal stresses, in any order."""
+    square = (first - second) ** 2 + (second - third) ** 2 + (third - first) ** 2
+    return _safe_sqrt(square / 2)
+
+
+@physics("max_shear")
+def max_shear_of_principal(first: Measure, second: Measure, third: Measure) -> Measure:
+    """`max_shear_stress` of principal stresses, in any order."""
+    largest = jnp.maximum(jnp.maximum(first, second), third)
+    return (largest - jnp.minimum(jnp.minimum(first, second), third)) / 2

@@ -11,17 +11,31 @@ from jaxtyping import Array, Float
 from .._physics import physics
 from ..mechanism import Scalar
 from ._axis_stress import axis_stress
-from ._stress_measures import max_shear_stress, principal_stresses, von_mises_stress
+from ._stress_measures import (
+    max_shear_of_principal,
+    max_shear_stress,
+    principal_stresses,
+    von_mises_of_principal,
+    von_mises_stress,
+)
 from ._subsurface import NODES, reduced_stress
 
 StressMeasure: TypeAlias = Literal["von_mises", "max_shear", "tension"]
+AxisMeasure: TypeAlias = Literal["von_mises", "max_shear"]
 _MEASURES: dict[str, Callable[[Array], Array]] = {
     "von_mises": von_mises_stress,
     "max_shear": max_shear_stress,
     "tension": lambda stress: principal_stresses(stress)[..., 0],
 }
-#: Depths over b that are looked at first, and how often the grid is then made finer.
-_DEPTHS, _REFINEMENTS = 33, 8
+#: The same of the principal stresses, which those on the axis are.
+_OF_PRINCIPAL: dict[str, Callable[[Array, Array, Array], Array]] = {
+    "von_mises": von_mises_of_principal,
+    "max_shear": max_shear_of_principal,
+}
+#: Depths in a grid on the axis, of width 2 b first, and how many ever finer grids there are.
+_DEPTHS, _GRIDS = 33, 3
+#: How often the grid in space is made finer.
+_REFINEMENTS = 8
 
 
 class StressPeak(eqx.Module):
@@ -38,10 +52,10 @@ class StressPeak(eqx.Module):
         return self.position[2]
 
 
-def _measure(name: StressMeasure) -> Callable[[Array], Array]:
-    if name not in _MEASURES:
-        raise ValueError(f"stress measure is {name!r}; choose one of {', '.join(_MEASURES)}")
-    return _MEASURES[name]
+def _measure(name: str, measures: dict[str, Callable[..., Array]]) -> Callable[..., Array]:
+    if name not in measures:
+        raise ValueError(f"stress measure is {name!r}; choose one of {', '.join(measures)}")
+    return measures[name]
 
 
 def _search(
@@ -100,7 +114,7 @@ def stress_peak_on_axis(
     semi_minor: Scalar,
     max_pressure: Scalar,
     poisson_ratio: Scalar,
-    measure: StressMeasure = "von_mises",
+    measure: AxisMeasure = "von_mises",
 ) -> StressPeak:
     """Largest stress on the axis of a contact without friction, where its maximum is.
 
@@ -118,31 +132,35 @@ def stress_peak_on_axis(
 
     **Raises:** `ValueError` for an unknown measure.
     """
-    chosen = _measure(measure)
+    chosen = _measure(measure, _OF_PRINCIPAL)
     # Without a load the axes are 0; the place in units of b then says nothing, and costs nothing.
     loaded = semi_minor > 0
     ratio = jnp.where(loaded, semi_minor, 1.0) / jnp.where(loaded, semi_major, 1.0)
+    one = jnp.ones_like(ratio)
 
-    def at(depth: Float[Array, "1"], ratio: Scalar, poisson_ratio: Scalar) -> Scalar:
-        one = jnp.ones_like(ratio)
-        stress = axis_stress(depth[0], one / ratio, one, one, poisson_ratio)
-        return chosen(jnp.diag(jnp.stack(stress)))
+    def at(depth: Scalar, ratio: Scalar, poisson_ratio: Scalar) -> Scalar:
+        return chosen(*axis_stress(depth, 1 / ratio, one, one, poisson_ratio))
 
-    spacing = jnp.full((1,), 2.0 / (_DEPTHS - 1), ratio.dtype)
-    first = jnp.linspace(0.0, 2.0, _DEPTHS, dtype=ratio.dtype)[:, None]
-    found = _search(at, first, spacing, ratio, poisson_ratio)
     stopped = jax.lax.stop_gradient((ratio, poisson_ratio))
+    several = jax.vmap(lambda depth: at(depth, *stopped))
+    steps = jnp.linspace(-1.0, 1.0, _DEPTHS, dtype=ratio.dtype)
+
+    def refine(_, carry):
+        centre, width = carry
+        grid = jnp.maximum(centre + width * steps, 0.0)
+        return grid[jnp.argmax(several(grid))], width * (2 / (_DEPTHS - 1))
+
+    found, _ = jax.lax.fori_loop(0, _GRIDS, refine, (one, one))
     # The top of the parabola through three points, and one step of Newton from there, which also
     # carries the derivatives.
     near = 1e-3 if ratio.dtype == jnp.float64 else 1e-2
-    beside = found[None] + near * jnp.asarray([[-1.0], [0.0], [1.0]], ratio.dtype)
-    before, here, after = jax.vmap(lambda depth: at(depth, *stopped))(beside)
+    before, here, after = several(found + near * jnp.asarray([-1.0, 0.0, 1.0], ratio.dtype))
     bend = (after - 2 * here + before) / near**2
     top = found - (after - before) / (2 * near * bend)
     value, slope = jax.jvp(
         lambda depth: at(depth, ratio, poisson_ratio), (top,), (jnp.ones_like(top),)
     )
-    depth = (top[0] - slope / bend) * semi_minor
+    depth = (top - slope / bend) * semi_minor
     zero = jnp.zeros_like(depth)
     return StressPeak(max_pressure * value, jnp.stack([zero, zero, depth]))
 
@@ -171,7 +189,7 @@ def stress_peak(
 
     **Raises:** `ValueError` for an unknown measure.
     """
-    chosen = _measure(measure)
+    chosen = _measure(measure, _MEASURES)
     turned = semi_axes[1] > semi_axes[0]
     major, minor = jnp.max(semi_axes), jnp.min(semi_axes)
     loaded = minor > 0

@@ -1,5 +1,6 @@
 """Modes of a symmetric stage, family by family; the cost does not depend on the rollers' number."""
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -32,7 +33,18 @@ def meshed_share(network: SpringNetwork, shapes) -> Float[Array, " modes"]:
 def _of_block(
     system: VibrationSystem, block: SpringBlock, family: str, harmonic: int, shapes: bool
 ) -> ModeGroup:
-    values, small = block_modes(block)
+    return _group(system, block, block_modes(block), family, harmonic, shapes)
+
+
+def _group(
+    system: VibrationSystem,
+    block: SpringBlock,
+    modes: tuple[Array, Array],
+    family: str,
+    harmonic: int,
+    shapes: bool,
+) -> ModeGroup:
+    values, small = modes
     whole = None
     if shapes:
         direction = "uw"[harmonic]
@@ -71,6 +83,27 @@ def transverse_modes(system: VibrationSystem, *, shapes: bool = False) -> ModeGr
     if system.translation is not None:
         return _of_harmonic(system, "transverse", 1, shapes)
     return _of_block(system, transverse_springs(system), "transverse", 1, shapes)
+
+
+def torsional_and_transverse_modes(
+    system: VibrationSystem, *, shapes: bool = False
+) -> tuple[ModeGroup, ModeGroup]:
+    """Both families side by side, which is one program instead of two alike."""
+    if system.translation is not None:
+        return torsional_modes(system, shapes=shapes), transverse_modes(system, shapes=shapes)
+    blocks = torsional_springs(system), transverse_springs(system)
+    values, small = _modes_of_both(*blocks)
+    torsional, transverse = (
+        _group(system, block, (values[i], small[i]), family, i, shapes)
+        for i, (block, family) in enumerate(zip(blocks, ("torsional", "transverse"), strict=True))
+    )
+    return torsional, transverse
+
+
+@physics("torsional_modes")
+@physics("transverse_modes")
+def _modes_of_both(*blocks: SpringBlock) -> tuple[Array, Array]:
+    return jax.vmap(block_modes)(jax.tree.map(lambda *values: jnp.stack(values), *blocks))
 
 
 @physics("roller_modes")
@@ -129,8 +162,7 @@ def symmetric_modes(system: VibrationSystem, *, shapes: bool = False) -> Modes:
         )
     groups = (
         carrier_mode(system, shapes=shapes),
-        torsional_modes(system, shapes=shapes),
-        transverse_modes(system, shapes=shapes),
+        *torsional_and_transverse_modes(system, shapes=shapes),
         roller_modes(system, shapes=shapes),
     )
     found = tuple(group for group in groups if group is not None)
@@ -142,6 +174,7 @@ __all__ = [
     "meshed_share",
     "roller_modes",
     "symmetric_modes",
+    "torsional_and_transverse_modes",
     "torsional_modes",
     "transverse_modes",
 ]

@@ -11,8 +11,8 @@ from jaxtyping import Array, Bool
 
 from .._errors import MissingDataError
 from ..contact import (
+    AxisMeasure,
     StageContact,
-    StressMeasure,
     StressPeak,
     load_of,
     stage_contact,
@@ -30,6 +30,7 @@ from ..modal import (
     family_modes,
     roller_modes,
     stage_modes,
+    torsional_and_transverse_modes,
     torsional_modes,
     transverse_modes,
     vibration_system,
@@ -93,11 +94,8 @@ class Analysis:
         flags = list(self._flags)
         if "kinematics" in evaluated:
             flags += [geometry.meshing.converged for geometry in self.kinematics]
-        flags += [
-            evaluated[name].valid
-            for name in ("steady", "_forward", "_backward")
-            if name in evaluated
-        ]
+        if "steady" in evaluated:
+            flags.append(self.steady.valid)
         if "contacts" in evaluated:
             flags += [
                 side.hertz.semi_major >= 0
@@ -141,19 +139,23 @@ class Analysis:
 
     def driven(self, sense: int) -> SteadyState:
         """Steady state when the screw drives (+1) or is driven back (−1) at the same speed."""
-        return self._forward if sense > 0 else self._backward
 
-    def _with_sense(self, sense: int) -> SteadyState:
-        turning = sense * jnp.abs(self.speed)
-        return steady_state(self.mechanism, turning, self.load, self.kinematics)
+        def one() -> SteadyState:
+            found: SteadyState = jax.tree.map(
+                lambda both: both[(1 - sense) // 2], self._both_senses
+            )
+            self.require(found.valid)
+            return found
+
+        return self.once(("driven", sense), one)
 
     @cached_property
-    def _forward(self) -> SteadyState:
-        return self._with_sense(1)
-
-    @cached_property
-    def _backward(self) -> SteadyState:
-        return self._with_sense(-1)
+    def _both_senses(self) -> SteadyState:
+        """Driving and driven in one program, half as long as two."""
+        speeds = jnp.abs(self.speed) * jnp.asarray([1.0, -1.0], self.speed.dtype)
+        return jax.vmap(
+            lambda turning: steady_state(self.mechanism, turning, self.load, self.kinematics)
+        )(speeds)
 
     @cached_property
     def contacts(self) -> tuple[StageContact, ...]:
@@ -210,7 +212,7 @@ class Analysis:
         return largest_demand(self.mechanism, self.spectrum)
 
     @cached_property
-    def stress_peaks(self) -> dict[str, dict[StressMeasure, StressPeak]]:
+    def stress_peaks(self) -> dict[str, dict[AxisMeasure, StressPeak]]:
         """Largest stresses below the contacts of all stages, in screw and nut, without friction."""
 
         # Both sides of all stages at once: one program for each measure.
@@ -224,11 +226,11 @@ class Analysis:
                 [material_of(self.mechanism.stages[k], side).poisson_ratio for side, k in places]
             ),
         )
-        found: dict[str, dict[StressMeasure, StressPeak]] = {"screw": {}, "nut": {}}
-        measures: tuple[StressMeasure, ...] = ("von_mises", "max_shear")
+        found: dict[str, dict[AxisMeasure, StressPeak]] = {"screw": {}, "nut": {}}
+        measures: tuple[AxisMeasure, ...] = ("von_mises", "max_shear")
         for measure in measures:
 
-            def below(major, minor, pressure, ratio, measure: StressMeasure = measure):
+            def below(major, minor, pressure, ratio, measure: AxisMeasure = measure):
                 return stress_peak_on_axis(major, minor, pressure, ratio, measure)
 
             peaks = jax.vmap(below)(*given)
@@ -332,6 +334,10 @@ class Analysis:
         found: list[Modes] = []
         for index, system in enumerate(self.systems):
             if system.symmetric:
+                keys = ("torsional", index), ("transverse", index)
+                if not any(key in self._once for key in keys):
+                    pair = torsional_and_transverse_modes(system)
+                    self._once |= dict(zip(keys, pair, strict=True))
                 groups = [self._by_itself(name, index) for name in _SYMMETRIC_FAMILIES]
                 found.append(Modes(tuple(group for group in groups if group is not None)))
                 continue
