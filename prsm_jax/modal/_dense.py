@@ -12,7 +12,7 @@ from .._physics import physics
 from ..mechanism import Scalar
 from ._assembly import spring_network
 from ._families import FAMILIES, family_shares
-from ._modes import COUPLED, ModeGroup, Modes, frequency
+from ._modes import COUPLED, ModeGroup, Modes, frequency, of_elastic
 from ._spring_modes import directional_slopes, spring_modes
 from ._symmetric import carrier_mode, meshed_share, symmetric_modes
 from ._system import VibrationSystem
@@ -35,15 +35,14 @@ def dense_modes(system: VibrationSystem) -> Modes:
     alone = carrier_mode(system, shapes=True)
     rest = network if alone is None else spring_network(dataclasses.replace(system, carrier=None))
     modes = spring_modes(rest)
-    share = meshed_share(rest, modes.shapes)
+    frequencies = modes.angular_frequencies / (2 * jnp.pi)
+    share = of_elastic(meshed_share(rest, modes.shapes), frequencies)
     shapes = modes.shapes
     groups: tuple[ModeGroup, ...] = ()
     if alone is not None:
         shapes = jnp.concatenate([shapes, jnp.zeros_like(shapes[:1])])
         groups = (alone,)
-    coupled = ModeGroup(
-        modes.angular_frequencies / (2 * jnp.pi), share, 1, COUPLED, shapes[..., None]
-    )
+    coupled = ModeGroup(frequencies, share, 1, COUPLED, shapes[..., None])
     return Modes((*groups, coupled), system, network)
 
 

@@ -180,6 +180,13 @@ class Modes(eqx.Module):
         return next((g for g in self.groups if g.family == family), None)
 
 
+def of_elastic(
+    share: Float[Array, " modes"], frequencies: Float[Array, " modes"]
+) -> Float[Array, " modes"]:
+    """Shares of strain energy, and 0 for a rigid motion: what it has is rounding."""
+    return jnp.where(frequencies > _RIGID_SHARE * jnp.max(frequencies), share, 0.0)
+
+
 def frequency(eigenvalue: Float[Array, " modes"]) -> Float[Array, " modes"]:
     """√λ/2π [Hz]; value and derivative 0 where nothing holds the body."""
     free = eigenvalue <= 0

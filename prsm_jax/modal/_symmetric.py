@@ -15,7 +15,7 @@ from ._assembly import (
 )
 from ._block import SpringBlock, block_modes, mesh_energy_share
 from ._energy import shares, strain_energies
-from ._modes import ModeGroup, Modes, frequency
+from ._modes import ModeGroup, Modes, frequency, of_elastic
 from ._shapes import carrier_shape, harmonic_shapes
 from ._spring_modes import spring_modes
 from ._spring_network import Coordinate, SpringNetwork
@@ -53,8 +53,9 @@ def _group(
             for body, row in zip(system.bodies, small[:-1], strict=True)
         }
         whole = harmonic_shapes(system, harmonic, amplitudes | {_ROLLER: small[-1]})
-    share = mesh_energy_share(block, small)
-    return ModeGroup(frequency(values), share, harmonic + 1, family, whole)
+    frequencies = frequency(values)
+    share = of_elastic(mesh_energy_share(block, small), frequencies)
+    return ModeGroup(frequencies, share, harmonic + 1, family, whole)
 
 
 def _of_harmonic(system: VibrationSystem, family: str, harmonic: int, shapes: bool) -> ModeGroup:
@@ -65,8 +66,9 @@ def _of_harmonic(system: VibrationSystem, family: str, harmonic: int, shapes: bo
         amplitudes = dict(zip(network.coordinates, modes.shapes, strict=True))
         whole = harmonic_shapes(system, harmonic, amplitudes)
     multiplicity = system.roller_count - 3 if harmonic == 2 else harmonic + 1
-    share = meshed_share(network, modes.shapes)
-    return ModeGroup(modes.angular_frequencies / (2 * jnp.pi), share, multiplicity, family, whole)
+    frequencies = modes.angular_frequencies / (2 * jnp.pi)
+    share = of_elastic(meshed_share(network, modes.shapes), frequencies)
+    return ModeGroup(frequencies, share, multiplicity, family, whole)
 
 
 @physics("torsional_modes")

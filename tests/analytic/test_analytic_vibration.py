@@ -17,12 +17,14 @@ from prsm_jax.modal import (
     VibrationSystem,
     block_modes,
     dense_matrices,
+    dense_modes,
     symmetric_modes,
 )
 
 _modes = eqx.filter_jit(symmetric_modes)
 _many_modes = eqx.filter_jit(eqx.filter_vmap(symmetric_modes))
 _dense = eqx.filter_jit(dense_matrices)
+_dense_modes = eqx.filter_jit(dense_modes)
 
 SIGNS = {"screw": 1, "ring_gear": -1, "nut": -1}
 
@@ -207,6 +209,23 @@ def test_mesh_energy_shares():
             nearest = np.argmin(np.abs(squares - (2 * np.pi * float(frequency)) ** 2))
             held = supports @ shapes[:, nearest] ** 2
             assert share == pytest.approx(1 - held / squares[nearest], abs=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_rigid_motion_is_no_mesh_mode(seed):
+    """Nothing holds the bodies: rigid motions strain nothing, and every other mode only contacts.
+
+    What rounding leaves of a rigid motion's strain is all in the contacts, and is not its share.
+    """
+    system = _system(5, _random(np.random.default_rng(seed)), supported=False)
+    symmetric, dense = _modes(system), _dense_modes(system)
+    groups = [symmetric.group("torsional"), symmetric.group("transverse"), dense.group("coupled")]
+    for group in groups:
+        frequencies = np.asarray(group.frequencies)
+        elastic = frequencies > 1e-6 * frequencies.max()
+        np.testing.assert_allclose(group.mesh_energy_share, elastic, atol=1e-12)
+    # Torsion; transverse in x and in y.
+    assert [int(np.sum(np.asarray(g.mesh_energy_share) == 0)) for g in groups] == [1, 1, 3]
 
 
 @pytest.mark.parametrize("ratio", [1e3, 1e6, 1e12])
