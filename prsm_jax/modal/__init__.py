@@ -53,7 +53,6 @@ from ._symmetric import (
     carrier_mode as carrier_mode,
     roller_modes as roller_modes,
     symmetric_modes as symmetric_modes,
-    torsional_and_transverse_modes as torsional_and_transverse_modes,
     torsional_modes as torsional_modes,
     transverse_modes as transverse_modes,
 )

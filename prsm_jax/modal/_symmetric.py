@@ -87,7 +87,7 @@ def transverse_modes(system: VibrationSystem, *, shapes: bool = False) -> ModeGr
     return _of_block(system, transverse_springs(system), "transverse", 1, shapes)
 
 
-def torsional_and_transverse_modes(
+def _torsional_and_transverse_modes(
     system: VibrationSystem, *, shapes: bool = False
 ) -> tuple[ModeGroup, ModeGroup]:
     """Both families side by side, which is one program instead of two alike."""
@@ -164,7 +164,7 @@ def symmetric_modes(system: VibrationSystem, *, shapes: bool = False) -> Modes:
         )
     groups = (
         carrier_mode(system, shapes=shapes),
-        *torsional_and_transverse_modes(system, shapes=shapes),
+        *_torsional_and_transverse_modes(system, shapes=shapes),
         roller_modes(system, shapes=shapes),
     )
     found = tuple(group for group in groups if group is not None)
@@ -176,7 +176,6 @@ __all__ = [
     "meshed_share",
     "roller_modes",
     "symmetric_modes",
-    "torsional_and_transverse_modes",
     "torsional_modes",
     "transverse_modes",
 ]

@@ -30,7 +30,6 @@ from ..modal import (
     family_modes,
     roller_modes,
     stage_modes,
-    torsional_and_transverse_modes,
     torsional_modes,
     transverse_modes,
     vibration_system,
@@ -51,8 +50,8 @@ from ..strength import (
 #: nuts included, the largest of all, or the constant one with the fatigue of the duty cycle.
 SharedLoad: TypeAlias = Literal["operating_point", "largest", "equivalent"]
 _Made = TypeVar("_Made")
-#: What `symmetric_modes` consists of, in its order.
-_SYMMETRIC_FAMILIES: dict[str, Callable[[VibrationSystem], ModeGroup | None]] = {
+#: Families that can be had one by one.
+_FAMILIES: dict[str, Callable[[VibrationSystem], ModeGroup | None]] = {
     "carrier": carrier_mode,
     "torsional": torsional_modes,
     "transverse": transverse_modes,
@@ -325,7 +324,7 @@ class Analysis:
             yield group
 
     def _by_itself(self, family: str, index: int) -> ModeGroup | None:
-        make = _SYMMETRIC_FAMILIES[family]
+        make = _FAMILIES[family]
         return self.once((family, index), lambda: make(self.systems[index]))
 
     @cached_property
@@ -334,12 +333,9 @@ class Analysis:
         found: list[Modes] = []
         for index, system in enumerate(self.systems):
             if system.symmetric:
-                keys = ("torsional", index), ("transverse", index)
-                if not any(key in self._once for key in keys):
-                    pair = torsional_and_transverse_modes(system)
-                    self._once |= dict(zip(keys, pair, strict=True))
-                groups = [self._by_itself(name, index) for name in _SYMMETRIC_FAMILIES]
-                found.append(Modes(tuple(group for group in groups if group is not None)))
+                modes = stage_modes(system)
+                self._once |= {(group.family, index): group for group in modes.groups}
+                found.append(modes)
                 continue
             if found:
                 # One after the other: two batched LAPACK calls at once can wait for each other's
