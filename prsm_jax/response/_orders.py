@@ -2,7 +2,10 @@
 
 Everything is counted in the frame that turns with the rollers, in which the vibration model lives.
 With the carrier ratio κ = ω/Ω, the screw turns there at (1 − κ)Ω and the nut at −κΩ; a roller
-rolls in the nut without slip, timed by the ring gear, so it spins at n κ Ω.
+rolls in the nut without slip, timed by the ring gear, so it spins at n κ Ω. The rollers travel with
+the nut, by one lead per turn of the screw. A plane that travels with them therefore cuts the
+screw's threads in a section that stands still in space: the screw turns by as much as its threads
+advance. Seen from the rollers that section turns at κ, although the screw itself turns at 1 − κ.
 """
 
 from typing import Literal, TypeAlias
@@ -70,15 +73,17 @@ def excitation_orders(
     | name | order | what it is |
     |---|---|---|
     | `carrier` | κ | runout of nut and ring gear as the rollers pass it |
+    | `deviating_start` | κ | one start of screw or nut that deviates from the others |
     | `screw_rotation` | 1 − κ | runout of the screw as the rollers pass it |
     | `roller_passing_nut` | N κ | rollers that pass a flaw of the nut |
     | `roller_passing_screw` | N (1 − κ) | rollers that pass a flaw of the screw |
     | `thread_passing` | n κ | threads that pass along the rollers, and the rollers' own spin |
-    | `screw_starts` | n (1 − κ) | the n lobes that n starts cut into the screw's cross-section |
     | `ring_gear_mesh` | n z_R κ | teeth of the ring gear; only where their number is given |
 
     Thread passing is the same for screw, nut and roller: in the frame of the rollers all threads
-    move along the axis by κ L per turn, which is n κ pitches.
+    move along the axis by κ L per turn, which is n κ pitches. The n lobes that n starts cut into
+    the cross-section of the screw pass at the same order, n κ, because the plane of the section
+    travels with the rollers; every start comes round once in n pitches, at κ.
 
     **Arguments:**
 
@@ -94,11 +99,11 @@ def excitation_orders(
     # Name, lobes, speed of the pattern against the rollers, contacts, what it is.
     patterns = [
         ("carrier", one, ratio, outer, "runout of nut and ring gear"),
+        ("deviating_start", one, ratio, screw + nut, "one start of screw or nut deviates"),
         ("screw_rotation", one, 1 - ratio, screw, "runout of the screw"),
         ("roller_passing_nut", count * one, ratio, outer, "rollers pass a flaw of the nut"),
         ("roller_passing_screw", count * one, 1 - ratio, screw, "rollers pass a flaw of the screw"),
         ("thread_passing", starts, ratio, screw + nut, "threads pass along the rollers"),
-        ("screw_starts", starts, 1 - ratio, screw, "starts of the screw"),
     ]
     if stage.gear is not None and stage.gear.roller_teeth is not None and stage.ring_gear:
         teeth = starts * stage.gear.roller_teeth
@@ -109,11 +114,16 @@ def excitation_orders(
     )
 
 
+#: Names of earlier releases: the starts of the screw pass with the threads, at n κ.
+_FORMER_NAMES = {"screw_starts": "thread_passing"}
+
+
 def find_order(orders: tuple[ExcitationOrder, ...], name: str) -> ExcitationOrder:
-    """An excitation by its name.
+    """An excitation by its name; `screw_starts`, a former name, is `thread_passing`.
 
     **Raises:** `ValueError` if there is none of that name, with those that there are.
     """
+    name = _FORMER_NAMES.get(name, name)
     for order in orders:
         if order.name == name:
             return order

@@ -67,11 +67,11 @@ def test_orders_are_those_of_ideal_rolling():
     orders = {one.name: one for one in excitation_orders(stage)}
     expected = {
         "carrier": (0.375, 1),
+        "deviating_start": (0.375, 1),
         "screw_rotation": (0.625, 1),
         "roller_passing_nut": (7 * 0.375, 7),
         "roller_passing_screw": (7 * 0.625, 7),
         "thread_passing": (5 * 0.375, 5),
-        "screw_starts": (5 * 0.625, 5),
         "ring_gear_mesh": (80 * 0.375, 80),
     }
     assert set(orders) == set(expected)
@@ -112,7 +112,7 @@ def test_phases_of_the_rollers_decide_which_family_is_excited(roller_count):
     """
     one = prsm.set_parameter(example("wu2022"), "roller_count", roller_count)
     system, network = stage_system(one, 1), network_of(one)
-    for name in ("ring_gear_mesh", "roller_passing_screw", "screw_rotation", "screw_starts"):
+    for name in ("ring_gear_mesh", "roller_passing_screw", "screw_rotation", "thread_passing"):
         order = find_order(excitation_orders(one.stages[0]), name)
         for harmonic in (1, 2):
             found = _respond(system, order, jnp.asarray([230.0]), harmonic)
@@ -234,7 +234,7 @@ def test_without_symmetry_every_family_may_be_excited():
 
 def test_wrong_requests_name_the_remedy(unchecked):
     one = example("wu2022")
-    with pytest.raises(ValueError, match="choose one of carrier, screw_rotation"):
+    with pytest.raises(ValueError, match="choose one of carrier, deviating_start"):
         mesh_response(one, [1.0], order="belt", carrier_ratio=_IDEAL)
     with pytest.raises(ValueError, match="harmonic is 0; the first is 1"):
         mesh_response(one, [1.0], harmonic=0, carrier_ratio=_IDEAL)
