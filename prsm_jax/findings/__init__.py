@@ -1,7 +1,19 @@
-"""Findings on a mechanism: does it fit together, and do its masses and stiffnesses make sense?"""
+"""Findings on a mechanism, and the margins that `check` and the optimiser share.
 
-from ._check import check as check
-from ._locking import locking_findings as locking_findings
+Does it fit together, can it be made, does it last, and do its numbers make sense?
+"""
+
+from ._check import (
+    check as check,
+    margin_findings as margin_findings,
+    stiffness_findings as stiffness_findings,
+    strength_findings as strength_findings,
+)
+from ._margin import (
+    Margin as Margin,
+    Reading as Reading,
+    evaluate_margins as evaluate_margins,
+    margin_source as margin_source,
+    margins_of as margins_of,
+)
 from ._masses import mass_findings as mass_findings
-from ._stiffness import stiffness_findings as stiffness_findings
-from ._strength import strength_findings as strength_findings

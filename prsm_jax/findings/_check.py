@@ -1,24 +1,55 @@
 """All findings of a mechanism together."""
 
-from ..geometry import Finding, geometric_findings
+import functools
+
+import equinox as eqx
+
+from ..geometry import Finding
 from ..mechanism import Mechanism
-from ._locking import locking_findings
+from ..quantities import Analysis
+from . import _fit, _locking, _preferred, _stiffness, _strength
+from ._margin import Margin, evaluate_margins, findings_of, margins_of, source_count
 from ._masses import mass_findings
-from ._stiffness import stiffness_findings
-from ._strength import strength_findings
+
+#: The files that declare margins; to import them is to declare.
+DECLARED_IN = (_fit, _preferred, _stiffness, _locking, _strength)
+
+
+@functools.cache
+def _compiled(_sources: int):
+    # A source that is added later asks for another program.
+    return eqx.filter_jit(lambda mechanism: evaluate_margins(Analysis(mechanism)))
+
+
+def margin_findings(mechanism: Mechanism) -> tuple[tuple[Margin, Finding], ...]:
+    """Findings of all margins, each with the margin that it comes from.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism, with concrete numbers.
+    """
+    values = _plain(_compiled(source_count())(mechanism))
+    return tuple(findings_of(mechanism, values))
+
+
+def _plain(values: list) -> list[dict[str, float] | None]:
+    return [
+        None if numbers is None else {name: float(number) for name, number in numbers.items()}
+        for numbers in values
+    ]
 
 
 def check(mechanism: Mechanism) -> tuple[Finding, ...]:
     """What an engineer should know about a mechanism before trusting its results, by name.
 
-    Does it fit together: `feasible_ratio`, `roller_clearance`, `gear_assembly`,
-    `carrier_clearance`, `meshing`, `contact_on_flank`, `tooth_thickness`. Do the numbers behind its
-    vibration make sense: `inertia`, `mass`, `torsional_support`, `negative_stiffness`. Does
-    friction let it move: `jamming`, `self_locking`. Does it last: `static_safety`, `rating_life`,
-    `buckling`, `screw_speed`, `false_brinelling`, `backlash`. Do its numbers agree: `preload`,
-    `engaged_threads`, `axial_backlash`. Nothing is raised; a mechanism without findings gives an
-    empty tuple. Needs concrete numbers: inside a trace use the quantities instead
-    (`roller_clearance`, …).
+    Does it fit together: `dimension`, `feasible_ratio`, `roller_clearance`, `gear_assembly`,
+    `carrier_clearance`, `meshing`, `contact_on_flank`, `tooth_thickness`, `backlash`. Can it be
+    made with usual tools: `unusual_lead`, `unusual_module`. Do the numbers behind its vibration
+    make sense: `inertia`, `mass`, `torsional_support`, `negative_stiffness`. Does friction let it
+    move: `jamming`, `self_locking`. Does it last: `static_safety`, `rating_life`, `buckling`,
+    `screw_speed`, `false_brinelling`. Do its numbers agree: `preload`, `engaged_threads`,
+    `axial_backlash`. Nothing is raised; a mechanism without findings gives an empty tuple. Of what
+    lacks data nothing is found. Needs concrete numbers: inside a trace use `evaluate_margins`.
 
     **Arguments:**
 
@@ -26,8 +57,33 @@ def check(mechanism: Mechanism) -> tuple[Finding, ...]:
 
     **Returns:** the findings, stage by stage.
     """
-    found = [*geometric_findings(mechanism), *mass_findings(mechanism)]
-    found += stiffness_findings(mechanism)
-    found += locking_findings(mechanism)
-    found += strength_findings(mechanism)
+    values = _plain(_compiled(source_count())(mechanism))
+    found = [finding for _, finding in findings_of(mechanism, values)]
+    found += mass_findings(mechanism)
+    found += _stiffness.shaft_findings(mechanism)
+    plays = {
+        margin.stage: numbers["value"]
+        for margin, numbers in zip(margins_of(mechanism), values, strict=True)
+        if margin.name == "backlash" and numbers is not None
+    }
+    found += _strength.agreements(mechanism, plays)
+    found += _fit.assembly_notes(mechanism)
     return tuple(sorted(found, key=lambda finding: finding.stage))
+
+
+#: Names of findings on given stiffnesses, and on strength and life.
+_STIFFNESS = ("negative_stiffness", "torsional_support")
+_STRENGTH = (
+    *("static_safety", "rating_life", "buckling", "screw_speed", "false_brinelling", "backlash"),
+    *("preload", "engaged_threads", "axial_backlash"),
+)
+
+
+def stiffness_findings(mechanism: Mechanism) -> tuple[Finding, ...]:
+    """Findings of `check` on given stiffnesses that no structure, or no shaft, has."""
+    return tuple(finding for finding in check(mechanism) if finding.name in _STIFFNESS)
+
+
+def strength_findings(mechanism: Mechanism) -> tuple[Finding, ...]:
+    """Findings of `check` on loads, speeds and lives that the strength data do not bear."""
+    return tuple(finding for finding in check(mechanism) if finding.name in _STRENGTH)

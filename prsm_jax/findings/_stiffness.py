@@ -1,4 +1,4 @@
-"""Findings on given stiffnesses: springs that give energy back, shafts that no shaft can be."""
+"""Given stiffnesses: springs that give energy back, shafts that no shaft can be."""
 
 import math
 from collections.abc import Iterator
@@ -9,9 +9,11 @@ import numpy as np
 from .._errors import MissingDataError
 from ..contact import load_of
 from ..geometry import Finding
-from ..mechanism import Mechanism, Stage
+from ..mechanism import Mechanism, Scalar, Stage
 from ..modal import dense_matrices, vibration_system
+from ..quantities import Analysis
 from ..stiffness import loaded_threads, thread_stiffness
+from ._margin import Margin, Reading, margin_source
 
 #: Shortest and longest free length of a screw of unknown length, in diameters.
 _SHORTEST, _LONGEST = 1.0, 30.0
@@ -21,7 +23,7 @@ _SLACK = 3.0
 _STEEL = (210e9, 0.3)
 
 
-def _given_springs(stage: Stage) -> Iterator[tuple[str, float, str]]:
+def _given_springs(stage: Stage) -> Iterator[tuple[str, Scalar, str]]:
     """Every stiffness that a user gives: its name in the file, value and unit."""
     for body in ("screw", "roller", "nut", "ring_gear", "carrier"):
         part = getattr(stage, body)
@@ -29,17 +31,17 @@ def _given_springs(stage: Stage) -> Iterator[tuple[str, float, str]]:
         for name in ("radial_stiffness", "radial_stiffness_y", "torsional_stiffness"):
             value = None if support is None else getattr(support, name)
             if value is not None:
-                yield f"stage.{body}.support.{name}", float(value), " N/m"
+                yield f"stage.{body}.support.{name}", value, " N/m"
     for name in ("screw_roller", "nut_roller", "ring_roller"):
         value = None if stage.stiffness is None else getattr(stage.stiffness, name)
         if value is not None:
-            yield f"stage.stiffness.{name}", float(value), " N/m"
+            yield f"stage.stiffness.{name}", value, " N/m"
     if stage.gear is not None:
-        yield "stage.gear.mesh_factor", float(stage.gear.mesh_factor), ""
+        yield "stage.gear.mesh_factor", stage.gear.mesh_factor, ""
     for roller in stage.unequal_roller:
         if roller.stiffness_factor is not None:
             name = f"stage.unequal_roller.stiffness_factor of roller {roller.number}"
-            yield name, float(roller.stiffness_factor), ""
+            yield name, roller.stiffness_factor, ""
 
 
 def _negative_eigenvalues(mechanism: Mechanism, stage: Stage) -> int | None:
@@ -58,27 +60,40 @@ def _negative_eigenvalues(mechanism: Mechanism, stage: Stage) -> int | None:
     return int(np.sum(values < -1e-12 * np.abs(values).max()))
 
 
-def _check_signs(mechanism: Mechanism, stage: Stage, number: int) -> Iterator[Finding]:
-    negative = [spring for spring in _given_springs(stage) if spring[1] < 0]
-    count = _negative_eigenvalues(mechanism, stage) if negative else None
-    if count is None:
-        effect = "the stiffness matrix can be indefinite"
-    elif count == 0:
-        effect = "the other springs still outweigh it"
-    else:
-        effect = (
-            f"the stiffness matrix is indefinite ({count} negative "
-            f"eigenvalue{'s' if count > 1 else ''}), the mechanism unstable"
-        )
-    for name, value, unit in negative:
-        yield Finding(
+@margin_source
+def _signs(mechanism: Mechanism, index: int) -> Iterator[Margin]:
+    """Springs that give energy back, with what they do to the stiffness matrix."""
+    for place, (name, _, unit) in enumerate(_given_springs(mechanism.stages[index])):
+
+        def value(analysis: Analysis, place=place) -> Scalar:
+            return list(_given_springs(analysis.mechanism.stages[index]))[place][1]
+
+        def message(r: Reading, name=name, unit=unit) -> str:
+            count = _negative_eigenvalues(r.mechanism, r.mechanism.stages[index])
+            if count is None:
+                effect = "the stiffness matrix can be indefinite"
+            elif count == 0:
+                effect = "the other springs still outweigh it"
+            else:
+                effect = (
+                    f"the stiffness matrix is indefinite ({count} negative "
+                    f"eigenvalue{'s' if count > 1 else ''}), the mechanism unstable"
+                )
+            return (
+                f"{name} is {r.value:.4g}{unit}: a spring that gives energy back, so {effect}; "
+                "make it 0 or more"
+            )
+
+        yield Margin(
             "negative_stiffness",
-            "error",
-            number,
+            index + 1,
             value,
-            0.0,
-            f"{name} is {value:.4g}{unit}: a spring that gives energy back, so {effect}; make it 0 "
-            "or more",
+            (("error", 0.0),),
+            message,
+            unit=unit.strip() or "1",
+            kind="existence",
+            reserve=0.0,
+            subject=name,
         )
 
 
@@ -131,21 +146,14 @@ def _check_shaft(stage: Stage, number: int) -> Finding | None:
     )
 
 
-def stiffness_findings(mechanism: Mechanism) -> tuple[Finding, ...]:
-    """Given stiffnesses that no structure, or no shaft of these dimensions, has.
+def shaft_findings(mechanism: Mechanism) -> tuple[Finding, ...]:
+    """`torsional_support`: that of the screw is out of line with a shaft of its dimensions.
 
-    `negative_stiffness`: a support or mesh that gives energy back, with what it does to the
-    stiffness matrix. `torsional_support`: the screw's, out of line with G I_p/(l r²) for lengths
-    from one diameter to the given length (30 diameters if none is given).
+    G I_p/(l r²) for lengths from one diameter to the given length (30 diameters if none is given).
 
     **Arguments:**
 
     - `mechanism`: the mechanism, with concrete numbers.
     """
-    found: list[Finding] = []
-    for number, stage in enumerate(mechanism.stages, start=1):
-        found += _check_signs(mechanism, stage, number)
-        shaft = _check_shaft(stage, number)
-        if shaft is not None:
-            found.append(shaft)
-    return tuple(found)
+    found = (_check_shaft(stage, number) for number, stage in enumerate(mechanism.stages, start=1))
+    return tuple(finding for finding in found if finding is not None)

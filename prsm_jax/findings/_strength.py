@@ -1,189 +1,233 @@
-"""Findings on strength and life: dents, fatigue, buckling, whirling, false brinelling, play."""
+"""Margins of strength and life: dents, fatigue, buckling, whirling, false brinelling, play."""
 
-import functools
-from collections.abc import Callable, Iterator
+import math
+from collections.abc import Iterator
 
-import equinox as eqx
 import jax.numpy as jnp
 
 from .. import strength
-from .._errors import MissingDataError
 from ..geometry import Finding
-from ..mechanism import Mechanism, Stage
+from ..mechanism import Mechanism, Scalar, Stage, Strength
 from ..quantities import (
     Analysis,
     dynamic_capacity_of,
     minimum_amplitude_of,
-    static_safety_of,
+    on_one_flank,
+    static_capacity_of,
 )
 from ._agreement import agreement_findings
+from ._margin import Margin, Reading, margin_source
 
 #: What catalogues of ball screws ask for against buckling.
 _BUCKLING_SAFETY = 2.0
 
 
-def _life(analysis: Analysis, index: int, stage: Stage):
-    capacity = dynamic_capacity_of(analysis, index, stage)
-    life = strength.rating_life(stage, capacity, analysis.spectrum).time
-    factor = strength.life_factor(stage)
-    return life if factor is None else life * factor
+def _data(mechanism: Mechanism, index: int) -> Strength | None:
+    return mechanism.stages[index].strength
 
 
-def _buckling_safety(analysis: Analysis, _: int, stage: Stage):
-    return strength.static_safety(strength.buckling_load(stage), analysis.demand[1])
+def _stage(analysis: Analysis, index: int) -> tuple[Stage, Strength]:
+    stage = analysis.mechanism.stages[index]
+    return stage, strength.strength_of(stage)
 
 
-def _speeds(analysis: Analysis, _: int, stage: Stage):
-    limits = strength.permissible_speed(stage), strength.critical_speed(stage)
-    return jnp.stack([analysis.demand[0], *limits])
+def _safety(value: float) -> float:
+    """Safety factor of a margin 1 - load / capacity."""
+    return math.inf if value >= 1 else 1 / (1 - value)
 
 
-def _backlash(analysis: Analysis, index: int, stage: Stage):
-    return strength.backlash(stage, analysis.kinematics[index].meshing)
-
-
-def _asked_for(stage: Stage) -> dict[str, Callable]:
-    """The numbers that findings look at, as far as the file says what to compare them with."""
-    data = stage.strength
-    asked: dict[str, Callable] = {}
-    if data is None:
-        return asked
-    if data.permissible_pressure is not None or data.static_capacity is not None:
-        asked["static_safety"] = static_safety_of
-    if data.required_life is not None:
-        asked["life"] = _life
-    if data.oscillation_amplitude is not None:
-        asked["oscillation"] = minimum_amplitude_of
-    if data.shaft is not None:
-        asked |= {"buckling": _buckling_safety, "speed": _speeds}
-    if strength.needs_meshing_for_backlash(stage):
-        asked["backlash"] = _backlash
-    return asked
-
-
-@functools.cache
-def _compiled():
-    @eqx.filter_jit
-    def numbers(mechanism: Mechanism):
-        analysis, found = Analysis(mechanism), []
-        for index, stage in enumerate(mechanism.stages):
-            known = {}
-            for name, function in _asked_for(stage).items():
-                try:
-                    known[name] = function(analysis, index, stage)
-                except MissingDataError:
-                    continue
-            found.append(known)
-        return found
-
-    return numbers
-
-
-def _check(stage: Stage, known: dict, number: int) -> Iterator[Finding]:
-    safety = float(known.get("static_safety", jnp.inf))
-    if safety < 1:
-        yield Finding(
-            "static_safety",
-            "error",
-            number,
-            safety,
-            1.0,
-            f"the largest load is {1 / safety:.3g} times the static capacity: it leaves dents in "
-            "the threads that roughen the motion; add engaged threads or rollers, or lower the "
-            "load",
-        )
-    safety = float(known.get("buckling", jnp.inf))
-    if safety < _BUCKLING_SAFETY:
-        yield Finding(
-            "buckling",
-            "error" if safety < 1 else "warning",
-            number,
-            safety,
-            _BUCKLING_SAFETY,
-            f"the buckling load of the screw is {safety:.3g} times the largest load, and should be "
-            f"{_BUCKLING_SAFETY:.3g} times: shorten the loaded length, fix the ends, or take a "
-            "larger screw",
-        )
-    if "speed" in known:
-        speed, permissible, critical = (float(value) for value in known["speed"])
-        yield from _check_speed(speed, permissible, critical, number)
-    if "life" in known and stage.strength is not None:
-        asked = float(stage.strength.required_life)  # pyright: ignore[reportArgumentType]
-        life = float(known["life"])
-        if life < asked:
-            yield Finding(
-                "rating_life",
-                "warning",
-                number,
-                life,
-                asked,
-                f"the rating life is {life / 3600:.4g} h, and {asked / 3600:.4g} h are asked for: "
-                f"a dynamic capacity {(asked / life) ** (1 / 3):.3g} times as high would do (rests "
-                "on the practice of ball screws and bearings)",
-            )
-    if "oscillation" in known and stage.strength is not None:
-        amplitude = float(stage.strength.oscillation_amplitude)  # pyright: ignore[reportArgumentType]
-        smallest = float(known["oscillation"])
-        if amplitude < smallest:
-            yield Finding(
-                "false_brinelling",
-                "warning",
-                number,
-                amplitude,
-                smallest,
-                f"the screw swings by {jnp.degrees(amplitude):.3g} deg to either side, and its "
-                f"contacts leave their own ellipse only from {jnp.degrees(smallest):.3g} deg on: "
-                "they wear in place, which no rating life covers; turn it further from time to "
-                "time",
-            )
-    if "backlash" in known and float(known["backlash"]) < 0:
-        play = float(known["backlash"])
-        yield Finding(
-            "backlash",
-            "error",
-            number,
-            play,
-            0.0,
-            f"the teeth of screw, rollers and nut interfere by {-play * 1e3:.4g} mm together: thin "
-            "them further, or give the preload that this is meant to make",
-        )
-
-
-def _check_speed(
-    speed: float, permissible: float, critical: float, number: int
-) -> Iterator[Finding]:
-    if speed <= permissible:
+@margin_source
+def _static_safety(mechanism: Mechanism, index: int) -> Iterator[Margin]:
+    data = _data(mechanism, index)
+    if data is None or (data.permissible_pressure is None and data.static_capacity is None):
         return
-    past = speed > critical
-    what = "its critical speed" if past else "the permissible speed"
-    yield Finding(
-        "screw_speed",
-        "error" if past else "warning",
-        number,
-        speed,
-        permissible,
-        f"the screw turns at {speed * 30 / jnp.pi:.5g} rpm, above {what} of "
-        f"{(critical if past else permissible) * 30 / jnp.pi:.5g} rpm: shorten the unsupported "
-        "length, fix the ends, or take a larger lead",
+
+    def value(analysis: Analysis) -> Scalar:
+        stage, _ = _stage(analysis, index)
+        # Of the load, not of the capacity: finite without load.
+        load = on_one_flank(analysis, stage)
+        return 1 - load / static_capacity_of(analysis, index, stage)
+
+    yield Margin(
+        "static_safety",
+        index + 1,
+        value,
+        (("error", 0.0),),
+        lambda r: (
+            f"the largest load is {1 / _safety(r.value):.3g} times the static capacity: it leaves "
+            "dents in the threads that roughen the motion; add engaged threads or rollers, or "
+            "lower the load"
+        ),
+        shown=lambda r: (_safety(r.value), 1.0),
     )
 
 
-def strength_findings(mechanism: Mechanism) -> tuple[Finding, ...]:
-    """Loads, speeds and lives that the strength data do not bear.
+@margin_source
+def _buckling(mechanism: Mechanism, index: int) -> Iterator[Margin]:
+    data = _data(mechanism, index)
+    if data is None or data.shaft is None:
+        return
 
-    `static_safety`: threads are dented. `rating_life`: shorter than asked for. `buckling`,
-    `screw_speed`: the screw as a column and as a shaft. `false_brinelling`: it swings too little.
-    `backlash`: there is less than none. `preload`, `engaged_threads`, `axial_backlash`: strength
-    and load sharing have two numbers for one thing. Of what lacks data nothing is found.
+    def value(analysis: Analysis) -> Scalar:
+        stage, _ = _stage(analysis, index)
+        return 1 - analysis.demand[1] / strength.buckling_load(stage)
+
+    yield Margin(
+        "buckling",
+        index + 1,
+        value,
+        (("error", 0.0), ("warning", 1 - 1 / _BUCKLING_SAFETY)),
+        lambda r: (
+            f"the buckling load of the screw is {_safety(r.value):.3g} times the largest load, "
+            f"and should be {_BUCKLING_SAFETY:.3g} times: shorten the loaded length, fix the ends, "
+            "or take a larger screw"
+        ),
+        shown=lambda r: (_safety(r.value), _BUCKLING_SAFETY),
+    )
+
+
+@margin_source
+def _screw_speed(mechanism: Mechanism, index: int) -> Iterator[Margin]:
+    data = _data(mechanism, index)
+    if data is None or data.shaft is None:
+        return
+
+    def details(analysis: Analysis) -> dict[str, Scalar]:
+        stage, _ = _stage(analysis, index)
+        return {
+            "speed": analysis.demand[0],
+            "permissible": strength.permissible_speed(stage),
+            "critical": strength.critical_speed(stage),
+        }
+
+    def message(r: Reading) -> str:
+        past = r.severity == "error"
+        what = "its critical speed" if past else "the permissible speed"
+        limit = r.details["critical" if past else "permissible"]
+        return (
+            f"the screw turns at {r.details['speed'] * 30 / math.pi:.5g} rpm, above {what} of "
+            f"{limit * 30 / math.pi:.5g} rpm: shorten the unsupported length, fix the ends, or "
+            "take a larger lead"
+        )
+
+    for severity, limit in (("error", "critical"), ("warning", "permissible")):
+
+        def value(analysis: Analysis, limit=limit) -> Scalar:
+            found = details(analysis)
+            return 1 - found["speed"] / found[limit]
+
+        yield Margin(
+            "screw_speed",
+            index + 1,
+            value,
+            ((severity, 0.0),),
+            message,
+            details=details,
+            shown=lambda r: (r.details["speed"], r.details["permissible"]),
+        )
+
+
+@margin_source
+def _rating_life(mechanism: Mechanism, index: int) -> Iterator[Margin]:
+    data = _data(mechanism, index)
+    if data is None or data.required_life is None:
+        return
+
+    def details(analysis: Analysis) -> dict[str, Scalar]:
+        stage, data = _stage(analysis, index)
+        capacity = dynamic_capacity_of(analysis, index, stage)
+        life = strength.rating_life(stage, capacity, analysis.spectrum).time
+        factor = strength.life_factor(stage)
+        assert data.required_life is not None
+        return {"life": life if factor is None else life * factor, "asked": data.required_life}
+
+    def value(analysis: Analysis) -> Scalar:
+        found = details(analysis)
+        return found["life"] / found["asked"] - 1
+
+    def message(r: Reading) -> str:
+        life, asked = r.details["life"], r.details["asked"]
+        return (
+            f"the rating life is {life / 3600:.4g} h, and {asked / 3600:.4g} h are asked for: "
+            f"a dynamic capacity {(asked / life) ** (1 / 3):.3g} times as high would do (rests "
+            "on the practice of ball screws and bearings)"
+        )
+
+    yield Margin(
+        "rating_life",
+        index + 1,
+        value,
+        (("warning", 0.0),),
+        message,
+        details=details,
+        shown=lambda r: (r.details["life"], r.details["asked"]),
+    )
+
+
+@margin_source
+def _false_brinelling(mechanism: Mechanism, index: int) -> Iterator[Margin]:
+    data = _data(mechanism, index)
+    if data is None or data.oscillation_amplitude is None:
+        return
+
+    def details(analysis: Analysis) -> dict[str, Scalar]:
+        stage, data = _stage(analysis, index)
+        assert data.oscillation_amplitude is not None
+        smallest = minimum_amplitude_of(analysis, index, stage)
+        return {"amplitude": data.oscillation_amplitude, "smallest": smallest}
+
+    def value(analysis: Analysis) -> Scalar:
+        found = details(analysis)
+        return found["amplitude"] - found["smallest"]
+
+    yield Margin(
+        "false_brinelling",
+        index + 1,
+        value,
+        (("warning", 0.0),),
+        lambda r: (
+            f"the screw swings by {math.degrees(r.details['amplitude']):.3g} deg to either side, "
+            "and its contacts leave their own ellipse only from "
+            f"{math.degrees(r.details['smallest']):.3g} deg on: they wear in place, which no "
+            "rating life covers; turn it further from time to time"
+        ),
+        unit="rad",
+        details=details,
+        shown=lambda r: (r.details["amplitude"], r.details["smallest"]),
+    )
+
+
+@margin_source
+def _backlash(mechanism: Mechanism, index: int) -> Iterator[Margin]:
+    if not strength.needs_meshing_for_backlash(mechanism.stages[index]):
+        return
+    yield Margin(
+        "backlash",
+        index + 1,
+        lambda analysis: strength.backlash(
+            analysis.mechanism.stages[index], analysis.kinematics[index].meshing
+        ),
+        (("error", 0.0),),
+        lambda r: (
+            f"the teeth of screw, rollers and nut interfere by {-r.value * 1e3:.4g} mm together: "
+            "thin them further, or give the preload that this is meant to make"
+        ),
+        unit="m",
+        kind="assembly",
+        # A micrometre of play, so that rounding in a file does not close it.
+        reserve=1e-6,
+    )
+
+
+def agreements(mechanism: Mechanism, backlash: dict[int, float]) -> Iterator[Finding]:
+    """Numbers that strength and load sharing both have, and that contradict each other.
 
     **Arguments:**
 
-    - `mechanism`: the mechanism, with concrete numbers.
+    - `mechanism`: the mechanism.
+    - `backlash`: play that thinned teeth leave [m], by stage (from 1), where that is known.
     """
-    asked = any(_asked_for(stage) for stage in mechanism.stages)
-    numbers = _compiled()(mechanism) if asked else [{} for _ in mechanism.stages]
-    found = []
-    for number, (stage, known) in enumerate(zip(mechanism.stages, numbers, strict=True), start=1):
-        found += _check(stage, known, number)
-        found += agreement_findings(stage, number, known.get("backlash"))
-    return tuple(found)
+    for number, stage in enumerate(mechanism.stages, start=1):
+        play = backlash.get(number)
+        teeth = None if play is None else jnp.asarray(play)
+        yield from agreement_findings(stage, number, teeth)

@@ -2,9 +2,13 @@
 
 from ._checks import (
     Finding as Finding,
-    geometric_findings as geometric_findings,
+    Severity as Severity,
+    carrier_clearance as carrier_clearance,
+    dimension_margins as dimension_margins,
+    dimensions_possible as dimensions_possible,
     roller_clearance as roller_clearance,
     roller_major_radius as roller_major_radius,
+    rollers_fit as rollers_fit,
 )
 from ._curvature import (
     RelativeCurvature as RelativeCurvature,

@@ -28,5 +28,7 @@ from ._catalogue import (
 from ._rating_life import minimum_amplitude_of as minimum_amplitude_of
 from ._strength import (
     dynamic_capacity_of as dynamic_capacity_of,
+    on_one_flank as on_one_flank,
+    static_capacity_of as static_capacity_of,
     static_safety_of as static_safety_of,
 )

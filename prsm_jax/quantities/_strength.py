@@ -54,7 +54,7 @@ def _fatigue_factor(analysis: Analysis, index: int) -> Scalar | float:
     return jnp.max(jnp.stack(factors)) if factors else 1.0
 
 
-def _static_capacity_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
+def static_capacity_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     # What is given needs no contacts.
     if stage.strength is None or stage.strength.static_capacity is not None:
         return strength.static_capacity(stage)
@@ -78,12 +78,12 @@ def _static_capacity_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     ("stage",),
 )
 def static_capacity(analysis: Analysis):
-    return per_stage(analysis, lambda i, stage: _static_capacity_of(analysis, i, stage))
+    return per_stage(analysis, lambda i, stage: static_capacity_of(analysis, i, stage))
 
 
 def static_safety_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     return strength.static_safety(
-        _static_capacity_of(analysis, index, stage), on_one_flank(analysis, stage)
+        static_capacity_of(analysis, index, stage), on_one_flank(analysis, stage)
     )
 
 

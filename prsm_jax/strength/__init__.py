@@ -4,6 +4,7 @@ from ._contacts import (
     axial_approach as axial_approach,
     preload_of as preload_of,
     reference_contact as reference_contact,
+    strength_of as strength_of,
 )
 from ._fatigue import (
     cycles_per_turn as cycles_per_turn,

@@ -1,0 +1,283 @@
+"""Margins of geometry: are the dimensions possible, do the parts fit, do the threads mesh?"""
+
+from collections.abc import Iterator
+
+import jax.numpy as jnp
+
+from ..geometry import Finding, carrier_clearance, dimension_margins, roller_clearance
+from ..mechanism import Mechanism, Scalar
+from ..quantities import Analysis
+from ..strength import needs_meshing_for_backlash
+from ._margin import Margin, Reading, is_whole, margin_source
+
+#: A micrometre more than touching, so that rounding in a file does not close a gap [m].
+_CLOSE = 1e-6
+
+
+#: What numbers of the thread must be, as files say it.
+_WORDS = {
+    "lead": "more than 0",
+    "starts": "more than 2",
+    "roller_radius": "more than 0",
+    "contact_angle": "between 0 and pi/2 (90 deg)",
+    "roller_profile_radius": "more than 0",
+}
+_UNITS = {"starts": "", "contact_angle": " rad"}
+
+
+@margin_source
+def _dimensions(mechanism: Mechanism, index: int) -> Iterator[Margin]:
+    """Numbers of the thread outside of what a file may say."""
+    for name in dimension_margins(mechanism.stages[index].thread):
+
+        def given(analysis: Analysis, name=name) -> dict[str, Scalar]:
+            return {"given": getattr(analysis.mechanism.stages[index].thread, name)}
+
+        yield Margin(
+            "dimension",
+            index + 1,
+            lambda a, name=name: dimension_margins(a.mechanism.stages[index].thread)[name],
+            (("error", 0.0),),
+            lambda r, name=name: (
+                f"stage.thread.{name} is {r.details['given']:.6g}{_UNITS.get(name, ' m')}; it must "
+                f"be {_WORDS[name]}: no mechanism has such threads"
+            ),
+            kind="existence",
+            details=given,
+            shown=lambda r: (r.details["given"], r.details["given"] - r.value),
+            reserve=0.0,
+            strict=True,
+            subject=name,
+        )
+
+
+@margin_source
+def _ratio(mechanism: Mechanism, index: int) -> Iterator[Margin]:
+    """The thread of roller and nut rolls without slip only at whole numbers of starts."""
+    if mechanism.stages[index].line_contact is not None:
+        # Rollers of rings have no thread.
+        return
+
+    def message(r: Reading) -> str:
+        return (
+            "the ratio of nut to roller radius, and with it the number of thread starts, is "
+            f"{r.value:.6g}; it must be a whole number of at least 3 (nearest: "
+            f"{max(3, round(r.value))})"
+        )
+
+    yield Margin(
+        "feasible_ratio",
+        index + 1,
+        lambda analysis: analysis.mechanism.stages[index].thread.starts,
+        # Below 3 by more than the rounding of a whole number.
+        (("error", 3 - 1e-6),),
+        message,
+        kind="assembly",
+        shown=lambda r: (r.value, float(max(3, round(r.value)))),
+        reserve=0.0,
+        whole=True,
+    )
+
+
+@margin_source
+def _rollers(mechanism: Mechanism, index: int) -> Iterator[Margin]:
+    count = mechanism.stages[index].roller_count
+    yield Margin(
+        "roller_clearance",
+        index + 1,
+        lambda analysis: roller_clearance(analysis.mechanism.stages[index]),
+        (("error", 0.0),),
+        lambda r: (
+            f"{count} neighbouring rollers overlap by {-r.value * 1e3:.4g} mm; use fewer or "
+            "smaller rollers"
+        ),
+        unit="m",
+        kind="existence",
+        reserve=_CLOSE,
+        strict=True,
+    )
+
+
+@margin_source
+def _gear(mechanism: Mechanism, index: int) -> Iterator[Margin]:
+    """The thread fixes how a roller turns from one place to the next; the teeth must agree.
+
+    Rolled from one place to the next, by 2π/N about the axis, a roller turns by 2π n/N against
+    the carrier, which is z_R n/N of its teeth; the ring gear offers z_r/N teeth there. Rollers
+    cut alike fit everywhere if z_r = n z_R, which holds by construction, and both are whole.
+    """
+    gear = mechanism.stages[index].gear
+    if gear is None or gear.roller_teeth is None:
+        return
+
+    def teeth(analysis: Analysis) -> Scalar:
+        part = analysis.mechanism.stages[index].gear
+        assert part is not None
+        assert part.roller_teeth is not None
+        return part.roller_teeth
+
+    def ring(analysis: Analysis) -> Scalar:
+        return teeth(analysis) * analysis.mechanism.stages[index].thread.starts
+
+    def message(r: Reading) -> str:
+        return (
+            f"the ring gear would have n z_R = {r.details['ring']:.6g} teeth on "
+            f"{r.details['teeth']:.6g} roller teeth; both must be whole numbers"
+        )
+
+    for value in (teeth, ring):
+        yield Margin(
+            "gear_assembly",
+            index + 1,
+            value,
+            (("error", 1.0),),
+            message,
+            kind="assembly",
+            details=lambda analysis: {"teeth": teeth(analysis), "ring": ring(analysis)},
+            shown=lambda r: (r.details["ring"], float(round(r.details["ring"]))),
+            reserve=0.0,
+            whole=True,
+        )
+
+
+@margin_source
+def _carrier(mechanism: Mechanism, index: int) -> Iterator[Margin]:
+    """The carrier's annulus, centred on the roller axes, must pass between screw and nut."""
+    carrier = mechanism.stages[index].carrier
+    if carrier is None or carrier.radial_width is None:
+        return
+
+    def message(r: Reading) -> str:
+        part = r.mechanism.stages[index].carrier
+        assert part is not None
+        assert part.radial_width is not None
+        return (
+            f"the carrier, {float(part.radial_width) * 1e3:.4g} mm wide, cuts "
+            f"{-r.value * 1e3:.4g} mm into the screw's thread; make it narrower"
+        )
+
+    yield Margin(
+        "carrier_clearance",
+        index + 1,
+        lambda analysis: carrier_clearance(analysis.mechanism.stages[index]),
+        (("error", 0.0),),
+        message,
+        unit="m",
+        kind="assembly",
+        reserve=_CLOSE,
+        strict=True,
+    )
+
+
+@margin_source
+def _meshing(mechanism: Mechanism, index: int) -> Iterator[Margin]:
+    def message(r: Reading) -> str:
+        return (
+            "screw and roller flanks do not touch in a point; the roller's profile radius "
+            f"{r.details['profile_radius'] * 1e3:.4g} mm is too large (the profile too flat) "
+            "for this lead and contact angle"
+        )
+
+    def details(analysis: Analysis) -> dict[str, Scalar]:
+        thread = analysis.mechanism.stages[index].thread
+        return {
+            "profile_radius": thread.profile_radius,
+            "centred": thread.roller_radius / jnp.sin(thread.flank_angle),
+        }
+
+    def touches(analysis: Analysis) -> Scalar:
+        converged = analysis.kinematics[index].meshing.converged
+        return jnp.where(converged, 1.0, -1.0).astype(
+            analysis.mechanism.stages[index].thread.lead.dtype
+        )
+
+    yield Margin(
+        "meshing",
+        index + 1,
+        touches,
+        (("error", 0.0),),
+        message,
+        kind="existence",
+        details=details,
+        shown=lambda r: (r.details["profile_radius"], r.details["centred"]),
+        smooth=False,
+    )
+
+
+@margin_source
+def _on_flank(mechanism: Mechanism, index: int) -> Iterator[Margin]:
+    thread = mechanism.stages[index].thread
+    for body in ("screw", "roller"):
+        if getattr(thread, f"{body}_addendum") is None:
+            continue
+
+        def details(analysis: Analysis, body=body) -> dict[str, Scalar]:
+            given = analysis.mechanism.stages[index].thread
+            side = analysis.kinematics[index].meshing.screw
+            radius = side.contact_radius if body == "screw" else side.roller_contact_radius
+            crest = getattr(given, f"{body}_radius") + getattr(given, f"{body}_addendum")
+            return {"radius": radius, "crest": crest}
+
+        def value(analysis: Analysis, details=details) -> Scalar:
+            found = details(analysis)
+            return found["crest"] - found["radius"]
+
+        yield Margin(
+            "contact_on_flank",
+            index + 1,
+            value,
+            (("warning", 0.0),),
+            lambda r, body=body: (
+                f"the contact radius {r.details['radius'] * 1e3:.4g} mm lies outside the {body}'s "
+                f"thread, which ends at {r.details['crest'] * 1e3:.4g} mm; raise the addendum or "
+                "lower the lead"
+            ),
+            unit="m",
+            details=details,
+            shown=lambda r: (r.details["radius"], r.details["crest"]),
+            subject=body,
+        )
+
+
+@margin_source
+def _tooth_thickness(mechanism: Mechanism, index: int) -> Iterator[Margin]:
+    """Teeth of half a pitch; where their thinning or play is given, `backlash` speaks instead."""
+    stage = mechanism.stages[index]
+    play = None if stage.strength is None else stage.strength.play
+    if needs_meshing_for_backlash(stage) or (play is not None and play.axial_backlash is not None):
+        return
+    yield Margin(
+        "tooth_thickness",
+        index + 1,
+        lambda analysis: analysis.kinematics[index].meshing.axial_gap,
+        (("note", 0.0),),
+        lambda r: (
+            f"teeth of half a pitch would interfere by {-r.value * 1e3:.4g} mm per flank; thin "
+            "the teeth by at least that"
+        ),
+        unit="m",
+    )
+
+
+def assembly_notes(mechanism: Mechanism) -> Iterator[Finding]:
+    """How rollers must be mounted where ring gear teeth and rollers have no common divisor."""
+    for number, stage in enumerate(mechanism.stages, start=1):
+        gear = stage.gear
+        if gear is None or gear.roller_teeth is None:
+            continue
+        roller, ring = float(gear.roller_teeth), float(gear.roller_teeth * stage.thread.starts)
+        if not (is_whole(roller) and is_whole(ring)):
+            continue
+        step = round(ring) % stage.roller_count
+        if step == 0:
+            continue
+        yield Finding(
+            "gear_assembly",
+            "note",
+            number,
+            ring / stage.roller_count,
+            float(round(ring / stage.roller_count)),
+            f"{round(ring)} ring gear teeth are not divisible by {stage.roller_count} rollers: "
+            f"each roller must be mounted turned by {step}/{stage.roller_count} of a tooth against "
+            "the one before, with thread and gear of all rollers cut in the same phase",
+        )

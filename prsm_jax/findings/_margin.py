@@ -1,0 +1,188 @@
+"""Margins: what a finding rests on, declared once for `check` and for the optimiser.
+
+A margin is a quantity that should not fall below a limit, with the severity that follows when it
+does and the words that say so. `check` compares its value; the optimiser takes every limit of
+severity error as a constraint, with exact derivatives. To add a finding, write a source (see
+`margin_source`) in one of the files of this room.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import jax.numpy as jnp
+
+from .._errors import MissingDataError
+from ..geometry import Finding, Severity
+from ..mechanism import Mechanism, Scalar
+from ..quantities import Analysis
+
+#: What a broken limit of severity error says about the other results. `existence`: no such
+#: mechanism exists, and its other numbers mean nothing. `assembly`: its numbers stand, but it
+#: cannot be put together as drawn. `service`: it can be built, and fails under its load.
+Kind: TypeAlias = Literal["existence", "assembly", "service"]
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A margin of one mechanism, evaluated, with the limit that it breaks."""
+
+    mechanism: Mechanism
+    value: float
+    #: Further numbers that the margin says it needs for its message.
+    details: dict[str, float]
+    severity: Severity
+    limit: float
+
+
+@dataclass(frozen=True)
+class Margin:
+    """A quantity of one stage that should not fall below its limits.
+
+    `value` is differentiable, finite wherever the mechanism meshes, and larger when better.
+    """
+
+    #: Of the finding.
+    name: str
+    #: From 1.
+    stage: int
+    value: Callable[[Analysis], Scalar]
+    #: Severity and limit; the first that the value falls below counts.
+    levels: tuple[tuple[Severity, float], ...]
+    message: Callable[[Reading], str]
+    unit: str = "1"
+    kind: Kind = "service"
+    #: Numbers for the message beside the value.
+    details: Callable[[Analysis], dict[str, Scalar]] | None = None
+    #: Value and limit as the finding gives them, where those of the margin say less to a reader.
+    shown: Callable[[Reading], tuple[float, float]] | None = None
+    #: How far inside the limit the optimiser stays, for rounding in a file [unit of the value].
+    reserve: float = 1e-4
+    #: Whether a value at the limit breaks it too.
+    strict: bool = False
+    #: Whether the value has to be a whole number too.
+    whole: bool = False
+    #: False for a condition that is met or not, without derivative.
+    smooth: bool = True
+    #: Tells findings of one name and stage apart; of those with one subject the worst is reported.
+    subject: str = ""
+
+    @property
+    def error_limit(self) -> float | None:
+        """The limit below which the finding is an error, if there is one."""
+        return next((limit for severity, limit in self.levels if severity == "error"), None)
+
+
+#: Yields the margins of a stage (from 0); looks at the structure of the mechanism only.
+Source: TypeAlias = Callable[[Mechanism, int], Iterator[Margin]]
+_SOURCES: list[Source] = []
+_ORDER: tuple[Severity, ...] = ("error", "warning", "note")
+#: Numbers derived from measured radii carry their rounding with them.
+_ROUNDING = 1e-6
+
+
+def margin_source(source: Source) -> Source:
+    """Add a function that yields margins of a stage to what `check` and the optimiser look at.
+
+    It is called inside and outside of traces, and must yield the same margins for mechanisms of
+    the same structure.
+    """
+    _SOURCES.append(source)
+    return source
+
+
+def source_count() -> int:
+    """How many sources there are; a program that evaluates margins is made for one number."""
+    return len(_SOURCES)
+
+
+def margins_of(mechanism: Mechanism) -> tuple[Margin, ...]:
+    """The margins that a mechanism of this structure has, stage by stage."""
+    return tuple(
+        margin
+        for index in range(len(mechanism.stages))
+        for source in _SOURCES
+        for margin in source(mechanism, index)
+    )
+
+
+def evaluate_margins(
+    analysis: Analysis,
+    wanted: Callable[[Margin], bool] = lambda _: True,
+    *,
+    details: bool = True,
+) -> list[dict[str, Scalar] | None]:
+    """Values of all margins of an analysis, jittable and differentiable.
+
+    **Arguments:**
+
+    - `analysis`: of the mechanism, with or without a trace.
+    - `wanted`: which margins to evaluate.
+    - `details`: whether to evaluate what messages need as well.
+
+    **Returns:** one entry for each of `margins_of`: `value` and details by name, or `None` where
+    it is not wanted or the mechanism lacks data for it.
+    """
+    found: list[dict[str, Scalar] | None] = []
+    for margin in margins_of(analysis.mechanism):
+        if not wanted(margin):
+            found.append(None)
+            continue
+        try:
+            numbers = {"value": jnp.asarray(margin.value(analysis))}
+            if details and margin.details is not None:
+                numbers |= margin.details(analysis)
+        except MissingDataError:
+            found.append(None)
+            continue
+        found.append(numbers)
+    return found
+
+
+def is_whole(value: float) -> bool:
+    """Whether a number is whole but for the rounding that a derived one has."""
+    return abs(value - round(value)) < _ROUNDING
+
+
+def severity_at(margin: Margin, value: float) -> tuple[Severity, float] | None:
+    """Severity and limit that a value breaks, or `None`.
+
+    A value that is not a number breaks a condition of existence; elsewhere it follows from one.
+    """
+    if value != value:
+        return margin.levels[0] if margin.kind == "existence" else None
+    for severity, limit in margin.levels:
+        below = value <= limit if margin.strict else value < limit
+        if below or (margin.whole and severity == "error" and not is_whole(value)):
+            return severity, limit
+    return None
+
+
+def finding_of(
+    mechanism: Mechanism, margin: Margin, numbers: dict[str, float] | None
+) -> Finding | None:
+    """The finding of an evaluated margin, if it breaks a limit."""
+    if numbers is None:
+        return None
+    broken = severity_at(margin, numbers["value"])
+    if broken is None:
+        return None
+    reading = Reading(mechanism, numbers["value"], numbers, *broken)
+    value, limit = (reading.value, reading.limit) if margin.shown is None else margin.shown(reading)
+    return Finding(margin.name, broken[0], margin.stage, value, limit, margin.message(reading))
+
+
+def findings_of(
+    mechanism: Mechanism, values: list[dict[str, float] | None]
+) -> Iterator[tuple[Margin, Finding]]:
+    """The findings of evaluated margins; of one name, stage and subject the most serious."""
+    found: dict[tuple, tuple[Margin, Finding]] = {}
+    for margin, numbers in zip(margins_of(mechanism), values, strict=True):
+        finding = finding_of(mechanism, margin, numbers)
+        if finding is None:
+            continue
+        key = margin.name, margin.stage, margin.subject
+        known = found.get(key)
+        if known is None or _ORDER.index(finding.severity) < _ORDER.index(known[1].severity):
+            found[key] = margin, finding
+    yield from found.values()
