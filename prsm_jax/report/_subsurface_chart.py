@@ -17,7 +17,7 @@ from ..contact import (
 )
 from ..mechanism import Scalar
 from ._style import INK, SMALL, Figure, drawn, page_figure
-from ._units import display_unit
+from ._units import display_unit, in_unit
 
 SectionAxis = Literal["major", "minor"]
 _COLUMNS, _ROWS = 121, 61
@@ -118,7 +118,7 @@ def _decorate(panel, unit, semi_axis: float, peak: StressPeak) -> None:
     place = unit(float(peak.position[0])), unit(float(peak.position[2]))
     panel.plot(*place, marker="x", color=INK, markersize=6, mew=1.2, clip_on=False)
     panel.annotate(
-        f"{float(peak.value) * 1e-6:.0f} MPa\nat depth {unit(float(peak.depth)):.3g} {unit.label}",
+        f"{in_unit(peak.value, display_unit('Pa'))}\nat depth {in_unit(peak.depth, unit, 3)}",
         place,
         xytext=(8, -4),
         textcoords="offset points",

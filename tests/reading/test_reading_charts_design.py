@@ -1,0 +1,374 @@
+"""Pictures of designs: drawings, limits, lives, sweeps, sensitivities read back in SI."""
+
+import math
+import re
+from types import SimpleNamespace
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import scenes
+from expectations import reads
+from matplotlib.patches import Arc, Circle
+from reading_figures import Chart, handles
+from reading_units import assert_reads, label_unit, numbers, same_dimension, to_si
+
+import prsm_jax as prsm
+from prsm_jax.report import (
+    cross_section,
+    life_chart,
+    optimisation_chart,
+    sensitivity_bars,
+    shaft_limits_chart,
+    sweep_map,
+)
+from prsm_jax.strength import LoadSpectrum, buckling_load, permissible_speed
+
+
+@pytest.fixture(scope="module")
+def actuator():
+    return scenes.example("actuator")
+
+
+@reads("chart", "optimisation_chart")
+def test_the_way_to_an_optimum():
+    history, violations = (0.851, 0.883, 0.879), (0.0, 0.1, 0.0)
+    limits = [
+        SimpleNamespace(
+            quantity="max_pressure", unit="Pa", value=2.91e9, limit=3e9, active=True, sense="upper"
+        ),
+        SimpleNamespace(
+            quantity="mass", unit="kg", value=1.31, limit=1.21, active=False, sense="lower"
+        ),
+        SimpleNamespace(
+            quantity="lead", unit="m", value=0.0121, limit=0.0121, active=True, sense="equal"
+        ),
+    ]
+    chart = Chart(
+        optimisation_chart(history, limits, objective="efficiency", violations=violations)
+    )
+    left, right = chart.axes
+    path, inside, outside = chart.lines(left)
+    np.testing.assert_allclose(path.get_xdata(), [0, 1, 2])
+    assert label_unit(left.get_xlabel()) == ""
+    chart.curve(left, path, None, history, ("", "1"))
+    np.testing.assert_allclose(inside.get_xdata(), [0, 2])
+    chart.curve(left, inside, None, (0.851, 0.879), ("", "1"))
+    np.testing.assert_allclose(outside.get_xdata(), [1])
+    chart.curve(left, outside, None, 0.883, ("", "1"))
+    assert outside.get_markerfacecolor() == "white"
+    chart.bars(right, [2.91 / 3, 1.21 / 1.31, 1.0], "1", "x")
+    chart.level(right, 1.0, "1", "x")
+    for one, sign in zip(limits, "≤≥=", strict=True):
+        words = chart.text(one.quantity.replace("_", " ") + ": ")
+        assert words.endswith(", active") == one.active
+        assert f" {sign} " in words
+        value, limit = words.split(f" {sign} ")
+        (limit_number,) = numbers(limit)
+        assert limit_number.is_near(one.limit, one.unit)
+        # The value has the limit's unit, which is written once.
+        assert_reads(f"{value.split(': ')[1]} {limit_number.label}", (one.value, one.unit))
+    chart.finish()
+
+
+@reads("chart", "sensitivity_bars")
+def test_elasticities():
+    values = np.array([[0.123, -0.412, 0.0], [-2.2e-4, np.nan, 1.7]])
+    chart = Chart(sensitivity_bars(["efficiency", "mass"], ["lead", "pitch", "bore"], values))
+    (axes,) = chart.axes
+    assert chart.ticks(axes) == ["efficiency", "mass"]
+    assert axes.get_xlabel() == "elasticity in % of the quantity per % of the parameter"
+    for row, column in np.ndindex(2, 3):
+        value = values[row, column]
+        bar = axes.patches[3 * row + column]
+        # Per cent over per cent: the ratio itself.
+        assert bar.get_width() == pytest.approx(0.0 if np.isnan(value) else value)
+        middle = bar.get_y() + bar.get_height() / 2
+        assert abs(middle - row) < 0.5
+        if column == 1:
+            assert middle == pytest.approx(row)
+        chart.take(bar)
+        if np.isnan(value):
+            chart.text("not defined")
+        elif 0 < abs(value) < 5e-4:
+            chart.text("≈ 0")
+        elif value == 0:
+            chart.text("0")
+        else:
+            words = chart.text(f"{value:+.3g}".replace("-", "\N{MINUS SIGN}"))
+            assert_reads(words, (value, "", "whole"))
+    chart.take(*chart.lines(axes))
+    assert handles(chart.figure) == ["lead", "pitch", "bore"]
+    chart.finish()
+
+
+def _dataset():
+    import xarray
+
+    lead, angle = np.linspace(5e-3, 20e-3, 7), np.radians(np.linspace(30, 60, 6))
+    load = np.array([3e3, 9e3])
+    size = np.sin(100 * lead)[:, None, None] * np.cos(angle)[None, :, None]
+    values = 1.9e9 + 1e9 * size + 1e4 * load
+    values[0, :2] = np.nan
+    return xarray.Dataset(
+        {"max_pressure": (("lead", "contact_angle", "load"), values, {"units": "Pa"})},
+        {
+            "lead": ("lead", lead, {"units": "m"}),
+            "contact_angle": ("contact_angle", angle, {"units": "rad"}),
+            "load": ("load", load, {"units": "N"}),
+        },
+    )
+
+
+@reads("chart", "sweep_map")
+def test_sweeps():
+    data = _dataset()
+    values = data["max_pressure"].values
+    chart = Chart(sweep_map(data, "max_pressure", sense="minimise"))
+    axes, bar = chart.axes
+    chart.ignore([*bar.collections, *bar.patches, *bar.lines])
+    assert axes.get_xlabel().startswith("lead in")
+    assert axes.get_ylabel().startswith("contact angle in")
+    best = np.unravel_index(np.nanargmin(values), values.shape)
+    crosses, star = chart.lines(axes)
+    angle = data["contact_angle"].values
+    chart.curve(axes, crosses, 5e-3, angle[:2], ("m", "rad"))
+    chart.curve(axes, star, data["lead"].values[best[0]], angle[best[1]], ("m", "rad"))
+    chart.says("smallest: ", (values[best], "Pa"))
+    chart.says("at load ", (data["load"].values[best[2]], "N"))
+    label = label_unit(bar.get_ylabel())
+    assert same_dimension(label, "Pa")
+    filled, lines = axes.collections
+    plane = values[:, :, best[2]]
+    levels = to_si(filled.levels, label)
+    assert levels[0] <= np.nanmin(plane) <= levels[1]
+    assert levels[-2] <= np.nanmax(plane) <= levels[-1]
+    # A contour passes where the plane, linear between the designs, has its value.
+    from scipy.interpolate import RegularGridInterpolator
+
+    plane_at = RegularGridInterpolator((data["lead"].values, angle), plane)
+    middle = len(lines.levels) // 2
+    path = lines.get_paths()[middle].vertices
+    points = np.stack(
+        [chart.si(axes, "x", path[:, 0], "m"), chart.si(axes, "y", path[:, 1], "rad")], axis=1
+    )
+    found = plane_at(np.clip(points, [5e-3, angle[0]], [20e-3, angle[-1]]))
+    known = np.isfinite(found)
+    assert known.sum() > 3
+    # On an edge between two designs exactly; inside of a cell matplotlib joins these points.
+    np.testing.assert_allclose(found[known], to_si(lines.levels[middle], label), rtol=1e-6)
+    chart.take(filled, lines)
+    chart.finish()
+
+
+@reads("chart", "life_chart")
+def test_life():
+    load = jnp.asarray([3e3, -18e3, 9e3])
+    turned = jnp.asarray([300.0, 40.0, 160.0])
+    spectrum = LoadSpectrum(load, turned, jnp.asarray([1.0, 2.0, 3.0]))
+    capacity, static = 61e3, 94e3
+    chart = Chart(life_chart(capacity, spectrum, static))
+    bars, damage, line = chart.axes
+    force, share = np.abs([18e3, 9e3, 3e3]), np.array([40, 160, 300]) / 500
+    harm = share * force**3
+    mean = harm.sum() ** (1 / 3)
+    starts = np.array([0, 0.08, 0.4])
+    for axes, heights, unit in ((bars, force, "N"), (damage, harm / harm.sum(), "1")):
+        places = [(p.get_x(), p.get_width()) for p in axes.patches]
+        found = chart.si(axes, "x", places, "1")
+        np.testing.assert_allclose(found, np.stack([starts, share], axis=1), atol=1e-12)
+        chart.bars(axes, heights, unit)
+    chart.level(bars, mean, "N")
+    chart.says("equivalent ", (mean, "N"))
+    # The phases as the file has them: the second is the largest.
+    for centre, value, name in zip(starts + share / 2, harm / harm.sum(), "231", strict=True):
+        text = next(t for t in damage.texts if t.get_text() == name)
+        place = text.get_position()
+        assert chart.si(damage, "x", place[0], "1") == pytest.approx(centre)
+        assert chart.si(damage, "y", place[1], "1") == pytest.approx(value)
+        chart.take(text)
+    life, down, point, rated = chart.lines(line)[:4]
+    forces = chart.si(line, "x", life.get_xdata(), "N")
+    chart.curve(line, life, None, 1e6 * (capacity / forces) ** 3, ("N", "turns"))
+    assert forces.max() == pytest.approx(static)
+    turns = 1e6 * (capacity / mean) ** 3
+    chart.curve(line, down, mean, [1e5, turns], ("N", "turns"))
+    chart.curve(line, point, mean, turns, ("N", "turns"))
+    chart.curve(line, rated, capacity, 1e6, ("N", "turns"))
+    chart.level(line, static, "N", "x")
+    chart.says("", (turns, "turns"), (mean, "N"), within="turns\nat")
+    chart.says("dynamic capacity\n", (capacity, "N"))
+    chart.says("static capacity\n", (static, "N"))
+    assert label_unit(line.get_ylabel()) == "turns"
+    chart.finish()
+
+
+@reads("chart", "shaft_limits_chart")
+def test_limits_of_the_shaft(actuator):
+    stage = actuator.stages[0]
+    chart = Chart(shaft_limits_chart(stage, load=18.2e3, speed=260.0))
+    buckling, speed = chart.axes
+    assert chart.unit(buckling, "y") == "kN"
+    ends = ["fixed–free", "supported–supported", "fixed–supported", "fixed–fixed"]
+    given = stage.strength.shaft.end_conditions.replace("_", "–")
+    words = [f"{e} (as given)" if e == given else e for e in ends]
+    assert sorted(handles(chart.figure)) == sorted(words)
+    for axes, law, unit in ((buckling, buckling_load, "N"), (speed, permissible_speed, "rad/s")):
+        for line in chart.lines(axes, lambda line: len(line.get_xdata()) > 2):
+            name = str(line.get_label()).removesuffix(" (as given)")
+            lengths = chart.si(axes, "x", line.get_xdata(), "m")
+            shaft = stage.strength.shaft
+            held = eqx.tree_at(
+                lambda s: s.strength.shaft,
+                stage,
+                type(shaft)(**(vars(shaft) | {"end_conditions": name.replace("–", "_")})),
+            )
+            few = lengths[[10, 100]]
+            expected = [float(law(held, jnp.asarray(length))) for length in few]
+            found = chart.si(axes, "y", np.asarray(line.get_ydata())[[10, 100]], unit)
+            np.testing.assert_allclose(found, expected, rtol=1e-9)
+            chart.take(line)
+    lengths = prsm.strength.loaded_length(stage), prsm.strength.unsupported_length(stage)
+    demands = ((18.2e3, "N", "largest load\n"), (260.0, "rad/s", "largest speed\n"))
+    for axes, length, (value, unit, words) in zip((buckling, speed), lengths, demands, strict=True):
+        chart.level(axes, float(length), "m", "x")
+        (dot,) = chart.lines(axes)
+        chart.curve(axes, dot, float(length), value, ("m", unit))
+        chart.says(words, (value, unit))
+    limit = float(stage.strength.shaft.dn_limit)
+    text = next(t for t in speed.texts if "DN limit" in t.get_text())
+    chart.says("DN limit ", (limit, "m*rad/s"))
+    # D N: the screw's diameter times its speed.
+    at = chart.si(speed, "y", text.xy[1], "rad/s")
+    assert at * 2 * float(stage.thread.screw_radius) == pytest.approx(limit)
+    chart.finish()
+
+
+def _circles(axes):
+    found = {}
+    for patch in axes.patches:
+        if isinstance(patch, Circle):
+            found.setdefault(patch.get_label(), []).append((*patch.center, patch.radius))
+    return found
+
+
+@reads("chart", "cross_section")
+def test_drawing(actuator):
+    """Every dimension in words, and the circles, spans and points that they belong to."""
+    stage = actuator.stages[0]
+    thread = stage.thread
+    chart = Chart(cross_section({"design": actuator}))
+    across, along, detail = chart.axes
+    screw, roller, nut, centre = (
+        float(v)
+        for v in (
+            thread.screw_radius,
+            thread.roller_radius,
+            thread.nut_radius,
+            thread.centre_distance,
+        )
+    )
+    wall, bore = float(stage.nut.wall_thickness), float(stage.screw.bore_radius)
+    outside = nut + wall
+    circles = _circles(across)
+    for name, radius in (
+        ("screw", screw), ("bore", bore), ("nut", outside), ("nut outside", outside),
+        ("nut thread", nut),
+    ):  # fmt: skip
+        assert circles[name] == [(0, 0, pytest.approx(1e3 * radius))]
+    count = int(stage.roller_count)
+    assert len(circles["roller"]) == count
+    for k, (x, y, r) in enumerate(circles["roller"]):
+        angle = 2 * math.pi * k / count
+        expected = (centre * math.cos(angle), centre * math.sin(angle), roller)
+        assert (x, y, r) == pytest.approx([1e3 * v for v in expected])
+    if stage.carrier.radial_width is not None:
+        half = float(stage.carrier.radial_width) / 2
+        radii = sorted(r for *_, r in circles["carrier"])
+        assert radii == pytest.approx([1e3 * (centre - half), 1e3 * (centre + half)])
+    meshing = scenes.mesh(thread)
+    r, angle = (
+        float(v) for v in (meshing.screw.contact_radius, meshing.screw.contact_angle_position)
+    )
+    dots = [line for line in across.lines if line.get_marker() == "o"]
+    for line, radius, turn in ((dots[0], r, angle), (dots[1], nut, 0.0)):
+        x, y = np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
+        np.testing.assert_allclose(np.hypot(x, y), 1e3 * radius)
+        turns = np.unwrap(np.arctan2(y, x)) - turn
+        np.testing.assert_allclose(
+            np.mod(turns + 1e-9, 2 * np.pi), np.arange(count) * 2 * np.pi / count, atol=1e-7
+        )
+
+    def says(axes, start, end, value, unit="m"):
+        words = chart.text(start, within=end, place=axes)
+        plain = words.removeprefix(start).removesuffix(end).strip()
+        shown = numbers(plain)[0]
+        if unit == "m":
+            # Drawings are in millimetres, without saying so at every number.
+            assert "Dimensions in mm" in foot
+            assert shown.value == pytest.approx(1e3 * value, abs=5.001e-4)
+        else:
+            assert_reads(plain, (value, unit, "whole"))
+
+    foot = chart.text("Dimensions in mm")
+    says(across, "Ø", " roller", 2 * roller)
+    says(across, "a = ", "", centre)
+    says(across, "Ø", " screw", 2 * screw)
+    says(across, "Ø", " nut and gear", 2 * nut)
+    says(across, "Ø", " outside", 2 * outside)
+    says(across, "bore Ø", "", 2 * bore)
+    says(along, "nut ", "", float(stage.nut.length))
+    says(along, "roller ", "", float(stage.roller.length))
+    says(along, "screw ", ",\nbroken off", float(stage.screw.length))
+    # Extension lines stand at the ends of what a dimension names.
+    for axes, half in (
+        (along, float(stage.nut.length) / 2),
+        (along, float(stage.roller.length) / 2),
+    ):
+        at = [line.get_xdata()[0] for line in axes.lines if len(set(line.get_xdata())) == 1]
+        assert any(x == pytest.approx(1e3 * half) for x in at)
+        assert any(x == pytest.approx(-1e3 * half) for x in at)
+    for axes, length in ((along, 10.0), (detail, 1.0)):
+        words = chart.text(f"{length:g} mm", place=axes)
+        (bar,) = [
+            line for line in axes.lines
+            if len(line.get_xdata()) == 2 and line.get_linewidth() == 1.2
+            and np.ptp(line.get_ydata()) == 0
+        ]  # fmt: skip
+        assert np.ptp(bar.get_xdata()) == pytest.approx(length)
+        assert words
+    pitch = chart.text("pitch ")
+    found = [one.value for one in numbers(pitch)]
+    starts = float(thread.starts)
+    lead = float(thread.lead)
+    assert found == pytest.approx([1e3 * lead / starts, 1e3 * lead, starts], abs=5e-4)
+    assert "lead" in pitch.split("(")[1]
+    says(detail, "α = ", "", float(thread.flank_angle), "rad")
+    says(detail, "ρ = ", "", float(thread.profile_radius))
+    (arc,) = [p for p in detail.patches if isinstance(p, Arc)]
+    assert arc.theta2 - arc.theta1 == pytest.approx(math.degrees(float(thread.flank_angle)))
+    heading = chart.text("N = ")
+    assert numbers(heading)[0].value == count
+    # One scale for both views, and another for the detail, as the foot says.
+    ratios = [float(a) / float(b) for a, b in re.findall(r"([\d.]+) : ([\d.]+)[,.]", foot)]
+    width = chart.figure.get_size_inches()[0] * 25.4
+    for axes, ratio in ((across, ratios[0]), (along, ratios[0]), (detail, ratios[1])):
+        on_paper = axes.get_position().width * width
+        assert on_paper / np.ptp(axes.get_xlim()) == pytest.approx(ratio, rel=5e-3)
+    # Threads: crests and roots in the detail lie about the nominal radii.
+    outlines = [line for line in detail.lines if len(line.get_xdata()) > 40]
+    middles = [np.mean([min(line.get_ydata()), max(line.get_ydata())]) for line in outlines]
+    nominal = [screw, nut, centre + roller, centre - roller]
+    for height, radius in zip(middles, nominal, strict=True):
+        assert height == pytest.approx(1e3 * radius, abs=0.25 * 1e3 * lead / starts)
+    for axes in chart.axes:
+        chart.ignore([*axes.lines, *axes.patches, *axes.collections])
+    chart.finish()
+
+
+def test_the_reader_of_figures_sees_what_was_left_out():
+    chart = Chart(sensitivity_bars(["efficiency"], ["lead"], [[0.5]]))
+    left = chart.unread()
+    assert any(words.startswith("Patch") for words in left)
+    assert "'+0.5'" in left

@@ -1,0 +1,32 @@
+"""A chart, section or verb that nobody reads is found here."""
+
+import ast
+import importlib
+from pathlib import Path
+
+from expectations import READ
+
+_HERE = Path(__file__).parent
+_REPORT = _HERE.parents[1] / "prsm_jax" / "report"
+
+
+def _read(kind):
+    for path in sorted(_HERE.glob("test_reading_*.py")):
+        importlib.import_module(path.stem)
+    return set(READ[kind])
+
+
+def _drawn() -> set[str]:
+    """Public functions of the report that draw: those in the house style, and animations."""
+    found = set()
+    for path in _REPORT.glob("*.py"):
+        for node in ast.parse(path.read_text()).body:
+            if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
+                styled = any(getattr(d, "id", "") == "drawn" for d in node.decorator_list)
+                if styled or node.name.endswith("_animation"):
+                    found.add(node.name)
+    return found
+
+
+def test_every_chart_has_a_reader():
+    assert _drawn() == _read("chart")
