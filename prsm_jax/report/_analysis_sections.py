@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from .._display_units import display_unit, in_unit, number, show
 from ._contact_ellipses import contact_ellipses
 from ._data import ReportData
 from ._frequency_chart import elastic_modes, frequency_chart
@@ -15,7 +16,6 @@ from ._power_flow_chart import power_flow_chart, power_history_chart
 from ._section import Picture, Section, Table
 from ._style import readable
 from ._transient_chart import settles, settling_time, transient_chart
-from ._units import display_unit, in_unit, number, show
 
 _BEFORE, _AFTER = "before", "after"
 

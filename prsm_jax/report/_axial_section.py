@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from .._display_units import trimmed
 from ._drafting import Sheet
 from ._drawing_dimensions import DrawingDimensions
 from ._style import BODY_COLOURS, INK, MUTED
 from ._thread_profile import nut_profile, roller_profile, screw_profile, tooth_centres
-from ._units import trimmed
 
 #: Space for the dimensions above and below the section, on paper [mm].
 ABOVE, BELOW = 8.0, 9.0

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from .._display_units import display_unit, in_unit
 from ..contact import StageContact
 from ._style import INK, SMALL, Figure, drawn, page_figure
-from ._units import display_unit, in_unit
 
 _SIDES = ("screw", "nut")
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from .._display_units import display_unit, in_unit, number, show
 from ._cross_section import cross_section
 from ._data import ReportData
 from ._optimisation import Change, Limit, Optimisation, relative_change, signed_change
@@ -9,7 +10,6 @@ from ._optimisation_chart import optimisation_chart
 from ._section import Picture, Section, Table
 from ._sensitivity_bars import sensitivity_bars
 from ._style import readable
-from ._units import display_unit, in_unit, number, show
 
 
 def _elasticity(table) -> np.ndarray:

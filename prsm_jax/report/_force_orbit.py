@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from .._display_units import display_unit, in_unit
 from ..dynamics import BodyForces, Transient, body_forces
 from ..mechanism import Mechanism
 from ._style import INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure
-from ._units import display_unit, in_unit
 
 _NORMAL = (
     ("screw_normal_on_roller", "screw, normal", 1, 0),

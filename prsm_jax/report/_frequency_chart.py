@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping
 
+from .._display_units import show
 from ..modal import Modes
 from ._style import FAMILY_COLOURS, MUTED, SMALL, TEXT, Figure, drawn, page_figure
-from ._units import show
 
 _ORDER = ("carrier", "torsional", "transverse", "roller")
 

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from .._display_units import DisplayUnit, display_unit, in_unit, show
 from ..modal import FAMILIES, FrequencyLoci, Veering
 from ._style import (
     FAMILY_COLOURS,
@@ -15,7 +16,6 @@ from ._style import (
     page_figure,
     readable,
 )
-from ._units import DisplayUnit, display_unit, in_unit, show
 
 #: Frequencies that differ by more than this factor are drawn on a logarithmic axis.
 _WIDE = 20.0

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from .._display_units import DisplayUnit, display_unit, in_unit
 from ..dynamics import Transient, travel_per_turn
 from ..mechanism import Mechanism
 from ._style import INK, MUTED, SERIES, Axes, Figure, drawn, page_figure
-from ._units import DisplayUnit, display_unit, in_unit
 
 _DASHES = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (6, 1.5, 1.5, 1.5)))
 _STICK = "#dfe3e8"

@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
+from .._display_units import display_unit, in_unit, number
 from ..mechanism import Scalar
 from ..strength import LoadSpectrum, equivalent_load
 from ._style import FREE, INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure
-from ._units import display_unit, in_unit, number
 
 #: Up to so many phases are told apart by number.
 _MOST_NAMED = 8

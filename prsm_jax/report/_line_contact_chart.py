@@ -4,11 +4,11 @@ from typing import Any
 
 import numpy as np
 
+from .._display_units import display_unit, in_unit
 from ..contact import LineContactResult
 from ..halfspace import SurfaceContact
 from ..mechanism import LineContact
 from ._style import FREE, INK, MUTED, SERIES, SMALL, Figure, drawn, page_figure
-from ._units import display_unit, in_unit
 
 
 @drawn

@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from typing import Any
 
+from .._display_units import display_unit, in_unit, number
 from ..dynamics import SteadyState
 from ._style import LOSS_COLOURS, MUTED, SERIES, SMALL, Figure, drawn, page_figure, readable
-from ._units import display_unit, in_unit, number
 
 _OUTPUT = "#b8d8c8"
 #: Hatches tell losses apart in print without colour.

@@ -2,13 +2,13 @@
 
 import math
 
+from .._display_units import display_unit, show, trimmed
 from .._errors import MissingDataError
 from ..geometry import roller_clearance
 from ..mechanism import Stage, body_mass, stage_mass
 from ._cross_section import cross_section
 from ._data import ReportData
 from ._section import Picture, Section, Table
-from ._units import display_unit, show, trimmed
 
 
 def mechanism_section(data: ReportData) -> Section:

@@ -2,6 +2,7 @@
 
 import math
 
+from .._display_units import number, show
 from ..mechanism import Mechanism
 from ..modal import Modes
 from ._body_motion import ModeMotion, mode_motions
@@ -20,7 +21,6 @@ from ._style import (
     place_axes,
     readable,
 )
-from ._units import number, show
 
 #: Energy for which amplitudes are given [J].
 ENERGY = 1e-3

@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 
+from .._display_units import MINUS, is_efficiency, number, show
 from ..optimise import ConstraintReport, Optimum
 from ..quantities import find_quantity
 from ._optimisation_chart import limit_use
 from ._style import readable
-from ._units import MINUS, is_efficiency, number, show
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from .._display_units import display_unit, in_unit, number
 from ._style import ACTIVE, FREE, INK, SERIES, SMALL, Figure, drawn, page_figure, readable
-from ._units import display_unit, in_unit, number
 
 
 def limit_use(value: float, limit: float, upper: bool) -> float:

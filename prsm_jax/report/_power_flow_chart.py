@@ -4,13 +4,13 @@ from typing import Any
 
 import numpy as np
 
+from .._display_units import DisplayUnit, display_unit, in_unit, number
 from ..dynamics import Transient
 from ..mechanism import Mechanism
 from ._history_chart import shade, sticking_phases
 from ._loss_chart import loss_style
 from ._power_flow import BRISTLES, KINETIC, LOAD, MOTOR, PowerFlow, power_history
 from ._style import INK, MUTED, SMALL, Axes, Figure, drawn, page_figure, readable
-from ._units import DisplayUnit, display_unit, in_unit, number
 
 _COLOURS = {MOTOR: "#9bb8d3", LOAD: "#b8d8c8", KINETIC: "#e3cfa4", BRISTLES: "#d8c7e6"}
 _WORDS = {

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from .._display_units import display_unit, in_unit, number
 from ..halfspace import FlankContact
 from ._style import INK, SERIES, SMALL, Figure, drawn, page_figure
-from ._units import display_unit, in_unit, number
 
 _LEVELS = 21
 _PANEL = 66.0  # mm

@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
+from .._display_units import DisplayUnit, display_unit
 from ..validation import Mark, Panel, PublishedFigure, sources
 from ._style import INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure
-from ._units import DisplayUnit, display_unit
 
 _DASHES = {0: "-", 1: "-", 2: (0, (5, 1.5))}
 _MARK = "#7a0019"

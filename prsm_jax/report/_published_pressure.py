@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
+from .._display_units import MINUS, DisplayUnit, display_unit, in_unit
 from ..validation import PressureFigure, PressurePanel
 from ._pressure_map import draw_map
 from ._style import INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure
-from ._units import MINUS, DisplayUnit, display_unit, in_unit
 
 _PAGE, _SCALE = 180.0, 22.0  # mm: width, and what the scale of pressures takes of it
 _BELOW, _ABOVE, _LEGEND = 22.0, 6.0, 12.0  # mm: words below and above a panel, title and legend

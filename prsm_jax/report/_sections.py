@@ -3,6 +3,7 @@
 import collections
 import platform
 
+from .._display_units import show
 from .._version import __version__
 from ._analysis_sections import (
     contact_section,
@@ -15,7 +16,6 @@ from ._design_sections import optimisation_section, sensitivity_section
 from ._mechanism_section import findings_section, mechanism_section
 from ._section import Section, Table
 from ._strength_section import sharing_section, strength_section
-from ._units import show
 
 
 def report_sections(data: ReportData) -> tuple[Section, ...]:

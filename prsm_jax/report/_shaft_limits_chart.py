@@ -7,10 +7,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from .._display_units import DisplayUnit, display_unit, in_unit, show
 from ..mechanism import END_CONDITIONS, Scalar, Stage
 from ..strength import buckling_load, loaded_length, permissible_speed, unsupported_length
 from ._style import INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure, readable
-from ._units import DisplayUnit, display_unit, in_unit, show
 
 _SAMPLES = 120
 _DASHES = ("-", (0, (6, 2)), (0, (3, 1.5)), (0, (1, 1.2)))

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from .._display_units import DisplayUnit, display_unit, number, trimmed
 from ..dynamics import Transient, travel_per_turn
 from ..mechanism import Mechanism
 from ._animation_file import indexed, save_frames
 from ._history_chart import integrated, travel_of
 from ._stage_view import Pose, TelescopeView, turn_to, turning_view
 from ._style import INK, SMALL, TEXT, Figure, drawn, page_figure, place_axes
-from ._units import DisplayUnit, display_unit, number, trimmed
 
 _SIDE, _OVER, _ALONG, _UNDER, _DPI = 62.0, 12.0, 40.0, 9.0, 110
 _SECONDS, _COLOURS = 4.0, 64

@@ -4,6 +4,7 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
+from .._display_units import number, show
 from ..mechanism import DutyCycle, Mechanism, Scalar, Stage
 from ..quantities import find_quantity
 from ..strength import (
@@ -21,7 +22,6 @@ from ._section import Picture, Section, Table
 from ._shaft_limits_chart import shaft_limits_chart
 from ._style import readable
 from ._thread_load_chart import thread_load_chart
-from ._units import number, show
 
 
 def _suffix(data: ReportData, index: int) -> tuple[str, str]:

@@ -5,9 +5,9 @@ from typing import Literal
 
 import numpy as np
 
+from .._display_units import display_unit, in_unit
 from ..halfspace import SubsurfaceStress
 from ._style import INK, SMALL, Figure, drawn, page_figure
-from ._units import display_unit, in_unit
 
 
 @drawn

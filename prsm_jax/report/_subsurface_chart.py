@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from .._display_units import display_unit, in_unit
 from ..contact import (
     HertzContact,
     StressPeak,
@@ -17,7 +18,6 @@ from ..contact import (
 )
 from ..mechanism import Scalar
 from ._style import INK, SMALL, Figure, drawn, page_figure
-from ._units import display_unit, in_unit
 
 SectionAxis = Literal["major", "minor"]
 _COLUMNS, _ROWS = 121, 61

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from .._display_units import trimmed
 from ._drafting import Sheet
 from ._drawing_dimensions import DrawingDimensions
 from ._style import BODY_COLOURS, INK, SMALL
@@ -15,7 +16,6 @@ from ._thread_profile import (
     straight_half_thickness,
     tooth_centres,
 )
-from ._units import trimmed
 
 #: Material shown under the screw's and over the nut's thread, on paper [mm].
 _BODY = 9.5

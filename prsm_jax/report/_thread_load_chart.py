@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
+from .._display_units import display_unit, in_unit, number
 from ..load_sharing import LoadDistribution, SideLoads
 from ._style import FAINT, INK, MUTED, SERIES, SMALL, TITLE, Axes, Figure, drawn, page_figure
-from ._units import display_unit, in_unit, number
 
 _SIDES = (("screw", "screw side"), ("nut", "nut side"))
 _FORWARD, _REVERSE = SERIES[0], SERIES[1]

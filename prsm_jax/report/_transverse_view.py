@@ -2,10 +2,10 @@
 
 import math
 
+from .._display_units import trimmed
 from ._drafting import Length, Sheet
 from ._drawing_dimensions import DrawingDimensions
 from ._style import BODY_COLOURS, INK, MUTED
-from ._units import trimmed
 
 #: Space for the dimensions above and below the view, on paper [mm].
 ABOVE, BELOW = 16.0, 23.0
