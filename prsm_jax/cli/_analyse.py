@@ -21,8 +21,9 @@ from ..dynamics import (
 from ..findings import check as run_checks
 from ..mechanism import Mechanism, OperatingPoint
 from ._app import app
-from ._common import Common, emit, plain, table
+from ._common import Common, emit, plain
 from ._programs import run_stored
+from ._tables import Line, in_units, table
 
 _DEFAULT = Common()
 
@@ -77,22 +78,23 @@ def steady(file: str, *, common: Common = _DEFAULT) -> int:
 
 
 def _steady_table(file: str, results: dict[str, Any]) -> str:
-    rows: list[tuple[str, Any]] = [
-        ("efficiency", results["efficiency"]),
-        ("drive torque N·m", results["drive_torque_nm"]),
-        ("input power W", results["input_power_w"]),
-        ("output power W", results["output_power_w"]),
-        *((f"loss: {name} W", power) for name, power in results["losses_w"].items()),
-        ("power balance residual", f"{results['power_balance_residual']:.1e}"),
+    lines: list[Line] = [
+        ("efficiency", results["efficiency"], "1", "efficiency"),
+        ("drive torque", results["drive_torque_nm"], "N·m"),
+        ("input power", results["input_power_w"], "W"),
+        ("output power", results["output_power_w"], "W"),
+        *((f"loss: {name}", power, "W") for name, power in results["losses_w"].items()),
+        ("power balance residual", results["power_balance_residual"], "1"),
     ]
     for number, (ratio, force) in enumerate(
         zip(results["carrier_ratio"], results["contact_force_n"], strict=True), start=1
     ):
-        rows.append((f"stage {number}: carrier ratio", ratio))
-        rows.append((f"stage {number}: contact force of one roller N", force))
+        lines.append((f"stage {number}: carrier ratio", ratio, "1"))
+        lines.append((f"stage {number}: contact force of one roller", force, "N"))
+    words = table(f"Steady state: {file}", ("", "", ""), in_units(lines))
     if not results["valid"]:
-        rows.append(("valid", "no: the thread locks, or the meshing has no solution"))
-    return table(f"Steady state: {file}", ["", ""], rows)
+        words += "not valid: the thread locks, or the meshing has no solution\n"
+    return words
 
 
 def _transient(

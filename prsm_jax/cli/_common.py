@@ -3,7 +3,7 @@
 import json
 import math
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -92,26 +92,6 @@ def emit(output: Output, results: Mapping[str, Any], text: Callable[[], str]) ->
         sys.stdout.write(encoded)
     else:
         write_text(Path(output.json), encoded)
-
-
-def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
-    """A plain-text table; numbers right-aligned, to six significant digits."""
-    from io import StringIO
-
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-
-    grid = Table(box=box.SIMPLE_HEAD, show_header=any(columns))
-    for index, name in enumerate(columns):
-        numeric = all(isinstance(row[index], int | float) for row in rows)
-        grid.add_column(name, justify="right" if numeric else "left", overflow="fold")
-    for row in rows:
-        grid.add_row(*(f"{cell:.6g}" if isinstance(cell, float) else str(cell) for cell in row))
-    stream = StringIO()
-    Console(file=stream, width=120, color_system=None).print(grid)
-    lines = (line.rstrip() for line in stream.getvalue().splitlines())
-    return "\n".join([title, *(line for line in lines if line)]) + "\n"
 
 
 def value_of(mechanism: Mechanism, name: str, text: str, option: str | None = None) -> float:

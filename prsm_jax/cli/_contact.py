@@ -18,8 +18,9 @@ from ..geometry import Meshing, mesh
 from ..load_sharing import LoadDistribution, SideLoads, load_distribution
 from ..mechanism import Mechanism, Scalar, Stage, material_of
 from ._app import app
-from ._common import Common, emit, plain, table
+from ._common import Common, emit, plain
 from ._programs import run_stored
+from ._tables import Line, in_units, table
 
 _DEFAULT = Common()
 
@@ -164,68 +165,79 @@ def contact(file: str, *, common: Common = _DEFAULT) -> int:
     return int(not all(part["converged"] for part in parts))
 
 
+def _times(value: float | None, factor: float) -> float | None:
+    """A number in another unit; what is not defined stays so."""
+    return None if value is None else value * factor
+
+
+#: Columns of the table of contacts: heading, key of the JSON, how many of the unit make one SI.
+_COLUMNS = (
+    ("r mm", "contact_radius_m", 1e3),
+    ("φ deg", "contact_angle_position_rad", 180 / math.pi),
+    ("F_n N", "normal_force_n", 1.0),
+    ("a mm", "semi_major_m", 1e3),
+    ("b mm", "semi_minor_m", 1e3),
+    ("p₀ MPa", "max_pressure_pa", 1e-6),
+    ("δ µm", "approach_m", 1e6),
+    ("F/δ N/µm", "stiffness_n_per_m", 1e-6),
+)
+_BELOW = (
+    ("von Mises MPa", "max_von_mises_stress_pa", 1e-6),
+    ("at depth mm", "max_von_mises_depth_m", 1e3),
+    ("shear MPa", "max_shear_stress_pa", 1e-6),
+    ("at depth mm", "max_shear_depth_m", 1e3),
+)
+
+
 def _tables(file: str, stages: list[dict[str, Any]]) -> str:
-    rows, below, whole = [], [], []
+    sides = [
+        (f"{number} {name}", stage[name])
+        for number, stage in enumerate(stages, start=1)
+        for name in ("screw", "nut")
+    ]
+
+    def of_sides(title: str, columns: Sequence[tuple[str, str, float]]) -> str:
+        heads = ("stage side", *(head for head, _, _ in columns))
+        rows = [(label, *(_times(side[k], by) for _, k, by in columns)) for label, side in sides]
+        return table(title, heads, rows)
+
+    found = of_sides(f"Thread contacts: {file}", _COLUMNS)
+    found += of_sides("Largest stress below them, without friction", _BELOW)
+    whole: list[Line] = []
     for number, stage in enumerate(stages, start=1):
-        for name in ("screw", "nut"):
-            side = stage[name]
-            rows.append(
-                (
-                    f"{number} {name}",
-                    side["contact_radius_m"] * 1e3,
-                    math.degrees(side["contact_angle_position_rad"]),
-                    side["normal_force_n"],
-                    side["semi_major_m"] * 1e3,
-                    side["semi_minor_m"] * 1e3,
-                    side["max_pressure_pa"] / 1e6,
-                    side["approach_m"] * 1e6,
-                    side["stiffness_n_per_m"] / 1e6,
-                )
-            )
-            below.append(
-                (
-                    f"{number} {name}",
-                    side["max_von_mises_stress_pa"] / 1e6,
-                    side["max_von_mises_depth_m"] * 1e3,
-                    side["max_shear_stress_pa"] / 1e6,
-                    side["max_shear_depth_m"] * 1e3,
-                )
-            )
-        whole += _rows_of_line(number, stage.get("line_contact"))
-        whole += _rows_of_sharing(number, stage.get("load_sharing"))
-    columns = ["stage side", "r mm", "φ deg", "F_n N", "a mm", "b mm", "p₀ MPa", "δ µm", "F/δ N/µm"]
-    found = table(f"Thread contacts: {file}", columns, rows)
-    columns = ["stage side", "von Mises MPa", "at depth mm", "shear MPa", "at depth mm"]
-    found += table("Largest stress below them, without friction", columns, below)
-    return found + (table("As a whole", ["", ""], whole) if whole else "")
+        whole += _lines_of_line(number, stage.get("line_contact"))
+        whole += _lines_of_sharing(number, stage.get("load_sharing"))
+        if not stage["converged"]:
+            found += f"stage {number} is not valid: the meshing has no solution\n"
+    return found + (table("As a whole", ("", "", ""), in_units(whole)) if whole else "")
 
 
-def _rows_of_line(number: int, line: dict[str, Any] | None) -> list[tuple[str, float]]:
+def _lines_of_line(number: int, line: dict[str, Any] | None) -> list[Line]:
     if line is None:
         return []
-    rows = [
-        ("largest pressure MPa", line["max_pressure_pa"] / 1e6),
-        ("largest half-width mm", line["max_half_width_m"] * 1e3),
-        ("approach µm", line["approach_m"] * 1e6),
-        ("axial force N", line["axial_force_n"]),
-        ("share of the flank that carries", line["loaded_share"]),
-        ("largest line load over its mean", line["edge_ratio"]),
-        ("R² of the parabola", line["parabola_fit"]),
+    found: list[Line] = [
+        ("largest pressure", line["max_pressure_pa"], "Pa"),
+        ("largest half-width", line["max_half_width_m"], "m"),
+        ("approach", line["approach_m"], "m"),
+        ("axial force", line["axial_force_n"], "N"),
+        ("share of the flank that carries", line["loaded_share"], "1"),
+        ("largest line load over its mean", line["edge_ratio"], "1"),
+        ("R² of the parabola", line["parabola_fit"], "1"),
     ]
-    return [(f"stage {number}: line contact, {name}", value) for name, value in rows]
+    return [(f"stage {number}: line contact, {one[0]}", *one[1:]) for one in found]
 
 
-def _rows_of_sharing(number: int, shared: dict[str, Any] | None) -> list[tuple[str, float]]:
+def _lines_of_sharing(number: int, shared: dict[str, Any] | None) -> list[Line]:
     if shared is None:
         return []
-    rows = [
-        ("largest over mean thread load, screw", shared["screw"]["thread_sharing_factor"]),
-        ("largest over mean thread load, nut", shared["nut"]["thread_sharing_factor"]),
-        ("largest over mean roller load", shared["screw"]["roller_sharing_factor"]),
-        ("largest pressure MPa", shared["max_pressure_pa"] / 1e6),
-        ("deflection µm", shared["deflection_m"] * 1e6),
-        ("axial stiffness dF/dx N/µm", shared["tangent_stiffness_n_per_m"] / 1e6),
+    found: list[Line] = [
+        ("largest over mean thread load, screw", shared["screw"]["thread_sharing_factor"], "1"),
+        ("largest over mean thread load, nut", shared["nut"]["thread_sharing_factor"], "1"),
+        ("largest over mean roller load", shared["screw"]["roller_sharing_factor"], "1"),
+        ("largest pressure", shared["max_pressure_pa"], "Pa"),
+        ("deflection", shared["deflection_m"], "m"),
+        ("axial stiffness dF/dx", shared["tangent_stiffness_n_per_m"], "N/m"),
     ]
     if shared["spacer_force_n"] is not None:
-        rows.append(("force in the spacer N", shared["spacer_force_n"]))
-    return [(f"stage {number}: load sharing, {name}", value) for name, value in rows]
+        found.append(("force in the spacer", shared["spacer_force_n"], "N"))
+    return [(f"stage {number}: load sharing, {one[0]}", *one[1:]) for one in found]

@@ -18,6 +18,7 @@ from ._app import app
 from ._common import Common, plain
 from ._contact import contact_results
 from ._modal import modal_results
+from ._tables import terminal_width
 
 _DEFAULT = Common()
 # Searching for the largest stress is slow step by step.
@@ -74,11 +75,11 @@ def demo(
 
     say("differentiating: exact sensitivities to " + ", ".join(v.name for v in problem.variables))
     table = sensitivity(mechanism, parameters=[variable.name for variable in problem.variables])
-    print(table)
+    print(table.text(terminal_width()))
 
     say(f"optimising from {problem.starts} starts")
     best = optimise(mechanism)
-    print(best)
+    print(best.text(terminal_width()))
 
     units = {quantity.name: quantity.unit for quantity in catalogue()}
     text = dumps(best.mechanism, units)

@@ -14,6 +14,7 @@ from ..sensitivity import sensitivity as run_sensitivity
 from ..sweep import sweep as run_sweep
 from ._app import app
 from ._common import Common, emit, value_of, words_of
+from ._tables import terminal_width
 
 _DEFAULT = Common()
 _NAMES = "Names from `prsm quantities`, separated by commas."
@@ -39,7 +40,7 @@ def sensitivity(
             sensitivity_bars(table.quantities, table.parameters, table.elasticity),
             common.out / "sensitivity",
         )
-    emit(common, table.to_dict(), lambda: str(table))
+    emit(common, table.to_dict(), lambda: table.text(terminal_width()))
     return int(not bool(table.valid))
 
 
@@ -67,7 +68,7 @@ def optimise(
     path = folder / f"{Path(file).stem}-optimised.toml"
     dump(best.mechanism, path, {quantity.name: quantity.unit for quantity in catalogue()})
     results = best.to_dict() | {"mechanism": path}
-    emit(common, results, lambda: f"{best}\n\noptimised mechanism: {path}")
+    emit(common, results, lambda: f"{best.text(terminal_width())}\n\noptimised mechanism: {path}")
     return int(not best.converged)
 
 

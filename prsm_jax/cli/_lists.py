@@ -7,7 +7,8 @@ from cyclopts import Parameter
 
 from ..quantities import catalogue
 from ._app import app
-from ._common import Output, emit, table, write_text
+from ._common import Output, emit, write_text
+from ._tables import table, terminal_width
 
 _DEFAULT = Output()
 
@@ -57,7 +58,7 @@ def validate(
         write_text(output.out / f"{source or 'all'}.md", markdown(rows) + "\n")
 
     def text() -> str:
-        lines = validation_table(rows)
+        lines = validation_table(rows, max(terminal_width(), 70))
         if output.out is not None:
             lines += f"\n\n{len(results['pictures'])} pictures and the table in {output.out}"
         return lines

@@ -11,7 +11,8 @@ from .._errors import PrsmError
 from ..mechanism import Mechanism, find_parameters
 from ..modal import FAMILIES, FrequencyLoci, Modes, frequency_loci, modal as run_modal
 from ._app import app
-from ._common import Common, emit, table, value_of
+from ._common import Common, emit, value_of
+from ._tables import table
 
 _DEFAULT = Common()
 _modes = eqx.filter_jit(run_modal)

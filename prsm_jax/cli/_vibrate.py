@@ -18,7 +18,8 @@ from ..response import (
     frequency_response,
 )
 from ._app import app
-from ._common import Common, emit, table, words_of
+from ._common import Common, emit, words_of
+from ._tables import prose, table
 
 _DEFAULT = Common()
 _Stage = Annotated[int, Parameter(help="Which stage, counted from 1.")]
@@ -154,9 +155,9 @@ def response(
         title = f"{kind.capitalize()} of {target} per force at {source}: {file}, stage {stage}"
         lines = table(title, ["family", "f Hz", "times", unit, "phase deg"], rows)
         if law is None:
-            lines += "no damping, so infinite at resonance; give [stage.damping] or --ratio\n"
+            lines += prose("no damping, so infinite at resonance; give [stage.damping] or --ratio")
         if not np.asarray(both.value).any():
-            lines += f"by symmetry a force at {source} does not move {target}\n"
+            lines += prose(f"by symmetry a force at {source} does not move {target}")
         return lines + ("" if picture is None else f"picture: {picture}")
 
     emit(common, response_results(found, modes, law, stage), text)
@@ -257,8 +258,9 @@ def campbell(
         columns = ["rpm", "order", "harmonic", "f Hz", "family", "times", "excited"]
         title = f"Critical speeds up to {speed * 30 / np.pi:.6g} rpm: {file}, stage {stage}"
         lines = table(title, columns, rows) if rows else f"{title}\nnone\n"
-        lines += f"carrier ratio {float(found.carrier_ratio):.6g}; orders per turn of the screw: "
-        lines += ", ".join(f"{one.name} {float(one.order):.5g}" for one in found.orders) + "\n"
+        orders = ", ".join(f"{one.name} {float(one.order):.5g}" for one in found.orders)
+        ratio = f"carrier ratio {float(found.carrier_ratio):.6g}"
+        lines += prose(f"{ratio}; orders per turn of the screw: {orders}")
         return lines + ("" if picture is None else f"picture: {picture}")
 
     emit(common, campbell_results(found, speed, stage), text)

@@ -1,10 +1,11 @@
 """The result of an optimisation: before, after, how it got there, and how good it is."""
 
 import math
+import textwrap
 from dataclasses import dataclass
 
-import numpy as np
-
+from .._display_units import display_unit
+from .._text_table import TextTable
 from ..mechanism import DesignProblem, Mechanism
 
 
@@ -128,6 +129,8 @@ class Optimum:
     evaluations: int
     derivative_evaluations: int
     variable_units: dict[str, str]
+    #: SI unit of the objective, where it is one quantity.
+    objective_unit: str = "1"
 
     @property
     def objective_history(self) -> tuple[float, ...]:
@@ -164,65 +167,66 @@ class Optimum:
             "variable_units": dict(self.variable_units),
         }
 
+    def text(self, width: int | None = None) -> str:
+        """Start and optimum as a table in an engineer's units, and the verdict.
+
+        **Arguments:**
+
+        - `width`: number of characters in a line; default as many as the table needs.
+        """
+        verdict = _verdict(self)
+        if width is not None:
+            verdict = [part for line in verdict for part in textwrap.wrap(line, width)]
+        return "\n".join([_table(self).text(width), *verdict])
+
     def __str__(self) -> str:
-        return "\n".join(_lines(self))
+        return self.text()
 
 
 def _plain(value: float | None) -> float | None:
     return None if value is None or not math.isfinite(value) else float(value)
 
 
-def _lines(best: Optimum) -> list[str]:
+def _table(best: Optimum) -> TextTable:
+    """Start and optimum in an engineer's units."""
     terms = " + ".join(
         (f"{term.weight:g} " if term.weight != 1 else "") + term.quantity
         for term in best.problem.objectives
     )
     sense = "/".join(dict.fromkeys(term.sense for term in best.problem.objectives))
-    bounds = {v.name: f"[{v.lower:.5g}, {v.upper:.5g}]" for v in best.problem.variables}
-    rows = [["", "start", "optimum", "limits", ""]]
-    rows.append(
-        [f"{sense} {terms}", f"{best.start.objective:.7g}", f"{best.optimum.objective:.7g}", "", ""]
-    )
+    rows = []
+
+    def add(words: str, unit: str, quantity: str, start: float, end: float, limits, state: str):
+        numbers = [start, end, *(limit for _, limit in limits)]
+        shown = display_unit(unit, numbers, quantity)
+        name = f"{words} [{shown.label}]" if shown.label else words
+        texts = [f"{sign} {shown(limit):.6g}".strip() for sign, limit in limits]
+        joined = " to ".join(texts) if limits and limits[0][0] == "" else " ".join(texts)
+        rows.append((name, shown(start), shown(end), joined, state))
+
+    first, *others = best.problem.objectives
+    weighted = bool(others) or first.weight != 1
+    unit, quantity = ("1", "") if weighted else (best.objective_unit, first.quantity)
+    words = f"{sense} {terms}"
+    add(words, unit, quantity, best.start.objective, best.optimum.objective, (), "")
+    bounds = {v.name: (("", v.lower), ("", v.upper)) for v in best.problem.variables}
     for name, value in best.optimum.variables.items():
         at = best.bounds_active.get(name)
-        rows.append(
-            [
-                f"{name} [{best.variable_units[name]}]",
-                f"{best.start.variables[name]:.6g}",
-                f"{value:.6g}",
-                bounds[name],
-                f"at {at} bound" if at else "",
-            ]
-        )
+        state = f"at {at} bound" if at else ""
+        start, unit = best.start.variables[name], best.variable_units[name]
+        add(name, unit, "", start, value, bounds[name], state)
     for report in best.constraints:
-        if report.equal is not None:
-            limits = f"= {report.equal:.5g}"
-        else:
-            low = "" if report.lower is None else f">= {report.lower:.5g}"
-            high = "" if report.upper is None else f"<= {report.upper:.5g}"
-            limits = " ".join(filter(None, (low, high)))
+        given = ((">=", report.lower), ("<=", report.upper), ("=", report.equal))
+        limits = [(sign, limit) for sign, limit in given if limit is not None]
         state = "VIOLATED" if not report.satisfied else "active" if report.active else ""
-        rows.append(
-            [
-                f"{report.name} [{report.unit}]",
-                f"{best.start.constraints[report.name]:.6g}",
-                f"{report.value:.6g}",
-                limits,
-                state,
-            ]
-        )
-    widths = np.max([[len(cell) for cell in row] for row in rows], axis=0)
-    lines = [
-        "  ".join(
-            cell.ljust(width) if column in (0, 4) else cell.rjust(width)
-            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in rows
-    ]
-    lines.append("")
-    lines.append(f"{'converged' if best.converged else 'NOT CONVERGED'}: {best.message}")
-    lines.append(
+        start = best.start.constraints[report.name]
+        add(report.name, report.unit, report.name, start, report.value, limits, state)
+    return TextTable("", ("", "start", "optimum", "limits", ""), rows)
+
+
+def _verdict(best: Optimum) -> list[str]:
+    return [
+        f"{'converged' if best.converged else 'NOT CONVERGED'}: {best.message}",
         f"{best.method}, run {best.best_run + 1} of {len(best.runs)}, "
-        f"{best.evaluations} evaluations, {best.derivative_evaluations} of derivatives"
-    )
-    return lines
+        f"{best.evaluations} evaluations, {best.derivative_evaluations} of derivatives",
+    ]

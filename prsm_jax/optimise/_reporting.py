@@ -2,7 +2,9 @@
 
 import numpy as np
 
+from .._display_units import display_unit
 from ..mechanism import DesignProblem, Mechanism, find_parameters, set_parameters
+from ..quantities import find_quantity
 from ._evaluator import Evaluator, Point
 from ._optimality import Optimality
 from ._optimum import ConstraintReport, Design, Optimum, Run
@@ -104,6 +106,14 @@ def constraint_reports(
     return tuple(reports)
 
 
+def _broken(report: ConstraintReport) -> str:
+    shown = display_unit(report.unit, [report.value, report.limit], report.name)
+    return (
+        f"{report.name} = {shown(report.value):.6g} against a limit of "
+        f"{shown(report.limit):.6g} {shown.label}".rstrip()
+    )
+
+
 def optimum_of(
     mechanism: Mechanism,
     problem: DesignProblem,
@@ -133,11 +143,7 @@ def optimum_of(
     if conditions is None:
         message = f"none of {len(runs)} starts met a usable design: {runs[0].message}"
     elif not feasible:
-        broken = "; ".join(
-            f"{r.name} = {r.value:.6g} against a limit of {r.limit:.6g} {r.unit}"
-            for r in reports
-            if not r.satisfied
-        )
+        broken = "; ".join(_broken(r) for r in reports if not r.satisfied)
         message = f"no feasible design found; the least violation leaves {broken}"
     elif converged:
         message = f"KKT residual {residual:.1e} <= {tolerance:.1e}"
@@ -168,4 +174,5 @@ def optimum_of(
         evaluations=evaluator.evaluations,
         derivative_evaluations=evaluator.derivative_evaluations,
         variable_units={name: find_parameters(mechanism, name)[0].unit for name in names},
+        objective_unit=find_quantity(problem.objectives[0].quantity).unit,
     )

@@ -7,6 +7,9 @@ import numpy as np
 from jax.core import Tracer
 from jaxtyping import Array, Bool, Float
 
+from .._display_units import display_unit
+from .._text_table import NOT_DEFINED, TextTable
+
 
 class Sensitivity(eqx.Module):
     """Derivatives of quantities (rows) with respect to parameters (columns).
@@ -77,7 +80,22 @@ class Sensitivity(eqx.Module):
         if isinstance(self.gradient, Tracer) or self.gradient.ndim != 2:
             shape = self.gradient.shape
             return f"Sensitivity of shape {shape}: {self.quantities} × {self.parameters}"
-        return "\n".join(_lines(self))
+        return self.text()
+
+    def text(self, width: int | None = None) -> str:
+        """The derivatives per millimetre, degree and so on, and the elasticities, as tables.
+
+        **Arguments:**
+
+        - `width`: number of characters in a line; default as many as the tables need.
+
+        **Raises:** `ValueError` for a batched table.
+        """
+        self._single("text")
+        words = "\n".join(table.text(width) for table in _tables(self))
+        if not bool(self.valid):
+            words += "not valid: the threads do not mesh, or a contact would have to pull\n"
+        return words.rstrip()
 
 
 def _plain(array) -> list | float | None:
@@ -89,25 +107,27 @@ def _plain(array) -> list | float | None:
     return [_plain(row) for row in array]
 
 
-def _lines(table: Sensitivity) -> list[str]:
-    names = [f"{q} [{u}]" for q, u in zip(table.quantities, table.quantity_units, strict=True)]
-    heads = [f"{p} [{u}]" for p, u in zip(table.parameters, table.parameter_units, strict=True)]
+def _tables(table: Sensitivity) -> tuple[TextTable, TextTable]:
+    """Values with their changes per millimetre or degree, and elasticities."""
+    steps = [
+        display_unit(unit, np.abs(np.asarray(value, dtype=float)).ravel().tolist())
+        for unit, value in zip(table.parameter_units, table.parameter_values, strict=True)
+    ]
+    heads = [
+        f"per {step.label or '1'} of {name}"
+        for name, step in zip(table.parameters, steps, strict=True)
+    ]
     values, gradient = np.asarray(table.values), np.asarray(table.gradient)
     elasticity, defined = np.asarray(table.elasticity), np.asarray(table.elasticity_defined)
-    rows = [["quantity", "value", *(f"d/d {head}" for head in heads)]]
-    relative = [["per cent per per cent", "", *table.parameters]]
-    for i, name in enumerate(names):
-        rows.append([name, f"{values[i]:.6g}", *(f"{g:.5g}" for g in gradient[i])])
-        cells = [f"{e:+.4f}" if defined[i] else "–" for e in elasticity[i]]
-        relative.append([table.quantities[i], "", *cells])
-    widths = [max(len(row[c]) for row in rows + relative) for c in range(len(rows[0]))]
-    lines = []
-    for block in (rows, relative):
-        if lines:
-            lines.append("")
-        for row in block:
-            first, rest = row[0].ljust(widths[0]), zip(row[1:], widths[1:], strict=True)
-            lines.append("  ".join([first, *(cell.rjust(width) for cell, width in rest)]).rstrip())
-    if not bool(table.valid):
-        lines.append("not valid: the threads do not mesh, or a contact would have to pull")
-    return lines
+    rows, relative = [], []
+    for i, (name, unit) in enumerate(zip(table.quantities, table.quantity_units, strict=True)):
+        shown = display_unit(unit, float(values[i]), name)
+        label = f"{name} [{shown.label}]" if shown.label else name
+        cells = [float(shown(g) / s.per_si) for g, s in zip(gradient[i], steps, strict=True)]
+        rows.append((label, float(shown(values[i])), *cells))
+        signs = [f"{e:+.4f}" if defined[i] else NOT_DEFINED for e in elasticity[i]]
+        relative.append((name, *signs))
+    return (
+        TextTable("", ("quantity", "value", *heads), rows),
+        TextTable("", ("per cent per per cent", *table.parameters), relative),
+    )

@@ -6,8 +6,15 @@ from collections.abc import Sequence
 from ._registry import sources
 from ._row import VERDICTS, Row, Verdict
 
-#: Widths of item, published, computed and difference; the verdict takes what it needs.
-_ITEM, _PUBLISHED, _COMPUTED, _DIFFERENCE, _VERDICT = 40, 20, 24, 9, 18
+#: Widths of published, computed, difference and verdict, in a wide and in a narrow table; the item
+#: takes what is left, and each is wrapped.
+_WIDE, _NARROW = (20, 24, 9, 18), (13, 14, 9, 13)
+_GAP, _LEAST_WIDE = 2, 119
+
+
+def _widths(width: int) -> tuple[int, ...]:
+    others = _WIDE if width >= _LEAST_WIDE else _NARROW
+    return (min(40, max(12, width - sum(others) - _GAP * len(others))), *others)
 
 
 def _number(value: float | str, unit: str = "1") -> str:
@@ -27,25 +34,20 @@ def _difference(row: Row) -> str:
     return f"{percent:+.2g} %" if abs(percent) < 99.5 else f"{percent:+.0f} %"
 
 
-def _cells(row: Row) -> list[list[str]]:
-    columns = (
-        (row.item, _ITEM),
-        (_number(row.published, row.unit), _PUBLISHED),
-        (_number(row.computed, row.unit), _COMPUTED),
-        (_difference(row), _DIFFERENCE),
-        (row.verdict, _VERDICT),
+def _lines(row: Row, widths: tuple[int, ...]) -> list[str]:
+    texts = (
+        row.item,
+        _number(row.published, row.unit),
+        _number(row.computed, row.unit),
+        _difference(row),
+        row.verdict,
     )
-    return [textwrap.wrap(text, width) or [""] for text, width in columns]
-
-
-def _lines(row: Row) -> list[str]:
-    cells = _cells(row)
-    widths = (_ITEM, _PUBLISHED, _COMPUTED, _DIFFERENCE, _VERDICT)
+    cells = [textwrap.wrap(text, width) or [""] for text, width in zip(texts, widths, strict=True)]
     lines = []
     for index in range(max(map(len, cells))):
         parts = [cell[index] if index < len(cell) else "" for cell in cells]
         padded = [part.ljust(width) for part, width in zip(parts, widths, strict=True)]
-        lines.append("  ".join(padded).rstrip())
+        lines.append((" " * _GAP).join(padded).rstrip())
     return lines
 
 
@@ -57,20 +59,20 @@ def table(rows: Sequence[Row], width: int = 120) -> str:
     **Arguments:**
 
     - `rows`: what `validate` returned, or some of it.
-    - `width`: at least 120 columns are used by the numbers; notes are wrapped to `width`.
+    - `width`: number of characters in a line, at least 70.
     """
-    citations = sources()
+    citations, widths = sources(), _widths(width)
     lines: list[str] = []
     source = note = None
     for row in rows:
         if row.source != source:
             source, note = row.source, None
             heading = f"{source}: {citations.get(source, '')}".rstrip(": ")
-            header = ("published", "computed", "differs", "verdict")
-            widths = (_PUBLISHED, _COMPUTED, _DIFFERENCE, _VERDICT)
-            names = "  ".join(n.ljust(w) for n, w in zip(header, widths, strict=True)).rstrip()
-            lines += ["", *textwrap.wrap(heading, width), f"{'item':{_ITEM}}  {names}", "-" * width]
-        lines += _lines(row)
+            header = ("item", "published", "computed", "differs", "verdict")
+            padded = [n.ljust(w) for n, w in zip(header, widths, strict=True)]
+            names = (" " * _GAP).join(padded).rstrip()
+            lines += ["", *textwrap.wrap(heading, width), names, "-" * width]
+        lines += _lines(row, widths)
         if row.note and row.note != note:
             lines += textwrap.wrap(row.note, width, initial_indent="    ", subsequent_indent="    ")
         note = row.note

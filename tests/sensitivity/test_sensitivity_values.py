@@ -136,7 +136,7 @@ def test_a_quantity_without_value_has_no_elasticity(own_quantities):
 def test_prints_and_plain_numbers():
     table = sensitivity(mechanism(), ["nut_radius", "nut_speed"], ["roller_radius", "lead"])
     text = str(table)
-    assert "nut_speed [m/s]" in text
+    assert "nut_speed [mm/s]" in text
     assert "d/d lead [m]" in text
     plain = table.to_dict()
     assert {"quantities", "parameters", "gradient", "elasticity"} <= set(plain)

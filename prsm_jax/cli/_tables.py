@@ -1,0 +1,46 @@
+"""Tables of the terminal: as wide as it is, in an engineer's units."""
+
+import shutil
+import textwrap
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from .._display_units import display_unit
+from .._text_table import TextTable
+
+#: Columns of a terminal that does not say how wide it is, and of files and pipes.
+_WIDTH = 80
+_LEAST = 40
+
+#: A line of a list of quantities: words, SI value, SI unit, and the name of the quantity, which
+#: matters where it is an efficiency.
+Line = tuple[Any, ...]
+
+
+def terminal_width() -> int:
+    """Characters in a line of the terminal; 80 where there is none."""
+    return max(shutil.get_terminal_size((_WIDTH, 24)).columns, _LEAST)
+
+
+def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
+    """A plain-text table that fits the terminal; numbers to six significant digits."""
+    return TextTable(title, columns, rows).text(terminal_width())
+
+
+def prose(text: str) -> str:
+    """Sentences broken into lines that fit the terminal; a path is never broken."""
+    lines = [
+        textwrap.wrap(line, terminal_width(), break_long_words=False, break_on_hyphens=False)
+        for line in text.splitlines()
+    ]
+    return "\n".join("\n".join(parts) for parts in lines) + "\n"
+
+
+def in_units(lines: Iterable[Line]) -> list[tuple[str, float | None, str]]:
+    """Words, value and unit of SI values, each in the unit that an engineer reads it in."""
+    rows = []
+    for words, value, unit, *name in lines:
+        known = value is not None
+        shown = display_unit(unit, abs(float(value)) if known else 0.0, *name)
+        rows.append((words, float(shown(float(value))) if known else None, shown.label))
+    return rows
