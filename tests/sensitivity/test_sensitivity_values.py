@@ -137,7 +137,7 @@ def test_prints_and_plain_numbers():
     table = sensitivity(mechanism(), ["nut_radius", "nut_speed"], ["roller_radius", "lead"])
     text = str(table)
     assert "nut_speed [mm/s]" in text
-    assert "d/d lead [m]" in text
+    assert "per mm of lead" in text
     plain = table.to_dict()
     assert {"quantities", "parameters", "gradient", "elasticity"} <= set(plain)
     assert plain["gradient"][0][0] == pytest.approx(5.0)
