@@ -14,6 +14,7 @@ from prsm_jax.contact import HertzContact, LineContactResult, SliceGeometry
 from prsm_jax.contact._thread_contact import StageContact, ThreadContactSide
 from prsm_jax.dynamics import BodyForces, SolverReport, SteadyState, Transient
 from prsm_jax.dynamics._transient_result import Phase
+from prsm_jax.geometry._curvature import RelativeCurvature
 from prsm_jax.geometry._meshing import Meshing, ThreadContact
 from prsm_jax.halfspace import (
     FlankContact,
@@ -62,12 +63,10 @@ def contact_pair() -> StageContact:
 
 def meshing() -> Meshing:
     """Places of both contacts."""
-    fields = {field.name for field in dataclasses.fields(ThreadContact)}
     sides = []
     for _ in range(2):
-        given = {name: odd(0.01) for name in fields}
-        given["contact_angle_position"] = odd(0.1)
-        sides.append(ThreadContact(**given))
+        curvature = RelativeCurvature(*odds(len(dataclasses.fields(RelativeCurvature))))
+        sides.append(ThreadContact(odd(0.01), odd(0.1), odd(4e-3), odd(0.2), odds(3), curvature))
     return Meshing(*sides, odd(1e-5), number(True))
 
 

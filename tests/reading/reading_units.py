@@ -9,10 +9,10 @@ import pint
 _REGISTRY = pint.UnitRegistry()
 _SPACES = "\u202f\u00a0\u2009"
 _SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
-_MINUS = "\N{MINUS SIGN}"
+MINUS = "\N{MINUS SIGN}"
 #: Digits in groups of three, or in one; a fraction; a power of ten as 10⁶ or as e+06.
 NUMBER = re.compile(
-    rf"[+\-{_MINUS}]?(?:\d{{1,3}}(?:[{_SPACES}]\d{{3}})+|\d+)(?:\.\d+)?"
+    rf"[+\-{MINUS}]?(?:\d{{1,3}}(?:[{_SPACES}]\d{{3}})+|\d+)(?:\.\d+)?"
     r"(?:·10(?P<super>[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)|e(?P<power>[+-]?\d+))?"
 )
 #: Units as they are printed that `pint` knows by another name.
@@ -84,7 +84,7 @@ def parse(text: str) -> tuple[float, float]:
     found = NUMBER.fullmatch(text.strip())
     if found is None:
         raise AssertionError(f"{text!r} is no number")
-    plain = text.strip().replace(_MINUS, "-")
+    plain = text.strip().replace(MINUS, "-")
     for space in _SPACES:
         plain = plain.replace(space, "")
     power = 0
@@ -128,5 +128,5 @@ def assert_reads(text: str, *expected: tuple, coarse: bool = False) -> None:
 
 def label_unit(label: str) -> str:
     """The unit that an axis or a column names: what follows the word `in`; none is a ratio."""
-    found = re.search(r"(?:^|[\s,])in (\S+)", label)
+    found = re.search(r"(?:^|[\s,])in (?!the\b)(\S+)", label)
     return "" if found is None else found[1].rstrip(",;")

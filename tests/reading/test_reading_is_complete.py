@@ -30,3 +30,14 @@ def _drawn() -> set[str]:
 
 def test_every_chart_has_a_reader():
     assert _drawn() == _read("chart")
+
+
+def test_every_section_has_a_reader():
+    body = next(
+        node
+        for node in ast.parse((_REPORT / "_sections.py").read_text()).body
+        if isinstance(node, ast.FunctionDef) and node.name == "report_sections"
+    )
+    calls = [node for node in ast.walk(body) if isinstance(node, ast.Call)]
+    given = {call.func.id for call in calls if [ast.unparse(a) for a in call.args] == ["data"]}
+    assert given == _read("section")

@@ -1,0 +1,507 @@
+"""Every table and sentence of a report against SI numbers, converted by `pint`."""
+
+import dataclasses
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import reading_scenes as made
+import scenes
+from expectations import reads
+from reading_tables import assert_cell, assert_table, html_tables
+from reading_units import assert_reads, numbers, to_si
+
+import prsm_jax as prsm
+from prsm_jax.geometry import Finding, roller_clearance
+from prsm_jax.mechanism import body_mass, stage_mass
+from prsm_jax.quantities import find_quantity
+from prsm_jax.report import Change, Limit, Optimisation, ReportData, write_report
+from prsm_jax.report._data import STRENGTH
+from prsm_jax.report._sections import report_sections
+
+_MINUS = "\N{MINUS SIGN}"
+
+
+@pytest.fixture(scope="module")
+def actuator():
+    return scenes.example("actuator")
+
+
+def _optimisation():
+    return Optimisation(
+        objective="efficiency",
+        objective_unit="1",
+        history=(0.8512, 0.8834, 0.8791),
+        variables=(
+            Change("lead", "m", 0.0102, 0.0121, 0.005, 0.02),
+            Change("contact_angle", "rad", 0.785, 0.913, 0.5, 0.913, "upper"),
+        ),
+        quantities=(
+            Change("efficiency", "1", 0.8512, 0.8791),
+            Change("max_pressure", "Pa", 2.13e9, 2.97e9),
+        ),
+        limits=(
+            Limit("max_pressure", "Pa", 2.97e9, 2.97e9, True, "upper", 1.3e-12),
+            Limit("mass", "kg", 1.51, 1.32, False, "lower"),
+        ),
+        converged=True,
+        kkt_residual=1.3e-9,
+        message="KKT residual small",
+        violations=(0.0, 0.1, 0.0),
+    )
+
+
+def _strength():
+    sizes = {"m": 2e-5, "N": 7e4, "Pa": 1e9, "N/m": 4e8, "rad/s": 310.0, "s": 7e6, "N·m": 0.3}
+    found = {}
+    for name in STRENGTH:
+        quantity = find_quantity(name)
+        scale = sizes.get(quantity.unit, 2.0)
+        found[name] = made.odds(1, scale=scale) if quantity.dimensions else made.odd(scale)
+    return found
+
+
+def _sensitivity():
+    return SimpleNamespace(
+        quantities=("efficiency", "max_pressure", "mass"),
+        parameters=("lead", "contact_angle", "starts"),
+        quantity_units=("1", "Pa", "kg"),
+        parameter_units=("m", "rad", "1"),
+        parameter_values=tuple(np.array([v]) for v in (0.01, 0.785, 5.0)),
+        values=np.array([0.8512, 2.13e9, 0.0]),
+        gradient=np.array([[3.1, 0.12, 0.013], [-4e10, 1.3e9, 1.1e8], [2.3, -0.4, 0.21]]),
+        elasticity=np.array([[0.021, -0.013, 4e-4], [0.11, -0.62, -1.23], [0, 0, 0]]),
+        elasticity_defined=np.array([True, True, False]),
+        valid=np.array(True),
+    )
+
+
+@pytest.fixture(scope="module")
+def data(actuator):
+    own = {
+        "meshings": (made.meshing(),),
+        "contacts": (made.contact_pair(),),
+        "modes": (made.modes(),),
+        "steady": made.steady(),
+        "forward": made.steady(4010.0),
+        "backward": made.steady(2010.0),
+        "strength": _strength(),
+    }
+    improved = ReportData(
+        mechanism=actuator,
+        title="after the optimisation",
+        contacts=(made.contact_pair(),),
+        modes=(made.modes(1.1),),
+        steady=made.steady(3555.0),
+        strength=_strength(),
+    )
+    findings = (
+        Finding("buckling", "warning", 1, 1.2, 2.0, "too long"),
+        Finding("mass", "error", 1, 1.0, 2.0, "too heavy"),
+        Finding("ratio", "note", 1, 1.0, 2.0, "as it is"),
+    )
+    return ReportData(
+        mechanism=actuator,
+        title="A title",
+        findings=findings,
+        transient=made.transient(1),
+        shared={0: made.distribution()},
+        deflections={0: made.curve()},
+        sensitivity=_sensitivity(),
+        optimisation=_optimisation(),
+        improved=improved,
+        left_out=(("vibration", "no masses"),),
+        source="my.toml",
+        command="prsm demo",
+        **own,
+    )
+
+
+@pytest.fixture(scope="module")
+def sections(data):
+    return {section.anchor: section for section in report_sections(data)}
+
+
+def _paragraph(section, start):
+    return next(words for words in section.paragraphs if words.startswith(start))
+
+
+@reads("section", "_summary")
+def test_summary(sections, data):
+    section, point = sections["summary"], data.mechanism.operating_point
+    steady = data.steady
+    assert_reads(
+        _paragraph(section, "At "),
+        (point.speed, "rad/s"),
+        (point.load, "N"),
+        (steady.efficiency, "1"),
+        (steady.drive_torque, "N·m"),
+    )
+    (pair,) = data.contacts
+    worst = max(float(side.hertz.max_pressure) for side in (pair.screw, pair.nut))
+    assert_reads(_paragraph(section, "The largest contact pressure"), (worst, "Pa"))
+    assert_reads(_paragraph(section, "The checks found"), (2, "", "whole"))
+    words = _paragraph(section, "Efficiency rises from")
+    assert_reads(
+        words,
+        *((0.8512, "1"), (0.8791, "1"), (2.97e9, "Pa"), (0.913, "rad")),
+    )
+
+
+@reads("section", "mechanism_section")
+def test_mechanism(sections, actuator):
+    table, operating = sections["mechanism"].tables
+    (stage,) = actuator.stages
+    thread = stage.thread
+    n, roller = float(thread.starts), float(thread.roller_radius)
+    lead = float(thread.lead)
+    # One thread on rollers that neither gain nor lose on the nut: radii by the starts.
+    screw, nut, centre = (n - 2) * roller, n * roller, (n - 1) * roller
+
+    def length(value):
+        return ("mm", value)
+
+    rows = {
+        "rollers": str(stage.roller_count),
+        "thread starts of screw and nut": "5",
+        "lead": length(lead),
+        "pitch": length(lead / n),
+        "screw diameter": length(2 * screw),
+        "roller diameter": length(2 * roller),
+        "nut thread diameter": length(2 * nut),
+        "nut outer diameter": length(2 * (nut + float(stage.nut.wall_thickness))),
+        "centre distance": length(centre),
+        "contact angle (from the transverse plane)": ("°", thread.contact_angle),
+        "flank angle": ("°", thread.flank_angle),
+        "roller profile radius": length(thread.profile_radius),
+        "helix angle of the screw": ("°", math.atan(lead / (2 * math.pi * screw))),
+        "clearance between rollers": length(roller_clearance(stage)),
+        "length of the screw": length(stage.screw.length),
+        "length of the roller": length(stage.roller.length),
+        "length of the nut": length(stage.nut.length),
+        "loaded threads of a roller, each side": ("", stage.engaged_threads),
+        "curvatures of the contact": stage.curvature,
+    }
+    found = dict(table.rows)
+    modulus, ratio = found.pop("Young's modulus, Poisson's ratio").split(", ")
+    assert_reads(modulus, (stage.material.youngs_modulus, "Pa", "whole"))
+    assert_reads(ratio, (stage.material.poisson_ratio, "", "whole"))
+    assert_reads(found.pop("mass of a roller"), (body_mass(stage, "roller"), "kg"))
+    assert_reads(found.pop("mass of the stage"), (stage_mass(stage), "kg"))
+    assert set(found) == set(rows)
+    for name, expected in rows.items():
+        if isinstance(expected, str):
+            assert found[name] == expected
+            continue
+        unit, value = expected
+        (shown,) = numbers(found[name])
+        assert shown.label == unit, name
+        # Zeros at the end are left out: thousandths of a millimetre, hundredths of a degree.
+        step = float(to_si(0.5e-2 if unit == "°" else 0.5e-3, unit))
+        assert float(to_si(shown.value, unit)) == pytest.approx(float(value), abs=1.001 * step)
+    assert_table(
+        operating,
+        ("", ""),
+        [
+            ("screw speed", (actuator.operating_point.speed, "rad/s")),
+            ("axial load", (actuator.operating_point.load, "N")),
+            ("simulated time", (actuator.operating_point.duration, "s")),
+        ],
+    )
+
+
+@reads("section", "findings_section")
+def test_findings(sections, data):
+    (table,) = sections["findings"].tables
+    rows = [(f.severity, f.name.replace("_", " "), f.message) for f in data.findings]
+    assert_table(table, ("severity", "check", "what it says"), rows)
+
+
+@reads("section", "contact_section")
+def test_contacts(sections, data):
+    (table,) = sections["contact"].tables
+    (pair,), (mesh,) = data.contacts, data.meshings
+    units = (
+        ("contact radius in mm", "m"),
+        ("position in deg", "rad"),
+        ("normal force in N", "N"),
+        ("semi-axis a in µm", "m"),
+        ("semi-axis b in µm", "m"),
+        ("p₀ in MPa", "Pa"),
+        ("approach in µm", "m"),
+        ("stiffness F/δ in N/µm", "N/m"),
+        ("dF/dδ in N/µm", "N/m"),
+    )
+    rows = []
+    for side in ("screw", "nut"):
+        hertz, place = getattr(pair, side).hertz, getattr(mesh, side)
+        values = (
+            place.contact_radius,
+            place.contact_angle_position,
+            getattr(pair, side).normal_force,
+            hertz.semi_major,
+            hertz.semi_minor,
+            hertz.max_pressure,
+            hertz.approach,
+            hertz.stiffness,
+            hertz.stiffness_tangent,
+        )
+        rows.append((side, *zip(values, (u for _, u in units), strict=True)))
+    assert_table(table, ("side", *(name for name, _ in units)), rows)
+
+
+@reads("section", "sharing_section")
+def test_shared_loads(sections, data):
+    (table,) = sections["load_sharing"].tables
+    shared = data.shared[0]
+
+    def factor(side):
+        load = np.asarray(side.forward) + np.asarray(side.reverse)
+        return load.max() / load.mean()
+
+    rows = {
+        "largest over mean thread load, screw": (factor(shared.screw), ""),
+        "largest over mean thread load, nut": (factor(shared.nut), ""),
+        "largest over mean roller load": (1.0, ""),
+        "largest pressure": (shared.max_pressure, "Pa"),
+        "deflection": (shared.elastic.deflection, "m"),
+        "force in the spacer": (shared.spacer_force, "N"),
+    }
+    found = dict(table.rows)
+    for name, expected in rows.items():
+        assert_cell(found.pop(name), expected)
+    # Stiffness by whatever name it has: the tangent of the nut.
+    ((name, cell),) = found.items()
+    assert "dF/dx" in name or "tangent" in name
+    assert_cell(cell, (shared.tangent_stiffness, "N/m"))
+
+
+@reads("section", "vibration_section")
+def test_vibration(sections, data):
+    (table,) = sections["vibration"].tables
+    (before,), (after,) = data.modes, data.improved.modes
+    rows = []
+    for family in ("carrier", "torsional", "transverse", "roller"):
+        group, other = before.group(family), after.group(family)
+        elastic = [k for k, f in enumerate(np.asarray(group.frequencies)) if f > 0]
+        for place, k in enumerate(elastic, start=1):
+            rows.append(
+                (
+                    f"{family} {place}",
+                    (group.frequencies[k], "Hz"),
+                    str(group.multiplicity),
+                    (group.mesh_energy_share[k], "1", "whole"),
+                    (other.frequencies[k], "Hz"),
+                )
+            )
+    rows.append(("rigid", "0", "1", "0", ""))
+    head = ("mode", "frequency in Hz", "multiplicity", "energy in the contacts in %")
+    assert_table(table, (*head, "after the optimisation in Hz"), rows)
+
+
+@reads("section", "steady_section")
+def test_steady(sections, data):
+    section, state = sections["steady"], data.steady
+    table, losses = section.tables
+    rows = [
+        ("efficiency, screw drives", (data.forward.efficiency, "1")),
+        ("efficiency, load drives", (data.backward.efficiency, "1")),
+        ("drive torque", (state.drive_torque, "N·m")),
+        ("input power", (state.input_power, "W")),
+        ("output power", (state.output_power, "W")),
+        ("carrier speed over screw speed", (state.carrier_ratio[0], "")),
+        ("normal force of screw on one roller", (state.contact_force[0], "N")),
+        ("slip of screw on roller", (state.slip_speed[0], "m/s")),
+        ("error of the power balance", (state.power_balance_residual, "", "whole")),
+    ]
+    assert_table(table, ("", ""), rows)
+    assert "The load can drive the screw back." in section.paragraphs
+    lost = sorted(((n, float(v)) for n, v in state.losses.items()), key=lambda pair: -pair[1])
+    lost.append(("together", sum(v for _, v in lost)))
+    expected = [
+        (name.replace("_", " "), (v, "W"), (v / float(state.input_power), "1", "whole"))
+        for name, v in lost
+    ]
+    assert_table(losses, ("loss", "power in W", "share of the input in %"), expected)
+
+
+def test_a_locked_mechanism_has_no_efficiency_of_the_load(data):
+    locked = dataclasses.replace(data, backward=made.steady(0, True), improved=None)
+    section = next(s for s in report_sections(locked) if s.anchor == "steady")
+    cells = dict(section.tables[0].rows)
+    assert cells["efficiency, load drives"] == "self-locking"
+    assert any("locks itself" in words for words in section.paragraphs)
+
+
+@reads("section", "transient_section")
+def test_transient(sections, data):
+    (table,) = sections["transient"].tables
+    run = data.transient
+    ratio = np.asarray(run.carrier_ratio)
+    near = (np.abs(ratio / ratio[:, -1:] - 1) <= 0.01).all(axis=0)
+    settled = float(run.time[np.flatnonzero(~near)[-1] + 1])
+    torque = np.asarray(run.drive_torque)
+    found = dict(table.rows)
+    expected = {
+        "efficiency at the start": (run.efficiency[0], "1"),
+        "efficiency at the end": (run.efficiency[-1], "1"),
+        "settling time (carriers within 1 %)": (settled, "s"),
+        "largest drive torque": (np.abs(torque).max(), "N·m"),
+        "drive torque at the end": (torque[-1], "N·m"),
+        "solver": "Kvaerno5, 50 steps",
+    }
+    assert set(found) >= set(expected)
+    for name, value in expected.items():
+        assert_cell(found[name], value)
+
+
+@reads("section", "strength_section")
+def test_strength(sections, data):
+    (table,) = sections["strength"].tables
+    rows = []
+    for name, value in data.strength.items():
+        quantity, other = find_quantity(name), data.improved.strength[name]
+        cells = [(float(np.ravel(v)[0]), quantity.unit) for v in (value, other)]
+        rows.append((name.replace("_", " "), quantity.symbol, *cells))
+    assert_table(table, ("", "symbol", "value", "after the optimisation"), rows)
+
+
+@reads("section", "sensitivity_section")
+def test_sensitivities(sections, data):
+    changes, relative = sections["sensitivity"].tables
+    table = data.sensitivity
+    head = ("quantity", "value", "per mm of lead", "per deg of contact angle", "per 1 of starts")
+    assert tuple(changes.head) == head
+    for row, unit, cells in zip(range(3), ("1", "Pa", "kg"), changes.rows, strict=True):
+        label = cells[0].partition(" in ")[2]
+        scale = float(to_si(1.0, label))
+        assert_cell(cells[1], (table.values[row], unit), row=cells[0])
+        steps = (to_si(1.0, "mm"), to_si(1.0, "deg"), 1.0)
+        for cell, slope, step in zip(cells[2:], table.gradient[row], steps, strict=True):
+            (shown,) = numbers(cell)
+            assert abs(shown.value * scale - slope * step) <= 1.001 * shown.rounding * scale
+            assert shown.rounding <= 0.006 * abs(shown.value)
+    rows = [
+        ("efficiency", *((v, "", "whole") for v in table.elasticity[0])),
+        ("max pressure", *((v, "", "whole") for v in table.elasticity[1])),
+        ("mass", *("not defined",) * 3),
+    ]
+    assert_table(relative, ("quantity", "lead", "contact angle", "starts"), rows)
+
+
+def _change(before, after):
+    return f"{100 * (after / before - 1):+.2f} %".replace("-", _MINUS)
+
+
+@reads("section", "optimisation_section")
+def test_optimisation(sections, data):
+    section, found = sections["optimisation"], data.optimisation
+    variables, quantities, limits = section.tables
+    rows = []
+    for one in found.variables:
+        span = [(one.lower, one.unit, "whole"), (one.upper, one.unit, "whole")]
+        note = "at the upper bound" if one.at_bound else ""
+        name = one.name.replace("_", " ")
+        rows.append((name, (one.before, one.unit), (one.after, one.unit), span, note))
+    assert_table(variables, ("variable", "before", "after", "range", ""), rows)
+    before, after = data.steady, data.improved.steady
+    lost = [sum(float(v) for v in s.losses.values()) for s in (before, after)]
+    rows = [
+        ("efficiency", (0.8512, "1"), (0.8791, "1"), "+2.79 points"),
+        ("max pressure", (2.13e9, "Pa"), (2.97e9, "Pa"), _change(2.13, 2.97)),
+    ]
+    for name, unit, pair in (
+        ("drive torque", "N·m", [float(s.drive_torque) for s in (before, after)]),
+        ("output power", "W", [float(s.output_power) for s in (before, after)]),
+        ("loss power", "W", lost),
+    ):
+        rows.append((name, *((v, unit) for v in pair), _change(*pair)))
+    assert_table(quantities, ("quantity", "before", "after", "change"), rows)
+    rows = [
+        (
+            "max pressure",
+            (2.97e9, "Pa"),
+            [(2.97e9, "Pa")],
+            [(1.0, "1")],
+            "active",
+            # One per cent more of 2.97 GPa at 1.3e-12 each, in percentage points.
+            [(0.01 * 2.97e9 * 1.3e-12, "1")],
+        ),
+        ("mass", (1.51, "kg"), [(1.32, "kg")], [(1.32 / 1.51, "1")], "not active", ""),
+    ]
+    head = ("quantity", "at the optimum", "limit", "use of the limit", "", "objective for +1 %")
+    assert_table(limits, head, rows)
+    assert [row[2].split()[:2] for row in limits.rows] == [["at", "most"], ["at", "least"]]
+    words = _paragraph(section, "Active: ")
+    assert_reads(words, (2.97e9, "Pa"), (0.913, "rad"))
+    assert_reads(_paragraph(section, "First-order").split(";")[0], (1.3e-9, "", "whole"))
+
+
+@reads("section", "_provenance")
+def test_provenance(sections):
+    import jax
+
+    made_with, missing = sections["provenance"].tables
+    found = dict(made_with.rows)
+    assert found["prsm_jax"] == prsm.__version__
+    assert found["JAX"] == jax.__version__
+    assert found["numbers"] == "float64"
+    assert (found["mechanism from"], found["command"]) == ("my.toml", "prsm demo")
+    assert_table(missing, ("part", "because"), [("vibration", "no masses")])
+
+
+def test_the_page_has_the_cells_of_the_tables(sections, data, tmp_path, monkeypatch):
+    """HTML and Markdown hold every cell of every table, in its place."""
+    from prsm_jax.report import _write
+
+    # Pictures have readers of their own.
+    names = [picture.name for section in sections.values() for picture in section.pictures]
+    monkeypatch.setattr(_write, "_draw", lambda *_: dict.fromkeys(names, "data:,"))
+    path = write_report(tmp_path / "out", data)
+    tables = [table for section in sections.values() for table in section.tables]
+    for (caption, rows), table in zip(html_tables(path.read_text()), tables, strict=True):
+        assert caption == table.caption
+        head = [list(table.head)] if any(table.head) else []
+        assert rows == head + [[c.strip() for c in row] for row in table.rows]
+    markdown = (path.parent / "report.md").read_text()
+    for table in tables:
+        for row in table.rows:
+            assert " | ".join(c.replace("|", "\\|") for c in row) in markdown
+
+
+def test_stages_keep_their_numbers_apart(data):
+    """Two stages: each row has the numbers of its own."""
+    two = scenes.example("li2021_two_stage")
+    steady = made.steady(stages=2)
+    both = ReportData(
+        mechanism=two,
+        title="Two",
+        meshings=(made.meshing(), made.meshing()),
+        contacts=(made.contact_pair(), made.contact_pair()),
+        steady=steady,
+        forward=steady,
+        backward=steady,
+    )
+    found = {section.anchor: section for section in report_sections(both)}
+    cells = dict(found["steady"].tables[0].rows)
+    for k in range(2):
+        for words, values, unit in (
+            ("carrier speed over screw speed", steady.carrier_ratio, ""),
+            ("normal force of screw on one roller", steady.contact_force, "N"),
+            ("slip of screw on roller", steady.slip_speed, "m/s"),
+        ):
+            assert_cell(cells[f"{words}, stage {k + 1}"], (values[k], unit))
+    (table,) = found["contact"].tables
+    for index, row in enumerate(table.rows):
+        stage, side = divmod(index, 2)
+        name = ("screw", "nut")[side]
+        assert row[0] == f"stage {stage + 1}, {name}"
+        hertz = getattr(both.contacts[stage], name).hertz
+        assert_cell(row[6], (hertz.max_pressure, "Pa"), table.head[6])
+        assert_cell(row[7], (hertz.approach, "m"), table.head[7])
+    mechanism = found["mechanism"].tables[0]
+    assert mechanism.head == ("", "stage 1", "stage 2")
+    lead = next(row for row in mechanism.rows if row[0] == "lead")
+    for cell, stage in zip(lead[1:], two.stages, strict=True):
+        assert_reads(cell, (stage.thread.lead, "m", "whole"))
