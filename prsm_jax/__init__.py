@@ -83,6 +83,7 @@ from .modal import (
 from .optimise import Optimum as Optimum, optimise as optimise
 from .quantities import (
     Quantity as Quantity,
+    assumptions as assumptions,
     available_quantities as available_quantities,
     catalogue as catalogue,
     compute as compute,

@@ -20,7 +20,9 @@ from ..dynamics import (
 )
 from ..findings import check as run_checks
 from ..mechanism import Mechanism, OperatingPoint
+from ..quantities import assumptions
 from ._app import app
+from ._assumed import STEADY, TRANSIENT
 from ._common import Common, emit, plain
 from ._programs import run_stored
 from ._tables import Line, in_units, table
@@ -31,7 +33,8 @@ _DEFAULT = Common()
 @app.command
 def check(file: str, *, common: Common = _DEFAULT) -> int:
     """Does it fit together, and do its numbers make sense? Exit status 1 if one is an error."""
-    findings = run_checks(common.load(file))
+    mechanism = common.load(file)
+    findings = run_checks(mechanism)
     rows = [(f.name, f.severity, f.stage, f.message) for f in findings]
 
     def text() -> str:
@@ -39,7 +42,8 @@ def check(file: str, *, common: Common = _DEFAULT) -> int:
         return table("Findings", columns, rows) if rows else "no findings"
 
     keys = ("name", "severity", "stage", "value", "limit", "message")
-    emit(common, {"findings": [{k: getattr(f, k) for k in keys} for f in findings]}, text)
+    results = {"findings": [{k: getattr(f, k) for k in keys} for f in findings]}
+    emit(common, results, text, assumptions(mechanism))
     return int(any(f.severity == "error" for f in findings))
 
 
@@ -72,8 +76,9 @@ def _steady(mechanism: Mechanism) -> dict[str, Any]:
 @app.command
 def steady(file: str, *, common: Common = _DEFAULT) -> int:
     """Steady state: efficiency, torque, forces, every loss by name, power balance."""
-    results = plain(run_stored("steady", _steady, common.load(file)))
-    emit(common, results, lambda: _steady_table(file, results))
+    mechanism = common.load(file)
+    results = plain(run_stored("steady", _steady, mechanism))
+    emit(common, results, lambda: _steady_table(file, results), assumptions(mechanism, STEADY))
     return int(not results["valid"])
 
 
@@ -208,5 +213,5 @@ def simulate(
         )
         return table(f"Transient: {file}", ["", "start", "end"], rows) + summary
 
-    emit(common, results, text)
+    emit(common, results, text, assumptions(mechanism, TRANSIENT))
     return int(run.solver.code != 0)

@@ -3,7 +3,8 @@
 import json
 import math
 import sys
-from collections.abc import Callable, Mapping
+import textwrap
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -79,19 +80,38 @@ def write_text(path: Path, text: str) -> None:
         partial.write_text(text, encoding="utf-8")
 
 
-def emit(output: Output, results: Mapping[str, Any], text: Callable[[], str]) -> None:
+def emit(
+    output: Output,
+    results: Mapping[str, Any],
+    text: Callable[[], str],
+    assumptions: Sequence[str] | None = None,
+) -> None:
     """Send results where they were asked for: JSON to a file or stdout, else text to stdout.
 
-    The text is made only if it is shown, because tables take time to import.
+    The text is made only if it is shown, because tables take time to import. What the results
+    rest on (`prsm_jax.assumptions`) is a key of the JSON and stands beneath the text.
     """
     if output.json is None:
         print(text().rstrip())
+        if assumptions:
+            print("\n" + assumed(assumptions))
         return
+    if assumptions is not None:
+        results = {**results, "assumptions": list(assumptions)}
     encoded = json.dumps(plain(results), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     if output.json == "-":
         sys.stdout.write(encoded)
     else:
         write_text(Path(output.json), encoded)
+
+
+def assumed(assumptions: Sequence[str]) -> str:
+    """Assumptions as lines for a terminal."""
+    lines = [
+        textwrap.fill(sentence, 78, initial_indent="  - ", subsequent_indent="    ")
+        for sentence in assumptions
+    ]
+    return "\n".join(["Assumptions", *lines])
 
 
 def value_of(mechanism: Mechanism, name: str, text: str, option: str | None = None) -> float:

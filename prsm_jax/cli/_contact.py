@@ -17,7 +17,9 @@ from ..contact import (
 from ..geometry import Meshing, mesh
 from ..load_sharing import LoadDistribution, SideLoads, load_distribution
 from ..mechanism import Mechanism, Scalar, Stage, material_of
+from ..quantities import assumptions
 from ._app import app
+from ._assumed import CONTACT
 from ._common import Common, emit, plain
 from ._programs import run_stored
 from ._tables import Line, in_units, table
@@ -155,7 +157,7 @@ def contact(file: str, *, common: Common = _DEFAULT) -> int:
         words = _tables(file, results["stages"])
         return words + (f"\n{len(pictures)} pictures in {common.out}" if pictures else "")
 
-    emit(common, results, text)
+    emit(common, results, text, assumptions(mechanism, CONTACT))
     parts = [
         part
         for stage in results["stages"]

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from ..mechanism import find_parameters, get_parameter, set_parameter
 from ..optimise import optimise
-from ..quantities import catalogue
+from ..quantities import assumptions, catalogue
 from ..report import ReportData
 from ..sensitivity import sensitivity
 from ._analyse import steady_results, transient_results
@@ -102,6 +102,7 @@ def demo(
         "after": {} if data.improved is None else _all_results(data.improved),
         "sensitivity": table.to_dict(),
         "optimise": best.to_dict() | {"mechanism": "optimised.toml"},
+        "assumptions": assumptions(mechanism),
     }
     say("drawing and writing the report")
     encoded = json.dumps(plain(results), indent=2, ensure_ascii=False, allow_nan=False)

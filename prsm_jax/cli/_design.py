@@ -9,7 +9,7 @@ from cyclopts import Parameter
 from .._errors import PrsmError
 from ..mechanism import Mechanism
 from ..optimise import optimise as run_optimise
-from ..quantities import catalogue
+from ..quantities import assumptions, catalogue
 from ..sensitivity import sensitivity as run_sensitivity
 from ..sweep import sweep as run_sweep
 from ._app import app
@@ -31,7 +31,8 @@ def sensitivity(
     common: Common = _DEFAULT,
 ) -> int:
     """Exact derivatives of quantities with respect to parameters, in SI and relative."""
-    table = run_sensitivity(common.load(file), words_of(quantities), words_of(parameters))
+    mechanism = common.load(file)
+    table = run_sensitivity(mechanism, words_of(quantities), words_of(parameters))
     if common.out is not None:
         from ..report import save_figure, sensitivity_bars
 
@@ -40,7 +41,12 @@ def sensitivity(
             sensitivity_bars(table.quantities, table.parameters, table.elasticity),
             common.out / "sensitivity",
         )
-    emit(common, table.to_dict(), lambda: table.text(terminal_width()))
+    emit(
+        common,
+        table.to_dict(),
+        lambda: table.text(terminal_width()),
+        assumptions(mechanism, table.quantities),
+    )
     return int(not bool(table.valid))
 
 
@@ -68,7 +74,13 @@ def optimise(
     path = folder / f"{Path(file).stem}-optimised.toml"
     dump(best.mechanism, path, {quantity.name: quantity.unit for quantity in catalogue()})
     results = best.to_dict() | {"mechanism": path}
-    emit(common, results, lambda: f"{best.text(terminal_width())}\n\noptimised mechanism: {path}")
+    terms = (*best.problem.objectives, *best.problem.constraints)
+    emit(
+        common,
+        results,
+        lambda: f"{best.text(terminal_width())}\n\noptimised mechanism: {path}",
+        assumptions(best.mechanism, [term.quantity for term in terms]),
+    )
     return int(not best.converged)
 
 
@@ -124,5 +136,10 @@ def sweep(
         for name in words_of(quantities) or []:
             if data[name].ndim == 2:
                 save_figure(sweep_map(data, name), common.out / f"sweep-{name}")
-    emit(common, results, lambda: f"{points} designs, {failed} failed: {store}")
+    emit(
+        common,
+        results,
+        lambda: f"{points} designs, {failed} failed: {store}",
+        assumptions(mechanism, words_of(quantities)),
+    )
     return 0

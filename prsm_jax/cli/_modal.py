@@ -10,7 +10,9 @@ from cyclopts import Parameter
 from .._errors import PrsmError
 from ..mechanism import Mechanism, find_parameters
 from ..modal import FAMILIES, FrequencyLoci, Modes, frequency_loci, modal as run_modal
+from ..quantities import assumptions
 from ._app import app
+from ._assumed import VIBRATION
 from ._common import Common, emit, value_of
 from ._tables import table
 
@@ -169,7 +171,7 @@ def modal(
             lines += f"{len(written)} pictures in {common.out}\n"
         return lines
 
-    emit(common, results, text)
+    emit(common, results, text, assumptions(mechanism, VIBRATION))
     return 0
 
 

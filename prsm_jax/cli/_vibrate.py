@@ -10,6 +10,7 @@ from cyclopts import Parameter
 from .._errors import PrsmError
 from ..mechanism import Mechanism, ModalDamping, RayleighDamping, StructuralDamping, as_scalar
 from ..modal import Modes, modal as run_modal
+from ..quantities import assumptions
 from ..response import (
     Campbell,
     FrequencyResponse,
@@ -18,6 +19,7 @@ from ..response import (
     frequency_response,
 )
 from ._app import app
+from ._assumed import CRITICAL_SPEEDS, VIBRATION
 from ._common import Common, emit, words_of
 from ._tables import prose, table
 
@@ -160,7 +162,8 @@ def response(
             lines += prose(f"by symmetry a force at {source} does not move {target}")
         return lines + ("" if picture is None else f"picture: {picture}")
 
-    emit(common, response_results(found, modes, law, stage), text)
+    results = response_results(found, modes, law, stage)
+    emit(common, results, text, assumptions(mechanism, VIBRATION))
     return 0
 
 
@@ -263,5 +266,6 @@ def campbell(
         lines += prose(f"{ratio}; orders per turn of the screw: {orders}")
         return lines + ("" if picture is None else f"picture: {picture}")
 
-    emit(common, campbell_results(found, speed, stage), text)
+    results = campbell_results(found, speed, stage)
+    emit(common, results, text, assumptions(mechanism, CRITICAL_SPEEDS))
     return 0

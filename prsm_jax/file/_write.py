@@ -64,7 +64,8 @@ def _module(module: eqx.Module, header: str, law: str | None = None) -> Iterator
             key = f"{header}.{field.name}"
             yield f"{field.name} = {_number(value, field.metadata['unit'], key)}"
         elif isinstance(value, str):
-            yield f"{field.name} = {_string(value)}"
+            if not (field.metadata.get("implied") and value == field.default):
+                yield f"{field.name} = {_string(value)}"
         elif isinstance(value, bool):
             if value != field.default:
                 yield f"{field.name} = {str(value).lower()}"

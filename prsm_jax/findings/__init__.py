@@ -17,3 +17,4 @@ from ._margin import (
     margins_of as margins_of,
 )
 from ._masses import mass_findings as mass_findings
+from ._sharing import sharing_findings as sharing_findings

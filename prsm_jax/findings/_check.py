@@ -10,6 +10,7 @@ from ..quantities import Analysis
 from . import _fit, _locking, _preferred, _stiffness, _strength
 from ._margin import Margin, evaluate_margins, findings_of, margins_of, source_count
 from ._masses import mass_findings
+from ._sharing import sharing_findings
 
 #: The files that declare margins; to import them is to declare.
 DECLARED_IN = (_fit, _preferred, _stiffness, _locking, _strength)
@@ -48,8 +49,9 @@ def check(mechanism: Mechanism) -> tuple[Finding, ...]:
     make sense: `inertia`, `mass`, `torsional_support`, `negative_stiffness`. Does friction let it
     move: `jamming`, `self_locking`. Does it last: `static_safety`, `rating_life`, `buckling`,
     `screw_speed`, `false_brinelling`. Do its numbers agree: `preload`, `engaged_threads`,
-    `axial_backlash`. Nothing is raised; a mechanism without findings gives an empty tuple. Of what
-    lacks data nothing is found. Needs concrete numbers: inside a trace use `evaluate_margins`.
+    `axial_backlash`. Do threads share as assumed: `equal_sharing`. Nothing is raised; a mechanism
+    without findings gives an empty tuple. Of what lacks data nothing is found. Needs concrete
+    numbers: inside a trace use `evaluate_margins`.
 
     **Arguments:**
 
@@ -68,6 +70,7 @@ def check(mechanism: Mechanism) -> tuple[Finding, ...]:
     }
     found += _strength.agreements(mechanism, plays)
     found += _fit.assembly_notes(mechanism)
+    found += sharing_findings(mechanism)
     return tuple(sorted(found, key=lambda finding: finding.stage))
 
 

@@ -72,6 +72,10 @@ def optional_numbers(unit: str, description: str):
     )
 
 
-def choice(description: str, **kwargs):
-    """A static choice: part of the pytree's structure, never traced."""
-    return eqx.field(static=True, metadata={"description": description}, **kwargs)
+def choice(description: str, *, implied: bool = False, **kwargs):
+    """A static choice: part of the pytree's structure, never traced.
+
+    One that is `implied` is written to a file only where it is not the default.
+    """
+    metadata = {"description": description, "implied": implied}
+    return eqx.field(static=True, metadata=metadata, **kwargs)

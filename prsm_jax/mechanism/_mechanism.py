@@ -19,6 +19,7 @@ from ._unequal_roller import UnequalRoller, check_unequal_rollers
 
 CurvatureConvention: TypeAlias = Literal["exact", "lisowski2014", "wu2022"]
 CURVATURE_CONVENTIONS: tuple[CurvatureConvention, ...] = ("exact", "lisowski2014", "wu2022")
+Sharing: TypeAlias = Literal["unstated", "equal"]
 
 
 class Stage(eqx.Module):
@@ -29,11 +30,14 @@ class Stage(eqx.Module):
     there at all.
 
     `roller_count` is the number of places, evenly spaced; `present_roller_count` that of the
-    rollers in them. The load is shared equally by those that are there, whatever their stiffness.
+    rollers in them. The load is shared equally by those that are there, whatever their stiffness,
+    and by all their engaged threads, unless `load_sharing` says how; `sharing = "equal"` states
+    that equal shares are meant.
 
     **Raises:** `ValueError` at construction for a roller count below 1, unequal rollers that do
-    not fit it, or an unknown curvature convention. Numbers are not checked here, because they may
-    be traced: the file layer checks what it reads, and `prsm_jax.check` reports findings.
+    not fit it, an unknown curvature convention or `sharing`. Numbers are not
+    checked here, because they may be traced: the file layer checks what it reads, and
+    `prsm_jax.check` reports findings.
     """
 
     thread: Thread
@@ -57,6 +61,11 @@ class Stage(eqx.Module):
     curvature: CurvatureConvention = choice(
         "where the contact curvatures come from", default="exact"
     )
+    sharing: Sharing = choice(
+        '"equal" states that all engaged threads share the load equally',
+        default="unstated",
+        implied=True,
+    )
     unequal_roller: tuple[UnequalRoller, ...] = eqx.field(converter=tuple, default=())
 
     def __check_init__(self):
@@ -68,6 +77,8 @@ class Stage(eqx.Module):
             raise ValueError(
                 f"curvature is {self.curvature!r}; choose one of {', '.join(CURVATURE_CONVENTIONS)}"
             )
+        if self.sharing not in ("unstated", "equal"):
+            raise ValueError(f'sharing is {self.sharing!r}; it may be "equal", or absent')
         check_unequal_rollers(self.unequal_roller, self.roller_count)
 
     @property

@@ -15,8 +15,15 @@ from . import (
     _vibration as _vibration,
 )
 from ._analysis import Analysis as Analysis
+from ._assumptions import (
+    assumption as assumption,
+    derives_dynamic_capacity as derives_dynamic_capacity,
+    derives_static_capacity as derives_static_capacity,
+    has_contacts as has_contacts,
+)
 from ._catalogue import (
     Quantity as Quantity,
+    assumptions as assumptions,
     available_quantities as available_quantities,
     catalogue as catalogue,
     component_names as component_names,

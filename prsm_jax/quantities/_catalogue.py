@@ -12,13 +12,15 @@ from jaxtyping import Array, Bool
 from .._errors import MissingDataError, UnknownNameError, closest
 from ..mechanism import Mechanism, Scalar
 from ._analysis import Analysis
+from ._assumptions import known_assumption, sentences
 
 
 @dataclass(frozen=True)
 class Quantity:
     """A quantity with its name, symbol, SI unit, description and function of an `Analysis`.
 
-    `dimensions` names the axes of its value: none for a number, `stage` or `mode` for an array.
+    `dimensions` names the axes of its value: none for a number, `stage` or `mode` for an array;
+    `assumes` what its value may rest on (see `assumptions`).
     """
 
     name: str
@@ -27,23 +29,36 @@ class Quantity:
     description: str
     function: Callable[[Analysis], Array]
     dimensions: tuple[str, ...] = ()
+    assumes: tuple[str, ...] = ()
 
 
 _CATALOGUE: dict[str, Quantity] = {}
 
 
 def quantity(
-    name: str, symbol: str, unit: str, description: str, dimensions: tuple[str, ...] = ()
+    name: str,
+    symbol: str,
+    unit: str,
+    description: str,
+    dimensions: tuple[str, ...] = (),
+    *,
+    assumes: tuple[str, ...] = (),
 ) -> Callable[[Callable[[Analysis], Array]], Callable[[Analysis], Array]]:
     """Add a function of an `Analysis` to the catalogue; the way to add a quantity of your own.
 
-    **Raises:** `ValueError` if the name is taken.
+    **Arguments:**
+
+    - `name`, `symbol`, `unit`, `description`, `dimensions`: as in `Quantity`.
+    - `assumes`: names of assumptions that its value may rest on.
+
+    **Raises:** `ValueError` if the name is taken, or an assumption is not known.
     """
+    known = tuple(known_assumption(one) for one in assumes)
 
     def register(function: Callable[[Analysis], Array]) -> Callable[[Analysis], Array]:
         if name in _CATALOGUE:
             raise ValueError(f"the quantity {name!r} exists already; choose another name")
-        _CATALOGUE[name] = Quantity(name, symbol, unit, description, function, dimensions)
+        _CATALOGUE[name] = Quantity(name, symbol, unit, description, function, dimensions, known)
         return function
 
     return register
@@ -62,6 +77,25 @@ def find_quantity(name: str) -> Quantity:
     if name not in _CATALOGUE:
         raise UnknownNameError(f"unknown quantity {name!r}; {closest(name, _CATALOGUE)}")
     return _CATALOGUE[name]
+
+
+def assumptions(mechanism: Mechanism, quantities: Iterable[str] | None = None) -> tuple[str, ...]:
+    """What numbers of a mechanism rest on, such as equal sharing of the load, in sentences.
+
+    Nothing is evaluated: what the mechanism consists of decides.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism.
+    - `quantities`: names from the catalogue, also of components (`rating_life[1]`); default all.
+
+    **Returns:** the sentences, each once; of what the mechanism lacks the data for there is none.
+
+    **Raises:** `UnknownNameError` for an unknown name.
+    """
+    names = _CATALOGUE if quantities is None else quantities
+    declared = [one for name in names for one in find_quantity(name.partition("[")[0]).assumes]
+    return sentences(mechanism, dict.fromkeys(declared))
 
 
 def compute(
@@ -167,6 +201,7 @@ def component_names(name: str, shape: tuple[int, ...]) -> list[str]:
 
 __all__ = [
     "Quantity",
+    "assumptions",
     "available_quantities",
     "catalogue",
     "component_names",

@@ -13,38 +13,86 @@ def _over_stages(analysis: Analysis, side: str, name: str):
     return jnp.stack([getattr(getattr(c, side).hertz, name) for c in analysis.contacts])
 
 
-@quantity("max_pressure", "p₀", "Pa", "largest Hertz pressure of all thread contacts")
+@quantity(
+    "max_pressure",
+    "p₀",
+    "Pa",
+    "largest Hertz pressure of all thread contacts",
+    assumes=("equal_contacts",),
+)
 def max_pressure(analysis: Analysis):
     both = [_over_stages(analysis, side, "max_pressure") for side in ("screw", "nut")]
     return jnp.max(jnp.stack(both))
 
 
-@quantity("max_pressure_screw", "p₀_s", "Pa", "Hertz pressure on the screw side", ("stage",))
+@quantity(
+    "max_pressure_screw",
+    "p₀_s",
+    "Pa",
+    "Hertz pressure on the screw side",
+    ("stage",),
+    assumes=("equal_contacts",),
+)
 def max_pressure_screw(analysis: Analysis):
     return _over_stages(analysis, "screw", "max_pressure")
 
 
-@quantity("max_pressure_nut", "p₀_n", "Pa", "Hertz pressure on the nut side", ("stage",))
+@quantity(
+    "max_pressure_nut",
+    "p₀_n",
+    "Pa",
+    "Hertz pressure on the nut side",
+    ("stage",),
+    assumes=("equal_contacts",),
+)
 def max_pressure_nut(analysis: Analysis):
     return _over_stages(analysis, "nut", "max_pressure")
 
 
-@quantity("semi_major_screw", "a_s", "m", "major semi-axis on the screw side", ("stage",))
+@quantity(
+    "semi_major_screw",
+    "a_s",
+    "m",
+    "major semi-axis on the screw side",
+    ("stage",),
+    assumes=("equal_contacts",),
+)
 def semi_major_screw(analysis: Analysis):
     return _over_stages(analysis, "screw", "semi_major")
 
 
-@quantity("semi_minor_screw", "b_s", "m", "minor semi-axis on the screw side", ("stage",))
+@quantity(
+    "semi_minor_screw",
+    "b_s",
+    "m",
+    "minor semi-axis on the screw side",
+    ("stage",),
+    assumes=("equal_contacts",),
+)
 def semi_minor_screw(analysis: Analysis):
     return _over_stages(analysis, "screw", "semi_minor")
 
 
-@quantity("approach_screw", "δ_s", "m", "normal approach on the screw side", ("stage",))
+@quantity(
+    "approach_screw",
+    "δ_s",
+    "m",
+    "normal approach on the screw side",
+    ("stage",),
+    assumes=("equal_contacts",),
+)
 def approach_screw(analysis: Analysis):
     return _over_stages(analysis, "screw", "approach")
 
 
-@quantity("approach_nut", "δ_n", "m", "normal approach on the nut side", ("stage",))
+@quantity(
+    "approach_nut",
+    "δ_n",
+    "m",
+    "normal approach on the nut side",
+    ("stage",),
+    assumes=("equal_contacts",),
+)
 def approach_nut(analysis: Analysis):
     return _over_stages(analysis, "nut", "approach")
 
@@ -55,6 +103,7 @@ def approach_nut(analysis: Analysis):
     "Pa",
     "largest reduced stress (von Mises) in the screw below a thread contact, without friction",
     ("stage",),
+    assumes=("equal_contacts",),
 )
 def max_von_mises_screw(analysis: Analysis):
     return analysis.stress_peaks["screw"]["von_mises"].value
@@ -66,6 +115,7 @@ def max_von_mises_screw(analysis: Analysis):
     "Pa",
     "largest reduced stress (von Mises) in the nut below a thread contact, without friction",
     ("stage",),
+    assumes=("equal_contacts",),
 )
 def max_von_mises_nut(analysis: Analysis):
     return analysis.stress_peaks["nut"]["von_mises"].value
@@ -77,6 +127,7 @@ def max_von_mises_nut(analysis: Analysis):
     "Pa",
     "largest shear stress in the screw below a thread contact, without friction",
     ("stage",),
+    assumes=("equal_contacts",),
 )
 def max_shear_stress_screw(analysis: Analysis):
     return analysis.stress_peaks["screw"]["max_shear"].value
@@ -88,6 +139,7 @@ def max_shear_stress_screw(analysis: Analysis):
     "Pa",
     "largest shear stress in the nut below a thread contact, without friction",
     ("stage",),
+    assumes=("equal_contacts",),
 )
 def max_shear_stress_nut(analysis: Analysis):
     return analysis.stress_peaks["nut"]["max_shear"].value
@@ -99,6 +151,7 @@ def max_shear_stress_nut(analysis: Analysis):
     "m",
     "depth of the largest shear stress in the screw, which a hardened layer must exceed",
     ("stage",),
+    assumes=("equal_contacts",),
 )
 def max_shear_depth_screw(analysis: Analysis):
     return analysis.stress_peaks["screw"]["max_shear"].position[..., 2]
@@ -110,6 +163,7 @@ def max_shear_depth_screw(analysis: Analysis):
     "m",
     "depth of the largest shear stress in the nut, which a hardened layer must exceed",
     ("stage",),
+    assumes=("equal_contacts",),
 )
 def max_shear_depth_nut(analysis: Analysis):
     return analysis.stress_peaks["nut"]["max_shear"].position[..., 2]
@@ -121,6 +175,7 @@ def max_shear_depth_nut(analysis: Analysis):
     "N/m",
     "thread contact stiffness of one roller with the screw; of the first where all are unlike",
     ("stage",),
+    assumes=("equal_stiffness",),
 )
 def thread_stiffness_screw(analysis: Analysis):
     return jnp.stack([threads.screw_roller for threads in analysis.threads])
@@ -132,6 +187,7 @@ def thread_stiffness_screw(analysis: Analysis):
     "N/m",
     "thread contact stiffness of one roller with the nut; of the first where all are unlike",
     ("stage",),
+    assumes=("equal_stiffness",),
 )
 def thread_stiffness_nut(analysis: Analysis):
     return jnp.stack([threads.nut_roller for threads in analysis.threads])
@@ -142,6 +198,7 @@ def thread_stiffness_nut(analysis: Analysis):
     "K_a",
     "N/m",
     "axial contact stiffness of the mechanism, all stages in series, shafts rigid",
+    assumes=("equal_stiffness",),
 )
 def axial_stiffness(analysis: Analysis):
     stages = [

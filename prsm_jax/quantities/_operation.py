@@ -9,12 +9,24 @@ from ._analysis import Analysis
 from ._catalogue import quantity
 
 
-@quantity("efficiency", "η", "1", "output over input power at the operating point")
+@quantity(
+    "efficiency",
+    "η",
+    "1",
+    "output over input power at the operating point",
+    assumes=("equal_friction",),
+)
 def efficiency(analysis: Analysis):
     return analysis.steady.efficiency
 
 
-@quantity("efficiency_forward", "η_f", "1", "efficiency when the screw drives the nut")
+@quantity(
+    "efficiency_forward",
+    "η_f",
+    "1",
+    "efficiency when the screw drives the nut",
+    assumes=("equal_friction",),
+)
 def efficiency_forward(analysis: Analysis):
     return analysis.driven(1).efficiency
 
@@ -24,12 +36,20 @@ def efficiency_forward(analysis: Analysis):
     "η_b",
     "1",
     "efficiency when the load drives the screw; negative means self-locking",
+    assumes=("equal_friction",),
 )
 def efficiency_backward(analysis: Analysis):
     return analysis.driven(-1).efficiency
 
 
-@quantity("carrier_ratio", "ζ", "1", "carrier speed over screw speed, steady state", ("stage",))
+@quantity(
+    "carrier_ratio",
+    "ζ",
+    "1",
+    "carrier speed over screw speed, steady state",
+    ("stage",),
+    assumes=("equal_friction",),
+)
 def carrier_ratio(analysis: Analysis):
     if not any(has_contact_losses(stage.friction) for stage in analysis.mechanism.stages):
         # Geometry alone decides; no force needs to be known.
@@ -37,40 +57,66 @@ def carrier_ratio(analysis: Analysis):
     return analysis.steady.carrier_ratio
 
 
-@quantity("drive_torque", "M_S", "N·m", "torque at the first screw")
+@quantity("drive_torque", "M_S", "N·m", "torque at the first screw", assumes=("equal_friction",))
 def drive_torque(analysis: Analysis):
     return analysis.steady.drive_torque
 
 
 @quantity(
-    "contact_force", "F", "N", "normal force of the screw on one roller, all threads", ("stage",)
+    "contact_force",
+    "F",
+    "N",
+    "normal force of the screw on one roller, all threads",
+    ("stage",),
+    assumes=("equal_friction",),
 )
 def contact_force(analysis: Analysis):
     return analysis.steady.contact_force
 
 
-@quantity("slip_speed", "‖v‖", "m/s", "slip of the screw over the roller", ("stage",))
+@quantity(
+    "slip_speed",
+    "‖v‖",
+    "m/s",
+    "slip of the screw over the roller",
+    ("stage",),
+    assumes=("equal_friction",),
+)
 def slip_speed(analysis: Analysis):
     return analysis.steady.slip_speed
 
 
-@quantity("ring_gear_force", "F_RG", "N", "tooth force at one end of a roller", ("stage",))
+@quantity(
+    "ring_gear_force",
+    "F_RG",
+    "N",
+    "tooth force at one end of a roller",
+    ("stage",),
+    assumes=("equal_friction",),
+)
 def ring_gear_force(analysis: Analysis):
     return analysis.steady.ring_gear_force
 
 
-@quantity("carrier_force", "F_RP", "N", "pin force at one end of a roller", ("stage",))
+@quantity(
+    "carrier_force",
+    "F_RP",
+    "N",
+    "pin force at one end of a roller",
+    ("stage",),
+    assumes=("equal_friction",),
+)
 def carrier_force(analysis: Analysis):
     return analysis.steady.carrier_force
 
 
-@quantity("loss_power", "P_loss", "W", "all modelled losses together")
+@quantity("loss_power", "P_loss", "W", "all modelled losses together", assumes=("equal_friction",))
 def loss_power(analysis: Analysis):
     return sum(analysis.steady.losses.values(), jnp.zeros_like(analysis.steady.efficiency))
 
 
 def _register_loss(name: str, description: str) -> None:
-    @quantity(f"loss_{name}", f"P_{name}", "W", description)
+    @quantity(f"loss_{name}", f"P_{name}", "W", description, assumes=("equal_friction",))
     def loss(analysis: Analysis):
         losses = analysis.steady.losses
         if name not in losses:
@@ -95,7 +141,13 @@ def nut_speed(analysis: Analysis):
     return jnp.abs(analysis.speed) * travel_per_turn(stages, len(stages))
 
 
-@quantity("duty_efficiency", "η_duty", "1", "output over input energy of the duty cycle")
+@quantity(
+    "duty_efficiency",
+    "η_duty",
+    "1",
+    "output over input energy of the duty cycle",
+    assumes=("equal_friction",),
+)
 def duty_efficiency(analysis: Analysis):
     duty = _duty(analysis)
     kinematics = analysis.kinematics

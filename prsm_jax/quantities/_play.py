@@ -39,6 +39,7 @@ def axial_backlash(analysis: Analysis):
     "travel of the nut when the load turns round at a screw that stands still: backlash and "
     "approach of the contacts, shafts rigid",
     ("stage",),
+    assumes=("equal_contacts",),
 )
 def lost_motion(analysis: Analysis):
     def of(index: int, stage: Stage) -> Scalar:
@@ -73,6 +74,7 @@ def preload_opening_load(analysis: Analysis):
     "N/m",
     "tangent stiffness of a braced pair of nuts under the load, contacts alone",
     ("stage",),
+    assumes=("equal_contacts",),
 )
 def preloaded_stiffness(analysis: Analysis):
     def of(index: int, stage: Stage) -> Scalar:
@@ -88,6 +90,7 @@ def preloaded_stiffness(analysis: Analysis):
     "N·m",
     "drag torque of the preload: friction of the threads of both nuts, without bearings and drag",
     ("stage",),
+    assumes=("equal_friction",),
 )
 def preload_torque(analysis: Analysis):
     return per_stage(analysis, lambda i, stage: _preload_torque(analysis, i, stage))

@@ -54,6 +54,7 @@ def _rating_life(analysis: Analysis, name: str):
     "turns of the screw with a survival of 90 %, under the duty cycle or else the operating point "
     "(as ISO 3408-5 for ball screws); ∞ without load",
     ("stage",),
+    assumes=("dynamic_sharing", "life_theory"),
 )
 def rating_life(analysis: Analysis):
     return _rating_life(analysis, "revolutions")
@@ -65,6 +66,7 @@ def rating_life(analysis: Analysis):
     "s",
     "operating time with a survival of 90 %, standstill of the duty cycle included (as ISO 3408-5)",
     ("stage",),
+    assumes=("dynamic_sharing", "life_theory"),
 )
 def rating_life_time(analysis: Analysis):
     return _rating_life(analysis, "time")
@@ -76,6 +78,7 @@ def rating_life_time(analysis: Analysis):
     "m",
     "travel of the nut on its screw with a survival of 90 % (as ISO 3408-5)",
     ("stage",),
+    assumes=("dynamic_sharing", "life_theory"),
 )
 def rating_life_distance(analysis: Analysis):
     return _rating_life(analysis, "distance")
@@ -98,6 +101,7 @@ def _life_factor(stage: Stage) -> Scalar:
     "turns of the screw at the reliability asked for, with given factors of lubrication and "
     "material and that of oscillation (as ISO 281 for bearings)",
     ("stage",),
+    assumes=("dynamic_sharing", "life_theory"),
 )
 def modified_rating_life(analysis: Analysis):
     factors = per_stage(analysis, lambda _, stage: _life_factor(stage))
@@ -116,6 +120,7 @@ def _required_life(stage: Stage) -> Scalar:
     "1",
     "rating life in time, modified as far as factors are given, over the life asked for, smallest "
     "of all stages (as ISO 3408-5 for ball screws and ISO 281 for bearings)",
+    assumes=("dynamic_sharing", "life_theory"),
 )
 def life_ratio(analysis: Analysis):
     def factor(stage: Stage) -> Scalar:
@@ -143,6 +148,7 @@ def _phase_damage(analysis: Analysis):
     "share of the basic rating life (as ISO 3408-5 for ball screws) that each phase of one duty "
     "cycle uses up (Palmgren–Miner)",
     ("stage", "phase"),
+    assumes=("dynamic_sharing", "life_theory"),
 )
 def phase_damage(analysis: Analysis):
     return _phase_damage(analysis)
@@ -155,6 +161,7 @@ def phase_damage(analysis: Analysis):
     "share of the basic rating life (as ISO 3408-5 for ball screws) that one duty cycle uses up "
     "(Palmgren–Miner)",
     ("stage",),
+    assumes=("dynamic_sharing", "life_theory"),
 )
 def duty_cycle_damage(analysis: Analysis):
     return jnp.sum(_phase_damage(analysis), axis=1)
@@ -167,6 +174,7 @@ def duty_cycle_damage(analysis: Analysis):
     "amplitude of a swinging screw below which contacts do not leave their own ellipse under the "
     "largest load, and false brinelling is to be expected (as seen in bearings)",
     ("stage",),
+    assumes=("equal_contacts",),
 )
 def minimum_oscillation_amplitude(analysis: Analysis):
     return per_stage(analysis, lambda i, stage: minimum_amplitude_of(analysis, i, stage))

@@ -76,6 +76,7 @@ def static_capacity_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     "static axial capacity: given, or at the permissible Hertz pressure (as ISO 76 for bearings), "
     "threads sharing as under the largest load",
     ("stage",),
+    assumes=("static_sharing", "static_criterion"),
 )
 def static_capacity(analysis: Analysis):
     return per_stage(analysis, lambda i, stage: static_capacity_of(analysis, i, stage))
@@ -93,6 +94,7 @@ def static_safety_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     "1",
     "static capacity over the largest load of operating point and duty cycle, smallest of all "
     "stages (as ISO 76 for bearings); ∞ without load",
+    assumes=("static_sharing", "static_criterion"),
 )
 def static_safety(analysis: Analysis):
     return jnp.min(per_stage(analysis, lambda i, stage: static_safety_of(analysis, i, stage)))
@@ -104,6 +106,7 @@ def static_safety(analysis: Analysis):
     "1",
     "dent under the largest load over the rolling element's diameter, for hardened bearing steel "
     "(Palmgren; ISO 76 accepts 1e-4)",
+    assumes=("dent_sharing",),
 )
 def permanent_deformation(analysis: Analysis):
     return jnp.max(
@@ -143,6 +146,7 @@ def dynamic_capacity_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     "(Lundberg and Palmgren), as no standard exists for roller screws, threads sharing as under "
     "the equivalent load",
     ("stage",),
+    assumes=("dynamic_sharing", "life_theory"),
 )
 def dynamic_capacity(analysis: Analysis):
     return per_stage(analysis, lambda i, stage: dynamic_capacity_of(analysis, i, stage))

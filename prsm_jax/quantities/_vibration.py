@@ -37,13 +37,25 @@ def _needs_symmetry(analysis: Analysis) -> None:
         )
 
 
-@quantity("natural_frequencies", "f", "Hz", "all natural frequencies, by stage", ("mode",))
+@quantity(
+    "natural_frequencies",
+    "f",
+    "Hz",
+    "all natural frequencies, by stage",
+    ("mode",),
+    assumes=("equal_stiffness", "secant_stiffness"),
+)
 def natural_frequencies(analysis: Analysis):
     return jnp.concatenate([modes.frequencies for modes in analysis.modes])
 
 
 @quantity(
-    "torsional_frequencies", "f_t", "Hz", "torsional natural frequencies, by stage", ("mode",)
+    "torsional_frequencies",
+    "f_t",
+    "Hz",
+    "torsional natural frequencies, by stage",
+    ("mode",),
+    assumes=("equal_stiffness", "secant_stiffness"),
 )
 def torsional_frequencies(analysis: Analysis):
     _needs_symmetry(analysis)
@@ -56,13 +68,21 @@ def torsional_frequencies(analysis: Analysis):
     "Hz",
     "transverse natural frequencies (each double), by stage",
     ("mode",),
+    assumes=("equal_stiffness", "secant_stiffness"),
 )
 def transverse_frequencies(analysis: Analysis):
     _needs_symmetry(analysis)
     return _all(analysis.transverse)
 
 
-@quantity("roller_frequency", "f_R", "Hz", "roller natural frequency (N − 3 fold)", ("stage",))
+@quantity(
+    "roller_frequency",
+    "f_R",
+    "Hz",
+    "roller natural frequency (N − 3 fold)",
+    ("stage",),
+    assumes=("equal_stiffness", "secant_stiffness"),
+)
 def roller_frequency(analysis: Analysis):
     _needs_symmetry(analysis)
     groups = [group for group in analysis.roller if group is not None]
@@ -82,7 +102,13 @@ def carrier_frequency(analysis: Analysis):
     return _all(groups)
 
 
-@quantity("lowest_torsional_frequency", "f_t1", "Hz", "lowest torsional natural frequency")
+@quantity(
+    "lowest_torsional_frequency",
+    "f_t1",
+    "Hz",
+    "lowest torsional natural frequency",
+    assumes=("equal_stiffness", "secant_stiffness"),
+)
 def lowest_torsional_frequency(analysis: Analysis):
     return _lowest(analysis.torsional)
 
@@ -92,12 +118,19 @@ def lowest_torsional_frequency(analysis: Analysis):
     "f_tm",
     "Hz",
     "lowest torsional natural frequency with most of its strain energy in the contacts",
+    assumes=("equal_stiffness", "secant_stiffness"),
 )
 def lowest_mesh_torsional_frequency(analysis: Analysis):
     return _lowest_mesh_dominated(analysis.torsional)
 
 
-@quantity("lowest_transverse_frequency", "f_x1", "Hz", "lowest transverse natural frequency")
+@quantity(
+    "lowest_transverse_frequency",
+    "f_x1",
+    "Hz",
+    "lowest transverse natural frequency",
+    assumes=("equal_stiffness", "secant_stiffness"),
+)
 def lowest_transverse_frequency(analysis: Analysis):
     return _lowest(analysis.transverse)
 
@@ -107,6 +140,7 @@ def lowest_transverse_frequency(analysis: Analysis):
     "f_xm",
     "Hz",
     "lowest transverse natural frequency with most of its strain energy in the contacts",
+    assumes=("equal_stiffness", "secant_stiffness"),
 )
 def lowest_mesh_transverse_frequency(analysis: Analysis):
     return _lowest_mesh_dominated(analysis.transverse)
@@ -126,6 +160,7 @@ def gear_mesh_stiffness(analysis: Analysis):
     "rad/s",
     "lowest screw speed at which the gear mesh meets a torsional or transverse mode with most of "
     "its strain energy in the contacts, whatever the phases of the rollers",
+    assumes=("equal_stiffness", "secant_stiffness", "equal_friction"),
 )
 def lowest_critical_speed(analysis: Analysis):
     ratios = carrier_ratio(analysis)

@@ -25,10 +25,12 @@ class Picture:
 
 @dataclass(frozen=True)
 class Section:
-    """A heading with paragraphs, tables and pictures under it."""
+    """A heading with paragraphs, what the numbers rest on, tables and pictures under it."""
 
     anchor: str
     title: str
     paragraphs: tuple[str, ...] = ()
     tables: tuple[Table, ...] = ()
     pictures: tuple[Picture, ...] = ()
+    #: Sentences from `prsm_jax.assumptions`, printed beneath the tables.
+    assumptions: tuple[str, ...] = ()

@@ -11,6 +11,7 @@ from ._analysis_sections import (
     transient_section,
     vibration_section,
 )
+from ._assumptions import with_assumptions
 from ._data import ReportData
 from ._design_sections import optimisation_section, sensitivity_section
 from ._mechanism_section import findings_section, mechanism_section
@@ -34,7 +35,7 @@ def report_sections(data: ReportData) -> tuple[Section, ...]:
         optimisation_section(data),
         _provenance(data),
     ]
-    return tuple(section for section in sections if section is not None)
+    return tuple(with_assumptions(section, data) for section in sections if section is not None)
 
 
 def _summary(data: ReportData) -> Section:

@@ -17,7 +17,7 @@ def _findings(one):
 
 def test_sound_mechanism_has_only_the_note_on_tooth_thickness():
     screw = Screw(mass=0.76, inertia=0.5 * 0.76 * 12e-3**2)
-    found = _findings(stage(screw=screw))
+    found = _findings(stage(screw=screw, sharing="equal"))
     assert set(found) == {"tooth_thickness"}
     assert found["tooth_thickness"].severity == "note"
 

@@ -1,0 +1,164 @@
+"""What numbers rest on: sentences that follow the file, and the finding on equal sharing."""
+
+import dataclasses
+
+import equinox as eqx
+import jax.numpy as jnp
+import pytest
+from scenes import example
+
+import prsm_jax as prsm
+from prsm_jax import file
+from prsm_jax.quantities import assumption, quantity
+
+EQUAL = "All engaged threads of all rollers carry the same load"
+#: Quantities of the design actuator that change where threads share for real, or would if they
+#: looked: found by hand in the definitions, not from the declarations under test.
+REST_ON_SHARES = (
+    "max_pressure",
+    "max_von_mises_screw",
+    "approach_nut",
+    "axial_stiffness",
+    "natural_frequencies",
+    "lowest_torsional_frequency",
+    "static_capacity",
+    "static_safety",
+    "permanent_deformation",
+    "dynamic_capacity",
+    "rating_life",
+    "life_ratio",
+    "duty_cycle_damage",
+    "minimum_oscillation_amplitude",
+    "lost_motion",
+    "efficiency",
+    "loss_spin",
+)
+REST_ON_NOTHING = ("mass", "roller_clearance", "buckling_load", "axial_backlash", "dn_value")
+
+
+def _design(**changes):
+    """The actuator without a word on sharing, and what is changed in its stage."""
+    mechanism = example("actuator")
+    stage = dataclasses.replace(mechanism.stages[0], **({"load_sharing": None} | changes))
+    return dataclasses.replace(mechanism, stages=(stage,))
+
+
+def _equal(mechanism, *names):
+    return [one for one in prsm.assumptions(mechanism, names) if EQUAL in one]
+
+
+@pytest.mark.parametrize("name", REST_ON_SHARES)
+def test_what_rests_on_equal_shares_says_so(name):
+    (sentence,) = _equal(_design(), name)
+    assert "[stage.load_sharing]" in sentence
+    assert "really" in sentence
+
+
+@pytest.mark.parametrize("name", REST_ON_NOTHING)
+def test_what_does_not_rest_on_shares_is_silent(name):
+    assert prsm.assumptions(_design(), [name]) == ()
+
+
+def test_equal_by_name_keeps_the_sentence_and_says_why():
+    (sentence,) = _equal(_design(sharing="equal"), "max_pressure", "rating_life")
+    assert 'sharing = "equal"' in sentence
+    assert "since the file has no" not in sentence
+
+
+def test_given_capacities_and_stiffnesses_assume_nothing():
+    given = dataclasses.replace(
+        _design().stages[0].strength, static_capacity=1e5, dynamic_capacity=6e4
+    )
+    mechanism = _design(strength=given)
+    assert prsm.assumptions(mechanism, ["static_safety", "rating_life"]) == ()
+    assert prsm.assumptions(example("wu2022"), ["natural_frequencies", "axial_stiffness"]) == ()
+    assert _equal(example("wu2022"), "max_pressure")
+
+
+def test_real_sharing_leaves_only_what_still_counts_the_mean_thread():
+    mechanism = example("actuator_load_sharing")
+    assert prsm.assumptions(mechanism, ["max_pressure_shared", "axial_stiffness"]) == ()
+    (sentence,) = prsm.assumptions(mechanism, ["max_pressure"])
+    assert "mean thread load" in sentence
+    assert "max_pressure_shared" in sentence
+    # No friction of the contacts is modelled there.
+    assert prsm.assumptions(mechanism, ["efficiency"]) == ()
+
+
+def test_all_quantities_at_once_and_each_sentence_once():
+    found = prsm.assumptions(_design())
+    assert len(set(found)) == len(found)
+    assert set(found) >= set(prsm.assumptions(_design(), REST_ON_SHARES))
+    assert prsm.assumptions(_design(), ["rating_life[1]"]) == prsm.assumptions(
+        _design(), ["rating_life"]
+    )
+    with pytest.raises(prsm.UnknownNameError, match="max_pressure"):
+        prsm.assumptions(_design(), ["max_presure"])
+
+
+def test_a_stage_that_differs_is_named():
+    single = example("actuator_load_sharing").stages[0]
+    alone = dataclasses.replace(single, load_sharing=None)
+    (sentence,) = _equal(prsm.Mechanism((single, alone)), "axial_stiffness")
+    assert sentence.startswith("Stage 2: All engaged threads")
+
+
+def test_nothing_is_evaluated():
+    """Only what a mechanism consists of counts, so a batch has the same assumptions."""
+    batch = eqx.filter_vmap(lambda lead: prsm.set_parameter(_design(), "lead", lead))
+    leads = jnp.asarray([9e-3, 1e-2])
+    assert prsm.assumptions(batch(leads)) == prsm.assumptions(_design())
+
+
+def test_a_quantity_of_ones_own_names_what_it_assumes():
+    with pytest.raises(ValueError, match="unknown assumption 'equal_contact'"):
+        quantity("own", "x", "1", "own", assumes=("equal_contact",))
+    with pytest.raises(ValueError, match="exists already"):
+        assumption("equal_contacts")(lambda stage: None)
+
+
+def _finding(mechanism):
+    return {one.name: one for one in prsm.check(mechanism)}.get("equal_sharing")
+
+
+def test_the_finding_warns_where_strength_rests_on_equal_shares():
+    found = _finding(_design())
+    assert found.severity == "warning"
+    assert found.value == 20
+    assert "thread_count = 20" in found.message
+    assert 'sharing = "equal"' in found.message
+
+
+def test_the_finding_is_a_note_without_strength_and_limits():
+    mechanism = dataclasses.replace(_design(strength=None), design_problem=None)
+    assert _finding(mechanism).severity == "note"
+    problem = prsm.DesignProblem(
+        (prsm.Variable("lead", 5e-3, 2e-2),),
+        (prsm.Objective("efficiency", "maximise"),),
+        (prsm.Constraint("max_pressure", upper=2e9),),
+    )
+    limited = dataclasses.replace(mechanism, design_problem=problem)
+    assert _finding(limited).severity == "warning"
+
+
+def test_what_silences_the_finding():
+    assert _finding(_design(sharing="equal")) is None
+    assert _finding(_design(engaged_threads=None)) is None
+    assert _finding(_design(engaged_threads=1.0)) is None
+    assert _finding(example("actuator_load_sharing")) is None
+
+
+def test_sharing_in_a_file():
+    text = file.dumps(_design(sharing="equal"))
+    assert 'sharing = "equal"' in text
+    assert file.loads(text).stages[0].sharing == "equal"
+    assert "sharing" not in file.dumps(_design())
+    with pytest.raises(prsm.FileError, match=r'choose one of .*"equal"'):
+        file.loads(text.replace('sharing = "equal"', 'sharing = "even"'))
+
+
+def test_equal_beside_a_table_is_a_contradiction():
+    stage = dataclasses.replace(example("actuator_load_sharing").stages[0], sharing="equal")
+    found = _finding(prsm.Mechanism((stage,), example("actuator_load_sharing").operating_point))
+    assert found.severity == "warning"
+    assert "remove one" in found.message
