@@ -16,6 +16,7 @@ from cyclopts import Parameter
 from .._errors import PrsmError
 from .._files import whole_file
 from ..mechanism import Mechanism, get_parameter
+from ._tables import terminal_width
 
 
 @Parameter(name="*")
@@ -108,7 +109,7 @@ def emit(
 def assumed(assumptions: Sequence[str]) -> str:
     """Assumptions as lines for a terminal."""
     lines = [
-        textwrap.fill(sentence, 78, initial_indent="  - ", subsequent_indent="    ")
+        textwrap.fill(sentence, terminal_width(), initial_indent="  - ", subsequent_indent="    ")
         for sentence in assumptions
     ]
     return "\n".join(["Assumptions", *lines])
