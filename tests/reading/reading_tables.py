@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from html.parser import HTMLParser
 from typing import Any
 
+import numpy as np
 from reading_units import MINUS, assert_reads, label_unit, numbers, parse, same_dimension, to_si
 
 
@@ -91,22 +92,108 @@ def html_tables(text: str) -> list[tuple[str, list[list[str]]]]:
     return reader.tables
 
 
-def terminal_tables(text: str) -> dict[str, list[list[str]]]:
-    """Tables as the command line prints them, by title: rows of cells, the head first.
+#: What the terminal prints of a number: six significant digits, zeros at the end left out.
+_SIX_DIGITS = 5.1e-6
 
-    A line of the title, then columns two spaces apart; a rule stands under the head.
-    """
-    found: dict[str, list[list[str]]] = {}
-    title = ""
-    for line in text.splitlines():
-        if not line.strip() or set(line.strip()) <= set("─━ "):
-            continue
-        if not line.startswith(" "):
-            title = line.strip()
-            found[title] = []
-        else:
-            found[title].append([cell for cell in re.split(r"\s{2,}", line.strip()) if cell])
+
+class Terminal:
+    """What a verb printed, line by line; `finish` fails if a line with a number was not read."""
+
+    def __init__(self, text: str):
+        self.lines = [
+            [cell for cell in re.split(r"\s{2,}", line.strip()) if cell]
+            for line in text.splitlines()
+            if line.strip() and not set(line.strip()) <= set("─━-")
+        ]
+
+    def row(self, first: str) -> list[str]:
+        """The cells behind the first one of the next line that begins so."""
+        for index, cells in enumerate(self.lines):
+            if cells[0] == first:
+                return self.lines.pop(index)[1:]
+        raise AssertionError(f"no line {first!r}; left are {self.lines}")
+
+    def line(self, first: str, value: Any, si_unit: str) -> None:
+        """Words, a value, and its unit: a list of quantities."""
+        cells = self.row(first)
+        assert 1 <= len(cells) <= 2, cells
+        _assert_six(cells[0], cells[1] if len(cells) > 1 else "", value, si_unit, first)
+
+    def table(self, head: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
+        """A table with a head that names units at its ends; rows of text or `(value, unit)`."""
+        columns = [head[0], *self.row(head[0])]
+        assert columns == list(head)
+        for row in rows:
+            cells = self.row(row[0])
+            wanted = [one for one in row[1:] if one != ""]
+            names = [name for name, one in zip(columns[1:], row[1:], strict=True) if one != ""]
+            assert len(cells) == len(wanted), (cells, wanted)
+            for cell, one, name in zip(cells, wanted, names, strict=True):
+                if isinstance(one, str):
+                    assert cell == one, f"{name}: {cell!r} is not {one!r}"
+                else:
+                    _assert_six(cell, column_unit(name), *one, f"{row[0]}, {name}")
+
+    def finish(self) -> None:
+        """Every line with a number has been read."""
+        left = [cells for cells in self.lines if any(c.isdigit() for c in "".join(cells))]
+        assert left == []
+
+
+def column_unit(name: str) -> str:
+    """The unit at the end of a head or of a name: `r mm`, `lead [mm]`; none is a ratio."""
+    bracket = re.search(r"\[(.+)\]$", name)
+    if bracket:
+        return bracket[1]
+    last = name.split(" ")[-1]
+    return last if re.fullmatch(_UNITS, last) and " " in name else ("rpm" if name == "rpm" else "")
+
+
+_UNITS = r"mm|µm|m|deg|N|kN|MPa|N/µm|Hz|kHz|N·m|W|kW|rpm|%"
+
+
+def _assert_six(cell: str, label: str, value: Any, si_unit: str, place: str) -> None:
+    assert same_dimension(label, si_unit), f"{place}: {label!r} for {si_unit!r}"
+    shown = float(cell.replace("∞", "inf").replace(MINUS, "-"))
+    found, expected = float(to_si(shown, label)), float(value)
+    near = found == expected or abs(found - expected) <= _SIX_DIGITS * abs(expected)
+    assert near, f"{place}: {cell} {label} is not {expected} {si_unit}"
+
+
+def assert_json(found: Any, expected: Any, path: str = "") -> None:
+    """JSON has these keys and no others, and these numbers to the last bit but two."""
+    if isinstance(expected, dict):
+        assert isinstance(found, dict), path
+        assert set(found) == set(expected), f"{path}: keys {set(found) ^ set(expected)}"
+        for key, value in expected.items():
+            assert_json(found[key], value, f"{path}.{key}")
+        return
+    if isinstance(expected, list | tuple) and not _numeric(expected):
+        assert len(found) == len(expected), path
+        for index, (one, value) in enumerate(zip(found, expected, strict=True)):
+            assert_json(one, value, f"{path}[{index}]")
+        return
+    if expected is None or isinstance(expected, str | bool):
+        assert found == expected, f"{path}: {found!r} is not {expected!r}"
+        return
+    wanted = np.asarray(expected)
+    if wanted.dtype == bool:
+        assert np.asarray(found).tolist() == wanted.tolist(), path
+        return
+    shown = np.asarray(found, float)
+    np.testing.assert_allclose(shown, wanted, rtol=1e-13, atol=0, err_msg=path)
+
+
+def without_words(found: dict) -> dict:
+    """The JSON without what it rests on and what the checks say, which are no numbers."""
+    for key in ("assumptions", "findings"):
+        words = found.pop(key, [])
+        assert all(isinstance(one, str) and one for one in words)
     return found
 
 
-__all__ = ["MINUS", "assert_cell", "assert_table", "html_tables", "terminal_tables"]
+def _numeric(values: Any) -> bool:
+    try:
+        return np.asarray(values).dtype.kind in "fiub"
+    except ValueError:
+        return False

@@ -41,3 +41,13 @@ def test_every_section_has_a_reader():
     calls = [node for node in ast.walk(body) if isinstance(node, ast.Call)]
     given = {call.func.id for call in calls if [ast.unparse(a) for a in call.args] == ["data"]}
     assert given == _read("section")
+
+
+def test_every_verb_has_a_reader():
+    found = set()
+    for path in (_REPORT.parent / "cli").glob("*.py"):
+        for node in ast.parse(path.read_text()).body:
+            decorators = getattr(node, "decorator_list", [])
+            if any(ast.unparse(one).startswith("app.command") for one in decorators):
+                found.add(node.name)
+    assert found == _read("verb")
