@@ -503,7 +503,7 @@ def test_demo(monkeypatch, tmp_path, capsys):
     monkeypatch.setenv("COLUMNS", "300")
     monkeypatch.chdir(tmp_path)
     assert cli.main(["demo", "--out", str(tmp_path / "new")]) == 0
-    found = json.loads(written["files"]["results.json"])
+    found = without_words(json.loads(written["files"]["results.json"]))
     assert set(found) == {"before", "after", "sensitivity", "optimise"}
     for name, one in (("before", before), ("after", after)):
         assert set(found[name]) == {"contact", "modal", "steady", "simulate"}
