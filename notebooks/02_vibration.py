@@ -280,7 +280,7 @@ for row in rows:
 # %%
 for row in rows:
     if "energy" in row.item:
-        print(f"{row.item.split(': ')[1]}: {row.computed}")
+        print(f"{row.item.split(': ')[1]}: {row.computed:+.1f} {row.unit}")
 
 # %% [markdown]
 # The parameters of Table 4 have faults as well, which `prsm.check` finds in anybody's file:

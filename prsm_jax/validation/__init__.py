@@ -3,6 +3,15 @@
 A paper is one module that registers functions of rows under the paper's name.
 """
 
+from ._difference import (
+    consistent as consistent,
+    differs as differs,
+    fault as fault,
+    formula as formula,
+    inconsistent as inconsistent,
+    not_comparable as not_comparable,
+    unexplained as unexplained,
+)
 from ._figures import (
     Curve as Curve,
     Mark as Mark,
@@ -23,7 +32,6 @@ from ._row import (
     Row as Row,
     Verdict as Verdict,
     at_most as at_most,
-    differs as differs,
     misprint as misprint,
     number as number,
     trend as trend,

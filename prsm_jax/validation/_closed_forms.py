@@ -7,9 +7,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..contact import hertz_contact
+from ._difference import formula
 from ._examples import steady, two_stages
 from ._registry import rows_of
-from ._row import Row, number
+from ._row import Row
 
 _NAME = "li2020_two_stage"
 _CITATION = "closed forms: Hertz (Johnson, Contact Mechanics, 1985), friction on an inclined plane"
@@ -39,7 +40,7 @@ def sphere_on_plane() -> Iterator[Row]:
         ("stiffness dF/dδ = 2E*a", 2 * modulus * size, contact.stiffness_tangent, 1e-6, "N/µm"),
     ):
         printed = f"{closed * scale:.8g}"
-        yield number(f"sphere on plane: {item}", printed, float(value) * scale, unit, note=note)
+        yield formula(f"sphere on plane: {item}", printed, float(value) * scale, unit, note=note)
 
 
 @rows_of("closed_forms")
@@ -61,7 +62,7 @@ def inclined_plane() -> Iterator[Row]:
             forward = (1 - friction * np.tan(flank)) / (1 + friction / np.tan(flank))
             backward = (1 - friction / np.tan(flank)) / (1 + friction * np.tan(flank))
             for name, closed, sense in (("forward", forward, 1.0), ("backward", backward, -1.0)):
-                yield number(
+                yield formula(
                     f"efficiency {name}, μ {friction:.2f}, contact angle {degrees:.0f}°",
                     f"{closed:.6f}",
                     float(steady(_NAME, *changes, sense=sense).efficiency),
@@ -78,7 +79,7 @@ def rolling_without_lead() -> Iterator[Row]:
         thread = stage.thread
         ideal = float(thread.screw_radius / (2 * thread.centre_distance))
         millimetres = 1e3 * float(thread.screw_radius)
-        yield number(
+        yield formula(
             f"carrier ratio at a lead of 1 µm, screw radius {millimetres:g} mm",
             f"{ideal:.7f}",
             float(ratio),

@@ -5,12 +5,15 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..mechanism import get_parameter
+from ._difference import differs, formula
 from ._examples import settling_time, steady, transient, two_stages
 from ._registry import rows_of
-from ._row import Row, differs, number, trend
+from ._row import Row, number, trend
 
 _NAME = "li2020_two_stage"
 _SPLINE, _BEARING = "spline.coefficient", "thrust_bearing.coefficient"
+#: Where the exact efficiencies beside equation 35's second form must stay.
+_SECOND_FORM = {0.10: (0.99354, 0.99355), 0.20: (0.98717, 0.98718)}
 _CITATION = (
     "X. Li, G. Liu, C. Song, X. Fu, S. Ma, Q. Wan, J. Northwestern Polytechnical Univ. 38 (2020) "
     "1001-1009"
@@ -157,16 +160,28 @@ def friction_coefficients() -> Iterator[Row]:
         exact = float(steady(_NAME, (_SPLINE, value), *without).efficiency)
         mean_lead = first * second / (first + second)
         printed = 1 / (1 + value * mean_lead / (2 * np.pi * radius))
-        yield number(
+        yield formula(
             f"equation 35, first form: efficiency with spline friction {value:.2f} alone",
             f"{printed:.6f}",
             exact,
             note="the formula's value; without friction in threads and bearing it is exact",
         )
         approximate = 1 / (1 + value * slopes[0] * slopes[1] / sum(slopes))
+        # 1/tan λ₁ + 1/tan λ₂ = 2π (r₁/L₁ + r₂/L₂) is 2π r (L₁ + L₂)/(L₁ L₂) for this radius r.
+        screws = [float(stage.thread.screw_radius) for stage in stages]
+        other = (screws[0] * second + screws[1] * first) / (first + second)
+        moved = float(
+            steady(_NAME, (_SPLINE, value), ("spline.radius", other), *without).efficiency
+        )
+        low, high = _SECOND_FORM[value]
         yield differs(
             f"equation 35, second form: efficiency with spline friction {value:.2f} alone",
             f"{approximate:.6f}",
             exact,
-            because="the second form replaces the radius of the spline by those of the screws",
+            between=(low, high),
+            evidence=moved,
+            evidence_between=(approximate - 5e-7, approximate + 5e-7),
+            because="the second form replaces the radius of the spline, "
+            f"{1e3 * radius:.2f} mm, by those of the screws, by leads {1e3 * other:.2f} mm: with a "
+            "spline of that radius the model gives the formula's value, the evidence",
         )

@@ -5,11 +5,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..mechanism import get_parameter
+from ._difference import differs
 from ._examples import kinematics, knees, settling_time, steady, transient, two_stages
 from ._li_radii import radius_rows
 from ._newton import newton
 from ._registry import rows_of
-from ._row import Row, differs, trend
+from ._row import Row, trend
 
 _NAME = "li2021_two_stage"
 _THREAD, _SPLINE = "thread.coefficient", "spline.coefficient"
@@ -98,9 +99,12 @@ def equation_23() -> Iterator[Row]:
         "equation 23 as printed: steady efficiency",
         "0.80",
         literal,
+        between=(62.3, 62.8),
+        evidence=float(steady(_NAME).efficiency),
+        evidence_between=(0.79, 0.81),
         because="equation 23 has the friction of one roller and no torque of the normal force; "
         f"with the friction of all rollers it gives {literal / stage.present_roller_count:.1f}, "
-        f"with that torque, too, {float(steady(_NAME).efficiency):.4f}, as figure 3d shows",
+        "with that torque, too, the evidence, as figure 3d shows",
     )
 
 

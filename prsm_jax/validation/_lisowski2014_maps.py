@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..halfspace import FlankContact
-from ._lisowski2014 import ELEMENTS, HERTZ
+from ._lisowski2014 import CORRECTED, ELEMENTS, HERTZ
 from ._lisowski2014_surfaces import EDGE_RADIUS, LOW, flanks
 from ._pressure_figures import (
     PressureFigure,
@@ -16,8 +16,6 @@ from ._pressure_figures import (
 )
 from ._thread_contacts import LOADS, pairs_of_threads
 
-#: The printed 1585 MPa is the screw side's; see the rows of Table 2.
-_CORRECT = {("nut", 100.0): 1539e6}
 #: Heights of the nut's thread between one that cuts the contact and one that does not [m].
 _HEIGHTS = (None, 0.075e-3, LOW)
 
@@ -26,9 +24,11 @@ def _printed(side: str, load: float) -> tuple[PrintedPressure, ...]:
     index = LOADS.index(load)
     elements = ELEMENTS[side][index]
     hertz = 1e6 * float(HERTZ[side][index])
+    corrected = CORRECTED.get((side, load))
+    correct = None if corrected is None else 1e6 * float(corrected)
     return (
         PrintedPressure("elements", None if elements is None else 1e6 * float(elements)),
-        PrintedPressure("Hertz", hertz, _CORRECT.get((side, load))),
+        PrintedPressure("Hertz", hertz, correct),
     )
 
 

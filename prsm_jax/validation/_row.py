@@ -2,20 +2,27 @@
 
 import dataclasses
 import decimal
-from typing import Literal, TypeAlias, get_args
+from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 
 Verdict: TypeAlias = Literal[
     "reproduced",
     "trend reproduced",
+    "formula agrees",
     "misprint explained",
+    "fault reproduced",
+    "paper consistent",
+    "paper inconsistent",
     "differs because",
+    "unexplained",
+    "not comparable",
     "not reproduced",
 ]
-#: What a row can say. "not reproduced" is what any of the first three turns into when the numbers
-#: stop bearing it out; "differs because" is a known difference, with its reason in the note.
+#: What a row can say; `docs/published_tables.md` has the meaning of each. "not reproduced" is what
+#: any of the others turns into when the numbers stop bearing it out.
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
+Bounds: TypeAlias = tuple[float, float]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -36,10 +43,21 @@ class Row:
     note: str
     unit: str = "1"
     tolerance: float | None = None
+    #: Between which the computed number of a row that differs must stay, in `unit`.
+    bounds: Bounds | None = None
+    #: What comes out with the reason of the note put in, or the number that the reason rests on;
+    #: the note says which. In `unit` where the published number is one.
+    evidence: float | None = None
+    #: Between which `evidence` must stay.
+    evidence_bounds: Bounds | None = None
+    #: The number of the toolkit's own model, where `computed` is that of a fault of the paper.
+    own: float | None = None
 
-    def to_dict(self) -> dict[str, float | str | None]:
+    def to_dict(self) -> dict[str, Any]:
         """The row as JSON types."""
-        return dataclasses.asdict(self)
+        found = dataclasses.asdict(self)
+        pairs = ("bounds", "evidence_bounds")
+        return found | {name: found[name] and list(found[name]) for name in pairs}
 
 
 def half_unit(printed: str) -> float:
@@ -50,7 +68,8 @@ def half_unit(printed: str) -> float:
     return 0.5 * 10.0**exponent
 
 
-def _relative(computed: float, published: float) -> float | None:
+def relative(computed: float, published: float) -> float | None:
+    """Relative difference from a published number; `None` from zero."""
     return None if published == 0 else computed / published - 1
 
 
@@ -76,7 +95,7 @@ def number(
     # A rounding of the sum itself must not decide a number that lies on the edge.
     allowed = half_unit(published) * (1 + 1e-9) if tolerance is None else float(tolerance)
     verdict: Verdict = "reproduced" if abs(computed - value) <= allowed else "not reproduced"
-    difference = _relative(computed, value)
+    difference = relative(computed, value)
     return Row("", item, value, computed, difference, verdict, note, unit, allowed)
 
 
@@ -88,7 +107,7 @@ def at_most(item: str, published: str, computed: float, unit: str = "1", *, note
     value, computed = float(published), float(computed)
     allowed = 0.05 * abs(value)
     verdict: Verdict = "reproduced" if 0 <= value - computed <= allowed else "not reproduced"
-    difference = _relative(computed, value)
+    difference = relative(computed, value)
     return Row("", item, value, computed, difference, verdict, note, unit, allowed)
 
 
@@ -102,11 +121,15 @@ def misprint(
     - `published`: as printed.
     - `correct`: what should have been printed, to as many digits; sets the tolerance.
     - `note`: the evidence.
+
+    **Raises:** `ValueError` if nothing is corrected.
     """
+    if abs(float(correct) - float(published)) <= half_unit(correct):
+        raise ValueError(f"{item}: {correct} does not correct {published}; give another verdict")
     row = number(item, correct, computed, unit, note=note)
     verdict: Verdict = "misprint explained" if row.verdict == "reproduced" else "not reproduced"
     value = float(published)
-    difference = _relative(float(computed), value)
+    difference = relative(float(computed), value)
     return dataclasses.replace(
         row, published=value, relative_difference=difference, verdict=verdict
     )
@@ -122,18 +145,3 @@ def trend(item: str, published: str, computed: str, holds: bool | np.bool_, note
     """
     verdict: Verdict = "trend reproduced" if bool(holds) else "not reproduced"
     return Row("", item, published, computed, None, verdict, note)
-
-
-def differs(
-    item: str, published: str, computed: float | str, unit: str = "1", *, because: str
-) -> Row:
-    """A published number or statement from which the toolkit differs for a known reason."""
-    try:
-        value: float | str = float(published)
-    except ValueError:
-        value = published
-    difference = None
-    if isinstance(value, float) and not isinstance(computed, str):
-        computed = float(computed)
-        difference = _relative(computed, value)
-    return Row("", item, value, computed, difference, "differs because", because, unit)

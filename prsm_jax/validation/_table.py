@@ -51,6 +51,25 @@ def _lines(row: Row, widths: tuple[int, ...]) -> list[str]:
     return lines
 
 
+def details(row: Row) -> str:
+    """Bounds and evidence of a row that differs, and the toolkit's own number, in one line."""
+
+    def span(bounds: tuple[float, float], unit: str) -> str:
+        low, high = (f"{value:.6g}" for value in bounds)
+        end = high if unit == "1" else f"{high} {unit}"
+        return f"{low} to {end}" if low != high else end
+
+    parts = []
+    if row.bounds is not None:
+        parts.append(f"must stay within {span(row.bounds, row.unit)}")
+    if row.evidence is not None and row.evidence_bounds is not None:
+        allowed = span(row.evidence_bounds, "1")
+        parts.append(f"evidence {row.evidence:.6g}, within {allowed}")
+    if row.own is not None:
+        parts.append(f"the toolkit's own model: {_number(row.own, row.unit)}")
+    return "; ".join(parts)
+
+
 def table(rows: Sequence[Row], width: int = 120) -> str:
     """The rows as a plain-text table, grouped by source, with the notes below their rows.
 
@@ -73,6 +92,8 @@ def table(rows: Sequence[Row], width: int = 120) -> str:
             names = (" " * _GAP).join(padded).rstrip()
             lines += ["", *textwrap.wrap(heading, width), names, "-" * width]
         lines += _lines(row, widths)
+        if said := details(row):
+            lines += textwrap.wrap(said, width, initial_indent="    ", subsequent_indent="    ")
         if row.note and row.note != note:
             lines += textwrap.wrap(row.note, width, initial_indent="    ", subsequent_indent="    ")
         note = row.note
@@ -91,7 +112,7 @@ def markdown(rows: Sequence[Row]) -> str:
             _number(row.computed, row.unit),
             _difference(row),
             row.verdict,
-            row.note,
+            f"{row.note} ({said})" if (said := details(row)) else row.note,
         )
         lines.append("| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |")
     return "\n".join(lines)

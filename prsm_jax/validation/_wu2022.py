@@ -7,13 +7,17 @@ import numpy as np
 
 from ..mechanism import body_inertia
 from ..stiffness import gear_mesh_stiffness
+from ._cylinders import sleeve_radius, solid_length
+from ._difference import differs, fault, inconsistent, not_comparable, unexplained
 from ._examples import example
 from ._registry import rows_of
-from ._row import Row, differs, misprint, number
+from ._row import Row, misprint, number
 from ._thread_contacts import LOADS, pairs_of_threads
 
 #: Axial force on one thread at which contact stiffnesses are quoted [N].
 _THREAD_LOAD = LOADS[-1]
+#: Threads of one roller that are counted beside the published stiffnesses.
+_THREADS = 16
 #: Where an identity leaves nothing but rounding.
 _EXACT = 1e-9
 _CITATION = "L. Wu, S. Ma, P. Deng, Q. Huang, Electronics 11 (2022) 1395"
@@ -46,21 +50,27 @@ def dimensions() -> Iterator[Row]:
         note="from the printed helix angle 4.55°, pitch 2 mm and diameter 40 mm; one start would "
         "have 0.91°, and the roller would slip in the nut",
     )
-    yield differs(
-        "Table 3: major below minor diameter of the nut, 39.26 and 41.05 mm",
+    yield inconsistent(
+        "Table 3: major diameter of the nut, and its minor diameter beside it",
         "39.26",
         41.05,
         "mm",
-        because="an internal thread has its crest inside: the two labels are exchanged",
+        between=(nut, 41.05),
+        note="an internal thread has its crest inside, so major must exceed minor, and the nominal "
+        f"{nut:.0f} mm lies between 39.26 (crest) and 41.05 mm (root): the labels are exchanged",
     )
     yield differs(
         "Table 3: radius of the roller's profile",
         "4.956",
         1e3 * float(thread.profile_radius),
         "mm",
+        between=(5.6568, 5.6569),
+        evidence=7 / 2 / np.sin(np.pi / 4),
+        evidence_between=(4.94, 4.97),
         because="the arc of equation 36 is centred on the roller's axis, r_R/sin 45°; 4.956 mm is "
         f"that of a roller of {2 * 4.956 * np.sin(np.pi / 4):.2f} mm, not of {roller:.0f} mm "
-        "(the paper compares itself with one of 7 mm in section 4)",
+        "(the paper compares itself with one of 7 mm in section 4, whose r_R/sin 45° is the "
+        "evidence)",
     )
     module = roller / float(gear.roller_teeth)
     note = "exactly, 2 r_R/z"
@@ -75,6 +85,14 @@ def masses() -> Iterator[Row]:
     """Table 4, inertias."""
     stage = example("wu2022").stages[0]
     thread = stage.thread
+    # Steel sleeves outside the nominal radius: the nut as long as the roller's mass implies, the
+    # ring gear as wide as its teeth.
+    gear = stage.gear
+    assert gear is not None
+    assert gear.face_width is not None
+    assert stage.roller.mass is not None
+    length = solid_length(float(stage.roller.mass), float(thread.roller_radius))
+    widths = {"nut": length, "ring_gear": float(gear.face_width)}
     for name, body, radius, printed in (
         ("screw", "screw", thread.screw_radius, "1.822e-4"),
         ("roller", "roller", thread.roller_radius, "5.216e-7"),
@@ -84,23 +102,24 @@ def masses() -> Iterator[Row]:
     ):
         part = getattr(stage, body)
         ring = float(part.mass * radius**2)
+        item = f"Table 4: moment of inertia of the {name}"
         note = "m r² with the nominal radius, the inertia of a thin ring"
+        if body == "carrier":
+            note += "; right for a narrow annulus on the circle of the roller axes"
+            yield number(item, printed, ring, "kg·m²", note=note)
+            continue
         if body in ("screw", "roller"):
             solid = dataclasses.replace(part, inertia=None, length=1.0)
-            half = float(body_inertia(dataclasses.replace(stage, **{body: solid}), body))
-            note += f"; a solid cylinder of that mass has half of it, {half:.3e}"
-        elif body == "carrier":
-            note += "; right for a narrow annulus on the circle of the roller axes"
+            own = float(body_inertia(dataclasses.replace(stage, **{body: solid}), body))
+            note += f"; a solid cylinder of that mass has half of it, {own:.3e}"
         else:
-            note += "; a sleeve outside that radius has more, ½ m (R² + r²)"
-        yield misprint(
-            f"Table 4: moment of inertia of the {name}",
-            printed,
-            ring,
-            "kg·m²",
-            correct=printed,
-            note=note,
-        )
+            outer = sleeve_radius(float(part.mass), float(radius), widths[body])
+            own = float(part.mass) * (outer**2 + float(radius) ** 2) / 2
+            note += (
+                f"; a sleeve of steel outside that radius, {1e3 * widths[body]:.1f} mm long and "
+                f"{2e3 * outer:.1f} mm outside, has ½ m (R² + r²) = {own:.3e}"
+            )
+        yield fault(item, printed, ring, "kg·m²", own=own, note=note)
 
 
 @rows_of("wu2022")
@@ -116,30 +135,32 @@ def stiffnesses() -> Iterator[Row]:
     pair = single["wu2022"]
     printed = {"screw": 2.078e8, "nut": 2.198e8}
     threads = {side: printed[side] / pair[side] for side in printed}
-    common = float(np.sqrt(threads["screw"] * threads["nut"]))
-    loads = {side: _THREAD_LOAD * (threads[side] / 16) ** 3 for side in printed}
+    loads = {side: _THREAD_LOAD * (threads[side] / _THREADS) ** 3 for side in printed}
+    bounds = {"screw": (2.02e8, 2.04e8), "nut": (2.20e8, 2.215e8)}
     for side in printed:
-        yield differs(
+        yield not_comparable(
             f"Table 4: thread contact stiffness, {side} and one roller",
             f"{printed[side]:.3e}",
-            pair[side] * common,
+            pair[side] * _THREADS,
             "N/m",
-            because="neither load, number of threads nor material are given. Equations 36 to 47 "
+            between=bounds[side],
+            missing="neither load, number of threads nor material are given. Equations 36 to 47 "
             f"give {pair[side]:.4g} N/m for one thread at an axial {_THREAD_LOAD:.0f} N (E 212 "
-            f"GPa, ν 0.29), so {threads[side]:.2f} such threads, or 16 at {loads[side]:.1f} N; "
-            f"here {common:.2f} threads for either side",
+            f"GPa, ν 0.29); here {_THREADS} of them. The printed number is that of "
+            f"{threads[side]:.2f} such threads, or of {_THREADS} at {loads[side]:.1f} N",
         )
     others = ", ".join(
         f"{single[name]['nut'] / single[name]['screw']:.4f} ({name})"
         for name in single
         if name != "wu2022"
     )
-    yield differs(
+    yield unexplained(
         "Table 4: ratio of the thread contact stiffnesses, nut to screw",
         f"{2.198 / 2.078:.4f}",
         pair["nut"] / pair["screw"],
-        because="no load, number of threads or material reaches the printed ratio: all of them "
-        f"cancel when both sides have the same. Other curvature conventions give {others}",
+        between=(1.088, 1.089),
+        note="no load, number of threads or material reaches the printed ratio: all of them cancel "
+        f"when both sides have the same. Other curvature conventions give {others}",
     )
     width = float(gear_mesh_stiffness(gear, thread.starts))
     yield differs(
@@ -147,7 +168,10 @@ def stiffnesses() -> Iterator[Row]:
         "2.464e8",
         width,
         "N/m",
-        because="the printed value is 1.5 times that of one pair of teeth",
+        between=(1.6428e8, 1.6429e8),
+        evidence=1.5 * width,
+        evidence_between=(2.4635e8, 2.4645e8),
+        because="the printed value is 1.5 times that of one pair of teeth, the evidence",
     )
     meshing = dataclasses.replace(gear, mesh_factor=1.5)
     yield number(

@@ -4,9 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ._difference import differs
 from ._examples import example
 from ._registry import rows_of
-from ._row import Row, differs
+from ._row import Row
 from ._wu2022_matrix import eigen, published_matrices, published_modes, stable_matrices
 
 _COUNT = 7
@@ -18,6 +19,13 @@ _ALONE = (
     ("ring gear turned", 5, ""),
     ("nut turned", 8, ""),
 )
+#: Energies of the published matrix and of springs and supports, which the rows must stay near [µJ].
+_ENERGIES = {
+    "screw moved sideways": (-361.2, 361.5),
+    "nut moved sideways": (-270.8, 493.6),
+    "ring gear turned": (-860.7, 864.1),
+    "nut turned": (-759.8, 769.1),
+}
 
 
 def static_energies() -> dict[str, tuple[float, float]]:
@@ -48,6 +56,9 @@ def indefinite() -> Iterator[Row]:
         "Tables 5 and 6, N = 7: eigenvalues below zero",
         "0",
         float((values < 0).sum()),
+        between=(6.0, 6.0),
+        evidence=float((lowest < 0).sum()),
+        evidence_between=(0.0, 0.0),
         because="springs and supports can only store energy, so ½ qᵀK q is a sum of squares and "
         "every ω² ≥ 0. All 60 frequencies and all ten shapes follow, to the printed digit, from a "
         "matrix whose mesh springs enter the diagonal with the wrong sign: − for translations, "
@@ -55,16 +66,22 @@ def indefinite() -> Iterator[Row]:
         f"negative ({which}), and the tables print √|ω²|. They are no frequencies: displaced by "
         f"one of these shapes the mechanism would not swing but run away, by a factor e within "
         f"{time:.0f} µs at most. The stable model has the same springs with their sign; its "
+        "number below zero is the evidence, and its "
         f"lowest ω² is that of {np.sqrt(lowest[0]) / (2 * np.pi):.1f} Hz",
     )
     energies = static_energies()
     for name, _, directions in _ALONE:
-        released, stored = energies[name]
+        released, stored = (1e6 * energy for energy in energies[name])
+        loss, gain = _ENERGIES[name]
         yield differs(
             f"Tables 5 and 6, N = 7: energy with the {name} by 1 µm, all else at rest",
             "more than 0",
-            f"{released * 1e6:+.4g} µJ",
+            released,
+            "µJ",
+            between=(loss - 0.1, loss + 0.1),
+            evidence=stored,
+            evidence_between=(gain - 0.1, gain + 0.1),
             because="½ K u² with the diagonal entry of the matrix"
             + (f", {directions}" if directions else "")
-            + f"; springs and support store {stored * 1e6:+.4g} µJ in it",
+            + f"; springs and support store {stored:+.4g} µJ in it, the evidence",
         )

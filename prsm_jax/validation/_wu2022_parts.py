@@ -4,32 +4,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ._cylinders import DENSITY, cantilever_length, sleeve_radius, solid_length, torsional
+from ._difference import differs, not_comparable
 from ._examples import example
 from ._registry import rows_of
-from ._row import Row, differs
+from ._row import Row
 
-#: Bearing steel; the paper names no material [kg/m³].
-_DENSITY = 7850.0
 #: Table 4, for the roller, whose bending stiffness the paper's model never uses [N/m].
 _ROLLER_BENDING = 2.199e5
-
-
-def _solid_length(mass: float, radius: float) -> float:
-    return mass / (_DENSITY * np.pi * radius**2)
-
-
-def _cantilever(modulus: float, radius: float, length: float) -> float:
-    """3 E I/l³ at the free end [N/m]."""
-    return 3 * modulus * np.pi / 4 * radius**4 / length**3
-
-
-def _cantilever_length(modulus: float, radius: float, stiffness: float) -> float:
-    return (3 * modulus * np.pi / 4 * radius**4 / stiffness) ** (1 / 3)
-
-
-def _torsional(shear: float, outer: float, inner: float, length: float, at: float) -> float:
-    """G I_p/(l r²), the torsional stiffness on u = r θ [N/m]."""
-    return shear * np.pi / 2 * (outer**4 - inner**4) / (length * at**2)
 
 
 @rows_of("wu2022")
@@ -39,9 +21,17 @@ def lengths() -> Iterator[Row]:
     material = stage.material
     assert material is not None
     modulus = float(material.youngs_modulus)
-    for name, body, radius, printed, bending in (
-        ("roller", stage.roller, stage.thread.roller_radius, "0.0326", _ROLLER_BENDING),
-        ("screw", stage.screw, stage.thread.screw_radius, "1.265", None),
+    thread = stage.thread
+    for name, body, radius, printed, bending, bounds in (
+        (
+            "roller",
+            stage.roller,
+            thread.roller_radius,
+            "0.0326",
+            _ROLLER_BENDING,
+            (0.03293, 0.03294),
+        ),
+        ("screw", stage.screw, thread.screw_radius, "1.265", None, (1.091, 1.0912)),
     ):
         assert body.mass is not None
         if bending is None:
@@ -49,14 +39,15 @@ def lengths() -> Iterator[Row]:
             assert body.support.radial_stiffness is not None
             bending = float(body.support.radial_stiffness)
         radius = float(radius)
-        bent = _cantilever_length(modulus, radius, bending)
-        weighed = _solid_length(float(body.mass), radius)
-        yield differs(
+        bent = cantilever_length(modulus, radius, bending)
+        weighed = solid_length(float(body.mass), radius)
+        yield not_comparable(
             f"Table 4: mass of the {name}, a cylinder as long as its bending stiffness implies",
             printed,
-            _DENSITY * np.pi * radius**2 * bent,
+            DENSITY * np.pi * radius**2 * bent,
             "kg",
-            because=f"neither length nor density are printed. The bending stiffness, {bending:.4g} "
+            between=bounds,
+            missing=f"neither length nor density are printed. The bending stiffness, {bending:.4g} "
             "N/m, is that of a cantilever (fixed at one end, as in the paper's finite elements) "
             f"of {1e3 * bent:.1f} mm at E 212 GPa; the mass at 7850 kg/m³ that of "
             f"{1e3 * weighed:.1f} mm"
@@ -78,30 +69,37 @@ def torsional_stiffnesses() -> Iterator[Row]:
     modulus = float(material.youngs_modulus)
     shear = modulus / (2 * (1 + float(material.poisson_ratio)))
     screw, nut = float(thread.screw_radius), float(thread.nut_radius)
-    length = _solid_length(float(stage.screw.mass), screw)
-    bent = _cantilever_length(modulus, screw, float(stage.screw.support.radial_stiffness))
-    shaft = _torsional(shear, screw, 0.0, length, screw)
+    length = solid_length(float(stage.screw.mass), screw)
+    bent = cantilever_length(modulus, screw, float(stage.screw.support.radial_stiffness))
+    shaft = torsional(shear, screw, 0.0, length, screw)
     yield differs(
         "Table 4: torsional stiffness of the screw",
         "6.241e4",
         shaft,
         "N/m",
+        between=(5.21e7, 5.22e7),
+        evidence=1e-3 * shaft * length / bent,
+        evidence_between=(6.0e4, 6.1e4),
         because="printed in N·m/rad but used on the displacement u = r θ, so it is in N/m. A solid "
         f"shaft of 24 mm and {length:.3f} m (its length by mass) has G I_p/l = "
         f"{shaft * screw**2:.0f} N·m/rad, in N/m the value beside: the printed number is neither. "
         f"Read in N/mm, 6.241e7 N/m, it is that of {1e3 * length * shaft / 6.241e7:.0f} mm, "
         f"close to the {1e3 * bent:.0f} "
-        "mm of its bending stiffness: the factor 1000 looks lost",
+        "mm of its bending stiffness: the factor 1000 looks lost (evidence: the stiffness of that "
+        "length in N/mm, 3 % from the printed number)",
     )
-    width = _solid_length(float(stage.roller.mass), float(thread.roller_radius))
-    outer = float(np.sqrt(nut**2 + float(stage.nut.mass) / (_DENSITY * np.pi * width)))
-    sleeve = _torsional(shear, outer, nut, width, nut)
+    width = solid_length(float(stage.roller.mass), float(thread.roller_radius))
+    outer = sleeve_radius(float(stage.nut.mass), nut, width)
+    sleeve = torsional(shear, outer, nut, width, nut)
     yield differs(
         "Table 4: torsional stiffness of the nut",
         "9.359e6",
         sleeve,
         "N/m",
+        between=(7.69e9, 7.70e9),
+        evidence=1e-3 * sleeve,
+        evidence_between=(7.69e6, 7.70e6),
         because=f"a sleeve of the nut's mass, as long as the roller ({1e3 * width:.1f} mm by its "
         f"mass) and thus of {2e3 * outer:.1f} mm outside, has the value beside, and "
-        f"{sleeve * nut**2:.3g} N·m/rad: the printed number again fits in N/mm",
+        f"{sleeve * nut**2:.3g} N·m/rad: the printed number is near it in N/mm, the evidence",
     )

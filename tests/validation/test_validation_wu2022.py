@@ -57,7 +57,11 @@ def test_table_6_is_reproduced_to_the_printed_digit(rows):
     found = [row for item, row in rows.items() if "entries of the shape" in item]
     assert len(found) == 10
     assert all((row.published, row.computed) == (17.0, 17.0) for row in found)
-    assert {row.verdict for row in found} == {"reproduced"}
+    # The carrier's and the rollers' shapes are those of the stable structure as well.
+    for row in found:
+        shared = row.item.startswith(("Table 6: f1,", "Table 6: r,"))
+        assert row.verdict == ("reproduced" if shared else "fault reproduced"), row
+        assert shared or row.own < 17
     misprints = [row for item, row in rows.items() if item.startswith("Table 6: t4, entry")]
     assert [row.published for row in misprints] == [0.007, 0.005]
     assert [row.verdict for row in misprints] == ["misprint explained"] * 2
@@ -150,4 +154,5 @@ def test_audit_of_table_4(rows, item, published, computed, tolerance):
     (row,) = [row for name, row in rows.items() if name.startswith(f"Table 4: {item}")]
     assert row.published == published
     assert row.computed == pytest.approx(computed, abs=tolerance)
-    assert row.verdict == "differs because"
+    expected = "not comparable" if item.startswith("mass") else "differs because"
+    assert row.verdict == expected

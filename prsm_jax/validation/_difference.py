@@ -1,0 +1,156 @@
+"""Rows that do not reproduce a printed number: why not, by how much at most, and on what evidence.
+
+Each builder decides its verdict by numbers: a computed number, or a piece of evidence, that leaves
+its bounds makes the row "not reproduced".
+"""
+
+import dataclasses
+
+from ._row import Bounds, Row, Verdict, half_unit, number, relative
+
+
+def _value(published: str) -> float | str:
+    try:
+        return float(published)
+    except ValueError:
+        return published
+
+
+def _inside(value: float, bounds: Bounds) -> bool:
+    low, high = bounds
+    if not low <= high:
+        raise ValueError(f"bounds are {bounds}; give the lower one first")
+    # Rounding at a bound that is the number itself, like a count.
+    slack = 1e-12 * max(abs(low), abs(high))
+    return bool(low - slack <= value <= high + slack)
+
+
+def _bounded(
+    verdict: Verdict,
+    item: str,
+    published: str,
+    computed: float,
+    unit: str,
+    between: Bounds,
+    note: str,
+) -> Row:
+    value, computed = _value(published), float(computed)
+    difference = None if isinstance(value, str) else relative(computed, value)
+    found: Verdict = verdict if _inside(computed, between) else "not reproduced"
+    return Row("", item, value, computed, difference, found, note, unit, bounds=between)
+
+
+def differs(
+    item: str,
+    published: str,
+    computed: float,
+    unit: str = "1",
+    *,
+    between: Bounds,
+    because: str,
+    evidence: float,
+    evidence_between: Bounds,
+) -> Row:
+    """A published number or statement from which the toolkit differs for a reason that is computed.
+
+    **Arguments:**
+
+    - `item`, `published`, `unit`: as `number`; a statement may be given in words.
+    - `computed`: the toolkit's number.
+    - `between`: where it must stay.
+    - `because`: the reason, with what `evidence` is.
+    - `evidence`: what comes out with the reason put in, or the number that the reason rests on.
+    - `evidence_between`: where that must stay.
+    """
+    row = _bounded("differs because", item, published, computed, unit, between, because)
+    evidence = float(evidence)
+    held = row.verdict if _inside(evidence, evidence_between) else "not reproduced"
+    return dataclasses.replace(
+        row, verdict=held, evidence=evidence, evidence_bounds=evidence_between
+    )
+
+
+def unexplained(
+    item: str, published: str, computed: float, unit: str = "1", *, between: Bounds, note: str
+) -> Row:
+    """A published number that the toolkit does not give, for no reason that it could compute.
+
+    **Arguments:** as `differs`; `note` says what was tried.
+    """
+    return _bounded("unexplained", item, published, computed, unit, between, note)
+
+
+def not_comparable(
+    item: str, published: str, computed: float, unit: str = "1", *, between: Bounds, missing: str
+) -> Row:
+    """A published number that depends on data that the paper does not print.
+
+    **Arguments:** as `differs`; `missing` names them, and with what the computed number was made.
+    """
+    return _bounded("not comparable", item, published, computed, unit, between, missing)
+
+
+def fault(
+    item: str, published: str, computed: float, unit: str = "1", *, own: float, note: str
+) -> Row:
+    """A printed number that follows, to its digits, from a fault of the paper.
+
+    **Arguments:**
+
+    - `computed`: the number with the fault.
+    - `own`: the number of the toolkit's own model, another one.
+    - `note`: which fault.
+
+    **Raises:** `ValueError` if the toolkit gives the printed number as well.
+    """
+    row = number(item, published, computed, unit, note=note)
+    if abs(float(own) - float(published)) <= half_unit(published):
+        raise ValueError(f"{item}: the toolkit gives {own} too; that is reproduced, not a fault")
+    held: Verdict = "fault reproduced" if row.verdict == "reproduced" else "not reproduced"
+    return dataclasses.replace(row, verdict=held, own=float(own))
+
+
+def formula(
+    item: str,
+    value: str,
+    computed: float,
+    unit: str = "1",
+    *,
+    tolerance: float | None = None,
+    note: str,
+) -> Row:
+    """A formula of a paper or a textbook, evaluated here: no printed number, but a second way.
+
+    **Arguments:** as `number`; `value` is the formula's, to the digits that are compared.
+    """
+    row = number(item, value, computed, unit, tolerance=tolerance, note=note)
+    held: Verdict = "formula agrees" if row.verdict == "reproduced" else "not reproduced"
+    return dataclasses.replace(row, verdict=held)
+
+
+def consistent(
+    item: str,
+    published: str,
+    other: float,
+    unit: str = "1",
+    *,
+    tolerance: float | None = None,
+    note: str,
+) -> Row:
+    """Two statements of one paper that agree with each other; the toolkit has no part in them.
+
+    **Arguments:** as `number`; `other` follows from what else the paper prints.
+    """
+    row = number(item, published, other, unit, tolerance=tolerance, note=note)
+    held: Verdict = "paper consistent" if row.verdict == "reproduced" else "not reproduced"
+    return dataclasses.replace(row, verdict=held)
+
+
+def inconsistent(
+    item: str, published: str, other: float, unit: str = "1", *, between: Bounds, note: str
+) -> Row:
+    """Two statements of one paper that contradict each other; the toolkit has no part in them.
+
+    **Arguments:** as `consistent`; `between`: where `other` must stay.
+    """
+    return _bounded("paper inconsistent", item, published, other, unit, between, note)
