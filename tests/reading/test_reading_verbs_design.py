@@ -433,11 +433,20 @@ def test_sweep(run, monkeypatch, tmp_path):
 @reads("verb", "validate")
 def test_validate(run, monkeypatch):
     from prsm_jax import validation
-    from prsm_jax.validation._row import differs, number
+    from prsm_jax.validation import differs, number
 
     rows = [
         number("Table 1, pressure", "1539", 1539.4, "MPa", note="as printed"),
-        differs("Table 1, area", "12.5", 13.75, "mm²", because="another area"),
+        differs(
+            "Table 1, area",
+            "12.5",
+            13.75,
+            "mm²",
+            between=(13.6, 13.9),
+            because="another area",
+            evidence=12.47,
+            evidence_between=(12.4, 12.6),
+        ),
     ]
     monkeypatch.setattr(validation, "validate", lambda *_: rows)
     found, printed = run("validate")
@@ -449,12 +458,20 @@ def test_validate(run, monkeypatch):
     for row, values in zip(found["rows"], expected, strict=True):
         assert_json({k: row[k] for k in kept}, dict(zip(kept, values, strict=True)))
         assert row["source"] == ""
+    assert [row["bounds"] for row in found["rows"]] == [None, [13.6, 13.9]]
+    assert [row["evidence"] for row in found["rows"]] == [None, 12.47]
+    assert [row["evidence_bounds"] for row in found["rows"]] == [None, [12.4, 12.6]]
+    assert [row["tolerance"] for row in found["rows"]] == [pytest.approx(0.5), None]
+    assert [row["own"] for row in found["rows"]] == [None, None]
     cells = [" ".join(line) for line in printed.lines]
-    for item, published, computed, difference, verdict, *_ in expected:
+    for item, published, computed, difference, verdict, _, unit in expected:
         line = next(line for line in cells if item in line)
         for value in (published, computed):
             assert f"{value:g}" in line
         assert verdict in line
+        if unit == "mm²":
+            below = cells[cells.index(line) + 1]
+            assert "within 13.6 to 13.9 mm²; evidence 12.47, within 12.4 to 12.6" in below
         assert f"{100 * difference:.2g}"[:3] in line or f"{difference:.1e}"[:3] in line
 
 
