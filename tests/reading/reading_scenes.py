@@ -182,7 +182,7 @@ def loci() -> FrequencyLoci:
     """Two families over an angle; two torsional curves veer in the middle."""
     angle = jnp.linspace(0.6, 1.0, 21)
     away = jnp.sqrt((angle - 0.8) ** 2 + 1e-4)
-    torsional = jnp.stack([3e3 * (1 - away), 3e3 * (1 + away), 9e3 + 0 * away], axis=1)
+    torsional = jnp.stack([3e3 * (1 - away), 3e3 * (1 + away), 19e3 + 0 * away], axis=1)
     return FrequencyLoci(
         values=angle,
         frequencies={"torsional": torsional, "transverse": 1e3 * angle[:, None] ** 2},

@@ -16,7 +16,17 @@ import prsm_jax as prsm
 from prsm_jax.geometry import Finding, roller_clearance
 from prsm_jax.mechanism import body_mass, stage_mass
 from prsm_jax.quantities import find_quantity
-from prsm_jax.report import Change, Limit, Optimisation, ReportData, write_report
+from prsm_jax.report import (
+    Change,
+    Limit,
+    Optimisation,
+    ReportData,
+    _analysis_sections,
+    _design_sections,
+    _mechanism_section,
+    _strength_section,
+    write_report,
+)
 from prsm_jax.report._data import STRENGTH
 from prsm_jax.report._sections import report_sections
 
@@ -505,3 +515,81 @@ def test_stages_keep_their_numbers_apart(data):
     lead = next(row for row in mechanism.rows if row[0] == "lead")
     for cell, stage in zip(lead[1:], two.stages, strict=True):
         assert_reads(cell, (stage.thread.lead, "m", "whole"))
+
+
+_DRAWN_BY = {
+    _analysis_sections: (
+        "contact_ellipses", "frequency_chart", "history_chart", "loss_chart", "mode_shapes",
+        "power_flow_chart", "power_history_chart", "transient_chart",
+    ),
+    _design_sections: ("cross_section", "optimisation_chart", "sensitivity_bars"),
+    _mechanism_section: ("cross_section",),
+    _strength_section: (
+        "force_deflection_chart", "life_chart", "shaft_limits_chart", "thread_load_chart",
+    ),
+}  # fmt: skip
+
+
+def test_every_picture_is_of_its_part_of_the_data(data, monkeypatch):
+    """Charts have readers of their own; here which numbers each is given."""
+    for module, names in _DRAWN_BY.items():
+        for name in names:
+            keep = lambda *given, name=name, **more: (name, given, more)  # noqa: E731
+            monkeypatch.setattr(module, name, keep)
+    drawn = {p.name: p.draw() for section in report_sections(data) for p in section.pictures}
+    after, found = data.improved, data.optimisation
+
+    def given(picture, chart):
+        name, values, more = drawn.pop(picture)
+        assert name == chart
+        return [*values, *more.values()]
+
+    for picture, chart, part in (
+        ("contact_ellipses", "contact_ellipses", "contacts"),
+        ("frequencies", "frequency_chart", "modes"),
+        ("losses", "loss_chart", "steady"),
+    ):
+        (designs,) = given(picture, chart)
+        assert list(designs) == ["before", "after"]
+        for one, whole in zip(designs.values(), (data, after), strict=True):
+            wanted = getattr(whole, part)
+            assert one is (wanted[0] if isinstance(wanted, tuple) else wanted)
+    (flow,) = given("power_flow", "power_flow_chart")
+    assert flow.sources == {"motor": pytest.approx(float(data.forward.input_power))}
+    assert given("transient", "transient_chart") == [data.transient]
+    for picture, chart in (("histories", "history_chart"), ("powers", "power_history_chart")):
+        assert given(picture, chart) == [data.mechanism, data.transient]
+    energy, words = given("energy_flow", "power_flow_chart")
+    run = data.transient
+    work = float(np.trapezoid(run.drive_torque * run.screw_speed, run.time))
+    assert (energy.unit, energy.sources["motor"]) == ("J", pytest.approx(work))
+    assert words == "Energy flow of the whole transient"
+    (shared,) = given("thread_loads", "thread_load_chart")
+    assert shared is data.shared[0]
+    (curves,) = given("force_deflection", "force_deflection_chart")
+    assert list(curves.values()) == [data.deflections[0]]
+    capacity, spectrum, static = given("life", "life_chart")
+    assert capacity == float(data.strength["dynamic_capacity"][0])
+    assert static == float(data.strength["static_capacity"][0])
+    cycle = data.mechanism.duty_cycle
+    np.testing.assert_allclose(spectrum.load, cycle.load)
+    np.testing.assert_allclose(spectrum.turned_angle, np.abs(cycle.speed * cycle.duration))
+    stage, load, speed = given("shaft_limits", "shaft_limits_chart")
+    assert stage is data.mechanism.stages[0]
+    point = data.mechanism.operating_point
+    assert float(load) == max(float(abs(point.load)), float(np.abs(cycle.load).max()))
+    assert float(speed) == max(float(abs(point.speed)), float(np.abs(cycle.speed).max()))
+    quantities, parameters, elasticity = given("sensitivities", "sensitivity_bars")
+    assert (quantities, parameters) == (data.sensitivity.quantities, data.sensitivity.parameters)
+    np.testing.assert_allclose(elasticity[:2], data.sensitivity.elasticity[:2])
+    assert np.isnan(elasticity[2]).all()
+    history, limits, objective, unit, violations = given("optimisation", "optimisation_chart")
+    assert (history, limits) == (found.history, found.limits)
+    assert (objective, unit, violations) == ("efficiency", "1", found.violations)
+    designs, number = given("before_after", "cross_section")
+    assert list(designs) == ["Before", "After"]
+    assert number == 1
+    assert designs["After"] is after.mechanism
+    designs, number = given("cross_section", "cross_section")
+    assert list(designs.values()) == [data.mechanism]
+    assert drawn == {}
