@@ -19,6 +19,11 @@ class ThreadContactSide(eqx.Module):
     #: Axial stiffness of all engaged threads of one roller in parallel [N/m].
     roller_stiffness: Scalar
 
+    @property
+    def roller_tangent_stiffness(self) -> Scalar:
+        """As `roller_stiffness`, but dF/dδ, 3/2 of F/δ for a Hertz point [N/m]."""
+        return 1.5 * self.roller_stiffness
+
 
 class StageContact(eqx.Module):
     """Thread contacts of one stage: screw side and nut side."""

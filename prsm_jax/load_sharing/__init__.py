@@ -12,6 +12,7 @@ from ._distribution import (
     SideLoads as SideLoads,
     load_distribution as load_distribution,
     stage_load_distribution as stage_load_distribution,
+    stage_load_distributions as stage_load_distributions,
 )
 from ._equilibrium import Equilibrium as Equilibrium, equilibrium as equilibrium
 from ._flank_law import (

@@ -13,9 +13,11 @@ modelled this `wedge` of each class is an unknown too: it is what carries the pr
 nut on to the screw. With one flank it would change nothing, because a roller is free axially.
 """
 
+from collections.abc import Callable
 from typing import Literal, NamedTuple, TypeAlias
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -36,6 +38,35 @@ class Teeth(NamedTuple):
     #: Force on both flanks together, and the difference of their slopes [N, N/m].
     press: Float[Array, "classes threads"] | None = None
     lean: Float[Array, "classes threads"] | None = None
+
+
+#: Force and slope of one kind of flanks; forces on forward and reverse flanks of one side.
+Law: TypeAlias = tuple[Array, Array]
+Loads: TypeAlias = tuple[Array, Array | None]
+
+
+class Pressed(NamedTuple):
+    """Flanks at an approach, with their compliances."""
+
+    approach: Float[Array, "classes threads"]
+    hertz: Float[Array, "classes #threads"] | None
+    tooth: Float[Array, "classes #threads"] | None
+
+
+def _once(law: Callable, flanks: list[Pressed]) -> list:
+    """A law of several flanks, written out once where they have the same compliances."""
+    kinds = {(one.hertz is None, one.tooth is None) for one in flanks}
+    if len(kinds) > 1:
+        return [law(*one) for one in flanks]
+    like = flanks[0].approach.shape
+
+    def side_by_side(values):
+        if values[0] is None:
+            return None
+        return jnp.stack([jnp.broadcast_to(value, like) for value in values])
+
+    found = law(*map(side_by_side, zip(*flanks, strict=True)))
+    return [jax.tree.map(lambda x, k=k: x[k], found) for k in range(len(flanks))]
 
 
 def _apart(wedge: Float[Array, " classes"] | None):
@@ -80,21 +111,27 @@ class Flanks(eqx.Module):
             return load, None
         return load, flank_force(reverse, self.hertz, self.tooth)
 
-    def teeth(self, approach: Float[Array, "classes threads"], apart, film: Scalar) -> Teeth:
-        """Forces and slopes, for the search."""
-        forward, reverse = self._approaches(approach, apart)
-        force, slope = flank_force_and_slope(forward, self.hertz, self.tooth)
+    def pressed(self, approach: Float[Array, "classes threads"], apart) -> list[Pressed]:
+        """The flanks that are modelled: forward, then reverse."""
+        found = self._approaches(approach, apart)
+        return [Pressed(one, self.hertz, self.tooth) for one in found if one is not None]
+
+    def teeth(
+        self, approach: Float[Array, "classes threads"], film: Scalar, laws: list[Law]
+    ) -> Teeth:
+        """Forces and slopes, for the search, from those of the flanks in `pressed`."""
         held = film * (approach - self.centre)
-        if reverse is None:
+        force, slope = laws[0]
+        if len(laws) == 1:
             return Teeth(force + held, slope + film)
-        back, back_slope = flank_force_and_slope(reverse, self.hertz, self.tooth)
+        back, back_slope = laws[1]
         return Teeth(
             force - back + held, slope + back_slope + film, force + back, slope - back_slope
         )
 
-    def force(self, approach: Float[Array, "classes threads"], apart, film: Scalar) -> Teeth:
-        """Forces with derivatives to everything; slopes are left out."""
-        forward, reverse = self.loads(approach, apart)
+    def force(self, approach: Float[Array, "classes threads"], film: Scalar, loads: Loads) -> Teeth:
+        """Forces with derivatives to everything, from those of `flank_loads`; without slopes."""
+        forward, reverse = loads
         held = film * (approach - self.centre)
         if reverse is None:
             return Teeth(forward + held, forward)
@@ -183,9 +220,26 @@ def deflection_of(chains: Chains, state: State, load: Scalar, offset: Scalar) ->
 def forces_and_slopes(chains: Chains, state: State) -> tuple[Teeth, Teeth]:
     """Forces and slopes of all teeth of one roller per class: screw side, then nut side."""
     apart = _apart(state.wedge)
-    screw = chains.screw.teeth(state.screw_approach, apart, chains.film)
-    nut = chains.nut.teeth(state.nut_approach, -apart, chains.film)
-    return screw, nut
+    screw = chains.screw.pressed(state.screw_approach, apart)
+    nut = chains.nut.pressed(state.nut_approach, -apart)
+    laws = _once(flank_force_and_slope, [*screw, *nut])
+    return (
+        chains.screw.teeth(state.screw_approach, chains.film, laws[: len(screw)]),
+        chains.nut.teeth(state.nut_approach, chains.film, laws[len(screw) :]),
+    )
+
+
+def flank_loads(chains: Chains, state: State) -> tuple[Loads, Loads]:
+    """Forces on forward and reverse flanks, screw side and nut side, differentiable [N]."""
+    apart = _apart(state.wedge)
+    screw = chains.screw.pressed(state.screw_approach, apart)
+    nut = chains.nut.pressed(state.nut_approach, -apart)
+    found = _once(flank_force, [*screw, *nut])
+
+    def of_side(forces: list[Array]) -> Loads:
+        return forces[0], forces[1] if len(forces) > 1 else None
+
+    return of_side(found[: len(screw)]), of_side(found[len(screw) :])
 
 
 def balance(
@@ -246,9 +300,9 @@ def _differences(cumulated: Float[Array, "... segments"], last: Scalar):
 @physics("thread_chains")
 def residual(chains: Chains, state: State, control: Control, value: Scalar) -> State:
     """`balance` with the forces of the flanks, differentiable in everything."""
-    apart = _apart(state.wedge)
-    screw = chains.screw.force(state.screw_approach, apart, chains.film)
-    nut = chains.nut.force(state.nut_approach, -apart, chains.film)
+    on_screw, on_nut = flank_loads(chains, state)
+    screw = chains.screw.force(state.screw_approach, chains.film, on_screw)
+    nut = chains.nut.force(state.nut_approach, chains.film, on_nut)
     return balance(chains, state, control, value, screw, nut)
 
 

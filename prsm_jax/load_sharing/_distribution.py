@@ -14,12 +14,14 @@ from ._chains import (
     Chains,
     Control,
     Flanks,
+    Loads,
     State,
     deflection_of,
+    flank_loads,
     load_and_offset,
     stored_energy,
 )
-from ._equilibrium import Equilibrium, equilibrium, response
+from ._equilibrium import Equilibrium, equilibrium, linear_response
 from ._ladder import control_column
 from ._stage_chains import StageChains, sharing_of, stage_chains, with_units_of
 from ._unloaded import ElasticDeflection, elastic_deflection
@@ -45,6 +47,8 @@ class SideLoads(eqx.Module):
     weight: Float[Array, " classes"]
     #: A typical force on one thread [N], which tells a load from rounding; `None` if not known.
     force_unit: Scalar | None = None
+    #: As `stiffness`, but tangent [N/m]; `None` if not known.
+    tangent: Float[Array, " classes"] | None = None
 
     @property
     def thread_load(self) -> Float[Array, "classes threads"]:
@@ -65,6 +69,12 @@ class SideLoads(eqx.Module):
         `stiffness`.
         """
         return self.stiffness[0]
+
+    @property
+    def roller_tangent_stiffness(self) -> Scalar:
+        """As `roller_stiffness`, but tangent [N/m]."""
+        assert self.tangent is not None
+        return self.tangent[0]
 
     @property
     def thread_sharing_factor(self) -> Scalar:
@@ -166,45 +176,43 @@ def _positive_root(value: Array) -> Array:
     return jnp.where(loaded, jnp.cbrt(jnp.where(loaded, value, 1.0)), 0.0)
 
 
-def _stiffness(force: Array, flanks: Flanks) -> Array:
-    """Secant stiffness f/δ of each thread; 0 without load."""
+def _stiffness(force: Array, flanks: Flanks, hertz_share: float = 1.0) -> Array:
+    """Secant stiffness f/δ of each thread; with 2/3 of Hertz its tangent; 0 without load."""
     root = _positive_root(force)
     assert flanks.hertz is not None
-    soft = flanks.hertz if flanks.tooth is None else flanks.hertz + flanks.tooth * root
-    return root / soft
+    soft = hertz_share * flanks.hertz
+    return root / (soft if flanks.tooth is None else soft + flanks.tooth * root)
 
 
-def _side(whole: StageChains, side: Literal["screw", "nut"], state: State) -> SideLoads:
+def _side(whole: StageChains, side: Literal["screw", "nut"], loads: Loads) -> SideLoads:
     flanks: Flanks = getattr(whole.chains, side)
-    wedge = 0.0 if state.wedge is None else state.wedge[:, None]
-    if side == "screw":
-        forward, reverse = flanks.loads(state.screw_approach, wedge)
-    else:
-        forward, reverse = flanks.loads(state.nut_approach, -wedge)
+    forward, reverse = loads
     unit, normal = getattr(whole, f"{side}_unit_contact"), getattr(whole, f"{side}_normal")
-    stiffness = _stiffness(forward, flanks)
+    stiffness, tangent = _stiffness(forward, flanks), _stiffness(forward, flanks, 2 / 3)
     largest = forward
     if reverse is not None:
         stiffness = stiffness + _stiffness(reverse, flanks)
+        tangent = tangent + _stiffness(reverse, flanks, 2 / 3)
         largest = jnp.maximum(forward, reverse)
     return SideLoads(
         forward=forward,
         reverse=reverse,
         max_pressure=unit.max_pressure * _positive_root(largest * normal),
         stiffness=jnp.sum(stiffness, axis=1),
+        tangent=jnp.sum(tangent, axis=1),
         weight=whole.chains.weight,
         force_unit=whole.chains.force_unit,
     )
 
 
-def tangent_stiffness(chains: Chains, state: State, load: Scalar) -> Scalar:
+def tangent_stiffness(chains: Chains, state: State) -> Scalar:
     """Stiffness between the ends where screw and nut are loaded, dF/dx [N/m]."""
     column = control_column(chains, state, "deflection")
     unloaded = None if state.wedge is None else jnp.zeros_like(state.wedge)
     right = eqx.tree_at(
         lambda s: (s.wedge, s.control), column, (unloaded, None), is_leaf=lambda x: x is None
     )
-    change = response(chains, state, "load", load, jax.tree.map(jnp.negative, right))
+    change = linear_response(chains, state, jax.tree.map(jnp.negative, right))
     pairs = zip(jax.tree.leaves(right), jax.tree.leaves(change), strict=True)
     own = jnp.asarray(column.control)
     return -1 / sum((jnp.sum(a * b) for a, b in pairs), own)
@@ -239,12 +247,13 @@ def balanced(whole: StageChains, value: Scalar, control: Control = "load") -> Lo
             spacer = spacer - load
     whole = eqx.tree_at(lambda w: w.chains, whole, chains)
     free = eqx.tree_at(lambda s: s.control, state, None, is_leaf=lambda x: x is None)
+    on_screw, on_nut = flank_loads(chains, state)
     return LoadDistribution(
-        screw=_side(whole, "screw", state),
-        nut=_side(whole, "nut", state),
+        screw=_side(whole, "screw", on_screw),
+        nut=_side(whole, "nut", on_nut),
         load=load,
         deflection=deflection_of(chains, state, load, offset),
-        tangent_stiffness=tangent_stiffness(chains, free, load),
+        tangent_stiffness=tangent_stiffness(chains, free),
         spacer_force=spacer,
         chains=chains,
         equilibrium=found,
@@ -270,6 +279,29 @@ def stage_load_distribution(
     if not sharing_of(stage).has_reverse_flanks:
         load = jnp.abs(load)
     return balanced(braced(stage_chains(stage, meshing), stage), load)
+
+
+def stage_load_distributions(
+    stage: Stage, loads: list[Scalar], meshing: Meshing | None = None
+) -> list[LoadDistribution]:
+    """`stage_load_distribution` for several loads, in one program that is as large as that of one.
+
+    **Arguments:**
+
+    - `stage`: the stage; needs `load_sharing`, materials, and sections or segment stiffnesses.
+    - `loads`: axial loads [N].
+    - `meshing`: its meshing, if known already.
+
+    **Raises:** `MissingDataError` if data are missing.
+    """
+    if len(loads) == 1:
+        return [stage_load_distribution(stage, loads[0], meshing)]
+    values = jnp.stack(loads)
+    if not sharing_of(stage).has_reverse_flanks:
+        values = jnp.abs(values)
+    whole = braced(stage_chains(stage, meshing), stage)
+    found = jax.vmap(lambda load: balanced(whole, load))(values)
+    return [jax.tree.map(lambda leaf, k=k: leaf[k], found) for k in range(len(loads))]
 
 
 def load_distribution(

@@ -83,8 +83,11 @@ def _energy_slope(left: State, step: State) -> Scalar:
     return along + jnp.sum(left.wedge * step.wedge)
 
 
-def _start(chains: Chains, control: Control, value: Scalar) -> State:
-    """Balance of a network of linear springs that hold both ways, of a typical stiffness."""
+def _start(chains: Chains, control: Control, value: Scalar) -> _Point:
+    """No travel, with linear springs that hold both ways in place of the teeth.
+
+    The first step from here leads to their balance.
+    """
     zero = jnp.zeros_like(value)
     count = chains.screw.gap.shape[1]
     classes = chains.weight.shape[0]
@@ -108,13 +111,7 @@ def _start(chains: Chains, control: Control, value: Scalar) -> State:
         return Teeth(-stiffness * centre, stiffness, even, even)
 
     screw, nut = spring(chains.screw), spring(chains.nut)
-    left = balance(chains, nothing, control, value, screw, nut)
-    right = jax.tree.map(jnp.negative, left)
-    return _moved(
-        nothing,
-        solve_linear(chains, (screw, nut), control, right),
-        jnp.ones_like(value),
-    )
+    return _Point(nothing, screw, nut, balance(chains, nothing, control, value, screw, nut))
 
 
 def _error(chains: Chains, point: _Point) -> Scalar:
@@ -167,8 +164,7 @@ def _magnitude(flanks, approach):
 
 
 def _largest(arrays) -> Scalar:
-    sizes = [jnp.max(jnp.abs(array), initial=0.0) for array in arrays]
-    return jnp.max(jnp.stack(sizes))
+    return jnp.max(jnp.abs(jnp.concatenate([jnp.ravel(array) for array in arrays])), initial=0.0)
 
 
 def _cut(
@@ -190,13 +186,16 @@ def _cut(
     def goes_on(carry):
         _, slope, lower, upper, _, count = carry
         outside = (slope > _SLOPE_LEFT * jnp.abs(first)) | (
-            (slope < -_SLOPE_LEFT * jnp.abs(first)) & (count > 0)
+            (slope < -_SLOPE_LEFT * jnp.abs(first)) & (count > 1)
         )
         apart = upper[0] > lower[0]
-        return worthwhile & outside & (first < 0) & (count < _MOST_CUTS) & apart
+        further = worthwhile & outside & (first < 0) & (count <= _MOST_CUTS) & apart
+        # The whole step is one turn of the loop, so that forces are written out only once.
+        return (count == 0) | further
 
     def closer(carry):
-        _, slope, lower, upper, share, count = carry
+        _, _, lower, upper, share, count = carry
+        point, slope = at(share)
         right = slope > 0
         lower = jax.tree.map(lambda a, b: jnp.where(right, a, b), lower, (share, slope))
         upper = jax.tree.map(lambda a, b: jnp.where(right, b, a), upper, (share, slope))
@@ -205,22 +204,19 @@ def _cut(
         # A tooth that has just closed is stiffer by orders than the film: search by decades too.
         half = jnp.where(low > 0, (low + high) / 2, high / 10)
         share = jnp.where(count % 2 == 0, secant, half)
-        point, slope = at(share)
         return point, slope, lower, upper, share, count + 1
 
-    point, slope = at(one)
-    carry = (point, slope, (jnp.zeros_like(one), first), (one, slope), one, 0)
+    carry = (start, first, (jnp.zeros_like(one), first), (one, first), one, 0)
     return jax.lax.while_loop(goes_on, closer, carry)[0]
 
 
 def _search(
     chains: Chains, control: Control, value: Scalar, tolerance: float, max_steps: int
 ) -> tuple[State, Scalar, Scalar]:
-    first = _point(chains, _start(chains, control, value), control, value)
-
     def goes_on(carry):
         _, error, count = carry
-        return (error > tolerance) & (count < max_steps)
+        # The first step leads from springs to teeth.
+        return (error > tolerance) & (count <= max_steps)
 
     def step(carry):
         point, error, count = carry
@@ -228,12 +224,14 @@ def _search(
         change = solve_linear(chains, (point.screw, point.nut), control, right)
         # Where all but rounding is in balance a cut would chase noise, and in a batch hold up all.
         worthwhile = error > jnp.maximum(tolerance, 1e3 * default_tolerance(value.dtype))
+        worthwhile = worthwhile & (count > 0)
         point = _cut(chains, point, change, control, value, worthwhile)
         return point, _error(chains, point), count + 1
 
-    carry = (first, _error(chains, first), jnp.zeros_like(value))
+    start = _start(chains, control, value)
+    carry = (start, jnp.full_like(value, jnp.inf), jnp.zeros_like(value))
     point, error, count = jax.lax.while_loop(goes_on, step, carry)
-    return point.state, error, count
+    return point.state, error, count - 1
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1, 2))
@@ -270,6 +268,31 @@ def response(chains: Chains, state: State, control: Control, value: Scalar, righ
         return ravel_pytree(solve_linear(chains, teeth, control, whole(vector)))[0]
 
     return whole(jax.lax.custom_linear_solve(linear, flat, solve, symmetric=True))
+
+
+@jax.custom_jvp
+def linear_response(chains: Chains, state: State, right: State) -> State:
+    """Change of the unknowns at a prescribed load for a right-hand side A x = y.
+
+    Differentiable in everything: A dx = dy − dA x. What differentiation needs is traced only where
+    there is any.
+    """
+    return solve_linear(chains, forces_and_slopes(chains, state), "load", right)
+
+
+@linear_response.defjvp
+def _linear_response_jvp(primals, tangents):
+    chains, state, right = primals
+    found = linear_response(chains, state, right)
+    # A does not depend on the load itself.
+    load = jnp.zeros_like(chains.film)
+
+    def along(chains, state):
+        return jax.jvp(lambda s: residual(chains, s, "load", load), (state,), (found,))[1]
+
+    _, turned = jax.jvp(along, (chains, state), tangents[:2])
+    moved = jax.tree.map(lambda a, b: a - b, tangents[2], turned)
+    return found, response(chains, state, "load", load, moved)
 
 
 def equilibrium(

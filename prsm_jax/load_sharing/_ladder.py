@@ -47,18 +47,6 @@ class _Numbers:
         return [*rows, [*(-b for b in nut), sum(nut[1:], nut[0])]]
 
     @staticmethod
-    def split(values):
-        return [values[i] for i in range(values.shape[0])]
-
-    @staticmethod
-    def zero(size, like):
-        return [[jnp.zeros_like(like)] * size for _ in range(size)]
-
-    @staticmethod
-    def zeros(size, like):
-        return [jnp.zeros_like(like)] * size
-
-    @staticmethod
     def plus(first, second):
         return [
             [a + b for a, b in zip(x, y, strict=True)] for x, y in zip(first, second, strict=True)
@@ -117,60 +105,56 @@ def _columns(per_class: Float[Array, "classes n"], last: Float[Array, " n"]):
     return jnp.concatenate([per_class, last[None, :]], axis=0).T
 
 
+def _numbers(per_class: list[list[Array]], last: list[Array]) -> list[Array]:
+    """(d₁ …, D) of several right-hand sides, number by number [n, rights]."""
+    return [jnp.stack(values, axis=-1) for values in (*zip(*per_class, strict=True), last)]
+
+
 def _eliminate(chains: Chains, teeth: tuple[Teeth, Teeth], rights: list[State]) -> list[State]:
     """Solve K Δq_i − ΔQ_i + ΔQ_{i−1} = y_i, Δq_{i+1} − Δq_i − C ΔQ_i = z_i without control."""
     screw, nut = (chains.weight[:, None] * side.slope for side in teeth)
     size = screw.shape[0] + 1
     if size > _LARGEST:
         return _eliminate_wide(chains, screw, nut, rights)
-    gamma = _columns(chains.roller_segment[None, :] / chains.weight[:, None], chains.nut_segment)
-    forces = [_columns(right.screw_approach, right.approach) for right in rights]
-    meshes = [_columns(right.roller_force, right.nut_force) for right in rights]
-    like = screw[0, 0]
+    gamma = [chains.roller_segment / weight for weight in chains.weight] + [chains.nut_segment]
+    # A number of each right-hand side lies beside those of the others, so that all of them are
+    # written out once.
+    forces = _numbers(
+        [list(one.screw_approach) for one in rights], [one.approach for one in rights]
+    )
+    meshes = _numbers([list(one.roller_force) for one in rights], [one.nut_force for one in rights])
+    nothing = jnp.zeros_like(forces[0][0]), jnp.zeros_like(screw[0, 0])
 
-    def joined(below, screw_row, nut_row, force_rows):
-        matrix, carried = below
-        matrix = _Numbers.plus(
-            _Numbers.thread(_Numbers.split(screw_row), _Numbers.split(nut_row)), matrix
-        )
-        return matrix, [
-            _Numbers.less(one, _Numbers.split(row))
-            for one, row in zip(carried, force_rows, strict=True)
-        ]
+    def joined(below, thread):
+        (matrix, carried), (screw_row, nut_row, force) = below, thread
+        matrix = _Numbers.plus(_Numbers.thread(screw_row, nut_row), matrix)
+        return matrix, _Numbers.less(carried, force)
 
-    def up(below, thread):
-        screw_row, nut_row, force_rows, mesh_rows, gamma_row, segment = thread
-        matrix, carried = joined(below, screw_row, nut_row, force_rows)
-        inverse, reduced = _Numbers.series(matrix, _Numbers.split(gamma_row), segment)
-        above = [
-            _Numbers.times_transposed(
-                inverse, _Numbers.less(one, _Numbers.times(matrix, _Numbers.split(row)))
-            )
-            for one, row in zip(carried, mesh_rows, strict=True)
-        ]
-        return (reduced, above), (matrix, inverse, carried)
+    def up(below, given):
+        thread, mesh, gamma_row, segment = given
+        matrix, carried = joined(below, thread)
+        inverse, reduced = _Numbers.series(matrix, gamma_row, segment)
+        above = _Numbers.less(carried, _Numbers.times(matrix, mesh))
+        return (reduced, _Numbers.times_transposed(inverse, above)), (matrix, inverse, carried)
 
-    def down(above, thread):
-        (matrix, inverse, carried), mesh_rows, gamma_row, segment = thread
-        changes, inner = [], []
-        for one, row, change in zip(carried, mesh_rows, above, strict=True):
-            along = _Numbers.along(_Numbers.split(gamma_row), segment, one)
-            here = _Numbers.times(
-                inverse, _Numbers.less(_Numbers.less(change, _Numbers.split(row)), along)
-            )
-            changes.append(here)
-            inner.append(_Numbers.add(_Numbers.times(matrix, here), one))
-        return changes, (changes, inner)
+    def down(above, given):
+        (matrix, inverse, carried), mesh, gamma_row, segment = given
+        along = _Numbers.along(gamma_row, segment, carried)
+        here = _Numbers.times(inverse, _Numbers.less(_Numbers.less(above, mesh), along))
+        return here, (here, _Numbers.add(_Numbers.times(matrix, here), carried))
 
-    nothing = (_Numbers.zero(size, like), [_Numbers.zeros(size, like) for _ in rights])
-    segments = (gamma, chains.screw_segment)
-    rows = (screw.T[:-1], nut.T[:-1], [force[:-1] for force in forces], meshes, *segments)
-    below, kept = jax.lax.scan(up, nothing, rows)
-    matrix, carried = joined(below, screw[:, -1], nut[:, -1], [force[-1] for force in forces])
-    last = [_Numbers.solve(matrix, [-x for x in one]) for one in carried]
-    _, (changes, inner) = jax.lax.scan(down, last, (kept, meshes, *segments), reverse=True)
+    threads = list(screw), list(nut), forces
+    segments = meshes, gamma, chains.screw_segment
+    start = [[nothing[1]] * size] * size, [nothing[0]] * size
+    below, kept = jax.lax.scan(up, start, (jax.tree.map(lambda x: x[:-1], threads), *segments))
+    matrix, carried = joined(below, jax.tree.map(lambda x: x[-1], threads))
+    last = _Numbers.solve(matrix, [-x for x in carried])
+    _, (changes, inner) = jax.lax.scan(down, last, (kept, *segments), reverse=True)
+    whole = [jnp.concatenate([a, b[None]]) for a, b in zip(changes, last, strict=True)]
+    approaches, shafts = jnp.stack(whole), jnp.stack(inner)
     return [
-        _state(change, end, force) for change, end, force in zip(changes, last, inner, strict=True)
+        State(approaches[:-1, :, k], approaches[-1, :, k], shafts[:-1, :, k], shafts[-1, :, k])
+        for k in range(len(rights))
     ]
 
 
@@ -189,12 +173,6 @@ def _eliminate_wide(chains: Chains, screw: Array, nut: Array, rights: list[State
         )
         for i in range(len(rights))
     ]
-
-
-def _state(changes, last, inner) -> State:
-    changes, last, inner = jnp.stack(changes), jnp.stack(last), jnp.stack(inner)
-    whole = jnp.concatenate([changes, last[:, None]], axis=1)
-    return State(whole[:-1], whole[-1], inner[:-1], inner[-1])
 
 
 def control_column(chains: Chains, state: State, control: Control) -> State:

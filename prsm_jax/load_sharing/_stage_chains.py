@@ -113,18 +113,21 @@ def tooth_compliances(stage: Stage) -> dict[str, ToothCompliance] | None:
     }
 
 
-def _tooth(stage: Stage, body: str) -> Scalar:
-    """Compliance of one tooth of a body under one contact [m/N]."""
+def _teeth(stage: Stage) -> dict[str, Scalar] | None:
+    """Compliance of one tooth of each body under one contact [m/N], where teeth are given."""
     compliances, tooth = tooth_compliances(stage), sharing_of(stage).tooth
-    assert compliances is not None
-    assert tooth is not None
-    found = compliances[body]
-    spread = tooth.radial_length
-    if spread is None:
-        # Each turn of a ring bears one contact per roller, each turn of a roller one per side.
-        sharers = 1 if body == "roller" else stage.present_roller_count
-        spread = 2 * jnp.pi * getattr(stage.thread, f"{body}_radius") / sharers
-    return (found.total - found.radial) / tooth.effective_length + found.radial / spread
+    if compliances is None or tooth is None:
+        return None
+    teeth = {}
+    for body, found in compliances.items():
+        spread = tooth.radial_length
+        if spread is None:
+            # Each turn of a ring bears one contact per roller, each turn of a roller one per side.
+            sharers = 1 if body == "roller" else stage.present_roller_count
+            spread = 2 * jnp.pi * getattr(stage.thread, f"{body}_radius") / sharers
+        own = (found.total - found.radial) / tooth.effective_length
+        teeth[body] = own + found.radial / spread
+    return teeth
 
 
 def _sum(terms: list[Array | None], count: int, dtype) -> Float[Array, " threads"]:
@@ -139,7 +142,14 @@ def _negative(values: Array | None) -> Array | None:
     return None if values is None else -values
 
 
-def _flanks(stage: Stage, side: str, unit: HertzContact, frame: ContactFrame, rollers) -> Flanks:
+def _flanks(
+    stage: Stage,
+    side: str,
+    unit: HertzContact,
+    frame: ContactFrame,
+    rollers,
+    teeth: dict[str, Scalar] | None,
+) -> Flanks:
     """Gaps and compliances of one side, a row per class."""
     sharing, dtype = sharing_of(stage), stage.thread.lead.dtype
     count = sharing.thread_count
@@ -167,10 +177,7 @@ def _flanks(stage: Stage, side: str, unit: HertzContact, frame: ContactFrame, ro
         play = jnp.zeros((), dtype) if sharing.backlash is None else sharing.backlash / 2
         reverse = (play - shift + relief)[None, :] + thinner
     hertz = unit.approach * frame.normal_per_axial ** (5 / 3)
-    tooth = None
-    if sharing.tooth is not None:
-        behind_tooth, ahead_tooth = (_tooth(stage, body) for body in bodies)
-        tooth = behind_tooth + ahead_tooth
+    tooth = None if teeth is None else teeth[bodies[0]] + teeth[bodies[1]]
     factor = per_class("stiffness_factor", 1.0)
     if factor is None:
         factor = jnp.ones((classes, 1), dtype)
@@ -206,9 +213,10 @@ def with_units(
             span = jnp.maximum(span, jnp.max(jnp.abs(play)))
             reach = jnp.maximum(reach, -jnp.min(play) / 2)
     force = (jnp.abs(load) + jnp.abs(preload)) / (jnp.sum(chains.weight) * count)
-    for side in sides:
-        pressed = jnp.broadcast_to(reach, (*chains.weight.shape, 1))
-        force = force + jnp.mean(flank_force(pressed, side.hertz, side.tooth)) / 2
+    if deflection is not zero or chains.offset is not None or sides[0].reverse_gap is not None:
+        for side in sides:
+            pressed = jnp.broadcast_to(reach, (*chains.weight.shape, 1))
+            force = force + jnp.mean(flank_force(pressed, side.hertz, side.tooth)) / 2
     force = jnp.where(force > 0, force, 1.0)
     length = zero
     for side in sides:
@@ -244,14 +252,14 @@ def stage_chains(stage: Stage, meshing: Meshing | None = None) -> StageChains:
         meshing = mesh(stage.thread)
     frames = contact_frames(stage.thread, meshing, stage.curvature)
     rollers = roller_classes(stage)
-    units, flanks = [], []
+    units, flanks, teeth = [], [], _teeth(stage)
     for side, frame in zip(("screw", "nut"), frames, strict=True):
         modulus = contact_modulus(material_of(stage, "roller"), material_of(stage, side))
         curvature = frame.curvature
         one = jnp.ones((), dtype)
         unit = hertz_contact(one, curvature.total, curvature.difference_squared, modulus)
         units.append(unit)
-        flanks.append(_flanks(stage, side, unit, frame, rollers))
+        flanks.append(_flanks(stage, side, unit, frame, rollers, teeth))
     segments = (sharing.thread_count - 1,)
     compliances = {
         body: jnp.broadcast_to(value, segments)

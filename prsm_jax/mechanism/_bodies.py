@@ -25,6 +25,9 @@ class Support(eqx.Module):
     radial_stiffness_y: Scalar | None = optional_number(
         "N/m", "bending stiffness in y where it differs from that in x (radial_stiffness)"
     )
+    axial_stiffness: Scalar | None = optional_number(
+        "N/m", "axial stiffness: of the screw's thrust bearing, or of what holds the nut"
+    )
 
     def __check_init__(self):
         if self.radial_stiffness_y is not None and self.radial_stiffness is None:

@@ -21,6 +21,7 @@ def _outputs(given: tuple, position: Float[Array, " variables"]):
     # A design whose threads do not mesh is none, whatever the quantities asked for.
     for stage in analysis.kinematics:
         analysis.require(stage.meshing.converged)
+    analysis.expect(load for name in quantities for load in find_quantity(name).shares)
     found = [jnp.ravel(find_quantity(name).function(analysis)) for name in quantities]
     return jnp.concatenate(found), analysis.valid
 

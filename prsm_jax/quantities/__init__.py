@@ -4,6 +4,7 @@ A quantity of your own is one function of an `Analysis` under the `quantity` dec
 """
 
 from . import (
+    _axial_stiffness as _axial_stiffness,
     _contact as _contact,
     _dimensions as _dimensions,
     _load_sharing as _load_sharing,

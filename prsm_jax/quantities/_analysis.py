@@ -1,6 +1,7 @@
 """One analysis of a mechanism, evaluated piece by piece as quantities ask for it."""
 
-from collections.abc import Callable
+import contextlib
+from collections.abc import Callable, Iterable
 from functools import cached_property
 from typing import Any, Literal, TypeAlias, TypeVar
 
@@ -20,7 +21,7 @@ from ..contact import (
 )
 from ..dynamics import StageKinematics, SteadyState, all_kinematics, steady_state
 from ..geometry import Meshing
-from ..load_sharing import LoadDistribution, stage_load_distribution
+from ..load_sharing import LoadDistribution, stage_load_distributions
 from ..mechanism import Mechanism, Scalar, Stage, material_of
 from ..modal import (
     ModeGroup,
@@ -75,6 +76,7 @@ class Analysis:
         self._speed, self._load = speed, load
         self._flags: list[Bool[Array, ""]] = []
         self._distributions: dict[tuple[int, SharedLoad], LoadDistribution] = {}
+        self._expected: tuple[SharedLoad, ...] = ()
         self._once: dict[tuple[str, int], Any] = {}
 
     def require(self, flag: Bool[Array, ""]) -> None:
@@ -246,6 +248,14 @@ class Analysis:
             for index, stage in enumerate(self.mechanism.stages)
         )
 
+    @cached_property
+    def tangent_threads(self) -> tuple[ThreadStiffness, ...]:
+        """As `threads`, of a small further load."""
+        return tuple(
+            thread_stiffness(stage, lambda index=index: self._loaded(index), tangent=True)
+            for index, stage in enumerate(self.mechanism.stages)
+        )
+
     def _loaded(self, index: int) -> StageContact | LoadDistribution:
         """The threads of a stage under load, as the stage says that they share it."""
         if self.mechanism.stages[index].load_sharing is not None:
@@ -257,11 +267,21 @@ class Analysis:
         stage = self.mechanism.stages[index]
         key = index, self._alike(stage, under)
         if key not in self._distributions:
-            load = self._shared_load(stage, key[1])
-            found = stage_load_distribution(stage, load, self.meshing(index))
-            self._distributions[key] = found
-            self.require(found.converged)
+            loads = {key[1]: self._shared_load(stage, key[1])}
+            # Those that will be asked for as well, in one program.
+            for one in (self._alike(stage, expected) for expected in self._expected):
+                if one not in loads and (index, one) not in self._distributions:
+                    with contextlib.suppress(MissingDataError):
+                        loads[one] = self._shared_load(stage, one)
+            found = stage_load_distributions(stage, list(loads.values()), self.meshing(index))
+            for one, distribution in zip(loads, found, strict=True):
+                self._distributions[index, one] = distribution
+                self.require(distribution.converged)
         return self._distributions[key]
+
+    def expect(self, loads: Iterable[SharedLoad]) -> None:
+        """Say under which loads `distribution` will be asked for, so that all are found at once."""
+        self._expected = tuple(dict.fromkeys((*self._expected, *loads)))
 
     def _alike(self, stage: Stage, under: SharedLoad) -> SharedLoad:
         """The first of the loads that are one by structure: no distribution is traced twice."""

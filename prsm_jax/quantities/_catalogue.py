@@ -11,7 +11,7 @@ from jaxtyping import Array, Bool
 
 from .._errors import MissingDataError, UnknownNameError, closest
 from ..mechanism import Mechanism, Scalar
-from ._analysis import Analysis
+from ._analysis import Analysis, SharedLoad
 from ._assumptions import known_assumption, sentences
 
 
@@ -20,7 +20,8 @@ class Quantity:
     """A quantity with its name, symbol, SI unit, description and function of an `Analysis`.
 
     `dimensions` names the axes of its value: none for a number, `stage` or `mode` for an array;
-    `assumes` what its value may rest on (see `assumptions`).
+    `assumes` what its value may rest on (see `assumptions`), `shares` under which loads it asks how
+    threads share, where a stage says so.
     """
 
     name: str
@@ -30,6 +31,7 @@ class Quantity:
     function: Callable[[Analysis], Array]
     dimensions: tuple[str, ...] = ()
     assumes: tuple[str, ...] = ()
+    shares: tuple[SharedLoad, ...] = ()
 
 
 _CATALOGUE: dict[str, Quantity] = {}
@@ -43,6 +45,7 @@ def quantity(
     dimensions: tuple[str, ...] = (),
     *,
     assumes: tuple[str, ...] = (),
+    shares: tuple[SharedLoad, ...] = (),
 ) -> Callable[[Callable[[Analysis], Array]], Callable[[Analysis], Array]]:
     """Add a function of an `Analysis` to the catalogue; the way to add a quantity of your own.
 
@@ -50,6 +53,8 @@ def quantity(
 
     - `name`, `symbol`, `unit`, `description`, `dimensions`: as in `Quantity`.
     - `assumes`: names of assumptions that its value may rest on.
+    - `shares`: loads under which it asks `Analysis.distribution`; said here, one program finds all
+      of those that several quantities ask for.
 
     **Raises:** `ValueError` if the name is taken, or an assumption is not known.
     """
@@ -58,7 +63,9 @@ def quantity(
     def register(function: Callable[[Analysis], Array]) -> Callable[[Analysis], Array]:
         if name in _CATALOGUE:
             raise ValueError(f"the quantity {name!r} exists already; choose another name")
-        _CATALOGUE[name] = Quantity(name, symbol, unit, description, function, dimensions, known)
+        _CATALOGUE[name] = Quantity(
+            name, symbol, unit, description, function, dimensions, known, shares
+        )
         return function
 
     return register
@@ -140,9 +147,10 @@ def compute_checked(
 
 
 def _evaluate(analysis: Analysis, quantities: Iterable[str]) -> dict[str, Array]:
-    values = {}
-    for name in quantities:
-        found = find_quantity(name)
+    values, wanted = {}, [find_quantity(name) for name in quantities]
+    analysis.expect(load for found in wanted for load in found.shares)
+    for found in wanted:
+        name = found.name
         try:
             values[name] = found.function(analysis)
         except MissingDataError as error:

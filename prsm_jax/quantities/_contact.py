@@ -1,10 +1,7 @@
 """Quantities of the thread contacts."""
 
-import functools
-
 import jax.numpy as jnp
 
-from ..stiffness import axial_stiffness as stage_axial_stiffness, in_series
 from ._analysis import Analysis
 from ._catalogue import quantity
 
@@ -17,7 +14,8 @@ def _over_stages(analysis: Analysis, side: str, name: str):
     "max_pressure",
     "p₀",
     "Pa",
-    "largest Hertz pressure of all thread contacts",
+    "largest Hertz pressure of the thread contacts, all threads sharing equally; that of the most "
+    "loaded thread is max_pressure_shared",
     assumes=("equal_contacts",),
 )
 def max_pressure(analysis: Analysis):
@@ -29,7 +27,7 @@ def max_pressure(analysis: Analysis):
     "max_pressure_screw",
     "p₀_s",
     "Pa",
-    "Hertz pressure on the screw side",
+    "Hertz pressure on the screw side, all threads sharing equally",
     ("stage",),
     assumes=("equal_contacts",),
 )
@@ -41,7 +39,7 @@ def max_pressure_screw(analysis: Analysis):
     "max_pressure_nut",
     "p₀_n",
     "Pa",
-    "Hertz pressure on the nut side",
+    "Hertz pressure on the nut side, all threads sharing equally",
     ("stage",),
     assumes=("equal_contacts",),
 )
@@ -176,6 +174,7 @@ def max_shear_depth_nut(analysis: Analysis):
     "thread contact stiffness of one roller with the screw; of the first where all are unlike",
     ("stage",),
     assumes=("equal_stiffness",),
+    shares=("operating_point",),
 )
 def thread_stiffness_screw(analysis: Analysis):
     return jnp.stack([threads.screw_roller for threads in analysis.threads])
@@ -188,21 +187,7 @@ def thread_stiffness_screw(analysis: Analysis):
     "thread contact stiffness of one roller with the nut; of the first where all are unlike",
     ("stage",),
     assumes=("equal_stiffness",),
+    shares=("operating_point",),
 )
 def thread_stiffness_nut(analysis: Analysis):
     return jnp.stack([threads.nut_roller for threads in analysis.threads])
-
-
-@quantity(
-    "axial_stiffness",
-    "K_a",
-    "N/m",
-    "axial contact stiffness of the mechanism, all stages in series, shafts rigid",
-    assumes=("equal_stiffness",),
-)
-def axial_stiffness(analysis: Analysis):
-    stages = [
-        stage_axial_stiffness(stage, threads)
-        for stage, threads in zip(analysis.mechanism.stages, analysis.threads, strict=True)
-    ]
-    return functools.reduce(in_series, stages)

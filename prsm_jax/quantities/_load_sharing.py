@@ -1,12 +1,9 @@
 """Quantities of how threads and rollers share the load."""
 
-import functools
-
 import jax.numpy as jnp
 
 from .._errors import MissingDataError
 from ..mechanism import Scalar
-from ..stiffness import in_series
 from ._analysis import Analysis
 from ._catalogue import quantity
 
@@ -21,6 +18,7 @@ def _per_stage(analysis: Analysis, function):
     "1",
     "largest thread load over the mean, screw side",
     ("stage",),
+    shares=("operating_point",),
 )
 def thread_sharing_factor_screw(analysis: Analysis):
     return _per_stage(analysis, lambda one: one.screw.thread_sharing_factor)
@@ -32,18 +30,31 @@ def thread_sharing_factor_screw(analysis: Analysis):
     "1",
     "largest thread load over the mean, nut side",
     ("stage",),
+    shares=("operating_point",),
 )
 def thread_sharing_factor_nut(analysis: Analysis):
     return _per_stage(analysis, lambda one: one.nut.thread_sharing_factor)
 
 
-@quantity("roller_sharing_factor", "K_R", "1", "largest load of a roller over the mean", ("stage",))
+@quantity(
+    "roller_sharing_factor",
+    "K_R",
+    "1",
+    "largest load of a roller over the mean",
+    ("stage",),
+    shares=("operating_point",),
+)
 def roller_sharing_factor(analysis: Analysis):
     return _per_stage(analysis, lambda one: one.nut.roller_sharing_factor)
 
 
 @quantity(
-    "largest_thread_load", "F_max", "N", "largest axial load of a thread, either side", ("stage",)
+    "largest_thread_load",
+    "F_max",
+    "N",
+    "largest axial load of a thread, either side",
+    ("stage",),
+    shares=("operating_point",),
 )
 def largest_thread_load(analysis: Analysis):
     return _per_stage(
@@ -56,21 +67,11 @@ def largest_thread_load(analysis: Analysis):
     "max_pressure_shared",
     "p₀_max",
     "Pa",
-    "largest Hertz pressure with the load as the threads share it",
+    "largest Hertz pressure of all threads, the load as [stage.load_sharing] has them share it",
+    shares=("operating_point",),
 )
 def max_pressure_shared(analysis: Analysis):
     return jnp.max(_per_stage(analysis, lambda one: one.max_pressure))
-
-
-@quantity(
-    "axial_stiffness_shared",
-    "K_ax",
-    "N/m",
-    "tangent axial stiffness with contacts, teeth and shafts in the nut, all stages in series",
-)
-def axial_stiffness_shared(analysis: Analysis):
-    stages = [one.tangent_stiffness for one in analysis.distributions]
-    return functools.reduce(in_series, stages)
 
 
 @quantity(
@@ -79,6 +80,7 @@ def axial_stiffness_shared(analysis: Analysis):
     "m",
     "axial deflection of the nut by the load: from where the nut stands without it, braced or at "
     "the first contact with play and errors passed; all stages together",
+    shares=("operating_point",),
 )
 def axial_deflection(analysis: Analysis):
     elastic = [one.elastic for one in analysis.distributions]
@@ -88,7 +90,12 @@ def axial_deflection(analysis: Analysis):
 
 
 @quantity(
-    "spacer_force", "F_v", "N", "force in the spacer of a split nut under the load", ("stage",)
+    "spacer_force",
+    "F_v",
+    "N",
+    "force in the spacer of a split nut under the load",
+    ("stage",),
+    shares=("operating_point",),
 )
 def spacer_force(analysis: Analysis):
     forces: list[Scalar] = []

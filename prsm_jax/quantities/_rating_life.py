@@ -55,6 +55,7 @@ def _rating_life(analysis: Analysis, name: str):
     "(as ISO 3408-5 for ball screws); ∞ without load",
     ("stage",),
     assumes=("dynamic_sharing", "life_theory"),
+    shares=("equivalent",),
 )
 def rating_life(analysis: Analysis):
     return _rating_life(analysis, "revolutions")
@@ -67,6 +68,7 @@ def rating_life(analysis: Analysis):
     "operating time with a survival of 90 %, standstill of the duty cycle included (as ISO 3408-5)",
     ("stage",),
     assumes=("dynamic_sharing", "life_theory"),
+    shares=("equivalent",),
 )
 def rating_life_time(analysis: Analysis):
     return _rating_life(analysis, "time")
@@ -79,6 +81,7 @@ def rating_life_time(analysis: Analysis):
     "travel of the nut on its screw with a survival of 90 % (as ISO 3408-5)",
     ("stage",),
     assumes=("dynamic_sharing", "life_theory"),
+    shares=("equivalent",),
 )
 def rating_life_distance(analysis: Analysis):
     return _rating_life(analysis, "distance")
@@ -102,6 +105,7 @@ def _life_factor(stage: Stage) -> Scalar:
     "material and that of oscillation (as ISO 281 for bearings)",
     ("stage",),
     assumes=("dynamic_sharing", "life_theory"),
+    shares=("equivalent",),
 )
 def modified_rating_life(analysis: Analysis):
     factors = per_stage(analysis, lambda _, stage: _life_factor(stage))
@@ -121,6 +125,7 @@ def _required_life(stage: Stage) -> Scalar:
     "rating life in time, modified as far as factors are given, over the life asked for, smallest "
     "of all stages (as ISO 3408-5 for ball screws and ISO 281 for bearings)",
     assumes=("dynamic_sharing", "life_theory"),
+    shares=("equivalent",),
 )
 def life_ratio(analysis: Analysis):
     def factor(stage: Stage) -> Scalar:
@@ -149,6 +154,7 @@ def _phase_damage(analysis: Analysis):
     "cycle uses up (Palmgren–Miner)",
     ("stage", "phase"),
     assumes=("dynamic_sharing", "life_theory"),
+    shares=("equivalent",),
 )
 def phase_damage(analysis: Analysis):
     return _phase_damage(analysis)
@@ -162,6 +168,7 @@ def phase_damage(analysis: Analysis):
     "(Palmgren–Miner)",
     ("stage",),
     assumes=("dynamic_sharing", "life_theory"),
+    shares=("equivalent",),
 )
 def duty_cycle_damage(analysis: Analysis):
     return jnp.sum(_phase_damage(analysis), axis=1)

@@ -77,6 +77,7 @@ def static_capacity_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     "threads sharing as under the largest load",
     ("stage",),
     assumes=("static_sharing", "static_criterion"),
+    shares=("largest",),
 )
 def static_capacity(analysis: Analysis):
     return per_stage(analysis, lambda i, stage: static_capacity_of(analysis, i, stage))
@@ -95,6 +96,7 @@ def static_safety_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     "static capacity over the largest load of operating point and duty cycle, smallest of all "
     "stages (as ISO 76 for bearings); ∞ without load",
     assumes=("static_sharing", "static_criterion"),
+    shares=("largest",),
 )
 def static_safety(analysis: Analysis):
     return jnp.min(per_stage(analysis, lambda i, stage: static_safety_of(analysis, i, stage)))
@@ -107,6 +109,7 @@ def static_safety(analysis: Analysis):
     "dent under the largest load over the rolling element's diameter, for hardened bearing steel "
     "(Palmgren; ISO 76 accepts 1e-4)",
     assumes=("dent_sharing",),
+    shares=("largest",),
 )
 def permanent_deformation(analysis: Analysis):
     return jnp.max(
@@ -147,6 +150,7 @@ def dynamic_capacity_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     "the equivalent load",
     ("stage",),
     assumes=("dynamic_sharing", "life_theory"),
+    shares=("equivalent",),
 )
 def dynamic_capacity(analysis: Analysis):
     return per_stage(analysis, lambda i, stage: dynamic_capacity_of(analysis, i, stage))

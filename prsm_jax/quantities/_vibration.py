@@ -44,6 +44,7 @@ def _needs_symmetry(analysis: Analysis) -> None:
     "all natural frequencies, by stage",
     ("mode",),
     assumes=("equal_stiffness", "secant_stiffness"),
+    shares=("operating_point",),
 )
 def natural_frequencies(analysis: Analysis):
     return jnp.concatenate([modes.frequencies for modes in analysis.modes])
@@ -56,6 +57,7 @@ def natural_frequencies(analysis: Analysis):
     "torsional natural frequencies, by stage",
     ("mode",),
     assumes=("equal_stiffness", "secant_stiffness"),
+    shares=("operating_point",),
 )
 def torsional_frequencies(analysis: Analysis):
     _needs_symmetry(analysis)
@@ -69,6 +71,7 @@ def torsional_frequencies(analysis: Analysis):
     "transverse natural frequencies (each double), by stage",
     ("mode",),
     assumes=("equal_stiffness", "secant_stiffness"),
+    shares=("operating_point",),
 )
 def transverse_frequencies(analysis: Analysis):
     _needs_symmetry(analysis)
@@ -82,6 +85,7 @@ def transverse_frequencies(analysis: Analysis):
     "roller natural frequency (N − 3 fold)",
     ("stage",),
     assumes=("equal_stiffness", "secant_stiffness"),
+    shares=("operating_point",),
 )
 def roller_frequency(analysis: Analysis):
     _needs_symmetry(analysis)
@@ -108,6 +112,7 @@ def carrier_frequency(analysis: Analysis):
     "Hz",
     "lowest torsional natural frequency",
     assumes=("equal_stiffness", "secant_stiffness"),
+    shares=("operating_point",),
 )
 def lowest_torsional_frequency(analysis: Analysis):
     return _lowest(analysis.torsional)
@@ -119,6 +124,7 @@ def lowest_torsional_frequency(analysis: Analysis):
     "Hz",
     "lowest torsional natural frequency with most of its strain energy in the contacts",
     assumes=("equal_stiffness", "secant_stiffness"),
+    shares=("operating_point",),
 )
 def lowest_mesh_torsional_frequency(analysis: Analysis):
     return _lowest_mesh_dominated(analysis.torsional)
@@ -130,6 +136,7 @@ def lowest_mesh_torsional_frequency(analysis: Analysis):
     "Hz",
     "lowest transverse natural frequency",
     assumes=("equal_stiffness", "secant_stiffness"),
+    shares=("operating_point",),
 )
 def lowest_transverse_frequency(analysis: Analysis):
     return _lowest(analysis.transverse)
@@ -141,6 +148,7 @@ def lowest_transverse_frequency(analysis: Analysis):
     "Hz",
     "lowest transverse natural frequency with most of its strain energy in the contacts",
     assumes=("equal_stiffness", "secant_stiffness"),
+    shares=("operating_point",),
 )
 def lowest_mesh_transverse_frequency(analysis: Analysis):
     return _lowest_mesh_dominated(analysis.transverse)
@@ -161,6 +169,7 @@ def gear_mesh_stiffness(analysis: Analysis):
     "lowest screw speed at which the gear mesh meets a torsional or transverse mode with most of "
     "its strain energy in the contacts, whatever the phases of the rollers",
     assumes=("equal_stiffness", "secant_stiffness", "equal_friction"),
+    shares=("operating_point",),
 )
 def lowest_critical_speed(analysis: Analysis):
     ratios = carrier_ratio(analysis)

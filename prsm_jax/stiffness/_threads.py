@@ -8,9 +8,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._errors import MissingDataError
-from ..contact import StageContact, stage_contact
+from ..contact import StageContact, ThreadContactSide, stage_contact
 from ..geometry import Meshing
-from ..load_sharing import LoadDistribution, stage_load_distribution
+from ..load_sharing import LoadDistribution, SideLoads, stage_load_distribution
 from ..mechanism import Scalar, Stage, total_factor
 
 
@@ -47,7 +47,10 @@ def loaded_threads(
 
 
 def thread_stiffness(
-    stage: Stage, contact: Callable[[], StageContact | LoadDistribution]
+    stage: Stage,
+    contact: Callable[[], StageContact | LoadDistribution],
+    *,
+    tangent: bool = False,
 ) -> ThreadStiffness:
     """Thread contact stiffness of one roller with screw and nut [N/m].
 
@@ -61,6 +64,7 @@ def thread_stiffness(
     - `stage`: the stage.
     - `contact`: gives the threads under load (see `loaded_threads`); called only if a stiffness
       has to be derived.
+    - `tangent`: that of a small further load instead, df/dδ; given numbers are both.
     """
     given = stage.stiffness
     screw = None if given is None else given.screw_roller
@@ -78,14 +82,20 @@ def thread_stiffness(
     each: list[Array | None] = [None, None]
     if unlike and isinstance(derived, LoadDistribution):
         each = [
-            derived.by_roller(side.stiffness)[1] if number is None else _each(stage, number)
+            derived.by_roller(side.tangent if tangent else side.stiffness)[1]
+            if number is None
+            else _each(stage, number)
             for side, number in ((derived.screw, screw), (derived.nut, nut))
         ]
     return ThreadStiffness(
-        derived.screw.roller_stiffness if screw is None else screw,
-        derived.nut.roller_stiffness if nut is None else nut,
+        _of_roller(derived.screw, tangent) if screw is None else screw,
+        _of_roller(derived.nut, tangent) if nut is None else nut,
         *each,
     )
+
+
+def _of_roller(side: ThreadContactSide | SideLoads, tangent: bool) -> Scalar:
+    return side.roller_tangent_stiffness if tangent else side.roller_stiffness
 
 
 def _each(stage: Stage, given: Scalar) -> Float[Array, " rollers"]:

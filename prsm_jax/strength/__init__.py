@@ -56,6 +56,7 @@ from ._shaft import (
     loaded_length as loaded_length,
     permissible_speed as permissible_speed,
     root_radius as root_radius,
+    shaft_axial_stiffness as shaft_axial_stiffness,
     slenderness_ratio as slenderness_ratio,
     unsupported_length as unsupported_length,
 )

@@ -93,6 +93,17 @@ def _section(stage: Stage) -> tuple[Scalar, Scalar]:
     return jnp.pi * (root**2 - inner**2), (root**2 + inner**2) / 4
 
 
+def shaft_axial_stiffness(stage: Stage) -> Scalar:
+    """Axial stiffness E A/l of the screw between its thrust bearing and the nut [N/m].
+
+    Of the root's section over the loaded length, the nut at its far end; the bearing at one end.
+
+    **Raises:** `MissingDataError` without shaft data or material.
+    """
+    area, _ = _section(stage)
+    return material_of(stage, "screw").youngs_modulus * area / loaded_length(stage)
+
+
 def slenderness_ratio(stage: Stage, length: Scalar | None = None) -> Scalar:
     """Effective length over radius of gyration of the root's section.
 
