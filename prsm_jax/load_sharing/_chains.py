@@ -242,6 +242,7 @@ def flank_loads(chains: Chains, state: State) -> tuple[Loads, Loads]:
     return of_side(found[: len(screw)]), of_side(found[len(screw) :])
 
 
+@physics("thread_chains")
 def balance(
     chains: Chains,
     state: State,
@@ -297,7 +298,6 @@ def _differences(cumulated: Float[Array, "... segments"], last: Scalar):
     return whole[..., 1:] - whole[..., :-1]
 
 
-@physics("thread_chains")
 def residual(chains: Chains, state: State, control: Control, value: Scalar) -> State:
     """`balance` with the forces of the flanks, differentiable in everything."""
     on_screw, on_nut = flank_loads(chains, state)
