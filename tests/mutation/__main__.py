@@ -21,7 +21,7 @@ import time
 from pathlib import Path
 
 from .operators import Fault, faults
-from .rooms import ROOMS, core_files, tests_of
+from .rooms import ROOMS, core_files, quick_tests
 
 _ROOT = Path(__file__).parents[2]
 _PACKAGE = _ROOT / "prsm_jax"
@@ -58,7 +58,7 @@ def _try(fault: Fault, folder: Path) -> dict:
     """Put a fault in, run its tests, take it out."""
     target = folder / "prsm_jax" / fault.path
     sound = target.read_text()
-    tests = [f"tests/{name}" for name in tests_of(fault.path)]
+    tests = [f"tests/{name}" for name in quick_tests(fault.path)]
     began = time.monotonic()
     seen, by = "", ""
     try:

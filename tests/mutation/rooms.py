@@ -141,7 +141,7 @@ TESTS: tuple[tuple[str, tuple[str, ...]], ...] = (
 ROOMS = tuple(dict.fromkeys(start.partition("/")[0] for start, _ in TESTS))
 
 
-def tests_of(path: str) -> tuple[str, ...]:
+def quick_tests(path: str) -> tuple[str, ...]:
     """Tests of a file of the package, given as `geometry/_meshing.py`."""
     return next(tests for start, tests in TESTS if path.startswith(start))
 
