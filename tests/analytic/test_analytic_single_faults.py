@@ -22,7 +22,7 @@ from prsm_jax.contact import HertzContact
 from prsm_jax.dynamics import _transient_result, bound_scenario
 from prsm_jax.dynamics._contact_losses import rolling_moment
 from prsm_jax.geometry import RelativeCurvature, carrier_clearance
-from prsm_jax.load_sharing import equilibrium
+from prsm_jax.load_sharing import equilibrium, stage_load_distribution
 from prsm_jax.mechanism import (
     AxialPlay,
     Carrier,
@@ -171,11 +171,18 @@ def test_load_sharing_says_when_it_has_no_balance():
 
 
 def test_a_distribution_does_not_converge_without_a_meshing():
-    """A flank so round that screw and roller have no common normal."""
+    """A flank so round that screw and roller have no common normal; and a search that gave up."""
     geometry = thread(lead=20e-3, roller_profile_radius=0.3)
     assert not bool(scenes.mesh(geometry).converged)
     one = dataclasses.replace(sharing_stage(), thread=geometry, curvature="exact")
     assert not bool(load_distribution(mechanism(one), array(1200.0)).converged)
+    # Numbers that are finite are not enough.
+    sound = dataclasses.replace(sharing_stage(), curvature="exact")
+    meshing = scenes.mesh(sound.thread)
+    program = eqx.filter_jit(stage_load_distribution)
+    for converged in (True, False):
+        given = dataclasses.replace(meshing, converged=jnp.asarray(converged))
+        assert bool(program(sound, array(1200.0), given).converged) == converged
 
 
 @pytest.mark.parametrize("load", [900.0, -900.0, 4000.0])
