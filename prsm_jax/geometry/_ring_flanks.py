@@ -62,8 +62,10 @@ def ring_gap(contact: LineContact, radius: Scalar, arc: Scalar) -> Scalar:
     """
     turn, distance = arc / radius, contact.centre_distance
     x, y = distance - radius * jnp.cos(turn), radius * jnp.sin(turn)
+    # Not by `hypot`: XLA's CPU compiler gets its second derivative wrong in some slices of a batch
+    # when its optimisation is switched off, as the tests have it.
     return (
-        jnp.tan(contact.screw_profile_angle) * jnp.hypot(x, y)
+        jnp.tan(contact.screw_profile_angle) * jnp.sqrt(x**2 + y**2)
         + lead_per_radian(contact) * jnp.arctan2(y, x)
         + jnp.tan(contact.roller_profile_angle) * radius
     )
