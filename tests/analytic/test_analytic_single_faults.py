@@ -291,10 +291,18 @@ def test_failures_in_the_last_chunk_which_is_not_full():
 
 
 def test_rows_that_differ_have_their_numbers():
-    """Values are those given; the difference is relative to what is printed."""
-    from prsm_jax.validation import _row
+    """Values are those given, the difference is relative to what is printed, bounds hold."""
+    from prsm_jax.validation import differs
 
-    row = _row.differs("item", "12.5", 13.75, "mm", because="a reason")
-    assert (row.published, row.computed, row.unit) == (12.5, 13.75, "mm")
-    assert row.relative_difference == pytest.approx(0.1)
-    assert (row.verdict, row.note) == ("differs because", "a reason")
+    def row(computed=13.75, evidence=12.47):
+        return differs(
+            "item", "12.5", computed, "mm", between=(13.6, 13.9), because="a reason",
+            evidence=evidence, evidence_between=(12.4, 12.6),
+        )  # fmt: skip
+
+    found = row()
+    assert (found.published, found.computed, found.unit) == (12.5, 13.75, "mm")
+    assert found.relative_difference == pytest.approx(0.1)
+    assert (found.verdict, found.note, found.evidence) == ("differs because", "a reason", 12.47)
+    for other in (row(13.59), row(13.91), row(evidence=12.39), row(evidence=12.61)):
+        assert other.verdict == "not reproduced"

@@ -1,10 +1,10 @@
 """`python -m tests.mutation`: puts single faults into the core and counts those that tests see.
 
 Faults are drawn by a seed from all operators, comparisons, constants, signs and names of the core,
-evenly over its files' text. Each is put into a copy of the package and tried against the quick
-tests of its room until the first one fails. Results go to a JSON file as they come, so that a run
-can be stopped and taken up again; faults that no test sees are listed at the end, with the reason
-where `reasons.json` has one. It takes about a minute for each fault.
+evenly over its text. Each is put into a copy of the package and tried against the quick tests of
+its room until the first one fails; tests that fail without a fault are left out. Results go to a
+JSON file as they come, so that a run can be stopped and taken up again. Faults that no test sees
+are listed at the end, with the reason where `reasons.json` has one. A fault takes about a minute.
 """
 
 import argparse
@@ -54,11 +54,36 @@ def _copy(folder: Path) -> None:
     shutil.copy(_ROOT / "pyproject.toml", folder)
 
 
-def _try(fault: Fault, folder: Path) -> dict:
+def _failures(test: str, folder: Path, *options: str) -> list[str]:
+    """Names of the quick tests of a file that fail."""
+    words = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-m", "not slow"]
+    words += ["-p", "no:cacheprovider", *options, f"tests/{test}"]
+    environment = {**os.environ, "PYTHONPATH": str(folder)}
+    done = subprocess.run(
+        words, cwd=folder, env=environment, capture_output=True, text=True, timeout=_PATIENCE
+    )
+    if done.returncode in (0, 5):
+        return []
+    lines = [line for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
+    return [line.split(" ")[1] for line in lines] or [f"tests/{test}"]
+
+
+def _failing(chosen: list[Fault], folder: Path) -> list[str]:
+    """Tests that fail without any fault, which tell nothing."""
+    every = dict.fromkeys(test for fault in chosen for test in quick_tests(fault.path))
+    found = []
+    for test in every:
+        failing = _failures(test, folder)
+        print(f"{len(failing):3} fail without a fault: {test}", flush=True)
+        found += failing
+    return found
+
+
+def _try(fault: Fault, folder: Path, failing: list[str]) -> dict:
     """Put a fault in, run its tests, take it out."""
     target = folder / "prsm_jax" / fault.path
     sound = target.read_text()
-    tests = [f"tests/{name}" for name in quick_tests(fault.path)]
+    options = ["-x", *(f"--deselect={name}" for name in failing)]
     began = time.monotonic()
     seen, by = "", ""
     try:
@@ -67,24 +92,14 @@ def _try(fault: Fault, folder: Path) -> dict:
             compile(target.read_text(), str(target), "exec")
         except SyntaxError:
             return {"seen": "no program", "by": "", "seconds": 0.0}
-        for test in tests:
-            words = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-m", "not slow"]
-            words += ["-p", "no:cacheprovider", "--durations=0", test]
-            environment = {**os.environ, "PYTHONPATH": str(folder)}
+        for test in quick_tests(fault.path):
             try:
-                done = subprocess.run(
-                    words, cwd=folder, env=environment, capture_output=True, text=True,
-                    timeout=_PATIENCE,
-                )  # fmt: skip
+                found = _failures(test, folder, *options)
             except subprocess.TimeoutExpired:
                 seen, by = "time", test
                 break
-            if done.returncode not in (0, 5):
-                lines = [
-                    line for line in done.stdout.splitlines()
-                    if line.startswith(("FAILED", "ERROR"))
-                ]  # fmt: skip
-                seen, by = "test", lines[0][:160] if lines else test
+            if found:
+                seen, by = "test", found[0]
                 break
     finally:
         target.write_text(sound)
@@ -109,10 +124,12 @@ def _run(chosen: list[Fault], output: Path, jobs: int) -> list[dict]:
             free.append(Path(place) / str(index))
             _copy(free[-1])
 
+        failing = _failing(todo, free[0])
+
         def work(fault: Fault) -> tuple[Fault, dict]:
             folder = free.pop()
             try:
-                return fault, _try(fault, folder)
+                return fault, _try(fault, folder, failing)
             finally:
                 free.append(folder)
 
