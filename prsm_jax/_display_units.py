@@ -43,6 +43,7 @@ _SHOWN: dict[str, tuple[DisplayUnit, ...]] = {
     "s": (DisplayUnit("ms", 1e3), DisplayUnit("s", 1.0), DisplayUnit("h", 1 / 3600)),
     "Hz": (DisplayUnit("Hz", 1.0), DisplayUnit("kHz", 1e-3)),
     "W": (DisplayUnit("W", 1.0), DisplayUnit("kW", 1e-3)),
+    "J": (DisplayUnit("J", 1.0), DisplayUnit("kJ", 1e-3)),
     "m/s": (DisplayUnit("mm/s", 1e3), DisplayUnit("m/s", 1.0)),
     "m·rad/s": (DisplayUnit("mm·rpm", 1e3 * 30 / math.pi),),
     "1": (DisplayUnit("", 1.0),),
@@ -58,6 +59,7 @@ _WORTH = {
     "s": 0.1,
     "kHz": 10.0,
     "kW": 10.0,
+    "kJ": 10.0,
     "m/s": 1.0,
 }
 _PERCENT = DisplayUnit("%", 100.0)

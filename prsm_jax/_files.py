@@ -1,10 +1,75 @@
-"""Files that are complete or not there."""
+"""Files and folders that are complete or not there, also where the process is stopped."""
 
 import contextlib
 import os
 import secrets
+import shutil
+import stat
+import tempfile
+import threading
 from collections.abc import Iterator
 from pathlib import Path
+
+#: What is being made and would be left behind by a process that is stopped now.
+_unfinished: set[Path] = set()
+#: Folders that were made for results and go away if there are none.
+_empty: set[Path] = set()
+#: Held while what is finished takes its place, so that the process is not stopped in between.
+_placing = threading.RLock()
+_PATIENCE_S = 1.0
+
+
+@contextlib.contextmanager
+def _goes_away(path: Path) -> Iterator[Path]:
+    """A path that is gone afterwards, unless it was moved."""
+    _unfinished.add(path)
+    try:
+        yield path
+    finally:
+        _remove(path)
+        _unfinished.discard(path)
+
+
+def _remove(path: Path) -> None:
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        with contextlib.suppress(OSError):
+            path.unlink(missing_ok=True)
+
+
+def discard_unfinished() -> None:
+    """Remove what is being made, before the process ends; nothing can take its place any more.
+
+    Only for a process that ends right after: the lock is kept.
+    """
+    _placing.acquire(timeout=_PATIENCE_S)
+    for path in list(_unfinished):
+        # Threads that still write into a folder may put a file back while it is removed.
+        for _ in range(50):
+            _remove(path)
+            if not path.exists():
+                break
+    # The deepest first.
+    for path in sorted(_empty, key=lambda p: -len(p.parts)):
+        with contextlib.suppress(OSError):
+            path.rmdir()
+
+
+def taking_place() -> contextlib.AbstractContextManager:
+    """While a finished result takes its place in several steps: they are all done or none."""
+    return _placing
+
+
+def _is_device(path: Path) -> bool:
+    """Whether a path is a terminal, pipe or device, onto which a rename would destroy it."""
+    absolute = os.path.abspath(path)
+    if absolute.startswith(("/dev/", "/proc/")):
+        return True
+    try:
+        return not stat.S_ISREG(os.stat(path).st_mode)
+    except OSError:
+        return False
 
 
 @contextlib.contextmanager
@@ -12,12 +77,42 @@ def whole_file(target: Path) -> Iterator[Path]:
     """A path to write to, which becomes `target` when all went well.
 
     It lies beside the target, because only within one file system is a rename atomic. If anything
-    fails it goes away, and what was at the target is as it was.
+    fails it goes away, and what was at the target is as it was. What a symbolic link points to is
+    replaced, not the link; a device or pipe is written to.
     """
+    if _is_device(target):
+        with temporary_folder(Path(tempfile.gettempdir()), "prsm-jax-") as folder:
+            partial = folder / target.name
+            yield partial
+            with partial.open("rb") as source, target.open("wb") as sink:
+                shutil.copyfileobj(source, sink)
+        return
+    target = Path(os.path.realpath(target))
     partial = target.with_name(f".{target.name[:32]}.{secrets.token_hex(4)}.partial")
-    try:
+    with _goes_away(partial):
         yield partial
-        os.replace(partial, target)
+        with _placing:
+            os.replace(partial, target)
+
+
+@contextlib.contextmanager
+def temporary_folder(parent: Path, prefix: str) -> Iterator[Path]:
+    """A private folder beside what is to be made, gone afterwards."""
+    with _goes_away(Path(tempfile.mkdtemp(prefix=prefix, dir=parent))) as folder:
+        yield folder
+
+
+@contextlib.contextmanager
+def folder_for_results(folder: Path) -> Iterator[Path]:
+    """A folder to write into, made if it is not there; if nothing comes of it, it goes again."""
+    missing = [p for p in (folder, *folder.parents) if not p.exists()]
+    for path in missing:
+        _empty.add(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        yield folder
     finally:
-        with contextlib.suppress(OSError):
-            partial.unlink(missing_ok=True)
+        for path in missing:
+            with contextlib.suppress(OSError):
+                path.rmdir()
+            _empty.discard(path)

@@ -4,7 +4,7 @@ import json
 import math
 import sys
 import textwrap
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -13,10 +13,11 @@ import jax
 import numpy as np
 from cyclopts import Parameter
 
-from .._errors import PrsmError
 from .._files import whole_file
 from ..mechanism import Mechanism, get_parameter
-from ._tables import terminal_width
+from ._progress import clear
+from ._tables import TextTable, terminal_width
+from ._targets import check_folder, check_json
 
 
 @Parameter(name="*")
@@ -36,6 +37,18 @@ class Output:
         None
     )
 
+    def check_targets(self, default: str | None = None) -> None:
+        """Refuse outputs that cannot be written, before anything is computed.
+
+        **Arguments:**
+
+        - `default`: the folder that results go to without `--out`, if they do.
+        """
+        check_json(self.json)
+        check_folder(self.out, "--out")
+        if self.out is None and default is not None:
+            check_folder(Path(default), "the folder")
+
 
 @Parameter(name="*")
 @dataclass(frozen=True)
@@ -52,9 +65,10 @@ class Common(Output):
     ] = field(default_factory=list)
 
     def load(self, source: str) -> Mechanism:
-        """Read the mechanism and apply the settings."""
+        """Check the outputs, read the mechanism and apply the settings."""
         from ..file import apply_settings, load
 
+        self.check_targets()
         mechanism = load(source)
         return apply_settings(mechanism, self.settings) if self.settings else mechanism
 
@@ -76,9 +90,32 @@ def plain(value: Any) -> Any:
 
 def write_text(path: Path, text: str) -> None:
     """Write a file whole or not at all."""
-    path.parent.mkdir(parents=True, exist_ok=True)
     with whole_file(path) as partial:
         partial.write_text(text, encoding="utf-8")
+
+
+def save_tables(
+    folder: Path,
+    name: str,
+    results: Mapping[str, Any],
+    tables: Iterable[TextTable],
+    assumptions: Sequence[str] = (),
+) -> tuple[Path, ...]:
+    """Write results into the folder of `--out`: SI as NAME.json, tables as NAME.md."""
+    if assumptions:
+        results = {**results, "assumptions": list(assumptions)}
+    folder.mkdir(parents=True, exist_ok=True)
+    written = folder / f"{name}.json", folder / f"{name}.md"
+    write_text(written[0], _encoded(results))
+    parts = [table.markdown() for table in tables]
+    if assumptions:
+        parts.append("Assumptions\n\n" + "".join(f"* {sentence}\n" for sentence in assumptions))
+    write_text(written[1], "\n".join(parts))
+    return written
+
+
+def _encoded(results: Mapping[str, Any]) -> str:
+    return json.dumps(plain(results), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def emit(
@@ -93,13 +130,16 @@ def emit(
     rest on (`prsm_jax.assumptions`) is a key of the JSON and stands beneath the text.
     """
     if output.json is None:
-        print(text().rstrip())
+        words = text().rstrip()
         if assumptions:
-            print("\n" + assumed(assumptions))
+            words += "\n\n" + assumed(assumptions)
+        clear()
+        print(words)
         return
     if assumptions is not None:
         results = {**results, "assumptions": list(assumptions)}
-    encoded = json.dumps(plain(results), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    encoded = _encoded(results)
+    clear()
     if output.json == "-":
         sys.stdout.write(encoded)
     else:
@@ -115,7 +155,7 @@ def assumed(assumptions: Sequence[str]) -> str:
     return "\n".join(["Assumptions", *lines])
 
 
-def value_of(mechanism: Mechanism, name: str, text: str, option: str | None = None) -> float:
+def value_of(mechanism: Mechanism, name: str, text: str, option: str) -> float:
     """A value of a named number [SI], written with its unit as in `--set`.
 
     **Arguments:**
@@ -123,17 +163,12 @@ def value_of(mechanism: Mechanism, name: str, text: str, option: str | None = No
     - `mechanism`: the mechanism.
     - `name`: the number.
     - `text`: its value.
-    - `option`: where the value was given, if not with `--set`.
+    - `option`: what the user wrote, for messages, such as `--from 1 mm`.
     """
     from ..file import apply_settings
 
     setting = f"{name}={text.strip()}"
-    try:
-        return float(get_parameter(apply_settings(mechanism, [setting]), name))
-    except PrsmError as error:
-        if option is None:
-            raise
-        raise PrsmError(str(error).replace(f"--set {setting}", f"{option} {text}")) from error
+    return float(get_parameter(apply_settings(mechanism, [setting], option=option), name))
 
 
 def words_of(text: str | None) -> list[str] | None:

@@ -13,11 +13,12 @@ from ..optimise import optimise
 from ..quantities import assumptions, catalogue
 from ..report import ReportData
 from ..sensitivity import sensitivity
-from ._analyse import steady_results, transient_results
+from ._analyse import steady_results
 from ._app import app
 from ._common import Common, plain
 from ._contact import contact_results
 from ._modal import modal_results
+from ._simulate import transient_results
 from ._tables import terminal_width
 
 _DEFAULT = Common()

@@ -91,7 +91,7 @@ def _axis(mechanism: Mechanism, text: str) -> tuple[str, np.ndarray]:
         raise PrsmError(f"--axis {text}: must be NAME=FIRST:LAST:COUNT or NAME=VALUE,VALUE,…")
 
     def value(word: str) -> float:
-        return value_of(mechanism, name, word)
+        return value_of(mechanism, name, word, f"--axis {text}")
 
     parts = given.split(":")
     if len(parts) == 1:

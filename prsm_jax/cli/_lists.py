@@ -5,10 +5,11 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
+from .._errors import PrsmError
 from ..quantities import catalogue
 from ._app import app
-from ._common import Output, emit, write_text
-from ._tables import table, terminal_width
+from ._common import Output, emit, save_tables, write_text
+from ._tables import TextTable, terminal_width
 
 _DEFAULT = Output()
 
@@ -21,8 +22,11 @@ def quantities(*, output: Output = _DEFAULT) -> int:
         for q in catalogue()
     ]
     rows = [tuple(entry.values()) for entry in known]
-    columns = ["name", "symbol", "unit", "description"]
-    emit(output, {"quantities": known}, lambda: table("Quantities", columns, rows))
+    output.check_targets()
+    found = TextTable("Quantities", ("name", "symbol", "SI unit", "description"), rows)
+    if output.out is not None:
+        save_tables(output.out, "quantities", {"quantities": known}, [found])
+    emit(output, {"quantities": known}, lambda: found.text(terminal_width()))
     return 0
 
 
@@ -32,9 +36,16 @@ def example(
     *,
     output: Output = _DEFAULT,
 ) -> int:
-    """Print a shipped example as a file to start from."""
+    """Print a shipped example as a file to start from; --out writes it into a folder."""
     from ..file import example_names, example_text
 
+    output.check_targets()
+    if output.out is not None:
+        if name is None:
+            raise PrsmError(f"--out {output.out}: say which example to write there")
+        text = example_text(name)
+        output.out.mkdir(parents=True, exist_ok=True)
+        write_text(output.out / f"{name}.toml", text)
     if name is None:
         emit(output, {"examples": example_names()}, lambda: "\n".join(example_names()))
     else:
@@ -51,6 +62,7 @@ def validate(
     """Published numbers beside the computed ones, with verdicts; figures anew with --out."""
     from ..validation import markdown, table as validation_table, validate as run
 
+    output.check_targets()
     rows = run(source) if source is not None else run()
     results: dict[str, Any] = {"rows": [row.to_dict() for row in rows]}
     if output.out is not None:

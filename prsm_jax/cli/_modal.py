@@ -71,7 +71,7 @@ def _values(
     if first is None or last is None:
         raise PrsmError(f"--against {against}: give its range with --from and --to")
     ends = [
-        value_of(mechanism, against, text, option)
+        value_of(mechanism, against, text, f"{option} {text}")
         for text, option in ((first, "--from"), (last, "--to"))
     ]
     if ends[0] == ends[1]:

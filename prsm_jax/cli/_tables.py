@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from .._display_units import display_unit
-from .._text_table import TextTable
+from .._text_table import TextTable as TextTable
 
 #: Columns of a terminal that does not say how wide it is, and of files and pipes.
 _WIDTH = 80

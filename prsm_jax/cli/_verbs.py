@@ -7,6 +7,7 @@ from . import (
     _design as _design,
     _lists as _lists,
     _modal as _modal,
+    _simulate as _simulate,
     _vibrate as _vibrate,
 )
 from ._app import app as app

@@ -53,7 +53,9 @@ def _apply(mechanism: Mechanism, key: str, text: str) -> Mechanism:
     return set_parameter(mechanism, key, value)
 
 
-def apply_settings(mechanism: Mechanism, settings: Iterable[str]) -> Mechanism:
+def apply_settings(
+    mechanism: Mechanism, settings: Iterable[str], *, option: str | None = None
+) -> Mechanism:
     """A mechanism with some numbers set by name, in order.
 
     **Arguments:**
@@ -61,6 +63,7 @@ def apply_settings(mechanism: Mechanism, settings: Iterable[str]) -> Mechanism:
     - `mechanism`: the mechanism.
     - `settings`: texts `KEY=VALUE`: a parameter or design variable as `find_parameters` takes it,
       and a value with a unit (`"lead=12 mm"`) or bare in SI.
+    - `option`: what the user wrote, for messages; default `--set KEY=VALUE`.
 
     **Returns:** the mechanism that has them all.
 
@@ -69,7 +72,7 @@ def apply_settings(mechanism: Mechanism, settings: Iterable[str]) -> Mechanism:
     shown = ""
     for setting in settings:
         key, equals, text = (part.strip() for part in setting.partition("="))
-        shown = f"--set {one_line(setting, 100)}"
+        shown = one_line(option or f"--set {setting}", 106)
         if not (key and equals and text):
             raise FileError(f'{shown}: must be KEY=VALUE, such as "lead=12 mm"')
         try:

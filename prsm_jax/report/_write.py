@@ -2,12 +2,11 @@
 
 import base64
 import os
-import shutil
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
 from .._errors import missing_extra
+from .._files import taking_place, temporary_folder
 from ._data import ReportData
 from ._section import Section
 from ._sections import report_sections
@@ -53,12 +52,10 @@ def write_report(
             )
     environment = _environment()
     target.parent.mkdir(parents=True, exist_ok=True)
-    building = Path(tempfile.mkdtemp(prefix=f".{target.name}-", dir=target.parent))
-    try:
+    with temporary_folder(target.parent, f".{target.name}-") as building:
         _build(building, data, files, environment, dpi)
-        _move_in(building, target)
-    finally:
-        shutil.rmtree(building, ignore_errors=True)
+        with taking_place():
+            _move_in(building, target)
     return target / "report.html"
 
 

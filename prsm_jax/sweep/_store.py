@@ -1,12 +1,11 @@
 """A sweep on disk: a zarr store that is either complete or not there."""
 
 import os
-import shutil
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .._errors import missing_extra
+from .._files import taking_place, temporary_folder
 
 if TYPE_CHECKING:
     import xarray
@@ -39,16 +38,16 @@ def check_store(store: str | os.PathLike) -> None:
 def write_store(dataset: "xarray.Dataset", store: str | os.PathLike) -> None:
     """Write a data set as a zarr store (format 3), under a temporary name until it is complete."""
     path = Path(store).absolute()
-    with tempfile.TemporaryDirectory(prefix=f".{path.name}-", dir=path.parent) as temporary:
-        new, old = Path(temporary) / "new", Path(temporary) / "old"
+    with temporary_folder(path.parent, f".{path.name}-") as temporary:
+        new, old = temporary / "new", temporary / "old"
         # Consolidated metadata is not part of format 3, and zarr warns when it is written.
         dataset.to_zarr(new, mode="w", zarr_format=3, consolidated=False)
-        if path.exists():
-            os.replace(path, old)
-        try:
-            os.replace(new, path)
-        except OSError:
-            if old.exists():
-                os.replace(old, path)
-            raise
-        shutil.rmtree(old, ignore_errors=True)
+        with taking_place():
+            if path.exists():
+                os.replace(path, old)
+            try:
+                os.replace(new, path)
+            except OSError:
+                if old.exists():
+                    os.replace(old, path)
+                raise

@@ -1,0 +1,72 @@
+"""Ctrl-C: the process ends at once, whatever compiled code is doing, and leaves nothing behind.
+
+Python runs its own signal handlers between two of its instructions, and compiling or running a
+program is one instruction of minutes. What reaches the process at any time is the number of the
+signal in a socket, which a thread waits for; it removes what is half written and ends the process,
+without the interpreter's shutdown, which would wait for the compiler or crash in it.
+"""
+
+import os
+import signal
+import socket
+import threading
+
+from .._files import discard_unfinished
+from ._progress import erase_for_good
+
+_MESSAGES = {signal.SIGINT: "stopped (Ctrl-C)", signal.SIGTERM: "terminated"}
+#: Held by whoever ends the process: the main thread with a result, or a signal without one.
+_ending = threading.Lock()
+_before: dict[int, object] = {}
+#: Both ends of the socket that signals are announced in; closed, they would be lost.
+_sockets: list[socket.socket] = []
+
+
+def end_on_signals() -> None:
+    """From now on SIGINT and SIGTERM end the process with one line and exit status 130 or 143.
+
+    A signal that is ignored (a job in the background of a script) stays ignored. Only for a process
+    that is the command line, not for one that calls it.
+    """
+    wanted = [n for n in _MESSAGES if signal.getsignal(n) is not signal.SIG_IGN]
+    if threading.current_thread() is not threading.main_thread() or not wanted:
+        return
+    reader, writer = socket.socketpair()
+    writer.setblocking(False)
+    _sockets.extend((reader, writer))
+    signal.set_wakeup_fd(writer.fileno(), warn_on_full_buffer=False)
+    for number in wanted:
+        # A handler of Python's own has to be there for the number to be announced.
+        _before[number] = signal.signal(number, lambda *_: None)
+    threading.Thread(target=_wait, args=(reader,), name="signals", daemon=True).start()
+
+
+def keep_result() -> None:
+    """The result is complete: from now on a signal has its default effect, which is to end.
+
+    Does not return if a signal is ending the process already.
+    """
+    if not _before:
+        return
+    _ending.acquire()
+    for number in _before:
+        signal.signal(number, signal.SIG_DFL)
+    _before.clear()
+    signal.set_wakeup_fd(-1)
+
+
+def _wait(reader: socket.socket) -> None:
+    while True:
+        for number in reader.recv(64):
+            if number in _MESSAGES:
+                _end(number)
+
+
+def _end(number: int) -> None:
+    _ending.acquire()
+    erase = erase_for_good()
+    discard_unfinished()
+    try:
+        os.write(2, f"{erase}prsm: {_MESSAGES[signal.Signals(number)]}\n".encode())
+    finally:
+        os._exit(128 + number)

@@ -1,0 +1,156 @@
+"""What the program is doing, in one line on the terminal, for everything that takes a while.
+
+`main` opens the line for every verb. A verb says which programs it compiles (`expect_programs`) and
+what it is doing (`doing`, `counted`); how many are compiled comes from JAX's own events. Nothing is
+shown where stderr is not a terminal, nor in the first second.
+"""
+
+import contextlib
+import os
+import shutil
+import sys
+import threading
+import time
+from collections.abc import Iterator
+
+_ERASE = "\r\x1b[K"
+_FIRST_S, _EVERY_S = 1.0, 0.2
+_PATIENCE_S = 0.2
+_COMPILED = "/jax/core/compile/backend_compile_duration"
+_TRACED = "/jax/core/compile/jaxpr_trace_duration"
+
+
+class _Line:
+    """The line of one verb."""
+
+    def __init__(self, verb: str):
+        self.verb, self.words = verb, ""
+        self.began = time.monotonic()
+        self.programs: set[str] = set()
+        self.total = self.compiled = 0
+        self.compiling = False
+        self.lock = threading.Lock()
+        self.shown = False
+        self.over = threading.Event()
+
+    def text(self) -> str:
+        """What the line says now."""
+        words = self.words
+        if self.compiling:
+            number = min(self.compiled + 1, self.total)
+            words = f"compiling {number} of {self.total} program{'s' * (self.total > 1)}"
+        seconds = time.monotonic() - self.began
+        text = f"prsm {self.verb}: {words or 'working'} ({seconds:.0f} s)"
+        # A line that is broken could not be erased.
+        most = shutil.get_terminal_size((80, 24)).columns - 1
+        return text if len(text) <= most else text[: most - 1] + "…"
+
+    def draw(self) -> None:
+        with self.lock:
+            if not self.over.is_set():
+                sys.stderr.write(_ERASE + self.text())
+                sys.stderr.flush()
+                self.shown = True
+
+    def erase(self) -> None:
+        """Take the line away; the next drawing puts it back."""
+        with self.lock:
+            if self.shown:
+                sys.stderr.write(_ERASE)
+                sys.stderr.flush()
+                self.shown = False
+
+    def keep_drawing(self) -> None:
+        wait = _FIRST_S
+        while not self.over.wait(wait):
+            self.draw()
+            wait = _EVERY_S
+
+    def event(self, event: str, name: str) -> None:
+        if name not in self.programs:
+            return
+        if event == _COMPILED:
+            self.compiled += 1
+            self.compiling = self.compiled < self.total
+        elif event == _TRACED:
+            self.compiling = True
+
+
+_current: _Line | None = None
+_listening = False
+
+
+def _listen() -> None:
+    """Hear of every compilation from JAX; once for the process."""
+    global _listening
+    if _listening:
+        return
+    import jax.monitoring
+
+    def heard(event: str, duration_secs: float, **about: str | int) -> None:
+        if _current is not None and event in (_COMPILED, _TRACED):
+            name = str(about.get("fun_name", ""))
+            _current.event(event, name.removeprefix("jit(").removesuffix(")"))
+
+    jax.monitoring.register_event_duration_secs_listener(heard)
+    _listening = True
+
+
+@contextlib.contextmanager
+def progress(verb: str) -> Iterator[None]:
+    """Show what is going on while the verb runs, if stderr is a terminal that can erase a line."""
+    global _current
+    if not sys.stderr.isatty() or os.environ.get("TERM") == "dumb":
+        yield
+        return
+    _listen()
+    line = _current = _Line(verb)
+    thread = threading.Thread(target=line.keep_drawing, name="progress", daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        line.over.set()
+        line.erase()
+        _current = None
+
+
+def expect_programs(*names: str, times: int = 1) -> None:
+    """Say which functions will be compiled, each so many times; they are counted as they are.
+
+    **Arguments:**
+
+    - `names`: names of the jitted functions.
+    - `times`: how often each is compiled.
+    """
+    if _current is not None:
+        _current.programs.update(names)
+        _current.total += times * len(names)
+        _current.compiling = _current.compiled < _current.total
+
+
+def doing(words: str) -> None:
+    """Say what is being done now; the programs expected next are still announced by themselves."""
+    if _current is not None:
+        _current.words, _current.compiling = words, False
+
+
+def counted(done: int, total: int, what: str) -> None:
+    """Say how far a loop is, such as `counted(4096, 12000, "designs")`."""
+    doing(f"{done} of {total} {what}")
+
+
+def clear() -> None:
+    """Take the line away before something else is printed."""
+    if _current is not None:
+        _current.erase()
+
+
+def erase_for_good() -> str:
+    """What to write so that the line is gone, and nothing is drawn any more: the process ends."""
+    line = _current
+    if line is None:
+        return ""
+    line.over.set()
+    line.lock.acquire(timeout=_PATIENCE_S)
+    return _ERASE if line.shown else ""

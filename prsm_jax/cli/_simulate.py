@@ -1,0 +1,198 @@
+"""The verb simulate: time histories of a mission, and what a motor and a bearing see of it."""
+
+import dataclasses
+from pathlib import Path
+from typing import Annotated, Any
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from cyclopts import Parameter
+
+from ..dynamics import (
+    Method,
+    Scenario,
+    Transient,
+    choose_method,
+    default_scenario,
+    energy,
+    integral,
+    mean_efficiency,
+    simulate as run_transient,
+)
+from ..mechanism import Mechanism
+from ..quantities import assumptions
+from ._app import app
+from ._assumed import TRANSIENT
+from ._common import Common, emit
+from ._progress import doing, expect_programs
+from ._tables import Line, in_units, prose, table
+
+_DEFAULT = Common()
+
+
+def _transient(
+    mechanism: Mechanism, method: Method, samples: int | None, rtol: float, atol: float, steps: int
+) -> Transient:
+    scenario = default_scenario(mechanism)
+    if samples is not None:
+        scenario = dataclasses.replace(scenario, samples=samples)
+    # It is an argument of its own: twice it would be traced twice.
+    mechanism = dataclasses.replace(mechanism, scenario=None)
+    if method == "auto" and isinstance(scenario, Scenario):
+        # Out here, where numbers are known, and not in the compiled program.
+        method = choose_method(mechanism, scenario, rtol=rtol).method
+    return _simulate(
+        mechanism,
+        scenario,
+        method=method,
+        # Nothing is differentiated; the loop of forward mode stops when it is done.
+        gradient="forward",
+        rtol=rtol,
+        atol=atol,
+        max_steps=steps,
+        throw=False,
+    )
+
+
+_simulate = eqx.filter_jit(run_transient)
+
+
+def transient_results(run: Transient) -> dict[str, Any]:
+    """A transient by the names of the JSON; three more of them where the torque is prescribed."""
+    results = {
+        "summary": _summary(run),
+        "time_s": run.time,
+        "screw_speed_rad_per_s": run.screw_speed,
+        "load_n": run.load,
+        "carrier_ratio": run.carrier_ratio,
+        "efficiency": run.efficiency,
+        "drive_torque_nm": run.drive_torque,
+        "screw_roller_axial_force_n": run.screw_roller_axial_force,
+        "contact_force_n": run.contact_force,
+        "ring_gear_force_n": run.ring_gear_force,
+        "carrier_force_n": run.carrier_force,
+        "spline_friction_n": run.spline_friction,
+        "losses_w": run.losses,
+        "power_balance_residual": run.power_balance_residual,
+        "solver": {
+            "name": run.solver.name,
+            "steps": int(run.solver.steps),
+            "rejected": int(run.solver.rejected),
+            "result": run.solver.result,
+        },
+    }
+    if run.position is not None:
+        results["position_m"] = run.position
+    if run.sticking is not None:
+        results["sticking"] = run.sticking
+    if run.phases is not None:
+        results["phases"] = [
+            {"start_s": start, "end_s": end, "mode": _MODES[round(mode)]}
+            for start, end, mode in zip(
+                *(np.asarray(x).tolist() for x in (run.phases.start, run.phases.end)),
+                np.asarray(run.phases.mode).tolist(),
+                strict=True,
+            )
+            if end > start
+        ]
+    return results
+
+
+_MODES = {1: "forward", -1: "backward", 0: "sticking"}
+
+
+@eqx.filter_jit
+def _numbers(run: Transient) -> dict[str, Any]:
+    drive_power = run.drive_torque * run.screw_speed
+    mean_square = integral(run.time, run.drive_torque**2) / (run.time[-1] - run.time[0])
+    return {
+        "peak_drive_torque_nm": jnp.max(jnp.abs(run.drive_torque)),
+        "rms_drive_torque_nm": jnp.sqrt(jnp.maximum(mean_square, 0.0)),
+        "peak_drive_power_w": jnp.max(jnp.abs(drive_power)),
+        "peak_screw_speed_rad_per_s": jnp.max(jnp.abs(run.screw_speed)),
+        "peak_contact_force_n": jnp.max(jnp.abs(run.contact_force)),
+        "drive_energy_j": energy(run, "drive"),
+        "load_energy_j": energy(run, "load"),
+        "loss_energy_j": energy(run, "loss"),
+        "mission_efficiency": mean_efficiency(run),
+    }
+
+
+def _summary(run: Transient) -> dict[str, Any]:
+    """What a mission asks of motor and mechanism; peaks are those of the samples."""
+    return {"duration_s": run.time[-1] - run.time[0], **_numbers(run)}
+
+
+def _mission(summary: dict[str, Any]) -> list[Line]:
+    return [
+        ("duration", summary["duration_s"], "s"),
+        ("peak drive torque", summary["peak_drive_torque_nm"], "N·m"),
+        ("RMS drive torque", summary["rms_drive_torque_nm"], "N·m"),
+        ("peak drive power", summary["peak_drive_power_w"], "W"),
+        ("peak screw speed", summary["peak_screw_speed_rad_per_s"], "rad/s"),
+        ("largest contact force", summary["peak_contact_force_n"], "N"),
+        ("energy from the drive", summary["drive_energy_j"], "J"),
+        ("energy to the load", summary["load_energy_j"], "J"),
+        ("energy lost", summary["loss_energy_j"], "J"),
+        ("efficiency over the mission", summary["mission_efficiency"], "1", "efficiency"),
+    ]
+
+
+@app.command
+def simulate(
+    file: str,
+    *,
+    method: Annotated[Method, Parameter(help="How carriers are found over time.")] = "auto",
+    samples: Annotated[
+        int | None, Parameter(help="Number of times in the result; default the file's, or 201.")
+    ] = None,
+    rtol: Annotated[float, Parameter(help="Relative tolerance of the steps.")] = 1e-8,
+    atol: Annotated[float, Parameter(help="Absolute tolerance of the steps.")] = 1e-10,
+    max_steps: Annotated[int, Parameter(help="Steps allowed.")] = 4096,
+    animation: Annotated[
+        bool, Parameter(help="With --out: an animated GIF of the stages in motion.")
+    ] = True,
+    common: Common = _DEFAULT,
+) -> int:
+    """Time histories of the file's [scenario]; without one, after a step to the operating point."""
+    mechanism = common.load(file)
+    expect_programs("simulate", "_numbers")
+    run = _transient(mechanism, method, samples, rtol, atol, max_steps)
+    results = transient_results(run)
+    pictures: tuple[Path, ...] = ()
+    if common.out is not None:
+        from ..report import save_transient_pictures
+
+        doing("drawing")
+        pictures = save_transient_pictures(common.out, mechanism, run, animation=animation)
+        results["pictures"] = list(pictures)
+
+    def text() -> str:
+        words = table(f"Transient: {file}", ("", "", ""), in_units(_mission(results["summary"])))
+        if float(run.screw_speed[0]) != 0 or float(run.screw_speed[-1]) != 0:
+            # At standstill, where a mission begins and ends, there is nothing to compare.
+            words += table("", ("", "start", "end"), _ends(run))
+        words += prose(_solver(results["solver"]))
+        return words + (f"{len(pictures)} pictures in {common.out}" if pictures else "")
+
+    emit(common, results, text, assumptions(mechanism, TRANSIENT))
+    return int(run.solver.code != 0)
+
+
+def _ends(run: Transient) -> list[tuple[str, float, float]]:
+    rows = [
+        ("efficiency %", 100 * float(run.efficiency[0]), 100 * float(run.efficiency[-1])),
+        ("drive torque N·m", float(run.drive_torque[0]), float(run.drive_torque[-1])),
+    ]
+    for number, ratios in enumerate(run.carrier_ratio, start=1):
+        rows.append((f"stage {number}: carrier ratio", float(ratios[0]), float(ratios[-1])))
+    return rows
+
+
+def _solver(solver: dict[str, Any]) -> str:
+    """How the integration went; a closed form has no steps."""
+    words = solver["name"]
+    if solver["steps"]:
+        words += f": {solver['steps']} steps, {solver['rejected']} rejected"
+    return f"{words}, {solver['result']}"

@@ -1,0 +1,55 @@
+"""Outputs are checked before anything is computed: can they be written where they are asked for?"""
+
+import os
+import tempfile
+from pathlib import Path
+
+from .._errors import PrsmError
+
+
+def check_json(path: str | None) -> None:
+    """Check that `--json PATH` can be written; its folder has to be there.
+
+    **Raises:** `PrsmError` in one line.
+    """
+    if path is None or path == "-":
+        return
+    target = Path(path)
+    if not path.strip() or target.is_dir():
+        raise PrsmError(f"--json {path}: is a folder; give the path of a file, or - for stdout")
+    folder = target.absolute().parent
+    if not folder.is_dir():
+        raise PrsmError(f"--json {path}: there is no folder {folder}; create it first")
+    if target.exists() and not target.is_file():
+        # A pipe or a device is written to, not replaced.
+        if not os.access(target, os.W_OK):
+            raise PrsmError(f"--json {path}: cannot be written: permission denied")
+        return
+    _try(Path(os.path.realpath(target)).parent, f"--json {path}")
+
+
+def check_folder(folder: Path | None, option: str = "--out") -> None:
+    """Check that a folder for results is there and can be written to, or can be made.
+
+    **Raises:** `PrsmError` in one line.
+    """
+    if folder is None:
+        return
+    words = f"{option} {folder}"
+    place = folder.absolute()
+    if place.exists() and not place.is_dir():
+        raise PrsmError(f"{words}: is a file; give a folder")
+    while not place.exists():
+        place = place.parent
+    if not place.is_dir():
+        raise PrsmError(f"{words}: {place} is a file; give a folder")
+    _try(place, words)
+
+
+def _try(folder: Path, words: str) -> None:
+    """Make something in the folder and take it away: permissions alone do not tell."""
+    try:
+        os.rmdir(tempfile.mkdtemp(prefix=".prsm-", dir=folder))
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise PrsmError(f"{words}: cannot be written: {reason.lower()}") from error
