@@ -12,6 +12,7 @@ from ._errors import (
     PrsmError as PrsmError,
     UnknownNameError as UnknownNameError,
 )
+from ._interrupt import end_on_signals as end_on_signals  # before JAX, which takes seconds
 from ._physics import traced_physics as traced_physics
 from ._precision import to_precision as to_precision  # first: it enables float64
 from ._version import __version__ as __version__

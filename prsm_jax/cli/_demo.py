@@ -18,6 +18,7 @@ from ._app import app
 from ._common import Common, plain
 from ._contact import contact_results
 from ._modal import modal_results
+from ._progress import doing, tell
 from ._simulate import transient_results
 from ._tables import terminal_width
 
@@ -59,8 +60,10 @@ def demo(
     began = time.perf_counter()
 
     def say(what: str) -> None:
-        print(f"[{time.perf_counter() - began:5.1f} s] {what}", flush=True)
+        tell(f"[{time.perf_counter() - began:5.1f} s] {what}")
+        doing(what.partition(":")[0])
 
+    common.check_targets("out/demo")
     say(f"reading {file}")
     mechanism = common.load(file)
     problem = mechanism.design_problem
@@ -76,11 +79,11 @@ def demo(
 
     say("differentiating: exact sensitivities to " + ", ".join(v.name for v in problem.variables))
     table = sensitivity(mechanism, parameters=[variable.name for variable in problem.variables])
-    print(table.text(terminal_width()))
+    tell(table.text(terminal_width()))
 
     say(f"optimising from {problem.starts} starts")
     best = optimise(mechanism)
-    print(best.text(terminal_width()))
+    tell(best.text(terminal_width()))
 
     units = {quantity.name: quantity.unit for quantity in catalogue()}
     text = dumps(best.mechanism, units)
@@ -111,7 +114,7 @@ def demo(
         folder, data, attachments={"results.json": encoded + "\n", "optimised.toml": text}
     )
     say("done; look at")
-    print(f"  {report}  (everything, in one file)")
+    tell(f"  {report}  (everything, in one file)")
     for name in ("report.md", "figures", "results.json", "optimised.toml"):
-        print(f"  {folder / name}")
+        tell(f"  {folder / name}")
     return int(not best.converged)

@@ -1,5 +1,6 @@
 """Verbs that improve a design: sensitivity, optimise, sweep."""
 
+import math
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -7,13 +8,15 @@ import numpy as np
 from cyclopts import Parameter
 
 from .._errors import PrsmError
-from ..mechanism import Mechanism
+from .._files import folder_for_results
+from ..mechanism import Mechanism, find_parameters
 from ..optimise import optimise as run_optimise
 from ..quantities import assumptions, catalogue
 from ..sensitivity import sensitivity as run_sensitivity
 from ..sweep import sweep as run_sweep
 from ._app import app
 from ._common import Common, emit, value_of, words_of
+from ._progress import counted, doing, expect_programs
 from ._tables import terminal_width
 
 _DEFAULT = Common()
@@ -32,6 +35,7 @@ def sensitivity(
 ) -> int:
     """Exact derivatives of quantities with respect to parameters, in SI and relative."""
     mechanism = common.load(file)
+    expect_programs("_sensitivity")
     table = run_sensitivity(mechanism, words_of(quantities), words_of(parameters))
     if common.out is not None:
         from ..report import save_figure, sensitivity_bars
@@ -67,8 +71,10 @@ def optimise(
     """
     from ..file import dump
 
+    common.check_targets("out/optimise")
     mechanism = common.load(file)
-    best = run_optimise(mechanism, method=method, starts=starts, progress=common.json != "-")
+    expect_programs("_values", "_derivatives")
+    best = run_optimise(mechanism, method=method, starts=starts, progress=_told)
     folder = Path("out/optimise") if common.out is None else common.out
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{Path(file).stem}-optimised.toml"
@@ -82,6 +88,10 @@ def optimise(
         assumptions(best.mechanism, [term.quantity for term in terms]),
     )
     return int(not best.converged)
+
+
+def _told(start: int, starts: int, iteration: int) -> None:
+    doing(f"start {start} of {starts}, iteration {iteration}")
 
 
 def _axis(mechanism: Mechanism, text: str) -> tuple[str, np.ndarray]:
@@ -120,14 +130,24 @@ def sweep(
     common: Common = _DEFAULT,
 ) -> int:
     """Quantities over the full grid of any parameters, into a zarr store in --out (default out)."""
+    common.check_targets("out")
     mechanism = common.load(file)
     axes = dict(_axis(mechanism, text) for text in axis)
     folder = Path("out") if common.out is None else common.out
     store = folder / f"{Path(file).stem}-sweep.zarr"
-    folder.mkdir(parents=True, exist_ok=True)
-    data = run_sweep(
-        mechanism, axes, words_of(quantities) or [], progress=common.json != "-", store=store
-    )
+    # Whole numbers are part of the program: each combination of them is one.
+    fixed = [
+        len(values) for name, values in axes.items() if find_parameters(mechanism, name)[0].static
+    ]
+    expect_programs("evaluate_chunk", times=math.prod(fixed))
+    with folder_for_results(folder):
+        data = run_sweep(
+            mechanism,
+            axes,
+            words_of(quantities) or [],
+            progress=lambda done, total: counted(done, total, "designs"),
+            store=store,
+        )
     points, failed = int(data.attrs["points"]), int(data.attrs["failed"])
     results: dict[str, Any] = {"store": store, "points": points, "failed": failed}
     if common.out is not None and len(axes) == 2:

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from .._errors import PrsmError, missing_extra
-from ._interrupt import end_on_signals, keep_result
-from ._progress import progress
+from .._interrupt import clear_first, end_on_signals, keep_result
+from ._progress import erase_for_good, progress
 
 #: Where compiled programs are kept between runs, unless this variable says otherwise.
 _CACHE_VARIABLE = "PRSM_JAX_CACHE"
@@ -39,6 +39,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if arguments is None:
         # This process is the command line; a program that calls it keeps its own signal handlers.
         end_on_signals()
+        clear_first(erase_for_good)
     words = list(sys.argv[1:] if arguments is None else arguments)
     status, message = _run(words)
     # From here on the result stands: a signal that came before ended the process.

@@ -146,6 +146,12 @@ def clear() -> None:
         _current.erase()
 
 
+def tell(text: str) -> None:
+    """Print to stdout while the line is there."""
+    clear()
+    print(text, flush=True)
+
+
 def erase_for_good() -> str:
     """What to write so that the line is gone, and nothing is drawn any more: the process ends."""
     line = _current

@@ -52,4 +52,6 @@ def _try(folder: Path, words: str) -> None:
         os.rmdir(tempfile.mkdtemp(prefix=".prsm-", dir=folder))
     except OSError as error:
         reason = error.strerror or str(error)
-        raise PrsmError(f"{words}: cannot be written: {reason.lower()}") from error
+        raise PrsmError(
+            f"{words}: nothing can be written in {folder} ({reason.lower()}); choose another place"
+        ) from error

@@ -1,6 +1,6 @@
 """Optimisation of a mechanism: starts, searches, and the best of what they find."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 import jax.numpy as jnp
 import numpy as np
@@ -33,7 +33,7 @@ def optimise(
     seed: int | None = None,
     tolerance: float = 1e-6,
     max_iterations: int | None = None,
-    progress: bool = False,
+    progress: bool | Callable[[int, int, int], None] = False,
 ) -> Optimum:
     r"""Find the best design within bounds and constraints, by exact gradients from several starts.
 
@@ -57,7 +57,8 @@ def optimise(
       Default those of the problem.
     - `tolerance`: for the Karush–Kuhn–Tucker residual and for constraints, in scaled units.
     - `max_iterations`: per start; default by method.
-    - `progress`: show a progress bar over the starts.
+    - `progress`: show a progress bar over the starts; or a function that is told, at every
+      iteration, the number of the start (from 1), how many there are, and the iteration.
 
     **Returns:** an `Optimum`. Infeasible problems and failed searches are reported there
     (`converged`, `message`), not raised.
@@ -90,8 +91,14 @@ def optimise(
             break
 
     runs, ends = [], []
-    for position in _progress(positions, progress):
-        run, end = _run(evaluator, report, search, position, tolerance, iterations)
+    tell = progress if callable(progress) else None
+    for number, position in enumerate(_progress(positions, progress is True), start=1):
+
+        def step(iteration: int, number: int = number) -> None:
+            if tell is not None:
+                tell(number, count, iteration)
+
+        run, end = _run(evaluator, report, search, position, tolerance, iterations, step)
         runs.append(run)
         ends.append(end)
     best = _best(evaluator, ends, tolerance)
@@ -148,13 +155,16 @@ def _run(
     start: np.ndarray,
     tolerance: float,
     iterations: int,
+    step: Callable[[int], None],
 ) -> tuple[Run, tuple[Point, Optimality] | None]:
     """One search, and where it ended with the optimality there; `None` if nothing was usable."""
     first = evaluator.point(start)
     history = [first]
+    step(0)
 
     def note(position: np.ndarray) -> None:
         history.append(evaluator.point(position))
+        step(len(history) - 1)
 
     if not first.good:
         message = "the start fails: no meshing, a pulling contact, or a value that is not finite"

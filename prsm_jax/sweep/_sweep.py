@@ -1,7 +1,7 @@
 """Sweeps: quantities over the full grid of any parameters."""
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING
 
 import jax.numpy as jnp
@@ -29,7 +29,7 @@ def sweep(
     speed: float | Scalar | None = None,
     load: float | Scalar | None = None,
     chunk: int = DEFAULT_CHUNK,
-    progress: bool = False,
+    progress: bool | Callable[[int, int], None] = False,
     store: str | os.PathLike | None = None,
 ) -> "xarray.Dataset":
     """Evaluate quantities on the full grid of some parameters.
@@ -48,7 +48,8 @@ def sweep(
     - `quantities`: names from the catalogue.
     - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
     - `chunk`: designs per compiled call.
-    - `progress`: show a progress bar.
+    - `progress`: show a progress bar; or a function that is told how many designs are done, and
+      how many there are.
     - `store`: directory to write as a zarr store; one that is there is replaced when the new one
       is complete.
 
@@ -149,7 +150,12 @@ def _evaluate(
     return values, failed
 
 
-class _NoBar:
+class _Told:
+    """A progress bar that tells a function, or nobody."""
+
+    def __init__(self, points: int, tell: Callable[[int, int], None] | None):
+        self._done, self._points, self._tell = 0, points, tell
+
     def __enter__(self):
         return self
 
@@ -157,12 +163,14 @@ class _NoBar:
         return None
 
     def update(self, count: int) -> None:
-        pass
+        self._done += count
+        if self._tell is not None:
+            self._tell(self._done, self._points)
 
 
-def _progress_bar(points: int, progress: bool):
-    if not progress:
-        return _NoBar()
+def _progress_bar(points: int, progress: bool | Callable[[int, int], None]):
+    if callable(progress) or not progress:
+        return _Told(points, progress if callable(progress) else None)
     try:
         import tqdm
     except ImportError as error:

@@ -107,9 +107,9 @@ def test_check_warns_of_faulty_numbers(prsm_json):
 
 
 def test_json_to_a_file_leaves_stdout_empty(prsm, tmp_path):
-    status, out, err = prsm("contact", "lisowski2014", "--json", tmp_path / "new" / "contact.json")
+    status, out, err = prsm("contact", "lisowski2014", "--json", tmp_path / "contact.json")
     assert (status, out, err) == (0, "", "")
-    assert json.loads((tmp_path / "new" / "contact.json").read_text())["stages"]
+    assert json.loads((tmp_path / "contact.json").read_text())["stages"]
 
 
 @pytest.mark.parametrize("verb", ["contact", "modal", "steady", "check"])
@@ -117,7 +117,7 @@ def test_without_json_a_table_is_printed(prsm, verb):
     status, out, err = prsm(verb, "actuator")
     assert (status, err) == (0, "")
     assert len(out.splitlines()) > 3
-    assert max(map(len, out.splitlines())) <= 120
+    assert max(map(len, out.splitlines())) <= 80
 
 
 @pytest.mark.parametrize(

@@ -4,20 +4,27 @@ Python runs its own signal handlers between two of its instructions, and compili
 program is one instruction of minutes. What reaches the process at any time is the number of the
 signal in a socket, which a thread waits for; it removes what is half written and ends the process,
 without the interpreter's shutdown, which would wait for the compiler or crash in it.
+
+Importing JAX takes seconds, too, so this module is the first that the package imports, and where
+the process is the command line it acts at once.
 """
 
 import os
 import signal
 import socket
+import sys
 import threading
+from collections.abc import Callable
+from pathlib import Path
 
-from .._files import discard_unfinished
-from ._progress import erase_for_good
+from ._files import discard_unfinished
 
 _MESSAGES = {signal.SIGINT: "stopped (Ctrl-C)", signal.SIGTERM: "terminated"}
 #: Held by whoever ends the process: the main thread with a result, or a signal without one.
 _ending = threading.Lock()
-_before: dict[int, object] = {}
+_handled: set[int] = set()
+#: What clears the terminal: gives the text to be written before the message.
+_clearing: list[Callable[[], str]] = []
 #: Both ends of the socket that signals are announced in; closed, they would be lost.
 _sockets: list[socket.socket] = []
 
@@ -37,8 +44,14 @@ def end_on_signals() -> None:
     signal.set_wakeup_fd(writer.fileno(), warn_on_full_buffer=False)
     for number in wanted:
         # A handler of Python's own has to be there for the number to be announced.
-        _before[number] = signal.signal(number, lambda *_: None)
+        signal.signal(number, lambda *_: None)
+        _handled.add(number)
     threading.Thread(target=_wait, args=(reader,), name="signals", daemon=True).start()
+
+
+def clear_first(clear: Callable[[], str]) -> None:
+    """Have this function's text written before the message, to clear the terminal."""
+    _clearing.append(clear)
 
 
 def keep_result() -> None:
@@ -46,12 +59,12 @@ def keep_result() -> None:
 
     Does not return if a signal is ending the process already.
     """
-    if not _before:
+    if not _handled:
         return
     _ending.acquire()
-    for number in _before:
+    for number in _handled:
         signal.signal(number, signal.SIG_DFL)
-    _before.clear()
+    _handled.clear()
     signal.set_wakeup_fd(-1)
 
 
@@ -64,9 +77,19 @@ def _wait(reader: socket.socket) -> None:
 
 def _end(number: int) -> None:
     _ending.acquire()
-    erase = erase_for_good()
+    erase = "".join(clear() for clear in _clearing)
     discard_unfinished()
     try:
         os.write(2, f"{erase}prsm: {_MESSAGES[signal.Signals(number)]}\n".encode())
     finally:
         os._exit(128 + number)
+
+
+def _is_command_line() -> bool:
+    """Whether this process was started as `prsm` or `python -m prsm_jax`."""
+    name = Path(sys.argv[0]).stem if sys.argv else ""
+    return name == "prsm" or (name == "-m" and "prsm_jax" in sys.orig_argv)
+
+
+if _is_command_line():
+    end_on_signals()

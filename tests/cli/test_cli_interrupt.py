@@ -1,0 +1,222 @@
+"""Ctrl-C at any moment: one line, exit status 130 within two seconds, and nothing left behind."""
+
+import errno
+import os
+import pty
+import re
+import select
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+from pathlib import Path
+
+import pytest
+
+#: The process has to end in this time [s], whatever it is doing.
+PATIENCE = 2.0
+SWEEP = ("sweep", "wu2022", "--axis", "lead=5 mm:15 mm:3000", "--axis")
+
+
+def start(folder, words, stderr, tmp_path):
+    """`prsm` as a process of its own, which compiles everything anew."""
+    return subprocess.Popen(
+        [sys.executable, "-m", "prsm_jax", *words],
+        cwd=folder,
+        env=os.environ | {"PRSM_JAX_CACHE": "", "TERM": "xterm", "COLUMNS": "80"},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=stderr,
+        # A job in the background of a script ignores SIGINT, and so would its children.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+
+
+class Terminal:
+    """A pseudo-terminal for stderr, and what has been written to it."""
+
+    def __init__(self):
+        self.ours, self.theirs = pty.openpty()
+        self.text = ""
+
+    def read(self, seconds):
+        ready, _, _ = select.select([self.ours], [], [], seconds)
+        if ready:
+            try:
+                self.text += os.read(self.ours, 65536).decode()
+            except OSError as error:
+                # Linux says so where the other end is closed.
+                if error.errno != errno.EIO:
+                    raise
+
+    def wait_for(self, words, process, seconds=200):
+        end = time.monotonic() + seconds
+        while words not in self.text:
+            assert process.poll() is None, self.text
+            assert time.monotonic() < end, self.text
+            self.read(0.1)
+
+    @property
+    def last_line(self):
+        """What stands in the last line that is not empty: after the last erasure of it."""
+        lines = [line for line in self.text.replace("\r\n", "\n").split("\n") if line]
+        return lines[-1].rpartition("\r\x1b[K")[2]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("words", "moment"),
+    [
+        ((*SWEEP, "contact_angle=35 deg:55 deg:9"), "compiling 1 of 1 program"),
+        ((*SWEEP, "contact_angle=35 deg:55 deg:3000"), "of 9000000 designs"),
+        (("optimise", "actuator", "--starts", "1"), "compiling 1 of 2 programs"),
+        (("simulate", "actuator_mission"), "compiling"),
+        (("demo",), "compiling"),
+    ],
+    ids=["sweep compiles", "sweep runs", "optimise", "simulate", "demo"],
+)
+def test_ctrl_c_while_compiling_or_running(tmp_path, words, moment):
+    folder = tmp_path / "empty"
+    folder.mkdir()
+    terminal = Terminal()
+    process = start(folder, words, terminal.theirs, tmp_path)
+    os.close(terminal.theirs)
+    try:
+        terminal.wait_for(moment, process)
+        began = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        process.wait(timeout=30)
+        taken = time.monotonic() - began
+        for _ in range(10):
+            terminal.read(0.02)
+    finally:
+        process.kill()
+        os.close(terminal.ours)
+        process.stdout.close()
+    assert process.returncode == 130
+    assert taken < PATIENCE
+    assert terminal.last_line == "prsm: stopped (Ctrl-C)"
+    # The line of progress is erased, and nothing but it and the message was written.
+    assert "Traceback" not in terminal.text
+    assert re.fullmatch(r"(\r\x1b\[Kprsm [^\r\n]*)+\r\x1b\[Kprsm: stopped.*\s*", terminal.text)
+    assert list(folder.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("number", "message"),
+    [(signal.SIGINT, "prsm: stopped (Ctrl-C)\n"), (signal.SIGTERM, "prsm: terminated\n")],
+)
+def test_a_signal_while_jax_is_imported(tmp_path, number, message):
+    """Nothing but the message where stderr is no terminal."""
+    code = textwrap.dedent(
+        f"""
+        import os, sys, threading
+        sys.argv = ["prsm", "quantities"]
+        class Hook:
+            def find_spec(self, name, path=None, target=None):
+                if name == "jax":
+                    os.kill(os.getpid(), {int(number)})
+                    # As an extension module that is loaded: nothing of Python's runs.
+                    import time; time.sleep(60)
+        sys.meta_path.insert(0, Hook())
+        from prsm_jax.cli import main
+        sys.exit(main())
+        """
+    )
+    began = time.monotonic()
+    found = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=50,
+        check=False,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    assert (found.returncode, found.stdout, found.stderr) == (128 + number, "", message)
+    assert time.monotonic() - began < 20
+
+
+HALF_WRITTEN = """
+import contextlib, os, pathlib, signal, sys, threading, time
+sys.argv = ["prsm"]
+sys.modules["jax"] = None  # neither files nor signals need it
+import importlib.util, types
+package = types.ModuleType("prsm_jax"); package.__path__ = [{package!r}]
+sys.modules["prsm_jax"] = package
+from prsm_jax import _files, _interrupt
+
+def write(folder):
+    number = 0
+    while True:
+        with contextlib.suppress(OSError):
+            (folder / f"{{number % 100}}").mkdir(parents=True, exist_ok=True)
+            (folder / f"{{number % 100}}" / "chunk").write_text("half")
+        number += 1
+
+here = pathlib.Path(".")
+with _files.folder_for_results(here / "new" / "inner") as folder:
+    with _files.temporary_folder(folder, ".store-") as building:
+        threading.Thread(target=write, args=(building,), daemon=True).start()
+        with _files.whole_file(here / "kept.json") as partial:
+            partial.write_text("half")
+            time.sleep(0.2)
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(60)
+"""
+
+
+def test_what_is_half_written_goes_and_what_was_there_stays(tmp_path):
+    import prsm_jax
+
+    (tmp_path / "kept.json").write_text("old")
+    code = HALF_WRITTEN.format(package=str(Path(prsm_jax.__file__).parent))
+    found = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=50,
+        check=False,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    assert (found.returncode, found.stderr) == (130, "prsm: stopped (Ctrl-C)\n")
+    assert [path.name for path in tmp_path.iterdir()] == ["kept.json"]
+    assert (tmp_path / "kept.json").read_text() == "old"
+
+
+def test_a_result_that_takes_its_place_is_not_cut_in_two(tmp_path):
+    """A signal in the middle of several renames waits until they are done."""
+    import prsm_jax
+
+    code = f"""
+import os, pathlib, signal, sys, time, types
+sys.argv = ["prsm"]
+package = types.ModuleType("prsm_jax"); package.__path__ = [{str(Path(prsm_jax.__file__).parent)!r}]
+sys.modules["prsm_jax"] = package
+from prsm_jax import _files, _interrupt
+here = pathlib.Path(".")
+with _files.temporary_folder(here, ".building-") as building:
+    for name in ("a", "b"):
+        (building / name).write_text("new")
+    with _files.taking_place():
+        os.replace(building / "a", "a")
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(0.5)
+        os.replace(building / "b", "b")
+    time.sleep(60)
+"""
+    for name in ("a", "b"):
+        (tmp_path / name).write_text("old")
+    found = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=50,
+        check=False,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    assert (found.returncode, found.stderr) == (130, "prsm: stopped (Ctrl-C)\n")
+    assert {p.name: p.read_text() for p in tmp_path.iterdir()} == {"a": "new", "b": "new"}

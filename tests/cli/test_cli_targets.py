@@ -1,0 +1,180 @@
+"""Outputs: refused before anything is computed, written where they are asked for."""
+
+import json
+import os
+
+import numpy as np
+import pytest
+
+from prsm_jax import file
+
+#: Every verb, with what it needs to run.
+VERBS = {
+    "check": ["wu2022"],
+    "contact": ["wu2022"],
+    "modal": ["wu2022"],
+    "response": ["wu2022"],
+    "campbell": ["wu2022"],
+    "steady": ["wu2022"],
+    "simulate": ["wu2022"],
+    "sensitivity": ["wu2022"],
+    "optimise": ["actuator"],
+    "sweep": ["wu2022", "--axis", "lead=5 mm,6 mm"],
+    "quantities": [],
+    "example": ["wu2022"],
+    "validate": [],
+    "demo": [],
+}
+
+
+def test_every_verb_is_here():
+    from prsm_jax.cli._verbs import app
+
+    assert {name for name in app if not name.startswith("-")} <= set(VERBS)
+
+
+@pytest.fixture
+def nothing_is_computed(monkeypatch):
+    """A mechanism is not even read."""
+
+    def refuse(*_):
+        raise AssertionError("the file was read before the outputs were checked")
+
+    monkeypatch.setattr("prsm_jax.file.load", refuse)
+    monkeypatch.setattr("prsm_jax.validation.validate", refuse)
+
+
+@pytest.mark.parametrize("verb", VERBS)
+@pytest.mark.parametrize(
+    ("option", "path", "expected"),
+    [
+        ("--out", "/proc/x", "/proc"),
+        ("--out", "there.txt", "is a file"),
+        ("--out", "there.txt/inside", "is a file"),
+        ("--json", "nodir/x.json", "there is no folder"),
+        ("--json", "/proc/x.json", "/proc"),
+        ("--json", ".", "is a folder"),
+    ],
+)
+def test_an_output_that_cannot_be_written_is_refused_first(
+    prsm, nothing_is_computed, tmp_path, verb, option, path, expected
+):
+    (tmp_path / "there.txt").write_text("mine")
+    status, out, err = prsm(verb, *VERBS[verb], option, path)
+    assert (status, out) == (2, "")
+    (line,) = err.splitlines()
+    assert line.startswith(f"prsm: {option} {path}: ")
+    assert expected in line
+    assert [p.name for p in tmp_path.iterdir()] == ["there.txt"]
+    assert (tmp_path / "there.txt").read_text() == "mine"
+
+
+@pytest.mark.parametrize("verb", ["optimise", "sweep", "demo"])
+def test_the_usual_folder_is_checked_as_well(prsm, nothing_is_computed, tmp_path, verb):
+    (tmp_path / "out").write_text("mine")
+    status, out, err = prsm(verb, *VERBS[verb])
+    assert (status, out) == (2, "")
+    assert "out" in err
+    assert (tmp_path / "out").read_text() == "mine"
+
+
+def test_a_pipe_is_written_to_and_a_link_followed(prsm, tmp_path):
+    """A rename onto them would destroy them."""
+    (tmp_path / "real.json").write_text("old")
+    (tmp_path / "link.json").symlink_to("real.json")
+    assert prsm("quantities", "--json", "link.json")[0] == 0
+    assert (tmp_path / "link.json").is_symlink()
+    assert json.loads((tmp_path / "real.json").read_text())["quantities"]
+
+    os.mkfifo(tmp_path / "pipe")
+    ours = os.open(tmp_path / "pipe", os.O_RDWR | os.O_NONBLOCK)
+    try:
+        status, _, err = prsm("example", "wu2022", "--json", "pipe")
+        assert (status, err) == (0, "")
+        assert json.loads(os.read(ours, 1 << 20))["name"] == "wu2022"
+    finally:
+        os.close(ours)
+    assert (tmp_path / "pipe").is_fifo()
+
+
+def test_steady_writes_pictures_and_tables(prsm_json, prsm, tmp_path):
+    results = prsm_json("steady", "wu2022", "--out", "new/steady")
+    names = {path.name for path in (tmp_path / "new" / "steady").iterdir()}
+    pictures = {f"{name}.{kind}" for name in ("losses", "power-flow") for kind in ("png", "svg")}
+    assert names == pictures | {"steady.json", "steady.md"}
+    assert {path.rsplit("/", 1)[1] for path in results["pictures"]} == pictures
+    saved = json.loads((tmp_path / "new" / "steady" / "steady.json").read_text())
+    assert saved["efficiency"] == results["efficiency"]
+    assert saved["assumptions"] == results["assumptions"]
+    without = prsm_json("steady", "wu2022")
+    assert without["drive_torque_nm"] == pytest.approx(saved["drive_torque_nm"], rel=1e-12)
+    text = (tmp_path / "new" / "steady" / "steady.md").read_text()
+    assert f"| efficiency | {100 * saved['efficiency']:.6g} | % |" in text
+
+
+def test_other_verbs_write_into_out(prsm, tmp_path):
+    assert prsm("check", "wu2022", "--out", "a")[0] == 0
+    assert json.loads((tmp_path / "a" / "findings.json").read_text())["findings"]
+    assert "inertia" in (tmp_path / "a" / "findings.md").read_text()
+    assert prsm("quantities", "--out", "b")[0] == 0
+    assert "| efficiency |" in (tmp_path / "b" / "quantities.md").read_text()
+    assert prsm("example", "actuator", "--out", "c")[0] == 0
+    assert (tmp_path / "c" / "actuator.toml").read_text() == file.example_text("actuator")
+    status, _, err = prsm("example", "--out", "d")
+    assert status == 2
+    assert "say which example" in err
+    assert not (tmp_path / "d").exists()
+
+
+@pytest.mark.parametrize(
+    "axis", ["leed=5 mm:15 mm:11", "leed=1,2", "lead=5 kg,6 kg", "lead=5 mm:x:3"]
+)
+def test_a_bad_axis_is_blamed_by_its_own_name(prsm, axis):
+    status, out, err = prsm("sweep", "wu2022", "--axis", axis)
+    assert (status, out) == (2, "")
+    assert err.startswith(f"prsm: --axis {axis}: ")
+    assert "--set" not in err
+    if axis.startswith("leed"):
+        assert "did you mean lead" in err
+
+
+def test_a_mission_in_numbers(prsm_json, prsm):
+    """Against the histories themselves, integrated by NumPy's trapezoid: second order in time."""
+    results = prsm_json("simulate", "actuator_mission", "--samples", "2001")
+    summary = results["summary"]
+    time, torque, speed = (
+        np.asarray(results[key]) for key in ("time_s", "drive_torque_nm", "screw_speed_rad_per_s")
+    )
+    power = torque * speed
+    assert summary["duration_s"] == 2.0
+    assert summary["peak_drive_torque_nm"] == np.abs(torque).max()
+    assert summary["peak_drive_power_w"] == pytest.approx(np.abs(power).max(), rel=1e-14)
+    assert summary["peak_screw_speed_rad_per_s"] == np.abs(speed).max()
+    assert summary["peak_contact_force_n"] == np.abs(results["contact_force_n"]).max()
+    # The torque jumps where the motion reverses: first order there, a 2000th of the duration.
+    rms = np.sqrt(np.trapezoid(torque**2, time) / 2.0)
+    assert summary["rms_drive_torque_nm"] == pytest.approx(rms, rel=2e-3)
+    energy = np.trapezoid(power, time)
+    assert summary["drive_energy_j"] == pytest.approx(energy, rel=2e-3)
+    lost = sum(np.trapezoid(loss, time) for loss in results["losses_w"].values())
+    assert summary["loss_energy_j"] == pytest.approx(lost, rel=2e-3)
+    assert 0.3 < summary["mission_efficiency"] < 1
+
+    status, out, err = prsm("simulate", "actuator_mission", "--samples", "2001")
+    assert (status, err) == (0, "")
+    rows = {line[:30].strip(): line[30:].split() for line in out.splitlines()}
+    torque_row = rows["peak drive torque"]
+    assert torque_row == [f"{summary['peak_drive_torque_nm']:.6g}", "N·m"]
+    efficiency = rows["efficiency over the mission"]
+    assert efficiency == [f"{100 * summary['mission_efficiency']:.6g}", "%"]
+    # It begins and ends at standstill, so these two moments say nothing.
+    assert "start" not in out
+
+
+def test_a_closed_form_has_no_steps(prsm):
+    status, out, err = prsm("simulate", "wu2022", "--method", "closed_form")
+    assert (status, err) == (0, "")
+    assert "closed_form" in out
+    assert "steps" not in out
+    # From rest to the operating point: both ends are worth printing.
+    assert "start" in out
