@@ -5,10 +5,12 @@ import os
 import secrets
 import shutil
 import stat
+import sys
 import tempfile
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from typing import NoReturn
 
 #: What is being made and would be left behind by a process that is stopped now.
 _unfinished: set[Path] = set()
@@ -17,6 +19,7 @@ _empty: set[Path] = set()
 #: Held while what is finished takes its place, so that the process is not stopped in between.
 _placing = threading.RLock()
 _PATIENCE_S = 1.0
+_MOVED, _TRIES = ".moved-", 1000
 
 
 @contextlib.contextmanager
@@ -38,22 +41,55 @@ def _remove(path: Path) -> None:
             path.unlink(missing_ok=True)
 
 
-def discard_unfinished() -> None:
-    """Remove what is being made, before the process ends; nothing can take its place any more.
+def end_process(status: int) -> NoReturn:
+    """End the process at once; what is being made is removed, and nothing takes its place any more.
 
-    Only for a process that ends right after: the lock is kept.
+    Other threads still write. What they make is moved aside, with a file in its place that stops
+    them; the last steps are taken without letting another thread of Python run.
     """
-    _placing.acquire(timeout=_PATIENCE_S)
-    for path in list(_unfinished):
-        # Threads that still write into a folder may put a file back while it is removed.
-        for _ in range(50):
-            _remove(path)
-            if not path.exists():
-                break
-    # The deepest first.
-    for path in sorted(_empty, key=lambda p: -len(p.parts)):
+    try:
+        _placing.acquire(timeout=_PATIENCE_S)
+        barred = [path for path in list(_unfinished) if _barred(path)]
+        for path in barred:
+            for moved in path.parent.glob(f"{path.name}{_MOVED}*"):
+                _remove(moved)
+        deepest_first = sorted(_empty, key=lambda path: -len(path.parts))
+        _last_steps([bytes(path) for path in barred], [bytes(path) for path in deepest_first])
+    finally:
+        os._exit(status)
+
+
+def _last_steps(files: list[bytes], folders: list[bytes]) -> None:
+    """Remove files and empty folders; the lock of the interpreter is not released meanwhile."""
+    unlink, rmdir = os.unlink, os.rmdir
+    if os.name == "posix":
+        import ctypes
+
+        sys.setswitchinterval(_PATIENCE_S)
+        library = ctypes.PyDLL(None)
+        unlink, rmdir = library.unlink, library.rmdir
+    for path in files:
         with contextlib.suppress(OSError):
-            path.rmdir()
+            unlink(path)
+    for path in folders:
+        with contextlib.suppress(OSError):
+            rmdir(path)
+
+
+def _barred(path: Path) -> bool:
+    """Move aside what is at a path and put an empty file there.
+
+    Other threads still write, and would make anew the folder that is being removed.
+    """
+    for _ in range(_TRIES):
+        with contextlib.suppress(OSError):
+            os.rename(path, path.with_name(f"{path.name}{_MOVED}{secrets.token_hex(4)}"))
+        try:
+            os.close(os.open(path, os.O_CREAT | os.O_EXCL))
+        except OSError:
+            continue
+        return True
+    return False
 
 
 def taking_place() -> contextlib.AbstractContextManager:

@@ -17,7 +17,7 @@ import threading
 from collections.abc import Callable
 from pathlib import Path
 
-from ._files import discard_unfinished
+from ._files import end_process
 
 _MESSAGES = {signal.SIGINT: "stopped (Ctrl-C)", signal.SIGTERM: "terminated"}
 #: Held by whoever ends the process: the main thread with a result, or a signal without one.
@@ -78,11 +78,10 @@ def _wait(reader: socket.socket) -> None:
 def _end(number: int) -> None:
     _ending.acquire()
     erase = "".join(clear() for clear in _clearing)
-    discard_unfinished()
     try:
         os.write(2, f"{erase}prsm: {_MESSAGES[signal.Signals(number)]}\n".encode())
     finally:
-        os._exit(128 + number)
+        end_process(128 + number)
 
 
 def _is_command_line() -> bool:

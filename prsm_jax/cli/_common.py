@@ -99,10 +99,10 @@ def save_tables(
     name: str,
     results: Mapping[str, Any],
     tables: Iterable[TextTable],
-    assumptions: Sequence[str] = (),
+    assumptions: Sequence[str] | None = None,
 ) -> tuple[Path, ...]:
     """Write results into the folder of `--out`: SI as NAME.json, tables as NAME.md."""
-    if assumptions:
+    if assumptions is not None:
         results = {**results, "assumptions": list(assumptions)}
     folder.mkdir(parents=True, exist_ok=True)
     written = folder / f"{name}.json", folder / f"{name}.md"

@@ -170,14 +170,19 @@ def simulate(
 
     def text() -> str:
         words = table(f"Transient: {file}", ("", "", ""), in_units(_mission(results["summary"])))
-        if float(run.screw_speed[0]) != 0 or float(run.screw_speed[-1]) != 0:
-            # At standstill, where a mission begins and ends, there is nothing to compare.
+        if _moves_at_an_end(run):
             words += table("", ("", "start", "end"), _ends(run))
         words += prose(_solver(results["solver"]))
         return words + (f"{len(pictures)} pictures in {common.out}" if pictures else "")
 
     emit(common, results, text, assumptions(mechanism, TRANSIENT))
     return int(run.solver.code != 0)
+
+
+def _moves_at_an_end(run: Transient) -> bool:
+    """Whether start and end say something: a mission is at standstill at both, but for rounding."""
+    speed = np.abs(np.asarray(run.screw_speed))
+    return bool(speed[[0, -1]].max() > 1e-9 * speed.max())
 
 
 def _ends(run: Transient) -> list[tuple[str, float, float]]:

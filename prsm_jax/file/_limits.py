@@ -36,7 +36,18 @@ COUNT = Limit(1.0, 100.0, "a whole number from 1 to 100", lower_allowed=True, up
 #: A chain of more threads than any roller has would only take time.
 THREADS = Limit(1.0, 1000.0, "a whole number from 1 to 1000", True, True)
 
+_UNIT = 'a bare number is in m, so give the unit, such as "10 mm"'
+#: No roller screw has threads of a metre; who writes so has left out the unit.
+_OF_A_THREAD = Limit(0.0, 1.0, f"more than 0 and at most 1 m ({_UNIT})", upper_allowed=True)
+_LENGTH = Limit(0.0, 100.0, f"more than 0 and at most 100 m ({_UNIT})", upper_allowed=True)
+
 _BY_NAME = {
+    "lead": _OF_A_THREAD,
+    "pitch": _OF_A_THREAD,
+    "roller_radius": _OF_A_THREAD,
+    "roller_radius_at_fixed_screw_radius": _OF_A_THREAD,
+    "roller_profile_radius": _OF_A_THREAD,
+    "screw_radius": _OF_A_THREAD,
     "starts": Limit(2.0, math.inf, "more than 2 (the screw radius is (starts - 2) r_R)"),
     "starts_at_fixed_pitch": Limit(2.0, math.inf, "more than 2"),
     "contact_angle": ACUTE_ANGLE,
@@ -101,7 +112,7 @@ _BY_NAME = {
     "count": COUNT,
 }
 _BY_UNIT = {
-    "m": POSITIVE,
+    "m": _LENGTH,
     "s": POSITIVE,
     "kg": POSITIVE,
     "kg·m²": POSITIVE,

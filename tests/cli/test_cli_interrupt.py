@@ -16,20 +16,21 @@ import pytest
 
 #: The process has to end in this time [s], whatever it is doing.
 PATIENCE = 2.0
+#: A job in the background of a script ignores SIGINT, and so would its children.
+HEARS = "import signal, sys\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n"
+MAIN = "from prsm_jax.cli import main\nsys.exit(main())"
 SWEEP = ("sweep", "wu2022", "--axis", "lead=5 mm:15 mm:3000", "--axis")
 
 
 def start(folder, words, stderr, tmp_path):
     """`prsm` as a process of its own, which compiles everything anew."""
     return subprocess.Popen(
-        [sys.executable, "-m", "prsm_jax", *words],
+        [sys.executable, "-c", f"{HEARS}sys.argv = ['prsm', *{words!r}]\n{MAIN}"],
         cwd=folder,
         env=os.environ | {"PRSM_JAX_CACHE": "", "TERM": "xterm", "COLUMNS": "80"},
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=stderr,
-        # A job in the background of a script ignores SIGINT, and so would its children.
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
 
 
@@ -126,13 +127,12 @@ def test_a_signal_while_jax_is_imported(tmp_path, number, message):
     )
     began = time.monotonic()
     found = subprocess.run(
-        [sys.executable, "-c", code],
+        [sys.executable, "-c", HEARS + code],
         cwd=tmp_path,
         capture_output=True,
         text=True,
         timeout=50,
         check=False,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
     assert (found.returncode, found.stdout, found.stderr) == (128 + number, "", message)
     assert time.monotonic() - began < 20
@@ -173,13 +173,12 @@ def test_what_is_half_written_goes_and_what_was_there_stays(tmp_path):
     (tmp_path / "kept.json").write_text("old")
     code = HALF_WRITTEN.format(package=str(Path(prsm_jax.__file__).parent))
     found = subprocess.run(
-        [sys.executable, "-c", code],
+        [sys.executable, "-c", HEARS + code],
         cwd=tmp_path,
         capture_output=True,
         text=True,
         timeout=50,
         check=False,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
     assert (found.returncode, found.stderr) == (130, "prsm: stopped (Ctrl-C)\n")
     assert [path.name for path in tmp_path.iterdir()] == ["kept.json"]
@@ -210,13 +209,12 @@ with _files.temporary_folder(here, ".building-") as building:
     for name in ("a", "b"):
         (tmp_path / name).write_text("old")
     found = subprocess.run(
-        [sys.executable, "-c", code],
+        [sys.executable, "-c", HEARS + code],
         cwd=tmp_path,
         capture_output=True,
         text=True,
         timeout=50,
         check=False,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
     assert (found.returncode, found.stderr) == (130, "prsm: stopped (Ctrl-C)\n")
     assert {p.name: p.read_text() for p in tmp_path.iterdir()} == {"a": "new", "b": "new"}

@@ -3,6 +3,7 @@
 The analyses themselves are replaced by results of which no two numbers are alike.
 """
 
+import dataclasses
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,9 +12,10 @@ import reading_scenes as made
 import scenes
 from expectations import reads
 from reading_tables import assert_json, without_words
+from scipy.integrate import simpson
 
 import prsm_jax
-from prsm_jax.cli import _analyse, _contact
+from prsm_jax.cli import _analyse, _contact, _simulate
 from prsm_jax.geometry import Finding
 
 
@@ -202,9 +204,32 @@ def test_steady(run, monkeypatch):
 @pytest.mark.parametrize("to_and_fro", [False, True])
 def test_simulate(run, monkeypatch, to_and_fro):
     history = made.transient(to_and_fro=to_and_fro)
-    monkeypatch.setattr(_analyse, "_simulate", lambda *_, **__: history)
-    found, _ = run("simulate", "li2020_two_stage", "--method", "closed_form")
+    history = dataclasses.replace(history, load_power=0.013 * history.load * history.screw_speed)
+    monkeypatch.setattr(_simulate, "_simulate", lambda *_, **__: history)
+    found, printed = run("simulate", "li2020_two_stage", "--method", "closed_form")
+    time, torque, speed = (
+        np.asarray(x) for x in (history.time, history.drive_torque, history.screw_speed)
+    )
+    power, taken = torque * speed, np.asarray(history.load_power)
+    given = np.maximum(power, 0) + np.maximum(-taken, 0)
+    got = np.maximum(taken, 0) + np.maximum(-power, 0)
+    summary = {
+        "duration_s": 2e-3,
+        "peak_drive_torque_nm": np.abs(torque).max(),
+        "rms_drive_torque_nm": np.sqrt(simpson(torque**2, x=time) / 2e-3),
+        "peak_drive_power_w": np.abs(power).max(),
+        "peak_screw_speed_rad_per_s": np.abs(speed).max(),
+        "peak_contact_force_n": np.asarray(history.contact_force).max(),
+        "drive_energy_j": simpson(power, x=time),
+        "load_energy_j": simpson(taken, x=time),
+        "loss_energy_j": simpson(sum(map(np.asarray, history.losses.values())), x=time),
+        "mission_efficiency": simpson(got, x=time) / simpson(given, x=time),
+    }
+    # Sums of eighty numbers in another order.
+    assert found["summary"] == pytest.approx(summary, rel=1e-12, abs=1e-15)
+    summary = found["summary"]
     expected = {
+        "summary": summary,
         "time_s": history.time,
         "screw_speed_rad_per_s": history.screw_speed,
         "load_n": history.load,
@@ -230,6 +255,32 @@ def test_simulate(run, monkeypatch, to_and_fro):
             for a, b, mode in zip(edges, edges[1:], modes, strict=False)
         ]
     assert_json(without_words(found), expected)
+    for words, key, unit in (
+        ("duration", "duration_s", "s"),
+        ("peak drive torque", "peak_drive_torque_nm", "N·m"),
+        ("RMS drive torque", "rms_drive_torque_nm", "N·m"),
+        ("peak drive power", "peak_drive_power_w", "W"),
+        ("peak screw speed", "peak_screw_speed_rad_per_s", "rad/s"),
+        ("largest contact force", "peak_contact_force_n", "N"),
+        ("energy from the drive", "drive_energy_j", "J"),
+        ("energy to the load", "load_energy_j", "J"),
+        ("energy lost", "loss_energy_j", "J"),
+        ("efficiency over the mission", "mission_efficiency", "1"),
+    ):
+        printed.line(words, summary[key], unit)
+    if not to_and_fro:
+        assert printed.row("start") == ["end"]
+        ends = [
+            ("efficiency %", 100 * history.efficiency),
+            ("drive torque N·m", history.drive_torque),
+            *((f"stage {k + 1}: carrier ratio", history.carrier_ratio[k]) for k in range(2)),
+        ]
+        for words, values in ends:
+            cells = [float(cell) for cell in printed.row(words)]
+            assert cells == pytest.approx([float(values[0]), float(values[-1])], rel=5e-6)
+    printed.row("Transient: li2020_two_stage")
+    printed.row("Kvaerno5: 50 steps, 3 rejected, successful")
+    printed.finish()
 
 
 @reads("verb", "check")
