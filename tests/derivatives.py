@@ -7,7 +7,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from scenes import example
+from scenes import equal_shares, example
 
 import prsm_jax as prsm
 
@@ -30,6 +30,8 @@ def shipped(name):
     """A shipped example; the actuator with its profile radius given, as in its optimisation."""
     found = example(name)
     if name == "actuator":
+        # How threads share has tests of its own.
+        found = equal_shares(name)
         radius = prsm.get_parameter(found, "roller_profile_radius")
         found = prsm.set_parameter(found, "roller_profile_radius", radius)
     return found

@@ -4,6 +4,7 @@ A compiled function takes the mechanism as an argument, so every mechanism of th
 uses the same program: build variants with `prsm.set_parameter` or `eqx.tree_at`.
 """
 
+import dataclasses
 import functools
 
 import equinox as eqx
@@ -50,6 +51,16 @@ LOSS_NAMES = {"thread_sliding", "spin", "rolling_hysteresis", "spline", "thrust_
 
 #: Every test that reads a shipped example gets the same object.
 example = functools.cache(file.load)
+
+
+def equal_shares(name):
+    """A shipped example whose threads share equally, for tests of everything else."""
+    mechanism = example(name)
+    stages = tuple(
+        dataclasses.replace(stage, load_sharing=None, sharing="equal") for stage in mechanism.stages
+    )
+    return dataclasses.replace(mechanism, stages=stages)
+
 
 mesh = eqx.filter_jit(prsm.mesh)
 modal = eqx.filter_jit(prsm.modal)

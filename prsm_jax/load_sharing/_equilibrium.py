@@ -186,16 +186,13 @@ def _cut(
     def goes_on(carry):
         _, slope, lower, upper, _, count = carry
         outside = (slope > _SLOPE_LEFT * jnp.abs(first)) | (
-            (slope < -_SLOPE_LEFT * jnp.abs(first)) & (count > 1)
+            (slope < -_SLOPE_LEFT * jnp.abs(first)) & (count > 0)
         )
         apart = upper[0] > lower[0]
-        further = worthwhile & outside & (first < 0) & (count <= _MOST_CUTS) & apart
-        # The whole step is one turn of the loop, so that forces are written out only once.
-        return (count == 0) | further
+        return worthwhile & outside & (first < 0) & (count < _MOST_CUTS) & apart
 
     def closer(carry):
-        _, _, lower, upper, share, count = carry
-        point, slope = at(share)
+        _, slope, lower, upper, share, count = carry
         right = slope > 0
         lower = jax.tree.map(lambda a, b: jnp.where(right, a, b), lower, (share, slope))
         upper = jax.tree.map(lambda a, b: jnp.where(right, b, a), upper, (share, slope))
@@ -204,9 +201,12 @@ def _cut(
         # A tooth that has just closed is stiffer by orders than the film: search by decades too.
         half = jnp.where(low > 0, (low + high) / 2, high / 10)
         share = jnp.where(count % 2 == 0, secant, half)
+        point, slope = at(share)
         return point, slope, lower, upper, share, count + 1
 
-    carry = (start, first, (jnp.zeros_like(one), first), (one, first), one, 0)
+    # Most steps are not cut: outside the loop, so that a batch need not select among points.
+    point, slope = at(one)
+    carry = (point, slope, (jnp.zeros_like(one), first), (one, slope), one, 0)
     return jax.lax.while_loop(goes_on, closer, carry)[0]
 
 

@@ -5,6 +5,7 @@ import dataclasses
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scenes import equal_shares
 
 import prsm_jax as prsm
 from prsm_jax.dynamics._stage_forces import axial_inertia, carrier_inertia
@@ -24,8 +25,8 @@ _ROUNDING = 1e-14
 
 @pytest.fixture(scope="module")
 def actuator():
-    """The actuator: ten equal rollers."""
-    return prsm.load("actuator")
+    """The actuator: ten equal rollers, whose threads share equally."""
+    return equal_shares("actuator")
 
 
 def _with(mechanism, *rollers, **changes):

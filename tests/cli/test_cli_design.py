@@ -12,7 +12,7 @@ from prsm_jax import file
 from tests import scenes
 
 _compute = eqx.filter_jit(
-    lambda m: prsm_jax.compute(m, ["efficiency", "max_pressure", "drive_torque"])
+    lambda m: prsm_jax.compute(m, ["efficiency", "max_pressure_shared", "drive_torque"])
 )
 
 
@@ -50,7 +50,7 @@ def test_optimise_writes_a_file_that_gives_the_same_numbers(prsm_json, tmp_path)
     values = _compute(again)
     assert float(values["efficiency"]) == pytest.approx(results["optimum"]["objective"], rel=1e-13)
     limits = {c["quantity"]: c for c in results["constraints"]}
-    for name in ("max_pressure", "drive_torque"):
+    for name in ("max_pressure_shared", "drive_torque"):
         assert float(values[name]) == pytest.approx(limits[name]["value"], rel=1e-12)
         assert {"value", "limit", "active"} <= limits[name].keys()
 
@@ -98,7 +98,7 @@ def test_the_optimum_is_at_limits_that_are_named(optimum):
     assert best.kkt_residual < 1e-6
     # Four variables: three active limits and an interior contact angle.
     active = {c.name for c in best.constraints if c.active}
-    assert active == {"max_pressure", "nut_outer_diameter", "drive_torque"}
+    assert active == {"max_pressure_shared", "nut_outer_diameter", "drive_torque"}
     assert not best.bounds_active
     assert best.optimum.objective > best.start.objective
 

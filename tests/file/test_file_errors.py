@@ -85,10 +85,10 @@ CASES = [
      r"\[\[optimise.variable\]\] 1: lower = .* an angle where"),
     ('lower = "5 mm"', 'lower = "25 mm"', "must be below upper"),
     ('lower = "5 mm"', 'lower = "-5 mm"', "must be more than 0"),
-    ('upper = "1.9 GPa"', "",
+    ('upper = "2.1 GPa"', "",
      r"\[\[optimise.constraint\]\] 1: .* no limit; give lower, upper or equal"),
-    ('upper = "1.9 GPa"', "upper = 1\nequal = 1", "has equal and a bound"),
-    ('upper = "1.9 GPa"', 'upper = "3 quux"', "there is no unit 'quux' here"),
+    ('upper = "2.1 GPa"', "upper = 1\nequal = 1", "has equal and a bound"),
+    ('upper = "2.1 GPa"', 'upper = "3 quux"', "there is no unit 'quux' here"),
 ]  # fmt: skip
 
 

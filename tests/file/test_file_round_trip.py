@@ -34,10 +34,11 @@ def test_an_optimised_mechanism_survives_exactly(identical, tmp_path):
 def test_units_of_limits_are_written_when_the_caller_knows_them():
     mechanism = file.load("actuator")
     text = file.dumps(
-        mechanism, {"max_pressure": "Pa", "lowest_mesh_torsional_frequency": "Hz", "unused": "m"}
+        mechanism,
+        {"max_pressure_shared": "Pa", "lowest_mesh_torsional_frequency": "Hz", "unused": "m"},
     )
-    assert 'upper = "1.9 GPa"' in text
-    assert 'lower = "8.6 kHz"' in text
+    assert 'upper = "2.1 GPa"' in text
+    assert 'lower = "7.5 kHz"' in text
     assert file.loads(text).design_problem == mechanism.design_problem
 
 

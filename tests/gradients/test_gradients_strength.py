@@ -5,7 +5,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from scenes import example, stage
+from scenes import equal_shares, stage
 
 import prsm_jax as prsm
 from prsm_jax.mechanism import (
@@ -25,9 +25,9 @@ NAMES = tuple(q.name for q in catalogue() if q.function.__module__.endswith(_FIL
 
 
 def _actuator(**duty):
-    """The shipped actuator, with a duty cycle of three phases."""
+    """The actuator with equal shares, and with a duty cycle of three phases."""
     given = {"duration": [3.0, 2.0, 1.0], "speed": [10.0, -50.0, 200.0], "load": [3e3, 9e3, 1.4e4]}
-    one = example("actuator")
+    one = equal_shares("actuator")
     new = [jnp.asarray((given | duty)[name]) for name in given]
     return eqx.tree_at(lambda m: [getattr(m.duty_cycle, n) for n in given], one, new)
 
