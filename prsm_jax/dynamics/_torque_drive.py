@@ -1,4 +1,4 @@
-"""Prescribed torque: the screw as a state, with exact Coulomb friction that sticks and slips.
+"""Prescribed torque with quasi-steady carriers: the screw as a state that sticks and slips.
 
 The carriers follow the screw (see `_torque_balance`), so the mechanism has one degree of freedom
 and three modes: turning forward, turning backward, and sticking. While it turns everything is
@@ -7,16 +7,16 @@ speed; an event ends the mode where the speed passes through zero. While it stic
 between the two limits at which it would begin to turn, and an event ends that where one is passed.
 """
 
-from typing import Any
+from collections.abc import Callable
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from ..mechanism import Scalar
+from ..mechanism import Scalar, TorqueScenario
 from ._integration import Settings
-from ._solvers import adjoint_of, controller_of
+from ._phases import EVENT, PhaseLaws, follow_phases
 from ._torque_balance import (
     BACKWARD,
     FORWARD,
@@ -28,21 +28,29 @@ from ._torque_balance import (
 from ._transient_result import Phase
 
 #: While it sticks nothing moves, and steps are limited only so that they see what the torque does.
-_STEPS_PER_SAMPLE = 4
+STEPS_PER_SAMPLE = 4
 #: Between these steps the torque is looked at again, afterwards: a phase that was passed over is
 #: then reported.
 _LOOKS_PER_SAMPLE = 32
-#: Events are located to this share of the duration.
-_EVENT = 1e-10
+#: Result code of that.
+MISSED = 8
 
 
-def next_mode(problem: TorqueProblem, time: Scalar, angle: Scalar, speed: Scalar) -> Scalar:
-    """Mode in which the mechanism goes on: by its speed, or from rest by the torque."""
-    lower, upper = breakaway_torques(problem, time, angle)
+def next_mode(
+    scenario: TorqueScenario, time: Scalar, speed: Scalar, limits: Float[Array, "2"]
+) -> Scalar:
+    """Mode in which the mechanism goes on: by its speed, or from rest by the torque.
+
+    **Arguments:**
+
+    - `scenario`, `time`, `speed`: what drives it, when, and how fast it turns.
+    - `limits`: torques at which it begins to turn backward and forward [N·m].
+    """
+    lower, upper = limits
     # On a limit itself, where a phase of sticking has just ended, it turns: to the accuracy of the
     # event, before which a torque that jumps may still be far from the limit.
-    later = problem.scenario.torque_at(time + 4 * _EVENT * problem.scenario.duration)
-    now = problem.scenario.torque_at(time)
+    later = scenario.torque_at(time + 4 * EVENT * scenario.duration)
+    now = scenario.torque_at(time)
     width = 1e-9 * (jnp.abs(upper) + jnp.abs(lower))
     forward = jnp.maximum(now, later) >= upper - width
     backward = jnp.minimum(now, later) <= lower + width
@@ -50,13 +58,20 @@ def next_mode(problem: TorqueProblem, time: Scalar, angle: Scalar, speed: Scalar
     return jax.lax.stop_gradient(jnp.where(speed == 0, from_rest, jnp.sign(speed)))
 
 
-_MISSED = 8
+def held(applied: Scalar, limits: Float[Array, "2"]) -> Scalar:
+    """How far a torque is from the nearer limit; positive while the mechanism sticks [N·m]."""
+    lower, upper = limits
+    return jnp.minimum(upper - applied, applied - lower)
 
 
-def _missed(times, angles, modes, hold) -> Bool[Array, ""]:
+def passed_over(
+    times: Float[Array, " times"],
+    angles: Float[Array, " times"],
+    sticks: Bool[Array, " intervals"],
+    hold: Callable[[Scalar, Scalar], Scalar],
+) -> Bool[Array, ""]:
     """Whether the torque passed a limit between two samples of one phase of sticking."""
     shares = jnp.arange(1, _LOOKS_PER_SAMPLE, dtype=times.dtype) / _LOOKS_PER_SAMPLE
-    sticks = (modes[:-1] == STICKING) & (modes[1:] == STICKING) & (angles[:-1] == angles[1:])
 
     def passed(time, step, angle):
         return jnp.any(jax.vmap(lambda share: hold(time + share * step, angle))(shares) < -1e-6)
@@ -72,7 +87,6 @@ class StickSlip(eqx.Module):
     speed: Float[Array, " times"]
     mode: Float[Array, " times"]
     phases: Phase
-    phase_count: Int[Array, ""]
     steps: Int[Array, ""]
     rejected: Int[Array, ""]
     code: Int[Array, ""]
@@ -83,11 +97,8 @@ def follow(problem: TorqueProblem, times: Float[Array, " times"], settings: Sett
 
     Steps are no longer than a quarter of the time between two samples. Where the torque passed a
     limit and came back between two steps of a phase of sticking, that is reported.
-
-    Derivatives go through the events: the time at which a phase ends moves with the parameters.
     """
     import diffrax
-    import optimistix
 
     scenario, inertia = problem.scenario, problem.total_inertia
     end, dtype = times[-1], times.dtype
@@ -95,110 +106,52 @@ def follow(problem: TorqueProblem, times: Float[Array, " times"], settings: Sett
     #: Speed that such a torque reaches in the scene; states and time are of order one in it.
     scale = jax.lax.stop_gradient(torque * end / inertia)
 
-    def rate(share, state, mode):
-        time = share * end
+    def begin(share, kept):
+        time, angle = share * end, kept[0] * scale * end
+        limits = breakaway_torques(problem, time, angle)
+        mode = next_mode(scenario, time, kept[1] * scale, limits)
+        return {"mode": mode}, kept
+
+    def rate(share, state, label):
+        mode = label["mode"]
         angle, speed = state[0] * scale * end, state[1] * scale
         sense = jnp.where(mode == STICKING, FORWARD, mode)
-        acceleration = moving(problem, time, angle, speed, sense).acceleration
-        turning = mode != STICKING
+        acceleration = moving(problem, share * end, angle, speed, sense).acceleration
         moved = jnp.stack([state[1], acceleration * end / scale])
-        return jnp.where(turning, moved, jnp.zeros_like(moved))
+        return jnp.where(mode != STICKING, moved, jnp.zeros_like(moved))
 
     def hold(time, angle):
-        """How far the torque is from the nearer limit; positive while the mechanism sticks."""
-        lower, upper = breakaway_torques(problem, time, angle)
-        applied = scenario.torque_at(time)
-        return jnp.minimum(upper - applied, applied - lower) / torque
+        limits = breakaway_torques(problem, time, angle)
+        return held(scenario.torque_at(time), limits) / torque
 
-    def margin(t, y, args, **_):
-        """Positive while the phase lasts."""
-        mode = args
-        held = hold(t * end, y[0] * scale * end)
+    def margin(share, state, label):
+        mode = label["mode"]
+        kept = hold(share * end, state[0] * scale * end)
         # A phase of turning begins at rest: it has ended when the speed is truly past zero.
-        return jnp.where(mode == STICKING, held, mode * y[1] + 1e-12)
+        return jnp.where(mode == STICKING, kept, mode * state[1] + 1e-12)
 
-    def phase(carry, _):
-        start, state, done, values, modes, steps, rejected, code = carry
-        speed = state[1]
-        mode = next_mode(problem, start * end, state[0] * scale * end, speed * scale)
-        grid = times / end
-        solution = diffrax.diffeqsolve(
-            diffrax.ODETerm(rate),
-            diffrax.Tsit5(),
-            t0=start,
-            t1=jnp.ones_like(start),
-            dt0=grid[1] / _STEPS_PER_SAMPLE,
-            y0=state,
-            args=mode,
-            saveat=diffrax.SaveAt(
-                subs=(diffrax.SubSaveAt(t1=True), diffrax.SubSaveAt(ts=jnp.maximum(grid, start)))
-            ),
-            stepsize_controller=controller_of(
-                settings.rtol,
-                settings.atol,
-                scenario.break_times / end,
-                jnp.ones_like(end),
-                grid[1] / _STEPS_PER_SAMPLE,
-            ),
-            event=diffrax.Event(
-                margin,
-                # Newton would leave the step where the margin bends.
-                optimistix.Bisection(rtol=_EVENT, atol=_EVENT),
-                direction=False,
-            ),
-            max_steps=settings.max_steps,
-            throw=False,
-            adjoint=adjoint_of(settings.gradient),
-        )
-        times_found: Any = solution.ts
-        values_found: Any = solution.ys
-        stop, last = times_found[0][-1], values_found[0][-1]
-        # Where the torque jumps over the limit, bisection ends at two neighbouring numbers, and the
-        # margin in between is never small.
-        ended = (solution.result == diffrax.RESULTS.event_occurred) | (
-            solution.result == diffrax.RESULTS.nonlinear_max_steps_reached
-        )
-        finished = solution.result == diffrax.RESULTS.successful
-        inside = (grid >= start) & (grid <= stop) & jnp.logical_not(done)
-        values = jnp.where(inside[:, None], values_found[1], values)
-        modes = jnp.where(inside, mode, modes)
-        last = jnp.where(ended, last.at[1].set(0.0), last)
-        state = jnp.where(done, state, last)
-        failed = jnp.logical_not(ended | finished | done)
-        code = jnp.where(failed & (code == 0), 1, code)
-        used = jnp.where(done, 0, 1)
-        steps = steps + used * solution.stats["num_accepted_steps"]
-        rejected = rejected + used * solution.stats["num_rejected_steps"]
-        record = (start * end, jnp.where(done, start, stop) * end, mode)
-        next_done = done | finished | failed
-        following = jnp.where(done, start, stop)
-        carry = (following, state, next_done, values, modes, steps, rejected, code)
-        return carry, (record, jnp.logical_not(done))
-
-    zero = jnp.zeros((), int)
-    first = jnp.stack([jnp.zeros((), dtype), scenario.initial_speed.astype(dtype) / scale])
-    start = (
-        jnp.zeros((), dtype),
-        first,
-        jnp.asarray(False),
-        jnp.zeros((len(times), 2), dtype),
-        jnp.zeros(len(times), dtype),
-        zero,
-        zero,
-        zero,
+    laws = PhaseLaws(
+        begin,
+        rate,
+        margin,
+        end=lambda state, _, ended: jnp.where(ended, state.at[1].set(0.0), state),
+        longest=lambda _: times[1] / end / STEPS_PER_SAMPLE,
     )
-    carry, (phases, used) = jax.lax.scan(phase, start, None, length=scenario.most_phases)
-    _, _, done, values, modes, steps, rejected, code = carry
-    code = jnp.where(done, code, jnp.where(code == 0, 5, code))
-    missed = _missed(times, values[:, 0] * scale * end, modes, hold)
-    code = jnp.where((code == 0) & missed, _MISSED, code)
+    first = jnp.stack([jnp.zeros((), dtype), scenario.initial_speed.astype(dtype) / scale])
+    found = follow_phases(
+        laws, first, times, scenario.break_times, scenario.most_phases, diffrax.Tsit5(), settings
+    )
+    angle, mode = found.states[:, 0] * scale * end, found.labels["mode"]
+    sticks = (mode[:-1] == STICKING) & (mode[1:] == STICKING) & (angle[:-1] == angle[1:])
+    code = jnp.where(
+        (found.code == 0) & passed_over(times, angle, sticks, hold), MISSED, found.code
+    )
     return StickSlip(
-        angle=values[:, 0] * scale * end,
-        speed=values[:, 1] * scale,
-        mode=modes,
-        phases=Phase(*phases),
-        phase_count=jnp.sum(used),
-        steps=steps,
-        rejected=rejected,
+        angle=angle,
+        speed=found.states[:, 1] * scale,
+        mode=mode,
+        phases=found.phases,
+        steps=found.steps,
+        rejected=found.rejected,
         code=code,
     )

@@ -3,16 +3,21 @@
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
-from ..mechanism import Mechanism, TorqueScenario
+from ..mechanism import Mechanism, Scalar, TorqueScenario
+from ._contact_losses import has_contact_losses
+from ._driven_carriers import driven, onset, onset_torques, slip_geometry
 from ._integration import Settings
 from ._kinematics import travel_per_turn
+from ._solvers import NAMES
+from ._stick_slip import follow_carriers
 from ._torque_balance import (
     BACKWARD,
     FORWARD,
     STICKING,
     ScrewMotion,
+    TorqueProblem,
     breakaway_torques,
     instant,
     moving,
@@ -20,26 +25,87 @@ from ._torque_balance import (
     torque_problem,
 )
 from ._torque_drive import follow
-from ._transient_result import CarrierHistory, SolverReport, Transient, histories
+from ._transient_result import CarrierHistory, Phase, SolverReport, Transient, histories
 
 
 def torque_history(mechanism: Mechanism, scenario: TorqueScenario, settings: Settings) -> Transient:
     """Integrate under a prescribed torque, and evaluate all forces at the sample times.
 
-    While the mechanism sticks, friction takes what it must; reported are then the forces at that
-    one of the two limits which is nearer to the applied torque, and the applied torque itself.
+    Carriers are states too, unless the method is `"quasi_steady"`. While the mechanism sticks,
+    friction takes what it must; reported are then the forces at that one of the two limits which is
+    nearer to the applied torque, and the applied torque itself.
+
+    **Raises:** `ValueError` for a method that does not integrate.
     """
+    if settings.method == "closed_form":
+        raise ValueError(
+            "method is 'closed_form', which needs a prescribed speed; under a prescribed torque "
+            "choose auto, rosenbrock, implicit, explicit or quasi_steady"
+        )
     problem = torque_problem(mechanism, scenario)
-    dtype = problem.inertia.dtype
-    times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=dtype) * scenario.duration
+    times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=problem.inertia.dtype)
+    times = times * scenario.duration
+    if settings.method == "quasi_steady":
+        return _quasi_steady(problem, times, settings)
+    return _integrated(problem, times, settings)
+
+
+def _nearer(applied: Scalar, limits: Float[Array, "2"]) -> Scalar:
+    """Sense of the limit that is nearer to a torque."""
+    lower, upper = limits
+    return jnp.where(applied - lower < upper - applied, BACKWARD, FORWARD)
+
+
+def _integrated(
+    problem: TorqueProblem, times: Float[Array, " times"], settings: Settings
+) -> Transient:
+    """Screw and carriers as states."""
+    motions = follow_carriers(problem, times, settings)
+    resists = jnp.asarray([has_contact_losses(s.friction) for s in problem.mechanism.stages])
+
+    def at(time, angle, speed, mode, carriers):
+        rests = (mode == STICKING) & ~jnp.any(carriers.coasts)
+        limits = onset_torques(problem, time, angle, carriers)
+        applied = problem.scenario.torque_at(time)
+        resting, load = onset(problem, time, angle, _nearer(applied, limits), carriers)
+        now = driven(problem, time, angle, speed, mode, carriers)
+        states = jax.tree.map(lambda a, b: jnp.where(rests, a, b), resting, now.states)
+        acceleration, accelerations = (
+            jnp.where(rests, 0.0, found) for found in (now.acceleration, now.carriers)
+        )
+        load = jnp.where(rests, load, now.load)
+        # What resists the turning of rollers can hold them, but not turn them back.
+        dragged = resists & ~carriers.coasts
+        dragged = dragged & (slip_geometry(problem).ratio(carriers.tangent) < 0)
+        pushed = jnp.stack([state.forces.contact_force >= 0 for state in states])
+        valid = jnp.all(pushed) & ~jnp.any(dragged) & (rests | now.found)
+        return (acceleration, load, states, accelerations), valid, applied
+
+    rows, valid, applied = jax.vmap(at)(
+        times, motions.angle, motions.speed, motions.mode, motions.carriers
+    )
+    acceleration, load, states, accelerations = rows
+    history = CarrierHistory(
+        motions.speed, acceleration, load, motions.carrier_speed, states, accelerations
+    )
+    found = motions.found
+    name = NAMES["rosenbrock" if settings.method == "auto" else settings.method]
+    report = SolverReport(found.steps, found.rejected, found.code, f"{name} with events")
+    run = _found(problem, times, history, report, valid)
+    return _with_motion(problem, run, applied, motions.angle, motions.mode, found.phases)
+
+
+def _quasi_steady(
+    problem: TorqueProblem, times: Float[Array, " times"], settings: Settings
+) -> Transient:
+    """The screw as a state, with carriers in balance at every instant."""
     motion = follow(problem, times, settings)
 
     def at(time, angle, speed, mode):
         sticking = mode == STICKING
-        lower, upper = breakaway_torques(problem, time, angle)
-        applied = scenario.torque_at(time)
-        nearer = jnp.where(applied - lower < upper - applied, BACKWARD, FORWARD)
-        sense = jnp.where(sticking, nearer, mode)
+        applied = problem.scenario.torque_at(time)
+        limits = breakaway_torques(problem, time, angle)
+        sense = jnp.where(sticking, _nearer(applied, limits), mode)
         still, turning = (
             resting(problem, time, angle, sense),
             moving(problem, time, angle, speed, sense),
@@ -56,15 +122,38 @@ def torque_history(mechanism: Mechanism, scenario: TorqueScenario, settings: Set
         return history, now.valid & balance.found, applied
 
     rows, valid, applied = jax.vmap(at)(times, motion.angle, motion.speed, motion.mode)
-    history = CarrierHistory(*rows)
-    code = jnp.where((motion.code == 0) & jnp.logical_not(jnp.all(valid)), 4, motion.code)
-    report = SolverReport(motion.steps, motion.rejected, code, "Tsit5 with events")
-    found = histories(mechanism, problem.kinematics, times, history, report)
-    travel = travel_per_turn(mechanism.stages, len(mechanism.stages))
-    position: Float[Array, " times"] = travel * motion.angle
+    report = SolverReport(
+        motion.steps, motion.rejected, motion.code, "quasi-steady carriers, Tsit5 with events"
+    )
+    run = _found(problem, times, CarrierHistory(*rows), report, valid)
+    return _with_motion(problem, run, applied, motion.angle, motion.mode, motion.phases)
+
+
+def _found(
+    problem: TorqueProblem,
+    times: Float[Array, " times"],
+    history: CarrierHistory,
+    report: SolverReport,
+    valid: Bool[Array, " times"],
+) -> Transient:
+    code = jnp.where((report.code == 0) & jnp.logical_not(jnp.all(valid)), 4, report.code)
+    report = eqx.tree_at(lambda found: found.code, report, code)
+    return histories(problem.mechanism, problem.kinematics, times, history, report)
+
+
+def _with_motion(
+    problem: TorqueProblem,
+    run: Transient,
+    applied: Float[Array, " times"],
+    angle: Float[Array, " times"],
+    mode: Float[Array, " times"],
+    phases: Phase,
+) -> Transient:
+    stages = problem.mechanism.stages
+    position = travel_per_turn(stages, len(stages)) * angle
     return eqx.tree_at(
         lambda run: (run.drive_torque, run.position, run.sticking, run.phases),
-        found,
-        (applied, position, motion.mode == STICKING, motion.phases),
+        run,
+        (applied, position, mode == STICKING, phases),
         is_leaf=lambda leaf: leaf is None,
     )

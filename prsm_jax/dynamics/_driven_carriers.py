@@ -1,0 +1,260 @@
+"""Forces under a prescribed torque with carriers of any speed.
+
+Each carrier is described in one of two ways. In step with the screw its motion is the tangent
+`t = s/(q Ω)` of its slip, with the slip's part s along d and the rest q Ω, which turns with the
+screw alone: the direction of slip is then regular through standstill, where ω and Ω vanish
+together. Coasting, while the screw is at or near standstill and the carrier is not, it is its
+speed: nothing slips slowly then, and slip is regular by itself.
+
+While the screw is held, friction that would jump with its sense takes what it must, between what
+it takes at the onset of turning backward and forward: the share, from −1 to 1, that balances the
+torque.
+"""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from .._physics import physics
+from .._root import find_root
+from ..mechanism import Scalar
+from ._carrier_balance import steady_motion
+from ._chain import StageState, chain_forces
+from ._contact_losses import has_contact_losses
+from ._kinematics import travel_per_turn
+from ._reduced_stage import reduced_stage
+from ._sliding_motion import sliding_motion
+from ._small_newton import find_roots
+from ._stage_forces import Motion
+from ._torque_balance import BACKWARD, FORWARD, STICKING, ScrewMotion, TorqueProblem
+
+
+class Carriers(eqx.Module):
+    """How the carriers move; of the two numbers of a stage the one that applies counts."""
+
+    coasts: Bool[Array, " stages"]
+    #: t of stages in step with the screw.
+    tangent: Float[Array, " stages"]
+    #: Speed of carriers that coast [rad/s].
+    speed: Float[Array, " stages"]
+
+
+class Driven(NamedTuple):
+    """Forces of all stages, and the accelerations that follow."""
+
+    states: tuple[StageState, ...]
+    load: Scalar
+    #: Of the screw, and of every carrier [rad/s²].
+    acceleration: Scalar
+    carriers: Float[Array, " stages"]
+    found: Bool[Array, ""]
+
+
+class SlipGeometry(eqx.Module):
+    """Slip of all stages per radian of screw turn, and ∂/∂ω of its part along d [m]."""
+
+    along: Float[Array, " stages"]
+    across: Float[Array, " stages"]
+    drive: Float[Array, " stages"]
+
+    def ratio(self, tangent: Float[Array, " stages"]) -> Float[Array, " stages"]:
+        """Carrier ratios ω/Ω at tangents."""
+        return (self.along - tangent * self.across) / self.drive
+
+    def tangent(self, ratio: Float[Array, " stages"]) -> Float[Array, " stages"]:
+        """Tangents at carrier ratios ω/Ω."""
+        return (self.along - ratio * self.drive) / self.across
+
+
+def slip_geometry(problem: TorqueProblem) -> SlipGeometry:
+    """Collect it from the stages."""
+    each = [reduced_stage(kinematics) for kinematics in problem.kinematics]
+    return SlipGeometry(
+        along=jnp.stack([stage.along for stage in each]),
+        across=jnp.stack([stage.across for stage in each]),
+        drive=jnp.stack([stage.drive for stage in each]),
+    )
+
+
+@physics("driven_carriers")
+def _forces(
+    problem: TorqueProblem, time: Scalar, screw: ScrewMotion, sense: Scalar, carriers: Carriers
+) -> tuple[tuple[StageState, ...], Scalar]:
+    """Forces of all stages, and the load; `sense` is the share while the screw is held."""
+    mechanism, kinematics = problem.mechanism, problem.kinematics
+    travel = travel_per_turn(mechanism.stages, len(mechanism.stages))
+    load = problem.scenario.load_at(
+        time,
+        problem.scenario.initial_position + travel * screw.angle,
+        travel * screw.speed,
+        travel * screw.acceleration,
+    )
+
+    ratios = slip_geometry(problem).ratio(carriers.tangent)
+
+    def motion_of(index: int, flank: Scalar, _, axial_acceleration) -> Motion:
+        geometry = kinematics[index]
+        speed = flank * screw.speed
+        in_step = steady_motion(geometry, ratios[index], speed, flank * sense, axial_acceleration)
+        coasting = sliding_motion(
+            geometry, speed, flank * carriers.speed[index], axial_acceleration
+        )
+        return jax.tree.map(
+            lambda one, other: jnp.where(carriers.coasts[index], one, other), coasting, in_step
+        )
+
+    states = chain_forces(
+        mechanism, kinematics, motion_of, screw.speed, sense, load, screw.acceleration
+    )
+    return states, load
+
+
+def _drives(states: tuple[StageState, ...]) -> Float[Array, " stages"]:
+    return jnp.stack([state.forces.carrier_drive for state in states])
+
+
+@eqx.filter_jit
+def driven(
+    problem: TorqueProblem,
+    time: Scalar,
+    angle: Scalar,
+    speed: Scalar,
+    mode: Scalar,
+    carriers: Carriers,
+) -> Driven:
+    """Motion that the applied torque makes; in the mode `STICKING` the screw is held.
+
+    **Arguments:**
+
+    - `problem`, `time`: the scene.
+    - `angle`, `speed`: of the screw [rad], [rad/s].
+    - `mode`: +1, −1, or 0.
+    - `carriers`: their motion.
+    """
+    turns = mode != STICKING
+    applied, scale = problem.scenario.torque_at(time), problem.torque_scale
+    unit = scale / problem.total_inertia
+
+    def at(unknown: Scalar):
+        acceleration = jnp.where(turns, unknown * unit, 0.0)
+        sense = jnp.where(turns, mode, unknown)
+        screw = ScrewMotion(angle, speed, acceleration)
+        return _forces(problem, time, screw, sense, carriers), acceleration
+
+    def residual(unknown: Scalar) -> Scalar:
+        (states, _), _ = at(unknown)
+        return (states[0].screw.drive_torque - applied) / scale
+
+    # Linear in the acceleration but for flanks that change, the moduli in the friction of splines
+    # and thrust bearings, and losses in the contact ellipses.
+    accuracy = 1e-13 if speed.dtype == jnp.float64 else 1e-5
+    unknown, found = find_root(residual, jnp.zeros_like(speed), tolerance=accuracy, max_steps=30)
+    (states, load), acceleration = at(unknown)
+    carried = _drives(states) / problem.inertia
+    carried = jnp.where(turns | carriers.coasts, carried, 0.0)
+    return Driven(states, load, acceleration, carried, found)
+
+
+def _out_of_balance(
+    problem: TorqueProblem,
+    states: tuple[StageState, ...],
+    acceleration: Scalar,
+    sense: Scalar,
+    carriers: Carriers,
+) -> Float[Array, " stages"]:
+    """Zero where each carrier in step keeps its ratio, `N f·d − resistance = I ζ Ω̇`.
+
+    Nearly linear in the tangents: a slip of tangent t has the share `t/√(1 + t²)` of friction
+    along d.
+    """
+    geometry = slip_geometry(problem)
+    needed = problem.inertia * geometry.ratio(carriers.tangent) * acceleration
+    left = sense * (_drives(states) - needed)
+    square = jnp.stack([jnp.sum(state.forces.friction**2) for state in states])
+    rubs = square > 0
+    friction = jnp.where(rubs, jnp.sqrt(jnp.where(rubs, square, 1.0)), 0.0)
+    count = jnp.stack([stage.present_roller_count for stage in problem.mechanism.stages])
+    largest = count * friction * geometry.drive
+    scale = jax.lax.stop_gradient(largest + problem.inertia * jnp.abs(acceleration))
+    # Where nothing drives and nothing resists, any ratio will do: that of rolling.
+    idle = scale == 0
+    residual = jnp.sqrt(1 + carriers.tangent**2) * left / jnp.where(idle, 1.0, scale)
+    return jnp.where(carriers.coasts | idle, carriers.tangent, residual)
+
+
+def _accuracy(value: Scalar) -> float:
+    return 1e-9 if value.dtype == jnp.float64 else 1e-4
+
+
+@eqx.filter_jit
+def leaving(
+    problem: TorqueProblem,
+    time: Scalar,
+    angle: Scalar,
+    speed: Scalar,
+    mode: Scalar,
+    carriers: Carriers,
+) -> tuple[Float[Array, " stages"], Bool[Array, ""]]:
+    """Tangents at which carriers in step keep their ratio to a screw that turns, and whether found.
+
+    From rest they leave in this ratio at once: until the speeds grow, directions of slip alone
+    decide, and every other ratio settles in no time.
+    """
+    applied, scale = problem.scenario.torque_at(time), problem.torque_scale
+    unit = scale / problem.total_inertia
+
+    def residual(unknowns):
+        acceleration = unknowns[0] * unit
+        moved = eqx.tree_at(lambda c: c.tangent, carriers, unknowns[1:])
+        screw = ScrewMotion(angle, speed, acceleration)
+        states, _ = _forces(problem, time, screw, mode, moved)
+        torque = (states[0].screw.drive_torque - applied) / scale
+        balance = _out_of_balance(problem, states, acceleration, mode, moved)
+        return jnp.concatenate([torque[None], balance])
+
+    start = jnp.zeros(1 + len(problem.kinematics), speed.dtype)
+    unknowns, found = find_roots(residual, start, tolerance=_accuracy(speed), max_steps=40)
+    return unknowns[1:], found
+
+
+@eqx.filter_jit
+def onset(
+    problem: TorqueProblem, time: Scalar, angle: Scalar, sense: Scalar, carriers: Carriers
+) -> tuple[tuple[StageState, ...], Scalar]:
+    """Forces of all stages, and the load, where a screw at rest is about to turn in a sense.
+
+    Some carriers may coast; the tangents of the others are found here.
+    """
+    none = jnp.zeros_like(angle)
+    still = ScrewMotion(angle, none, none)
+    tangents = jnp.zeros_like(carriers.tangent)
+
+    def moved(tangents):
+        return eqx.tree_at(lambda c: c.tangent, carriers, tangents)
+
+    def residual(tangents):
+        states, _ = _forces(problem, time, still, sense, moved(tangents))
+        return _out_of_balance(problem, states, none, sense, moved(tangents))
+
+    # Where nothing resists the rollers the slip is that of geometry alone.
+    if any(has_contact_losses(stage.friction) for stage in problem.mechanism.stages):
+        tangents, _ = find_roots(residual, tangents, tolerance=_accuracy(angle), max_steps=30)
+    return _forces(problem, time, still, sense, moved(tangents))
+
+
+def onset_torques(
+    problem: TorqueProblem, time: Scalar, angle: Scalar, carriers: Carriers
+) -> Float[Array, "2"]:
+    """Torques at which a screw at rest begins to turn backward and forward [N·m].
+
+    As `breakaway_torques`, with some of the carriers coasting.
+    """
+
+    def torque(sense):
+        return onset(problem, time, angle, sense, carriers)[0][0].screw.drive_torque
+
+    # One program for both senses.
+    return jax.vmap(torque)(jnp.asarray([BACKWARD, FORWARD], angle.dtype))
