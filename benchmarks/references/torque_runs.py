@@ -163,7 +163,9 @@ class TorqueChain:
                 for s in self.stages
             ]
         )
-        return np.asarray(fsolve(left, free, xtol=1e-13))
+        found = np.asarray(fsolve(left, free, xtol=1e-13))
+        # A screw that is braked harder than friction can brake the carriers has no such ratio.
+        return found if np.max(np.abs(left(found))) < 1e-9 else free
 
     def run(
         self,

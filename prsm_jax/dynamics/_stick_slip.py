@@ -32,6 +32,7 @@ from ._phases import EVENT, PhaseLaws, Phases, follow_phases
 from ._solvers import solver_of
 from ._torque_balance import FORWARD, STICKING, TorqueProblem
 from ._torque_drive import MISSED, STEPS_PER_SAMPLE, held, next_mode, passed_over
+from ._transient_result import Phase
 
 #: Carriers that turn faster than this many times the screw coast. They are in step again below
 #: `_BACK`, and in between at the start of a phase by `_MIDDLE`.
@@ -211,7 +212,31 @@ def follow_carriers(
     code = jnp.where((found.code == 0) & missed, MISSED, found.code)
     speed = jnp.where(mode == STICKING, 0.0, found.states[:, 1] * scale)
     turning = jnp.where(((mode == STICKING)[:, None]) & ~carriers.coasts, 0.0, turning)
-    return Motions(angle, speed, mode, carriers, turning, found._replace(code=code))
+    return Motions(
+        angle,
+        speed,
+        mode,
+        carriers,
+        turning,
+        found._replace(code=code, phases=joined(found.phases)),
+    )
+
+
+def joined(phases: Phase) -> Phase:
+    """Phases of the screw: those that differ only in what its carriers do are one."""
+    mode = phases.mode
+    begins = jnp.concatenate([jnp.ones_like(mode[:1], bool), mode[1:] != mode[:-1]])
+    last = len(mode) - 1
+    first = jnp.nonzero(begins, size=len(mode), fill_value=last + 1)[0]
+    there = first <= last
+    ends = jnp.concatenate([first[1:], jnp.asarray([last + 1])]) - 1
+    first, ends = jnp.minimum(first, last), jnp.minimum(ends, last)
+    finish = phases.end[-1]
+    return Phase(
+        start=jnp.where(there, phases.start[first], finish),
+        end=jnp.where(there, phases.end[ends], finish),
+        mode=jnp.where(there, mode[first], 0.0),
+    )
 
 
 def _start(law: _Law, dtype) -> Array:

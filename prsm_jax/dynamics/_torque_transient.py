@@ -10,6 +10,7 @@ from ._contact_losses import has_contact_losses
 from ._driven_carriers import driven, onset, onset_torques, slip_geometry
 from ._integration import Settings
 from ._kinematics import travel_per_turn
+from ._neglected_lag import neglected
 from ._solvers import NAMES
 from ._stick_slip import follow_carriers
 from ._torque_balance import (
@@ -122,10 +123,17 @@ def _quasi_steady(
         return history, now.valid & balance.found, applied
 
     rows, valid, applied = jax.vmap(at)(times, motion.angle, motion.speed, motion.mode)
+    history = CarrierHistory(*rows)
+    error, longest = neglected(problem, times, history, motion.mode)
     report = SolverReport(
-        motion.steps, motion.rejected, motion.code, "quasi-steady carriers, Tsit5 with events"
+        motion.steps,
+        motion.rejected,
+        motion.code,
+        "quasi-steady carriers, Tsit5 with events",
+        error_estimate=error,
+        time_constant=longest,
     )
-    run = _found(problem, times, CarrierHistory(*rows), report, valid)
+    run = _found(problem, times, history, report, valid)
     return _with_motion(problem, run, applied, motion.angle, motion.mode, motion.phases)
 
 

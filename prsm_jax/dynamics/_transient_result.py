@@ -47,8 +47,8 @@ class SolverReport(eqx.Module):
     #: 0 when successful; see `result`.
     code: Int[Array, ""]
     name: str = eqx.field(static=True)
-    #: Largest error of the carrier ratio by what the method neglects, after settling; `None` where
-    #: nothing is neglected.
+    #: Largest error of the carrier ratio by what the method neglects, after settling; under a
+    #: prescribed torque of the screw speed over its largest. `None` where nothing is neglected.
     error_estimate: Scalar | None = None
     #: Longest time constant in which carriers settle, where the method leaves that out [s].
     time_constant: Scalar | None = None
