@@ -80,6 +80,8 @@ def transient_results(run: Transient) -> dict[str, Any]:
             "steps": int(run.solver.steps),
             "rejected": int(run.solver.rejected),
             "result": run.solver.result,
+            "error_estimate": _number_or_none(run.solver.error_estimate),
+            "time_constant_s": _number_or_none(run.solver.time_constant),
         },
     }
     if run.position is not None:
@@ -97,6 +99,11 @@ def transient_results(run: Transient) -> dict[str, Any]:
             if end > start
         ]
     return results
+
+
+def _number_or_none(value: Any) -> float | None:
+    """A number for the JSON; `None` where the method has none."""
+    return None if value is None else float(value)
 
 
 _MODES = {1: "forward", -1: "backward", 0: "sticking"}
@@ -200,4 +207,7 @@ def _solver(solver: dict[str, Any]) -> str:
     words = solver["name"]
     if solver["steps"]:
         words += f": {solver['steps']} steps, {solver['rejected']} rejected"
-    return f"{words}, {solver['result']}"
+    words = f"{words}, {solver['result']}"
+    if solver["error_estimate"] is not None:
+        words += f"; what the method neglects is about {solver['error_estimate']:.1g}"
+    return words

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jax.core import Tracer
 from jaxtyping import Array, Float
 
-from ..mechanism import CoulombFriction, Mechanism, StribeckFriction
+from ..mechanism import CoulombFriction, Mechanism, StribeckFriction, TorqueScenario
 from ._bristles import has_bristles
 from ._carrier_motion import Problem, carrier_problem
 from ._contact_losses import with_resistance
@@ -33,7 +33,9 @@ class MethodChoice(NamedTuple):
     reason: str
 
 
-def choose_method(mechanism: Mechanism, scenario: Scenario, *, rtol: float = 1e-8) -> MethodChoice:
+def choose_method(
+    mechanism: Mechanism, scenario: Scenario | TorqueScenario, *, rtol: float = 1e-8
+) -> MethodChoice:
     """The method that `simulate(method="auto")` takes.
 
     1. Constant speed and load with Coulomb friction: the closed form, unless it turns out that a
@@ -43,6 +45,9 @@ def choose_method(mechanism: Mechanism, scenario: Scenario, *, rtol: float = 1e-
        at standstill is turned around there, which no integrator passes cleanly.
     3. Everything else: RODASP, whether stiff or not (the chart of `benchmarks`, case transient,
        shows where the explicit and the implicit solver stand).
+
+    Under a prescribed torque it is RODASP, with screw and carriers as states. The other choice,
+    quasi-steady carriers, is never taken by itself.
 
     Inside a trace (`jit`, `vmap`, `grad`) no number is known, and the structure of the scene alone
     decides: the closed form or RODASP. Call this outside and pass the method to have the rest.
@@ -56,6 +61,8 @@ def choose_method(mechanism: Mechanism, scenario: Scenario, *, rtol: float = 1e-
 
     **Raises:** `MissingDataError` as `simulate` does.
     """
+    if isinstance(scenario, TorqueScenario):
+        return MethodChoice("rosenbrock", "torque prescribed: screw and carriers are states")
     scenario = bound_scenario(mechanism, scenario)
     kinematics = with_resistance(mechanism.stages, all_kinematics(mechanism))
     problem = carrier_problem(mechanism, kinematics, scenario)

@@ -58,6 +58,15 @@ _DENSE = (
 )
 
 
+def _padded(rows: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...]:
+    return tuple(row + (0.0,) * (6 - len(row)) for row in rows)
+
+
+#: The same as full rows; the last point is the one before it and its stage.
+_AS_TABLE = _padded((*_A, (*_A[4], 1.0)))
+_ES_TABLE = _padded(_E)
+
+
 def _combined(weights: tuple[float, ...], stages: list[Array]) -> Array:
     total = weights[0] * stages[0]
     for weight, stage in zip(weights[1:], stages[1:], strict=True):
@@ -94,10 +103,12 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
     """RODASP, order 4 with an embedded one of order 3, for stiff problems with few states.
 
     `autonomous` says that the right-hand side does not depend on time: its derivative by time is
-    then not evaluated.
+    then not evaluated. `compact` runs the stages in a loop: the right-hand side is then compiled
+    twice instead of eight times, which suits those that are long, or have loops of their own.
     """
 
     autonomous: bool = False
+    compact: bool = False
 
     term_structure: ClassVar = diffrax.AbstractTerm
     interpolation_cls: ClassVar[Callable[..., RodasInterpolation]] = RodasInterpolation
@@ -118,6 +129,9 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
         def rate(time, state):
             return ravel_pytree(terms.vf(time, unflatten(state), args))[0]
 
+        if self.compact:
+            end, stages = self._looped(rate, t0, length, flat)
+            return self._step(y0, unflatten, end, stages)
         identity = jnp.eye(flat.size, dtype=flat.dtype)
         here, slope = rate(t0, flat), None
         jacobian = jax.vmap(
@@ -141,7 +155,36 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
             if slope is not None and _D[index] != 0:
                 right = right + length * _D[index] * slope
             stages.append(solve(right))
-        end = point + stages[5]
+        return self._step(y0, unflatten, point + stages[5], stages)
+
+    def _looped(self, rate, t0, length, flat):
+        """End of the step and the stages, by a loop over them."""
+        # Derivatives by the state and by time at once.
+        directions = jnp.eye(flat.size + 1, dtype=flat.dtype)
+        if self.autonomous:
+            directions = directions[:-1]
+        derivatives = jax.vmap(
+            lambda d: jax.jvp(rate, (t0, flat), (d[-1], d[:-1]))[1], out_axes=-1
+        )(directions)
+        slope = jnp.zeros_like(flat) if self.autonomous else derivatives[:, -1]
+        jacobian = derivatives[:, : flat.size]
+        solve = solve_small(jnp.eye(flat.size, dtype=flat.dtype) / (_GAMMA * length) - jacobian)
+        rows = tuple(jnp.asarray(table, flat.dtype) for table in (_AS_TABLE, _ES_TABLE, _C, _D))
+
+        def stage(carry, row):
+            stages, index = carry
+            weights, history, share, slopes = row
+            point = flat + weights @ stages
+            right = rate(t0 + share * length, point) + history @ stages / length
+            found = solve(right + length * slopes * slope)
+            return (stages.at[index].set(found), index + 1), point
+
+        empty = jnp.zeros((6, flat.size), flat.dtype)
+        (stages, _), points = jax.lax.scan(stage, (empty, 0), rows)
+        return points[5] + stages[5], list(stages)
+
+    @staticmethod
+    def _step(y0, unflatten, end, stages):
         dense = {
             "y0": y0,
             "y1": unflatten(end),

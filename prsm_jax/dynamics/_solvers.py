@@ -17,7 +17,7 @@ NAMES = {
 Gradient = Literal["reverse", "forward", "both"]
 
 
-def solver_of(method: Method, rtol: float, atol: float, autonomous: bool):
+def solver_of(method: Method, rtol: float, atol: float, autonomous: bool, *, compact: bool = False):
     import diffrax
     import optimistix
 
@@ -30,7 +30,7 @@ def solver_of(method: Method, rtol: float, atol: float, autonomous: bool):
     if method == "rosenbrock":
         from ._rosenbrock import Rodasp
 
-        return Rodasp(autonomous)
+        return Rodasp(autonomous, compact)
     raise ValueError(f"method is {method!r}; choose one of auto, {', '.join(NAMES)}")
 
 

@@ -194,7 +194,7 @@ def follow_carriers(
         times,
         scenario.break_times,
         scenario.most_phases,
-        solver_of(method, settings.rtol, settings.atol, False),
+        solver_of(method, settings.rtol, settings.atol, False, compact=True),
         settings,
     )
     angle, mode = jax.vmap(law.angle)(found.states), found.labels["mode"]

@@ -38,11 +38,13 @@ def simulate(
 ) -> Transient:
     """Simulate a mechanism under a prescribed screw speed, or a prescribed torque, and load.
 
-    Under a prescribed torque (`TorqueScenario`) the carriers follow the screw, whose speed is the
-    state; it sticks and slips with exact Coulomb friction, events located, and `method` does not
-    matter. With LuGre or regularised Coulomb friction in the threads it passes
-    through standstill smoothly instead, carriers and bristles being states as well. The rest is
-    about a prescribed speed.
+    Under a prescribed torque (`TorqueScenario`) screw and carriers are states. They stick and slip
+    with exact Coulomb friction, events located: the screw may be held while carriers coast. The
+    method `"quasi_steady"` leaves the carriers in balance instead, and the screw alone is a state;
+    `solver.error_estimate` is then the error of its speed over its largest. With LuGre or
+    regularised Coulomb friction in the threads everything passes through standstill smoothly,
+    bristles being states as well; there is no such reduction then. The rest is about a prescribed
+    speed.
 
     Threads with LuGre friction add the deflections of their bristles to the states: fast and
     stiff, so choose a method for stiff scenes.
@@ -75,7 +77,8 @@ def simulate(
     - `kinematics`: kinematics of the stages, if known already.
 
     **Raises:** `MissingDataError` if masses or the scenario are not given; `ValueError` for an
-    unknown method or gradient; `PrsmError` if the solver fails and `throw` is set.
+    unknown method or gradient, or the
+    closed form under a prescribed torque; `PrsmError` if the solver fails and `throw` is set.
     """
     settings = Settings(method, gradient, rtol, atol, max_steps)
     if scenario is None:
