@@ -11,10 +11,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from benchmarks.references.torque_runs import TorqueChain
 from scenes import array, mechanism, stage, thread
 
 import prsm_jax as prsm
+from benchmarks.references.torque_runs import TorqueChain
 from prsm_jax.dynamics import carrier_inertia
 from prsm_jax.dynamics._stick_slip import joined
 from prsm_jax.dynamics._transient_result import Phase

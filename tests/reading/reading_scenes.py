@@ -254,7 +254,9 @@ def transient(stages: int = 2, to_and_fro: bool = False) -> Transient:
         carrier_acceleration=per_stage(1e4),
         load=load,
         slip_direction=jnp.zeros((stages, len(time), 3)),
-        solver=SolverReport(number(50), number(3), number(0), "Kvaerno5"),
+        solver=SolverReport(
+            number(50), number(3), number(0), "Kvaerno5", number(2.5e-7), number(4e-6)
+        ),
     )
     if not to_and_fro:
         return run

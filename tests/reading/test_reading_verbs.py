@@ -243,7 +243,14 @@ def test_simulate(run, monkeypatch, to_and_fro):
         "spline_friction_n": history.spline_friction,
         "losses_w": dict(history.losses),
         "power_balance_residual": history.power_balance_residual,
-        "solver": {"name": "Kvaerno5", "steps": 50, "rejected": 3, "result": "successful"},
+        "solver": {
+            "name": "Kvaerno5",
+            "steps": 50,
+            "rejected": 3,
+            "result": "successful",
+            "error_estimate": 2.5e-7,
+            "time_constant_s": 4e-6,
+        },
     }
     if to_and_fro:
         expected["position_m"] = history.position
