@@ -163,7 +163,7 @@ class TorqueChain:
                 for s in self.stages
             ]
         )
-        found = np.asarray(fsolve(left, free, xtol=1e-13))
+        found = fsolve(left, free, xtol=1e-13, full_output=True)[0]
         # A screw that is braked harder than friction can brake the carriers has no such ratio.
         return found if np.max(np.abs(left(found))) < 1e-9 else free
 

@@ -39,14 +39,14 @@ def neglected(
     turns = mode != STICKING
     moves = turns & (speed != 0)
     ratio = history.carrier_speed / jnp.where(moves, speed, 1.0)[:, None]
-    drive = problem.inertia * history.acceleration
-    unbalanced = problem.inertia * ratio * acceleration[:, None] - drive
+    inertia = problem.inertia[None, :]
+    unbalanced = inertia * (ratio * acceleration[:, None] - history.acceleration)
     step = jnp.diff(times)
 
     def middle(values):
         return (values[1:] + values[:-1]) / 2
 
-    impulse = problem.inertia * middle(speed)[:, None] * jnp.diff(ratio, axis=0)
+    impulse = inertia * middle(speed)[:, None] * jnp.diff(ratio, axis=0)
     impulse = impulse + middle(unbalanced) * step[:, None]
     lost = jnp.sum(middle(ratio) * impulse, axis=1) / problem.total_inertia
     whole = moves[1:] & moves[:-1] & (mode[1:] == mode[:-1])
@@ -78,5 +78,5 @@ def _time_constants(
     friction = jnp.stack([jnp.linalg.norm(s.forces.friction, axis=-1) for s in states], axis=-1)
     count = jnp.stack([stage.present_roller_count for stage in stages])
     rubs = (friction > 0) & moves[:, None]
-    rate = count * jnp.where(rubs, friction, 1.0) * drive**2
-    return jnp.where(rubs, problem.inertia * slip / rate, 0.0)
+    rate = jnp.where(rubs, friction, 1.0) * (count * drive**2)[None, :]
+    return jnp.where(rubs, problem.inertia[None, :] * slip / rate, 0.0)

@@ -22,6 +22,15 @@ from ._transient_result import Phase
 EVENT = 1e-10
 
 
+def before(share: Scalar) -> Scalar:
+    """A time that much earlier that what jumps at `share` has not jumped yet.
+
+    Steps begin at a jump; a margin that has already jumped at the beginning of a step would have no
+    root within it.
+    """
+    return jnp.maximum(share - EVENT / 2, 0.0)
+
+
 class PhaseLaws(NamedTuple):
     """What happens within a phase, and from one to the next.
 

@@ -28,7 +28,7 @@ from ._driven_carriers import (
 )
 from ._integration import Settings
 from ._kinematics import free_carrier_ratio
-from ._phases import EVENT, PhaseLaws, Phases, follow_phases
+from ._phases import EVENT, PhaseLaws, Phases, before, follow_phases
 from ._solvers import solver_of
 from ._torque_balance import FORWARD, STICKING, TorqueProblem
 from ._torque_drive import MISSED, STEPS_PER_SAMPLE, held, next_mode, passed_over
@@ -134,8 +134,9 @@ class _Law(eqx.Module):
     def margin(self, share: Scalar, state: Array, label) -> Scalar:
         problem, mode, coasts = self.problem, label["mode"], label["coasts"]
         carriers = self.carriers(state, label)
-        limits = self.limits(share, self.angle(state), carriers)
-        applied = problem.scenario.torque_at(share * self.duration)
+        earlier = before(share)
+        limits = self.limits(earlier, self.angle(state), carriers)
+        applied = problem.scenario.torque_at(earlier * self.duration)
         hold = held(applied, limits) / problem.torque_scale
         onward = jnp.where(coasts, label["sign"] * state[2:] + _PAST, jnp.inf)
         ratio = jnp.abs(slip_geometry(problem).ratio(carriers.tangent))

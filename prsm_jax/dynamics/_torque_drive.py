@@ -16,7 +16,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..mechanism import Scalar, TorqueScenario
 from ._integration import Settings
-from ._phases import EVENT, PhaseLaws, follow_phases
+from ._phases import EVENT, PhaseLaws, before, follow_phases
 from ._torque_balance import (
     BACKWARD,
     FORWARD,
@@ -126,7 +126,7 @@ def follow(problem: TorqueProblem, times: Float[Array, " times"], settings: Sett
 
     def margin(share, state, label):
         mode = label["mode"]
-        kept = hold(share * end, state[0] * scale * end)
+        kept = hold(before(share) * end, state[0] * scale * end)
         # A phase of turning begins at rest: it has ended when the speed is truly past zero.
         return jnp.where(mode == STICKING, kept, mode * state[1] + 1e-12)
 

@@ -72,20 +72,8 @@ def scenario(drive, duration, load=300.0, speed=0.0):
 
 
 @eqx.filter_jit
-def _run(chain, scene, method, rtol):
-    return prsm.simulate(
-        chain,
-        scene,
-        method=method,
-        gradient="forward",
-        rtol=rtol,
-        atol=rtol * 1e-2,
-        throw=False,
-    )
-
-
-def run(chain, scene, method="rosenbrock", rtol=1e-8):
-    return _run(chain, scene, method, array(rtol))
+def run(chain, scene, method="rosenbrock"):
+    return prsm.simulate(chain, scene, method=method, gradient="forward", throw=False)
 
 
 def reference(chain, scene, peak):
