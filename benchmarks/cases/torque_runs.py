@@ -10,7 +10,7 @@ import numpy as np
 
 from prsm_jax import HingeLoad, TorqueScenario, simulate
 from prsm_jax.file import load
-from prsm_jax.mechanism import CoulombFriction, Friction, Mechanism, set_parameter
+from prsm_jax.mechanism import CoulombFriction, Friction, Mechanism, get_parameter, set_parameter
 
 from ..harness import Case, Method, Prepared, Problem, Reference
 from ..references.torque_runs import Run, TorqueChain
@@ -20,7 +20,7 @@ _SAMPLES, _DURATION, _LOAD = 101, 0.5, 7000.0
 #: Torque, amplitude in N·m and frequency in Hz.
 _MEAN, _AMPLITUDE, _FREQUENCY = 9.0, 8.0, 4.0
 #: Speed that both speeds are measured by [rad/s]; about the fastest of the run.
-_PEAK = 400.0
+_PEAK = 650.0
 
 
 class _Swing(eqx.Module):
@@ -43,6 +43,8 @@ def _mechanism() -> Mechanism:
         eqx.tree_at(lambda m: m.scenario, two, None, is_leaf=lambda x: x is None),
         (eqx.tree_at(lambda s: s.friction, stage, friction),),
     )
+    heavy = 10 * float(get_parameter(one, "roller.inertia"))
+    one = set_parameter(one, "roller.inertia", jnp.asarray(heavy))
     return set_parameter(one, "screw.inertia", jnp.asarray(1e-3))
 
 

@@ -57,14 +57,15 @@ class TorqueChain:
         load: Callable[[float, float, float], float],
     ):
         self.stages: list[StageNumbers] = [stage_numbers(s) for s in mechanism.stages]
-        self.masses = [
-            Masses(
-                float(body_mass(s, "screw")),
-                float(body_inertia(s, "screw")),
-                float(body_mass(s, "nut")) + s.roller_count * float(body_mass(s, "roller")),
-            )
-            for s in mechanism.stages
-        ]
+        self.masses = []
+        for k, stage in enumerate(mechanism.stages):
+            # The first screw stays where it is; papers give no mass of the carriers.
+            screw = float(body_mass(stage, "screw")) if k > 0 else 0.0
+            nut = float(body_mass(stage, "nut"))
+            nut += stage.roller_count * float(body_mass(stage, "roller"))
+            if stage.carrier is not None and stage.carrier.mass is not None:
+                nut += stage.carrier.count * float(stage.carrier.mass)
+            self.masses.append(Masses(screw, float(body_inertia(stage, "screw")), nut))
         self.torque, self.load = torque, load
         self.travels = np.cumsum([s.lead for s in self.stages]) / (2 * pi)
 

@@ -5,7 +5,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from scenes import array, mechanism, stage
+from scenes import Swing, array, mechanism, stage, thread
 
 import prsm_jax as prsm
 from prsm_jax.dynamics import slip_velocity, stage_kinematics
@@ -85,3 +85,39 @@ def test_reverse_derivative_of_the_slip_direction():
     forward = jax.jit(jax.jacfwd(axial_direction))(angle)
     reverse = jax.jit(jax.grad(axial_direction))(angle)
     assert reverse == pytest.approx(float(forward), rel=1e-12)
+
+
+@pytest.mark.slow
+def test_torque_driven_carriers_through_events():
+    """Forward and reverse through sticking, breaking away and a reversal, against differences."""
+    geometry = thread(contact_angle=np.pi / 3)
+    base = mechanism(stage(friction=Friction(thread=CoulombFriction(0.7)), geometry=geometry))
+    weights = jnp.asarray([0.3, -1.0, 0.5, 0.7, 1.1, -0.2])
+
+    def evaluate(values):
+        one = prsm.set_parameter(base, "friction.thread.coefficient", values[0])
+        one = prsm.set_parameter(one, "roller.inertia", values[2] * 1e-6)
+        swing = Swing(array(0.0), values[1], array(2.0))
+        scenario = prsm.TorqueScenario(
+            swing, prsm.HingeLoad(array(300.0)), array(0.4), samples=21, most_phases=4
+        )
+        run = prsm.simulate(one, scenario, rtol=1e-8, atol=1e-10, max_steps=1024, throw=False)
+        found = [run.screw_speed[10] / 1e3, run.screw_speed[-1] / 1e3, run.carrier_speed[0, -1]]
+        found = [*found[:2], found[2] / 1e3, run.position[-1] * 10, *run.phases.end[:2]]
+        return jnp.stack(found), run.solver.code
+
+    point, step = jnp.asarray([0.7, 3.0, 0.4]), 1e-4
+    forward = jax.jit(
+        lambda values, change: jax.jvp(lambda v: evaluate(v)[0], (values,), (change,))[1]
+    )
+    value = jax.jit(evaluate)
+    assert int(value(point)[1]) == 0
+    slopes = np.stack([forward(point, axis) for axis in jnp.eye(3)], axis=1)
+    for index in range(3):
+        move = step * point[index] * jnp.eye(3)[index]
+        difference = (value(point + move)[0] - value(point - move)[0]) / (2 * step * point[index])
+        # Steps of 1e-8 end elsewhere on either side, which leaves 1e-4 of the difference.
+        scale = 1e-3 * np.max(np.abs(slopes), axis=1)
+        assert np.all(np.abs(slopes[:, index] - difference) < 1e-3 * np.abs(difference) + scale)
+    gradient = jax.jit(jax.grad(lambda values: weights @ evaluate(values)[0]))(point)
+    np.testing.assert_allclose(gradient, weights @ slopes, rtol=1e-5)
