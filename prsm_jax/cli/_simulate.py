@@ -209,5 +209,5 @@ def _solver(solver: dict[str, Any]) -> str:
         words += f": {solver['steps']} steps, {solver['rejected']} rejected"
     words = f"{words}, {solver['result']}"
     if solver["error_estimate"] is not None:
-        words += f"; what the method neglects is about {solver['error_estimate']:.1g}"
+        words += f"; error by neglect about {solver['error_estimate']:.1g}"
     return words

@@ -255,7 +255,7 @@ def transient(stages: int = 2, to_and_fro: bool = False) -> Transient:
         load=load,
         slip_direction=jnp.zeros((stages, len(time), 3)),
         solver=SolverReport(
-            number(50), number(3), number(0), "Kvaerno5", number(2.5e-7), number(4e-6)
+            number(50), number(3), number(0), "Kvaerno5", number(2.7e-7), number(4e-6)
         ),
     )
     if not to_and_fro:
