@@ -5,7 +5,7 @@ from typing import Any
 
 import equinox as eqx
 
-from ..dynamics import SteadyState, steady_state
+from ..dynamics import STEADY_RESULTS, SteadyState, steady_meaning, steady_state
 from ..findings import check as run_checks
 from ..mechanism import Mechanism, OperatingPoint
 from ..quantities import assumptions
@@ -14,7 +14,7 @@ from ._assumed import STEADY
 from ._common import Common, emit, plain, save_tables
 from ._programs import run_stored
 from ._progress import doing, expect_programs
-from ._tables import Line, TextTable, in_units, terminal_width
+from ._tables import Line, TextTable, in_units, prose, terminal_width
 
 _DEFAULT = Common()
 _steady_state = eqx.filter_jit(steady_state)
@@ -32,7 +32,10 @@ def check(file: str, *, common: Common = _DEFAULT) -> int:
         return found.text(terminal_width()) if rows else "no findings"
 
     keys = ("name", "severity", "stage", "value", "limit", "message")
-    results = {"findings": [{k: getattr(f, k) for k in keys} for f in findings]}
+    results = {
+        "findings": [{k: getattr(f, k) for k in keys} for f in findings],
+        "errors": sum(f.severity == "error" for f in findings),
+    }
     if common.out is not None:
         save_tables(common.out, "findings", results, [found], rests_on)
     emit(common, results, text, rests_on)
@@ -55,10 +58,23 @@ def steady_results(state: SteadyState, point: OperatingPoint | None) -> dict[str
         "output_power_w": state.output_power,
         "power_balance_residual": state.power_balance_residual,
         "valid": state.valid,
+        "result": 0 if state.code is None else state.code,
     }
     if point is not None:
         results |= {"speed_rad_per_s": point.speed, "load_n": point.load}
     return results
+
+
+def told(results: dict[str, Any]) -> dict[str, Any]:
+    """A steady state with the name of its result, and no efficiency where it is locked or jammed.
+
+    What stands for the efficiency then is a number without meaning: -0.34 of a thread that locks.
+    """
+    name = STEADY_RESULTS[int(results["result"])]
+    changed: dict[str, Any] = {"result": name, "result_message": steady_meaning(name)}
+    if name not in ("successful", "overlapping_rollers"):
+        changed["efficiency"] = None
+    return {**results, **changed}
 
 
 def _steady(mechanism: Mechanism) -> dict[str, Any]:
@@ -76,11 +92,11 @@ def steady(file: str, *, common: Common = _DEFAULT) -> int:
     rests_on = assumptions(mechanism, STEADY)
     pictures: tuple[Path, ...] = ()
     if common.out is None:
-        results = plain(run_stored("steady", _steady, mechanism))
+        results = told(plain(run_stored("steady", _steady, mechanism)))
         tables = _steady_tables(file, results)
     else:
         state = _steady_state(mechanism)
-        results = plain(steady_results(state, mechanism.operating_point))
+        results = told(plain(steady_results(state, mechanism.operating_point)))
         tables = _steady_tables(file, results)
         pictures = _steady_pictures(common.out, state) if results["valid"] else ()
         written = save_tables(common.out, "steady", results, tables, rests_on)
@@ -88,14 +104,13 @@ def steady(file: str, *, common: Common = _DEFAULT) -> int:
 
     def text() -> str:
         words = "".join(table.text(terminal_width()) for table in tables)
-        if not results["valid"]:
-            words += "not valid: the thread locks, or the meshing has no solution\n"
+        if results["result"] != "successful":
+            words += prose(("" if results["valid"] else "Not valid: ") + results["result_message"])
         if common.out is not None:
             words += f"{len(pictures)} pictures, steady.json and steady.md in {common.out}\n"
         return words
 
-    emit(common, results, text, rests_on)
-    return int(not results["valid"])
+    return int(not emit(common, results, text, rests_on, run_checks(mechanism)))
 
 
 def _steady_pictures(folder: Path, state: SteadyState) -> tuple[Path, ...]:
@@ -110,9 +125,18 @@ def _steady_pictures(folder: Path, state: SteadyState) -> tuple[Path, ...]:
     return tuple(p for name, one in figures.items() for p in save_figure(one, folder / name))
 
 
+#: What the line of the efficiency says where there is none.
+_EFFICIENCY = {
+    name: f"efficiency: none, {name.replace('_', ' ')}"
+    for name in STEADY_RESULTS
+    if name not in ("successful", "overlapping_rollers")
+}
+
+
 def _steady_tables(file: str, results: dict[str, Any]) -> list[TextTable]:
+    efficiency = _EFFICIENCY.get(results["result"], "efficiency")
     lines: list[Line] = [
-        ("efficiency", results["efficiency"], "1", "efficiency"),
+        (efficiency, results["efficiency"], "1", "efficiency"),
         ("drive torque", results["drive_torque_nm"], "N·m"),
         ("input power", results["input_power_w"], "W"),
         ("output power", results["output_power_w"], "W"),

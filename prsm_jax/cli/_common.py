@@ -1,5 +1,6 @@
 """Options that every verb shares, and how results leave the program."""
 
+import collections
 import json
 import math
 import sys
@@ -14,6 +15,7 @@ import numpy as np
 from cyclopts import Parameter
 
 from .._files import whole_file
+from ..geometry import Finding
 from ..mechanism import Mechanism, get_parameter
 from ._progress import clear
 from ._tables import TextTable, terminal_width
@@ -123,19 +125,35 @@ def emit(
     results: Mapping[str, Any],
     text: Callable[[], str],
     assumptions: Sequence[str] | None = None,
-) -> None:
+    findings: Sequence[Finding] | None = None,
+) -> bool:
     """Send results where they were asked for: JSON to a file or stdout, else text to stdout.
 
     The text is made only if it is shown, because tables take time to import. What the results
-    rest on (`prsm_jax.assumptions`) is a key of the JSON and stands beneath the text.
+    rest on (`prsm_jax.assumptions`) is a key of the JSON and stands beneath the text. Errors of
+    `check` are a line each on stderr, and make results that no mechanism can have not valid.
+
+    **Returns:** whether the results are valid: where they say so themselves, and the mechanism
+    can exist.
     """
+    valid = bool(results.get("valid", True))
+    if findings is not None:
+        valid = valid and not any(finding.impossible for finding in findings)
+        names = list(dict.fromkeys(f.name for f in findings if f.severity != "note"))
+        results = {**results, "findings": names, "valid": valid}
+        for finding in findings:
+            if finding.severity == "error":
+                where = f"{finding.name}, stage {finding.stage}"
+                print(f"prsm: error found by check: {where}: {finding.message}", file=sys.stderr)
     if output.json is None:
         words = text().rstrip()
+        if findings:
+            words += "\n" + _found(findings).rstrip()
         if assumptions:
             words += "\n\n" + assumed(assumptions)
         clear()
         print(words)
-        return
+        return valid
     if assumptions is not None:
         results = {**results, "assumptions": list(assumptions)}
     encoded = _encoded(results)
@@ -144,6 +162,21 @@ def emit(
         sys.stdout.write(encoded)
     else:
         write_text(Path(output.json), encoded)
+    return valid
+
+
+def _found(findings: Sequence[Finding]) -> str:
+    """Names of errors and warnings as lines for a terminal."""
+    lines = []
+    for severity in ("error", "warning"):
+        names = collections.Counter(f.name for f in findings if f.severity == severity)
+        if names:
+            listed = ", ".join(f"{n} ({k})" if k > 1 else n for n, k in names.items())
+            words = f"prsm check finds {severity}s: {listed}"
+            lines += textwrap.wrap(words, 78, subsequent_indent="  ")
+    if any(finding.impossible for finding in findings):
+        lines.append("Not valid: no such mechanism can be built.")
+    return "\n" + "\n".join(lines) + "\n" if lines else ""
 
 
 def assumed(assumptions: Sequence[str]) -> str:

@@ -14,6 +14,7 @@ from ..contact import (
     stress_peak_on_axis,
     thread_contacts,
 )
+from ..findings import check
 from ..geometry import Meshing, mesh
 from ..load_sharing import LoadDistribution, SideLoads, load_distribution
 from ..mechanism import Mechanism, Scalar, Stage, material_of
@@ -157,14 +158,14 @@ def contact(file: str, *, common: Common = _DEFAULT) -> int:
         words = _tables(file, results["stages"])
         return words + (f"\n{len(pictures)} pictures in {common.out}" if pictures else "")
 
-    emit(common, results, text, assumptions(mechanism, CONTACT))
     parts = [
         part
         for stage in results["stages"]
         for part in (stage, stage.get("line_contact"), stage.get("load_sharing"))
         if part is not None
     ]
-    return int(not all(part["converged"] for part in parts))
+    results["valid"] = all(part["converged"] for part in parts)
+    return int(not emit(common, results, text, assumptions(mechanism, CONTACT), check(mechanism)))
 
 
 def _times(value: float | None, factor: float) -> float | None:

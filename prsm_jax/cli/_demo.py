@@ -8,12 +8,11 @@ from typing import Annotated, Any
 import equinox as eqx
 from cyclopts import Parameter
 
-from ..mechanism import find_parameters, get_parameter, set_parameter
 from ..optimise import optimise
 from ..quantities import assumptions, catalogue
 from ..report import ReportData
 from ..sensitivity import sensitivity
-from ._analyse import steady_results
+from ._analyse import steady_results, told
 from ._app import app
 from ._common import Common, plain
 from ._contact import contact_results
@@ -35,7 +34,8 @@ def _all_results(data: ReportData) -> dict[str, Any]:
     if data.modes is not None:
         results["modal"] = modal_results(data.modes[0])
     if data.steady is not None:
-        results["steady"] = steady_results(data.steady, data.mechanism.operating_point)
+        steady = steady_results(data.steady, data.mechanism.operating_point)
+        results["steady"] = told(plain(steady))
     if data.transient is not None:
         results["simulate"] = transient_results(data.transient)
     return results
@@ -69,13 +69,6 @@ def demo(
     problem = mechanism.design_problem
     if problem is None:
         raise ValueError(f"{file} has no [optimise] table; give one, or use the example actuator")
-
-    # A number that the file leaves to follow (the profile radius) is given before the improvement
-    # as well as after it: one structure, and everything is compiled once.
-    for variable in problem.variables:
-        if len(find_parameters(mechanism, variable.name)) == 1:
-            value = get_parameter(mechanism, variable.name)
-            mechanism = set_parameter(mechanism, variable.name, value)
 
     say("differentiating: exact sensitivities to " + ", ".join(v.name for v in problem.variables))
     table = sensitivity(mechanism, parameters=[variable.name for variable in problem.variables])

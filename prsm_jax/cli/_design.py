@@ -9,9 +9,10 @@ from cyclopts import Parameter
 
 from .._errors import PrsmError
 from .._files import folder_for_results
+from ..findings import check
 from ..mechanism import Mechanism, find_parameters
 from ..optimise import optimise as run_optimise
-from ..quantities import assumptions, catalogue
+from ..quantities import REASONS, assumptions, catalogue
 from ..sensitivity import sensitivity as run_sensitivity
 from ..sweep import sweep as run_sweep
 from ._app import app
@@ -45,13 +46,14 @@ def sensitivity(
             sensitivity_bars(table.quantities, table.parameters, table.elasticity),
             common.out / "sensitivity",
         )
-    emit(
+    valid = emit(
         common,
         table.to_dict(),
         lambda: table.text(terminal_width()),
         assumptions(mechanism, table.quantities),
+        check(mechanism),
     )
-    return int(not bool(table.valid))
+    return int(not valid)
 
 
 @app.command
@@ -62,12 +64,17 @@ def optimise(
         str | None, Parameter(help="auto, slsqp, trust-constr, lbfgs or adam.")
     ] = None,
     starts: Annotated[int | None, Parameter(help="Number of starts.")] = None,
+    keep_infeasible: Annotated[
+        bool,
+        Parameter(negative="", help="Write the best design found even if it breaks a limit."),
+    ] = False,
     common: Common = _DEFAULT,
 ) -> int:
     """Improve the design as the file's [optimise] table asks; writes the optimised file.
 
-    The optimised mechanism is written to the folder of --out (default out/optimise); exit status
-    1 if no design satisfies the constraints and the optimality conditions.
+    What `prsm check` calls an error is a constraint too. The optimised mechanism is written to the
+    folder of --out (default out/optimise), unless it breaks a constraint; exit status 1 if no
+    design satisfies the constraints and the optimality conditions.
     """
     from ..file import dump
 
@@ -75,18 +82,25 @@ def optimise(
     mechanism = common.load(file)
     expect_programs("_values", "_derivatives")
     best = run_optimise(mechanism, method=method, starts=starts, progress=_told)
-    folder = Path("out/optimise") if common.out is None else common.out
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / f"{Path(file).stem}-optimised.toml"
-    dump(best.mechanism, path, {quantity.name: quantity.unit for quantity in catalogue()})
-    results = best.to_dict() | {"mechanism": path}
+    path = None
+    if best.feasible or keep_infeasible:
+        folder = Path("out/optimise") if common.out is None else common.out
+        folder.mkdir(parents=True, exist_ok=True)
+        path = folder / f"{Path(file).stem}-optimised.toml"
+        dump(best.mechanism, path, {quantity.name: quantity.unit for quantity in catalogue()})
+    results = best.to_dict() | {"mechanism": path, "valid": best.feasible}
+
+    def text() -> str:
+        where = f"optimised mechanism: {path}"
+        if path is None:
+            where = "no file written: the best design found breaks limits (--keep-infeasible)"
+        elif not best.feasible:
+            where = f"best design found, which breaks limits: {path}"
+        return f"{best.text(terminal_width())}\n\n{where}"
+
     terms = (*best.problem.objectives, *best.problem.constraints)
-    emit(
-        common,
-        results,
-        lambda: f"{best.text(terminal_width())}\n\noptimised mechanism: {path}",
-        assumptions(best.mechanism, [term.quantity for term in terms]),
-    )
+    rests_on = assumptions(best.mechanism, [term.quantity for term in terms])
+    emit(common, results, text, rests_on, best.findings_optimum)
     return int(not best.converged)
 
 
@@ -149,7 +163,23 @@ def sweep(
             store=store,
         )
     points, failed = int(data.attrs["points"]), int(data.attrs["failed"])
-    results: dict[str, Any] = {"store": store, "points": points, "failed": failed}
+
+    def text() -> str:
+        why = ", ".join(f"{name.replace('_', ' ')} ({n})" for name, n in reasons.items())
+        return f"{points} designs, {failed} failed{': ' + why if why else ''}; {store}"
+
+    codes, counts = np.unique(data["code"].values, return_counts=True)
+    reasons = {REASONS[code]: int(n) for code, n in zip(codes, counts, strict=True) if code}
+    found = check(mechanism)
+    results: dict[str, Any] = {
+        "store": store,
+        "points": points,
+        "failed": failed,
+        "reasons": reasons,
+        # Of the mechanism as the file has it; each design has its own code.
+        "findings": list(dict.fromkeys(f.name for f in found if f.severity != "note")),
+        "valid": failed < points,
+    }
     if common.out is not None and len(axes) == 2:
         from ..report import save_figure, sweep_map
 
@@ -159,7 +189,7 @@ def sweep(
     emit(
         common,
         results,
-        lambda: f"{points} designs, {failed} failed: {store}",
+        text,
         assumptions(mechanism, words_of(quantities)),
     )
     return 0

@@ -8,6 +8,7 @@ import numpy as np
 from cyclopts import Parameter
 
 from .._errors import PrsmError
+from ..findings import check
 from ..mechanism import Mechanism, find_parameters
 from ..modal import FAMILIES, FrequencyLoci, Modes, frequency_loci, modal as run_modal
 from ..quantities import assumptions
@@ -171,8 +172,8 @@ def modal(
             lines += f"{len(written)} pictures in {common.out}\n"
         return lines
 
-    emit(common, results, text, assumptions(mechanism, VIBRATION))
-    return 0
+    valid = emit(common, results, text, assumptions(mechanism, VIBRATION), check(mechanism))
+    return int(not valid)
 
 
 def _loci_table(loci: FrequencyLoci, first: str | None, last: str | None) -> str:

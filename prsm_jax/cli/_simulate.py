@@ -20,6 +20,7 @@ from ..dynamics import (
     mean_efficiency,
     simulate as run_transient,
 )
+from ..findings import check
 from ..mechanism import Mechanism
 from ..quantities import assumptions
 from ._app import app
@@ -182,8 +183,9 @@ def simulate(
         words += prose(_solver(results["solver"]))
         return words + (f"{len(pictures)} pictures in {common.out}" if pictures else "")
 
-    emit(common, results, text, assumptions(mechanism, TRANSIENT))
-    return int(run.solver.code != 0)
+    results["valid"] = bool(run.solver.code == 0)
+    rests_on = assumptions(mechanism, TRANSIENT)
+    return int(not emit(common, results, text, rests_on, check(mechanism)))
 
 
 def _moves_at_an_end(run: Transient) -> bool:

@@ -8,6 +8,7 @@ import numpy as np
 from cyclopts import Parameter
 
 from .._errors import PrsmError
+from ..findings import check
 from ..mechanism import Mechanism, ModalDamping, RayleighDamping, StructuralDamping, as_scalar
 from ..modal import Modes, modal as run_modal
 from ..quantities import assumptions
@@ -163,8 +164,8 @@ def response(
         return lines + ("" if picture is None else f"picture: {picture}")
 
     results = response_results(found, modes, law, stage)
-    emit(common, results, text, assumptions(mechanism, VIBRATION))
-    return 0
+    valid = emit(common, results, text, assumptions(mechanism, VIBRATION), check(mechanism))
+    return int(not valid)
 
 
 def campbell_results(found: Campbell, max_speed: float, stage: int) -> dict[str, Any]:
@@ -267,5 +268,5 @@ def campbell(
         return lines + ("" if picture is None else f"picture: {picture}")
 
     results = campbell_results(found, speed, stage)
-    emit(common, results, text, assumptions(mechanism, CRITICAL_SPEEDS))
-    return 0
+    valid = emit(common, results, text, assumptions(mechanism, CRITICAL_SPEEDS), check(mechanism))
+    return int(not valid)

@@ -32,8 +32,10 @@ from ._scenario import default_scenario as default_scenario
 from ._solvers import Gradient as Gradient, Method as Method
 from ._stage_forces import axial_inertia as axial_inertia, carrier_inertia as carrier_inertia
 from ._steady import (
+    STEADY_RESULTS as STEADY_RESULTS,
     SteadyState as SteadyState,
     all_kinematics as all_kinematics,
+    steady_meaning as steady_meaning,
     steady_state as steady_state,
 )
 from ._transient import simulate as simulate

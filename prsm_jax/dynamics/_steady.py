@@ -7,6 +7,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from .._errors import MissingDataError
 from .._physics import physics
+from ..geometry import dimensions_possible, rollers_fit
 from ..mechanism import Mechanism, Scalar
 from ._carrier_balance import balanced_carrier_ratio, steady_motion
 from ._chain import StageState, chain_forces
@@ -32,7 +33,26 @@ _MEANINGS = (
     "lower friction of spin and rolling",
     "no meshing: screw and roller do not touch with a common normal; check lead, contact angle "
     "and profile radius",
+    "impossible dimension: lead and radii must be more than 0, starts more than 2, and the contact "
+    "angle between 0 and 90 deg (prsm_jax.check names it)",
+    "overlapping rollers: neighbouring rollers have no room; use fewer or smaller ones",
 )
+#: The same as names, by code.
+STEADY_RESULTS = (
+    "successful",
+    "self_locking",
+    "jammed",
+    "no_balance",
+    "no_meshing",
+    "impossible_dimension",
+    "overlapping_rollers",
+)
+_IMPOSSIBLE, _OVERLAPPING = 5, 6
+
+
+def steady_meaning(name: str) -> str:
+    """What a name of `STEADY_RESULTS` means, and what to do about it."""
+    return _MEANINGS[STEADY_RESULTS.index(name)]
 
 
 class SteadyState(eqx.Module):
@@ -69,7 +89,8 @@ class SteadyState(eqx.Module):
     output_power: Scalar
     #: |input − output − losses| / input.
     power_balance_residual: Scalar
-    #: False where the meshing has no solution, a thread jams, or the carrier cannot turn.
+    #: False where the meshing has no solution, a thread jams, the carrier cannot turn, or no such
+    #: mechanism can be built (a dimension out of range, rollers that overlap).
     valid: Bool[Array, ""]
     #: 0 when all is well; see `result`.
     code: Int[Array, ""] | None = None
@@ -78,6 +99,23 @@ class SteadyState(eqx.Module):
     def result(self) -> str:
         """What `code` means, and what to do about it."""
         return _MEANINGS[0 if self.code is None else int(self.code)]
+
+    @property
+    def result_name(self) -> str:
+        """`result` as one name: `successful`, `self_locking`, `jammed`, …"""
+        return STEADY_RESULTS[0 if self.code is None else int(self.code)]
+
+    @property
+    def has_efficiency(self) -> bool:
+        """Whether `efficiency` is one: a locked or jammed thread has none."""
+        return self.code is None or int(self.code) in (0, _OVERLAPPING)
+
+    @property
+    def computed(self) -> Bool[Array, ""]:
+        """Whether there is a steady state, be its rollers too many for their circle or not."""
+        if self.code is None:
+            return self.valid
+        return (self.code <= 1) | (self.code >= _IMPOSSIBLE)
 
 
 def _steady_states(
@@ -106,6 +144,12 @@ def _steady_states(
         # Past the limit of jamming the axial balance asks for a pulling contact.
         pushed = pushed & (state.forces.contact_force > 0)
     code = jnp.where(meshed, jnp.where(pushed, jnp.where(balanced, 0, 3), 2), 4)
+    stages = mechanism.stages
+    fit = jnp.stack([rollers_fit(stage) for stage in stages]).all()
+    possible = jnp.stack([dimensions_possible(stage) for stage in stages]).all()
+    code = jnp.where((code == 0) & ~fit, _OVERLAPPING, code)
+    # First of all: with a lead below 0 the rest may look harmless.
+    code = jnp.where(possible, code, _IMPOSSIBLE)
     return states, ratios[::-1], code
 
 

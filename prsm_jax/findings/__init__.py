@@ -15,6 +15,7 @@ from ._margin import (
     evaluate_margins as evaluate_margins,
     margin_source as margin_source,
     margins_of as margins_of,
+    source_count as source_count,
 )
 from ._masses import mass_findings as mass_findings
 from ._sharing import sharing_findings as sharing_findings

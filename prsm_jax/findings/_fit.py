@@ -125,19 +125,19 @@ def _gear(mechanism: Mechanism, index: int) -> Iterator[Margin]:
             f"{r.details['teeth']:.6g} roller teeth; both must be whole numbers"
         )
 
-    for value in (teeth, ring):
-        yield Margin(
-            "gear_assembly",
-            index + 1,
-            value,
-            (("error", 1.0),),
-            message,
-            kind="assembly",
-            details=lambda analysis: {"teeth": teeth(analysis), "ring": ring(analysis)},
-            shown=lambda r: (r.details["ring"], float(round(r.details["ring"]))),
-            reserve=0.0,
-            whole=True,
-        )
+    # With whole teeth and whole starts the ring's teeth are whole too.
+    yield Margin(
+        "gear_assembly",
+        index + 1,
+        teeth,
+        (("error", 1.0),),
+        message,
+        kind="assembly",
+        details=lambda analysis: {"teeth": teeth(analysis), "ring": ring(analysis)},
+        shown=lambda r: (r.details["ring"], float(round(r.details["ring"]))),
+        reserve=0.0,
+        whole=True,
+    )
 
 
 @margin_source

@@ -171,7 +171,15 @@ def finding_of(
         return None
     reading = Reading(mechanism, numbers["value"], numbers, *broken)
     value, limit = (reading.value, reading.limit) if margin.shown is None else margin.shown(reading)
-    return Finding(margin.name, broken[0], margin.stage, value, limit, margin.message(reading))
+    return Finding(
+        margin.name,
+        broken[0],
+        margin.stage,
+        value,
+        limit,
+        margin.message(reading),
+        impossible=broken[0] == "error" and margin.kind != "service",
+    )
 
 
 def findings_of(

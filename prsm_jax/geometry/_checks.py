@@ -25,6 +25,8 @@ class Finding:
     value: float
     limit: float
     message: str
+    #: Whether it says that no such mechanism can be built, so that other results mean nothing.
+    impossible: bool = False
 
 
 def roller_clearance(stage: Stage) -> Scalar:

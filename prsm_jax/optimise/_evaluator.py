@@ -6,15 +6,23 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Float
 
+from ..findings import Margin, evaluate_margins, margins_of, source_count
 from ..mechanism import DesignProblem, Mechanism, Scalar, set_parameters
 from ..quantities import Analysis, component_names, compute, find_quantity
+from ._margin_rows import (
+    WHOLE_SCALE,
+    MarginRows,
+    is_constraint,
+    probe_positions,
+    sorted_margins,
+)
 
 
 def _outputs(given: tuple, position: Float[Array, " variables"]):
-    """All quantities of a design, end to end, and whether it can be used."""
-    mechanism, names, quantities, lower, width, speed, load = given
+    """Quantities and margins of a design, each an array of its own, and whether it can be used."""
+    mechanism, names, quantities, margins, lower, width, speed, load = given
     values = lower + width * position
     moved = set_parameters(mechanism, {name: values[i] for i, name in enumerate(names)})
     analysis = Analysis(moved, speed, load)
@@ -22,30 +30,53 @@ def _outputs(given: tuple, position: Float[Array, " variables"]):
     for stage in analysis.kinematics:
         analysis.require(stage.meshing.converged)
     analysis.expect(load for name in quantities for load in find_quantity(name).shares)
+    # Not put end to end: XLA would compute what an array is made of anew for each element.
     found = [jnp.ravel(find_quantity(name).function(analysis)) for name in quantities]
-    return jnp.concatenate(found), analysis.valid
+    if margins:
+        for numbers in evaluate_margins(analysis, is_constraint, details=False):
+            if numbers is not None:
+                found.append(jnp.ravel(numbers["value"]))
+    # Overlapping rollers are a margin, which a search may cross on its way.
+    return found, analysis.computed
 
 
 @eqx.filter_jit
-def _values(
-    given: tuple, position: Float[Array, " variables"]
-) -> tuple[Float[Array, " rows"], Bool[Array, ""]]:
+def _values(given: tuple, position: Float[Array, " variables"]):
     return _outputs(given, position)
 
 
 @eqx.filter_jit
-def _derivatives(
-    given: tuple, position: Float[Array, " variables"]
-) -> Float[Array, "rows variables"]:
+def _derivatives(given: tuple, position: Float[Array, " variables"]):
     # Forward: as many passes as there are variables, of which there are few.
     _, push = jax.linearize(lambda point: _outputs(given, point)[0], position)
-    return jax.vmap(push, out_axes=1)(jnp.eye(position.shape[0], dtype=position.dtype))
+    return jax.vmap(push, out_axes=-1)(jnp.eye(position.shape[0], dtype=position.dtype))
+
+
+def _margins(mechanism: Mechanism, speed: Scalar | None, load: Scalar | None) -> tuple[Margin, ...]:
+    """The margins for which the mechanism has data."""
+    margins: list[Margin] = []
+
+    def try_all(given, speed, load):
+        analysis = Analysis(given, speed, load)
+        values = evaluate_margins(analysis, is_constraint, details=False)
+        pairs = zip(margins_of(given), values, strict=True)
+        margins.extend(margin for margin, numbers in pairs if numbers is not None)
+
+    eqx.filter_eval_shape(try_all, mechanism, speed, load)
+    known = {(m.name, m.stage, m.subject, m.levels) for m in margins}
+    # Those of the mechanism itself: the ones above hold on to a trace that is over.
+    return tuple(
+        m for m in margins_of(mechanism) if (m.name, m.stage, m.subject, m.levels) in known
+    )
 
 
 class Rows:
-    """The constraints as rows `lower <= value <= upper`, one per component of a quantity."""
+    """The constraints as rows `lower <= value <= upper`, one per component of a quantity.
 
-    def __init__(self, problem: DesignProblem, shapes: dict[str, tuple[int, ...]]):
+    After those of the problem come those of the margins: the first `explicit` rows are its own.
+    """
+
+    def __init__(self, problem: DesignProblem, shapes: dict[str, tuple[int, ...]], margins: int):
         first = np.cumsum([0, *(int(np.prod(shape)) for shape in shapes.values())])
         place = dict(zip(shapes, first[:-1], strict=True))
         self.names: list[str] = []
@@ -65,7 +96,9 @@ class Rows:
         self.index = np.array(index, dtype=int)
         self.lower, self.upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
         self.equality = np.array(equality, dtype=bool)
-        self.weights = np.zeros(int(first[-1]))
+        self.explicit = len(self.names)
+        self.first_margin = int(first[-1])
+        self.weights = np.zeros(int(first[-1]) + margins)
         for term in problem.objectives:
             if int(np.prod(shapes[term.quantity])) != 1:
                 raise ValueError(
@@ -74,6 +107,24 @@ class Rows:
                 )
             sign = -1.0 if term.sense == "maximise" else 1.0
             self.weights[place[term.quantity]] += sign * term.weight
+
+    def add(self, rows: MarginRows) -> None:
+        """Append the margins that a search has to respect."""
+        added = rows.smooth
+        self.names += [row.label for row in added]
+        self.units += [row.margin.unit for row in added]
+        places = [self.first_margin + row.place for row in added]
+        self.index = np.concatenate([self.index, np.array(places, dtype=int)])
+        self.lower = np.concatenate([self.lower, [row.lower for row in added]])
+        self.upper = np.concatenate([self.upper, np.full(len(added), np.inf)])
+        self.equality = np.concatenate([self.equality, np.zeros(len(added), dtype=bool)])
+
+    def fix(self, label: str, value: float | None, lower: float) -> None:
+        """Hold a margin at a whole number, or let it go again (`None`)."""
+        row = self.names.index(label, self.explicit)
+        self.equality[row] = value is not None
+        self.lower[row] = lower if value is None else value
+        self.upper[row] = np.inf if value is None else value
 
 
 class Point:
@@ -99,6 +150,8 @@ class Evaluator:
         problem: DesignProblem,
         speed: Scalar | None,
         load: Scalar | None,
+        *,
+        margins: bool = True,
     ):
         names = tuple(variable.name for variable in problem.variables)
         terms = (*problem.objectives, *problem.constraints)
@@ -109,16 +162,31 @@ class Evaluator:
             mechanism,
             names,
             self.quantities,
+            # A source of margins that is added later asks for another program.
+            source_count() if margins else 0,
             jnp.asarray(self.lower),
             jnp.asarray(self.width),
             speed,
             load,
         )
         shapes = eqx.filter_eval_shape(self._shapes, mechanism, speed, load)
-        self.rows = Rows(problem, {name: shapes[name].shape for name in self.quantities})
+        # A number that a variable writes out has margins too (the profile radius).
+        written = set_parameters(mechanism, dict(zip(names, self.lower, strict=True)))
+        known = _margins(written, speed, load) if margins else ()
+        shape_of = {name: shapes[name].shape for name in self.quantities}
+        self.rows = Rows(problem, shape_of, len(known))
         self.evaluations = self.derivative_evaluations = 0
-        self.cost_scale, self.row_scale = 1.0, np.ones(len(self.rows.names))
         self._last: Point | None = None
+        #: Margins are limits of the search, or (for one that takes bounds only) of what is usable.
+        self.guarded = False
+        self.margins = MarginRows()
+        if known:
+            points = [self.point(p) for p in probe_positions(len(names))]
+            values = np.stack([point.values[self.rows.first_margin :] for point in points])
+            self.margins = sorted_margins(known, values)
+            self.rows.add(self.margins)
+            self._last = None
+        self.cost_scale, self.row_scale = 1.0, np.ones(len(self.rows.names))
 
     def _shapes(self, mechanism, speed, load):
         # `compute` names the quantity where the mechanism lacks data for it.
@@ -136,12 +204,22 @@ class Evaluator:
         """The design at a position; the last one is remembered."""
         if self._last is not None and np.array_equal(self._last.position, position):
             return self._last
-        values, valid = _values(self._given, jnp.asarray(position))
+        found, valid = _values(self._given, jnp.asarray(position))
         self.evaluations += 1
-        values = np.asarray(values, dtype=float)
+        values = np.concatenate([np.asarray(array, dtype=float) for array in found])
         good = bool(valid) and bool(np.isfinite(values[self._used]).all())
+        if good and self.guarded:
+            good = not self._breaks_margin(values)
         self._last = Point(np.array(position), values, good)
         return self._last
+
+    def _breaks_margin(self, values: np.ndarray) -> bool:
+        rows = slice(self.rows.explicit, None)
+        return bool(np.any(values[self.rows.index[rows]] < self.rows.lower[rows]))
+
+    def guard(self, on: bool) -> None:
+        """Whether a design that breaks a margin counts as one that fails."""
+        self.guarded, self._last = on, None
 
     @property
     def _used(self) -> np.ndarray:
@@ -153,7 +231,8 @@ class Evaluator:
         """Derivatives of all quantities with respect to the position; 0 where not finite."""
         point = self.point(position)
         if point.jacobian is None:
-            jacobian = np.asarray(_derivatives(self._given, jnp.asarray(position)), dtype=float)
+            found = _derivatives(self._given, jnp.asarray(position))
+            jacobian = np.concatenate([np.asarray(rows, dtype=float) for rows in found])
             self.derivative_evaluations += 1
             if not np.isfinite(jacobian).all():
                 point.good = False
@@ -171,8 +250,12 @@ class Evaluator:
         )
         reached = np.abs(values[self.rows.index])
         reached = np.maximum(reached, np.max(np.abs(jacobian[self.rows.index]), axis=1, initial=0))
-        scale = np.where(limits > 0, limits, reached)
+        # The limit of a margin is 0 or near it, and says nothing about its size.
+        explicit = np.arange(len(limits)) < self.rows.explicit
+        scale = np.where((limits > 0) & explicit, limits, reached)
         self.row_scale = np.where(scale > 0, scale, 1.0)
+        for row in self.margins.whole:
+            self.row_scale[self.rows.names.index(row.label, self.rows.explicit)] = WHOLE_SCALE
 
     def cost(self, point: Point) -> float:
         """Scaled cost, to be minimised."""

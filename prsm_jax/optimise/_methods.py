@@ -4,6 +4,9 @@ from ._box import adam, lbfgs
 from ._constrained import slsqp, trust_constr
 from ._search import Search
 
+#: Methods that know bounds, and no constraints.
+BOUNDS_ONLY = ("adam", "lbfgs")
+
 
 def find_search(method: str, constrained: bool) -> tuple[str, Search]:
     """The search of a name; `"auto"` is SLSQP with constraints and L-BFGS without.
@@ -20,7 +23,7 @@ def find_search(method: str, constrained: bool) -> tuple[str, Search]:
         method = "slsqp" if constrained else "lbfgs"
     if method not in searches:
         raise ValueError(f"method is {method!r}; choose one of auto, {', '.join(searches)}")
-    if constrained and method in ("adam", "lbfgs"):
+    if constrained and method in BOUNDS_ONLY:
         raise ValueError(
             f"method {method!r} takes bounds only; with constraints choose slsqp or trust-constr"
         )

@@ -6,13 +6,12 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..mechanism import Constraint, DesignProblem, Mechanism, Scalar, Variable
-from ._evaluator import Evaluator, Guarded, Point
-from ._methods import find_search
-from ._optimality import Optimality, optimality
-from ._optimum import Optimum, Run
+from ._evaluator import Evaluator
+from ._methods import BOUNDS_ONLY, find_search
+from ._optimum import Optimum
 from ._problem import present_design, problem_of
-from ._reporting import Reporter, optimum_of, run_report
-from ._search import Search
+from ._reporting import Reporter, optimum_of
+from ._searches import Searches
 from ._starts import starting_positions
 
 _ITERATIONS = {"adam": 2000, "lbfgs": 500, "slsqp": 300, "trust-constr": 3000}
@@ -34,6 +33,7 @@ def optimise(
     tolerance: float = 1e-6,
     max_iterations: int | None = None,
     progress: bool | Callable[[int, int, int], None] = False,
+    respect_findings: bool = True,
 ) -> Optimum:
     r"""Find the best design within bounds and constraints, by exact gradients from several starts.
 
@@ -41,6 +41,11 @@ def optimise(
     magnitudes. A design that fails (no meshing, a pulling contact, a value that is not finite)
     counts as infeasible: a search that meets one steps back, and a start on one is reported and
     left. The result is judged by the Karush–Kuhn–Tucker residual, whatever the method says.
+
+    What `check` calls an error is a constraint too, without being asked for: rollers that overlap,
+    teeth that interfere, a load above the static capacity, and so on. Numbers that have to be
+    whole (starts, teeth) are relaxed at first; then the search goes on with the whole numbers on
+    either side. An error that no variable changes leaves the problem infeasible, and is named.
 
     **Arguments:**
 
@@ -59,6 +64,8 @@ def optimise(
     - `max_iterations`: per start; default by method.
     - `progress`: show a progress bar over the starts; or a function that is told, at every
       iteration, the number of the start (from 1), how many there are, and the iteration.
+    - `respect_findings`: whether errors of `check` are constraints; without, the result may be a
+      design that cannot be built.
 
     **Returns:** an `Optimum`. Infeasible problems and failed searches are reported there
     (`converged`, `message`), not raised.
@@ -74,14 +81,15 @@ def optimise(
         raise ValueError(f"starts is {count}; it must be at least 1")
     if not 0 < tolerance < 1:
         raise ValueError(f"tolerance is {tolerance}; it must be between 0 and 1")
-    method, search = find_search(
-        problem.method if method is None else method, bool(problem.constraints)
-    )
+    asked = problem.method if method is None else method
+    method, search = find_search(asked, bool(problem.constraints))
     iterations = _ITERATIONS[method] if max_iterations is None else max_iterations
     if iterations < 1:
         raise ValueError(f"max_iterations is {iterations}; it must be at least 1")
 
-    evaluator = Evaluator(mechanism, problem, _number(speed), _number(load))
+    evaluator = Evaluator(
+        mechanism, problem, _number(speed), _number(load), margins=respect_findings
+    )
     report = Reporter(evaluator, problem)
     initial = (present - evaluator.lower) / evaluator.width
     positions = starting_positions(initial, count, problem.seed if seed is None else seed)
@@ -90,21 +98,23 @@ def optimise(
             evaluator.scale_from(position)
             break
 
-    runs, ends = [], []
-    tell = progress if callable(progress) else None
-    for number, position in enumerate(_progress(positions, progress is True), start=1):
-
-        def step(iteration: int, number: int = number) -> None:
-            if tell is not None:
-                tell(number, count, iteration)
-
-        run, end = _run(evaluator, report, search, position, tolerance, iterations, step)
-        runs.append(run)
-        ends.append(end)
-    best = _best(evaluator, ends, tolerance)
-    # With no usable design at all, the design as it was is shown beside the message.
-    end = ends[best][0] if ends[best] is not None else evaluator.point(initial)
-    conditions = ends[best][1] if ends[best] is not None else None
+    searches = Searches(evaluator, report, tolerance, count)
+    searches.tell = progress if callable(progress) else None
+    bounds_only = method in BOUNDS_ONLY
+    evaluator.guard(bounds_only)
+    searches.run_all(search, _progress(positions, progress is True), iterations)
+    if bounds_only and asked == "auto" and evaluator.margins.smooth and not searches.converged:
+        # A margin may be what stopped it, which only a search under constraints can follow.
+        method, search = find_search("auto", True)
+        evaluator.guard(False)
+        searches.clear()
+        iterations = _ITERATIONS[method] if max_iterations is None else max_iterations
+        searches.run_all(search, positions, iterations)
+    evaluator.guard(False)
+    if evaluator.margins.whole:
+        whole = method if method not in BOUNDS_ONLY else "slsqp"
+        searches.make_whole(find_search(whole, True)[1], _ITERATIONS[whole])
+    best, end, conditions = searches.best(initial)
     return optimum_of(
         mechanism,
         problem,
@@ -112,7 +122,7 @@ def optimise(
         evaluator,
         report,
         initial,
-        tuple(runs),
+        tuple(searches.runs),
         best,
         end,
         conditions,
@@ -135,81 +145,3 @@ def _progress(positions: np.ndarray, progress: bool):
 
         raise missing_extra("sweep", "a progress bar", error) from error
     return tqdm.tqdm(positions, desc="optimise", unit=" starts")
-
-
-def _conditions(evaluator: Evaluator, point: Point, tolerance: float) -> Optimality:
-    return optimality(
-        point.position,
-        evaluator.cost_gradient(point.position),
-        evaluator.constraint_values(point),
-        evaluator.constraint_jacobian(point.position),
-        *evaluator.scaled_limits,
-        active_tolerance=max(tolerance, 1e-9),
-    )
-
-
-def _run(
-    evaluator: Evaluator,
-    report: Reporter,
-    search: Search,
-    start: np.ndarray,
-    tolerance: float,
-    iterations: int,
-    step: Callable[[int], None],
-) -> tuple[Run, tuple[Point, Optimality] | None]:
-    """One search, and where it ended with the optimality there; `None` if nothing was usable."""
-    first = evaluator.point(start)
-    history = [first]
-    step(0)
-
-    def note(position: np.ndarray) -> None:
-        history.append(evaluator.point(position))
-        step(len(history) - 1)
-
-    if not first.good:
-        message = "the start fails: no meshing, a pulling contact, or a value that is not finite"
-        return run_report(report, first, None, history, None, 0, 0, message), None
-    functions = Guarded(evaluator)
-    # The searches go a little further than the check asks for.
-    result = search(functions, start, tolerance / 10, iterations, note)
-    end = functions.best(result.position, tolerance)
-    if end is None:
-        failed = run_report(
-            report,
-            first,
-            None,
-            history,
-            None,
-            functions.failures,
-            result.iterations,
-            result.message,
-        )
-        return failed, None
-    conditions = _conditions(evaluator, end, tolerance)
-    if not np.array_equal(history[-1].position, end.position):
-        history.append(end)
-    run = run_report(
-        report,
-        first,
-        end,
-        history,
-        conditions,
-        functions.failures,
-        result.iterations,
-        result.message,
-    )
-    return run, (end, conditions)
-
-
-def _best(evaluator: Evaluator, ends: list, tolerance: float) -> int:
-    """The feasible run of least cost; of those as good as it, the first that converged."""
-    usable = [index for index, end in enumerate(ends) if end is not None]
-    if not usable:
-        return 0
-    feasible = [i for i in usable if evaluator.violation(ends[i][0]) <= tolerance]
-    if not feasible:
-        return min(usable, key=lambda i: evaluator.violation(ends[i][0]))
-    least = min(evaluator.cost(ends[i][0]) for i in feasible)
-    level = [i for i in feasible if evaluator.cost(ends[i][0]) <= least + tolerance]
-    # The first start is the present design: its history is the one that a reader understands.
-    return min(level, key=lambda i: (max(ends[i][1].residual, tolerance), i))

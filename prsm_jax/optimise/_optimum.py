@@ -1,12 +1,11 @@
 """The result of an optimisation: before, after, how it got there, and how good it is."""
 
 import math
-import textwrap
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from .._display_units import display_unit
-from .._text_table import TextTable
+from ..geometry import Finding
 from ..mechanism import DesignProblem, Mechanism
+from ._printing import text_of
 
 
 @dataclass(frozen=True)
@@ -22,6 +21,8 @@ class Design:
     constraints: dict[str, float]
     usable: bool
     violation: float
+    #: Margins of findings that depend on the variables [SI], by finding and stage.
+    margins: dict[str, float] = field(default_factory=dict)
 
     def to_dict(self) -> dict:
         """Plain numbers for JSON; `None` where one is not finite."""
@@ -29,6 +30,7 @@ class Design:
             "variables": {name: _plain(value) for name, value in self.variables.items()},
             "objective": _plain(self.objective),
             "constraints": {name: _plain(value) for name, value in self.constraints.items()},
+            "margins": {name: _plain(value) for name, value in self.margins.items()},
             "usable": self.usable,
             "violation": _plain(self.violation),
         }
@@ -103,8 +105,9 @@ class Run:
 class Optimum:
     """The best feasible design that was found; prints itself.
 
-    `converged` means: feasible, and `kkt_residual` (stationarity, violation and complementarity
-    in scaled units, from exact gradients and independent of the method) within the tolerance.
+    `feasible` means: every constraint is kept, and every margin of `check` that would be an error.
+    `converged` means: feasible, and `kkt_residual` (stationarity, violation and complementarity in
+    scaled units, from exact gradients and independent of the method) within the tolerance.
     """
 
     #: The optimised mechanism, a pytree like the one that was given.
@@ -131,6 +134,14 @@ class Optimum:
     variable_units: dict[str, str]
     #: SI unit of the objective, where it is one quantity.
     objective_unit: str = "1"
+    #: Margins that `check` would call errors if they were exceeded, as far as the variables move
+    #: them: constraints too, though the problem does not name them.
+    margins: tuple[ConstraintReport, ...] = ()
+    #: False for the best design found where none keeps every constraint and margin.
+    feasible: bool = True
+    #: What `check` finds before and after.
+    findings_start: tuple[Finding, ...] = ()
+    findings_optimum: tuple[Finding, ...] = ()
 
     @property
     def objective_history(self) -> tuple[float, ...]:
@@ -139,8 +150,9 @@ class Optimum:
 
     @property
     def violated(self) -> tuple[str, ...]:
-        """Names of the constraints that the optimum violates."""
-        return tuple(report.name for report in self.constraints if not report.satisfied)
+        """Names of the constraints and margins that the optimum violates."""
+        reports = (*self.constraints, *self.margins)
+        return tuple(report.name for report in reports if not report.satisfied)
 
     def to_dict(self) -> dict:
         """Plain numbers for JSON; `None` where one is not finite."""
@@ -153,6 +165,10 @@ class Optimum:
             ],
             "objective_history": [_plain(value) for value in self.objective_history],
             "constraints": [report.to_dict() for report in self.constraints],
+            "margins": [report.to_dict() for report in self.margins],
+            "feasible": self.feasible,
+            "findings_start": [_told(finding) for finding in self.findings_start],
+            "findings_optimum": [_told(finding) for finding in self.findings_optimum],
             "bounds_active": dict(self.bounds_active),
             "bound_multipliers": {k: _plain(v) for k, v in self.bound_multipliers.items()},
             "converged": self.converged,
@@ -174,10 +190,7 @@ class Optimum:
 
         - `width`: number of characters in a line; default as many as the table needs.
         """
-        verdict = _verdict(self)
-        if width is not None:
-            verdict = [part for line in verdict for part in textwrap.wrap(line, width)]
-        return "\n".join([_table(self).text(width), *verdict])
+        return text_of(self, width)
 
     def __str__(self) -> str:
         return self.text()
@@ -187,46 +200,7 @@ def _plain(value: float | None) -> float | None:
     return None if value is None or not math.isfinite(value) else float(value)
 
 
-def _table(best: Optimum) -> TextTable:
-    """Start and optimum in an engineer's units."""
-    terms = " + ".join(
-        (f"{term.weight:g} " if term.weight != 1 else "") + term.quantity
-        for term in best.problem.objectives
-    )
-    sense = "/".join(dict.fromkeys(term.sense for term in best.problem.objectives))
-    rows = []
-
-    def add(words: str, unit: str, quantity: str, start: float, end: float, limits, state: str):
-        numbers = [start, end, *(limit for _, limit in limits)]
-        shown = display_unit(unit, numbers, quantity)
-        name = f"{words} [{shown.label}]" if shown.label else words
-        texts = [f"{sign} {shown(limit):.6g}".strip() for sign, limit in limits]
-        joined = " to ".join(texts) if limits and limits[0][0] == "" else " ".join(texts)
-        rows.append((name, shown(start), shown(end), joined, state))
-
-    first, *others = best.problem.objectives
-    weighted = bool(others) or first.weight != 1
-    unit, quantity = ("1", "") if weighted else (best.objective_unit, first.quantity)
-    words = f"{sense} {terms}"
-    add(words, unit, quantity, best.start.objective, best.optimum.objective, (), "")
-    bounds = {v.name: (("", v.lower), ("", v.upper)) for v in best.problem.variables}
-    for name, value in best.optimum.variables.items():
-        at = best.bounds_active.get(name)
-        state = f"at {at} bound" if at else ""
-        start, unit = best.start.variables[name], best.variable_units[name]
-        add(name, unit, "", start, value, bounds[name], state)
-    for report in best.constraints:
-        given = ((">=", report.lower), ("<=", report.upper), ("=", report.equal))
-        limits = [(sign, limit) for sign, limit in given if limit is not None]
-        state = "VIOLATED" if not report.satisfied else "active" if report.active else ""
-        start = best.start.constraints[report.name]
-        add(report.name, report.unit, report.name, start, report.value, limits, state)
-    return TextTable("", ("", "start", "optimum", "limits", ""), rows)
-
-
-def _verdict(best: Optimum) -> list[str]:
-    return [
-        f"{'converged' if best.converged else 'NOT CONVERGED'}: {best.message}",
-        f"{best.method}, run {best.best_run + 1} of {len(best.runs)}, "
-        f"{best.evaluations} evaluations, {best.derivative_evaluations} of derivatives",
-    ]
+def _told(finding: Finding) -> dict:
+    keys = ("name", "severity", "stage", "value", "limit", "message")
+    told = {key: getattr(finding, key) for key in keys}
+    return told | {key: _plain(told[key]) for key in ("value", "limit")}

@@ -3,6 +3,8 @@
 import numpy as np
 
 from .._display_units import display_unit
+from ..findings import check
+from ..geometry import Finding
 from ..mechanism import DesignProblem, Mechanism, find_parameters, set_parameters
 from ..quantities import find_quantity
 from ._evaluator import Evaluator, Point
@@ -31,7 +33,14 @@ class Reporter:
 
     def constraints(self, point: Point) -> dict[str, float]:
         rows = self._evaluator.rows
-        return dict(zip(rows.names, map(float, point.values[rows.index]), strict=True))
+        values = map(float, point.values[rows.index[: rows.explicit]])
+        return dict(zip(rows.names[: rows.explicit], values, strict=True))
+
+    def margins(self, point: Point) -> dict[str, float]:
+        """Values of the margins that depend on the variables, by finding and stage."""
+        rows = self._evaluator.rows
+        values = map(float, point.values[rows.index[rows.explicit :]])
+        return dict(zip(rows.names[rows.explicit :], values, strict=True))
 
     def violation(self, point: Point) -> float:
         return self._evaluator.violation(point) if point.good else float("inf")
@@ -43,6 +52,7 @@ class Reporter:
             self.constraints(point),
             point.good,
             self.violation(point),
+            self.margins(point),
         )
 
 
@@ -74,7 +84,7 @@ def run_report(
 def constraint_reports(
     evaluator: Evaluator, sign: float, end: Point, conditions: Optimality | None, tolerance: float
 ) -> tuple[ConstraintReport, ...]:
-    """Every constraint row at a point, its multiplier as a price in SI units."""
+    """Every constraint row at a point, margins last, its multiplier as a price in SI units."""
     rows = evaluator.rows
     values = end.values[rows.index]
     reports = []
@@ -114,6 +124,17 @@ def _broken(report: ConstraintReport) -> str:
     )
 
 
+def _findings(
+    mechanism: Mechanism, optimised: Mechanism, present: dict[str, float]
+) -> tuple[tuple[Finding, ...], tuple[Finding, ...]]:
+    """What `check` finds at the start and at the optimum."""
+    if optimised is mechanism:
+        found = check(mechanism)
+        return found, found
+    # Written out like the optimum: one structure, and so one program.
+    return check(set_parameters(mechanism, present)), check(optimised)
+
+
 def optimum_of(
     mechanism: Mechanism,
     problem: DesignProblem,
@@ -130,8 +151,10 @@ def optimum_of(
     """The whole result: the optimum, its constraints and bounds, and the verdict in words."""
     names = [variable.name for variable in problem.variables]
     reports = constraint_reports(evaluator, report.sign, end, conditions, tolerance)
+    explicit, margins = reports[: evaluator.rows.explicit], reports[evaluator.rows.explicit :]
     residual = float("inf") if conditions is None else conditions.residual
-    feasible = conditions is not None and evaluator.violation(end) <= tolerance
+    fixed = evaluator.margins.fixed
+    feasible = conditions is not None and not fixed and evaluator.violation(end) <= tolerance
     converged = feasible and residual <= tolerance
     bounds, prices = {}, {}
     if conditions is not None:
@@ -140,8 +163,16 @@ def optimum_of(
                 bounds[name] = "upper" if conditions.active_bounds[i] > 0 else "lower"
                 price = conditions.bound_multipliers[i] * evaluator.cost_scale
                 prices[name] = float(report.sign * price / evaluator.width[i])
+    design = report.design(end)
+    optimised = mechanism
+    if conditions is not None:
+        optimised = set_parameters(mechanism, design.variables)
+    before, after = _findings(mechanism, optimised, report.variables(initial))
     if conditions is None:
         message = f"none of {len(runs)} starts met a usable design: {runs[0].message}"
+    elif fixed:
+        named = ", ".join(dict.fromkeys(row.label for row, _ in fixed))
+        message = f"no feasible design found: none of the variables changes the error {named}"
     elif not feasible:
         broken = "; ".join(_broken(r) for r in reports if not r.satisfied)
         message = f"no feasible design found; the least violation leaves {broken}"
@@ -152,17 +183,17 @@ def optimum_of(
             f"feasible, but the KKT residual is {residual:.1e} > {tolerance:.1e}; "
             f"the search says: {runs[best].message}"
         )
-    design = report.design(end)
-    optimised = mechanism
-    if conditions is not None:
-        optimised = set_parameters(mechanism, design.variables)
     return Optimum(
         mechanism=optimised,
         problem=problem,
         method=method,
         start=report.design(evaluator.point(initial)),
         optimum=design,
-        constraints=reports,
+        constraints=explicit,
+        margins=margins,
+        feasible=bool(feasible),
+        findings_start=before,
+        findings_optimum=after,
         bounds_active=bounds,
         bound_multipliers=prices,
         converged=bool(converged),

@@ -30,10 +30,12 @@ from ._catalogue import (
     component_names as component_names,
     compute as compute,
     compute_checked as compute_checked,
+    compute_coded as compute_coded,
     find_quantity as find_quantity,
     quantity as quantity,
 )
 from ._rating_life import minimum_amplitude_of as minimum_amplitude_of
+from ._reasons import REASONS as REASONS
 from ._strength import (
     dynamic_capacity_of as dynamic_capacity_of,
     on_one_flank as on_one_flank,

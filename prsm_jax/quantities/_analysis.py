@@ -20,7 +20,7 @@ from ..contact import (
     stress_peak_on_axis,
 )
 from ..dynamics import StageKinematics, SteadyState, all_kinematics, steady_state
-from ..geometry import Meshing
+from ..geometry import Meshing, dimensions_possible, rollers_fit
 from ..load_sharing import LoadDistribution, stage_load_distributions
 from ..mechanism import Mechanism, Scalar, Stage, material_of
 from ..modal import (
@@ -85,18 +85,26 @@ class Analysis:
 
     @property
     def valid(self) -> Bool[Array, ""]:
-        """Whether everything evaluated so far can be used; what nobody asked for has no say.
+        """Whether everything evaluated so far can be used; parts not evaluated are ignored.
 
-        False where the threads do not mesh, a contact would have to pull, or the carrier or a
-        contact ellipse has no solution.
+        False where the threads do not mesh, a contact would have to pull, the carrier or a contact
+        ellipse has no solution, or no such mechanism can be built: a dimension out of its range, or
+        rollers that overlap.
         """
+        stages = self.mechanism.stages
+        built = [dimensions_possible(stage) & rollers_fit(stage) for stage in stages]
+        return self.computed & jnp.stack(built).all()
+
+    @property
+    def computed(self) -> Bool[Array, ""]:
+        """As `valid`, for a search that keeps dimensions and gaps by itself."""
         # `cached_property` stores what has been evaluated under its own name.
         evaluated = self.__dict__
         flags = list(self._flags)
         if "kinematics" in evaluated:
             flags += [geometry.meshing.converged for geometry in self.kinematics]
         if "steady" in evaluated:
-            flags.append(self.steady.valid)
+            flags.append(self.steady.computed)
         if "contacts" in evaluated:
             flags += [
                 side.hertz.semi_major >= 0
@@ -145,7 +153,7 @@ class Analysis:
             found: SteadyState = jax.tree.map(
                 lambda both: both[(1 - sense) // 2], self._both_senses
             )
-            self.require(found.valid)
+            self.require(found.computed)
             return found
 
         return self.once(("driven", sense), one)

@@ -6,13 +6,15 @@ from dataclasses import dataclass
 
 import equinox as eqx
 import jax
+import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool
+from jaxtyping import Array, Bool, Int
 
 from .._errors import MissingDataError, UnknownNameError, closest
 from ..mechanism import Mechanism, Scalar
 from ._analysis import Analysis, SharedLoad
 from ._assumptions import known_assumption, sentences
+from ._reasons import REASONS, code_of
 
 
 @dataclass(frozen=True)
@@ -146,6 +148,24 @@ def compute_checked(
     return values, analysis.valid
 
 
+def compute_coded(
+    mechanism: Mechanism,
+    quantities: Iterable[str],
+    *,
+    speed: float | Scalar | None = None,
+    load: float | Scalar | None = None,
+) -> tuple[dict[str, Array], Int[Array, ""]]:
+    """As `compute`, and why the values cannot be used: a code, whose reason is in `REASONS`.
+
+    0 where they can; a value that is not finite has a code of its own.
+    """
+    analysis = Analysis(mechanism, speed, load)
+    values = _evaluate(analysis, quantities)
+    finite = jnp.stack([jnp.isfinite(value).all() for value in values.values()]).all()
+    code = code_of(analysis)
+    return values, jnp.where((code == 0) & ~finite, REASONS.index("not_finite"), code)
+
+
 def _evaluate(analysis: Analysis, quantities: Iterable[str]) -> dict[str, Array]:
     values, wanted = {}, [find_quantity(name) for name in quantities]
     analysis.expect(load for found in wanted for load in found.shares)
@@ -215,6 +235,7 @@ __all__ = [
     "component_names",
     "compute",
     "compute_checked",
+    "compute_coded",
     "find_quantity",
     "quantity",
 ]

@@ -154,7 +154,7 @@ def duty_efficiency(analysis: Analysis):
     phases = jax.vmap(
         lambda speed, load: steady_state(analysis.mechanism, speed, load, kinematics)
     )(duty.speed, duty.load)
-    analysis.require(phases.valid.all())
+    analysis.require(phases.computed.all())
     output = jnp.sum(phases.output_power * duty.duration)
     return output / jnp.sum(phases.input_power * duty.duration)
 

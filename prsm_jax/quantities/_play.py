@@ -115,5 +115,5 @@ def _preload_torque(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     states = jax.vmap(lambda load: steady_state(alone, speed, load, kinematics))(
         jnp.stack([preload, -preload])
     )
-    analysis.require(states.valid.all())
+    analysis.require(states.computed.all())
     return jnp.sum(states.drive_torque)

@@ -33,6 +33,7 @@ def jacobian(
     speed: Scalar | None,
     load: Scalar | None,
     mode: Mode,
+    shift: Float[Array, " parameters"] | None = None,
 ) -> tuple[
     Float[Array, " quantities"],
     Float[Array, "quantities parameters"],
@@ -53,6 +54,7 @@ def jacobian(
     - `speed`, `load`: operating point, or `None` for that of the mechanism.
     - `mode`: forward costs one pass per parameter, reverse one per quantity; `"auto"` takes the
       smaller number.
+    - `shift`: how far beside the present design, along each parameter [SI]; default there.
 
     **Returns:** the values, the Jacobian, whether the values can be used, and the shape of each
     quantity.
@@ -75,6 +77,12 @@ def jacobian(
     pairs = [direction(parameter) for parameter in parameters]
     complete = pairs[0][0]
     directions = jax.tree.map(lambda *leaves: jnp.stack(leaves), *[d for _, d in pairs])
+    if shift is not None:
+        complete = jax.tree.map(
+            lambda leaf, tangents: leaf + jnp.tensordot(shift, tangents, 1).astype(leaf.dtype),
+            complete,
+            directions,
+        )
     if mode == "auto":
         # A quantity has at least one component; counting them costs a trace of the physics.
         few = len(parameters) <= len(quantities)

@@ -3,12 +3,17 @@
 from collections.abc import Iterable, Sequence
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
+import numpy as np
+from jax.core import Tracer
+from jaxtyping import Array, Float
 
 from .._errors import MissingDataError
-from ..mechanism import Mechanism, Parameter, Scalar, find_parameters
+from ..mechanism import Mechanism, Parameter, Scalar, find_parameters, what_follows
 from ..quantities import available_quantities, component_names, find_quantity
 from ._derivatives import Mode, jacobian
+from ._kinks import one_sided
 from ._table import Sensitivity
 
 #: What an engineer asks first; those that the mechanism has no data for are left out.
@@ -34,6 +39,7 @@ def sensitivity(
     speed: float | Scalar | None = None,
     load: float | Scalar | None = None,
     mode: Mode = "auto",
+    kinks: bool = True,
 ) -> Sensitivity:
     r"""Exact derivatives of quantities with respect to parameters, by automatic differentiation.
 
@@ -52,6 +58,9 @@ def sensitivity(
     - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
     - `mode`: `"forward"`, `"reverse"`, or `"auto"`: forward where there are no more parameters
       than quantities.
+    - `kinks`: whether to look for kinks, such as a tie of the operating load with one of the duty
+      cycle: there the derivative differs from one side to the other, and the table has both. Costs
+      two more evaluations for each parameter; inside a trace no kinks are looked for.
 
     **Returns:** a `Sensitivity`.
 
@@ -64,9 +73,26 @@ def sensitivity(
     parameters = tuple(DEFAULT_PARAMETERS if parameters is None else parameters)
     if not parameters:
         raise ValueError("parameters is empty; name at least one")
-    _numbers(mechanism, parameters)
+    groups = _numbers(mechanism, parameters)
     speed, load = _traced(speed), _traced(load)
-    return _sensitivity(mechanism, names, parameters, speed, load, mode)
+    count = sum(map(len, groups))
+    shift = jnp.zeros(count, jnp.result_type(float))
+    table = _sensitivity(mechanism, names, parameters, speed, load, mode, shift)
+    if not kinks or any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves((mechanism, table))):
+        return table
+
+    def at(shifts: np.ndarray) -> np.ndarray:
+        beside = jnp.asarray(shifts, shift.dtype)
+        found = _sensitivity(mechanism, names, parameters, speed, load, mode, beside)
+        return np.asarray(found.gradient)
+
+    left, right = one_sided(at, [np.asarray(values) for values in table.parameter_values])
+    return eqx.tree_at(
+        lambda t: (t.left, t.right),
+        table,
+        (jnp.asarray(left), jnp.asarray(right)),
+        is_leaf=lambda leaf: leaf is None,
+    )
 
 
 def _traced(value: float | Scalar | None) -> Scalar | None:
@@ -116,10 +142,13 @@ def _sensitivity(
     speed: Scalar | None,
     load: Scalar | None,
     mode: Mode,
+    shift: Float[Array, " numbers"],
 ) -> Sensitivity:
     groups = _numbers(mechanism, parameters)
     numbers = [parameter for group in groups for parameter in group]
-    values, derivatives, valid, shapes = jacobian(mechanism, quantities, numbers, speed, load, mode)
+    values, derivatives, valid, shapes = jacobian(
+        mechanism, quantities, numbers, speed, load, mode, shift
+    )
     points = jnp.stack([parameter.get(mechanism) for parameter in numbers])
     known = jnp.isfinite(values) & (values != 0)
     relative = derivatives * points[None, :] / jnp.where(known, values, 1.0)[:, None]
@@ -150,4 +179,5 @@ def _sensitivity(
         parameters=parameters,
         quantity_units=units,
         parameter_units=tuple(group[0].unit for group in groups),
+        dependents=tuple(what_follows(mechanism, name) for name in parameters),
     )

@@ -1,6 +1,7 @@
 """The result of a sensitivity analysis: a table that prints itself."""
 
 import math
+import textwrap
 
 import equinox as eqx
 import numpy as np
@@ -9,6 +10,7 @@ from jaxtyping import Array, Bool, Float
 
 from .._display_units import display_unit
 from .._text_table import NOT_DEFINED, TextTable
+from ._kinks import differ
 
 
 class Sensitivity(eqx.Module):
@@ -34,6 +36,32 @@ class Sensitivity(eqx.Module):
     parameters: tuple[str, ...] = eqx.field(static=True)
     quantity_units: tuple[str, ...] = eqx.field(static=True)
     parameter_units: tuple[str, ...] = eqx.field(static=True)
+    #: What follows when a parameter moves, and what stays, by parameter.
+    dependents: tuple[tuple[tuple[str, ...], tuple[str, ...]], ...] = eqx.field(
+        static=True, default=()
+    )
+    #: ∂q/∂p just below and just above each parameter; `None` where no kinks were looked for.
+    left: Float[Array, "*batch quantities parameters"] | None = None
+    right: Float[Array, "*batch quantities parameters"] | None = None
+
+    @property
+    def kinks(self) -> tuple[tuple[str, str, float, float], ...]:
+        """Quantity, parameter, and the derivatives below and above [SI], wherever they differ.
+
+        There `gradient` is neither of the two: the design lies where one branch takes over from
+        another.
+        """
+        if self.left is None or self.right is None:
+            return ()
+        self._single("kinks")
+        left, right = np.asarray(self.left), np.asarray(self.right)
+        found = differ(
+            left, right, np.asarray(self.values), list(map(_array, self.parameter_values))
+        )
+        return tuple(
+            (self.quantities[i], self.parameters[j], float(left[i, j]), float(right[i, j]))
+            for i, j in zip(*np.nonzero(found), strict=True)
+        )
 
     def __getitem__(self, names: tuple[str, str]) -> Float[Array, "*batch"]:
         """∂quantity/∂parameter [SI] by the two names.
@@ -67,7 +95,16 @@ class Sensitivity(eqx.Module):
             "gradient": _plain(self.gradient),
             "elasticity": _plain(elasticity),
             "valid": bool(self.valid),
+            "kinks": [
+                {"quantity": q, "parameter": p, "below": _plain(below), "above": _plain(above)}
+                for q, p, below, above in self.kinks
+            ],
+            "follows": {p: list(d[0]) for p, d in self._dependents()},
+            "stays": {p: list(d[1]) for p, d in self._dependents()},
         }
+
+    def _dependents(self):
+        return zip(self.parameters, self.dependents, strict=False)
 
     def _single(self, purpose: str) -> None:
         if self.gradient.ndim != 2:
@@ -93,6 +130,14 @@ class Sensitivity(eqx.Module):
         """
         self._single("text")
         words = "\n".join(table.text(width) for table in _tables(self))
+        lines = [*_kink_lines(self), *_dependent_lines(self)]
+        if width is not None:
+            lines = [
+                part
+                for line in lines
+                for part in textwrap.wrap(line, width, subsequent_indent="  ")
+            ]
+        words += "".join(f"\n{line}" for line in lines) + "\n"
         if not bool(self.valid):
             words += "not valid: the threads do not mesh, or a contact would have to pull\n"
         return words.rstrip()
@@ -105,6 +150,39 @@ def _plain(array) -> list | float | None:
         value = float(array)
         return value if math.isfinite(value) else None
     return [_plain(row) for row in array]
+
+
+def _array(value) -> np.ndarray:
+    return np.asarray(value, dtype=float)
+
+
+def _kink_lines(table: Sensitivity) -> list[str]:
+    """Each kink with both derivatives, in the units of the table."""
+    lines = []
+    for quantity, parameter, below, above in table.kinks:
+        row, column = table.quantities.index(quantity), table.parameters.index(parameter)
+        value = float(np.asarray(table.values)[row])
+        shown = display_unit(table.quantity_units[row], value, quantity)
+        size = np.abs(_array(table.parameter_values[column])).ravel().tolist()
+        step = display_unit(table.parameter_units[column], size)
+        texts = [f"{float(shown(slope) / step.per_si):.6g}" for slope in (below, above)]
+        unit = f" {shown.label}".rstrip() + f" per {step.label or '1'}"
+        lines.append(
+            f"kink: {quantity} by {parameter} is {texts[0]}{unit} below and {texts[1]}{unit} above "
+            "this design; the number in the table is neither"
+        )
+    return lines
+
+
+def _dependent_lines(table: Sensitivity) -> list[str]:
+    """What follows each parameter, and what stays."""
+    lines = []
+    for name, (follows, stays) in zip(table.parameters, table.dependents, strict=False):
+        if follows or stays:
+            moved = ", ".join(follows).replace("_", " ") or "nothing"
+            kept = ", ".join(stays).replace("_", " ") or "nothing"
+            lines.append(f"{name}: {moved} follow; {kept} stay")
+    return lines
 
 
 def _tables(table: Sensitivity) -> tuple[TextTable, TextTable]:

@@ -6,7 +6,7 @@ import numpy as np
 
 from .._version import __version__
 from ..mechanism import Mechanism
-from ..quantities import Quantity, find_quantity
+from ..quantities import REASONS, Quantity, find_quantity
 from ._axes import Grid
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ def labelled(
     mechanism: Mechanism,
     grid: Grid,
     values: dict[str, np.ndarray],
-    failed: np.ndarray,
+    codes: np.ndarray,
     point: dict,
 ) -> "xarray.Dataset":
     """The data set of a sweep.
@@ -27,7 +27,7 @@ def labelled(
     - `mechanism`: the mechanism.
     - `grid`: the axes.
     - `values`: quantities, the axes of the grid in front.
-    - `failed`: which designs failed.
+    - `codes`: 0, or why a design failed (`prsm_jax.quantities.REASONS`).
     - `point`: `speed` and `load` that were given for all designs, or `None`.
     """
     import xarray
@@ -50,10 +50,17 @@ def labelled(
             numbers = np.arange(1, len(mechanism.stages) + 1)
             coordinates["stage"] = ("stage", numbers, {"long_name": "number of the stage"})
         variables[name] = ((*over, *own), array, attributes)
-    variables["failed"] = (
+    failed = codes != 0
+    variables["failed"] = (over, failed, {"long_name": "whether a design failed; see code"})
+    # As the conventions for climate and forecast metadata write codes.
+    variables["code"] = (
         over,
-        failed,
-        {"long_name": "no meshing, a pulling contact, or a value that is not finite"},
+        codes,
+        {
+            "long_name": "why a design failed",
+            "flag_values": list(range(len(REASONS))),
+            "flag_meanings": " ".join(REASONS),
+        },
     )
     attributes = {
         "title": mechanism.title,

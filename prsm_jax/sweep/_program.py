@@ -3,10 +3,10 @@
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, Float, Int
 
 from ..mechanism import Mechanism, Scalar, set_parameters
-from ..quantities import compute_checked
+from ..quantities import compute_coded
 
 
 @eqx.filter_jit
@@ -19,7 +19,7 @@ def evaluate_chunk(
     chunk: int,
     speed: Scalar | None,
     load: Scalar | None,
-) -> tuple[dict[str, Array], Bool[Array, " chunk"]]:
+) -> tuple[dict[str, Array], Int[Array, " chunk"]]:
     """Quantities of `chunk` neighbouring designs of a grid, the last axis running fastest.
 
     The coordinates follow from the number of a design, so that no grid is ever held in memory;
@@ -34,8 +34,8 @@ def evaluate_chunk(
     - `chunk`: how many.
     - `speed`, `load`: operating point, or `None` for that of the mechanism.
 
-    **Returns:** the quantities, with the designs in front, and which designs failed: those are
-    NaN throughout.
+    **Returns:** the quantities, with the designs in front, and a code, 0 for a design that
+    can be used (see `prsm_jax.quantities.REASONS`); the others are NaN throughout.
     """
     shape = tuple(axis.shape[0] for axis in axes)
     total = 1
@@ -46,10 +46,9 @@ def evaluate_chunk(
         place = jnp.unravel_index(number, shape) if shape else ()
         values = {name: axis[index] for name, axis, index in zip(names, axes, place, strict=True)}
         moved = set_parameters(mechanism, values)
-        found, valid = compute_checked(moved, quantities, speed=speed, load=load)
-        finite = [jnp.isfinite(value).all() for value in found.values()]
-        good = valid & jnp.stack(finite).all()
-        return {name: jnp.where(good, value, jnp.nan) for name, value in found.items()}, ~good
+        found, code = compute_coded(moved, quantities, speed=speed, load=load)
+        good = code == 0
+        return {name: jnp.where(good, value, jnp.nan) for name, value in found.items()}, code
 
     numbers = jnp.minimum(start + jnp.arange(chunk), total - 1)
     return jax.vmap(design)(numbers)

@@ -9,7 +9,7 @@ import numpy as np
 
 from .._errors import MissingDataError, missing_extra
 from ..mechanism import Mechanism, Scalar
-from ..quantities import find_quantity
+from ..quantities import REASONS, find_quantity
 from ._axes import Grid, grid_of
 from ._dataset import labelled
 from ._program import evaluate_chunk
@@ -86,8 +86,8 @@ def sweep(
         for name, value in (("speed", speed), ("load", load))
     }
     with _progress_bar(grid.points, progress) as bar:
-        values, failed = _evaluate(mechanism, grid, names, point, chunk, bar)
-    dataset = labelled(mechanism, grid, values, failed, point)
+        values, codes = _evaluate(mechanism, grid, names, point, chunk, bar)
+    dataset = labelled(mechanism, grid, values, codes, point)
     if store is not None:
         from ._store import write_store
 
@@ -98,19 +98,19 @@ def sweep(
 def _evaluate(
     mechanism: Mechanism, grid: Grid, names: tuple[str, ...], point: dict, chunk: int, bar
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """All quantities over the grid, and which designs failed."""
+    """All quantities over the grid, and a code for each design: 0, or why it failed."""
     traced = grid.traced
     shape = tuple(len(axis.values) for axis in traced)
     axes = tuple(jnp.asarray(axis.values) for axis in traced)
     axis_names = tuple(axis.name for axis in traced)
     total = int(np.prod(shape))
     size = min(chunk, total)
-    failed = np.ones(grid.shape, dtype=bool)
+    codes = np.full(grid.shape, REASONS.index("not_computed"), dtype=np.int8)
     values: dict[str, np.ndarray] = {}
 
     for where, words, chosen in grid.combinations(mechanism):
         part: dict[str, np.ndarray] = {}
-        part_failed = np.ones(total, dtype=bool)
+        part_codes = np.full(total, REASONS.index("not_computed"), dtype=np.int8)
         try:
             # One chunk at a time: XLA's CPU client can deadlock when programs that share its
             # thread pool run at once, and one program keeps the cores busy by itself.
@@ -131,7 +131,7 @@ def _evaluate(
                     if name not in part:
                         part[name] = np.full((total, *value.shape[1:]), np.nan, value.dtype)
                     part[name][start : start + count] = value[:count]
-                part_failed[start : start + count] = np.asarray(bad)[:count]
+                part_codes[start : start + count] = np.asarray(bad)[:count]
                 bar.update(count)
         except MissingDataError as error:
             if words:
@@ -146,8 +146,8 @@ def _evaluate(
                     f"{values[name].shape[len(grid.shape) :]} before; sweep the two apart"
                 )
             values[name][where] = value.reshape((*shape, *value.shape[1:]))
-        failed[where] = part_failed.reshape(shape)
-    return values, failed
+        codes[where] = part_codes.reshape(shape)
+    return values, codes
 
 
 class _Told:

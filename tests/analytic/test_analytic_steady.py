@@ -176,7 +176,8 @@ def test_power_balance_of_random_mechanisms(count):
         for speed, load in ((1, 1), (-1, 1), (1, -1), (-1, -1)):
             point = one.operating_point
             steady = steady_state(one, speed * point.speed, load * point.load)
-            assert steady.valid
+            # Rollers may overlap: a steady state, of a mechanism that cannot be built.
+            assert steady.computed
             assert steady.power_balance_residual < 1e-12
             assert set(steady.losses) == LOSS_NAMES - ({"spline"} if count == 1 else set())
             # Not only their sum is right: none of them is a source.

@@ -96,9 +96,14 @@ def test_the_optimum_is_at_limits_that_are_named(optimum):
     _, best = optimum
     assert best.converged
     assert best.kkt_residual < 1e-6
-    # Four variables: three active limits and an interior contact angle.
-    active = {c.name for c in best.constraints if c.active}
-    assert active == {"max_pressure_shared", "nut_outer_diameter", "drive_torque"}
+    # Four variables, four active limits: one of them the play that thinned teeth have to leave.
+    active = {c.name for c in (*best.constraints, *best.margins) if c.active}
+    assert active == {
+        "max_pressure_shared",
+        "nut_outer_diameter",
+        "drive_torque",
+        "backlash (stage 1)",
+    }
     assert not best.bounds_active
     assert best.optimum.objective > best.start.objective
 
@@ -115,9 +120,11 @@ def test_brute_force_finds_nothing_better(optimum):
         step = values[1] - values[0]
         optimal = best.optimum.variables[name]
         axes[name] = np.unique(np.concatenate([values, optimal + step * np.array([-0.1, 0, 0.1])]))
-    names = ["efficiency", *(c.quantity for c in problem.constraints)]
+    names = ["efficiency", "axial_backlash", *(c.quantity for c in problem.constraints)]
     data = prsm_jax.sweep(mechanism, axes, names)
     feasible = ~data["failed"].values
+    # What `check` asks for, and the micrometre of reserve.
+    feasible &= data["axial_backlash"].values[..., 0] >= 1e-6 * (1 - 1e-9)
     for constraint in problem.constraints:
         values = data[constraint.quantity].values
         # The optimum itself lies on its limits to rounding.

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scenes
 
+from prsm_jax.findings import check
 from prsm_jax.mechanism import Nut
 from prsm_jax.optimise import optimise
 from prsm_jax.quantities import compute
@@ -50,4 +51,9 @@ def test_the_actuator_and_its_own_problem():
     assert best.optimum.objective > best.start.objective
     assert len(best.constraints) == len(mechanism.design_problem.constraints)
     assert best.bounds_active or any(report.active for report in best.constraints)
+    assert best.feasible
+    # Without the margins of `check` its play would be -7.8 um.
+    assert [f.name for f in check(best.mechanism) if f.severity == "error"] == []
+    assert float(compute(best.mechanism, ["axial_backlash"])["axial_backlash"][0]) > 0.9e-6
+    assert "backlash (stage 1)" in {margin.name for margin in best.margins if margin.active}
     json.dumps(best.to_dict(), allow_nan=False)

@@ -101,7 +101,7 @@ class Terminal:
 
     def __init__(self, text: str):
         # What results rest on has tests of its own.
-        text = text.partition("\nAssumptions\n")[0]
+        text = text.partition("\nAssumptions\n")[0].partition("\nprsm check finds ")[0]
         self.lines = [
             [cell for cell in re.split(r"\s{2,}", line.strip()) if cell]
             for line in text.splitlines()
@@ -191,6 +191,8 @@ def without_words(found: dict) -> dict:
     for key in ("assumptions", "findings"):
         words = found.pop(key, [])
         assert all(isinstance(one, str) and one for one in words)
+    # Whether the mechanism can exist; that it can be false is tested with the findings.
+    assert found.pop("valid", True) is True
     return found
 
 

@@ -211,7 +211,9 @@ def test_sensitivity(run, monkeypatch):
         "gradient": table.gradient,
         "elasticity": [[0.021, -0.013], [0.11, -0.62], None],
         "parameter_values": [[0.01], [0.785]],
-        "valid": True,
+        "kinks": [],
+        "follows": {},
+        "stays": {},
     }
     assert found["elasticity"][2] == [None, None]
     expected["elasticity"][2] = found["elasticity"][2]
@@ -303,6 +305,7 @@ def _design_keys(one):
         "variables": dict(one.variables),
         "objective": one.objective,
         "constraints": dict(one.constraints),
+        "margins": {},
         "usable": True,
         "violation": one.violation,
     }
@@ -366,6 +369,10 @@ def test_optimise(run, monkeypatch, tmp_path):
             "constraints": constraints,
             "bounds_active": {"contact_angle": "upper"},
             "bound_multipliers": {"contact_angle": 0.137},
+            "feasible": True,
+            "margins": [],
+            "findings_start": [],
+            "findings_optimum": [],
             "converged": True,
             "kkt_residual": 1.7e-9,
             "stationarity": 1.6e-9,
@@ -415,19 +422,23 @@ def test_sweep(run, monkeypatch, tmp_path):
 
     def sweep(_, axes, quantities, **more):
         given.append((axes, quantities, more["store"]))
-        return xarray.Dataset(attrs={"points": 21, "failed": 4})
+        # Three rollers too many, and one design that does not mesh.
+        codes = np.array([2] * 3 + [3] + [0] * 17, np.int8)
+        return xarray.Dataset({"code": ("design", codes)}, attrs={"points": 21, "failed": 4})
 
     monkeypatch.setattr(_design, "run_sweep", sweep)
     axis = ("--axis", "lead=5 mm:15 mm:3", "--axis", "contact_angle=30 deg,45 deg")
     found, printed = run("sweep", "wu2022", *axis, "--quantities", "efficiency, mass")
     store = found.pop("store")
-    assert_json(without_words(found), {"points": 21, "failed": 4})
+    reasons = {"overlapping_rollers": 3, "no_meshing": 1}
+    assert_json(without_words(found), {"points": 21, "failed": 4, "reasons": reasons})
     axes, quantities, place = given[0]
     assert quantities == ["efficiency", "mass"]
     assert str(place) == store
     np.testing.assert_allclose(axes["lead"], to_si([5, 10, 15], "mm"))
     np.testing.assert_allclose(axes["contact_angle"], to_si([30, 45], "deg"))
-    assert "21 designs, 4 failed" in " ".join(printed.lines[0])
+    first = " ".join(printed.lines[0])
+    assert "21 designs, 4 failed: overlapping rollers (3), no meshing (1)" in first
 
 
 @reads("verb", "validate")

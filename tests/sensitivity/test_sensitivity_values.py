@@ -159,3 +159,75 @@ def test_prints_and_plain_numbers():
 def test_errors_name_the_thing(unchecked, quantities, parameters, mode, words):
     with pytest.raises(ValueError, match=words):
         sensitivity(mechanism(), quantities, parameters, mode=mode)
+
+
+def test_a_tie_of_loads_is_a_kink_with_both_derivatives():
+    """C/max(F, 18 kN) at F = 18 kN: 0 below, and −C/F² above; half of it is neither."""
+    tied = prsm.set_parameter(scenes.example("actuator"), "operating_point.load", 18e3)
+    names = ["operating_point.load", "contact_angle"]
+    table = sensitivity(tied, ["static_safety"], names)
+    ((quantity, parameter, below, above),) = table.kinks
+    assert (quantity, parameter) == ("static_safety", "operating_point.load")
+    assert below == 0
+    # A millionth of the load beside the tie.
+    assert above == pytest.approx(-float(table.values[0]) / 18e3, rel=1e-5)
+    (found,) = table.to_dict()["kinks"]
+    assert (found["below"], found["above"]) == (below, above)
+    assert "kink: static_safety by operating_point.load is 0 per kN below and " in str(table)
+    assert not sensitivity(scenes.example("actuator"), ["static_safety"], names).kinks
+    assert sensitivity(tied, ["static_safety"], names, kinks=False).left is None
+
+
+@pytest.mark.parametrize("given", [None, 6e-3])
+def test_what_follows_is_what_moves(given):
+    """The words of every design variable against derivatives of the thread itself."""
+    stage = scenes.stage(
+        geometry=scenes.thread(roller_profile_radius=given),
+        gear=prsm.mechanism.Gear(np.radians(20), roller_teeth=16.0),
+    )
+    one = scenes.mechanism(stage)
+    thread = stage.thread
+    numbers = ("lead", "starts", "roller_radius", "contact_angle", "pitch", "screw_radius")
+    numbers += ("nut_radius", "centre_distance", "flank_angle", "profile_radius")
+
+    def read(moved):
+        found = {name: getattr(moved.stages[0].thread, name) for name in numbers}
+        found["roller_profile_radius"] = found.pop("profile_radius")
+        return found
+
+    fields = [*numbers[:4], *(v.name for v in prsm.mechanism.DESIGN_VARIABLES)]
+    for name in fields:
+        value = prsm.get_parameter(one, name)
+        _, slopes = jax.jvp(
+            lambda v, name=name: read(prsm.set_parameter(one, name, v)),
+            (value,),
+            (jnp.ones_like(value),),
+        )
+        follows, stays = prsm.mechanism.what_follows(one, name)
+        own = {name, "roller_radius" if name.startswith("roller_radius_at") else name}
+        own.add("starts" if name.startswith("starts_at") else name)
+        # Zero but for rounding, in units of the number itself.
+        scale = {k: abs(float(v)) for k, v in read(one).items()}
+        moving = {k for k, s in slopes.items() if abs(float(s)) * float(value) > 1e-12 * scale[k]}
+        assert moving - own == set(follows) & set(scale), name
+        assert set(scale) - moving - own == set(stays) & set(scale), name
+    assert thread.lead == one.stages[0].thread.lead
+
+
+def test_a_default_follows_whoever_asks():
+    """The profile radius that a file does not give moves with the roller, in any list."""
+    one = mechanism()
+    alone = sensitivity(one, ["axial_stiffness"], ["roller_radius"])
+    beside = sensitivity(one, ["axial_stiffness"], ["roller_radius", "roller_profile_radius"])
+    np.testing.assert_allclose(
+        alone["axial_stiffness", "roller_radius"],
+        beside["axial_stiffness", "roller_radius"],
+        rtol=1e-9,
+    )
+    frozen = prsm.set_parameter(one, "roller_profile_radius", one.stages[0].thread.profile_radius)
+    fixed = sensitivity(frozen, ["axial_stiffness"], ["roller_radius"])
+    ratio = fixed["axial_stiffness", "roller_radius"] / alone["axial_stiffness", "roller_radius"]
+    assert not 0.9 < float(ratio) < 1.1
+    assert "roller_profile_radius" in alone.to_dict()["follows"]["roller_radius"]
+    assert "roller_profile_radius" in fixed.to_dict()["stays"]["roller_radius"]
+    assert "roller_radius: screw radius, nut radius, centre distance, roller profile" in str(alone)

@@ -1,0 +1,43 @@
+"""Why the results of a design cannot be used, as a code inside a trace."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Int
+
+from ..dynamics import STEADY_RESULTS
+from ..geometry import dimensions_possible, rollers_fit
+from ._analysis import Analysis
+
+#: By code; the last is for those who look at values.
+REASONS = (
+    "successful",
+    "impossible_dimension",
+    "overlapping_rollers",
+    "no_meshing",
+    "jammed",
+    "no_balance",
+    "not_computed",
+    "not_finite",
+)
+
+
+def code_of(analysis: Analysis) -> Int[Array, ""]:
+    """0 where an analysis is valid, else the place of the reason in `REASONS`.
+
+    As `Analysis.valid`, it looks at what has been evaluated so far, and at whether such a
+    mechanism can be built. Of several reasons the first in `REASONS` counts.
+    """
+    stages = analysis.mechanism.stages
+    code = jnp.where(analysis.computed, 0, REASONS.index("not_computed"))
+    # `cached_property` stores what has been evaluated under its own name.
+    evaluated = analysis.__dict__
+    if "steady" in evaluated and analysis.steady.code is not None:
+        for name in ("no_balance", "jammed"):
+            at = analysis.steady.code == STEADY_RESULTS.index(name)
+            code = jnp.where(at, REASONS.index(name), code)
+    if "kinematics" in evaluated:
+        meshed = jnp.stack([k.meshing.converged for k in analysis.kinematics]).all()
+        code = jnp.where(meshed, code, REASONS.index("no_meshing"))
+    fit = jnp.stack([rollers_fit(stage) for stage in stages]).all()
+    code = jnp.where(fit, code, REASONS.index("overlapping_rollers"))
+    possible = jnp.stack([dimensions_possible(stage) for stage in stages]).all()
+    return jnp.where(possible, code, REASONS.index("impossible_dimension"))
