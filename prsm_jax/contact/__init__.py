@@ -46,3 +46,15 @@ from ._thread_contact import (
     side_contact as side_contact,
     stage_contact as stage_contact,
 )
+from ._truncation import (
+    Onsets as Onsets,
+    half_extent as half_extent,
+    load_beyond as load_beyond,
+    onset_pressure as onset_pressure,
+    onset_pressures as onset_pressures,
+    pressure_ratio as pressure_ratio,
+    risk_beyond as risk_beyond,
+    risk_ratio as risk_ratio,
+    share_within as share_within,
+    truncation as truncation,
+)

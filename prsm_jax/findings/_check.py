@@ -7,13 +7,13 @@ import equinox as eqx
 from ..geometry import Finding
 from ..mechanism import Mechanism
 from ..quantities import Analysis
-from . import _fit, _locking, _preferred, _stiffness, _strength
+from . import _fit, _locking, _preferred, _stiffness, _strength, _truncation
 from ._margin import Margin, evaluate_margins, findings_of, margins_of, source_count
 from ._masses import mass_findings
 from ._sharing import sharing_findings
 
 #: The files that declare margins; to import them is to declare.
-DECLARED_IN = (_fit, _preferred, _stiffness, _locking, _strength)
+DECLARED_IN = (_fit, _preferred, _stiffness, _locking, _strength, _truncation)
 
 
 @functools.cache
@@ -48,10 +48,10 @@ def check(mechanism: Mechanism) -> tuple[Finding, ...]:
     made with usual tools: `unusual_lead`, `unusual_module`. Do the numbers behind its vibration
     make sense: `inertia`, `mass`, `torsional_support`, `negative_stiffness`. Does friction let it
     move: `jamming`, `self_locking`. Does it last: `static_safety`, `rating_life`, `buckling`,
-    `screw_speed`, `false_brinelling`. Do its numbers agree: `preload`, `engaged_threads`,
-    `axial_backlash`. Do threads share as assumed: `equal_sharing`. Nothing is raised; a mechanism
-    without findings gives an empty tuple. Of what lacks data nothing is found. Needs concrete
-    numbers: inside a trace use `evaluate_margins`.
+    `screw_speed`, `false_brinelling`, `contact_truncation`. Do its numbers agree: `preload`,
+    `engaged_threads`, `axial_backlash`. Do threads share as assumed: `equal_sharing`. Nothing is
+    raised; a mechanism without findings gives an empty tuple. Of what lacks data nothing is found.
+    Needs concrete numbers: inside a trace use `evaluate_margins`.
 
     **Arguments:**
 
@@ -78,7 +78,7 @@ def check(mechanism: Mechanism) -> tuple[Finding, ...]:
 _STIFFNESS = ("negative_stiffness", "torsional_support")
 _STRENGTH = (
     *("static_safety", "rating_life", "buckling", "screw_speed", "false_brinelling", "backlash"),
-    *("preload", "engaged_threads", "axial_backlash"),
+    *("preload", "engaged_threads", "axial_backlash", "contact_truncation"),
 )
 
 

@@ -10,9 +10,9 @@ from ..geometry import Finding
 from ..mechanism import Mechanism, Scalar, Stage, Strength
 from ..quantities import (
     Analysis,
-    dynamic_capacity_of,
     minimum_amplitude_of,
     on_one_flank,
+    rating_life_of,
     static_capacity_of,
 )
 from ._agreement import agreement_findings
@@ -135,8 +135,7 @@ def _rating_life(mechanism: Mechanism, index: int) -> Iterator[Margin]:
 
     def details(analysis: Analysis) -> dict[str, Scalar]:
         stage, data = _stage(analysis, index)
-        capacity = dynamic_capacity_of(analysis, index, stage)
-        life = strength.rating_life(stage, capacity, analysis.spectrum).time
+        life = rating_life_of(analysis, index, stage).time
         factor = strength.life_factor(stage)
         assert data.required_life is not None
         return {"life": life if factor is None else life * factor, "asked": data.required_life}

@@ -14,6 +14,12 @@ from ._curvature import (
     RelativeCurvature as RelativeCurvature,
     tangent_tensor as tangent_tensor,
 )
+from ._flank_ends import (
+    FlankEnd as FlankEnd,
+    end_names as end_names,
+    flank_ends as flank_ends,
+    flanks_end as flanks_end,
+)
 from ._flanks import (
     FlankGeometry as FlankGeometry,
     flanks_of as flanks_of,

@@ -47,6 +47,22 @@ def relative_curvature(slope: Slope, hessian: SymmetricTensor) -> RelativeCurvat
     )
 
 
+def direction_coefficient(
+    hessian: SymmetricTensor, direction: tuple[Scalar, Scalar], normal_axial: Scalar
+) -> Scalar:
+    """Coefficient of the gap along one direction of the tangent plane, between A and B [1/m].
+
+    **Arguments:**
+
+    - `hessian`: the Hessian of the axial gap over the transverse plane [1/m].
+    - `direction`: x and y of a unit vector in the tangent plane.
+    - `normal_axial`: axial component of the unit normal, positive; it turns axial gaps into those
+        along the normal.
+    """
+    x, y = direction
+    return normal_axial / 2 * (x**2 * hessian.xx + 2 * x * y * hessian.xy + y**2 * hessian.yy)
+
+
 def tangent_tensor(
     slope: Slope, hessian: SymmetricTensor
 ) -> tuple[SymmetricTensor, SymmetricTensor]:

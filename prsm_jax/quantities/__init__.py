@@ -13,6 +13,7 @@ from . import (
     _play as _play,
     _rating_life as _rating_life,
     _strength as _strength,
+    _truncation as _truncation,
     _vibration as _vibration,
 )
 from ._analysis import Analysis as Analysis
@@ -34,11 +35,15 @@ from ._catalogue import (
     find_quantity as find_quantity,
     quantity as quantity,
 )
-from ._rating_life import minimum_amplitude_of as minimum_amplitude_of
+from ._rating_life import (
+    minimum_amplitude_of as minimum_amplitude_of,
+    rating_life_of as rating_life_of,
+)
 from ._reasons import REASONS as REASONS
 from ._strength import (
     dynamic_capacity_of as dynamic_capacity_of,
     on_one_flank as on_one_flank,
+    sharing_factor_of as sharing_factor_of,
     static_capacity_of as static_capacity_of,
     static_safety_of as static_safety_of,
 )

@@ -4,47 +4,58 @@ import jax.numpy as jnp
 
 from ._analysis import Analysis
 from ._catalogue import quantity
+from ._truncation import truncated_pressure
 
 
 def _over_stages(analysis: Analysis, side: str, name: str):
     return jnp.stack([getattr(getattr(c, side).hertz, name) for c in analysis.contacts])
 
 
+def _pressure(analysis: Analysis, side: str):
+    """Largest pressures of one side, above Hertz's where the end of a flank cuts the ellipse."""
+    return jnp.stack(
+        [
+            truncated_pressure(analysis, i, side, getattr(c, side).hertz.max_pressure)
+            for i, c in enumerate(analysis.contacts)
+        ]
+    )
+
+
 @quantity(
     "max_pressure",
     "p₀",
     "Pa",
-    "largest Hertz pressure of the thread contacts, all threads sharing equally; that of the most "
-    "loaded thread is max_pressure_shared",
+    "largest pressure of the thread contacts, all threads sharing equally (that of the most loaded "
+    "thread is max_pressure_shared): Hertz, and more where the end of a flank cuts the ellipse; "
+    "without the concentration at that edge",
     assumes=("equal_contacts",),
 )
 def max_pressure(analysis: Analysis):
-    both = [_over_stages(analysis, side, "max_pressure") for side in ("screw", "nut")]
-    return jnp.max(jnp.stack(both))
+    return jnp.max(jnp.stack([_pressure(analysis, side) for side in ("screw", "nut")]))
 
 
 @quantity(
     "max_pressure_screw",
     "p₀_s",
     "Pa",
-    "Hertz pressure on the screw side, all threads sharing equally",
+    "largest pressure on the screw side, as `max_pressure`",
     ("stage",),
     assumes=("equal_contacts",),
 )
 def max_pressure_screw(analysis: Analysis):
-    return _over_stages(analysis, "screw", "max_pressure")
+    return _pressure(analysis, "screw")
 
 
 @quantity(
     "max_pressure_nut",
     "p₀_n",
     "Pa",
-    "Hertz pressure on the nut side, all threads sharing equally",
+    "largest pressure on the nut side, as `max_pressure`",
     ("stage",),
     assumes=("equal_contacts",),
 )
 def max_pressure_nut(analysis: Analysis):
-    return _over_stages(analysis, "nut", "max_pressure")
+    return _pressure(analysis, "nut")
 
 
 @quantity(

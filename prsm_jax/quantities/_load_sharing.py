@@ -6,6 +6,7 @@ from .._errors import MissingDataError
 from ..mechanism import Scalar
 from ._analysis import Analysis
 from ._catalogue import quantity
+from ._truncation import truncated_pressure
 
 
 def _per_stage(analysis: Analysis, function):
@@ -67,11 +68,20 @@ def largest_thread_load(analysis: Analysis):
     "max_pressure_shared",
     "p₀_max",
     "Pa",
-    "largest Hertz pressure of all threads, the load as [stage.load_sharing] has them share it",
+    "largest pressure of all threads, the load as [stage.load_sharing] has them share it; with "
+    "truncation as `max_pressure`",
     shares=("operating_point",),
 )
 def max_pressure_shared(analysis: Analysis):
-    return jnp.max(_per_stage(analysis, lambda one: one.max_pressure))
+    return jnp.max(
+        jnp.stack(
+            [
+                truncated_pressure(analysis, i, side, jnp.max(getattr(one, side).max_pressure))
+                for i, one in enumerate(analysis.distributions)
+                for side in ("screw", "nut")
+            ]
+        )
+    )
 
 
 @quantity(

@@ -7,7 +7,7 @@ from .._errors import MissingDataError
 from ..mechanism import Scalar, Stage
 from ._analysis import Analysis
 from ._catalogue import quantity
-from ._strength import dynamic_capacity_of, on_one_flank, per_stage
+from ._strength import dynamic_capacity_of, on_one_flank, per_stage, truncated_fatigue_of
 
 
 @quantity(
@@ -37,11 +37,21 @@ def _needs_duty_cycle(analysis: Analysis) -> None:
         raise MissingDataError("the mechanism has no duty cycle; give [[duty_cycle]] phases")
 
 
+def rating_life_of(analysis: Analysis, index: int, stage: Stage) -> strength.RatingLife:
+    """Basic rating life of a stage under the loads of the analysis."""
+    return strength.rating_life(
+        stage,
+        dynamic_capacity_of(analysis, index, stage),
+        analysis.spectrum,
+        truncated_fatigue_of(analysis, index, stage),
+    )
+
+
 def _rating_life(analysis: Analysis, name: str):
     return per_stage(
         analysis,
         lambda i, stage: getattr(
-            strength.rating_life(stage, dynamic_capacity_of(analysis, i, stage), analysis.spectrum),
+            rating_life_of(analysis, i, stage),
             name,
         ),
     )
@@ -141,7 +151,10 @@ def _phase_damage(analysis: Analysis):
     return per_stage(
         analysis,
         lambda i, stage: strength.damage(
-            stage, dynamic_capacity_of(analysis, i, stage), analysis.spectrum
+            stage,
+            dynamic_capacity_of(analysis, i, stage),
+            analysis.spectrum,
+            truncated_fatigue_of(analysis, i, stage),
         ),
     )
 

@@ -9,6 +9,7 @@ from collections.abc import Callable
 import jax.numpy as jnp
 
 from .. import strength
+from ..geometry import flanks_end
 from ..load_sharing import SideLoads
 from ..mechanism import Scalar, Stage
 from ._analysis import Analysis, SharedLoad
@@ -36,9 +37,11 @@ def _sides(analysis: Analysis, index: int, under: SharedLoad) -> tuple[SideLoads
     return found.screw, found.nut
 
 
-def _sharing_factor(analysis: Analysis, index: int) -> Scalar | float:
-    """Load of the most loaded thread over the mean, of the worse side, under the largest load."""
-    factors = [side.thread_sharing_factor for side in _sides(analysis, index, "largest")]
+def sharing_factor_of(
+    analysis: Analysis, index: int, under: SharedLoad = "largest"
+) -> Scalar | float:
+    """Load of the most loaded thread over the mean, of the worse side, under one of the loads."""
+    factors = [side.thread_sharing_factor for side in _sides(analysis, index, under)]
     return jnp.max(jnp.stack(factors)) if factors else 1.0
 
 
@@ -64,7 +67,7 @@ def static_capacity_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
             stage,
             analysis.meshing(index),
             analysis.reference_contact(index),
-            _sharing_factor(analysis, index),
+            sharing_factor_of(analysis, index),
         ),
     )
 
@@ -119,7 +122,7 @@ def permanent_deformation(analysis: Analysis):
                 stage,
                 on_one_flank(analysis, stage),
                 analysis.meshing(i),
-                _sharing_factor(analysis, i),
+                sharing_factor_of(analysis, i),
             ),
         )
     )
@@ -133,6 +136,25 @@ def dynamic_capacity_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     return analysis.once(
         ("dynamic_capacity", index),
         lambda: strength.dynamic_capacity(
+            stage,
+            analysis.meshing(index),
+            analysis.reference_contact(index),
+            _fatigue_factor(analysis, index),
+        ),
+    )
+
+
+def truncated_fatigue_of(
+    analysis: Analysis, index: int, stage: Stage
+) -> strength.TruncatedFatigue | None:
+    """What the ends of the flanks make of the fatigue of a stage; `None` where they do nothing."""
+    if not flanks_end(stage) or stage.strength is None:
+        return None
+    if stage.strength.dynamic_capacity is not None:
+        return None
+    return analysis.once(
+        ("truncated_fatigue", index),
+        lambda: strength.truncated_fatigue(
             stage,
             analysis.meshing(index),
             analysis.reference_contact(index),

@@ -10,6 +10,7 @@ from ._fatigue import (
     cycles_per_turn as cycles_per_turn,
     dynamic_capacity as dynamic_capacity,
     fatigue_sharing_factor as fatigue_sharing_factor,
+    truncated_fatigue as truncated_fatigue,
 )
 from ._life import (
     RatingLife as RatingLife,
@@ -64,4 +65,14 @@ from ._static import (
     permanent_deformation as permanent_deformation,
     static_capacity as static_capacity,
     static_safety as static_safety,
+)
+from ._truncation import (
+    EndReach as EndReach,
+    SideOnset as SideOnset,
+    TruncatedFatigue as TruncatedFatigue,
+    contact_truncation as contact_truncation,
+    end_reaches as end_reaches,
+    load_of_whole_ellipse as load_of_whole_ellipse,
+    side_onsets as side_onsets,
+    truncation_load as truncation_load,
 )

@@ -22,6 +22,7 @@ from ..mechanism import Scalar, Stage
 from ._contacts import REFERENCE_LOAD, meshing_of, reference_contact, strength_of, thread_share
 from ._load_spectrum import mean_load
 from ._subsurface import orthogonal_shear
+from ._truncation import TruncatedFatigue, side_onsets
 
 #: Exponents of stress, depth and life, and Weibull slope, of point contacts.
 STRESS_EXPONENT, DEPTH_EXPONENT, WEIBULL_SLOPE = 31 / 3, 7 / 3, 10 / 9
@@ -121,7 +122,34 @@ def dynamic_capacity(
     risk = fatigue_risk(stage, meshing, contact)
     life = (_RATED / risk) ** (1 / WEIBULL_SLOPE)
     whole = strength.material_factor * REFERENCE_LOAD * jnp.cbrt(life)
-    return whole * thread_share(stage) ** _THREADS_EXPONENT / sharing_factor
+    capacity = whole * thread_share(stage) ** _THREADS_EXPONENT / sharing_factor
+    fatigue = truncated_fatigue(stage, meshing, contact, sharing_factor)
+    return capacity if fatigue is None else fatigue.capacity(capacity)
+
+
+def truncated_fatigue(
+    stage: Stage,
+    meshing: Meshing | None = None,
+    contact: StageContact | None = None,
+    sharing_factor: Scalar | float = 1.0,
+) -> TruncatedFatigue | None:
+    """What the ends of the flanks make of the fatigue under a load; `None` where no flank ends.
+
+    Also `None` where the dynamic capacity is given: a test has the truncation in it. With threads
+    that share unequally all are taken to be cut as one that bears `sharing_factor` times the mean.
+
+    **Arguments:** as in `dynamic_capacity`.
+    """
+    if stage.strength is None or stage.strength.dynamic_capacity is not None:
+        return None
+    meshing = meshing_of(stage, meshing)
+    if contact is None:
+        contact = reference_contact(stage, meshing)
+    sides = side_onsets(stage, meshing, contact)
+    if sides is None:
+        return None
+    risks = side_risks(stage, meshing, contact)
+    return TruncatedFatigue(sides, risks, sharing_factor / thread_share(stage))
 
 
 def fatigue_risk(stage: Stage, meshing: Meshing | None, contact: StageContact) -> Scalar:
@@ -132,11 +160,18 @@ def fatigue_risk(stage: Stage, meshing: Meshing | None, contact: StageContact) -
     - `stage`, `meshing`: the stage, and its meshing where its curvatures ask for it.
     - `contact`: its thread contacts under some load.
     """
+    return sum(side_risks(stage, meshing, contact), jnp.zeros_like(stage.thread.lead))
+
+
+def side_risks(
+    stage: Stage, meshing: Meshing | None, contact: StageContact
+) -> tuple[Scalar, Scalar]:
+    """`fatigue_risk` of the tracks on the screw and on the nut side, whole ellipses."""
     threads, rollers = engaged_threads(stage), stage.present_roller_count
     screw_cycles, roller_cycles, nut_cycles = cycles_per_turn(stage)
     frames = contact_frames(stage.thread, meshing, stage.curvature)
     bodies = (stage.thread.screw_radius, screw_cycles), (stage.thread.nut_radius, nut_cycles)
-    total = jnp.zeros_like(stage.thread.lead)
+    risks = []
     for frame, side, (radius, cycles) in zip(
         frames, (contact.screw, contact.nut), bodies, strict=True
     ):
@@ -145,8 +180,8 @@ def fatigue_risk(stage: Stage, meshing: Meshing | None, contact: StageContact) -
         stressed = _stressed(hertz.max_pressure, hertz.semi_major * hertz.semi_minor, ratio)
         tracks = radius * cycles**WEIBULL_SLOPE
         tracks = tracks + rollers * stage.thread.roller_radius * roller_cycles**WEIBULL_SLOPE
-        total = total + stressed * threads * tracks * (2 * jnp.pi * 1e3)
-    return _STEEL * total
+        risks.append(_STEEL * stressed * threads * tracks * (2 * jnp.pi * 1e3))
+    return risks[0], risks[1]
 
 
 def fatigue_sharing_factor(

@@ -11,6 +11,7 @@ from ._fatigue import WEIBULL_SLOPE
 from ._load_spectrum import LoadSpectrum, mean_load
 from ._powers import ratio_or_infinity, scaled_unless_infinite
 from ._preload import flank_loads
+from ._truncation import TruncatedFatigue
 
 
 class RatingLife(eqx.Module):
@@ -36,7 +37,12 @@ def basic_life(capacity: Scalar, load: Scalar) -> Scalar:
 
 
 @physics("rating_life")
-def rating_life(stage: Stage, capacity: Scalar, spectrum: LoadSpectrum) -> RatingLife:
+def rating_life(
+    stage: Stage,
+    capacity: Scalar,
+    spectrum: LoadSpectrum,
+    fatigue: TruncatedFatigue | None = None,
+) -> RatingLife:
     r"""Basic rating life under a load spectrum.
 
     Loads of either sign press on flanks of their own. With the cubic mean loads $F_{m\pm}$ of both
@@ -52,9 +58,12 @@ def rating_life(stage: Stage, capacity: Scalar, spectrum: LoadSpectrum) -> Ratin
     - `stage`: the stage: its lead, and its preload if there is one.
     - `capacity`: C_a [N].
     - `spectrum`: the loads.
+    - `fatigue`: `truncated_fatigue` of the stage, which C_a then holds too: each load counts by how
+        much of the ellipses it leaves on the flanks. Without it the life goes with the cube.
     """
     means = [
-        mean_load(load, spectrum.weights) for load in flank_loads(spectrum.load, preload_of(stage))
+        mean_load(load, spectrum.weights)
+        for load in _loads_by_flank(stage, capacity, spectrum, fatigue)
     ]
     # Σ L^{−10/9} of both is a sum of 10/3 powers of their loads.
     both = mean_load(jnp.stack(means), jnp.ones_like(jnp.stack(means)), 3 * WEIBULL_SLOPE)
@@ -90,8 +99,23 @@ def largest_flank_load(stage: Stage, load: Float[Array, "*batch"]) -> Float[Arra
     return load if preload is None else flank_loads(load, preload)[0]
 
 
+def _loads_by_flank(
+    stage: Stage, capacity: Scalar, spectrum: LoadSpectrum, fatigue: TruncatedFatigue | None
+) -> list[Float[Array, " phases"]]:
+    """Loads on either flank that compare with C_a by their cube [N]."""
+    loads = flank_loads(spectrum.load, preload_of(stage))
+    if fatigue is None:
+        return list(loads)
+    return [fatigue.comparable_load(load, capacity) for load in loads]
+
+
 @physics("damage")
-def damage(stage: Stage, capacity: Scalar, spectrum: LoadSpectrum) -> Float[Array, " phases"]:
+def damage(
+    stage: Stage,
+    capacity: Scalar,
+    spectrum: LoadSpectrum,
+    fatigue: TruncatedFatigue | None = None,
+) -> Float[Array, " phases"]:
     r"""Share of the basic rating life that each phase uses up (Palmgren 1924, Miner 1945).
 
     $\varphi_i/2\pi\,(F_i/C_a)^3/10^6$ on the flank that is loaded more over the whole spectrum.
@@ -102,10 +126,11 @@ def damage(stage: Stage, capacity: Scalar, spectrum: LoadSpectrum) -> Float[Arra
     - `stage`: the stage, with its preload if there is one.
     - `capacity`: C_a [N].
     - `spectrum`: the loads.
+    - `fatigue`: as in `rating_life`.
     """
     turns = spectrum.turned_angle / (2 * jnp.pi)
     first, second = (
         turns * (load / capacity) ** 3 / 1e6
-        for load in flank_loads(spectrum.load, preload_of(stage))
+        for load in _loads_by_flank(stage, capacity, spectrum, fatigue)
     )
     return jnp.where(jnp.sum(first) >= jnp.sum(second), first, second)

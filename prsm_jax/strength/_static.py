@@ -1,4 +1,4 @@
-"""Static capacity: the load that leaves a permanent deformation nobody notices."""
+"""Static capacity: the load at the permissible permanent deformation of the threads."""
 
 import jax.numpy as jnp
 
@@ -7,8 +7,9 @@ from .._physics import physics
 from ..contact import StageContact, contact_frames, engaged_threads
 from ..geometry import Meshing
 from ..mechanism import Scalar, Stage
-from ._contacts import REFERENCE_LOAD, meshing_of, reference_contact, strength_of, thread_share
+from ._contacts import meshing_of, reference_contact, strength_of, thread_share
 from ._powers import ratio_or_infinity
+from ._truncation import load_at_pressure, load_of_whole_ellipse, side_onsets
 
 #: Palmgren's permanent deformation of two hardened steel bodies, δ D/(Q² Σ₁ Σ₂) [m²/N²]: 1.3e-7
 #: in newtons and millimetres; the sums of curvatures have the product Σ₁ Σ₂ = 4 A B.
@@ -24,11 +25,16 @@ def static_capacity(
 ) -> Scalar:
     r"""Static axial capacity $C_{0a}$ of a stage [N]: as given, or from a permissible pressure.
 
-    At $C_{0a}$ the larger Hertz pressure of screw and nut side is the permissible one. Pressures
+    At $C_{0a}$ the larger pressure of screw and nut side is the permissible one. Hertz pressures
     go with the cube root of the load, so $C_{0a} = F\,(p_\text{perm}/p_0(F))^3$ exactly, for any
-    F. ISO 76 sets the pressure so that roller and thread together keep a dent of 1e-4 of the
-    rolling element's diameter: 4200 MPa in ball bearings, 4600 MPa in self-aligning ones, 4000 MPa
-    for lines. No standard exists for roller screws; threads are point contacts of hardened bearing
+    F, as long as the ellipse lies on the flanks. Where it passes the end of a flank at this
+    pressure, the load of the part that is cut off is missing (`contact.share_within`). The pressure
+    is that at the contact point: the concentration at the edge, which depends on how the edge is
+    rounded, does not count.
+
+    ISO 76 sets the pressure so that roller and thread together keep a dent of 1e-4 of the rolling
+    element's diameter: 4200 MPa in ball bearings, 4600 MPa in self-aligning ones, 4000 MPa for
+    lines. No standard exists for roller screws; threads are point contacts of hardened bearing
     steel, for which 4200 MPa is the nearest.
 
     Of one nut of a braced pair; half as much for the half of a split nut. Range: hardened steel
@@ -54,11 +60,15 @@ def static_capacity(
             "stage.strength.permissible_pressure (4.2 GPa in ISO 76 for ball bearings), or "
             "stage.strength.static_capacity from a catalogue"
         )
+    meshing = meshing_of(stage, meshing)
     if contact is None:
         contact = reference_contact(stage, meshing)
-    pressure = jnp.maximum(contact.screw.hertz.max_pressure, contact.nut.hertz.max_pressure)
-    whole = REFERENCE_LOAD * (strength.permissible_pressure / pressure) ** 3
-    return whole * thread_share(stage) / sharing_factor
+    sides = side_onsets(stage, meshing, contact) or (None, None)
+    loads = [
+        load_at_pressure(side, one.hertz.max_pressure, strength.permissible_pressure)
+        for side, one in zip(sides, (contact.screw, contact.nut), strict=True)
+    ]
+    return jnp.minimum(*loads) * thread_share(stage) / sharing_factor
 
 
 def static_safety(capacity: Scalar, load: Scalar) -> Scalar:
@@ -79,7 +89,8 @@ def permanent_deformation(
     and millimetres (Palmgren 1959; Harris and Kotzalas 2006, chapter on permanent deformation),
     D twice the radius of the roller's profile. The bearing standards accept 1e-4.
 
-    Range: bearing steel of 63.5 to 65.5 HRC, pressures near 4 GPa.
+    Q is the force under which a whole ellipse has the pressure of one that is cut by an end of its
+    flank. Range: bearing steel of 63.5 to 65.5 HRC, pressures near 4 GPa.
 
     **Arguments:**
 
@@ -88,15 +99,19 @@ def permanent_deformation(
     - `meshing`: its meshing, if known already.
     - `sharing_factor`: load of the most loaded thread over the mean.
 
-    **Raises:** `MissingDataError` if engaged threads or strength data are not given.
+    **Raises:** `MissingDataError` if engaged threads or strength data are not given, or flanks end
+    and materials are not.
     """
     strength_of(stage)
-    frames = contact_frames(stage.thread, meshing_of(stage, meshing), stage.curvature)
-    threads = engaged_threads(stage) * thread_share(stage)
-    axial = jnp.abs(load) / (stage.present_roller_count * threads) * sharing_factor
+    meshing = meshing_of(stage, meshing)
+    frames = contact_frames(stage.thread, meshing, stage.curvature)
+    ends = side_onsets(stage, meshing) or (None, None)
+    threads = stage.present_roller_count * engaged_threads(stage)
+    shared = jnp.abs(load) / thread_share(stage) * sharing_factor
     diameter = 2 * stage.thread.profile_radius
     sides = []
-    for frame in frames:
+    for frame, side in zip(frames, ends, strict=True):
+        axial = load_of_whole_ellipse(side, shared) / threads
         curvature = frame.curvature
         product = curvature.total**2 - curvature.difference_squared
         sides.append((axial * frame.normal_per_axial / diameter) ** 2 * product)

@@ -1,0 +1,258 @@
+r"""Contact ellipses that pass the end of a flank: what the rest of the ellipse carries.
+
+A law of laminae, calibrated on Hertz. Cut into laminae along the edge, each lamina of the contact
+keeps the pressure that Hertz gives it at the common approach of the bodies; the laminae beyond the
+edge carry nothing. So at a given approach the contact loses the load of the part that is cut off,
+
+$$F = F_H(\delta)\,\bigl(1 - \textstyle\sum f(t)\bigr),\qquad f(t) = \tfrac14 (1-t)^2 (2+t),$$
+
+with $t$ the distance to the edge over the half-extent of the ellipse towards it, and under a given
+load the bodies approach further and the largest pressure rises. The half-extent is in proportion to
+the Hertz pressure, so one number describes an end: the Hertz pressure at which the ellipse reaches
+it. Nothing here is traced where no flank ends.
+
+The concentration of pressure at the edge itself is no part of the law: for a sharp edge it has no
+finite value, and for a rounded one it depends on the rounding (`docs/strength.md` gives both).
+"""
+
+import math
+from typing import TypeAlias
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._physics import physics
+from ..geometry import FlankEnd, RelativeCurvature
+from ..mechanism import Scalar
+from ._hertz import HertzContact
+
+#: Hertz pressures at which the ellipse reaches the nearest end, one for each way [Pa].
+Onsets: TypeAlias = tuple[Scalar, ...]
+Real = Float[Array, "*batch"]
+
+#: Below this anisotropy (a² − b²)/(B − A) is that of a circle, to its square.
+_CIRCULAR = 1e-5
+#: Least distance to an end over the half-extent. A contact point beyond its flank has no pressure
+#: there at all; what calls says so with a flag, and its numbers stay finite.
+_LEAST = 0.01
+#: Farther than any ellipse reaches.
+_FAR = 1e3
+_NEWTON_STEPS = 12
+#: Integral of (1 − y²)^{9/2} from 0 to 1.
+_WHOLE = 63 * math.pi / 512
+
+
+def half_extent(hertz: HertzContact, curvature: RelativeCurvature, end: FlankEnd) -> Scalar:
+    """Half the extent of a contact ellipse towards an end, √(nᵀ M n) [m].
+
+    With c the gap's coefficient in the direction n,
+    `s² = (a² + b²)/2 − (a² − b²)/(B − A) (c − (A + B)/2)`, regular at the circle.
+
+    **Arguments:**
+
+    - `hertz`, `curvature`: the contact under a load, and the curvatures of its gap.
+    - `end`: the end; without a coefficient it lies across the rolling direction.
+    """
+    total, squared = curvature.total, curvature.difference_squared
+    coefficient = total - curvature.rolling if end.coefficient is None else end.coefficient
+    major, minor = hertz.semi_major, hertz.semi_minor
+    elongated = squared > (_CIRCULAR * total) ** 2
+    difference = jnp.sqrt(jnp.where(elongated, squared, 1.0))
+    rate = jnp.where(
+        elongated, (major - minor) * (major + minor) / difference, 8 / 3 * major**2 / total
+    )
+    # Between b² and a² but for rounding.
+    square = (major**2 + minor**2) / 2 - rate * (coefficient - total / 2)
+    loaded = square > 0
+    return jnp.where(loaded, jnp.sqrt(jnp.where(loaded, square, 1.0)), 0.0)
+
+
+def onset_pressure(hertz: HertzContact, curvature: RelativeCurvature, end: FlankEnd) -> Scalar:
+    """Hertz pressure at which the ellipse reaches an end [Pa].
+
+    Semi-axes and pressure both go with the cube root of the load, so any load serves.
+
+    **Arguments:**
+
+    - `hertz`: the contact under some load above 0.
+    - `curvature`: of its gap.
+    - `end`: the end.
+    """
+    return end.distance * hertz.max_pressure / half_extent(hertz, curvature, end)
+
+
+@physics("truncation")
+def onset_pressures(
+    hertz: HertzContact, curvature: RelativeCurvature, ends: tuple[FlankEnd, ...]
+) -> Onsets:
+    """Hertz pressures at which the ellipse reaches the nearest end, for each way that has one.
+
+    **Arguments:**
+
+    - `hertz`: the contact under some load above 0.
+    - `curvature`: of its gap.
+    - `ends`: the ends of its flanks.
+    """
+    ways: dict[str, Scalar] = {}
+    for end in ends:
+        onset = onset_pressure(hertz, curvature, end)
+        ways[end.way] = jnp.minimum(ways[end.way], onset) if end.way in ways else onset
+    return tuple(ways.values())
+
+
+def _reach(pressure: Real, onset: Scalar) -> Real:
+    """t: distance to the end over the half-extent of the ellipse."""
+    loaded = pressure > 0
+    reach = jnp.where(loaded, onset / jnp.where(loaded, pressure, 1.0), _FAR)
+    return jnp.clip(reach, _LEAST, _FAR)
+
+
+def truncation(pressure: Real, onsets: Onsets) -> Real:
+    """Largest share of the ellipse's half-extent beyond an end, 1 − t; 0 where nothing is cut.
+
+    Continuous; its derivative has a step where the ellipse reaches the end, and is 0 before. Above
+    1 where the contact point itself lies beyond the end.
+
+    **Arguments:**
+
+    - `pressure`: Hertz pressure of the load [Pa].
+    - `onsets`: from `onset_pressures`.
+    """
+    shares = []
+    for onset in onsets:
+        passed = (pressure > onset) & (pressure > 0)
+        shares.append(jnp.where(passed, 1 - onset / jnp.where(passed, pressure, 1.0), 0.0))
+    largest = shares[0]
+    for share in shares[1:]:
+        largest = jnp.maximum(largest, share)
+    return largest
+
+
+def load_beyond(reach: Real) -> Real:
+    """Share of a Hertz contact's load beyond a line, f(t) = (1 − t)² (2 + t)/4.
+
+    **Arguments:**
+
+    - `reach`: t, distance of the line from the centre over the half-extent; 1 touches.
+    """
+    rest = 1 - jnp.minimum(reach, 1.0)
+    return rest**2 * (3 - rest) / 4
+
+
+@jax.custom_jvp
+def risk_beyond(reach: Real) -> Real:
+    r"""Share of a Hertz contact's fatigue risk beyond a line along the rolling direction.
+
+    Risks of laminae go with $p^{c+1-h} = p^9$, so it is
+    $\int_t^1 (1-y^2)^{9/2} dy / \int_{-1}^1 (1-y^2)^{9/2} dy$: the summation over laminae of
+    ISO/TS 16281 with the exponents of point contacts.
+
+    **Arguments:**
+
+    - `reach`: t, distance of the line from the centre over the half-extent; 1 touches.
+    """
+    inside = jnp.minimum(reach, 1.0)
+    angle = jnp.arcsin(inside)
+    integral = 126 * angle
+    for order, factor in ((2, 105.0), (4, 30.0), (6, 7.5), (8, 1.25), (10, 0.1)):
+        integral = integral + factor * jnp.sin(order * angle)
+    return jnp.where(reach < 1, (1 - integral / (512 * _WHOLE)) / 2, 0.0)
+
+
+@risk_beyond.defjvp
+def _risk_beyond_jvp(primals, tangents):
+    (reach,), (tangent,) = primals, tangents
+    inside = jnp.minimum(reach, 1.0)
+    density = (1 - inside) * (1 + inside)
+    return risk_beyond(reach), -jnp.sqrt(density) * density**4 / (2 * _WHOLE) * tangent
+
+
+def _lost(ratio: Real, reach: Real) -> tuple[Real, Real]:
+    """σ³ f(t/σ) = (2σ³ − 3σ²t + t³)/4 past the end, and its derivative in σ."""
+    past = jnp.maximum(ratio - reach, 0.0)
+    return past**2 * (2 * ratio + reach) / 4, 1.5 * ratio * past
+
+
+@jax.custom_jvp
+def _ratio(first: Real, second: Real) -> Real:
+    """σ of σ³ (1 − f(t₁/σ) − f(t₂/σ)) = 1, by Newton's method.
+
+    The left side is convex and rises, so the first step overshoots and the others come down.
+    """
+    ratio = jnp.ones_like(first)
+    for _ in range(_NEWTON_STEPS):
+        excess, slope = _balance(ratio, first, second)
+        ratio = ratio - excess / slope
+    return ratio
+
+
+def _balance(ratio: Real, first: Real, second: Real) -> tuple[Real, Real]:
+    lost_first, slope_first = _lost(ratio, first)
+    lost_second, slope_second = _lost(ratio, second)
+    excess = ratio**3 - lost_first - lost_second - 1
+    return excess, 3 * ratio**2 - slope_first - slope_second
+
+
+@_ratio.defjvp
+def _ratio_jvp(primals, tangents):
+    first, second = primals
+    ratio = _ratio(first, second)
+    _, slope = _balance(ratio, first, second)
+
+    def moves(reach):
+        return 0.75 * jnp.maximum(ratio - reach, 0.0) * (ratio + reach)
+
+    change = moves(first) * tangents[0] + moves(second) * tangents[1]
+    return ratio, -change / slope
+
+
+def pressure_ratio(pressure: Real, onsets: Onsets) -> Real:
+    """Largest pressure of the truncated contact over that of Hertz under the same load, σ ≥ 1.
+
+    Its approach is σ² times, and the load that presses an untruncated ellipse as much is σ³ times
+    as large. Continuous with its first derivative where the ellipse reaches an end; exactly 1
+    before.
+
+    **Arguments:**
+
+    - `pressure`: Hertz pressure of the load [Pa].
+    - `onsets`: from `onset_pressures`.
+    """
+    reaches = [_reach(pressure, onset) for onset in onsets]
+    if len(reaches) == 1:
+        reaches.append(jnp.full_like(reaches[0], _FAR))
+    return _ratio(*reaches)
+
+
+def share_within(pressure: Real, onsets: Onsets) -> Real:
+    """Share of a Hertz contact's load within the flanks, 1 − Σ f(t), at this pressure.
+
+    The load that presses the truncated contact as much over that of the whole ellipse.
+
+    **Arguments:**
+
+    - `pressure`: largest pressure of both contacts [Pa].
+    - `onsets`: from `onset_pressures`.
+    """
+    share = jnp.ones_like(pressure)
+    for onset in onsets:
+        share = share - load_beyond(_reach(pressure, onset))
+    return share
+
+
+def risk_ratio(pressure: Real, onsets: Onsets) -> Real:
+    """Fatigue risk of the truncated contact over that of the whole ellipse under the same load.
+
+    `σ¹⁰ (1 − Σ w(t))`: the risk of a whole ellipse goes with p¹⁰, and what is cut off has none.
+
+    **Arguments:**
+
+    - `pressure`: Hertz pressure of the load [Pa].
+    - `onsets`: from `onset_pressures`.
+    """
+    ratio = pressure_ratio(pressure, onsets)
+    share = jnp.ones_like(pressure)
+    for onset in onsets:
+        share = share - risk_beyond(_reach(pressure * ratio, onset))
+    return ratio**10 * share

@@ -1,0 +1,173 @@
+"""Where the flanks of a thread contact end: crests and roots, seen from the contact point."""
+
+from collections.abc import Iterator
+from typing import Literal, TypeAlias
+
+import equinox as eqx
+import jax.numpy as jnp
+
+from .._physics import physics
+from ..mechanism import Scalar, Stage, Thread
+from ._curvature import direction_coefficient
+from ._flanks import SymmetricTensor, flanks_of, nut_side_hessian, screw_side_hessian
+from ._meshing import Meshing, ThreadContact
+
+#: Towards which side of the contact an end lies: that of the roller's axis, or the other one.
+Way: TypeAlias = Literal["to_roller_axis", "from_roller_axis"]
+
+
+class FlankEnd(eqx.Module):
+    """One end of the flanks at a thread contact."""
+
+    #: From the contact point to the end, along the tangent plane and at right angles to the end;
+    #: negative where the contact lies beyond it [m].
+    distance: Scalar
+    #: Coefficient of the gap in that direction, between A and B; `None` stands for that across the
+    #: rolling direction [1/m].
+    coefficient: Scalar | None
+    #: `"crest"` or `"root"`, and of which body: `"screw"`, `"nut"` or `"roller"`.
+    kind: str = eqx.field(static=True)
+    body: str = eqx.field(static=True)
+    way: Way = eqx.field(static=True)
+
+
+class _Radius(eqx.Module):
+    """A radius at which a flank of one body ends; on the screw side unless the body is the nut."""
+
+    radius: Scalar
+    kind: str = eqx.field(static=True)
+    body: str = eqx.field(static=True)
+
+
+def _root_bodies(stage: Stage) -> tuple[str, ...]:
+    """Bodies whose root is known."""
+    if stage.load_sharing is not None and stage.load_sharing.tooth is not None:
+        return ("screw", "roller", "nut")
+    shaft = None if stage.strength is None else stage.strength.shaft
+    return ("screw",) if shaft is not None and shaft.root_radius is not None else ()
+
+
+def _roots(stage: Stage) -> dict[str, Scalar]:
+    """Depths of the threads below their nominal radii, as far as known [m]."""
+    depths: dict[str, Scalar] = {}
+    if stage.load_sharing is not None and stage.load_sharing.tooth is not None:
+        tooth = stage.load_sharing.tooth
+        depths = {b: getattr(tooth, f"{b}_dedendum") for b in ("screw", "roller", "nut")}
+    shaft = None if stage.strength is None else stage.strength.shaft
+    if shaft is not None and shaft.root_radius is not None:
+        depths["screw"] = stage.thread.screw_radius - shaft.root_radius
+    return depths
+
+
+def _radii(stage: Stage, side: str) -> Iterator[_Radius]:
+    thread, roots = stage.thread, _roots(stage)
+    # The nut's thread grows inwards, and is as high as the screw's.
+    grows = 1.0 if side == "screw" else -1.0
+    nominal = thread.screw_radius if side == "screw" else thread.nut_radius
+    if thread.screw_addendum is not None:
+        yield _Radius(nominal + grows * thread.screw_addendum, "crest", side)
+    if side in roots:
+        yield _Radius(nominal - grows * roots[side], "root", side)
+    if thread.roller_addendum is not None:
+        yield _Radius(thread.roller_radius + thread.roller_addendum, "crest", "roller")
+    if "roller" in roots:
+        yield _Radius(thread.roller_radius - roots["roller"], "root", "roller")
+
+
+def _from_nominal(thread: Thread, end: _Radius) -> Scalar:
+    """Distance from the nominal point along a flank without a lead [m]."""
+    nominal = getattr(thread, f"{end.body}_radius")
+    return jnp.abs(end.radius - nominal) / jnp.cos(thread.flank_angle)
+
+
+def _from_contact(
+    contact: ThreadContact, end: _Radius, hessian: SymmetricTensor
+) -> tuple[Scalar, Scalar]:
+    """Distance from the contact point in the tangent plane, and the gap's coefficient that way."""
+    if end.body == "roller":
+        radius, angle = contact.roller_contact_radius, contact.roller_angle_position
+        # About the roller axis, from which x points to the screw axis.
+        radial = -jnp.cos(angle), jnp.sin(angle)
+    else:
+        radius, angle = contact.contact_radius, contact.contact_angle_position
+        radial = jnp.cos(angle), jnp.sin(angle)
+    x, y, z = contact.normal[0], contact.normal[1], contact.normal[2]
+    lifted = radial[0] * x + radial[1] * y
+    # The radius grows along the tangent plane's steepest direction by this much per length.
+    rate = jnp.sqrt(1 - lifted**2)
+    along = (radial[0] - lifted * x) / rate, (radial[1] - lifted * y) / rate
+    missing = end.radius - radius
+    outer = (end.kind == "crest") != (end.body == "nut")
+    distance = (missing if outer else -missing) / rate
+    return distance, direction_coefficient(hessian, along, jnp.abs(z))
+
+
+def _way(end: _Radius) -> Way:
+    """Threads of screw and nut grow towards the roller axis, those of the roller away from it."""
+    towards = (end.kind == "crest") != (end.body == "roller")
+    return "to_roller_axis" if towards else "from_roller_axis"
+
+
+def end_names(stage: Stage) -> tuple[tuple[str, str, str], ...]:
+    """Side, kind and body of the ends that `flank_ends` gives, by structure; nothing is traced."""
+    thread, names = stage.thread, []
+    crests = {"screw": thread.screw_addendum, "nut": thread.screw_addendum}
+    crests["roller"] = thread.roller_addendum
+    roots = _root_bodies(stage)
+    for side in ("screw", "nut"):
+        for body in (side, "roller"):
+            if crests[body] is not None:
+                names.append((side, "crest", body))
+            if body in roots:
+                names.append((side, "root", body))
+    return tuple(names)
+
+
+def flanks_end(stage: Stage) -> bool:
+    """Whether a stage says where a flank of its threads ends: by an addendum or a root."""
+    return bool(end_names(stage))
+
+
+@physics("flank_ends")
+def _ends(
+    stage: Stage, side: str, radii: tuple[_Radius, ...], meshing: Meshing | None
+) -> tuple[FlankEnd, ...]:
+    thread = stage.thread
+    if meshing is None:
+        return tuple(
+            FlankEnd(_from_nominal(thread, end), None, end.kind, end.body, _way(end))
+            for end in radii
+        )
+    contact: ThreadContact = getattr(meshing, side)
+    x = contact.contact_radius * jnp.cos(contact.contact_angle_position)
+    y = contact.contact_radius * jnp.sin(contact.contact_angle_position)
+    hessian = (screw_side_hessian if side == "screw" else nut_side_hessian)(flanks_of(thread), x, y)
+    return tuple(
+        FlankEnd(*_from_contact(contact, end, hessian), end.kind, end.body, _way(end))
+        for end in radii
+    )
+
+
+def flank_ends(
+    stage: Stage, meshing: Meshing | None = None
+) -> tuple[tuple[FlankEnd, ...], tuple[FlankEnd, ...]]:
+    """Ends of the flanks on the screw and on the nut side, as far as the stage gives them.
+
+    Crests by `screw_addendum` (the nut's thread is as high as the screw's) and `roller_addendum`;
+    roots by the dedenda of `load_sharing.tooth` and by `strength.shaft.root_radius`. An end is
+    a helix; within a contact it is a straight line in the tangent plane, to the contact's size
+    over the body's radius.
+
+    **Arguments:**
+
+    - `stage`: the stage.
+    - `meshing`: its meshing; without it contacts lie at the nominal radii, as curvature conventions
+        other than `"exact"` have it.
+
+    **Returns:** the ends of either side; none where nothing is given, and then nothing is traced.
+    """
+    sides = []
+    for side in ("screw", "nut"):
+        radii = tuple(_radii(stage, side))
+        sides.append(_ends(stage, side, radii, meshing) if radii else ())
+    return sides[0], sides[1]

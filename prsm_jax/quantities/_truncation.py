@@ -1,0 +1,99 @@
+"""Quantities of contact ellipses that pass the ends of their flanks."""
+
+from .. import strength
+from ..contact import pressure_ratio
+from ..geometry import flanks_end
+from ..mechanism import Scalar, Stage
+from ._analysis import Analysis
+from ._catalogue import quantity
+from ._strength import on_one_flank, per_stage, sharing_factor_of
+
+
+def onsets_of(analysis: Analysis, index: int):
+    """Where the ellipses of a stage (from 0) reach the ends of their flanks; `None` if nowhere."""
+    stage = analysis.mechanism.stages[index]
+    if not flanks_end(stage):
+        return None
+
+    def make():
+        found = strength.side_onsets(
+            stage, analysis.meshing(index), analysis.reference_contact(index)
+        )
+        for side in found or ():
+            if side is not None:
+                # Beyond the end of a flank there is no contact point.
+                analysis.require(side.on_flank)
+        return found
+
+    return analysis.once(("onsets", index), make)
+
+
+def truncated_pressure(analysis: Analysis, index: int, side: str, hertz: Scalar) -> Scalar:
+    """Largest pressure on the `"screw"` or `"nut"` side of a stage, from that of Hertz [Pa]."""
+    onsets = onsets_of(analysis, index)
+    onset = None if onsets is None else onsets[("screw", "nut").index(side)]
+    return hertz if onset is None else hertz * pressure_ratio(hertz, onset.onsets)
+
+
+def _at_operating_load(analysis: Analysis, index: int, stage: Stage) -> Scalar:
+    return strength.contact_truncation(
+        stage,
+        strength.largest_flank_load(stage, analysis.load),
+        analysis.meshing(index),
+        analysis.reference_contact(index),
+        sharing_factor_of(analysis, index, "operating_point"),
+    )
+
+
+@quantity(
+    "contact_truncation",
+    "τ",
+    "1",
+    "largest share of a contact ellipse's half-extent beyond the crest or root of a flank, under "
+    "the load of the operating point; 0 where nothing is cut",
+    ("stage",),
+)
+def contact_truncation(analysis: Analysis):
+    return per_stage(analysis, lambda i, stage: _at_operating_load(analysis, i, stage))
+
+
+@quantity(
+    "contact_truncation_largest",
+    "τ_max",
+    "1",
+    "largest share of a contact ellipse's half-extent beyond the crest or root of a flank, under "
+    "the largest load of operating point and duty cycle; 0 where nothing is cut",
+    ("stage",),
+)
+def contact_truncation_largest(analysis: Analysis):
+    return per_stage(
+        analysis,
+        lambda i, stage: strength.contact_truncation(
+            stage,
+            on_one_flank(analysis, stage),
+            analysis.meshing(i),
+            analysis.reference_contact(i),
+            sharing_factor_of(analysis, i),
+        ),
+    )
+
+
+def truncation_load_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
+    return strength.truncation_load(
+        stage,
+        analysis.meshing(index),
+        analysis.reference_contact(index),
+        sharing_factor_of(analysis, index),
+    )
+
+
+@quantity(
+    "truncation_load",
+    "F_τ",
+    "N",
+    "axial load on one flank from which on a contact ellipse passes the crest or root of a flank, "
+    "threads sharing as under the largest load",
+    ("stage",),
+)
+def truncation_load(analysis: Analysis):
+    return per_stage(analysis, lambda i, stage: truncation_load_of(analysis, i, stage))

@@ -1,0 +1,277 @@
+"""What flanks that end inside the contact ellipses make of capacities and life."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._errors import MissingDataError
+from .._root import find_root_of
+from ..contact import (
+    Onsets,
+    StageContact,
+    contact_frames,
+    half_extent,
+    onset_pressures,
+    pressure_ratio,
+    risk_ratio,
+    share_within,
+    truncation,
+)
+from ..geometry import FlankEnd, Meshing, flank_ends, flanks_end
+from ..mechanism import Scalar, Stage
+from ._contacts import REFERENCE_LOAD, meshing_of, reference_contact, thread_share
+from ._powers import positive_power
+
+#: Newton steps to the dynamic capacity; from above a handful is enough.
+_MAXIMUM_STEPS = 32
+
+
+class SideOnset(eqx.Module):
+    """One side of the rollers: where its ellipse reaches an end of a flank."""
+
+    #: Hertz pressure under `REFERENCE_LOAD` in equal shares [Pa].
+    reference: Scalar
+    onsets: Onsets
+
+    def pressure(self, load: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
+        """Hertz pressure under an axial load, if all threads share it equally [Pa]."""
+        return self.reference * positive_power(load / REFERENCE_LOAD, 1 / 3)
+
+    @property
+    def onset_load(self) -> Scalar:
+        """Axial load in equal shares from which on the ellipse is cut [N]; 0 beyond the flank."""
+        nearest = self.onsets[0]
+        for other in self.onsets[1:]:
+            nearest = jnp.minimum(nearest, other)
+        return REFERENCE_LOAD * jnp.maximum(nearest / self.reference, 0.0) ** 3
+
+    @property
+    def on_flank(self) -> Array:
+        """Whether the contact point lies on the flank."""
+        return jnp.stack(self.onsets).min() > 0
+
+
+def side_onsets(
+    stage: Stage, meshing: Meshing | None = None, contact: StageContact | None = None
+) -> tuple[SideOnset | None, SideOnset | None] | None:
+    """Where the ellipses of screw and nut side reach the ends of their flanks.
+
+    **Arguments:**
+
+    - `stage`: the stage; needs materials and `engaged_threads` if flanks end.
+    - `meshing`: its meshing, if known already.
+    - `contact`: `reference_contact` of the stage, if known already.
+
+    **Returns:** one for either side, `None` for a side without ends; `None` alone where no flank
+    ends, and then nothing is traced.
+    """
+    if not flanks_end(stage):
+        return None
+    meshing = meshing_of(stage, meshing)
+    if contact is None:
+        contact = reference_contact(stage, meshing)
+    frames = contact_frames(stage.thread, meshing, stage.curvature)
+    ends = flank_ends(stage, meshing if stage.curvature == "exact" else None)
+    found = [
+        SideOnset(side.hertz.max_pressure, onset_pressures(side.hertz, frame.curvature, of_side))
+        if of_side
+        else None
+        for side, frame, of_side in zip((contact.screw, contact.nut), frames, ends, strict=True)
+    ]
+    return found[0], found[1]
+
+
+def _known(
+    sides: tuple[SideOnset | None, SideOnset | None] | None,
+) -> list[SideOnset]:
+    if sides is None:
+        raise MissingDataError(
+            "no flank ends anywhere; give stage.thread.screw_addendum and "
+            "stage.thread.roller_addendum, the heights of the threads above their nominal radii"
+        )
+    return [side for side in sides if side is not None]
+
+
+def contact_truncation(
+    stage: Stage,
+    load: Scalar,
+    meshing: Meshing | None = None,
+    contact: StageContact | None = None,
+    sharing_factor: Scalar | float = 1.0,
+) -> Scalar:
+    """Largest share of a contact ellipse's half-extent beyond an end of a flank, of both sides.
+
+    The half-extent is that of the whole ellipse from its centre towards the end: 0.3 means that 0.7
+    of it lie on the flank; 0 where nothing is cut. Its derivative steps at 0; `truncation_load` is
+    smooth there.
+
+    **Arguments:**
+
+    - `stage`: the stage.
+    - `load`: axial load on one flank, of one nut of a braced pair [N].
+    - `meshing`: its meshing, if known already.
+    - `contact`: `reference_contact` of the stage, if known already.
+    - `sharing_factor`: load of the most loaded thread over the mean.
+
+    **Raises:** `MissingDataError` where no flank ends, and if materials or engaged threads are not
+    given.
+    """
+    of_threads = jnp.abs(load) * sharing_factor / thread_share(stage)
+    shares = [
+        truncation(side.pressure(of_threads), side.onsets)
+        for side in _known(side_onsets(stage, meshing, contact))
+    ]
+    return jnp.max(jnp.stack(shares))
+
+
+def truncation_load(
+    stage: Stage,
+    meshing: Meshing | None = None,
+    contact: StageContact | None = None,
+    sharing_factor: Scalar | float = 1.0,
+) -> Scalar:
+    """Axial load from which on a contact ellipse passes an end of a flank, on either side [N].
+
+    Semi-axes go with the cube root of the load, so under another load F the share
+    `contact_truncation` is 1 − (this load/F)^{1/3}. 0 where the contact point itself lies beyond
+    the end.
+
+    **Arguments:** as in `contact_truncation`.
+
+    **Raises:** as `contact_truncation`.
+    """
+    loads = [side.onset_load for side in _known(side_onsets(stage, meshing, contact))]
+    return jnp.min(jnp.stack(loads)) * thread_share(stage) / sharing_factor
+
+
+class EndReach(eqx.Module):
+    """One end of a flank, and how far the ellipse of its side reaches towards it."""
+
+    #: `"screw"` or `"nut"` side of the rollers.
+    side: str = eqx.field(static=True)
+    end: FlankEnd
+    #: Half-extent of the ellipse towards the end under `REFERENCE_LOAD` on one flank, in equal
+    #: shares [m].
+    reference: Scalar
+
+    def half_extent(self, load: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
+        """Half-extent under an axial load on one flank, if all threads share it equally [m]."""
+        return self.reference * positive_power(load / REFERENCE_LOAD, 1 / 3)
+
+
+def end_reaches(
+    stage: Stage, meshing: Meshing | None = None, contact: StageContact | None = None
+) -> tuple[EndReach, ...]:
+    """All ends of the flanks of a stage, in the order of `geometry.end_names`.
+
+    **Arguments:** as in `side_onsets`.
+    """
+    meshing = meshing_of(stage, meshing)
+    if contact is None:
+        contact = reference_contact(stage, meshing)
+    frames = contact_frames(stage.thread, meshing, stage.curvature)
+    ends = flank_ends(stage, meshing if stage.curvature == "exact" else None)
+    per_share = thread_share(stage) ** (-1 / 3)
+    return tuple(
+        EndReach(name, end, per_share * half_extent(side.hertz, frame.curvature, end))
+        for name, side, frame, of_side in zip(
+            ("screw", "nut"), (contact.screw, contact.nut), frames, ends, strict=True
+        )
+        for end in of_side
+    )
+
+
+def load_at_pressure(side: SideOnset | None, reference: Scalar, pressure: Scalar) -> Scalar:
+    """Axial load in equal shares under which the largest pressure of a side is a given one [N].
+
+    In closed form: at a given pressure the ellipse is known, and with it the load that is lost.
+
+    **Arguments:**
+
+    - `side`: where its flanks end; `None` if they do not.
+    - `reference`: Hertz pressure under `REFERENCE_LOAD` [Pa].
+    - `pressure`: the largest pressure, edges left out [Pa].
+    """
+    whole = REFERENCE_LOAD * (pressure / reference) ** 3
+    return whole if side is None else whole * share_within(pressure, side.onsets)
+
+
+def load_of_whole_ellipse(
+    side: SideOnset | None, load: Float[Array, "*batch"]
+) -> Float[Array, "*batch"]:
+    """Load under which a contact that is not truncated has the same largest pressure [N].
+
+    **Arguments:**
+
+    - `side`: where its flanks end; `None` if they do not.
+    - `load`: axial load, if all threads share it equally [N].
+    """
+    if side is None:
+        return load
+    return load * pressure_ratio(side.pressure(load), side.onsets) ** 3
+
+
+class TruncatedFatigue(eqx.Module):
+    """Rolling fatigue of contacts whose ellipses pass the ends of their flanks under some loads.
+
+    The untruncated risk goes with the 10/3 power of the load. A truncated contact under F has the
+    risk of a whole one under `F g(F)` with the factor g ≥ 1 of `load_factor`, in which both sides
+    count by their risks.
+    """
+
+    sides: tuple[SideOnset | None, SideOnset | None]
+    #: Risks of both sides under one load.
+    risks: tuple[Scalar, Scalar]
+    #: Load in equal shares of all threads over the axial load.
+    per_load: Scalar | float
+
+    def load_factor(self, load: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
+        """g: load of a whole ellipse with the same fatigue, over the load; 1 where nothing is cut.
+
+        **Arguments:**
+
+        - `load`: axial load on one flank, not negative [N].
+        """
+        grown = jnp.zeros_like(load)
+        for side, risk in zip(self.sides, self.risks, strict=True):
+            if side is None:
+                continue
+            ratio = risk_ratio(side.pressure(load * self.per_load), side.onsets)
+            grown = grown + risk / (self.risks[0] + self.risks[1]) * (ratio - 1)
+        return (1 + grown) ** 0.3
+
+    def capacity(self, whole: Scalar) -> Scalar:
+        """Dynamic capacity C_a, at which C_a g(C_a) is that of whole ellipses [N].
+
+        **Arguments:**
+
+        - `whole`: capacity as if no ellipse were cut [N].
+        """
+        share, found = find_root_of(
+            _excess,
+            (self, whole),
+            jnp.ones_like(whole),
+            tolerance=1e-13 if whole.dtype == jnp.float64 else 1e-6,
+            max_steps=_MAXIMUM_STEPS,
+        )
+        return whole * jnp.where(found, share, jnp.nan)
+
+    def comparable_load(
+        self, load: Float[Array, "*batch"], capacity: Scalar
+    ) -> Float[Array, "*batch"]:
+        """Load F′ that has its life by (C_a/F′)³, as if loads below C_a were cut as C_a is [N].
+
+        **Arguments:**
+
+        - `load`: axial load on one flank, not negative [N].
+        - `capacity`: C_a with truncation [N].
+        """
+        return load * self.load_factor(load) / self.load_factor(capacity)
+
+
+def _excess(arguments: tuple[TruncatedFatigue, Scalar], share: Scalar) -> tuple[Scalar, Scalar]:
+    fatigue, whole = arguments
+    return jax.jvp(
+        lambda x: x * fatigue.load_factor(x * whole) - 1, (share,), (jnp.ones_like(share),)
+    )
