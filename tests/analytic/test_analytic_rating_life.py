@@ -321,6 +321,7 @@ def test_strength_that_is_asked_for_too_much_is_found():
         "buckling": "error",
         "screw_speed": "error",
         "backlash": "error",
+        "contact_truncation": "warning",
     }
     assert found["rating_life"].value < found["rating_life"].limit
     capacity = prsm.compute(one, ["static_safety"])["static_safety"]

@@ -489,3 +489,18 @@ def test_real_sharing_is_cheap_enough_for_everybody():
     three = _size(design, ["max_pressure_shared", "static_capacity", "dynamic_capacity"])
     capacities = _size(equal_shares("actuator"), ["static_capacity", "dynamic_capacity"])
     assert three - capacities < 2 * (one - contacts)
+
+
+def test_no_end_of_a_flank_where_none_is_given():
+    """Addenda bring truncation to what rests on pressures, and to nothing else."""
+    from truncation_scenes import screw_of_30_mm, without_addenda
+
+    names = ["max_pressure", "static_capacity", "dynamic_capacity", "rating_life"]
+    one, laws = screw_of_30_mm(5e-3), {"flank_ends", "truncation"}
+
+    def asked(scene, quantities):
+        return prsm.traced_physics(lambda m: prsm.compute(m, quantities), scene)
+
+    assert laws <= asked(one, names)
+    assert not laws & asked(without_addenda(one), names)
+    assert not laws & asked(one, ["efficiency", "axial_stiffness", "approach_screw"])
