@@ -38,7 +38,6 @@ _CIRCULAR = 1e-5
 _LEAST = 0.01
 #: Farther than any ellipse reaches.
 _FAR = 1e3
-_NEWTON_STEPS = 12
 #: Integral of (1 − y²)^{9/2} from 0 to 1.
 _WHOLE = 63 * math.pi / 512
 
@@ -168,43 +167,31 @@ def _risk_beyond_jvp(primals, tangents):
     return risk_beyond(reach), -jnp.sqrt(density) * density**4 / (2 * _WHOLE) * tangent
 
 
-def _lost(ratio: Real, reach: Real) -> tuple[Real, Real]:
-    """σ³ f(t/σ) = (2σ³ − 3σ²t + t³)/4 past the end, and its derivative in σ."""
-    past = jnp.maximum(ratio - reach, 0.0)
-    return past**2 * (2 * ratio + reach) / 4, 1.5 * ratio * past
-
-
 @jax.custom_jvp
 def _ratio(first: Real, second: Real) -> Real:
-    """σ of σ³ (1 − f(t₁/σ) − f(t₂/σ)) = 1, by Newton's method.
+    """σ of σ³ (1 − f(t₁/σ) − f(t₂/σ)) = 1, in closed form.
 
-    The left side is convex and rises, so the first step overshoots and the others come down.
+    Cut at one end only, 2σ³ + 3tσ² − t³ = 4, a cubic whose root is
+    `σ = t cosh(arcosh(1 + 8/t³)/3) − t/2`; cut at both, `3 (t₁ + t₂) σ² = 4 + t₁³ + t₂³`.
     """
-    ratio = jnp.ones_like(first)
-    for _ in range(_NEWTON_STEPS):
-        excess, slope = _balance(ratio, first, second)
-        ratio = ratio - excess / slope
-    return ratio
-
-
-def _balance(ratio: Real, first: Real, second: Real) -> tuple[Real, Real]:
-    lost_first, slope_first = _lost(ratio, first)
-    lost_second, slope_second = _lost(ratio, second)
-    excess = ratio**3 - lost_first - lost_second - 1
-    return excess, 3 * ratio**2 - slope_first - slope_second
+    near, far = jnp.minimum(first, second), jnp.maximum(first, second)
+    # The cube root of w + √(w² − 1), with w² − 1 free of cancellation.
+    steep = 8 / near**3
+    root = jnp.cbrt(1 + steep + jnp.sqrt(steep * (2 + steep)))
+    at_one = near / 2 * (root + 1 / root - 1)
+    at_both = jnp.sqrt((4 + near**3 + far**3) / (3 * (near + far)))
+    return jnp.where(near < 1, jnp.where(at_one > far, at_both, at_one), 1.0)
 
 
 @_ratio.defjvp
 def _ratio_jvp(primals, tangents):
-    first, second = primals
-    ratio = _ratio(first, second)
-    _, slope = _balance(ratio, first, second)
-
-    def moves(reach):
-        return 0.75 * jnp.maximum(ratio - reach, 0.0) * (ratio + reach)
-
-    change = moves(first) * tangents[0] + moves(second) * tangents[1]
-    return ratio, -change / slope
+    ratio, slope, change = _ratio(*primals), 0.0, 0.0
+    # σ³ f(t/σ) = (2σ³ − 3σ²t + t³)/4 past an end.
+    for reach, tangent in zip(primals, tangents, strict=True):
+        past = jnp.maximum(ratio - reach, 0.0)
+        slope = slope + 1.5 * ratio * past
+        change = change + 0.75 * past * (ratio + reach) * tangent
+    return ratio, -change / (3 * ratio**2 - slope)
 
 
 def pressure_ratio(pressure: Real, onsets: Onsets) -> Real:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable
 
 from .._errors import MissingDataError
 from ..dynamics import has_contact_losses
+from ..geometry import flanks_end
 from ..mechanism import Mechanism, Stage, material_of
 
 Sentence = Callable[[Stage], str | None]
@@ -176,6 +177,12 @@ def dent_sharing(stage: Stage) -> str | None:
     return _equal_capacity(stage) if has_contacts(stage) and stage.strength is not None else None
 
 
+@assumption("cut_sharing")
+def cut_sharing(stage: Stage) -> str | None:
+    """Of how much of an ellipse is cut."""
+    return _equal_capacity(stage) if has_contacts(stage) and flanks_end(stage) else None
+
+
 @assumption("dynamic_sharing")
 def dynamic_sharing(stage: Stage) -> str | None:
     """Of a dynamic capacity that is derived, and of all lives."""
@@ -202,3 +209,35 @@ def life_theory(stage: Stage) -> str | None:
         "The dynamic capacity is an estimate by the theory of ball bearings (Lundberg and "
         "Palmgren) with the material factor of the file; no standard exists for roller screws."
     )
+
+
+def _flanks(stage: Stage) -> str:
+    if flanks_end(stage):
+        return (
+            "Where a contact ellipse passes the crest or root of a flank, pressure, capacities and "
+            "life are those of the rest of it (finding contact_truncation), without the "
+            "concentration of pressure at the edge."
+        )
+    return (
+        "Contact ellipses are taken to lie on the flanks as a whole, since the file does not say "
+        "where these end (screw_addendum, roller_addendum): really a long ellipse is cut there, "
+        "so its pressure is higher, and capacities and life are lower."
+    )
+
+
+@assumption("flanks_of_contacts")
+def flanks_of_contacts(stage: Stage) -> str | None:
+    """Of pressures."""
+    return _flanks(stage) if has_contacts(stage) else None
+
+
+@assumption("flanks_of_static")
+def flanks_of_static(stage: Stage) -> str | None:
+    """Of a static capacity that is derived."""
+    return _flanks(stage) if derives_static_capacity(stage) else None
+
+
+@assumption("flanks_of_dynamic")
+def flanks_of_dynamic(stage: Stage) -> str | None:
+    """Of a dynamic capacity that is derived, and of all lives."""
+    return _flanks(stage) if derives_dynamic_capacity(stage) else None

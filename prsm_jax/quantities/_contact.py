@@ -28,7 +28,7 @@ def _pressure(analysis: Analysis, side: str):
     "largest pressure of the thread contacts, all threads sharing equally (that of the most loaded "
     "thread is max_pressure_shared): Hertz, and more where the end of a flank cuts the ellipse; "
     "without the concentration at that edge",
-    assumes=("equal_contacts",),
+    assumes=("equal_contacts", "flanks_of_contacts"),
 )
 def max_pressure(analysis: Analysis):
     return jnp.max(jnp.stack([_pressure(analysis, side) for side in ("screw", "nut")]))
@@ -40,7 +40,7 @@ def max_pressure(analysis: Analysis):
     "Pa",
     "largest pressure on the screw side, as `max_pressure`",
     ("stage",),
-    assumes=("equal_contacts",),
+    assumes=("equal_contacts", "flanks_of_contacts"),
 )
 def max_pressure_screw(analysis: Analysis):
     return _pressure(analysis, "screw")
@@ -52,7 +52,7 @@ def max_pressure_screw(analysis: Analysis):
     "Pa",
     "largest pressure on the nut side, as `max_pressure`",
     ("stage",),
-    assumes=("equal_contacts",),
+    assumes=("equal_contacts", "flanks_of_contacts"),
 )
 def max_pressure_nut(analysis: Analysis):
     return _pressure(analysis, "nut")

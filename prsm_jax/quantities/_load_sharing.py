@@ -70,6 +70,7 @@ def largest_thread_load(analysis: Analysis):
     "Pa",
     "largest pressure of all threads, the load as [stage.load_sharing] has them share it; with "
     "truncation as `max_pressure`",
+    assumes=("flanks_of_contacts",),
     shares=("operating_point",),
 )
 def max_pressure_shared(analysis: Analysis):

@@ -64,7 +64,7 @@ def _rating_life(analysis: Analysis, name: str):
     "turns of the screw with a survival of 90 %, under the duty cycle or else the operating point "
     "(as ISO 3408-5 for ball screws); ∞ without load",
     ("stage",),
-    assumes=("dynamic_sharing", "life_theory"),
+    assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
     shares=("equivalent",),
 )
 def rating_life(analysis: Analysis):
@@ -77,7 +77,7 @@ def rating_life(analysis: Analysis):
     "s",
     "operating time with a survival of 90 %, standstill of the duty cycle included (as ISO 3408-5)",
     ("stage",),
-    assumes=("dynamic_sharing", "life_theory"),
+    assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
     shares=("equivalent",),
 )
 def rating_life_time(analysis: Analysis):
@@ -90,7 +90,7 @@ def rating_life_time(analysis: Analysis):
     "m",
     "travel of the nut on its screw with a survival of 90 % (as ISO 3408-5)",
     ("stage",),
-    assumes=("dynamic_sharing", "life_theory"),
+    assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
     shares=("equivalent",),
 )
 def rating_life_distance(analysis: Analysis):
@@ -114,7 +114,7 @@ def _life_factor(stage: Stage) -> Scalar:
     "turns of the screw at the reliability asked for, with given factors of lubrication and "
     "material and that of oscillation (as ISO 281 for bearings)",
     ("stage",),
-    assumes=("dynamic_sharing", "life_theory"),
+    assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
     shares=("equivalent",),
 )
 def modified_rating_life(analysis: Analysis):
@@ -134,7 +134,7 @@ def _required_life(stage: Stage) -> Scalar:
     "1",
     "rating life in time, modified as far as factors are given, over the life asked for, smallest "
     "of all stages (as ISO 3408-5 for ball screws and ISO 281 for bearings)",
-    assumes=("dynamic_sharing", "life_theory"),
+    assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
     shares=("equivalent",),
 )
 def life_ratio(analysis: Analysis):
@@ -166,7 +166,7 @@ def _phase_damage(analysis: Analysis):
     "share of the basic rating life (as ISO 3408-5 for ball screws) that each phase of one duty "
     "cycle uses up (Palmgren–Miner)",
     ("stage", "phase"),
-    assumes=("dynamic_sharing", "life_theory"),
+    assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
     shares=("equivalent",),
 )
 def phase_damage(analysis: Analysis):
@@ -180,7 +180,7 @@ def phase_damage(analysis: Analysis):
     "share of the basic rating life (as ISO 3408-5 for ball screws) that one duty cycle uses up "
     "(Palmgren–Miner)",
     ("stage",),
-    assumes=("dynamic_sharing", "life_theory"),
+    assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
     shares=("equivalent",),
 )
 def duty_cycle_damage(analysis: Analysis):

@@ -79,7 +79,7 @@ def static_capacity_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     "static axial capacity: given, or at the permissible Hertz pressure (as ISO 76 for bearings), "
     "threads sharing as under the largest load",
     ("stage",),
-    assumes=("static_sharing", "static_criterion"),
+    assumes=("static_sharing", "static_criterion", "flanks_of_static"),
     shares=("largest",),
 )
 def static_capacity(analysis: Analysis):
@@ -98,7 +98,7 @@ def static_safety_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     "1",
     "static capacity over the largest load of operating point and duty cycle, smallest of all "
     "stages (as ISO 76 for bearings); ∞ without load",
-    assumes=("static_sharing", "static_criterion"),
+    assumes=("static_sharing", "static_criterion", "flanks_of_static"),
     shares=("largest",),
 )
 def static_safety(analysis: Analysis):
@@ -111,7 +111,7 @@ def static_safety(analysis: Analysis):
     "1",
     "dent under the largest load over the rolling element's diameter, for hardened bearing steel "
     "(Palmgren; ISO 76 accepts 1e-4)",
-    assumes=("dent_sharing",),
+    assumes=("dent_sharing", "flanks_of_contacts"),
     shares=("largest",),
 )
 def permanent_deformation(analysis: Analysis):
@@ -171,7 +171,7 @@ def truncated_fatigue_of(
     "(Lundberg and Palmgren), as no standard exists for roller screws, threads sharing as under "
     "the equivalent load",
     ("stage",),
-    assumes=("dynamic_sharing", "life_theory"),
+    assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
     shares=("equivalent",),
 )
 def dynamic_capacity(analysis: Analysis):

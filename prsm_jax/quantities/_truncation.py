@@ -52,6 +52,7 @@ def _at_operating_load(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     "largest share of a contact ellipse's half-extent beyond the crest or root of a flank, under "
     "the load of the operating point; 0 where nothing is cut",
     ("stage",),
+    assumes=("cut_sharing",),
 )
 def contact_truncation(analysis: Analysis):
     return per_stage(analysis, lambda i, stage: _at_operating_load(analysis, i, stage))
@@ -64,6 +65,7 @@ def contact_truncation(analysis: Analysis):
     "largest share of a contact ellipse's half-extent beyond the crest or root of a flank, under "
     "the largest load of operating point and duty cycle; 0 where nothing is cut",
     ("stage",),
+    assumes=("cut_sharing",),
 )
 def contact_truncation_largest(analysis: Analysis):
     return per_stage(
@@ -94,6 +96,7 @@ def truncation_load_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     "axial load on one flank from which on a contact ellipse passes the crest or root of a flank, "
     "threads sharing as under the largest load",
     ("stage",),
+    assumes=("cut_sharing",),
 )
 def truncation_load(analysis: Analysis):
     return per_stage(analysis, lambda i, stage: truncation_load_of(analysis, i, stage))

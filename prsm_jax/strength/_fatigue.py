@@ -92,8 +92,8 @@ def dynamic_capacity(
     the capacity of one nut, or of one half.
 
     Range of the estimate: hardened bearing steel, full film, pressures that stay elastic (below
-    about 3 GPa); sliding and spin in the contacts are left out. Scatter of material and
-    lubrication puts such an estimate within a factor of two in life at best.
+    about 3 GPa); sliding and spin in the contacts are left out, and so is the concentration of
+    pressure at the ends of flanks. No test of a roller screw is compared with.
 
     **Arguments:**
 
