@@ -53,6 +53,7 @@ def _at_operating_load(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     "the load of the operating point; 0 where nothing is cut",
     ("stage",),
     assumes=("cut_sharing",),
+    shares=("operating_point",),
 )
 def contact_truncation(analysis: Analysis):
     return per_stage(analysis, lambda i, stage: _at_operating_load(analysis, i, stage))
@@ -66,6 +67,7 @@ def contact_truncation(analysis: Analysis):
     "the largest load of operating point and duty cycle; 0 where nothing is cut",
     ("stage",),
     assumes=("cut_sharing",),
+    shares=("largest",),
 )
 def contact_truncation_largest(analysis: Analysis):
     return per_stage(
@@ -97,6 +99,7 @@ def truncation_load_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     "threads sharing as under the largest load",
     ("stage",),
     assumes=("cut_sharing",),
+    shares=("largest",),
 )
 def truncation_load(analysis: Analysis):
     return per_stage(analysis, lambda i, stage: truncation_load_of(analysis, i, stage))
