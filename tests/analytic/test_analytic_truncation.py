@@ -11,6 +11,8 @@ from scipy.optimize import brentq
 from truncation_scenes import screw_of_30_mm, without_addenda
 
 import prsm_jax as prsm
+from benchmarks.references.meshing import Design
+from benchmarks.references.truncated import contact_pressure, hertz_pressure
 from prsm_jax import strength
 from prsm_jax.contact import (
     contact_frames,
@@ -320,6 +322,26 @@ def test_pressure_at_the_contact_point_against_half_spaces(side, lead, pressure,
     assert lowest <= law / float(reference) - 1 <= highest
 
 
+@pytest.mark.parametrize("side", ["screw", "nut"])
+def test_half_spaces_agree_with_those_of_numpy(side):
+    """The solver and its gap, against NumPy with flanks and displacements of its own."""
+    design = Design(3e-3, 5.0, 5e-3, np.pi / 4, 5e-3 / np.sin(np.pi / 4))
+    modulus = 210e9 / (1 - 0.3**2) / 2
+    unit, _, _ = hertz_pressure(design, side, 100.0, modulus)
+    force, height = 100.0 * (3.5e9 / unit) ** 3, 0.2 * 3e-3 / 5
+    expected = contact_pressure(design, side, (height, height), force, modulus, 160)
+    one = screw_of_30_mm(3e-3).stages[0]
+    total = force * 10 * float(one.engaged_threads)
+    found, code = _on_true_flanks(one, side, array(total))
+    assert int(code) == 0
+    # 48 cells a side, whose rows change the cut by up to a cell: an edge of first order.
+    np.testing.assert_allclose(found, expected, rtol=0.02)
+    onset = strength.side_onsets(one)[("screw", "nut").index(side)]
+    law = float(pressure_ratio(array(3.5e9), onset.onsets))
+    # Cut by 0.43 to 0.48 of the half-extent at both ends.
+    assert 0.0 < law / expected - 1 < 0.07
+
+
 def test_findings_name_the_end_and_both_sides_of_the_threshold():
     bare = eqx.tree_at(
         lambda m: m.stages[0].strength, screw_of_30_mm(5e-3), None, is_leaf=lambda x: x is None
@@ -380,3 +402,15 @@ def test_a_contact_beyond_its_flank_is_marked():
     assert not bool(valid)
     assert all(np.isfinite(v).all() for v in values.values())
     assert float(values["contact_truncation"][0]) > 1
+
+
+def test_what_rests_on_whole_ellipses_says_so():
+    """By name of the keys that are missing; and with them, what is still left out."""
+    one = screw_of_30_mm(5e-3)
+    for name in ("max_pressure", "static_capacity", "dynamic_capacity", "rating_life"):
+        told = prsm.assumptions(without_addenda(one), [name])
+        assert [s for s in told if "screw_addendum, roller_addendum" in s]
+        told = prsm.assumptions(one, [name])
+        assert [s for s in told if "concentration of pressure at the edge" in s]
+        assert not [s for s in told if "screw_addendum" in s]
+    assert not [s for s in prsm.assumptions(one, ["axial_stiffness"]) if "edge" in s]

@@ -57,6 +57,7 @@ def _direction(leaves):
     return jax.tree.map(lambda x: jnp.asarray(x * random.uniform(-1, 1, x.shape)), leaves)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("lead", "load"),
     [(15e-3, 20e3), (5e-3, 300e3), (2e-3, 600e3), (5e-3, 0.0)],
