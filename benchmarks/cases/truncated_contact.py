@@ -8,7 +8,7 @@ import numpy as np
 from prsm_jax.contact import pressure_ratio, stage_contact
 from prsm_jax.geometry import mesh
 from prsm_jax.halfspace import flank_contact
-from prsm_jax.mechanism import Material, Stage, Thread
+from prsm_jax.mechanism import Material, Stage, Thread, as_scalar
 from prsm_jax.strength import side_onsets
 
 from ..harness import Case, Method, Prepared, Problem, Reference
@@ -35,9 +35,17 @@ def _design(lead: float) -> Design:
 
 
 def _stage(lead: float) -> Stage:
-    height = _ADDENDUM * lead / 5
-    thread = Thread(lead, 5.0, 5e-3, np.pi / 4, screw_addendum=height, roller_addendum=height)
-    return Stage(thread, 10, material=Material(210e9, 0.3, 7850.0), engaged_threads=20.0)
+    height = as_scalar(_ADDENDUM * lead / 5)
+    thread = Thread(
+        as_scalar(lead),
+        as_scalar(5.0),
+        as_scalar(5e-3),
+        as_scalar(np.pi / 4),
+        screw_addendum=height,
+        roller_addendum=height,
+    )
+    steel = Material(as_scalar(210e9), as_scalar(0.3), as_scalar(7850.0))
+    return Stage(thread, 10, material=steel, engaged_threads=as_scalar(20.0))
 
 
 def _forces(side: str, instances) -> list[float]:
@@ -68,7 +76,10 @@ def _law(side: str, instances, forces, name: str, cut: bool) -> Method:
         pressure = getattr(stage_contact(stage, load, meshing), side).hertz.max_pressure
         if not cut:
             return pressure
-        onset = side_onsets(stage, meshing)[("screw", "nut").index(side)]
+        sides = side_onsets(stage, meshing)
+        assert sides is not None
+        onset = sides[("screw", "nut").index(side)]
+        assert onset is not None
         return pressure * pressure_ratio(pressure, onset.onsets)
 
     def prepare(_):

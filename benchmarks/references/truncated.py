@@ -6,7 +6,6 @@ conjugate gradients of Polonsky and Keer; nothing is shared with the package.
 
 import mpmath
 import numpy as np
-from scipy.fft import irfft2, rfft2
 
 from .contact import _sides
 from .hertz import hertz
@@ -16,8 +15,8 @@ from .meshing import DIGITS, Design, mesh_point
 def hertz_pressure(design: Design, side: str, axial_force: float, modulus: float):
     """p₀ [Pa], the larger semi-axis [m] and the normal force [N] of a whole ellipse."""
     with mpmath.workdps(DIGITS):
-        sides = dict(zip(("screw", "nut"), _sides(design, mesh_point(design)), strict=True))
-        smaller, larger, factor = sides[side]
+        both = tuple(_sides(design, mesh_point(design)))
+        smaller, larger, factor = both[0 if side == "screw" else 1]
         pressure, _, major, _ = hertz(axial_force * factor, smaller, larger, modulus)
         return pressure, major, float(axial_force * factor)
 
@@ -94,7 +93,7 @@ def _influence(count: int, step: float, modulus: float) -> np.ndarray:
     half = step / 2
     total = corner(x + half, y + half) - corner(x - half, y + half)
     total = total - corner(x + half, y - half) + corner(x - half, y - half)
-    return rfft2(total / (np.pi * modulus))
+    return np.fft.rfft2(total / (np.pi * modulus))
 
 
 def contact_pressure(
@@ -115,7 +114,7 @@ def contact_pressure(
     def displaced(pressure):
         wide = np.zeros((2 * cells, 2 * cells))
         wide[:cells, :cells] = pressure
-        return irfft2(rfft2(wide) * kernel, s=wide.shape)[:cells, :cells]
+        return np.fft.irfft2(np.fft.rfft2(wide) * kernel, s=wide.shape)[:cells, :cells]
 
     pressure = np.where(inside & (along**2 + across**2 < major**2), 1.0, 0.0)
     pressure *= force / (pressure.sum() * step**2)

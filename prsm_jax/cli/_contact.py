@@ -11,6 +11,7 @@ from ..contact import (
     StageContact,
     line_contact,
     load_of,
+    pressure_ratio,
     stress_peak_on_axis,
     thread_contacts,
 )
@@ -19,6 +20,7 @@ from ..geometry import Meshing, mesh
 from ..load_sharing import LoadDistribution, SideLoads, load_distribution
 from ..mechanism import Mechanism, Scalar, Stage, material_of
 from ..quantities import assumptions
+from ..strength import side_onsets
 from ._app import app
 from ._assumed import CONTACT
 from ._common import Common, emit, plain
@@ -49,10 +51,12 @@ def contact_results(
     """Thread contacts by the names of the JSON."""
     found = []
     for stage, meshing, pair in zip(stages, meshings, contacts, strict=True):
+        onsets = side_onsets(stage, meshing) or (None, None)
         sides: dict[str, Any] = {"stage": len(found) + 1, "converged": meshing.converged}
-        for name in ("screw", "nut"):
+        for name, onset in zip(("screw", "nut"), onsets, strict=True):
             where, result = getattr(meshing, name), getattr(pair, name)
             hertz = result.hertz
+            cut = 1.0 if onset is None else pressure_ratio(hertz.max_pressure, onset.onsets)
             sides[name] = {
                 "contact_radius_m": where.contact_radius,
                 "contact_angle_position_rad": where.contact_angle_position,
@@ -61,7 +65,8 @@ def contact_results(
                 "normal_force_n": result.normal_force,
                 "semi_major_m": hertz.semi_major,
                 "semi_minor_m": hertz.semi_minor,
-                "max_pressure_pa": hertz.max_pressure,
+                # As the quantity max_pressure: above Hertz's where a flank ends in the ellipse.
+                "max_pressure_pa": cut * hertz.max_pressure,
                 "approach_m": hertz.approach,
                 "stiffness_n_per_m": hertz.stiffness,
                 "stiffness_tangent_n_per_m": hertz.stiffness_tangent,

@@ -77,6 +77,7 @@ STRENGTH = (
     "static_capacity",
     "static_safety",
     "dynamic_capacity",
+    "truncation_load",
     "equivalent_load",
     "equivalent_speed",
     "rating_life",

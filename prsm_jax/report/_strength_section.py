@@ -1,8 +1,11 @@
 """Strength and life, and how threads share the load, as sections of a report."""
 
+from collections.abc import Mapping
+
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array
 
 from .._display_units import number, show
 from ..mechanism import DutyCycle, Mechanism, Scalar, Stage
@@ -73,7 +76,8 @@ def _strength_pictures(data: ReportData) -> tuple[Picture, ...]:
             pictures.append(
                 Picture(
                     f"life{suffix}",
-                    f"Loads of the duty cycle, the damage they do, and the life{words}.{whose}",
+                    f"Loads of the duty cycle, the damage they do, and the life{words}.{whose}"
+                    + _cut_at_capacity(values, index),
                     lambda c=capacity, s=ends, d=drawn: life_chart(c, d, s),
                 )
             )
@@ -87,6 +91,17 @@ def _strength_pictures(data: ReportData) -> tuple[Picture, ...]:
                 )
             )
     return tuple(pictures)
+
+
+def _cut_at_capacity(values: Mapping[str, Array], index: int) -> str:
+    """What a chart of lives by the cube of the load leaves out where ellipses are cut."""
+    onset = values.get("truncation_load")
+    if onset is None or np.ravel(onset)[index] >= np.ravel(values["dynamic_capacity"])[index]:
+        return ""
+    return (
+        " Under the dynamic capacity the ends of the flanks cut the contact ellipses, less under "
+        "smaller loads: the line goes by the cube of the load, and the life of the table is longer."
+    )
 
 
 def _demand(mechanism: Mechanism) -> tuple[Scalar | None, Scalar | None]:

@@ -79,7 +79,8 @@ def test_real_sharing_leaves_only_what_still_counts_the_mean_thread():
     mechanism = example("actuator_load_sharing")
     assert prsm.assumptions(mechanism, ["axial_stiffness"]) == ()
     assert not _equal(mechanism, "max_pressure_shared")
-    (sentence,) = prsm.assumptions(mechanism, ["max_pressure"])
+    found = prsm.assumptions(mechanism, ["max_pressure"])
+    (sentence,) = [one for one in found if "contact ellipse" not in one]
     assert "mean thread load" in sentence
     assert "max_pressure_shared" in sentence
     # No friction of the contacts is modelled there.

@@ -319,6 +319,8 @@ def test_only_exact_curvatures_need_the_meshing(convention, meshed):
     assert found == {"hertz"} | ({"meshing"} if meshed else set())
 
 
+#: Pressures of ellipses that the ends of the flanks may cut.
+_PRESSURE = {"meshing", "hertz", "flank_ends", "truncation"}
 #: Quantity, and the laws that it may trace in the actuator, which has data for everything.
 NEEDS = {
     "centre_distance": set(),
@@ -328,13 +330,13 @@ NEEDS = {
     "buckling_safety": {"buckling"},
     "critical_speed_margin": {"whirling"},
     "axial_backlash": {"meshing", "backlash"},
-    "static_safety": {"meshing", "hertz", "static_capacity"},
-    "rating_life": {"meshing", "hertz", "dynamic_capacity", "rating_life"},
-    "duty_cycle_damage": {"meshing", "hertz", "dynamic_capacity", "damage"},
+    "static_safety": _PRESSURE | {"static_capacity"},
+    "rating_life": _PRESSURE | {"dynamic_capacity", "rating_life"},
+    "duty_cycle_damage": _PRESSURE | {"dynamic_capacity", "damage"},
     "nut_speed": set(),
     "axial_gap": {"meshing"},
     "gear_mesh_stiffness": {"gear_mesh_stiffness"},
-    "max_pressure": {"meshing", "hertz"},
+    "max_pressure": _PRESSURE,
     "axial_stiffness": {"meshing", "hertz"},
     "carrier_frequency": {"meshing", "hertz", "gear_mesh_stiffness", "carrier_mode"},
     "lowest_torsional_frequency": {
