@@ -1,22 +1,29 @@
-"""`python -m benchmarks [case …] [--quick] [--out DIR]`, or `--list`."""
+"""`python -m benchmarks [case …] [--quick | --smoke] [--out DIR]`, or `--list`."""
 
 import argparse
 import contextlib
 import os
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import jax
 
 from .cases import case_names, find_case
-from .harness import FULL, QUICK, Case, draw, measure, write
+from .harness import FULL, QUICK, SMOKE, Case, Problem, draw, measure, write
 
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("cases", nargs="*", metavar="case", help="which cases; default all")
     parser.add_argument("--quick", action="store_true", help="smaller problems, fewer repeats")
+    parser.add_argument(
+        "--smoke",
+        action="store_true",
+        help="the quick problems, each method at its first and last setting, two samples: whether "
+        "everything runs, and how wrong it is",
+    )
     parser.add_argument(
         "--out", type=Path, default=Path("out/benchmarks"), help="folder for the results"
     )
@@ -28,12 +35,23 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     return arguments
 
 
-def run(case: Case, folder: Path, *, quick: bool) -> None:
+def _ends(problem: Problem) -> Problem:
+    """The problem with the first and the last setting of each method."""
+    methods = [
+        replace(one, settings=tuple(dict.fromkeys((one.settings[0], one.settings[-1]))))
+        for one in problem.methods
+    ]
+    return replace(problem, methods=methods)
+
+
+def run(case: Case, folder: Path, *, quick: bool, smoke: bool = False) -> None:
     """Measure one case and write its JSON, table and charts."""
     measured = []
     for problem in case.problems:
         start = time.perf_counter()
-        rows = measure(problem, QUICK if quick else FULL)
+        if smoke:
+            problem = _ends(problem)
+        rows = measure(problem, SMOKE if smoke else QUICK if quick else FULL)
         measured.append((problem, rows))
         chart = draw(problem, rows, folder / f"{case.name}-{problem.name}.png")
         print(f"{case.name}: {problem.title}: {time.perf_counter() - start:.1f} s, {chart}")
@@ -53,12 +71,13 @@ def main(argv: list[str] | None = None) -> int:
     arguments = _arguments(argv)
     share_cores()
     chosen = arguments.cases or case_names()
+    quick = arguments.quick or arguments.smoke
     for name in chosen:
-        case = find_case(name, quick=arguments.quick)
+        case = find_case(name, quick=quick)
         if arguments.list:
             print(f"{case.name:12} {case.description}")
         else:
-            run(case, arguments.out, quick=arguments.quick)
+            run(case, arguments.out, quick=quick, smoke=arguments.smoke)
     return 0
 
 

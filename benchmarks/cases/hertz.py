@@ -44,7 +44,7 @@ def _jitted(method):
         result = hertz_contact(force, total, difference_squared, modulus, method)
         return result.max_pressure, result.approach, result.semi_major, result.semi_minor
 
-    return jax.jit(solve)
+    return jax.jit(jax.vmap(solve, in_axes=(0, 0, 0, None)))
 
 
 def _ours(contacts: _Contacts, method: str, dtype) -> Method:

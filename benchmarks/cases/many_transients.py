@@ -14,6 +14,7 @@ from ..harness import Case, Method, Prepared, Problem, Reference
 from ..references.compiled import (
     Lsoda,
     casadi_integrators,
+    mapped,
     missing_rivals,
     python_rates,
 )
@@ -36,6 +37,9 @@ _FREQUENCY = 2 * np.pi * 5
 _SCALE = 0.37
 _TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 _QUICK = (1e-4, 1e-6)
+#: Rivals that take packages of their own.
+_LSODA = "numbalsoda LSODA, all cores"
+_CASADI = "CasADi {}, mapped on all cores"
 
 
 class Scene:
@@ -173,21 +177,22 @@ def _lsoda(scene: Scene, settings, count: int) -> Method:
 
         return Prepared(call, len(rows), lambda out: {_RATIO: out})
 
-    return Method("numbalsoda LSODA, all cores", prepare, settings, "rtol", "rival")
+    return Method(_LSODA, prepare, settings, "rtol", "rival")
 
 
-def _casadi(scene: Scene, solver: str, settings, count: int) -> Method:
+def _casadi(scene: Scene, solver: str, settings, batch: int) -> Method:
     def prepare(rtol):
         values, _ = casadi_integrators(
             bool(scene.frequency), solver, scene.times, rtol, rtol * _ABSOLUTE
         )
+        solve = mapped(values, batch)
 
-        def call():
-            return np.array([np.array(values(row)) for row in scene.numbers[:count]])
+        def read(out):
+            return {_RATIO: np.array(np.split(out, batch, axis=1))}
 
-        return Prepared(call, count, lambda out: {_RATIO: out})
+        return Prepared(lambda: solve(scene.numbers[:batch]), batch, read)
 
-    return Method(f"CasADi {solver.upper()}", prepare, settings, "rtol", "rival")
+    return Method(_CASADI.format(solver.upper()), prepare, settings, "rtol", "rival")
 
 
 def _scipy(scene: Scene, solver: str, settings, count: int) -> Method:
@@ -206,20 +211,27 @@ def _rivals(scene: Scene, settings, batch: int, few: int) -> list[Method]:
     if "numbalsoda" not in absent and "numba" not in absent:
         found.append(_lsoda(scene, settings, batch))
     if "casadi" not in absent:
-        found.append(_casadi(scene, "cvodes", settings, few))
+        found.append(_casadi(scene, "cvodes", settings, batch))
         if not scene.frequency:
             # At standstill IDAS finds no consistent start.
-            found.append(_casadi(scene, "idas", settings, few))
+            found.append(_casadi(scene, "idas", settings, batch))
     return [*found, *(_scipy(scene, solver, settings, few) for solver in ("LSODA", "Radau"))]
 
 
-def _left_out() -> str:
-    absent = missing_rivals()
-    return f" Left out, not installed: {', '.join(absent)} (README)." if absent else ""
+def _left_out(*rivals: str) -> dict[str, str]:
+    """The rivals that need a package which is not installed, and which."""
+    needs = {_LSODA: ("numba", "numbalsoda")}
+    found = {}
+    for name in rivals:
+        absent = [one for one in needs.get(name, ("casadi",)) if one in missing_rivals()]
+        if absent:
+            found[name] = f"not installed: {', '.join(absent)}"
+    return found
 
 
 def _settle(quick: bool) -> Problem:
     count, settings = (200, _QUICK) if quick else (10_000, _TOLERANCES)
+    compared = 5 if quick else 50
     scene = Scene(count, 1e-3, 21)
     rivals = _rivals(scene, settings, count, 3 if quick else 10)
     return Problem(
@@ -234,9 +246,10 @@ def _settle(quick: bool) -> Problem:
             _ours(scene, "Kvaerno5 with Newton", "implicit", settings),
             *rivals,
         ],
-        reference=_reference(scene, 5, "DOP853", 1e-12),
-        reference_note="SciPy DOP853 at rtol 1e-12, five designs, meshed in mpmath." + _left_out(),
+        reference=_reference(scene, compared, "DOP853", 1e-12),
+        reference_note=f"SciPy DOP853 at rtol 1e-12, {compared} designs, meshed in mpmath",
         baseline=rivals[0].name,
+        left_out=_left_out(_LSODA, _CASADI.format("CVODES"), _CASADI.format("IDAS")),
         target=1e-6,
     )
 
@@ -271,8 +284,9 @@ def _mission(quick: bool, width: float) -> Problem:
         instance="trajectory",
         methods=[*ours, *rivals],
         reference=_mission_reference(scene),
-        reference_note="SciPy Radau at rtol 1e-10, two designs, meshed in mpmath." + _left_out(),
+        reference_note="SciPy Radau at rtol 1e-10, two designs, meshed in mpmath",
         baseline=rivals[0].name,
+        left_out=_left_out(_LSODA, _CASADI.format("CVODES")),
         target=1e-5,
     )
 
@@ -320,22 +334,23 @@ def _gradients(quick: bool) -> Problem:
     def casadi(solver: str, few: int, slopes: bool) -> Method:
         def prepare(rtol):
             built = casadi_integrators(False, solver, scene.times, rtol, rtol * _ABSOLUTE)
-            rows = scene.numbers[:few]
+            rows, solve = scene.numbers[:few], mapped(built[slopes], few)
             # By the logarithms of speed, load and friction coefficient, as ours.
             scale = np.stack([rows[:, 0], rows[:, 2], rows[:, 15]], axis=1)
 
             def call():
-                return [np.array(built[slopes](row)) for row in rows]
+                return solve(rows)
 
             def read(out):
                 if not slopes:
                     return {_SLOPES: unknown}
-                shaped = [np.reshape(x, (scene.samples, 2, 3)).transpose(1, 0, 2) for x in out]
+                each = np.split(out, few, axis=1)
+                shaped = [np.reshape(x, (scene.samples, 2, 3)).transpose(1, 0, 2) for x in each]
                 return {_SLOPES: np.array(shaped) * scale[:, None, None, :]}
 
             return Prepared(call, few, read)
 
-        name = f"CasADi {solver.upper()}" + ("" if slopes else ", values only")
+        name = _CASADI.format(solver.upper()) + ("" if slopes else ", values only")
         return Method(name, prepare, settings, "rtol", "rival")
 
     def reference():
@@ -359,7 +374,7 @@ def _gradients(quick: bool) -> Problem:
         ours("RODASP, values only", "rosenbrock", settings, False),
     ]
     if "casadi" not in missing_rivals():
-        few = 3 if quick else 10
+        few = min(count, 200)
         methods += [casadi("cvodes", few, True), casadi("cvodes", few, False)]
     return Problem(
         name="gradients",
@@ -369,9 +384,10 @@ def _gradients(quick: bool) -> Problem:
         reference=reference,
         reference_note=(
             "fourth-order differences of SciPy DOP853 at rtol 1e-13, good to about 1e-9; "
-            "two designs, meshed in mpmath." + _left_out()
+            "two designs, meshed in mpmath"
         ),
         baseline="RODASP, values only",
+        left_out=_left_out(_CASADI.format("CVODES")),
         target=1e-6,
     )
 

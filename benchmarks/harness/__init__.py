@@ -13,6 +13,7 @@ from .chart import draw as draw
 from .measure import (
     FULL as FULL,
     QUICK as QUICK,
+    SMOKE as SMOKE,
     Budget as Budget,
     ErrorSummary as ErrorSummary,
     Measurement as Measurement,

@@ -1,7 +1,7 @@
 """What a case is: problems, and for each its methods, its reference and its rivals."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
@@ -66,6 +66,7 @@ class Problem:
     - `target`: the largest error that an answer may have; the report then compares the cheapest
       settings that reach it, because the same tolerance means another error for every solver.
     - `yardstick`: instances per second that this machine could reach, by a measurement apart.
+    - `left_out`: rivals that belong here but did not run, and why; rows of the report all the same.
     """
 
     name: str
@@ -77,6 +78,7 @@ class Problem:
     baseline: str
     yardstick: float | None = None
     target: float | None = None
+    left_out: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self):
         names = [method.name for method in self.methods]

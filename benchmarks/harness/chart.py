@@ -66,6 +66,16 @@ def _draw_method(axes, rows: Sequence[Measurement], quantity: str, index: int):
     return line
 
 
+def _whose(measured: Sequence[Measurement]) -> str:
+    """Which instances the errors are those of: the run times are those of all."""
+    compared = {error.instances for row in measured for error in row.errors.values()}
+    solved = {row.instances for row in measured}
+    first, most = max(compared), max(solved)
+    if first >= most:
+        return f"of all {most}"
+    return f"of the first {first} instances; a call solves up to {most}"
+
+
 def draw(problem: Problem, measured: Sequence[Measurement], path: Path) -> Path:
     """Draw one problem as a PNG: a panel per quantity, a line per method through its settings.
 
@@ -108,7 +118,7 @@ def draw(problem: Problem, measured: Sequence[Measurement], path: Path) -> Path:
                 axis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
                 axis.set_minor_formatter(copy.copy(every_label))
                 axis.set_tick_params(which="minor", labelsize=8)
-    panels[0].set_ylabel("relative error, largest (stroke: to the median) [1]")
+    panels[0].set_ylabel(f"relative error, largest (stroke: to the median) [1]\n{_whose(measured)}")
     figure.suptitle(problem.title, fontsize=12)
     figure.legend(handles=lines, loc="outside lower center", ncols=2, fontsize=9, frameon=False)
     with written_whole(path) as temporary:

@@ -28,6 +28,8 @@ class Budget:
 
 FULL = Budget(rounds=15, seconds=1.0)
 QUICK = Budget(rounds=5, seconds=0.15, sample_seconds=2e-3)
+#: As few samples as there can be: whether a method runs, and how wrong it is.
+SMOKE = Budget(rounds=2, seconds=0.0, sample_seconds=0.0)
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,8 @@ class ErrorSummary:
     #: How many numbers were compared, and how many of those were NaN or infinite.
     compared: int
     not_finite: int
+    #: How many instances those numbers belong to; the errors say nothing of the others.
+    instances: int = 0
 
 
 @dataclass
@@ -91,6 +95,7 @@ def summarise(values: Any, reference: Reference) -> ErrorSummary:
         median=float(np.median(finite)) if finite.size else None,
         compared=errors.size,
         not_finite=errors.size - finite.size,
+        instances=count,
     )
 
 

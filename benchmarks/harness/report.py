@@ -83,6 +83,7 @@ def _result(row: Measurement, yardstick: float | None) -> dict[str, Any]:
                 "median": error.median,
                 "compared": error.compared,
                 "not_finite": error.not_finite,
+                "instances": error.instances,
             }
             for quantity, error in row.errors.items()
         },
@@ -167,6 +168,9 @@ def document(case: Case, measured: Measured, *, quick: bool) -> dict[str, Any]:
                 "reference": problem.reference_note,
                 "baseline": problem.baseline,
                 "results": [_result(row, problem.yardstick) for row in rows],
+                "left_out": [
+                    {"method": name, "reason": reason} for name, reason in problem.left_out.items()
+                ],
             }
             | _at_equal_error(problem, rows)
             for problem, rows in measured
@@ -181,10 +185,12 @@ def _time(seconds: float) -> str:
     return f"{seconds * 1e9:.3g} ns"
 
 
-def _error(error: ErrorSummary) -> str:
+def _error(error: ErrorSummary, instances: int) -> str:
     if error.maximum is None or error.median is None:
         return "none finite"
     text = f"{error.maximum:.1e} / {error.median:.1e}"
+    if error.instances < instances:
+        text += f", first {error.instances} of {instances}"
     return text + (f" ({error.not_finite} not finite)" if error.not_finite else "")
 
 
@@ -216,9 +222,12 @@ def table(case: Case, measured: Measured) -> str:
             ]
             if problem.yardstick is not None:
                 cells += [f"{100 / row.best / problem.yardstick:.2g} %"]
-            cells += [_error(row.errors[name]) for name in quantities]
+            cells += [_error(row.errors[name], row.instances) for name in quantities]
             cells += [_time(row.first_call), row.note]
             lines.append(_row(cells))
+        for name, reason in problem.left_out.items():
+            blank = [""] * (len(header) - 2)
+            lines.append(_row([f"{name} (rival)", *blank, f"left out: {reason}"]))
         lines += ["", *_equal_error_table(problem, rows)]
     return "\n".join(lines)
 

@@ -99,7 +99,7 @@ def _efficiencies(name: str) -> list[float]:
 
 def _equation_17() -> list[float]:
     found = row("li2020", "equation 17 as printed")
-    return [found.computed / 1e5, found.evidence / 1e5]
+    return [found.computed, found.evidence]
 
 
 def _equation_23() -> list[float]:
@@ -234,7 +234,7 @@ CLAIMS += [
         "gear force at the start: {} N against {} N.",
         lambda: [float(transient(LI2020).ring_gear_force[stage, 0]) for stage in (0, 1)],
     ),
-    Claim(PAGE, "with {}·10⁵ instead of {}·10⁵ rad/s²", _equation_17),
+    Claim(PAGE, "with {} instead of {} rad/s²", _equation_17),
     Claim(PAGE, "an efficiency of {}, or of {} with all rollers", _equation_23),
     Claim(PAGE, "which costs {} to {} %.", _second_form),
     Claim(
