@@ -36,7 +36,7 @@ from prsm_jax.mechanism import (
     UnequalRoller,
 )
 from prsm_jax.modal._energy import kinetic_energies, strain_energies
-from prsm_jax.optimise._optimise import _best
+from prsm_jax.optimise._searches import Searches
 
 _dynamic = eqx.filter_jit(strength.dynamic_capacity)
 _static = eqx.filter_jit(strength.static_capacity)
@@ -261,7 +261,13 @@ def test_the_best_of_several_runs():
         return (cost, violation), SimpleNamespace(residual=residual)
 
     def best(*ends):
-        return _best(_Evaluator(), list(ends), tolerance)
+        searches = Searches(_Evaluator(), None, tolerance)
+        searches._ends = list(ends)
+        searches.runs = [
+            SimpleNamespace(end=None if end is None else SimpleNamespace(violation=end[0][1]))
+            for end in ends
+        ]
+        return searches._best()
 
     assert best(run(3.0), run(1.0), run(2.0)) == 1
     assert best(run(3.0), run(1.0, violation=1e-3), run(2.0)) == 2

@@ -253,6 +253,8 @@ def transient(stages: int = 2, to_and_fro: bool = False) -> Transient:
         newton_residual=1e-14 * ratio,
         carrier_acceleration=per_stage(1e4),
         load=load,
+        # Two leads of 10 mm for each turn.
+        load_power=load * speed * (0.02 / (2 * jnp.pi)),
         slip_direction=jnp.zeros((stages, len(time), 3)),
         solver=SolverReport(
             number(50), number(3), number(0), "Kvaerno5", number(2.7e-7), number(4e-6)
