@@ -261,7 +261,7 @@ def test_the_best_of_several_runs():
         return (cost, violation), SimpleNamespace(residual=residual)
 
     def best(*ends):
-        searches = Searches(_Evaluator(), None, tolerance)
+        searches = Searches(_Evaluator(), None, tolerance, len(ends))
         searches._ends = list(ends)
         searches.runs = [
             SimpleNamespace(end=None if end is None else SimpleNamespace(violation=end[0][1]))
