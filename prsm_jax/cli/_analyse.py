@@ -24,6 +24,7 @@ _steady_state = eqx.filter_jit(steady_state)
 def check(file: str, *, common: Common = _DEFAULT) -> int:
     """Does it fit together, and do its numbers make sense? Exit status 1 if one is an error."""
     mechanism = common.load(file)
+    doing("compiling and checking")
     findings, rests_on = run_checks(mechanism), assumptions(mechanism)
     rows = [(f.name, f.severity, f.stage, f.message) for f in findings]
     found = TextTable("Findings", ("name", "severity", "stage", "what"), rows)
@@ -88,13 +89,13 @@ def steady(file: str, *, common: Common = _DEFAULT) -> int:
     --out writes them as steady.json and steady.md, with pictures of the losses and of the power.
     """
     mechanism = common.load(file)
-    expect_programs("steady", "steady_state")
     rests_on = assumptions(mechanism, STEADY)
     pictures: tuple[Path, ...] = ()
     if common.out is None:
         results = told(plain(run_stored("steady", _steady, mechanism)))
         tables = _steady_tables(file, results)
     else:
+        expect_programs("steady_state")
         state = _steady_state(mechanism)
         results = told(plain(steady_results(state, mechanism.operating_point)))
         tables = _steady_tables(file, results)

@@ -25,6 +25,7 @@ from ._app import app
 from ._assumed import CONTACT
 from ._common import Common, emit, plain
 from ._programs import run_stored
+from ._progress import doing
 from ._tables import Line, in_units, table
 
 _DEFAULT = Common()
@@ -156,6 +157,7 @@ def contact(file: str, *, common: Common = _DEFAULT) -> int:
     if common.out is not None:
         from ..report import save_contact_pictures
 
+        doing("solving contacts on the true flanks and drawing them")
         pictures = save_contact_pictures(common.out, mechanism)
         results["pictures"] = [str(path) for path in pictures]
 

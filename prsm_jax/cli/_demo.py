@@ -9,7 +9,7 @@ import equinox as eqx
 from cyclopts import Parameter
 
 from ..optimise import optimise
-from ..quantities import assumptions, catalogue
+from ..quantities import assumptions
 from ..report import ReportData
 from ..sensitivity import sensitivity
 from ._analyse import steady_results, told
@@ -17,7 +17,8 @@ from ._app import app
 from ._common import Common, plain
 from ._contact import contact_results
 from ._modal import modal_results
-from ._progress import doing, tell
+from ._optimised import optimised_text
+from ._progress import doing, expect_programs, tell
 from ._simulate import transient_results
 from ._tables import terminal_width
 
@@ -54,7 +55,7 @@ def demo(
     Writes report.html, report.md, figures, results.json and optimised.toml to --out (default
     out/demo).
     """
-    from ..file import dumps, loads
+    from ..file import loads
     from ..report import analyse, summarise_optimisation, write_report
 
     began = time.perf_counter()
@@ -70,6 +71,10 @@ def demo(
     if problem is None:
         raise ValueError(f"{file} has no [optimise] table; give one, or use the example actuator")
 
+    expect_programs(
+        *("_sensitivity", "_values", "_derivatives", "_contacts", "modal", "steady_state"),
+        *("simulate", "compute", "contact_results"),
+    )
     say("differentiating: exact sensitivities to " + ", ".join(v.name for v in problem.variables))
     table = sensitivity(mechanism, parameters=[variable.name for variable in problem.variables])
     tell(table.text(terminal_width()))
@@ -78,8 +83,7 @@ def demo(
     best = optimise(mechanism)
     tell(best.text(terminal_width()))
 
-    units = {quantity.name: quantity.unit for quantity in catalogue()}
-    text = dumps(best.mechanism, units)
+    text = optimised_text(file, mechanism, best)
     # From here on the improved mechanism is what its file says, so that the report's numbers are
     # those that anyone gets who analyses the file.
     improved = loads(text, name="optimised.toml")

@@ -12,11 +12,12 @@ from .._files import folder_for_results
 from ..findings import check
 from ..mechanism import Mechanism, find_parameters
 from ..optimise import optimise as run_optimise
-from ..quantities import REASONS, assumptions, catalogue
+from ..quantities import REASONS, assumptions
 from ..sensitivity import sensitivity as run_sensitivity
 from ..sweep import sweep as run_sweep
 from ._app import app
-from ._common import Common, emit, value_of, words_of
+from ._common import Common, emit, value_of, words_of, write_text
+from ._optimised import optimised_text
 from ._progress import counted, doing, expect_programs
 from ._tables import terminal_width
 
@@ -76,8 +77,6 @@ def optimise(
     folder of --out (default out/optimise), unless it breaks a constraint; exit status 1 if no
     design satisfies the constraints and the optimality conditions.
     """
-    from ..file import dump
-
     common.check_targets("out/optimise")
     mechanism = common.load(file)
     expect_programs("_values", "_derivatives")
@@ -87,7 +86,7 @@ def optimise(
         folder = Path("out/optimise") if common.out is None else common.out
         folder.mkdir(parents=True, exist_ok=True)
         path = folder / f"{Path(file).stem}-optimised.toml"
-        dump(best.mechanism, path, {quantity.name: quantity.unit for quantity in catalogue()})
+        write_text(path, optimised_text(file, mechanism, best))
     results = best.to_dict() | {"mechanism": path, "valid": best.feasible}
 
     def text() -> str:

@@ -9,6 +9,7 @@ from .._errors import PrsmError
 from ..quantities import catalogue
 from ._app import app
 from ._common import Output, emit, save_tables, write_text
+from ._progress import doing
 from ._tables import TextTable, terminal_width
 
 _DEFAULT = Output()
@@ -63,6 +64,7 @@ def validate(
     from ..validation import markdown, table as validation_table, validate as run
 
     output.check_targets()
+    doing("computing published numbers anew")
     rows = run(source) if source is not None else run()
     results: dict[str, Any] = {"rows": [row.to_dict() for row in rows]}
     if output.out is not None:

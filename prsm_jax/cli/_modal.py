@@ -15,6 +15,7 @@ from ..quantities import assumptions
 from ._app import app
 from ._assumed import VIBRATION
 from ._common import Common, emit, value_of
+from ._progress import doing, expect_programs
 from ._tables import table
 
 _DEFAULT = Common()
@@ -143,12 +144,15 @@ def modal(
     if against is None and (first is not None or last is not None):
         raise PrsmError("--from and --to: say which number they are of with --against")
     values = None if against is None else _values(mechanism, against, first, last, points)
+    expect_programs("modal")
     modes = _modes(mechanism, stage=stage, shapes=shapes or common.out is not None)
     loci = None
     if against is not None and values is not None:
+        doing(f"frequencies against {against}")
         loci = frequency_loci(mechanism, against, values, stage=stage)
     written: list[Path] = []
     if common.out is not None:
+        doing("drawing")
         written = _pictures(common.out, mechanism, modes, loci, stage, animation)
 
     results = modal_results(modes, stage)

@@ -16,6 +16,7 @@ import jax
 
 from .._files import whole_file
 from ..mechanism import Mechanism
+from ._progress import expect_programs
 
 _PACKAGE = Path(__file__).parent.parent
 
@@ -45,6 +46,7 @@ def run_stored(
       lists inside are fine).
     - `mechanism`: the mechanism.
     """
+    expect_programs("call")
     folder = jax.config.jax_compilation_cache_dir  # type: ignore[attr-defined]
     try:
         import flatbuffers  # noqa: F401

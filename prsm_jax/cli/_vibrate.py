@@ -22,6 +22,7 @@ from ..response import (
 from ._app import app
 from ._assumed import CRITICAL_SPEEDS, VIBRATION
 from ._common import Common, emit, words_of
+from ._progress import expect_programs
 from ._tables import prose, table
 
 _DEFAULT = Common()
@@ -111,6 +112,7 @@ def response(
     """Frequency response of one degree of freedom to a force at another; x, y and u = r θ."""
     mechanism = common.load(file)
     damping = _damped(mechanism, stage, ratio)
+    expect_programs("modal", "frequency_response")
     modes = _modes(mechanism, stage=stage, shapes=True)
     hertz = _range(modes, fmin, fmax, points)
     natural = np.asarray(modes.frequencies)
@@ -236,6 +238,7 @@ def campbell(
     mechanism = common.load(file)
     speed = _max_speed(mechanism, max_rpm)
     names = words_of(orders)
+    expect_programs("campbell")
     found = _campbell(
         mechanism, stage=stage, harmonics=harmonics, orders=None if names is None else tuple(names)
     )

@@ -1,6 +1,8 @@
 """The door: mechanisms from TOML files with units, and back. Only this room knows about files."""
 
+from ._edit import edit as edit, source_text as source_text
 from ._examples import example_names as example_names, example_text as example_text
+from ._numbers import round_in_unit as round_in_unit
 from ._read import load as load, loads as loads
 from ._settings import apply_settings as apply_settings
 from ._write import dump as dump, dumps as dumps

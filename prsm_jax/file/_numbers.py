@@ -196,3 +196,22 @@ def bare_number(value: float) -> str:
     if value == 0 or not math.isfinite(value):
         return repr(value)
     return _decimal_text(Decimal(repr(value)).normalize())
+
+
+def round_in_unit(value: float, unit: str, digits: int) -> float:
+    """An SI value rounded to so many significant digits of the unit in which it is written.
+
+    **Arguments:**
+
+    - `value`: the SI value, finite.
+    - `unit`: its SI unit.
+    - `digits`: significant digits.
+    """
+    from ._units import unit_factor
+
+    written = _written_units(unit)
+    factor = unit_factor(written[0])[0] if written else Fraction(1)
+    exact = Fraction(value) / factor
+    wide = _WIDE.divide(Decimal(exact.numerator), Decimal(exact.denominator))
+    short = Context(prec=digits, Emax=10_000, Emin=-10_000).plus(wide)
+    return _rounded(Fraction(short) * factor)

@@ -35,10 +35,10 @@ def load(source: str | Path) -> Mechanism:
     """
     if isinstance(source, str) and source in example_names():
         return loads(example_text(source), name=source)
-    return loads(_text_of(source), name=str(source))
+    return loads(text_of(source), name=str(source))
 
 
-def _text_of(source: str | Path) -> str:
+def text_of(source: str | Path) -> str:
     name = one_line(str(source), 300)
     try:
         path = Path(source)

@@ -8,3 +8,4 @@ from ._optimum import (
     Optimum as Optimum,
     Run as Run,
 )
+from ._rounding import rounded_variables as rounded_variables

@@ -2,6 +2,7 @@
 
 import json
 import tomllib
+from pathlib import Path
 
 import equinox as eqx
 import numpy as np
@@ -46,12 +47,21 @@ def test_optimise_writes_a_file_that_gives_the_same_numbers(prsm_json, tmp_path)
         "mechanism",
     }
     assert results["converged"]
+    text = Path(results["mechanism"]).read_text()
+    source = file.example_text("actuator")
+    # The numbers are rounded, by no more than 1e-6 of any of these.
+    comments = [
+        [line.partition("#")[2] for line in one.splitlines() if "#" in line]
+        for one in (text, source)
+    ]
+    assert comments[0] == comments[1]
+    assert len(comments[0]) > 5
     again = file.load(results["mechanism"])
     values = _compute(again)
-    assert float(values["efficiency"]) == pytest.approx(results["optimum"]["objective"], rel=1e-13)
+    assert float(values["efficiency"]) == pytest.approx(results["optimum"]["objective"], rel=1e-6)
     limits = {c["quantity"]: c for c in results["constraints"]}
     for name in ("max_pressure_shared", "drive_torque"):
-        assert float(values[name]) == pytest.approx(limits[name]["value"], rel=1e-12)
+        assert float(values[name]) == pytest.approx(limits[name]["value"], rel=1e-6)
         assert {"value", "limit", "active"} <= limits[name].keys()
 
 
@@ -160,7 +170,7 @@ def test_demo(prsm, tmp_path):
     improved = file.load(folder / "optimised.toml")
     state = scenes.steady_state(improved)
     claimed = results["optimise"]["optimum"]["objective"]
-    assert float(state.efficiency) == pytest.approx(claimed, rel=1e-12)
-    assert results["after"]["steady"]["efficiency"] == pytest.approx(claimed, rel=1e-12)
+    assert float(state.efficiency) == pytest.approx(claimed, rel=1e-6)
+    assert results["after"]["steady"]["efficiency"] == pytest.approx(claimed, rel=1e-6)
     # The report says so in words: per cent with the digits that it prints.
     assert f"{100 * claimed:.2f}" in (folder / "report.md").read_text()

@@ -1,0 +1,24 @@
+"""The optimised mechanism as a file: the one it came from, with other numbers in it."""
+
+from ..mechanism import Mechanism, set_parameters
+from ..optimise import Optimum, rounded_variables
+from ..quantities import catalogue
+
+
+def optimised_text(source: str, mechanism: Mechanism, best: Optimum) -> str:
+    """The file that was optimised, its comments and order kept, with the new numbers.
+
+    Variables have six digits, or as many more as no objective or constraint changes by 1e-6.
+
+    **Arguments:**
+
+    - `source`: the file or example that `mechanism` came from.
+    - `mechanism`: what was optimised, settings included.
+    - `best`: the optimum.
+    """
+    from ..file import edit, round_in_unit, source_text
+
+    values = rounded_variables(mechanism, best, round_in_unit)
+    written = set_parameters(best.mechanism, values)
+    units = {quantity.name: quantity.unit for quantity in catalogue()}
+    return edit(source_text(source), written, units)
