@@ -114,6 +114,7 @@ _MODES = {1: "forward", -1: "backward", 0: "sticking"}
 def _numbers(run: Transient) -> dict[str, Any]:
     drive_power = run.drive_torque * run.screw_speed
     mean_square = integral(run.time, run.drive_torque**2) / (run.time[-1] - run.time[0])
+    known = run.load_power is not None
     return {
         "peak_drive_torque_nm": jnp.max(jnp.abs(run.drive_torque)),
         "rms_drive_torque_nm": jnp.sqrt(jnp.maximum(mean_square, 0.0)),
@@ -121,9 +122,9 @@ def _numbers(run: Transient) -> dict[str, Any]:
         "peak_screw_speed_rad_per_s": jnp.max(jnp.abs(run.screw_speed)),
         "peak_contact_force_n": jnp.max(jnp.abs(run.contact_force)),
         "drive_energy_j": energy(run, "drive"),
-        "load_energy_j": energy(run, "load"),
+        "load_energy_j": energy(run, "load") if known else None,
         "loss_energy_j": energy(run, "loss"),
-        "mission_efficiency": mean_efficiency(run),
+        "mission_efficiency": mean_efficiency(run) if known else None,
     }
 
 
