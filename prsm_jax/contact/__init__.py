@@ -26,6 +26,12 @@ from ._line_contact import (
     slice_geometry as slice_geometry,
 )
 from ._line_stress import line_subsurface_stress as line_subsurface_stress
+from ._slip_and_spin import (
+    EllipseShape as EllipseShape,
+    Sliding as Sliding,
+    ellipse_shape as ellipse_shape,
+    slip_and_spin as slip_and_spin,
+)
 from ._stress_measures import (
     max_shear_stress as max_shear_stress,
     principal_stresses as principal_stresses,

@@ -21,6 +21,7 @@ def _from_principal_sums(first: Scalar, second: Scalar, factor: Scalar) -> Conta
         total=(first + second) / 2,
         difference_squared=((first - second) / 2) ** 2,
         rolling=second / 2,
+        twist=jnp.zeros_like(second),
     )
     return ContactFrame(curvature, factor)
 

@@ -243,7 +243,7 @@ def _at(
         following = from_following(stages, solution, index, run.load)
         vectors = roller_forces(stage, geometry, known, found)
         acceleration = found.carrier_acceleration / mass.reference
-        screw_moment, nut_moment = contact_moments(stage, geometry, found)
+        screw_moment, nut_moment = contact_moments(stage, geometry, known, found)
         radius, thread = stage.thread.screw_radius, stage.thread
         rows.append(
             {

@@ -50,7 +50,6 @@ def states_with_bristles(
     laws = [bristles_of(stage) for stage in mechanism.stages]
     with_bristles = [index for index, law in enumerate(laws) if law is not None]
     deflections = dict(zip(with_bristles, state.deflection, strict=True))
-    rates: dict[int, Float[Array, "2"]] = {}
 
     def motion_of(index: int, flank: Scalar, _, axial_acceleration) -> Motion:
         geometry, law = kinematics[index], laws[index]
@@ -58,13 +57,16 @@ def states_with_bristles(
         if law is None:
             return sliding_motion(geometry, own_speed, carrier, axial_acceleration)
         bent = in_tangent_plane(geometry, deflections[index])
-        motion = sliding_motion(geometry, own_speed, carrier, axial_acceleration, bent)
-        rates[index] = bristle_rate(law, motion.slip, bent)[:2]
-        return motion
+        return sliding_motion(geometry, own_speed, carrier, axial_acceleration, bent)
 
     sense = sense_of(speed)
     states = chain_forces(mechanism, kinematics, motion_of, speed, sense, load, acceleration)
-    return states, tuple(rates[index] for index in with_bristles)
+    rates = []
+    for index in with_bristles:
+        motion, rub, law = states[index].motion, states[index].forces.rubbing, laws[index]
+        spinning = () if rub is None else (rub.direction, rub.mean_speed)
+        rates.append(bristle_rate(law, motion.slip, motion.deflection, *spinning)[:2])
+    return states, tuple(rates)
 
 
 def deflection_scales(mechanism: Mechanism) -> tuple[Scalar, ...]:

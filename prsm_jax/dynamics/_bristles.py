@@ -42,17 +42,44 @@ def in_tangent_plane(
 
 @physics("bristles")
 def bristle_rate(
-    law: LuGreFriction, slip: Float[Array, "3"], deflection: Float[Array, "3"]
+    law: LuGreFriction,
+    slip: Float[Array, "3"],
+    deflection: Float[Array, "3"],
+    held: Float[Array, "3"] | None = None,
+    mean_speed: Scalar | None = None,
 ) -> Float[Array, "3"]:
-    """How fast bristles bend, `ż = v − σ₀ |v| z / g(v)` [m/s]."""
-    square = jnp.sum(slip**2)
-    slips = square > 0
-    speed = jnp.where(slips, jnp.sqrt(jnp.where(slips, square, 1.0)), 0.0)
-    return slip - law.bristle_stiffness * speed / stribeck_coefficient(law, slip) * deflection
+    """How fast bristles bend, `ż = v − σ₀ |v| z / g(v)` [m/s].
+
+    In an ellipse that spins too, bristles settle where their force is that of slip and spin
+    together, `g(Φ) T` with `T = ∂Φ/∂v`, and the faster the more of the slip is spin:
+    `ż = |v|/|T| (T − σ₀ z/g(Φ))`.
+
+    **Arguments:**
+
+    - `law`, `slip`, `deflection`: as in `bristle_friction`.
+    - `held`, `mean_speed`: T and Φ [m/s], where spin is modelled.
+    """
+    speed = _length(slip)
+    if held is None or mean_speed is None:
+        return slip - law.bristle_stiffness * speed / stribeck_coefficient(law, slip) * deflection
+    length = _length(held)
+    rate = speed / jnp.where(length > 0, length, 1.0)
+    coefficient = stribeck_coefficient(law, mean_speed[None])
+    return rate * (held - law.bristle_stiffness / coefficient * deflection)
+
+
+def _length(vector: Float[Array, "3"]) -> Scalar:
+    square = jnp.sum(vector**2)
+    some = square > 0
+    return jnp.where(some, jnp.sqrt(jnp.where(some, square, 1.0)), 0.0)
 
 
 def bristle_friction(
-    law: LuGreFriction, slip: Float[Array, "3"], deflection: Float[Array, "3"]
+    law: LuGreFriction,
+    slip: Float[Array, "3"],
+    deflection: Float[Array, "3"],
+    held: Float[Array, "3"] | None = None,
+    mean_speed: Scalar | None = None,
 ) -> tuple[Float[Array, "3"], Float[Array, "3"]]:
     """Friction on one roller: per unit of normal force `σ₀ z + σ₁ ż`, and `σ₂ v` [N].
 
@@ -61,17 +88,21 @@ def bristle_friction(
     - `law`: the friction law.
     - `slip`: slip velocity of the screw over the roller [m/s].
     - `deflection`: of the bristles, z [m].
+    - `held`, `mean_speed`: of an ellipse that spins, as in `bristle_rate`.
     """
     damping = law.bristle_damping
     if law.damping_speed is not None:
         damping = damping * jnp.exp(-jnp.sum(slip**2) / law.damping_speed**2)
-    held = law.bristle_stiffness * deflection + damping * bristle_rate(law, slip, deflection)
+    rate = bristle_rate(law, slip, deflection, held, mean_speed)
+    force = law.bristle_stiffness * deflection + damping * rate
     if law.viscous_coefficient is None:
-        return held, jnp.zeros_like(slip)
-    return held, law.viscous_coefficient * slip
+        return force, jnp.zeros_like(slip)
+    return force, law.viscous_coefficient * slip
 
 
-def bristle_power(stage: Stage, slip, deflection, contact_force: Scalar) -> Scalar:
+def bristle_power(
+    stage: Stage, slip, deflection, contact_force: Scalar, held=None, mean_speed=None
+) -> Scalar:
     """Rate at which the bristles of all rollers of a stage store energy, N F σ₀ z·ż [W].
 
     That at the normal force of the instant: an energy ½ F σ₀ z² would change with the force too,
@@ -79,5 +110,5 @@ def bristle_power(stage: Stage, slip, deflection, contact_force: Scalar) -> Scal
     """
     law = bristles_of(stage)
     assert law is not None
-    bending = deflection @ bristle_rate(law, slip, deflection)
+    bending = deflection @ bristle_rate(law, slip, deflection, held, mean_speed)
     return stage.present_roller_count * contact_force * law.bristle_stiffness * bending

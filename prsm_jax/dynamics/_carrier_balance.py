@@ -1,5 +1,7 @@
 """Which carrier speed balances the rollers of a stage, without integrating anything."""
 
+from typing import NamedTuple
+
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
@@ -10,8 +12,10 @@ from .._root import find_root
 from ..mechanism import Scalar, Stage
 from ._contact_losses import has_contact_losses, resisting_moments
 from ._kinematics import StageKinematics, free_carrier_ratio
+from ._rubbing import ScrewContact, rubbing_of, screw_contact, share_residual
+from ._small_newton import find_roots
 from ._stage_forces import Motion
-from ._thread_friction import normal_force, slip_direction, thread_friction
+from ._thread_friction import slip_direction
 
 #: Share of the friction that may drive a carrier which accelerates. Where the load passes through
 #: zero no friction is left for that: the carriers then coast for an instant, out of balance.
@@ -30,6 +34,7 @@ def steady_motion(
     speed: Scalar,
     sense: Scalar,
     axial_acceleration: Scalar | None = None,
+    share: Scalar | None = None,
 ) -> Motion:
     """Motion at a carrier ratio; at standstill with the directions of that about to begin."""
     turn = unit_slip(kinematics, ratio)
@@ -41,6 +46,7 @@ def steady_motion(
         screw_sense=sense,
         nut_sense=sense,
         axial_acceleration=axial_acceleration,
+        share=share,
     )
 
 
@@ -49,7 +55,8 @@ class CarrierBalance(eqx.Module):
 
     The slip v = v₀ − ζ d changes with the carrier ratio ζ only along d, and friction is parallel to
     it. So with the slip's component s along d and the rest q, `s/√(s² + q²)` is the share that the
-    resistance is of `‖f‖ |d|`, for any law of friction. The unknown is `t = s/q`.
+    resistance is of `‖f‖ |d|`, for any law of friction; spin turns friction a little from the slip,
+    which is taken off that share. The unknown is `t = s/q`.
 
     Where next to no load is left to drive what accelerates, the share is limited; nothing is lost
     by that but the balance, and the energy still balances.
@@ -81,45 +88,80 @@ class CarrierBalance(eqx.Module):
         across = jnp.sqrt(across**2 + slip[2] ** 2 * square)
         return free_carrier_ratio(self.kinematics) - tangent * across / square
 
-    def _share(self, tangent: Scalar) -> tuple[Scalar, Bool[Array, ""]]:
+    def _contact(self, tangent: Scalar, share: Scalar | None) -> tuple[ScrewContact, Scalar | None]:
+        """The screw side at `t`, and by how much a given share misses its axial balance."""
+        stage, kinematics = self.stage, self.kinematics
+        turn = unit_slip(kinematics, self.ratio(tangent))
+        motion = self.speed * turn, self.sense * slip_direction(turn)
+        axial = self.axial_force / stage.present_roller_count
+        contact = screw_contact(stage, kinematics, *motion, axial, share=share)
+        if share is None:
+            return contact, None
+        return contact, share_residual(stage, kinematics, *motion, share, contact)
+
+    def _drive_share(
+        self, tangent: Scalar, contact: ScrewContact
+    ) -> tuple[Scalar, Bool[Array, ""]]:
         """Resistance over the largest drive that friction has; and whether there is enough."""
         stage, kinematics, friction_of = self.stage, self.kinematics, self.stage.friction
         assert friction_of is not None
         ratio, count = self.ratio(tangent), stage.present_roller_count
-        turn = unit_slip(kinematics, ratio)
-        direction = self.sense * slip_direction(turn)
-        per_force, constant = thread_friction(friction_of.thread, self.speed * turn, direction)
+        direction = self.sense * slip_direction(unit_slip(kinematics, ratio))
+        force, per_force, constant, rub = contact
         normal = kinematics.meshing.screw.normal
-        force = normal_force(normal, per_force, constant, self.axial_force / count)
         friction = force * per_force + constant
         resisting = jnp.zeros_like(tangent)
         if has_contact_losses(friction_of):
             nut_force = -(force * normal + friction)[2] / kinematics.meshing.nut.normal[2]
-            screw, nut = resisting_moments(stage, kinematics, force, nut_force)
+            screw, nut = resisting_moments(stage, kinematics, force, nut_force, rub)
             resisting = kinematics.relative_spin_ratio * self.sense * (screw.total + nut.total)
         if self.inertia_per_ratio is not None:
             resisting = resisting + self.inertia_per_ratio * ratio / count
         square = jnp.sum(friction**2)
         rubs = square > 0
-        largest = jnp.where(rubs, jnp.sqrt(jnp.where(rubs, square, 1.0)), 0.0)
-        largest = largest * jnp.sqrt(kinematics.drive @ kinematics.drive)
+        length = jnp.where(rubs, jnp.sqrt(jnp.where(rubs, square, 1.0)), 0.0)
+        reach = jnp.sqrt(kinematics.drive @ kinematics.drive)
+        largest = length * reach
         # The tangent counts the slip at positive speed; friction turns with the sense.
         resisting = self.sense * resisting
+        aside = jnp.zeros_like(resisting)
+        if rub is not None:
+            # Across an ellipse that spins, friction is not quite parallel to the slip.
+            leaning = friction / jnp.where(rubs, length, 1.0) - direction
+            aside = jnp.where(rubs, self.sense * (leaning[:2] @ kinematics.drive) / reach, 0.0)
         if self.inertia_per_ratio is None:
             share = jnp.where(rubs, resisting / jnp.where(rubs, largest, 1.0), 0.0)
-            return share, rubs | (resisting == 0)
+            return share - aside, rubs | (resisting == 0)
         suffices = jnp.abs(resisting) < _LARGEST_SHARE * largest
         share = resisting / jnp.where(suffices, largest, 1.0)
         limit = _LARGEST_SHARE * jnp.sign(resisting)
-        return jnp.where(suffices, share, limit), jnp.asarray(True)
+        return jnp.where(suffices, share - aside, limit), jnp.asarray(True)
 
     def residual(self, tangent: Scalar) -> Scalar:
         """Zero in balance, and of order one."""
-        return tangent - jnp.sqrt(1 + tangent**2) * self._share(tangent)[0]
+        return self._residual(tangent, self._contact(tangent, None)[0])
 
-    def suffices(self, tangent: Scalar) -> Bool[Array, ""]:
+    def residuals(self, tangent: Scalar, share: Scalar) -> tuple[Scalar, Scalar]:
+        """Of the carrier and, where slip and spin are one, of the axial balance at that share."""
+        contact, missed = self._contact(tangent, share)
+        assert missed is not None
+        return self._residual(tangent, contact), missed
+
+    def _residual(self, tangent: Scalar, contact: ScrewContact) -> Scalar:
+        return tangent - jnp.sqrt(1 + tangent**2) * self._drive_share(tangent, contact)[0]
+
+    def suffices(self, tangent: Scalar, share: Scalar | None = None) -> Bool[Array, ""]:
         """Whether friction can drive the carrier."""
-        return self._share(tangent)[1]
+        return self._drive_share(tangent, self._contact(tangent, share)[0])[1]
+
+
+class BalancedCarrier(NamedTuple):
+    """Carrier ratio ω/Ω in balance, and whether friction suffices for it."""
+
+    ratio: Scalar
+    found: Bool[Array, ""]
+    #: Share of the normal force that carries, where it was found with the ratio.
+    share: Scalar | None = None
 
 
 def balanced_carrier_ratio(
@@ -129,7 +171,7 @@ def balanced_carrier_ratio(
     speed: Scalar,
     axial_force: Scalar,
     inertia_per_ratio: Scalar | None = None,
-) -> tuple[Scalar, Bool[Array, ""]]:
+) -> BalancedCarrier:
     """Carrier ratio ω/Ω at which thread friction drives the rollers as it must.
 
     Without contact losses and inertia friction has no component along d: geometry alone decides.
@@ -144,24 +186,36 @@ def balanced_carrier_ratio(
     - `inertia_per_ratio`: I Ω̇, the generalised inertia force per carrier ratio [N·m]; `None` in a
       steady state.
 
-    **Returns:** the ratio, and whether friction suffices.
-
     **Raises:** `MissingDataError` if there is resistance but no thread friction.
     """
     if not has_contact_losses(stage.friction) and inertia_per_ratio is None:
-        return free_carrier_ratio(kinematics), jnp.asarray(True)
+        return BalancedCarrier(free_carrier_ratio(kinematics), jnp.asarray(True))
     balance = CarrierBalance(stage, kinematics, sense, speed, axial_force, inertia_per_ratio)
     return _balanced(balance)
 
 
 @physics("carrier_balance")
-def _balanced(balance: CarrierBalance) -> tuple[Scalar, Bool[Array, ""]]:
+def _balanced(balance: CarrierBalance) -> BalancedCarrier:
+    start = jnp.zeros_like(balance.axial_force)
+    if rubbing_of(balance.stage, balance.kinematics) is not None:
+        return _balanced_with_force(balance, start)
 
     # A plain function: JAX wants to hash it, and a method carries arrays.
     def residual(tangent: Scalar) -> Scalar:
         return balance.residual(tangent)
 
-    start = jnp.zeros_like(balance.axial_force)
     accuracy = 1e-13 if start.dtype == jnp.float64 else 1e-5
     tangent, found = find_root(residual, start, tolerance=accuracy, max_steps=20)
-    return balance.ratio(tangent), found & balance.suffices(tangent)
+    return BalancedCarrier(balance.ratio(tangent), found & balance.suffices(tangent))
+
+
+def _balanced_with_force(balance: CarrierBalance, start: Scalar) -> BalancedCarrier:
+    """Carrier and normal force at once: a root within a root would be a large program."""
+
+    def residuals(unknowns):
+        return jnp.stack(balance.residuals(unknowns[0], unknowns[1]))
+
+    begin = jnp.stack([start, -balance.kinematics.meshing.screw.normal[2]])
+    accuracy = 1e-10 if start.dtype == jnp.float64 else 1e-4
+    (tangent, share), found = find_roots(residuals, begin, tolerance=accuracy, max_steps=30)
+    return BalancedCarrier(balance.ratio(tangent), found & balance.suffices(tangent, share), share)

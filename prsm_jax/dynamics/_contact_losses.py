@@ -4,8 +4,12 @@ The relative angular velocity of screw (or nut) and roller is parallel to the ax
 the common normal spins the ellipse, its part in the tangent plane rolls it. Both moments oppose
 it, so each contact adds one resisting moment about the axis, Σ M |∂ω_i/∂ω_z|.
 
-A Hertz ellipse keeps its shape and grows with F^{1/3}, so every moment is a coefficient times
-F^{4/3}: the ellipses are computed once for a mechanism, not at every instant.
+On the nut side, which rolls without sliding, spin is all that rubs. The screw side slides as well:
+its moment comes with the friction force, from one potential (`_rubbing`).
+
+A Hertz ellipse keeps its shape and grows with F^{1/3}, so hysteresis and the spin of the nut side
+are coefficients times F^{4/3}: the ellipses are computed once for a mechanism, not at every
+instant.
 """
 
 import dataclasses
@@ -17,10 +21,17 @@ import jax.numpy as jnp
 
 from .._errors import MissingDataError
 from .._physics import physics
-from ..contact import HertzContact, contact_frames, engaged_threads, side_contact
+from ..contact import (
+    HertzContact,
+    contact_frames,
+    ellipse_shape,
+    engaged_threads,
+    side_contact,
+)
 from ..geometry import RelativeCurvature
 from ..mechanism import Friction, RollingHysteresis, Scalar, SpinFriction, Stage
 from ._kinematics import StageKinematics
+from ._rubbing import Rubbing, RubbingEllipse, rubbed_moment, rubbing_ellipse
 
 
 class ResistingMoment(eqx.Module):
@@ -38,6 +49,16 @@ class ResistingMoment(eqx.Module):
         return sum(part for part in (self.spin, self.rolling_hysteresis) if part is not None)
 
 
+class ContactResistance(eqx.Module):
+    """Contact ellipses and resisting moments of one roller at a normal force of 1 N."""
+
+    #: Of screw and nut side; the spin of the screw side is not among them.
+    screw: ResistingMoment
+    nut: ResistingMoment
+    #: That of the screw side, where spin is modelled.
+    ellipse: RubbingEllipse | None
+
+
 def has_contact_losses(friction: Friction | None) -> bool:
     """Whether any loss inside the contact ellipses is modelled."""
     return friction is not None and not (
@@ -47,7 +68,7 @@ def has_contact_losses(friction: Friction | None) -> bool:
 
 @physics("spin_friction")
 def spin_moment(law: SpinFriction, hertz: HertzContact, force: Scalar) -> Scalar:
-    """Moment that resists spinning of a Hertz ellipse, 3/8 μ F a E(m) [N·m].
+    """Moment that resists spinning of a Hertz ellipse that does not slide, 3/8 μ F a E(m) [N·m].
 
     Coulomb friction over the ellipse with full spin (Johnson 1985; Harris and Kotzalas 2006).
     """
@@ -79,10 +100,8 @@ def rolling_moment(
     return 3 / 16 * law.loss_factor * force * jnp.where(loaded, length, 0.0)
 
 
-def resistance_coefficients(
-    stage: Stage, kinematics: StageKinematics
-) -> tuple[ResistingMoment, ResistingMoment]:
-    """Resisting moments of one roller at a normal force of 1 N, on the screw and the nut side.
+def contact_resistance(stage: Stage, kinematics: StageKinematics) -> ContactResistance:
+    """Ellipses and resisting moments of one roller at a normal force of 1 N.
 
     **Raises:** `MissingDataError` if the contact ellipses cannot be computed.
     """
@@ -91,7 +110,7 @@ def resistance_coefficients(
     force = jnp.ones_like(kinematics.slip_per_screw[2])
     frames = contact_frames(stage.thread, kinematics.meshing, stage.curvature)
     sides = (kinematics.meshing.screw, kinematics.meshing.nut)
-    moments = []
+    moments, ellipse = [], None
     for name, frame, side in zip(("screw", "nut"), frames, sides, strict=True):
         try:
             threads = engaged_threads(stage)
@@ -101,15 +120,20 @@ def resistance_coefficients(
         along_normal = jnp.abs(side.normal[2])
         in_plane = jnp.hypot(side.normal[0], side.normal[1])
         spin, rolling = friction.spin, friction.rolling_hysteresis
+        slides = name == "screw"
+        if slides and spin is not None:
+            ellipse = rubbing_ellipse(ellipse_shape(hertz, frame.curvature), side.normal)
         moments.append(
             ResistingMoment(
-                spin=None if spin is None else spin_moment(spin, hertz, force) * along_normal,
+                spin=None
+                if spin is None or slides
+                else spin_moment(spin, hertz, force) * along_normal,
                 rolling_hysteresis=None
                 if rolling is None
                 else rolling_moment(rolling, hertz, frame.curvature, force) * in_plane,
             )
         )
-    return moments[0], moments[1]
+    return ContactResistance(moments[0], moments[1], ellipse)
 
 
 def _at_force(coefficient: ResistingMoment, force: Scalar) -> ResistingMoment:
@@ -119,24 +143,30 @@ def _at_force(coefficient: ResistingMoment, force: Scalar) -> ResistingMoment:
 
 
 def resisting_moments(
-    stage: Stage, kinematics: StageKinematics, screw_force: Scalar, nut_force: Scalar
+    stage: Stage,
+    kinematics: StageKinematics,
+    screw_force: Scalar,
+    nut_force: Scalar,
+    rub: Rubbing | None,
 ) -> tuple[ResistingMoment, ResistingMoment]:
     """Resisting moments about the axis on the screw and the nut side of one roller.
 
     **Arguments:**
 
     - `stage`: the stage; needs materials and engaged threads for the contact ellipses.
-    - `kinematics`: its kinematics.
+    - `kinematics`: its kinematics, with the contact losses (`with_resistance`).
     - `screw_force`, `nut_force`: normal force of one roller, all its threads together [N].
+    - `rub`: slip and spin of the screw side, where spin is modelled.
 
     **Raises:** `MissingDataError` if the contact ellipses cannot be computed.
     """
-    coefficients = kinematics.resistance
-    if coefficients is None:
-        coefficients = resistance_coefficients(stage, kinematics)
     # The kinematics do not know this class: it is defined above them.
-    screw, nut = cast(tuple[ResistingMoment, ResistingMoment], coefficients)
-    return _at_force(screw, screw_force), _at_force(nut, nut_force)
+    unit = cast(ContactResistance, kinematics.resistance)
+    screw, nut = _at_force(unit.screw, screw_force), _at_force(unit.nut, nut_force)
+    law = None if stage.friction is None else stage.friction.thread
+    if rub is not None and law is not None:
+        screw = dataclasses.replace(screw, spin=rubbed_moment(law, rub, screw_force))
+    return screw, nut
 
 
 def with_resistance(
@@ -144,7 +174,7 @@ def with_resistance(
 ) -> tuple[StageKinematics, ...]:
     """Kinematics that hold the coefficients of the contact losses, where they are modelled."""
     return tuple(
-        dataclasses.replace(geometry, resistance=resistance_coefficients(stage, geometry))
+        dataclasses.replace(geometry, resistance=contact_resistance(stage, geometry))
         if has_contact_losses(stage.friction) and geometry.resistance is None
         else geometry
         for stage, geometry in zip(stages, kinematics, strict=True)

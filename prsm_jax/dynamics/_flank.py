@@ -13,7 +13,7 @@ from jaxtyping import Array, Float
 from ..mechanism import Scalar, ThreadFriction, ViscousFriction
 
 
-def _force_free_coefficient(law: ThreadFriction | None) -> Scalar | None:
+def force_free_coefficient(law: ThreadFriction | None) -> Scalar | None:
     """Friction per slip speed that does not need a normal force [N·s/m]."""
     if isinstance(law, ViscousFriction):
         return law.coefficient
@@ -32,7 +32,7 @@ def loaded_flank(law: ThreadFriction | None, axial_force: Scalar, axial_slip: Sc
     - `axial_force`: what one roller carries axially [N].
     - `axial_slip`: axial part of the slip, Ω L/2π [m/s].
     """
-    coefficient = _force_free_coefficient(law)
+    coefficient = force_free_coefficient(law)
     left = axial_force if coefficient is None else axial_force + coefficient * axial_slip
     return jnp.where(left < 0, -1.0, 1.0).astype(left.dtype)
 

@@ -6,6 +6,7 @@ of the screw, those on a roller about its own.
 """
 
 import contextlib
+import dataclasses
 from typing import NamedTuple
 
 import equinox as eqx
@@ -27,6 +28,7 @@ from ..mechanism import (
 from ._bristles import bristle_friction
 from ._flank import turned
 from ._kinematics import StageKinematics, slip_velocity
+from ._rubbing import Rubbing, rubbed_friction, rubbing, rubbing_of
 from ._thread_friction import slip_direction, thread_friction
 
 
@@ -180,6 +182,29 @@ def flank_of(unknowns: StageUnknowns) -> Scalar:
     return jnp.where(unknowns.screw_contact < 0, -1.0, 1.0).astype(unknowns.screw_contact.dtype)
 
 
+def slip_of(
+    kinematics: StageKinematics, known: StageSurroundings, flank: Scalar
+) -> tuple[Float[Array, "3"], Float[Array, "3"]]:
+    """Slip of the screw over the roller [m/s], and its unit vector."""
+    slip = turned(
+        slip_velocity(kinematics, flank * known.screw_speed, flank * known.carrier_speed), flank
+    )
+    return slip, slip_direction(slip) if known.slip_direction is None else known.slip_direction
+
+
+def rubbing_on_screw_side(
+    stage: Stage, kinematics: StageKinematics, known: StageSurroundings, unknowns: StageUnknowns
+) -> Rubbing | None:
+    """Slip and spin in the ellipse of the screw side, where that is modelled."""
+    ellipse = rubbing_of(stage, kinematics)
+    if ellipse is None:
+        return None
+    flank = flank_of(unknowns)
+    slip, direction = (turned(vector, flank) for vector in slip_of(kinematics, known, flank))
+    rub = rubbing(ellipse, kinematics, slip, direction, jnp.abs(unknowns.screw_contact))
+    return dataclasses.replace(rub, direction=turned(rub.direction, flank))
+
+
 def roller_forces(
     stage: Stage,
     kinematics: StageKinematics,
@@ -191,13 +216,12 @@ def roller_forces(
     On the other flanks all contacts lie as after a half turn about the radial axis.
     """
     flank, tooth = flank_of(unknowns), unknowns.ring_gear
-    slip = turned(
-        slip_velocity(kinematics, flank * known.screw_speed, flank * known.carrier_speed), flank
-    )
-    direction = known.slip_direction
-    direction = slip_direction(slip) if direction is None else direction
+    slip, direction = slip_of(kinematics, known, flank)
     law = None if stage.friction is None else stage.friction.thread
-    if isinstance(law, LuGreFriction) and known.deflection is not None:
+    rub = rubbing_on_screw_side(stage, kinematics, known, unknowns)
+    if law is not None and rub is not None:
+        per_force, constant = rubbed_friction(law, slip, known.deflection, rub)
+    elif isinstance(law, LuGreFriction) and known.deflection is not None:
         per_force, constant = bristle_friction(law, slip, known.deflection)
     else:
         per_force, constant = thread_friction(law, slip, direction)

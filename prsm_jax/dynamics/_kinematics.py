@@ -21,9 +21,9 @@ class StageKinematics(eqx.Module):
     slip_per_screw: Float[Array, "3"]
     #: ∂/∂ω of the velocity of the roller's contact point, in the transverse plane [m/rad].
     drive: Float[Array, "2"]
-    #: Moments that resist the turning of a roller at a normal force of 1 N, screw and nut side
-    #: (`_contact_losses`); `None` until they are needed.
-    resistance: tuple[eqx.Module, eqx.Module] | None = None
+    #: Contact ellipses and moments that resist the turning of a roller at a normal force of 1 N
+    #: (`_contact_losses.ContactResistance`); `None` until they are needed.
+    resistance: eqx.Module | None = None
 
     @property
     def relative_spin_ratio(self) -> Scalar:

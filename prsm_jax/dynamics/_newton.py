@@ -20,6 +20,7 @@ from ._free_bodies import (
     PartMasses,
     StageSurroundings,
     StageUnknowns,
+    rubbing_on_screw_side,
     unbalanced,
 )
 from ._kinematics import StageKinematics
@@ -49,14 +50,15 @@ def from_following(
 
 
 def contact_moments(
-    stage: Stage, kinematics: StageKinematics, unknowns: StageUnknowns
+    stage: Stage, kinematics: StageKinematics, known: StageSurroundings, unknowns: StageUnknowns
 ) -> tuple[Scalar, Scalar]:
     """Moments that resist the turning of one roller, screw and nut side [N·m]."""
     if not has_contact_losses(stage.friction):
         zero = jnp.zeros_like(unknowns.screw_contact)
         return zero, zero
     pressed = jnp.abs(unknowns.screw_contact)
-    screw, nut = resisting_moments(stage, kinematics, pressed, unknowns.nut_contact)
+    rub = rubbing_on_screw_side(stage, kinematics, known, unknowns)
+    screw, nut = resisting_moments(stage, kinematics, pressed, unknowns.nut_contact, rub)
     return jnp.asarray(screw.total), jnp.asarray(nut.total)
 
 
@@ -90,7 +92,7 @@ def newton_forces(
             zip(stages, kinematics, masses, surroundings, unknowns, strict=True)
         ):
             following = from_following(stages, unknowns, index, load)
-            moments = contact_moments(stage, geometry, own)
+            moments = contact_moments(stage, geometry, known, own)
             rows += unbalanced(stage, geometry, mass, known, own, following, moments)
         return jnp.stack(rows)
 

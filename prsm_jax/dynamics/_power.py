@@ -10,8 +10,11 @@ from ._kinematics import StageKinematics
 
 def stage_bristle_power(stage: Stage, state: StageState) -> Scalar:
     """Rate at which the bristles of a stage store energy [W]."""
-    motion = state.motion
-    return bristle_power(stage, motion.slip, motion.deflection, state.forces.contact_force)
+    motion, forces = state.motion, state.forces
+    spinning = forces.rubbing and (forces.rubbing.direction, forces.rubbing.mean_speed)
+    return bristle_power(
+        stage, motion.slip, motion.deflection, forces.contact_force, *(spinning or ())
+    )
 
 
 def stored_power(mechanism: Mechanism, states: tuple[StageState, ...]) -> Scalar | None:

@@ -9,7 +9,6 @@ from jaxtyping import Array, Float
 from .._errors import MissingDataError
 from .._physics import physics
 from ..mechanism import (
-    LuGreFriction,
     Scalar,
     Stage,
     body_inertia,
@@ -17,10 +16,9 @@ from ..mechanism import (
     mean_roller_inertia,
     mean_roller_mass,
 )
-from ._bristles import bristle_friction
 from ._contact_losses import ResistingMoment, has_contact_losses, resisting_moments
 from ._kinematics import StageKinematics
-from ._thread_friction import normal_force, thread_friction
+from ._rubbing import Rubbing, screw_contact
 
 
 class Motion(eqx.Module):
@@ -39,6 +37,8 @@ class Motion(eqx.Module):
     axial_acceleration: Scalar | None = None
     #: Deflection of the bristles in one contact [m]; `None` where friction has no state.
     deflection: Float[Array, "3"] | None = None
+    #: Share of the normal force that carries axially, where it has been found already (`_rubbing`).
+    share: Scalar | None = None
 
 
 class StageForces(eqx.Module):
@@ -64,6 +64,8 @@ class StageForces(eqx.Module):
     torque_on_screw: Scalar
     #: Generalised force of all rollers on the carrier speed [N·m].
     carrier_drive: Scalar
+    #: Slip and spin together in the ellipse of the screw side; `None` where not modelled.
+    rubbing: Rubbing | None = None
 
 
 @physics("axial_inertia")
@@ -98,13 +100,16 @@ def stage_forces(
     - `flank`: +1 or −1, to turn back what the stage does to others.
     """
     count = stage.present_roller_count
-    law = None if stage.friction is None else stage.friction.thread
     screw_side, nut_side = kinematics.meshing.screw, kinematics.meshing.nut
-    if isinstance(law, LuGreFriction) and motion.deflection is not None:
-        per_force, constant = bristle_friction(law, motion.slip, motion.deflection)
-    else:
-        per_force, constant = thread_friction(law, motion.slip, motion.direction)
-    force = normal_force(screw_side.normal, per_force, constant, axial_force / count)
+    force, per_force, constant, rub = screw_contact(
+        stage,
+        kinematics,
+        motion.slip,
+        motion.direction,
+        axial_force / count,
+        motion.deflection,
+        motion.share,
+    )
     friction = force * per_force + constant
     on_roller = force * screw_side.normal + friction
     nut_axial = -on_roller[2]
@@ -118,7 +123,7 @@ def stage_forces(
     torque = -count * arm @ on_roller[:2]
     drive = count * friction[:2] @ kinematics.drive
     if has_contact_losses(stage.friction):
-        screw_moment, nut_moment = resisting_moments(stage, kinematics, force, nut_force)
+        screw_moment, nut_moment = resisting_moments(stage, kinematics, force, nut_force, rub)
         on_screw_side = count * motion.screw_sense * screw_moment.total
         on_nut_side = count * motion.nut_sense * nut_moment.total
         torque = torque - on_screw_side
@@ -133,6 +138,7 @@ def stage_forces(
         axial_on_screw=-flank * count * on_roller[2],
         torque_on_screw=flank * torque,
         carrier_drive=flank * drive,
+        rubbing=rub,
     )
 
 

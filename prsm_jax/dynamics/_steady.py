@@ -134,10 +134,10 @@ def _steady_states(
         nonlocal balanced
         stage, geometry = mechanism.stages[index], kinematics[index]
         own_speed, own_sense = flank * speed, flank * sense
-        ratio, found = balanced_carrier_ratio(stage, geometry, own_sense, own_speed, axial_force)
-        balanced = balanced & found
-        ratios.append(ratio)
-        return steady_motion(geometry, ratio, own_speed, own_sense)
+        balance = balanced_carrier_ratio(stage, geometry, own_sense, own_speed, axial_force)
+        balanced = balanced & balance.found
+        ratios.append(balance.ratio)
+        return steady_motion(geometry, balance.ratio, own_speed, own_sense, share=balance.share)
 
     states = chain_forces(mechanism, kinematics, motion_of, speed, sense, load)
     for state in states:

@@ -19,6 +19,9 @@ class RelativeCurvature(eqx.Module):
     difference_squared: Scalar
     #: Gap coefficient in the rolling direction, between A and B [1/m].
     rolling: Scalar
+    #: Mixed gap coefficient of the rolling direction and the tangent across it, which is turned
+    #: from the former by a right angle about the normal; 0 where both are principal [1/m].
+    twist: Scalar
 
 
 def relative_curvature(slope: Slope, hessian: SymmetricTensor) -> RelativeCurvature:
@@ -40,10 +43,12 @@ def relative_curvature(slope: Slope, hessian: SymmetricTensor) -> RelativeCurvat
     x, y = slope
     # Across g the metric is 1: there S is cos γ H.
     across = y**2 * tensor.xx - 2 * x * y * tensor.xy + x**2 * tensor.yy
+    mixed = x * y * (tensor.yy - tensor.xx) + (x**2 - y**2) * tensor.xy
     return RelativeCurvature(
         total=(tensor.xx + tensor.yy) / 2,
         difference_squared=((tensor.xx - tensor.yy) / 2) ** 2 + tensor.xy**2,
         rolling=across / (2 * (x**2 + y**2)),
+        twist=mixed / (2 * (x**2 + y**2)),
     )
 
 
