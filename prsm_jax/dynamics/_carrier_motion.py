@@ -8,6 +8,7 @@ from jaxtyping import Array, Float
 from .._physics import physics
 from ..mechanism import Mechanism, Scalar
 from ._chain import StageState, chain_forces
+from ._contact_losses import with_resistance
 from ._kinematics import StageKinematics
 from ._reduced_chain import ReducedChain, reduced_chain, reduced_rates
 from ._scenario import Scenario
@@ -43,6 +44,7 @@ def states_at(
     - `time`: [s].
     - `carrier_speed`: ω of every stage [rad/s].
     """
+    kinematics = with_resistance(mechanism.stages, kinematics)
     speed, acceleration = scenario.motion_at(time)
 
     def motion_of(index: int, flank: Scalar, _, axial_acceleration) -> Motion:
