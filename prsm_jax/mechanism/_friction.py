@@ -83,7 +83,11 @@ ThreadFriction: TypeAlias = (
 
 
 class SpinFriction(eqx.Module):
-    """Spin of the contact ellipses about the common normal (screw and nut side)."""
+    """Spin of the contact ellipses about the common normal (screw and nut side).
+
+    The coefficient is that of the nut side, which spins without sliding. The screw side slides and
+    spins at once: the law of the threads rubs there.
+    """
 
     coefficient: Scalar = number("1", "friction coefficient in the spinning contact, μ")
 
