@@ -129,7 +129,7 @@ def test_pure_spin_and_pure_sliding_in_closed_form():
         np.testing.assert_array_equal(law(shape, jnp.zeros(2), array(0.0)), 0.0)
 
 
-@pytest.mark.parametrize(("share", "accuracy"), [(0.02, 1e-4), (0.2, 2e-3), (0.5, 0.04)])
+@pytest.mark.parametrize(("share", "accuracy"), [(0.02, 1e-4), (0.2, 5e-3), (0.5, 0.04)])
 def test_slow_spin_adds_the_second_moment_along_the_slip(share, accuracy):
     """Φ − v → ω² ⟨x'²⟩/2v with ⟨x'²⟩ = (a² cos²φ + b² sin²φ)/5; within 4 % up to ω a/v = 0.5."""
     major, minor = 4e-4, 3e-4
