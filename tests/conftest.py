@@ -1,5 +1,7 @@
 """What all tests share: strict JAX, checked shapes, one compilation cache, quiet hypothesis."""
 
+import contextlib
+import ctypes
 import gc
 import os
 import tempfile
@@ -51,15 +53,30 @@ gc.set_threshold(100_000, 20, 50)
 #: Linux allows a process 65,530 mapped regions, and a compiled program takes up to a dozen: past
 #: that the compiler aborts.
 _MAPPED_REGIONS = 25_000
+#: Compiled programs fill a worker's memory long before; two workers share a machine [bytes].
+_MEMORY = 2 << 30
+
+
+def _pages(path: str = "/proc/self/statm") -> int:
+    return int(Path(path).read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+def _trim() -> None:
+    # The C library keeps what was freed in small pieces unless it is asked to give it back.
+    with contextlib.suppress(OSError, AttributeError):
+        ctypes.CDLL("libc.so.6").malloc_trim(0)
 
 
 @pytest.fixture(autouse=True, scope="module")
 def _few_compiled_programs():
     """Drop compiled programs between modules where a worker has gathered too many of them."""
     regions = Path("/proc/self/maps")
-    if regions.exists() and regions.read_bytes().count(b"\n") > _MAPPED_REGIONS:
+    if not regions.exists():
+        return
+    if regions.read_bytes().count(b"\n") > _MAPPED_REGIONS or _pages() > _MEMORY:
         jax.clear_caches()
         gc.collect()
+        _trim()
 
 
 @pytest.fixture
