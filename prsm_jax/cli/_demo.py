@@ -87,6 +87,8 @@ def demo(
     # From here on the improved mechanism is what its file says, so that the report's numbers are
     # those that anyone gets who analyses the file.
     improved = loads(text, name="optimised.toml")
+    # A design that breaks limits is shown in the report, and is no file to build from.
+    files = {"optimised.toml": text} if best.feasible else {}
 
     say("analysing both designs: contact, vibration, steady state, transient")
     folder = Path("out/demo") if common.out is None else common.out
@@ -102,16 +104,14 @@ def demo(
         "before": _all_results(data),
         "after": {} if data.improved is None else _all_results(data.improved),
         "sensitivity": table.to_dict(),
-        "optimise": best.to_dict() | {"mechanism": "optimised.toml"},
+        "optimise": best.to_dict() | {"mechanism": next(iter(files), None)},
         "assumptions": assumptions(mechanism),
     }
     say("drawing and writing the report")
     encoded = json.dumps(plain(results), indent=2, ensure_ascii=False, allow_nan=False)
-    report = write_report(
-        folder, data, attachments={"results.json": encoded + "\n", "optimised.toml": text}
-    )
+    report = write_report(folder, data, attachments={"results.json": encoded + "\n", **files})
     say("done; look at")
     tell(f"  {report}  (everything, in one file)")
-    for name in ("report.md", "figures", "results.json", "optimised.toml"):
+    for name in ("report.md", "figures", "results.json", *files):
         tell(f"  {folder / name}")
     return int(not best.converged)
