@@ -70,6 +70,18 @@ def is_efficiency(quantity: str) -> bool:
     return "efficiency" in quantity
 
 
+def state_without_efficiency(quantity: str, value: SupportsFloat) -> str:
+    """What a reader is told instead of an efficiency below 0; empty where there is an efficiency.
+
+    The number of a thread that locks or jams is power that somebody else has to put in.
+    """
+    if not is_efficiency(quantity) or not float(value) < 0:
+        return ""
+    if quantity.startswith("efficiency_backward"):
+        return "self-locking"
+    return "jammed" if quantity.startswith("efficiency_forward") else "locked"
+
+
 def display_unit(
     unit: str, values: Iterable[float] | float | int = (), quantity: str = ""
 ) -> DisplayUnit:
@@ -120,8 +132,12 @@ def in_unit(value: SupportsFloat, unit: DisplayUnit, digits: int = 4) -> str:
 
 
 def show(value: SupportsFloat, unit: str, quantity: str = "", digits: int = 4) -> str:
-    """An SI number in the unit that suits it, with the unit's label."""
-    return in_unit(value, display_unit(unit, float(value), quantity), digits)
+    """An SI number in the unit that suits it, with the unit's label.
+
+    Of a thread that locks or jams the state is told instead of an efficiency.
+    """
+    state = state_without_efficiency(quantity, value) if unit == "1" else ""
+    return state or in_unit(value, display_unit(unit, float(value), quantity), digits)
 
 
 def trimmed(value: SupportsFloat, decimals: int = 3) -> str:

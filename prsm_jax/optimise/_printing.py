@@ -3,9 +3,10 @@
 import textwrap
 from typing import Any
 
-from .._display_units import display_unit
+from .._display_units import display_unit, state_without_efficiency
 from .._text_table import TextTable
 from ..geometry import Finding
+from ..mechanism import follows_in_words
 
 
 def text_of(best: Any, width: int | None) -> str:
@@ -23,6 +24,13 @@ def text_of(best: Any, width: int | None) -> str:
     return "\n".join([*first, _table(best).text(width), *verdict])
 
 
+def _dependents(best: Any) -> list[str]:
+    """What follows each design variable and what stays, a line each."""
+    names = [variable.name for variable in best.problem.variables]
+    lines = (follows_in_words(best.mechanism, name, names) for name in names)
+    return [line for line in lines if line]
+
+
 def _table(best: Any) -> TextTable:
     """Start and optimum in an engineer's units."""
     terms = " + ".join(
@@ -38,7 +46,8 @@ def _table(best: Any) -> TextTable:
         name = f"{words} [{shown.label}]" if shown.label else words
         texts = [f"{sign} {shown(limit):.6g}".strip() for sign, limit in limits]
         joined = " to ".join(texts) if limits and limits[0][0] == "" else " ".join(texts)
-        rows.append((name, shown(start), shown(end), joined, state))
+        ends = [state_without_efficiency(quantity, v) or shown(v) for v in (start, end)]
+        rows.append((name, *ends, joined, state))
 
     first, *others = best.problem.objectives
     weighted = bool(others) or first.weight != 1
@@ -73,6 +82,7 @@ def _found(best: Any) -> str:
 
 def _verdict(best: Any) -> list[str]:
     return [
+        *_dependents(best),
         f"{'converged' if best.converged else 'NOT CONVERGED'}: {best.message}",
         f"{best.method}, run {best.best_run + 1} of {len(best.runs)}, "
         f"{best.evaluations} evaluations, {best.derivative_evaluations} of derivatives",

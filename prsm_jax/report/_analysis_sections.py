@@ -7,6 +7,7 @@ import numpy as np
 from .._display_units import display_unit, in_unit, number, show
 from ._contact_ellipses import contact_ellipses
 from ._data import ReportData
+from ._efficiency import efficiency_text, share_text
 from ._frequency_chart import elastic_modes, frequency_chart
 from ._history_chart import history_chart
 from ._loss_chart import loss_chart
@@ -17,8 +18,6 @@ from ._section import Picture, Section, Table
 from ._style import readable
 from ._transient_chart import settles, settling_time, transient_chart
 
-_BEFORE, _AFTER = "before", "after"
-
 
 def _designs(data: ReportData, part: str, index: int | None = None) -> dict:
     """A part of the analysis by label: of the design alone, or before and after."""
@@ -26,7 +25,8 @@ def _designs(data: ReportData, part: str, index: int | None = None) -> dict:
     pick = (lambda value: value) if index is None else (lambda value: value[index])
     if other is None:
         return {data.title: pick(own)}
-    return {_BEFORE: pick(own), _AFTER: pick(other)}
+    before, after = data.ends
+    return {before: pick(own), after: pick(other)}
 
 
 def _of_stage(data: ReportData, index: int) -> tuple[str, str]:
@@ -106,7 +106,7 @@ def vibration_section(data: ReportData) -> Section | None:
             blank = ("",) * (len(designs) - 1)
             rows.append(("rigid", "0", str(rigid), "0", *blank))
         head = ("mode", "frequency in Hz", "multiplicity", "energy in the contacts in %")
-        head += ("after the optimisation in Hz",) if len(designs) > 1 else ()
+        head += (f"{data.later} in Hz",) if len(designs) > 1 else ()
         tables.append(Table(f"Natural frequencies{words}", head, tuple(rows)))
         pictures.append(
             Picture(
@@ -143,19 +143,15 @@ def steady_section(data: ReportData) -> Section | None:
     state = data.steady
     paragraphs = []
     if not bool(state.valid):
-        paragraphs.append(
-            "These numbers are not to be used: the meshing has no solution, the thread locks, or "
-            "the carrier cannot turn."
-        )
-    backward = float(data.backward.efficiency)
-    paragraphs.append(
-        "The load can drive the screw back."
-        if backward > 0
-        else "The mechanism locks itself: the load alone does not turn the screw."
-    )
+        paragraphs.append(f"These numbers are not to be used: {state.result}.")
+    backward = efficiency_text(data.backward)
+    if backward.endswith("%"):
+        paragraphs.append("The load can drive the screw back.")
+    elif backward == "self-locking":
+        paragraphs.append("The mechanism locks itself: the load alone does not turn the screw.")
     rows = [
-        ("efficiency, screw drives", _percent(data.forward.efficiency)),
-        ("efficiency, load drives", _percent(backward) if backward > 0 else "self-locking"),
+        ("efficiency, screw drives", efficiency_text(data.forward)),
+        ("efficiency, load drives", backward),
         ("drive torque", show(float(state.drive_torque), "N·m")),
         ("input power", show(float(state.input_power), "W")),
         ("output power", show(float(state.output_power), "W")),
@@ -199,10 +195,6 @@ def steady_section(data: ReportData) -> Section | None:
     return Section("steady", "Steady state", tuple(paragraphs), tuple(tables), tuple(pictures))
 
 
-def _percent(value) -> str:
-    return f"{100 * float(value):.2f} %"
-
-
 def transient_section(data: ReportData) -> Section | None:
     """How the rollers come up to speed, or what happens in a scenario."""
     run = data.transient
@@ -215,8 +207,8 @@ def transient_section(data: ReportData) -> Section | None:
         settled = settling_time(run)
         words = "longer than the simulation" if settled is None else in_unit(settled, unit, 3)
         rows += [
-            ("efficiency at the start", _percent(run.efficiency[0])),
-            ("efficiency at the end", _percent(run.efficiency[-1])),
+            ("efficiency at the start", share_text(run.efficiency[0])),
+            ("efficiency at the end", share_text(run.efficiency[-1])),
             ("settling time (carriers within 1 %)", words),
         ]
     rows += [

@@ -64,6 +64,21 @@ class ReportData:
     source: str = ""
     command: str = ""
 
+    @property
+    def feasible(self) -> bool:
+        """Whether the optimisation, if there was one, found a design that keeps all limits."""
+        return self.optimisation is None or self.optimisation.feasible
+
+    @property
+    def ends(self) -> tuple[str, str]:
+        """What the designs before and after are called; no optimum where limits are broken."""
+        return ("before", "after") if self.feasible else ("before", "best found")
+
+    @property
+    def later(self) -> str:
+        """Head of a column of the other design, beside that of this one."""
+        return "after the optimisation" if self.feasible else "best found"
+
 
 # Compiled once for each structure of a mechanism: before and after an optimisation share them.
 _meshings = eqx.filter_jit(lambda mechanism: tuple(mesh(s.thread) for s in mechanism.stages))
@@ -167,11 +182,16 @@ def analyse(
         optimisation=optimisation,
         improved=None
         if improved is None
-        else analyse(improved, title="after the optimisation", transient=transient),
+        else analyse(improved, title=_title_after(optimisation), transient=transient),
         left_out=tuple(left_out),
         source=source,
         command=command,
     )
+
+
+def _title_after(optimisation: Optimisation | None) -> str:
+    feasible = optimisation is None or optimisation.feasible
+    return "after the optimisation" if feasible else "best found"
 
 
 def _written_out(mechanism: Mechanism) -> Mechanism:

@@ -1,8 +1,10 @@
 """Sensitivities and the optimisation as sections of a report."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from .._display_units import display_unit, in_unit, number, show
+from .._display_units import display_unit, in_unit, number, show, state_without_efficiency
 from ._cross_section import cross_section
 from ._data import ReportData
 from ._optimisation import Change, Limit, Optimisation, relative_change, signed_change
@@ -35,13 +37,32 @@ def sensitivity_section(data: ReportData) -> Section | None:
         f"per {step.label} of {readable(name)}" if step.label else f"per 1 of {readable(name)}"
         for name, step in zip(table.parameters, steps, strict=True)
     )
+    kinks = {(q, p): (below, above) for q, p, below, above in getattr(table, "kinks", ())}
     rows, relative = [], []
     for i, (name, unit) in enumerate(zip(table.quantities, table.quantity_units, strict=True)):
-        shown = display_unit(unit, float(table.values[i]), name)
+        value = float(table.values[i])
+        shown = display_unit(unit, value, name)
         label = readable(name) + (f" in {shown.label}" if shown.label else "")
-        cells = [number(shown(g) / s.per_si, 3) for g, s in zip(gradient[i], steps, strict=True)]
-        rows.append((label, number(shown(float(table.values[i]))), *cells))
-        relative.append((readable(name), *(_signed(e) for e in elasticity[i])))
+        state = state_without_efficiency(name, value)
+        if state:
+            # No efficiency, and so no change of one.
+            nothing = ("not defined",) * len(steps)
+            rows.append((label, state, *nothing))
+            relative.append((readable(name), *nothing))
+            continue
+        cells, signed = [], []
+        for j, (parameter, step) in enumerate(zip(table.parameters, steps, strict=True)):
+            if (name, parameter) in kinks:
+                slopes = kinks[name, parameter]
+                sides = [number(shown(slope) / step.per_si, 3) for slope in slopes]
+                shares = [_signed(_share(table, j, value, slope)) for slope in slopes]
+                cells.append(f"{sides[0]} below, {sides[1]} above")
+                signed.append(f"{shares[0]} below, {shares[1]} above")
+            else:
+                cells.append(number(shown(gradient[i, j]) / step.per_si, 3))
+                signed.append(_signed(elasticity[i, j]))
+        rows.append((label, number(shown(value)), *cells))
+        relative.append((readable(name), *signed))
     tables = (
         Table("Change of each quantity, one parameter moved alone", head, tuple(rows)),
         Table(
@@ -50,15 +71,37 @@ def sensitivity_section(data: ReportData) -> Section | None:
             tuple(relative),
         ),
     )
+    dependents = tuple(
+        (readable(name), _listed(follows), _listed(stays))
+        for name, (follows, stays) in zip(
+            table.parameters, getattr(table, "dependents", ()), strict=False
+        )
+        if follows or stays
+    )
+    if dependents:
+        head = ("parameter", "what follows", "what stays")
+        tables += (Table("What moves with each parameter", head, dependents),)
     picture = Picture(
         "sensitivities",
         "Elasticities by quantity.",
         lambda: sensitivity_bars(table.quantities, table.parameters, elasticity),
     )
     words = ("Exact derivatives at the operating point, by automatic differentiation.",)
+    if kinks:
+        words += (
+            "Kinks: where a cell has two numbers, one branch takes over from another at this "
+            "design, and the derivative below the present value of the parameter is not that "
+            "above it.",
+        )
     if not bool(getattr(table, "valid", True)):
         words += ("These numbers are not to be used: the analysis behind them is not valid.",)
     return Section("sensitivity", "Sensitivities", words, tables, (picture,))
+
+
+def _share(table, column: int, value: float, slope: float) -> float:
+    """Elasticity of a slope; without one where stages differ in the parameter."""
+    present = np.unique(np.asarray(table.parameter_values[column], dtype=float))
+    return slope * float(present[0]) / value if value and present.size == 1 else np.nan
 
 
 def _signed(value: float) -> str:
@@ -72,8 +115,10 @@ def optimisation_section(data: ReportData) -> Section | None:
     found = data.optimisation
     if found is None:
         return None
-    active = ", ".join(found.active) or "none: the optimum lies inside the permitted range"
-    words = [found.in_a_sentence(), f"Active: {active}."]
+    words = [found.in_a_sentence()]
+    if found.feasible or found.active:
+        active = ", ".join(found.active) or "none: the optimum lies inside the permitted range"
+        words.append(f"Active: {active}.")
     if found.kkt_residual is not None:
         words.append(
             f"First-order optimality (KKT residual): {number(found.kkt_residual, 2)}; 0 is an "
@@ -83,26 +128,30 @@ def optimisation_section(data: ReportData) -> Section | None:
     pictures = [
         Picture(
             "optimisation",
-            "Objective by iteration, and the use of each limit at the optimum.",
+            "Objective by iteration, and the use of each limit at "
+            f"{'the optimum' if found.feasible else 'the best design found'}.",
             lambda: optimisation_chart(
                 found.history,
                 found.limits,
                 objective=found.objective,
                 unit=found.objective_unit,
                 violations=found.violations,
+                feasible=found.feasible,
             ),
         )
     ]
     if data.improved is not None:
         improved = data.improved.mechanism
+        ends = tuple(name.capitalize() for name in data.ends)
         for i in range(1, len(data.mechanism.stages) + 1):
             many = len(data.mechanism.stages) > 1
             pictures.append(
                 Picture(
                     f"before_after_stage_{i}" if many else "before_after",
-                    "Before and after, to one scale" + (f", stage {i}." if many else "."),
+                    f"{ends[0]} and {ends[1].lower()}, to one scale"
+                    + (f", stage {i}." if many else "."),
                     lambda i=i: cross_section(
-                        {"Before": data.mechanism, "After": improved}, stage=i
+                        {ends[0]: data.mechanism, ends[1]: improved}, stage=i
                     ),
                 )
             )
@@ -141,6 +190,10 @@ def _further(data: ReportData) -> list[Change]:
     return changes
 
 
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(map(readable, names)) or "nothing"
+
+
 def _tables(found: Optimisation, data: ReportData) -> tuple[Table, ...]:
     variables = []
     for v in found.variables:
@@ -150,7 +203,8 @@ def _tables(found: Optimisation, data: ReportData) -> tuple[Table, ...]:
             bounds = f"{in_unit(v.lower, shown)} to {in_unit(v.upper, shown)}"
         note = f"at the {v.at_bound} bound" if v.at_bound else ""
         before, after = in_unit(v.before, shown, 5), in_unit(v.after, shown, 5)
-        variables.append((readable(v.name), before, after, bounds, note))
+        dependents = (_listed(v.follows), _listed(v.stays))
+        variables.append((readable(v.name), before, after, bounds, note, *dependents))
     known = {q.name for q in found.quantities}
     compared = [*found.quantities, *(q for q in _further(data) if q.name not in known)]
     quantities = [
@@ -170,7 +224,7 @@ def _tables(found: Optimisation, data: ReportData) -> tuple[Table, ...]:
         limits.append(
             (
                 readable(c.quantity),
-                in_unit(c.value, shown),
+                state_without_efficiency(c.quantity, c.value) or in_unit(c.value, shown),
                 f"{signs[c.sense]} {in_unit(c.limit, shown)}",
                 use,
                 "active" if c.active else "not active",
@@ -178,11 +232,16 @@ def _tables(found: Optimisation, data: ReportData) -> tuple[Table, ...]:
             )
         )
     tables = [
-        Table("Design variables", ("variable", "before", "after", "range", ""), tuple(variables)),
-        Table("Quantities", ("quantity", "before", "after", "change"), tuple(quantities)),
+        Table(
+            "Design variables",
+            ("variable", *data.ends, "range", "", "what follows", "what stays"),
+            tuple(variables),
+        ),
+        Table("Quantities", ("quantity", *data.ends, "change"), tuple(quantities)),
     ]
     if limits:
-        head = ("quantity", "at the optimum", "limit", "use of the limit", "", "objective for +1 %")
+        where = "at the optimum" if found.feasible else "best found"
+        head = ("quantity", where, "limit", "use of the limit", "", "objective for +1 %")
         if not any(row[-1] for row in limits):
             # No limit is active, so none is worth anything.
             head, limits = head[:-1], [row[:-1] for row in limits]

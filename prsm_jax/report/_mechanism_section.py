@@ -45,19 +45,29 @@ def mechanism_section(data: ReportData) -> Section:
 
 
 def findings_section(data: ReportData) -> Section:
-    """What the checks have to say."""
-    if not data.findings:
-        words = (
-            "The checks (ratio, clearance, gear, meshing, thread, masses, springs) found nothing.",
-        )
-        return Section("findings", "Findings", words)
+    """What the checks have to say, of the design and of the one that came of its optimisation."""
+    designs = {"": data.findings}
+    if data.improved is not None:
+        after = "optimum" if data.feasible else "best found"
+        designs = {"start": data.findings, after: data.improved.findings}
     many = len(data.mechanism.stages) > 1
-    rows = tuple(
-        (f.severity, *((str(f.stage),) if many else ()), f.name.replace("_", " "), f.message)
-        for f in data.findings
-    )
     head = ("severity", *(("stage",) if many else ()), "check", "what it says")
-    return Section("findings", "Findings", (), (Table("Findings", head, rows),))
+    words, tables = [], []
+    for name, findings in designs.items():
+        if not findings:
+            what = "(ratio, clearance, gear, meshing, thread, masses, springs)"
+            words.append(
+                f"{name.capitalize()}: the checks {what} found nothing."
+                if name
+                else f"The checks {what} found nothing."
+            )
+            continue
+        rows = tuple(
+            (f.severity, *((str(f.stage),) if many else ()), f.name.replace("_", " "), f.message)
+            for f in findings
+        )
+        tables.append(Table(f"Findings: {name}" if name else "Findings", head, rows))
+    return Section("findings", "Findings", tuple(words), tuple(tables))
 
 
 def _stage_rows(stage: Stage):

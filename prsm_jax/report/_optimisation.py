@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from .._display_units import MINUS, is_efficiency, number, show
+from ..mechanism import what_follows
 from ..optimise import ConstraintReport, Optimum
 from ..quantities import find_quantity
 from ._optimisation_chart import limit_use
@@ -21,6 +22,9 @@ class Change:
     upper: float | None = None
     #: `"lower"` or `"upper"` where the value after lies on that bound.
     at_bound: str = ""
+    #: Of a design variable: what follows when it moves, and what stays as it is.
+    follows: tuple[str, ...] = ()
+    stays: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -60,6 +64,8 @@ class Optimisation:
     message: str = ""
     #: Largest relative violation of a limit by iteration; empty if it is not known.
     violations: tuple[float, ...] = ()
+    #: False for the best design found where none keeps every limit.
+    feasible: bool = True
 
     @property
     def active(self) -> tuple[str, ...]:
@@ -78,6 +84,9 @@ class Optimisation:
 
     def in_a_sentence(self) -> str:
         """What the optimisation means, for someone who reads one sentence."""
+        if not self.feasible:
+            why = self.message.removeprefix("no feasible design found").lstrip(";: ")
+            return f"No feasible design: {why or 'limits are broken'}."
         main = self.quantities[0]
         verb = "rises" if main.after > main.before else "falls"
         change = (
@@ -114,6 +123,7 @@ def summarise_optimisation(optimum: Optimum) -> Optimisation:
     objective = "objective" if single is None else single.quantity
     unit = "1" if single is None else find_quantity(single.quantity).unit
     best = optimum.runs[optimum.best_run]
+    names = [variable.name for variable in problem.variables]
     quantities = [
         Change(c.name, c.unit, start.constraints[c.name], c.value)
         for c in optimum.constraints
@@ -133,6 +143,7 @@ def summarise_optimisation(optimum: Optimum) -> Optimisation:
                 v.lower,
                 v.upper,
                 optimum.bounds_active.get(v.name, ""),
+                *what_follows(optimum.mechanism, v.name, names),
             )
             for v in problem.variables
         ),
@@ -144,6 +155,7 @@ def summarise_optimisation(optimum: Optimum) -> Optimisation:
         converged=optimum.converged,
         kkt_residual=optimum.kkt_residual,
         message=optimum.message,
+        feasible=optimum.feasible,
     )
 
 
@@ -172,6 +184,9 @@ def signed_change(quantity: str, unit: str, difference: float) -> str:
 def relative_change(change: Change) -> str:
     """By how much a number moved: per cent, or percentage points for an efficiency."""
     if is_efficiency(change.name):
+        if min(change.before, change.after) < 0:
+            # A thread that locks has no efficiency that a difference could be taken of.
+            return ""
         return signed_change(change.name, change.unit, change.after - change.before)
     if change.before == 0:
         return ""

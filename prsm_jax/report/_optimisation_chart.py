@@ -42,6 +42,7 @@ def optimisation_chart(
     objective: str = "objective",
     unit: str = "1",
     violations: Sequence[float | int] = (),
+    feasible: bool = True,
 ) -> Figure:
     """Draw the objective against the iteration, and the activity of the constraints.
 
@@ -54,6 +55,7 @@ def optimisation_chart(
     - `unit`: its SI unit.
     - `violations`: largest relative violation of a limit after each iteration; designs outside of
       the limits are drawn hollow.
+    - `feasible`: false where the design at the end breaks a limit, and is no optimum.
 
     **Returns:** a matplotlib figure.
 
@@ -67,6 +69,8 @@ def optimisation_chart(
     if constraints:
         left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.15))
         _activity(right, constraints)
+        end = "at the optimum" if feasible else "of the best design found"
+        right.set_title(f"Constraints {end}")
     else:
         left = figure.add_subplot()
     shown = display_unit(unit, [float(v) for v in values], objective)
@@ -134,4 +138,3 @@ def _activity(axes, constraints: Sequence[Any]) -> None:
     axes.set_ylim(len(constraints) - 0.4, -0.6)
     axes.set_xlim(0, max(112.0, 1.05 * max(drawn_uses)))
     axes.set_xlabel("use of the limit in %")
-    axes.set_title("Constraints at the optimum")

@@ -5,6 +5,7 @@ import platform
 
 from .._display_units import show
 from .._version import __version__
+from ..geometry import Finding
 from ._analysis_sections import (
     contact_section,
     steady_section,
@@ -14,6 +15,7 @@ from ._analysis_sections import (
 from ._assumptions import with_assumptions
 from ._data import ReportData
 from ._design_sections import optimisation_section, sensitivity_section
+from ._efficiency import efficiency_text
 from ._mechanism_section import findings_section, mechanism_section
 from ._section import Section, Table
 from ._strength_section import sharing_section, strength_section
@@ -23,8 +25,8 @@ def report_sections(data: ReportData) -> tuple[Section, ...]:
     """Every section that the data have something for, in the order of reading."""
     sections = [
         _summary(data),
-        mechanism_section(data),
         findings_section(data),
+        mechanism_section(data),
         contact_section(data),
         sharing_section(data),
         vibration_section(data),
@@ -40,13 +42,18 @@ def report_sections(data: ReportData) -> tuple[Section, ...]:
 
 def _summary(data: ReportData) -> Section:
     words = []
+    if data.optimisation is not None and not data.feasible:
+        words.append(data.optimisation.in_a_sentence())
     point, steady = data.mechanism.operating_point, data.steady
-    if point is not None and steady is not None and bool(steady.valid):
-        words.append(
-            f"At {show(float(point.speed), 'rad/s')} and {show(float(point.load), 'N')} the "
-            f"efficiency is {100 * float(steady.efficiency):.2f} % and the torque at the screw "
-            f"{show(abs(float(steady.drive_torque)), 'N·m')}."
-        )
+    if point is not None and steady is not None:
+        at = f"At {show(float(point.speed), 'rad/s')} and {show(float(point.load), 'N')} the "
+        if steady.has_efficiency and bool(steady.valid):
+            torque = show(abs(float(steady.drive_torque)), "N·m")
+            words.append(
+                f"{at}efficiency is {efficiency_text(steady)} and the torque at the screw {torque}."
+            )
+        else:
+            words.append(f"{at}mechanism has no efficiency; {steady.result}.")
     if data.contacts is not None:
         worst = max(
             float(getattr(c, side).hertz.max_pressure)
@@ -54,14 +61,28 @@ def _summary(data: ReportData) -> Section:
             for side in ("screw", "nut")
         )
         words.append(f"The largest contact pressure is {show(worst, 'Pa')}.")
-    serious = [f for f in data.findings if f.severity != "note"]
-    if serious:
-        counts = collections.Counter(f.name.replace("_", " ") for f in serious)
-        names = ", ".join(f"{n} ({k})" if k > 1 else n for n, k in counts.items())
-        words.append(f"The checks found {len(serious)} thing(s) that need attention: {names}.")
-    if data.optimisation is not None:
+    if data.improved is None:
+        words += _need_attention("", data.findings)
+    else:
+        words += _need_attention(" of the start", data.findings)
+        after = " of the optimum" if data.feasible else " of the best design found"
+        words += _need_attention(after, data.improved.findings)
+    if data.optimisation is not None and data.feasible:
         words.append(data.optimisation.in_a_sentence())
     return Section("summary", "In short", tuple(words))
+
+
+def _need_attention(design: str, findings: tuple[Finding, ...]) -> list[str]:
+    """Errors and warnings of one design by name, errors first."""
+    serious = sorted((f for f in findings if f.severity != "note"), key=lambda f: f.severity)
+    if not serious:
+        return []
+    counts = collections.Counter(
+        f"{f.name.replace('_', ' ')} (error)" if f.severity == "error" else f.name.replace("_", " ")
+        for f in serious
+    )
+    names = ", ".join(f"{n} ({k})" if k > 1 else n for n, k in counts.items())
+    return [f"The checks{design} found {len(serious)} thing(s) that need attention: {names}."]
 
 
 def _provenance(data: ReportData) -> Section:

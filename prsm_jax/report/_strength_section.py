@@ -49,7 +49,7 @@ def strength_section(data: ReportData) -> Section | None:
             if improved:
                 cells.append("" if after is None else show(after[index], quantity.unit, name))
             rows.append(tuple(cells))
-    head = ("", "symbol", "value", *(("after the optimisation",) if improved else ()))
+    head = ("", "symbol", "value", *((data.later,) if improved else ()))
     words = (
         "No standard exists for planetary roller screws: capacities and life are the practice of "
         "ball bearings and ball screws (ISO 76, ISO 281, ISO 3408-5), carried over to the contacts "

@@ -8,7 +8,7 @@ import numpy as np
 from jax.core import Tracer
 from jaxtyping import Array, Bool, Float
 
-from .._display_units import display_unit
+from .._display_units import display_unit, state_without_efficiency
 from .._text_table import NOT_DEFINED, TextTable
 from ._kinks import differ
 
@@ -201,6 +201,13 @@ def _tables(table: Sensitivity) -> tuple[TextTable, TextTable]:
     for i, (name, unit) in enumerate(zip(table.quantities, table.quantity_units, strict=True)):
         shown = display_unit(unit, float(values[i]), name)
         label = f"{name} [{shown.label}]" if shown.label else name
+        state = state_without_efficiency(name, float(values[i]))
+        if state:
+            # No efficiency, and so no change of one.
+            nothing = [NOT_DEFINED] * len(steps)
+            rows.append((label, state, *nothing))
+            relative.append((name, *nothing))
+            continue
         cells = [float(shown(g) / s.per_si) for g, s in zip(gradient[i], steps, strict=True)]
         rows.append((label, float(shown(values[i])), *cells))
         signs = [f"{e:+.4f}" if defined[i] else NOT_DEFINED for e in elasticity[i]]

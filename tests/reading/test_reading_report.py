@@ -4,6 +4,7 @@ import dataclasses
 import math
 from types import SimpleNamespace
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 import reading_scenes as made
@@ -13,6 +14,7 @@ from reading_tables import assert_cell, assert_table, html_tables
 from reading_units import assert_reads, numbers, to_si
 
 import prsm_jax as prsm
+from prsm_jax.dynamics import STEADY_RESULTS
 from prsm_jax.geometry import Finding, roller_clearance
 from prsm_jax.mechanism import body_mass, stage_mass
 from prsm_jax.quantities import find_quantity
@@ -44,7 +46,7 @@ def _optimisation():
         objective_unit="1",
         history=(0.8512, 0.8834, 0.8791),
         variables=(
-            Change("lead", "m", 0.0102, 0.0121, 0.005, 0.02),
+            Change("lead", "m", 0.0102, 0.0121, 0.005, 0.02, "", ("pitch",), ("nut_radius",)),
             Change("contact_angle", "rad", 0.785, 0.913, 0.5, 0.913, "upper"),
         ),
         quantities=(
@@ -105,6 +107,7 @@ def data(actuator):
         modes=(made.modes(1.1),),
         steady=made.steady(3555.0),
         strength=_strength(),
+        findings=(Finding("jamming", "error", 1, 0.3, 0.2, "cannot move"),),
     )
     findings = (
         Finding("buckling", "warning", 1, 1.2, 2.0, "too long"),
@@ -151,7 +154,14 @@ def test_summary(sections, data):
     (pair,) = data.contacts
     worst = max(float(side.hertz.max_pressure) for side in (pair.screw, pair.nut))
     assert_reads(_paragraph(section, "The largest contact pressure"), (worst, "Pa"))
-    assert_reads(_paragraph(section, "The checks found"), (2, "", "whole"))
+    start = _paragraph(section, "The checks of the start found")
+    assert_reads(start, (2, "", "whole"))
+    # Errors first.
+    assert start.endswith("need attention: mass (error), buckling.")
+    optimum = _paragraph(section, "The checks of the optimum found")
+    assert optimum == (
+        "The checks of the optimum found 1 thing(s) that need attention: jamming (error)."
+    )
     words = _paragraph(section, "Efficiency rises from")
     assert_reads(
         words,
@@ -223,9 +233,53 @@ def test_mechanism(sections, actuator):
 
 @reads("section", "findings_section")
 def test_findings(sections, data):
-    (table,) = sections["findings"].tables
-    rows = [(f.severity, f.name.replace("_", " "), f.message) for f in data.findings]
-    assert_table(table, ("severity", "check", "what it says"), rows)
+    tables = sections["findings"].tables
+    assert [table.caption for table in tables] == ["Findings: start", "Findings: optimum"]
+    for table, one in zip(tables, (data, data.improved), strict=True):
+        rows = [(f.severity, f.name.replace("_", " "), f.message) for f in one.findings]
+        assert_table(table, ("severity", "check", "what it says"), rows)
+
+
+def test_findings_come_before_drawings_and_other_tables(data):
+    sections = report_sections(data)
+    assert [section.anchor for section in sections[:2]] == ["summary", "findings"]
+    assert not [*sections[0].pictures, *sections[0].tables, *sections[1].pictures]
+
+
+def test_a_design_without_findings_says_so_beside_the_other(data):
+    clean = dataclasses.replace(data, improved=dataclasses.replace(data.improved, findings=()))
+    section = next(s for s in report_sections(clean) if s.anchor == "findings")
+    assert [table.caption for table in section.tables] == ["Findings: start"]
+    (words,) = section.paragraphs
+    assert words.startswith("Optimum: the checks")
+    assert words.endswith("found nothing.")
+
+
+def test_an_infeasible_optimisation_says_so_first(data):
+    """No word of an optimum: the column is that of the best design found."""
+    message = "no feasible design found; the least violation leaves backlash = -8 µm"
+    failed = dataclasses.replace(
+        data.optimisation, feasible=False, converged=False, message=message
+    )
+    sections = report_sections(dataclasses.replace(data, optimisation=failed))
+    found = {section.anchor: section for section in sections}
+    first = "No feasible design: the least violation leaves backlash = -8 µm."
+    assert sections[0].paragraphs[0] == first
+    assert found["optimisation"].paragraphs[0] == first
+    variables, quantities, limits = found["optimisation"].tables
+    assert variables.head[1:3] == quantities.head[1:3] == ("before", "best found")
+    assert limits.head[1] == "best found"
+    assert found["strength"].tables[0].head[-1] == "best found"
+    assert found["vibration"].tables[0].head[-1] == "best found in Hz"
+    assert [t.caption for t in found["findings"].tables] == [
+        "Findings: start",
+        "Findings: best found",
+    ]
+    for section in sections:
+        said = [*section.paragraphs, *(p.caption for p in section.pictures)]
+        said += [table.caption for table in section.tables]
+        said += [cell for table in section.tables for cell in table.head]
+        assert not [words for words in said if "ptimum" in words and "exact optimum" not in words]
 
 
 @reads("section", "contact_section")
@@ -344,6 +398,54 @@ def test_a_locked_mechanism_has_no_efficiency_of_the_load(data):
     assert any("locks itself" in words for words in section.paragraphs)
 
 
+def _in_state(state, name):
+    code = jnp.asarray(STEADY_RESULTS.index(name))
+    moves = name in ("successful", "self_locking")
+    return dataclasses.replace(
+        state, code=code, valid=jnp.asarray(moves), efficiency=jnp.asarray(-0.34)
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "words"), [("jammed", "jammed"), ("self_locking", "self-locking")]
+)
+def test_a_locked_or_jammed_thread_says_what_it_is(data, name, words):
+    """Nowhere is the efficiency of -34 % printed that the balance of powers gives."""
+    state = _in_state(data.steady, name)
+    after = dataclasses.replace(data.improved, steady=state)
+    locked = dataclasses.replace(data, steady=state, forward=state, backward=state, improved=after)
+    sections = {section.anchor: section for section in report_sections(locked)}
+    cells = dict(sections["steady"].tables[0].rows)
+    assert cells["efficiency, screw drives"] == cells["efficiency, load drives"] == words
+    first = next(p for p in sections["summary"].paragraphs if p.startswith("At "))
+    assert f"the mechanism has no efficiency; {words}" in first
+    said = [cell for s in sections.values() for t in s.tables for row in t.rows for cell in row]
+    said += [words for section in sections.values() for words in section.paragraphs]
+    assert not [text for text in said if "34.0" in text or "34 %" in text]
+
+
+def test_sensitivities_of_a_locked_thread_and_at_a_kink(data):
+    """A state instead of an efficiency, and both derivatives where two branches meet."""
+    table = _sensitivity()
+    table.values = np.array([-0.34, 2.13e9, 0.0])
+    # Per metre: 2e10 below the present lead, 5e10 above; the table has neither.
+    table.kinks = (("max_pressure", "lead", 2e10, 5e10),)
+    table.dependents = ((("pitch",), ("nut_radius", "roller_radius")), ((), ()), ((), ()))
+    sections = report_sections(dataclasses.replace(data, sensitivity=table))
+    section = next(s for s in sections if s.anchor == "sensitivity")
+    changes, relative, moves = section.tables
+    efficiency, pressure, _ = changes.rows
+    assert efficiency == ("efficiency in %", "locked", *("not defined",) * 3)
+    assert relative.rows[0] == ("efficiency", *("not defined",) * 3)
+    assert pressure[2] == "20.0 below, 50.0 above"
+    # Times 0.01 m over 2.13 GPa.
+    assert relative.rows[1][1] == "+0.0939 below, +0.2347 above"
+    assert relative.rows[1][2] == f"{_MINUS}0.6200"
+    assert any(words.startswith("Kinks:") for words in section.paragraphs)
+    assert moves.head == ("parameter", "what follows", "what stays")
+    assert moves.rows == (("lead", "pitch", "nut radius, roller radius"),)
+
+
 @reads("section", "transient_section")
 def test_transient(sections, data):
     (table,) = sections["transient"].tables
@@ -413,8 +515,11 @@ def test_optimisation(sections, data):
         span = [(one.lower, one.unit, "whole"), (one.upper, one.unit, "whole")]
         note = "at the upper bound" if one.at_bound else ""
         name = one.name.replace("_", " ")
-        rows.append((name, (one.before, one.unit), (one.after, one.unit), span, note))
-    assert_table(variables, ("variable", "before", "after", "range", ""), rows)
+        ends = (one.before, one.unit), (one.after, one.unit)
+        moves = ("pitch", "nut radius") if one.name == "lead" else ("nothing", "nothing")
+        rows.append((name, *ends, span, note, *moves))
+    head = ("variable", "before", "after", "range", "", "what follows", "what stays")
+    assert_table(variables, head, rows)
     before, after = data.steady, data.improved.steady
     lost = [sum(float(v) for v in s.losses.values()) for s in (before, after)]
     rows = [
@@ -583,7 +688,10 @@ def test_every_picture_is_of_its_part_of_the_data(data, monkeypatch):
     assert (quantities, parameters) == (data.sensitivity.quantities, data.sensitivity.parameters)
     np.testing.assert_allclose(elasticity[:2], data.sensitivity.elasticity[:2])
     assert np.isnan(elasticity[2]).all()
-    history, limits, objective, unit, violations = given("optimisation", "optimisation_chart")
+    history, limits, objective, unit, violations, feasible = given(
+        "optimisation", "optimisation_chart"
+    )
+    assert feasible
     assert (history, limits) == (found.history, found.limits)
     assert (objective, unit, violations) == ("efficiency", "1", found.violations)
     designs, number = given("before_after", "cross_section")

@@ -386,6 +386,30 @@ def test_optimise(run, monkeypatch, tmp_path):
         },
     )
     _read_optimum(printed)
+    # Each variable says what follows and what stays.
+    (follows,) = (cells[0] for cells in printed.lines if cells[0].startswith("lead: "))
+    assert follows.startswith("lead: pitch follow; starts, roller radius, ")
+    (follows,) = (cells[0] for cells in printed.lines if cells[0].startswith("contact_angle: "))
+    assert "flank angle" in follows.partition(" follow; ")[0]
+
+
+def test_the_terminal_tells_the_state_of_a_locked_thread(run, monkeypatch):
+    """A jammed start has no efficiency in the table of the optimisation, nor in sensitivities."""
+    import dataclasses
+
+    best = make_optimum(scenes.example("wu2022"))
+    start = dataclasses.replace(best.start, objective=-0.34)
+    monkeypatch.setattr(
+        _design, "run_optimise", lambda *_, **__: dataclasses.replace(best, start=start)
+    )
+    _, printed = run("optimise", "wu2022")
+    (cells,) = (cells for cells in printed.lines if cells[0].startswith("maximise efficiency"))
+    assert cells[1:3] == ["locked", "87.91"]
+    table = dataclasses.replace(_table(), values=jnp.asarray([-0.34, 2.13e9, 0.0]))
+    monkeypatch.setattr(_design, "run_sensitivity", lambda *_, **__: table)
+    _, printed = run("sensitivity", "wu2022")
+    assert printed.row("efficiency [%]") == ["locked", "–", "–"]
+    assert printed.row("efficiency") == ["–", "–"]
 
 
 def _read_optimum(printed: Terminal) -> None:
@@ -487,8 +511,10 @@ def test_validate(run, monkeypatch):
 
 
 @reads("verb", "demo")
-def test_demo(monkeypatch, tmp_path, capsys):
-    """What results.json holds, and what goes into the report."""
+@pytest.mark.parametrize("feasible", [True, False])
+def test_demo(monkeypatch, tmp_path, capsys, feasible):
+    """What results.json holds, and what goes into the report; no file of what breaks limits."""
+    import dataclasses
     import json
 
     from prsm_jax import cli, report
@@ -497,6 +523,7 @@ def test_demo(monkeypatch, tmp_path, capsys):
 
     mechanism = scenes.example("actuator")
     best, table, written = make_optimum(mechanism), _table(), {}
+    best = dataclasses.replace(best, feasible=feasible, converged=feasible)
 
     def design():
         return ReportData(
@@ -512,8 +539,6 @@ def test_demo(monkeypatch, tmp_path, capsys):
     before, after = design(), design()
 
     def analyse(_, **more):
-        import dataclasses
-
         written.update(more)
         return dataclasses.replace(before, improved=after)
 
@@ -530,7 +555,8 @@ def test_demo(monkeypatch, tmp_path, capsys):
     monkeypatch.setattr(report, "write_report", write)
     monkeypatch.setenv("COLUMNS", "300")
     monkeypatch.chdir(tmp_path)
-    assert cli.main(["demo", "--out", str(tmp_path / "new")]) == 0
+    assert cli.main(["demo", "--out", str(tmp_path / "new")]) == int(not feasible)
+    assert ("optimised.toml" in written["files"]) == feasible
     found = without_words(json.loads(written["files"]["results.json"]))
     assert set(found) == {"before", "after", "sensitivity", "optimise"}
     for name, one in (("before", before), ("after", after)):
@@ -547,9 +573,17 @@ def test_demo(monkeypatch, tmp_path, capsys):
         assert_json(found[name]["simulate"]["drive_torque_nm"], one.transient.drive_torque)
     assert found["sensitivity"]["gradient"] == table.gradient.tolist()
     assert found["optimise"]["optimum"]["objective"] == 0.8791
+    assert written["optimisation"].feasible == feasible
     assert written["sensitivity"] is table
     assert written["optimisation"].quantities[0].after == pytest.approx(0.8791)
     first, second = capsys.readouterr().out.split("] optimising")
+    assert ("optimised.toml" in second) == feasible
+    if not feasible:
+        # The first line of the optimisation, and the head of its column.
+        lines = second.splitlines()
+        assert lines[1].startswith("NO FEASIBLE DESIGN: ")
+        assert "best found" in second
+        assert "optimum" not in second.partition("done; look at")[0]
     _read_sensitivity(Terminal(first), table)
     _read_optimum(Terminal(second))
 
