@@ -6,14 +6,16 @@ from pydantic import BeforeValidator, Field
 
 from .._errors import UnknownNameError
 from ..mechanism import (
+    ANY,
     Constraint,
     DesignProblem,
+    Limit,
     Mechanism,
     Objective,
     Variable,
     find_parameters,
+    limit_of,
 )
-from ._limits import ANY, Limit, limit_of
 from ._messages import Misplaced
 from ._numbers import read_integer, read_number
 from ._table import Table, checked, read_choice, read_name, read_tables

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .._errors import FileError, closest, missing_extra
-from ..mechanism import DutyCycle, Mechanism
+from ..mechanism import Contradiction, DutyCycle, Mechanism
 from ._checks import check_together
 from ._examples import example_names, example_text
 from ._messages import Misplaced, file_error, one_line
@@ -136,6 +136,8 @@ def _mechanism(table: "Table") -> Mechanism:
     for index, stage in enumerate(content["stage"]):
         try:
             stages.append(module_of(stage))
+        except Contradiction as error:
+            raise Misplaced(("stage", index, *error.place), error.message) from None
         except ValueError as error:
             raise Misplaced(("stage", index), str(error)) from error
     point, rows, optimise = (content[k] for k in ("operating_point", "duty_cycle", "optimise"))

@@ -11,12 +11,15 @@ import numpy as np
 
 from .._errors import closest
 from ..mechanism import (
+    ANY,
     LOADS_OF_MOTION,
+    NOT_NEGATIVE,
+    POSITIVE,
     PROFILES,
+    Limit,
     Scenario,
     TorqueScenario,
 )
-from ._limits import ANY, NOT_NEGATIVE, POSITIVE, Limit
 from ._messages import Misplaced, Place
 from ._numbers import read_integer, read_number
 from ._table import read_boolean, read_choice

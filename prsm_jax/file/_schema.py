@@ -14,9 +14,8 @@ from typing import Annotated, Any, Literal
 import equinox as eqx
 from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model
 
-from ..mechanism import DutyCycle, OperatingPoint, Stage
+from ..mechanism import DutyCycle, OperatingPoint, Stage, limit_of
 from ._layout import law_names, module_classes, row_class, unnamed_law
-from ._limits import limit_of
 from ._numbers import read_integer, read_number, read_numbers
 from ._optimise_table import OptimiseTable
 from ._table import Table, checked, problem, read_boolean, read_choice, read_tables, read_text

@@ -8,10 +8,10 @@ from ..mechanism import (
     CURVATURE_CONVENTIONS,
     Mechanism,
     find_parameters,
+    limit_of,
     set_parameter,
 )
 from ._checks import check_together
-from ._limits import limit_of
 from ._messages import Misplaced, one_line, table_name
 from ._numbers import is_plain_number, read_integer, read_number
 
@@ -50,7 +50,8 @@ def _apply(mechanism: Mechanism, key: str, text: str) -> Mechanism:
     else:
         bare = float(text) if is_plain_number(text) else text
         value = read_number(bare, parameter.unit, limit)
-    return set_parameter(mechanism, key, value)
+    # Settings that fit only together come one after the other.
+    return set_parameter(mechanism, key, value, checked=False)
 
 
 def apply_settings(

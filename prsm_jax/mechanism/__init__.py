@@ -36,6 +36,13 @@ from ._friction import (
     ThreadFriction as ThreadFriction,
     ViscousFriction as ViscousFriction,
 )
+from ._limits import (
+    ANY as ANY,
+    NOT_NEGATIVE as NOT_NEGATIVE,
+    POSITIVE as POSITIVE,
+    Limit as Limit,
+    limit_of as limit_of,
+)
 from ._line_contact import LineContact as LineContact
 from ._load_sharing import (
     GAP_LISTS as GAP_LISTS,
@@ -122,3 +129,4 @@ from ._together import (
     set_parameters as set_parameters,
 )
 from ._unequal_roller import UnequalRoller as UnequalRoller, total_factor as total_factor
+from ._within import Contradiction as Contradiction, check_stage as check_stage

@@ -1,11 +1,10 @@
 """The bodies of a stage: masses given, or dimensions from which they follow."""
 
-import equinox as eqx
-
 from ._fields import Scalar, choice, number, optional_number
+from ._within import Limited
 
 
-class Material(eqx.Module):
+class Material(Limited):
     """An isotropic elastic material."""
 
     youngs_modulus: Scalar = number("Pa", "Young's modulus, E")
@@ -13,7 +12,7 @@ class Material(eqx.Module):
     density: Scalar | None = optional_number("kg/m³", "density, for masses derived from dimensions")
 
 
-class Support(eqx.Module):
+class Support(Limited):
     """Springs from a body to the housing; an absent one is not there."""
 
     radial_stiffness: Scalar | None = optional_number(
@@ -37,7 +36,7 @@ class Support(eqx.Module):
             )
 
 
-class Screw(eqx.Module):
+class Screw(Limited):
     """The screw; its outer radius is the nominal one of the thread."""
 
     mass: Scalar | None = optional_number("kg", "mass; from length and density when absent")
@@ -48,7 +47,7 @@ class Screw(eqx.Module):
     support: Support | None = None
 
 
-class Roller(eqx.Module):
+class Roller(Limited):
     """One roller; its outer radius is the nominal one of the thread.
 
     **Raises:** `ValueError` at construction if the support holds what a pin cannot: rollers turn
@@ -78,7 +77,7 @@ class Roller(eqx.Module):
             )
 
 
-class Nut(eqx.Module):
+class Nut(Limited):
     """The nut: a sleeve whose inner radius is the nominal one of the thread."""
 
     mass: Scalar | None = optional_number("kg", "mass; from dimensions and density when absent")
@@ -91,7 +90,7 @@ class Nut(eqx.Module):
     support: Support | None = None
 
 
-class RingGear(eqx.Module):
+class RingGear(Limited):
     """The ring gear: an annulus whose inner radius is the pitch radius."""
 
     mass: Scalar | None = optional_number("kg", "mass; from dimensions and density when absent")
@@ -102,7 +101,7 @@ class RingGear(eqx.Module):
     support: Support | None = None
 
 
-class Carrier(eqx.Module):
+class Carrier(Limited):
     """The carriers (planet cages): annuli centred on the circle of the roller axes."""
 
     mass: Scalar | None = optional_number("kg", "mass of one carrier")
@@ -114,7 +113,7 @@ class Carrier(eqx.Module):
     support: Support | None = None
 
 
-class Gear(eqx.Module):
+class Gear(Limited):
     """The gear pair that times the rollers: a spur gear at the roller's ends in a ring gear.
 
     Its pitch circles are the nominal circles of the threads, so the module 2 r_R / z_R and the
@@ -134,7 +133,7 @@ class Gear(eqx.Module):
     )
 
 
-class GivenStiffness(eqx.Module):
+class GivenStiffness(Limited):
     """Stiffnesses taken as given (measured, or from a paper) instead of being derived."""
 
     screw_roller: Scalar | None = optional_number(

@@ -16,13 +16,14 @@ from ._scenario import Scenario, TorqueScenario
 from ._strength import Strength
 from ._thread import Thread
 from ._unequal_roller import UnequalRoller, check_unequal_rollers
+from ._within import Limited, check_stage
 
 CurvatureConvention: TypeAlias = Literal["exact", "lisowski2014", "wu2022"]
 CURVATURE_CONVENTIONS: tuple[CurvatureConvention, ...] = ("exact", "lisowski2014", "wu2022")
 Sharing: TypeAlias = Literal["unstated", "equal"]
 
 
-class Stage(eqx.Module):
+class Stage(Limited):
     """One planetary roller screw: threads, bodies, gear, stiffnesses taken as given, friction.
 
     Leaves (traced, differentiable): every number. Static: `roller_count`, `curvature`,
@@ -35,9 +36,9 @@ class Stage(eqx.Module):
     that equal shares are meant.
 
     **Raises:** `ValueError` at construction for a roller count below 1, unequal rollers that do
-    not fit it, an unknown curvature convention or `sharing`. Numbers are not
-    checked here, because they may be traced: the file layer checks what it reads, and
-    `prsm_jax.check` reports findings.
+    not fit it, an unknown curvature convention or `sharing`, and for numbers that
+    are known and out of their range, or that exclude each other (a bore wider than its screw).
+    Traced numbers are not known: there results carry a code, and `prsm_jax.check` has findings.
     """
 
     thread: Thread
@@ -80,6 +81,7 @@ class Stage(eqx.Module):
         if self.sharing not in ("unstated", "equal"):
             raise ValueError(f'sharing is {self.sharing!r}; it may be "equal", or absent')
         check_unequal_rollers(self.unequal_roller, self.roller_count)
+        check_stage(self)
 
     @property
     def present_roller_count(self) -> int:

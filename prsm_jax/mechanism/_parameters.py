@@ -18,6 +18,7 @@ from .._errors import UnknownNameError, closest
 from ._fields import Scalar
 from ._mechanism import Mechanism
 from ._thread import Thread
+from ._within import check_number, check_stage
 
 
 @dataclasses.dataclass(frozen=True)
@@ -290,12 +291,23 @@ def find_parameters(mechanism: Mechanism, name: str) -> tuple[Parameter, ...]:
     return tuple(matches)
 
 
-def set_parameter(mechanism: Mechanism, name: str, value) -> Mechanism:
+def set_parameter(mechanism: Mechanism, name: str, value, *, checked: bool = True) -> Mechanism:
     """A mechanism with the named number set [SI], in every stage unless the name picks one.
 
-    **Raises:** `UnknownNameError` as `find_parameters`.
+    **Arguments:**
+
+    - `mechanism`: the mechanism.
+    - `name`: a parameter.
+    - `value`: the number; it may be traced.
+    - `checked`: whether to refuse a number that is known and out of its range, or that excludes
+      another one (a bore wider than its screw), as files do.
+
+    **Raises:** `UnknownNameError` as `find_parameters`; `ValueError` for a number that is refused.
     """
-    for parameter in find_parameters(mechanism, name):
+    found = find_parameters(mechanism, name)
+    if checked:
+        check_parameter(mechanism, name, value)
+    for parameter in found:
         if parameter.static:
             mechanism = parameter.set(mechanism, value)
         else:
@@ -304,7 +316,23 @@ def set_parameter(mechanism: Mechanism, name: str, value) -> Mechanism:
             mechanism = parameter.set(
                 mechanism, jnp.asarray(value, getattr(current, "dtype", dtype))
             )
+    if checked:
+        check_stages(mechanism)
     return mechanism
+
+
+def check_parameter(mechanism: Mechanism, name: str, value) -> None:
+    """**Raises:** `ValueError` if a known value is out of the range of a parameter."""
+    for parameter in find_parameters(mechanism, name):
+        # Numbers of a scenario have limits of their own, by kind of profile.
+        if not parameter.path.startswith("scenario."):
+            check_number("", parameter.path.rpartition(".")[2], parameter.unit, value)
+
+
+def check_stages(mechanism: Mechanism) -> None:
+    """**Raises:** `ValueError` if known numbers of a stage exclude each other."""
+    for stage in mechanism.stages:
+        check_stage(stage)
 
 
 def get_parameter(mechanism: Mechanism, name: str):

@@ -1,12 +1,12 @@
 """The thread geometry of one stage, with the kinematic identity kept by construction."""
 
-import equinox as eqx
 import jax.numpy as jnp
 
 from ._fields import Scalar, number, optional_number
+from ._within import Limited
 
 
-class Thread(eqx.Module):
+class Thread(Limited):
     r"""Threads of screw, rollers and nut of one stage.
 
     Five numbers are free; everything else follows from them, so that the identity
@@ -24,6 +24,9 @@ class Thread(eqx.Module):
     (`prsm_jax.mechanism.design_variables`), for example `roller_radius_at_fixed_screw_radius`.
     `starts` is a number rather than a static choice so that it can be relaxed in that way; the
     finding `feasible_ratio` reports one that is not an integer.
+
+    **Raises:** `ValueError` at construction for a number that is known and out of its range: a lead
+    or radius of 0 or less or of more than a metre, starts of 2 or less, an angle that is not acute.
     """
 
     lead: Scalar = number("m", "lead of screw and nut (axial travel per turn), L")

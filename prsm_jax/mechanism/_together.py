@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from ._mechanism import Mechanism
-from ._parameters import find_parameters, set_parameter
+from ._parameters import check_parameter, check_stages, find_parameters, set_parameter
 
 #: Setting one number may touch another by rounding; anything above is a conflict.
 _ROUNDING = 1e-6
@@ -13,7 +13,7 @@ _ROUNDING = 1e-6
 _PROBE = 1e-2
 
 
-def set_parameters(mechanism: Mechanism, values: Mapping) -> Mechanism:
+def set_parameters(mechanism: Mechanism, values: Mapping, *, checked: bool = True) -> Mechanism:
     """A mechanism with several named numbers set [SI], one after the other.
 
     **Arguments:**
@@ -21,10 +21,16 @@ def set_parameters(mechanism: Mechanism, values: Mapping) -> Mechanism:
     - `mechanism`: the mechanism.
     - `values`: the value of each name, as `set_parameter` takes them.
 
-    **Raises:** `UnknownNameError` as `find_parameters`.
+    - `checked`: as of `set_parameter`; whether they exclude each other is asked when all are set.
+
+    **Raises:** `UnknownNameError` as `find_parameters`; `ValueError` for a number that is refused.
     """
     for name, value in values.items():
-        mechanism = set_parameter(mechanism, name, value)
+        if checked:
+            check_parameter(mechanism, name, value)
+        mechanism = set_parameter(mechanism, name, value, checked=False)
+    if checked:
+        check_stages(mechanism)
     return mechanism
 
 
@@ -57,7 +63,7 @@ def check_independent(mechanism: Mechanism, names: Iterable[str]) -> None:
             probes[name] = current + 1
         else:
             probes[name] = current * (1 + _PROBE * (index + 1)) if current else _PROBE
-    moved = set_parameters(mechanism, probes)
+    moved = set_parameters(mechanism, probes, checked=False)
     for name, value in probes.items():
         for parameter in find_parameters(moved, name):
             # Not a comparison of NaN: a probe may leave what is feasible, and that is no conflict.

@@ -132,7 +132,7 @@ def _findings(
         found = check(mechanism)
         return found, found
     # Written out like the optimum: one structure, and so one program.
-    return check(set_parameters(mechanism, present)), check(optimised)
+    return check(set_parameters(mechanism, present, checked=False)), check(optimised)
 
 
 def optimum_of(
@@ -166,7 +166,7 @@ def optimum_of(
     design = report.design(end)
     optimised = mechanism
     if conditions is not None:
-        optimised = set_parameters(mechanism, design.variables)
+        optimised = set_parameters(mechanism, design.variables, checked=False)
     before, after = _findings(mechanism, optimised, report.variables(initial))
     if conditions is None:
         message = f"none of {len(runs)} starts met a usable design: {runs[0].message}"

@@ -13,7 +13,6 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 
 import prsm_jax.file as file
 from prsm_jax.file._layout import module_classes, row_class
-from prsm_jax.file._limits import limit_of
 from prsm_jax.mechanism import (
     GAP_LISTS,
     AxialPlay,
@@ -30,6 +29,7 @@ from prsm_jax.mechanism import (
     Support,
     UnequalRoller,
     Variable,
+    limit_of,
 )
 
 _NAMES = st.from_regex(r"[a-z][a-z_]{0,20}", fullmatch=True)
@@ -88,7 +88,7 @@ def modules(draw, cls: type[eqx.Module]):
             part = values[body]
             bore = draw(st.one_of(st.none(), st.floats(0, 0.99))) if outer > 1e-300 else None
             values[body] = dataclasses.replace(
-                part, bore_radius=None if bore is None else bore * outer
+                part, bore_radius=None if bore is None else min(bore * outer, 50.0)
             )
         values["carrier"] = _narrowed(values["carrier"], bound["screw"] + radius)
         values["strength"] = _thick_enough(values["strength"], values["screw"].bore_radius)

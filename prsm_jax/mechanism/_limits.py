@@ -6,13 +6,23 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Limit:
-    """The physical range of a number [SI], with the words that an error message uses."""
+    """The physical range of a number [SI], with the words that an error message uses.
+
+    Files and numbers that are set in Python are held to the same table, `limit_of`.
+    """
 
     lower: float
     upper: float
-    words: str
+    allowed: str
     lower_allowed: bool = False
     upper_allowed: bool = False
+    #: What else a file's author is told.
+    hint: str = ""
+
+    @property
+    def words(self) -> str:
+        """What is allowed, and the hint to who writes a file."""
+        return f"{self.allowed} ({self.hint})" if self.hint else self.allowed
 
     def admits(self, value: float) -> bool:
         """Whether a value is finite and in the range."""
@@ -38,8 +48,8 @@ THREADS = Limit(1.0, 1000.0, "a whole number from 1 to 1000", True, True)
 
 _UNIT = 'a bare number is in m, so give the unit, such as "10 mm"'
 #: No roller screw has threads of a metre; who writes so has left out the unit.
-_OF_A_THREAD = Limit(0.0, 1.0, f"more than 0 and at most 1 m ({_UNIT})", upper_allowed=True)
-_LENGTH = Limit(0.0, 100.0, f"more than 0 and at most 100 m ({_UNIT})", upper_allowed=True)
+_OF_A_THREAD = Limit(0.0, 1.0, "more than 0 and at most 1 m", upper_allowed=True, hint=_UNIT)
+_LENGTH = Limit(0.0, 100.0, "more than 0 and at most 100 m", upper_allowed=True, hint=_UNIT)
 
 _BY_NAME = {
     "lead": _OF_A_THREAD,
