@@ -4,7 +4,7 @@ import jax.numpy as jnp
 
 from ._analysis import Analysis
 from ._catalogue import quantity
-from ._truncation import truncated_pressure
+from ._onsets import truncated_pressure
 
 
 def _over_stages(analysis: Analysis, side: str, name: str):

@@ -6,7 +6,7 @@ from .._errors import MissingDataError
 from ..mechanism import Scalar
 from ._analysis import Analysis
 from ._catalogue import quantity
-from ._truncation import truncated_pressure
+from ._onsets import truncated_pressure
 
 
 def _per_stage(analysis: Analysis, function):

@@ -14,6 +14,7 @@ from ..load_sharing import SideLoads
 from ..mechanism import Scalar, Stage
 from ._analysis import Analysis, SharedLoad
 from ._catalogue import quantity
+from ._onsets import onsets_anywhere
 
 
 def per_stage(analysis: Analysis, function: Callable[[int, Stage], Scalar]):
@@ -68,6 +69,7 @@ def static_capacity_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
             analysis.meshing(index),
             analysis.reference_contact(index),
             sharing_factor_of(analysis, index),
+            onsets_anywhere(analysis, index),
         ),
     )
 
@@ -140,6 +142,7 @@ def dynamic_capacity_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
             analysis.meshing(index),
             analysis.reference_contact(index),
             _fatigue_factor(analysis, index),
+            truncated_fatigue_of(analysis, index, stage),
         ),
     )
 
@@ -159,6 +162,7 @@ def truncated_fatigue_of(
             analysis.meshing(index),
             analysis.reference_contact(index),
             _fatigue_factor(analysis, index),
+            onsets_anywhere(analysis, index),
         ),
     )
 

@@ -1,38 +1,10 @@
 """Quantities of contact ellipses that pass the ends of their flanks."""
 
 from .. import strength
-from ..contact import pressure_ratio
-from ..geometry import flanks_end
 from ..mechanism import Scalar, Stage
 from ._analysis import Analysis
 from ._catalogue import quantity
 from ._strength import on_one_flank, per_stage, sharing_factor_of
-
-
-def onsets_of(analysis: Analysis, index: int):
-    """Where the ellipses of a stage (from 0) reach the ends of their flanks; `None` if nowhere."""
-    stage = analysis.mechanism.stages[index]
-    if not flanks_end(stage):
-        return None
-
-    def make():
-        found = strength.side_onsets(
-            stage, analysis.meshing(index), analysis.reference_contact(index)
-        )
-        for side in found or ():
-            if side is not None:
-                # Beyond the end of a flank there is no contact point.
-                analysis.require(side.on_flank)
-        return found
-
-    return analysis.once(("onsets", index), make)
-
-
-def truncated_pressure(analysis: Analysis, index: int, side: str, hertz: Scalar) -> Scalar:
-    """Largest pressure on the `"screw"` or `"nut"` side of a stage, from that of Hertz [Pa]."""
-    onsets = onsets_of(analysis, index)
-    onset = None if onsets is None else onsets[("screw", "nut").index(side)]
-    return hertz if onset is None else hertz * pressure_ratio(hertz, onset.onsets)
 
 
 def _at_operating_load(analysis: Analysis, index: int, stage: Stage) -> Scalar:

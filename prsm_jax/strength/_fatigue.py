@@ -22,7 +22,7 @@ from ..mechanism import Scalar, Stage
 from ._contacts import REFERENCE_LOAD, meshing_of, reference_contact, strength_of, thread_share
 from ._load_spectrum import mean_load
 from ._subsurface import orthogonal_shear
-from ._truncation import TruncatedFatigue, side_onsets
+from ._truncation import SideOnset, TruncatedFatigue, side_onsets
 
 #: Exponents of stress, depth and life, and Weibull slope, of point contacts.
 STRESS_EXPONENT, DEPTH_EXPONENT, WEIBULL_SLOPE = 31 / 3, 7 / 3, 10 / 9
@@ -83,6 +83,7 @@ def dynamic_capacity(
     meshing: Meshing | None = None,
     contact: StageContact | None = None,
     sharing_factor: Scalar | float = 1.0,
+    fatigue: TruncatedFatigue | None = None,
 ) -> Scalar:
     r"""Dynamic axial capacity $C_a$ [N]: the load for a rating life of 10⁶ turns of the screw.
 
@@ -102,6 +103,7 @@ def dynamic_capacity(
     - `contact`: `reference_contact` of the stage, if known already.
     - `sharing_factor`: (mean of the 10/3 powers of thread loads over their mean)^{3/10}, see
         `fatigue_sharing_factor`; a capacity that is given holds as it is.
+    - `fatigue`: `truncated_fatigue` of the stage, if known already.
 
     **Raises:** `MissingDataError` if neither capacity nor material factor is given, or materials
     or engaged threads are not.
@@ -123,7 +125,8 @@ def dynamic_capacity(
     life = (_RATED / risk) ** (1 / WEIBULL_SLOPE)
     whole = strength.material_factor * REFERENCE_LOAD * jnp.cbrt(life)
     capacity = whole * thread_share(stage) ** _THREADS_EXPONENT / sharing_factor
-    fatigue = truncated_fatigue(stage, meshing, contact, sharing_factor)
+    if fatigue is None:
+        fatigue = truncated_fatigue(stage, meshing, contact, sharing_factor)
     return capacity if fatigue is None else fatigue.capacity(capacity)
 
 
@@ -132,20 +135,24 @@ def truncated_fatigue(
     meshing: Meshing | None = None,
     contact: StageContact | None = None,
     sharing_factor: Scalar | float = 1.0,
+    sides: tuple[SideOnset | None, SideOnset | None] | None = None,
 ) -> TruncatedFatigue | None:
     """What the ends of the flanks make of the fatigue under a load; `None` where no flank ends.
 
     Also `None` where the dynamic capacity is given: a test has the truncation in it. With threads
     that share unequally all are taken to be cut as one that bears `sharing_factor` times the mean.
 
-    **Arguments:** as in `dynamic_capacity`.
+    **Arguments:** as in `dynamic_capacity`, and
+
+    - `sides`: `side_onsets` of the stage, if known already.
     """
     if stage.strength is None or stage.strength.dynamic_capacity is not None:
         return None
     meshing = meshing_of(stage, meshing)
     if contact is None:
         contact = reference_contact(stage, meshing)
-    sides = side_onsets(stage, meshing, contact)
+    if sides is None:
+        sides = side_onsets(stage, meshing, contact)
     if sides is None:
         return None
     risks = side_risks(stage, meshing, contact)

@@ -9,7 +9,7 @@ from ..geometry import Meshing
 from ..mechanism import Scalar, Stage
 from ._contacts import meshing_of, reference_contact, strength_of, thread_share
 from ._powers import ratio_or_infinity
-from ._truncation import load_at_pressure, load_of_whole_ellipse, side_onsets
+from ._truncation import SideOnset, load_at_pressure, load_of_whole_ellipse, side_onsets
 
 #: Palmgren's permanent deformation of two hardened steel bodies, δ D/(Q² Σ₁ Σ₂) [m²/N²]: 1.3e-7
 #: in newtons and millimetres; the sums of curvatures have the product Σ₁ Σ₂ = 4 A B.
@@ -22,6 +22,7 @@ def static_capacity(
     meshing: Meshing | None = None,
     contact: StageContact | None = None,
     sharing_factor: Scalar | float = 1.0,
+    sides: tuple[SideOnset | None, SideOnset | None] | None = None,
 ) -> Scalar:
     r"""Static axial capacity $C_{0a}$ of a stage [N]: as given, or from a permissible pressure.
 
@@ -47,6 +48,7 @@ def static_capacity(
     - `contact`: `reference_contact` of the stage, if known already.
     - `sharing_factor`: load of the most loaded thread over the mean, at least 1; a capacity that
         is given holds as it is.
+    - `sides`: `side_onsets` of the stage, if known already.
 
     **Raises:** `MissingDataError` if neither capacity nor permissible pressure is given, or
     materials or engaged threads are not.
@@ -63,7 +65,8 @@ def static_capacity(
     meshing = meshing_of(stage, meshing)
     if contact is None:
         contact = reference_contact(stage, meshing)
-    sides = side_onsets(stage, meshing, contact) or (None, None)
+    if sides is None:
+        sides = side_onsets(stage, meshing, contact) or (None, None)
     loads = [
         load_at_pressure(side, one.hertz.max_pressure, strength.permissible_pressure)
         for side, one in zip(sides, (contact.screw, contact.nut), strict=True)

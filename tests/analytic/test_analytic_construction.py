@@ -44,7 +44,6 @@ from prsm_jax.mechanism import (
         (lambda: Roller(inertia=0.0), "Roller: inertia is 0 kg·m²; it must be more than 0"),
         (lambda: Nut(wall_thickness=-1e-3), "Nut: wall_thickness is -0.001 m; it must be more"),
         (lambda: Carrier(mass=-1.0), "Carrier: mass is -1 kg"),
-        (lambda: Support(radial_stiffness=-1e6), "radial_stiffness is -1e+06 N/m; it must be 0 or"),
         (lambda: Material(2e11, 0.5), "poisson_ratio is 0.5; it must be between -1 and 0.5"),
         (lambda: Gear(20.0), "pressure_angle is 20 rad; it must be between 0 and 90 deg"),
     ],
@@ -105,6 +104,11 @@ def test_setting_such_a_number_is_refused(name, value, words):
         # For a search that looks at what lies outside.
         moved = prsm.set_parameter(whole, name, value, checked=False)
         assert float(prsm.get_parameter(moved, name)) == pytest.approx(value)
+
+
+def test_a_negative_stiffness_is_left_to_check():
+    """Published models come to it, and `check` calls it an error."""
+    assert float(Support(radial_stiffness=-1e6).radial_stiffness) == -1e6
 
 
 def test_numbers_that_only_fit_together_are_set_together():
