@@ -21,7 +21,14 @@ from ._smooth_torque import has_smooth_threads, smooth_torque_history
 from ._solvers import Gradient, Method, is_concrete
 from ._steady import all_kinematics
 from ._torque_transient import torque_history
-from ._transient_result import CarrierHistory, SolverReport, Transient, histories, prescribed
+from ._transient_result import (
+    CANNOT_BE_BUILT,
+    CarrierHistory,
+    SolverReport,
+    Transient,
+    histories,
+    prescribed,
+)
 
 
 def simulate(
@@ -78,7 +85,8 @@ def simulate(
 
     **Raises:** `MissingDataError` if masses or the scenario are not given; `ValueError` for an
     unknown method or gradient, or the
-    closed form under a prescribed torque; `PrsmError` if the solver fails and `throw` is set.
+    closed form under a prescribed torque; `PrsmError` if the solver fails, or no such
+    mechanism can be built (a dimension out of range, rollers that overlap), and `throw` is set.
     """
     settings = Settings(method, gradient, rtol, atol, max_steps)
     if scenario is None:
@@ -111,7 +119,8 @@ def simulate(
 
 def _checked(run: Transient, throw: bool) -> Transient:
     if throw and is_concrete(run.solver.code) and int(run.solver.code) != 0:
-        raise PrsmError(f"the transient did not finish: {run.solver.result}")
+        what = "did not finish" if int(run.solver.code) < CANNOT_BE_BUILT else "is of no mechanism"
+        raise PrsmError(f"the transient {what}: {run.solver.result}")
     return run
 
 

@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from ..geometry import dimensions_possible, rollers_fit
 from ..mechanism import Mechanism, Scalar, body_inertia, body_mass
 from ._chain import StageState
 from ._flank import turned
@@ -17,6 +18,7 @@ from ._power import losses, stored_power
 from ._roller_balance import roller_support_forces
 from ._scenario import Scenario
 from ._stage_forces import axial_inertia, carrier_inertia
+from ._steady import steady_meaning
 
 _MEANINGS = (
     "successful",
@@ -35,8 +37,13 @@ _MEANINGS = (
     "the load; lower the friction or raise the contact angle (quantity jamming_margin)",
     "missed a phase: while the mechanism stuck, the torque passed a limit and came back between "
     "two steps; raise samples, which shortens them",
+    steady_meaning("overlapping_rollers"),
+    steady_meaning("impossible_dimension"),
 )
 _JAMMED = 7
+#: Codes from here on are of the mechanism; how the integration went is another matter.
+CANNOT_BE_BUILT = 9
+_OVERLAPPING, _IMPOSSIBLE = 9, 10
 
 
 class SolverReport(eqx.Module):
@@ -268,6 +275,10 @@ def histories(
     margin = jamming_margin(mechanism, kinematics, jnp.max(jnp.abs(history.screw_speed)))
     jammed = jnp.any(rows["contact_force"] < 0) | ((report.code != 0) & (margin <= 0))
     code = jnp.where(jammed, _JAMMED, report.code)
+    fit = jnp.stack([rollers_fit(stage) for stage in mechanism.stages]).all()
+    possible = jnp.stack([dimensions_possible(stage) for stage in mechanism.stages]).all()
+    code = jnp.where((code == 0) & ~fit, _OVERLAPPING, code)
+    code = jnp.where(possible, code, _IMPOSSIBLE)
     return Transient(
         time=times,
         screw_acceleration=history.screw_acceleration,

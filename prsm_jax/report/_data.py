@@ -233,7 +233,7 @@ def _history(mechanism: Mechanism) -> Transient | None:
         method = choose_method(mechanism, scenario).method
     run = _simulate(mechanism, scenario, method=method, throw=False)
     if int(run.solver.code) != 0:
-        raise PrsmError(f"the simulation did not finish: {run.solver.result}")
+        raise PrsmError(f"the simulation has no valid result: {run.solver.result}")
     return run
 
 
