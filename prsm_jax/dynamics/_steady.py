@@ -111,7 +111,7 @@ class SteadyState(eqx.Module):
         return self.code is None or int(self.code) in (0, _OVERLAPPING)
 
     @property
-    def computed(self) -> Bool[Array, ""]:
+    def computed(self) -> Bool[Array, "*batch"]:
         """Whether there is a steady state, be its rollers too many for their circle or not."""
         if self.code is None:
             return self.valid

@@ -174,11 +174,11 @@ def test_a_preload_of_two_nuts_is_shared_too():
 def test_one_load_is_shared_once(monkeypatch):
     """Balances in the program: one where the operating point is all, three with a duty cycle."""
     solved = []
-    one_stage = _analysis.stage_load_distribution
+    one_stage = _analysis.stage_load_distributions
     monkeypatch.setattr(
         _analysis,
-        "stage_load_distribution",
-        lambda *given: solved.append(given) or one_stage(*given),
+        "stage_load_distributions",
+        lambda stage, loads, *more: solved.extend(loads) or one_stage(stage, loads, *more),
     )
 
     def balances(one, names=("static_safety", "rating_life", "largest_thread_load"), **given):
