@@ -6,9 +6,11 @@ of the phase. Derivatives go through the events: the time at which a phase ends 
 parameters.
 """
 
+import functools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
@@ -63,6 +65,47 @@ class Phases(NamedTuple):
     code: Int[Array, ""]
 
 
+def _event(margin: Callable[[Scalar, Array, Any], Scalar], root_finder: Any) -> Any:
+    """The margin falls through zero; without a root finder the step is not cut."""
+    import diffrax
+
+    return diffrax.Event(lambda t, y, args, **_: margin(t, y, args), root_finder, direction=False)
+
+
+def _chosen_steps(
+    laws: PhaseLaws,
+    integrate: Callable,
+    controller: Any,
+    settings: Settings,
+    start: Scalar,
+    state: Array,
+    label: Any,
+) -> tuple[Callable, Any]:
+    """The rate, traced, and one phase without derivatives, with a record of its steps."""
+    import diffrax
+
+    from ._recorded_steps import Recording
+
+    def still(tree):
+        return jax.tree.map(
+            lambda x: jax.lax.stop_gradient(x) if eqx.is_inexact_array(x) else x, tree
+        )
+
+    rate, margin = (
+        eqx.filter_closure_convert(law, start, state, label) for law in (laws.rate, laws.margin)
+    )
+    solution = integrate(
+        diffrax.ODETerm(still(rate)),
+        t0=still(start),
+        y0=still(state),
+        saveat=diffrax.SaveAt(t1=True, controller_state=True),
+        stepsize_controller=Recording(still(controller), settings.max_steps),
+        event=_event(still(margin), None),
+        adjoint=adjoint_of("forward"),
+    )
+    return rate, still(solution)
+
+
 def follow_phases(
     laws: PhaseLaws,
     first: Float[Array, " kept"],
@@ -87,39 +130,42 @@ def follow_phases(
     import diffrax
     import optimistix
 
+    from ._recorded_steps import Again
+
     end, grid = times[-1], times / times[-1]
     dtype = times.dtype
-
-    def margin(t, y, args, **_):
-        return laws.margin(t, y, args)
 
     def phase(carry, _):
         start, kept, done, values, labels, steps, rejected, code = carry
         label, state = laws.begin(start, kept)
         label = jax.lax.stop_gradient(label)
         longest = laws.longest(label)
-        solution = diffrax.diffeqsolve(
-            diffrax.ODETerm(laws.rate),
-            solver,
-            t0=start,
+        controller = controller_of(
+            settings.rtol, settings.atol, breaks / end, jnp.ones_like(end), longest
+        )
+        integrate = functools.partial(
+            diffrax.diffeqsolve,
+            solver=solver,
             t1=jnp.ones_like(start),
             dt0=grid[1] / 4,
-            y0=state,
             args=label,
+            max_steps=settings.max_steps,
+            throw=False,
+        )
+        rate, chosen = laws.rate, None
+        if settings.gradient == "reverse":
+            rate, chosen = _chosen_steps(laws, integrate, controller, settings, start, state, label)
+            controller = Again(chosen.controller_state[1])
+        solution = integrate(
+            diffrax.ODETerm(rate),
+            t0=start,
+            y0=state,
             saveat=diffrax.SaveAt(
                 subs=(diffrax.SubSaveAt(t1=True), diffrax.SubSaveAt(ts=jnp.maximum(grid, start)))
             ),
-            stepsize_controller=controller_of(
-                settings.rtol, settings.atol, breaks / end, jnp.ones_like(end), longest
-            ),
-            event=diffrax.Event(
-                margin,
-                # Newton would leave the step where the margin bends.
-                optimistix.Bisection(rtol=EVENT, atol=EVENT),
-                direction=False,
-            ),
-            max_steps=settings.max_steps,
-            throw=False,
+            stepsize_controller=controller,
+            # Newton would leave the step where the margin bends.
+            event=_event(laws.margin, optimistix.Bisection(rtol=EVENT, atol=EVENT)),
             adjoint=adjoint_of(settings.gradient),
         )
         times_found: Any = solution.ts
@@ -131,6 +177,12 @@ def follow_phases(
             solution.result == diffrax.RESULTS.nonlinear_max_steps_reached
         )
         finished = solution.result == diffrax.RESULTS.successful
+        stats = solution.stats
+        if chosen is not None:
+            # Taken again, the steps lead to the same end, or the phase has failed.
+            stats, event = chosen.stats, diffrax.RESULTS.event_occurred
+            ended = ended & (chosen.result == event)
+            finished = finished & (chosen.result == diffrax.RESULTS.successful)
         inside = (grid >= start) & (grid <= stop) & jnp.logical_not(done)
         values = jnp.where(inside[:, None], values_found[1], values)
 
@@ -143,8 +195,8 @@ def follow_phases(
         failed = jnp.logical_not(ended | finished | done)
         code = jnp.where(failed & (code == 0), 1, code)
         used = jnp.where(done, 0, 1)
-        steps = steps + used * solution.stats["num_accepted_steps"]
-        rejected = rejected + used * solution.stats["num_rejected_steps"]
+        steps = steps + used * stats["num_accepted_steps"]
+        rejected = rejected + used * stats["num_rejected_steps"]
         following = jnp.where(done, start, stop)
         record = (start * end, following * end, label["mode"])
         carry = (

@@ -71,7 +71,8 @@ def adjoint_of(gradient: Gradient):
         "reverse": diffrax.RecursiveCheckpointAdjoint,
         "forward": diffrax.ForwardMode,
         # In reverse it computes blocks of steps again, compiled differently. From tolerances of
-        # 1e-11 down rounding then makes them end elsewhere than those kept: derivatives are off.
+        # 1e-11 down, and where the right-hand side amplifies rounding, they then end elsewhere than
+        # those kept: derivatives are off (`_recorded_steps` is the way around that).
         "both": diffrax.DirectAdjoint,
     }
     if gradient not in adjoints:

@@ -1,0 +1,102 @@
+"""Steps of one integration taken again, which reverse mode needs where steps are sensitive.
+
+Reverse mode with checkpoints computes states between them again, in a program that is compiled
+differently. What differs by rounding is then amplified by stiff right-hand sides, as near
+standstill: error estimates differ, with them the lengths of steps, and after the same number of
+steps the integration ends elsewhere; derivatives were up to 1 % off. So the steps are chosen in an
+integration that is not differentiated, and taken again as they are in one that is.
+
+Imports diffrax, so it is itself imported only where something is integrated.
+"""
+
+from typing import Any
+
+import diffrax
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+
+class Steps(eqx.Module):
+    """Accepted steps, infinity behind the last one."""
+
+    start: Float[Array, " most"]
+    end: Float[Array, " most"]
+    count: Int[Array, ""]
+
+
+class Recording(diffrax.AbstractStepSizeController):
+    """Another controller, with a record of the steps that it accepted as the last of its state."""
+
+    controller: Any
+    #: Steps there is room for.
+    most: int = eqx.field(static=True)
+
+    def wrap(self, direction):
+        """As the controller that is wrapped."""
+        return Recording(self.controller.wrap(direction), self.most)
+
+    def init(self, terms, t0, t1, y0, dt0, args, func, error_order):
+        """As the controller that is wrapped."""
+        end, inner = self.controller.init(terms, t0, t1, y0, dt0, args, func, error_order)
+        empty = jnp.full(self.most, jnp.inf, jnp.result_type(t0))
+        return end, (inner, Steps(empty, empty, jnp.zeros((), int)))
+
+    def adapt_step_size(
+        self, t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
+    ):
+        """As the controller that is wrapped."""
+        inner, steps = controller_state
+        keep, start, end, jump, inner, result = self.controller.adapt_step_size(
+            t0, t1, y0, y1_candidate, args, y_error, error_order, inner
+        )
+        at = jnp.where(keep, steps.count, self.most)
+        steps = Steps(
+            steps.start.at[at].set(t0, mode="drop"),
+            steps.end.at[at].set(t1, mode="drop"),
+            steps.count + jnp.where(keep, 1, 0),
+        )
+        return keep, start, end, jump, (inner, steps), result
+
+
+class Again(diffrax.AbstractStepSizeController):
+    """The steps of a record, all of them accepted; behind the last one the integration ends."""
+
+    steps: Steps
+
+    def wrap(self, direction):
+        """There is one direction, that of the record."""
+        del direction
+        return self
+
+    def init(self, terms, t0, t1, y0, dt0, args, func, error_order):
+        """The first step, and the number of those taken."""
+        del terms, t1, y0, dt0, args, func, error_order
+        taken = jnp.zeros((), int)
+        return self._step(taken, t0 - jax.lax.stop_gradient(t0))[1], taken
+
+    def _step(self, number: Int[Array, ""], shift: Float[Array, ""]):
+        """Start and end of a step, whose length does not change with the start of the phase.
+
+        Only those that end at a jump, or at the end of all, keep their end: the derivative of a
+        step's error by its length is large where steps are short.
+        """
+        last = self.steps.start.size - 1
+        start = jnp.where(number <= last, self.steps.start[number], jnp.inf)
+        end = jnp.where(number <= last, self.steps.end[number], jnp.inf)
+        jumps = (number < last) & (self.steps.start[number + 1] != end)
+        jumps = jumps & (number + 1 < self.steps.count)
+        return start + shift, jnp.where(jumps, end, end + shift)
+
+    def adapt_step_size(
+        self, t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
+    ):
+        """The next step; the end of a step that lies before the next start is a jump."""
+        del t0, y0, y1_candidate, args, y_error, error_order
+        taken = controller_state + 1
+        start, end = self._step(taken, t1 - jax.lax.stop_gradient(t1))
+        return jnp.asarray(True), start, end, start != t1, taken, diffrax.RESULTS.successful
+
+
+__all__ = ["Again", "Recording", "Steps"]
