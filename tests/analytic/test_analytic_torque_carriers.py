@@ -22,7 +22,6 @@ from prsm_jax.mechanism import (
     CoulombFriction,
     Friction,
     RegularisedCoulombFriction,
-    SpinFriction,
     ThrustBearingFriction,
 )
 
@@ -243,30 +242,6 @@ def test_regularised_friction_tends_to_exact_friction():
     assert errors[1] < 5e-2
     assert errors[2] < 0.2 * errors[0]
     assert errors[3] < 0.2 * errors[1]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("method", ["rosenbrock", "quasi_steady"])
-def test_slip_and_spin_in_one(method):
-    """Spin takes part of the friction from the slip; power is in balance through a reversal."""
-    plain, scene = one(0.7), scenario(torque(amplitude=3.0), 0.5)
-    chain = eqx.tree_at(
-        lambda m: m.stages[0].friction.spin,
-        plain,
-        SpinFriction(array(0.05)),
-        is_leaf=lambda x: x is None,
-    )
-    found = run(chain, scene, method)
-    assert int(found.solver.code) == 0
-    speed = np.asarray(found.screw_speed)
-    turning = speed != 0
-    assert np.any(speed > 0)
-    assert np.any(speed < 0)
-    assert np.max(np.asarray(found.power_balance_residual)[turning]) < 1e-12
-    assert np.max(found.newton_residual) < 1e-12
-    spin = np.asarray(found.losses["spin"])
-    assert np.all(spin[turning] > 0)
-    assert np.all(spin[~turning] == 0)
 
 
 def test_the_closed_form_needs_a_speed():
