@@ -1,6 +1,7 @@
 """Friction of ellipses that slide and spin: rules of several orders, closed forms, the old sum."""
 
 import functools
+import math
 from typing import Any, NamedTuple
 
 import jax
@@ -9,7 +10,7 @@ import numpy as np
 
 from prsm_jax.contact import EllipseShape, complete_elliptic_integrals, slip_and_spin
 
-from ..harness import Case, Method, Prepared, Problem, Reference
+from ..harness import Case, Kind, Method, Prepared, Problem, Reference
 from ..references.slip_and_spin import slip_and_spin as integrated
 
 _LABELS = ("power lost", "force along the slip", "moment about the normal")
@@ -18,20 +19,20 @@ _LABELS = ("power lost", "force along the slip", "moment about the normal")
 class _Motions(NamedTuple):
     """Ellipses with their motions, in the axes of each ellipse."""
 
-    major: np.ndarray
-    minor: np.ndarray
-    along: np.ndarray
-    across: np.ndarray
-    spin: np.ndarray
+    major: Any
+    minor: Any
+    along: Any
+    across: Any
+    spin: Any
 
 
 def _motions(count: int, ratios: tuple[float, float], spins: tuple[float, float]) -> _Motions:
     """Axis ratios, and ω a/v, spread evenly in their logarithms; the slip has any direction."""
     random = np.random.default_rng(20_220_428)
     minor = random.uniform(1e-4, 4e-4, count)
-    major = minor * np.exp(random.uniform(*np.log(ratios), count))
+    major = minor * np.exp(random.uniform(math.log(ratios[0]), math.log(ratios[1]), count))
     angle, speed = random.uniform(0, 2 * np.pi, count), random.uniform(0.01, 1.0, count)
-    spin = np.exp(random.uniform(*np.log(spins), count)) * speed / major
+    spin = np.exp(random.uniform(math.log(spins[0]), math.log(spins[1]), count)) * speed / major
     return _Motions(major, minor, speed * np.cos(angle), speed * np.sin(angle), spin)
 
 
@@ -75,12 +76,14 @@ def _two_terms(motion: _Motions):
 def _sum(motion: _Motions):
     """Full sliding and the full moment of pure spin, as in the first release."""
     speed = jnp.sqrt(motion.along**2 + motion.across**2)
-    _, second = complete_elliptic_integrals(motion.minor / motion.major)
+    _, second = complete_elliptic_integrals(jnp.asarray(motion.minor / motion.major))
     force = motion.along / speed, motion.across / speed
     return _numbers(motion, force, 3 / 8 * motion.major * second)
 
 
-def _ours(name: str, motions: _Motions, function, settings=(None,), kind="method") -> Method:
+def _ours(
+    name: str, motions: _Motions, function, settings=(None,), kind: Kind = "method"
+) -> Method:
     inputs = _Motions(*(jnp.asarray(column) for column in motions))
 
     def prepare(setting):

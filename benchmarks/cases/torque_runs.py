@@ -37,7 +37,7 @@ def _mechanism() -> Mechanism:
     two = load("li2020_two_stage")
     stage = two.stages[0]
     assert stage.friction is not None
-    friction = Friction(CoulombFriction(0.1))
+    friction = Friction(CoulombFriction(jnp.asarray(0.1)))
     one = eqx.tree_at(
         lambda m: m.stages,
         eqx.tree_at(lambda m: m.scenario, two, None, is_leaf=lambda x: x is None),

@@ -64,6 +64,8 @@ def states_with_bristles(
     rates = []
     for index in with_bristles:
         motion, rub, law = states[index].motion, states[index].forces.rubbing, laws[index]
+        assert law is not None
+        assert motion.deflection is not None
         spinning = () if rub is None else (rub.direction, rub.mean_speed)
         rates.append(bristle_rate(law, motion.slip, motion.deflection, *spinning)[:2])
     return states, tuple(rates)

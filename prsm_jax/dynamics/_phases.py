@@ -152,7 +152,8 @@ def follow_phases(
             max_steps=settings.max_steps,
             throw=False,
         )
-        rate, chosen = laws.rate, None
+        rate: Any = laws.rate
+        chosen = None
         if settings.gradient == "reverse":
             rate, chosen = _chosen_steps(laws, integrate, controller, settings, start, state, label)
             controller = Again(chosen.controller_state[1])

@@ -74,7 +74,7 @@ class Again(diffrax.AbstractStepSizeController):
         """The first step, and the number of those taken."""
         del terms, t1, y0, dt0, args, func, error_order
         taken = jnp.zeros((), int)
-        return self._step(taken, t0 - jax.lax.stop_gradient(t0))[1], taken
+        return self._step(taken, jnp.asarray(t0 - jax.lax.stop_gradient(t0)))[1], taken
 
     def _step(self, number: Int[Array, ""], shift: Float[Array, ""]):
         """Start and end of a step, whose length does not change with the start of the phase.
@@ -95,7 +95,7 @@ class Again(diffrax.AbstractStepSizeController):
         """The next step; the end of a step that lies before the next start is a jump."""
         del t0, y0, y1_candidate, args, y_error, error_order
         taken = controller_state + 1
-        start, end = self._step(taken, t1 - jax.lax.stop_gradient(t1))
+        start, end = self._step(taken, jnp.asarray(t1 - jax.lax.stop_gradient(t1)))
         return jnp.asarray(True), start, end, start != t1, taken, diffrax.RESULTS.successful
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import jax.numpy as jnp
 
 from .. import strength
-from ..geometry import Finding
+from ..geometry import Finding, Severity
 from ..mechanism import Mechanism, Scalar, Stage, Strength
 from ..quantities import (
     Analysis,
@@ -110,7 +110,8 @@ def _screw_speed(mechanism: Mechanism, index: int) -> Iterator[Margin]:
             "take a larger lead"
         )
 
-    for severity, limit in (("error", "critical"), ("warning", "permissible")):
+    levels: tuple[tuple[Severity, str], ...] = (("error", "critical"), ("warning", "permissible"))
+    for severity, limit in levels:
 
         def value(analysis: Analysis, limit=limit) -> Scalar:
             found = details(analysis)

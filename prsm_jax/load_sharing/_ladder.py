@@ -150,7 +150,8 @@ def _eliminate(chains: Chains, teeth: tuple[Teeth, Teeth], rights: list[State]) 
     matrix, carried = joined(below, jax.tree.map(lambda x: x[-1], threads))
     last = _Numbers.solve(matrix, [-x for x in carried])
     _, (changes, inner) = jax.lax.scan(down, last, (kept, *segments), reverse=True)
-    whole = [jnp.concatenate([a, b[None]]) for a, b in zip(changes, last, strict=True)]
+    ends = [jnp.asarray(x)[None] for x in last]
+    whole = [jnp.concatenate(pair) for pair in zip(changes, ends, strict=True)]
     approaches, shafts = jnp.stack(whole), jnp.stack(inner)
     return [
         State(approaches[:-1, :, k], approaches[-1, :, k], shafts[:-1, :, k], shafts[-1, :, k])

@@ -273,9 +273,10 @@ class Analysis:
     def distribution(self, index: int, under: SharedLoad = "operating_point") -> LoadDistribution:
         """How a stage (from 0) shares a load."""
         stage = self.mechanism.stages[index]
-        key = index, self._alike(stage, under)
+        key: tuple[int, SharedLoad] = (index, self._alike(stage, under))
         if key not in self._distributions:
-            loads = {key[1]: self._shared_load(stage, key[1])}
+            asked: SharedLoad = key[1]
+            loads = {asked: self._shared_load(stage, asked)}
             # Those that will be asked for as well, in one program.
             for one in (self._alike(stage, expected) for expected in self._expected):
                 if one not in loads and (index, one) not in self._distributions:

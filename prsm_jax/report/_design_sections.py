@@ -73,9 +73,7 @@ def sensitivity_section(data: ReportData) -> Section | None:
     )
     dependents = tuple(
         (readable(name), _listed(follows), _listed(stays))
-        for name, (follows, stays) in zip(
-            table.parameters, getattr(table, "dependents", ()), strict=False
-        )
+        for name, (follows, stays) in zip(table.parameters, table.dependents, strict=False)
         if follows or stays
     )
     if dependents:

@@ -82,9 +82,7 @@ def thread_stiffness(
     each: list[Array | None] = [None, None]
     if unlike and isinstance(derived, LoadDistribution):
         each = [
-            derived.by_roller(side.tangent if tangent else side.stiffness)[1]
-            if number is None
-            else _each(stage, number)
+            _by_roller(derived, side, tangent) if number is None else _each(stage, number)
             for side, number in ((derived.screw, screw), (derived.nut, nut))
         ]
     return ThreadStiffness(
@@ -92,6 +90,12 @@ def thread_stiffness(
         _of_roller(derived.nut, tangent) if nut is None else nut,
         *each,
     )
+
+
+def _by_roller(derived: LoadDistribution, side: SideLoads, tangent: bool) -> Array:
+    found = side.tangent if tangent else side.stiffness
+    assert found is not None
+    return derived.by_roller(found)[1]
 
 
 def _of_roller(side: ThreadContactSide | SideLoads, tangent: bool) -> Scalar:

@@ -75,7 +75,10 @@ def planetary_gear(planets: int) -> VibrationSystem:
 
 
 def _by_family(planets: int) -> dict[str, tuple[str, ...]]:
-    published = {"torsional": ROTATIONAL[planets], "transverse": TRANSLATIONAL[planets]}
+    published: dict[str, tuple[str, ...]] = {
+        "torsional": ROTATIONAL[planets],
+        "transverse": TRANSLATIONAL[planets],
+    }
     return published | ({"roller": PLANET} if planets > 3 else {})
 
 

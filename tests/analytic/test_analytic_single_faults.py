@@ -99,7 +99,7 @@ def test_hysteresis_is_the_moment_of_the_pressure_in_front(along):
     hertz = HertzContact(array(a), array(b), array(peak), one, one, one, one)
     # The flatter direction, with the smaller coefficient of the gap, is that of the major axis.
     rolling = 50.0 if along == "major" else 150.0
-    curvature = RelativeCurvature(array(200.0), array(100.0**2), array(rolling))
+    curvature = RelativeCurvature(array(200.0), array(100.0**2), array(rolling), array(0.0))
     found = rolling_moment(RollingHysteresis(array(loss)), hertz, curvature, array(force))
     # The quadrature itself is good to 1e-8.
     np.testing.assert_allclose(found, loss * moment, rtol=1e-6)

@@ -70,7 +70,9 @@ def test_a_case_runs_and_comes_near_its_target(run, name):
             if all(error["max"] is not None for error in row["errors"].values())
         )
         # The quick grids and tolerances are coarser than those that the target is for.
-        assert best <= 5 * problem.get("at_equal_error", {}).get("target", 2e-5)
+        # Grids of cells on flanks that end are good to a per cent.
+        usual = 1e-2 if case == "truncated_contact" else 2e-5
+        assert best <= 5 * problem.get("at_equal_error", {}).get("target", usual)
         for absent in problem["left_out"]:
             assert "not installed" in absent["reason"]
             assert re.search(rf"\| {re.escape(absent['method'])} \(rival\) \|.*left out", text)

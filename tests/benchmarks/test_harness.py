@@ -180,7 +180,9 @@ def test_json_has_the_documented_keys(toy, tmp_path):
     assert content["schema"] == SCHEMA
     assert set(content["machine"]) == {"system", "processor", "cores", "devices"}
     (problem,) = content["problems"]
-    assert {"name", "title", "instance", "reference", "baseline", "results"} == set(problem)
+    assert {"name", "title", "instance", "reference", "baseline", "results", "left_out"} == set(
+        problem
+    )
     assert len(problem["results"]) == 5
     for result in problem["results"]:
         assert set(result) == {
