@@ -1,6 +1,7 @@
 """Files and folders that are complete or not there, also where the process is stopped."""
 
 import contextlib
+import ctypes  # here, for a thread that ends the process cannot import while JAX is imported
 import os
 import secrets
 import shutil
@@ -63,8 +64,6 @@ def _last_steps(files: list[bytes], folders: list[bytes]) -> None:
     """Remove files and empty folders; the lock of the interpreter is not released meanwhile."""
     unlink, rmdir = os.unlink, os.rmdir
     if os.name == "posix":
-        import ctypes
-
         sys.setswitchinterval(_PATIENCE_S)
         library = ctypes.PyDLL(None)
         unlink, rmdir = library.unlink, library.rmdir

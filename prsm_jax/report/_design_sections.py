@@ -1,6 +1,7 @@
 """Sensitivities and the optimisation as sections of a report."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -71,9 +72,10 @@ def sensitivity_section(data: ReportData) -> Section | None:
             tuple(relative),
         ),
     )
+    dependent: Any = getattr(table, "dependents", ())
     dependents = tuple(
         (readable(name), _listed(follows), _listed(stays))
-        for name, (follows, stays) in zip(table.parameters, table.dependents, strict=False)
+        for name, (follows, stays) in zip(table.parameters, dependent, strict=False)
         if follows or stays
     )
     if dependents:

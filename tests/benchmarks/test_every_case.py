@@ -71,7 +71,7 @@ def test_a_case_runs_and_comes_near_its_target(run, name):
         )
         # The quick grids and tolerances are coarser than those that the target is for.
         # Grids of cells on flanks that end are good to a per cent.
-        usual = 1e-2 if case == "truncated_contact" else 2e-5
+        usual = 1e-2 if name == "truncated_contact" else 2e-5
         assert best <= 5 * problem.get("at_equal_error", {}).get("target", usual)
         for absent in problem["left_out"]:
             assert "not installed" in absent["reason"]

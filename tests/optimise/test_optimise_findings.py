@@ -109,9 +109,10 @@ def test_warnings_of_both_designs_are_reported():
     start = scenes.mechanism(scenes.stage(screw=SCREW, geometry=low))
     best = optimise(start, {"lead": (5e-3, 12e-3)}, maximise="lead_mm")
     assert best.bounds_active == {"lead": "upper"}
-    assert [f.name for f in best.findings_start if f.severity == "warning"] == []
-    assert [f.name for f in best.findings_optimum if f.severity == "warning"] == [
-        "contact_on_flank"
-    ]
-    assert "prsm check of the start: no errors, no warnings" in str(best)
-    assert "prsm check of the optimum: warning contact_on_flank, stage 1: " in str(best)
+    starts = {f.name for f in best.findings_start if f.severity == "warning"}
+    ends = {f.name for f in best.findings_optimum if f.severity == "warning"}
+    # The crest is that near, so that ellipses are cut from the first.
+    assert starts == {"contact_truncation"}
+    assert "contact_on_flank" in ends
+    assert "prsm check of the start: warning contact_truncation, stage 1: " in str(best)
+    assert "warning contact_on_flank, stage 1: " in str(best)

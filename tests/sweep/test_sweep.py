@@ -198,7 +198,7 @@ def test_data_missing_for_some_whole_numbers_says_for_which():
         ({"lead": [1e-3], "thread.lead": [1e-3]}, ["mass"], {}, "both set"),
         ({"lead": [1e-3], "pitch": [1e-3]}, ["mass"], {}, "moves again"),
         ({"roller_count": [6.5]}, ["mass"], {}, "whole numbers"),
-        ({"roller_count": [0]}, ["mass"], {}, "at least one roller"),
+        ({"roller_count": [0]}, ["mass"], {}, "whole number from 1 to 1000"),
         ({"lead": [1e-3]}, ["massive"], {}, "unknown quantity"),
         ({"lead": [1e-3]}, [], {}, "quantities is empty"),
         ({"lead": [1e-3]}, "mass", {}, "give a list"),
