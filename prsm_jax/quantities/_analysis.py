@@ -275,8 +275,7 @@ class Analysis:
         stage = self.mechanism.stages[index]
         key: tuple[int, SharedLoad] = (index, self._alike(stage, under))
         if key not in self._distributions:
-            asked: SharedLoad = key[1]
-            loads = {asked: self._shared_load(stage, asked)}
+            loads: dict[SharedLoad, Scalar] = {key[1]: self._shared_load(stage, key[1])}
             # Those that will be asked for as well, in one program.
             for one in (self._alike(stage, expected) for expected in self._expected):
                 if one not in loads and (index, one) not in self._distributions:
