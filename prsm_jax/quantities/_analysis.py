@@ -277,13 +277,14 @@ class Analysis:
         if key not in self._distributions:
             loads: dict[SharedLoad, Scalar] = {key[1]: self._shared_load(stage, key[1])}
             # Those that will be asked for as well, in one program.
-            for one in (self._alike(stage, expected) for expected in self._expected):
+            others: list[SharedLoad] = [self._alike(stage, other) for other in self._expected]
+            for one in others:
                 if one not in loads and (index, one) not in self._distributions:
                     with contextlib.suppress(MissingDataError):
                         loads[one] = self._shared_load(stage, one)
             found = stage_load_distributions(stage, list(loads.values()), self.meshing(index))
-            for one, distribution in zip(loads, found, strict=True):
-                self._distributions[index, one] = distribution
+            for name, distribution in zip(loads, found, strict=True):
+                self._distributions[index, name] = distribution
                 self.require(distribution.converged)
         return self._distributions[key]
 
