@@ -12,14 +12,14 @@ from .._files import folder_for_results
 from ..findings import check
 from ..mechanism import Mechanism, find_parameters
 from ..optimise import optimise as run_optimise
-from ..quantities import REASONS, assumptions
+from ..quantities import assumptions
 from ..sensitivity import sensitivity as run_sensitivity
 from ..sweep import sweep as run_sweep
 from ._app import app
 from ._common import Common, emit, value_of, words_of, write_text
 from ._optimised import optimised_text
 from ._progress import counted, doing, expect_programs
-from ._tables import terminal_width
+from ._tables import prose, terminal_width
 
 _DEFAULT = Common()
 _NAMES = "Names from `prsm quantities`, separated by commas."
@@ -127,6 +127,18 @@ def _axis(mechanism: Mechanism, text: str) -> tuple[str, np.ndarray]:
     return name, np.linspace(value(parts[0]), value(parts[1]), int(parts[2]))
 
 
+def _counted(codes: Any) -> dict[str, int]:
+    """How many designs have each code but 0, by its meaning."""
+    meanings = codes.attrs["flag_meanings"].split()
+    found, counts = np.unique(codes.values, return_counts=True)
+    pairs = zip(found.astype(int), counts, strict=True)
+    return {meanings[code]: int(count) for code, count in pairs if code}
+
+
+def _listed(counts: dict[str, int]) -> str:
+    return ", ".join(f"{name.replace('_', ' ')} ({count})" for name, count in counts.items())
+
+
 @app.command
 def sweep(
     file: str,
@@ -163,18 +175,24 @@ def sweep(
         )
     points, failed = int(data.attrs["points"]), int(data.attrs["failed"])
 
-    def text() -> str:
-        why = ", ".join(f"{name.replace('_', ' ')} ({n})" for name, n in reasons.items())
-        return f"{points} designs, {failed} failed{': ' + why if why else ''}; {store}"
+    reasons, errors = _counted(data["code"]), _counted(data["error"].where(~data["failed"], 0))
 
-    codes, counts = np.unique(data["code"].values, return_counts=True)
-    reasons = {REASONS[code]: int(n) for code, n in zip(codes, counts, strict=True) if code}
+    def text() -> str:
+        words = f"{points} designs, {failed} failed"
+        if reasons:
+            words += ": " + _listed(reasons)
+        if errors:
+            words += f"; errors of prsm check in {sum(errors.values())} more: {_listed(errors)}"
+        return prose(words) + str(store)
+
     found = check(mechanism)
     results: dict[str, Any] = {
         "store": store,
         "points": points,
         "failed": failed,
         "reasons": reasons,
+        # Designs that did not fail, by the first error that `check` finds in them.
+        "errors": errors,
         # Of the mechanism as the file has it; each design has its own code.
         "findings": list(dict.fromkeys(f.name for f in found if f.severity != "note")),
         "valid": failed < points,

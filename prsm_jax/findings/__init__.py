@@ -12,9 +12,12 @@ from ._check import (
 from ._margin import (
     Margin as Margin,
     Reading as Reading,
+    error_names as error_names,
     evaluate_margins as evaluate_margins,
+    first_error as first_error,
     margin_source as margin_source,
     margins_of as margins_of,
+    shared_loads as shared_loads,
     source_count as source_count,
 )
 from ._masses import mass_findings as mass_findings

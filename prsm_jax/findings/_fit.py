@@ -4,7 +4,13 @@ from collections.abc import Iterator
 
 import jax.numpy as jnp
 
-from ..geometry import Finding, carrier_clearance, dimension_margins, roller_clearance
+from ..geometry import (
+    Finding,
+    bore_margins,
+    carrier_clearance,
+    dimension_margins,
+    roller_clearance,
+)
 from ..mechanism import Mechanism, Scalar
 from ..quantities import Analysis
 from ..strength import needs_meshing_for_backlash
@@ -48,6 +54,34 @@ def _dimensions(mechanism: Mechanism, index: int) -> Iterator[Margin]:
             reserve=0.0,
             strict=True,
             subject=name,
+        )
+
+
+@margin_source
+def _bores(mechanism: Mechanism, index: int) -> Iterator[Margin]:
+    """Bores that are wider than the cylinder that they are in."""
+    for body in bore_margins(mechanism.stages[index]):
+
+        def radius(analysis: Analysis, body=body) -> dict[str, Scalar]:
+            return {"bore": getattr(analysis.mechanism.stages[index], body).bore_radius}
+
+        yield Margin(
+            "bore",
+            index + 1,
+            lambda a, body=body: bore_margins(a.mechanism.stages[index])[body],
+            (("error", 0.0),),
+            lambda r, body=body: (
+                f"stage.{body}.bore_radius is {r.details['bore'] * 1e3:.6g} mm, and the {body}'s "
+                f"thread leaves a radius of {(r.details['bore'] + r.value) * 1e3:.6g} mm: no "
+                f"mechanism has such a {body}; make the bore smaller"
+            ),
+            unit="m",
+            kind="existence",
+            details=radius,
+            shown=lambda r: (r.details["bore"], r.details["bore"] + r.value),
+            reserve=_CLOSE,
+            strict=True,
+            subject=body,
         )
 
 

@@ -6,16 +6,17 @@ severity error as a constraint, with exact derivatives. To add a finding, write 
 `margin_source`) in one of the files of this room.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import jax.numpy as jnp
+from jaxtyping import Array, Bool, Int
 
 from .._errors import MissingDataError
 from ..geometry import Finding, Severity
 from ..mechanism import Mechanism, Scalar
-from ..quantities import Analysis
+from ..quantities import Analysis, SharedLoad
 
 #: What a broken limit of severity error says about the other results. `existence`: no such
 #: mechanism exists, and its other numbers mean nothing. `assembly`: its numbers stand, but it
@@ -66,6 +67,8 @@ class Margin:
     smooth: bool = True
     #: Tells findings of one name and stage apart; of those with one subject the worst is reported.
     subject: str = ""
+    #: Loads under which it asks how threads share (`Analysis.distribution`).
+    shares: tuple[SharedLoad, ...] = ()
 
     @property
     def error_limit(self) -> float | None:
@@ -106,6 +109,13 @@ def margins_of(mechanism: Mechanism) -> tuple[Margin, ...]:
     )
 
 
+def shared_loads(
+    margins: Iterable[Margin], wanted: Callable[[Margin], bool] = lambda _: True
+) -> tuple[SharedLoad, ...]:
+    """Loads under which some margins ask how threads share, for `Analysis.expect`."""
+    return tuple(dict.fromkeys(load for m in margins if wanted(m) for load in m.shares))
+
+
 def evaluate_margins(
     analysis: Analysis,
     wanted: Callable[[Margin], bool] = lambda _: True,
@@ -124,9 +134,9 @@ def evaluate_margins(
     it is not wanted or the mechanism lacks data for it.
     """
     found: list[dict[str, Scalar] | None] = []
-    # Static safety and life look at these, where threads share for real.
-    analysis.expect(("largest", "equivalent"))
-    for margin in margins_of(analysis.mechanism):
+    margins = margins_of(analysis.mechanism)
+    analysis.expect(shared_loads(margins, wanted))
+    for margin in margins:
         if not wanted(margin):
             found.append(None)
             continue
@@ -158,6 +168,35 @@ def severity_at(margin: Margin, value: float) -> tuple[Severity, float] | None:
         if below or (margin.whole and severity == "error" and not is_whole(value)):
             return severity, limit
     return None
+
+
+def is_error(margin: Margin, value: Scalar) -> Bool[Array, ""]:
+    """Whether a value makes the finding an error; as `severity_at`, in a trace."""
+    limit = margin.error_limit
+    if limit is None:
+        return jnp.asarray(False)
+    broken = value <= limit if margin.strict else value < limit
+    if margin.whole:
+        broken = broken | (jnp.abs(value - jnp.round(value)) >= _ROUNDING)
+    return broken | jnp.isnan(value) if margin.kind == "existence" else broken
+
+
+def error_names(mechanism: Mechanism) -> tuple[str, ...]:
+    """Names of the findings that can be errors of a mechanism of this structure, each once."""
+    margins = margins_of(mechanism)
+    return tuple(dict.fromkeys(m.name for m in margins if m.error_limit is not None))
+
+
+def first_error(analysis: Analysis) -> Int[Array, ""]:
+    """Which error `check` finds first, in a trace: its place in `error_names` from 1, or 0."""
+    names, code = error_names(analysis.mechanism), jnp.asarray(0)
+    margins = margins_of(analysis.mechanism)
+    values = evaluate_margins(analysis, lambda m: m.error_limit is not None, details=False)
+    for margin, numbers in reversed(list(zip(margins, values, strict=True))):
+        if numbers is not None:
+            place = names.index(margin.name) + 1
+            code = jnp.where(is_error(margin, numbers["value"]), place, code)
+    return code
 
 
 def finding_of(

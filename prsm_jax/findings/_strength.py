@@ -10,6 +10,8 @@ from ..geometry import Finding, Severity
 from ..mechanism import Mechanism, Scalar, Stage, Strength
 from ..quantities import (
     Analysis,
+    derives_dynamic_capacity,
+    derives_static_capacity,
     minimum_amplitude_of,
     on_one_flank,
     rating_life_of,
@@ -59,6 +61,7 @@ def _static_safety(mechanism: Mechanism, index: int) -> Iterator[Margin]:
             "lower the load"
         ),
         shown=lambda r: (_safety(r.value), 1.0),
+        shares=("largest",) if derives_static_capacity(mechanism.stages[index]) else (),
     )
 
 
@@ -161,6 +164,7 @@ def _rating_life(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         message,
         details=details,
         shown=lambda r: (r.details["life"], r.details["asked"]),
+        shares=("equivalent",) if derives_dynamic_capacity(mechanism.stages[index]) else (),
     )
 
 

@@ -11,6 +11,7 @@ from ..geometry import end_names
 from ..mechanism import Mechanism, Scalar, Stage
 from ..quantities import (
     Analysis,
+    SharedLoad,
     dynamic_capacity_of,
     on_one_flank,
     sharing_factor_of,
@@ -69,6 +70,14 @@ def _reaches(analysis: Analysis, index: int) -> tuple[strength.EndReach, ...]:
     )
 
 
+def _shares(stage: Stage) -> tuple[SharedLoad, ...]:
+    """Loads of `_LOADS` whose sharing is asked for."""
+    data = stage.strength
+    if data is None or (data.dynamic_capacity is None and data.material_factor is None):
+        return ("operating_point", "largest")
+    return ("operating_point", "largest", "equivalent")
+
+
 @margin_source
 def _contact_truncation(mechanism: Mechanism, index: int) -> Iterator[Margin]:
     for place, (side, kind, body) in enumerate(end_names(mechanism.stages[index])):
@@ -98,6 +107,7 @@ def _contact_truncation(mechanism: Mechanism, index: int) -> Iterator[Margin]:
             details=details,
             shown=lambda r: (-r.value / (r.details["distance"] - r.value), 0.0),
             subject=f"{kind} of {body} on the {side} side",
+            shares=_shares(mechanism.stages[index]),
         )
 
 

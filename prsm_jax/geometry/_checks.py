@@ -79,9 +79,27 @@ def dimension_margins(thread: Thread) -> dict[str, Scalar]:
     return margins
 
 
+def bore_margins(stage: Stage) -> dict[str, Scalar]:
+    """What is left between bore and thread of the bodies with a bore, by body [m].
+
+    Of the screw down to the root, where that is given, else to the nominal radius, as files are
+    checked.
+    """
+    margins = {}
+    if stage.screw.bore_radius is not None:
+        shaft = None if stage.strength is None else stage.strength.shaft
+        root = None if shaft is None else shaft.root_radius
+        outer = stage.thread.screw_radius if root is None else root
+        margins["screw"] = jnp.minimum(stage.thread.screw_radius, outer) - stage.screw.bore_radius
+    if stage.roller.bore_radius is not None:
+        margins["roller"] = stage.thread.roller_radius - stage.roller.bore_radius
+    return margins
+
+
 def dimensions_possible(stage: Stage) -> Bool[Array, ""]:
-    """Whether every number of the thread is in its physical range; false for NaN."""
-    return jnp.stack([margin > 0 for margin in dimension_margins(stage.thread).values()]).all()
+    """Whether the thread's numbers are in their ranges and bores inside; false for NaN."""
+    margins = dimension_margins(stage.thread) | bore_margins(stage)
+    return jnp.stack([margin > 0 for margin in margins.values()]).all()
 
 
 def rollers_fit(stage: Stage) -> Bool[Array, ""]:

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..findings import Margin, evaluate_margins, margins_of, source_count
+from ..findings import Margin, evaluate_margins, margins_of, shared_loads, source_count
 from ..mechanism import DesignProblem, Mechanism, Scalar, set_parameters
 from ..quantities import Analysis, component_names, compute, find_quantity
 from ._margin_rows import (
@@ -30,6 +30,8 @@ def _outputs(given: tuple, position: Float[Array, " variables"]):
     for stage in analysis.kinematics:
         analysis.require(stage.meshing.converged)
     analysis.expect(load for name in quantities for load in find_quantity(name).shares)
+    if margins:
+        analysis.expect(shared_loads(margins_of(moved), is_constraint))
     # Not put end to end: XLA would compute what an array is made of anew for each element.
     found = [jnp.ravel(find_quantity(name).function(analysis)) for name in quantities]
     if margins:

@@ -16,7 +16,7 @@ from . import (
     _truncation as _truncation,
     _vibration as _vibration,
 )
-from ._analysis import Analysis as Analysis
+from ._analysis import Analysis as Analysis, SharedLoad as SharedLoad
 from ._assumptions import (
     assumption as assumption,
     derives_dynamic_capacity as derives_dynamic_capacity,
@@ -32,6 +32,7 @@ from ._catalogue import (
     compute as compute,
     compute_checked as compute_checked,
     compute_coded as compute_coded,
+    evaluate_coded as evaluate_coded,
     find_quantity as find_quantity,
     quantity as quantity,
 )

@@ -159,7 +159,13 @@ def compute_coded(
 
     0 where they can; a value that is not finite has a code of its own.
     """
-    analysis = Analysis(mechanism, speed, load)
+    return evaluate_coded(Analysis(mechanism, speed, load), quantities)
+
+
+def evaluate_coded(
+    analysis: Analysis, quantities: Iterable[str]
+) -> tuple[dict[str, Array], Int[Array, ""]]:
+    """As `compute_coded`, of an analysis of which more is asked."""
     values = _evaluate(analysis, quantities)
     finite = jnp.stack([jnp.isfinite(value).all() for value in values.values()]).all()
     code = code_of(analysis)
@@ -236,6 +242,7 @@ __all__ = [
     "compute",
     "compute_checked",
     "compute_coded",
+    "evaluate_coded",
     "find_quantity",
     "quantity",
 ]

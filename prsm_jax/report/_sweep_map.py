@@ -19,7 +19,8 @@ def sweep_map(
 ) -> Figure:
     """Draw contours of a quantity over two axes of a sweep, with its optimum.
 
-    Axes beyond the two are held where the optimum lies. Designs that failed are crossed.
+    Axes beyond the two are held where the optimum lies. Designs that failed are crossed, and those
+    in which `check` finds an error are dotted; the optimum is one of the others, if there are any.
 
     **Arguments:**
 
@@ -47,14 +48,27 @@ def sweep_map(
     if not np.isfinite(values).any():
         raise ValueError(f"no design of the sweep has a {quantity!r}; every one failed")
     pick = np.nanargmax if sense == "maximise" else np.nanargmin
-    best = np.unravel_index(pick(np.where(np.isfinite(values), values, np.nan)), values.shape)
+    flawed = _flawed(dataset, data)
+    usable = np.isfinite(values) & ~flawed.values
+    usable = usable if usable.any() else np.isfinite(values)
+    best = np.unravel_index(pick(np.where(usable, values, np.nan)), values.shape)
     held = {
         str(d): int(i)
         for d, i in zip(data.dims, best, strict=True)
         if d not in chosen and data.sizes[d] > 1
     }
-    plane = data.isel({d: int(i) for d, i in zip(data.dims, best, strict=True) if d not in chosen})
-    return _draw(data, plane.transpose(chosen[1], chosen[0]), quantity, chosen, best, held, sense)
+    fixed = {d: int(i) for d, i in zip(data.dims, best, strict=True) if d not in chosen}
+    plane, dots = (one.isel(fixed).transpose(chosen[1], chosen[0]) for one in (data, flawed))
+    dots = np.argwhere(dots.values & np.isfinite(np.asarray(plane.values, dtype=float)))
+    return _draw(data, plane, dots, quantity, chosen, best, held, sense)
+
+
+def _flawed(dataset: Any, data: Any) -> Any:
+    """Designs in which `check` finds an error, over the axes of a quantity."""
+    if "error" not in dataset:
+        return data.isnull() & False
+    codes = dataset["error"]
+    return (codes > 0).broadcast_like(data).transpose(*data.dims)
 
 
 def _axis(data: Any, name: str):
@@ -64,7 +78,7 @@ def _axis(data: Any, name: str):
     return unit(coordinate), unit, label
 
 
-def _draw(data, plane, quantity: str, chosen, best, held, sense: str) -> Figure:
+def _draw(data, plane, dots, quantity: str, chosen, best, held, sense: str) -> Figure:
     values = np.asarray(plane.values, dtype=float)
     finite = values[np.isfinite(values)]
     unit = display_unit(
@@ -92,6 +106,9 @@ def _draw(data, plane, quantity: str, chosen, best, held, sense: str) -> Figure:
         axes.plot(
             xs[failed[:, 1]], ys[failed[:, 0]], "x", color=INK, ms=4, clip_on=False, label="failed"
         )
+    if dots.size:
+        at = xs[dots[:, 1]], ys[dots[:, 0]]
+        axes.plot(*at, ".", color=INK, ms=3, clip_on=False, label="error of prsm check")
     index = dict(zip((str(d) for d in data.dims), best, strict=True))
     at_x, at_y = xs[index[chosen[0]]], ys[index[chosen[1]]]
     value = in_unit(float(np.asarray(data.values)[best]), unit)
@@ -112,7 +129,7 @@ def _draw(data, plane, quantity: str, chosen, best, held, sense: str) -> Figure:
     axes.set_xlabel(x_label)
     axes.set_ylabel(y_label)
     axes.set_title(f"{readable(quantity)[:1].upper()}{readable(quantity)[1:]}")
-    figure.legend(loc="outside lower center", ncols=2, fontsize=SMALL)
+    figure.legend(loc="outside lower center", ncols=3, fontsize=SMALL)
     if held:
         words = ", ".join(
             f"{readable(name)} {in_unit(float(data[name].values[i]), _axis(data, name)[1])}"

@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .._version import __version__
-from ..mechanism import Mechanism
+from ..findings import error_names
+from ..mechanism import Mechanism, set_parameters
 from ..quantities import REASONS, Quantity, find_quantity
 from ._axes import Grid
 
@@ -17,7 +18,7 @@ def labelled(
     mechanism: Mechanism,
     grid: Grid,
     values: dict[str, np.ndarray],
-    codes: np.ndarray,
+    codes: dict[str, np.ndarray],
     point: dict,
 ) -> "xarray.Dataset":
     """The data set of a sweep.
@@ -27,7 +28,8 @@ def labelled(
     - `mechanism`: the mechanism.
     - `grid`: the axes.
     - `values`: quantities, the axes of the grid in front.
-    - `codes`: 0, or why a design failed (`prsm_jax.quantities.REASONS`).
+    - `codes`: `code`, 0 or why a design failed (`prsm_jax.quantities.REASONS`), and `error`, 0 or
+      which error `check` finds first (`error_names`, from 1).
     - `point`: `speed` and `load` that were given for all designs, or `None`.
     """
     import xarray
@@ -50,22 +52,31 @@ def labelled(
             numbers = np.arange(1, len(mechanism.stages) + 1)
             coordinates["stage"] = ("stage", numbers, {"long_name": "number of the stage"})
         variables[name] = ((*over, *own), array, attributes)
-    failed = codes != 0
+    failed = codes["code"] != 0
+    # A number that an axis writes out has margins too.
+    first = {axis.name: axis.values[0] for axis in grid.axes}
+    written = set_parameters(mechanism, first, checked=False)
     variables["failed"] = (over, failed, {"long_name": "whether a design failed; see code"})
+    meanings = {
+        "code": ("why a design failed", REASONS),
+        "error": ("first error that check finds in a design", ("none", *error_names(written))),
+    }
     # As the conventions for climate and forecast metadata write codes.
-    variables["code"] = (
-        over,
-        codes,
-        {
-            "long_name": "why a design failed",
-            "flag_values": list(range(len(REASONS))),
-            "flag_meanings": " ".join(REASONS),
-        },
-    )
+    for name, (words, flags) in meanings.items():
+        variables[name] = (
+            over,
+            codes[name],
+            {
+                "long_name": words,
+                "flag_values": list(range(len(flags))),
+                "flag_meanings": " ".join(flags),
+            },
+        )
     attributes = {
         "title": mechanism.title,
         "points": grid.points,
         "failed": int(failed.sum()),
+        "errors": int((codes["error"] != 0).sum()),
         "prsm_jax_version": __version__,
     }
     attributes |= {name: float(value) for name, value in point.items() if value is not None}

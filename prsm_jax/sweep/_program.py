@@ -5,8 +5,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
+from ..findings import first_error, margins_of, shared_loads
 from ..mechanism import Mechanism, Scalar, set_parameters
-from ..quantities import compute_coded
+from ..quantities import Analysis, evaluate_coded
 
 
 @eqx.filter_jit
@@ -19,7 +20,8 @@ def evaluate_chunk(
     chunk: int,
     speed: Scalar | None,
     load: Scalar | None,
-) -> tuple[dict[str, Array], Int[Array, " chunk"]]:
+    sources: int,
+) -> tuple[dict[str, Array], Int[Array, " chunk"], Int[Array, " chunk"]]:
     """Quantities of `chunk` neighbouring designs of a grid, the last axis running fastest.
 
     The coordinates follow from the number of a design, so that no grid is ever held in memory;
@@ -33,9 +35,11 @@ def evaluate_chunk(
     - `start`: number of the first design.
     - `chunk`: how many.
     - `speed`, `load`: operating point, or `None` for that of the mechanism.
+    - `sources`: how many sources of margins there are, whose errors to look for; 0 for none.
 
-    **Returns:** the quantities, with the designs in front, and a code, 0 for a design that
-    can be used (see `prsm_jax.quantities.REASONS`); the others are NaN throughout.
+    **Returns:** the quantities, with the designs in front; a code, 0 for a design that can be
+    used (see `prsm_jax.quantities.REASONS`), the others being NaN throughout; and the first error
+    of `check`, by its place in `error_names` from 1, 0 for none.
     """
     shape = tuple(axis.shape[0] for axis in axes)
     total = 1
@@ -46,9 +50,13 @@ def evaluate_chunk(
         place = jnp.unravel_index(number, shape) if shape else ()
         values = {name: axis[index] for name, axis, index in zip(names, axes, place, strict=True)}
         moved = set_parameters(mechanism, values)
-        found, code = compute_coded(moved, quantities, speed=speed, load=load)
+        analysis = Analysis(moved, speed, load)
+        if sources:
+            analysis.expect(shared_loads(margins_of(moved), lambda m: m.error_limit is not None))
+        found, code = evaluate_coded(analysis, quantities)
         good = code == 0
-        return {name: jnp.where(good, value, jnp.nan) for name, value in found.items()}, code
+        found = {name: jnp.where(good, value, jnp.nan) for name, value in found.items()}
+        return found, code, first_error(analysis) if sources else jnp.zeros_like(code)
 
     numbers = jnp.minimum(start + jnp.arange(chunk), total - 1)
     return jax.vmap(design)(numbers)

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from .._errors import MissingDataError, missing_extra
+from ..findings import source_count
 from ..mechanism import Mechanism, Scalar
 from ..quantities import REASONS, find_quantity
 from ._axes import Grid, grid_of
@@ -31,6 +32,7 @@ def sweep(
     chunk: int = DEFAULT_CHUNK,
     progress: bool | Callable[[int, int], None] = False,
     store: str | os.PathLike | None = None,
+    findings: bool = True,
 ) -> "xarray.Dataset":
     """Evaluate quantities on the full grid of some parameters.
 
@@ -38,7 +40,9 @@ def sweep(
     of static parameters (`roller_count`) has a program of its own. Memory beyond the result does
     not grow with the grid. A design that fails, because its threads do not mesh, a contact would
     have to pull, or a value is not finite, is marked in `failed` and is NaN in all quantities;
-    the other designs do not notice.
+    the other designs do not notice. A design in which `check` finds an error (teeth that interfere,
+    a carrier that cuts into the screw, a load above the static capacity) is marked in `error` with
+    the name of the first; its numbers stand.
 
     **Arguments:**
 
@@ -52,10 +56,13 @@ def sweep(
       how many there are.
     - `store`: directory to write as a zarr store; one that is there is replaced when the new one
       is complete.
+    - `findings`: whether to look for errors of `check` in every design; they may rest on more than
+      the quantities do.
 
-    **Returns:** an `xarray.Dataset` with one variable per quantity and the boolean `failed`,
-    over the axes (then `stage`, or modes). Units are in the attributes `units`; the attributes
-    `points` and `failed` of the data set count designs.
+    **Returns:** an `xarray.Dataset` with one variable per quantity, the boolean `failed`, and the
+    codes `code` (why a design failed) and `error` (what `check` says), over the axes (then `stage`,
+    or modes). Units are in the attributes `units`, the meaning of codes in `flag_meanings`; the
+    attributes `points`, `failed` and `errors` of the data set count designs.
 
     **Raises:** `UnknownNameError` for an unknown name; `ValueError` for axes that are empty, not
     finite, or move the same number, and for a `store` that would replace something else;
@@ -86,7 +93,8 @@ def sweep(
         for name, value in (("speed", speed), ("load", load))
     }
     with _progress_bar(grid.points, progress) as bar:
-        values, codes = _evaluate(mechanism, grid, names, point, chunk, bar)
+        sources = source_count() if findings else 0
+        values, codes = _evaluate(mechanism, grid, names, point, chunk, sources, bar)
     dataset = labelled(mechanism, grid, values, codes, point)
     if store is not None:
         from ._store import write_store
@@ -96,26 +104,35 @@ def sweep(
 
 
 def _evaluate(
-    mechanism: Mechanism, grid: Grid, names: tuple[str, ...], point: dict, chunk: int, bar
-) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """All quantities over the grid, and a code for each design: 0, or why it failed."""
+    mechanism: Mechanism,
+    grid: Grid,
+    names: tuple[str, ...],
+    point: dict,
+    chunk: int,
+    sources: int,
+    bar,
+) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """All quantities over the grid, and codes of each design: why it failed, which error it has."""
     traced = grid.traced
     shape = tuple(len(axis.values) for axis in traced)
     axes = tuple(jnp.asarray(axis.values) for axis in traced)
     axis_names = tuple(axis.name for axis in traced)
     total = int(np.prod(shape))
     size = min(chunk, total)
-    codes = np.full(grid.shape, REASONS.index("not_computed"), dtype=np.int8)
+    codes = {
+        "code": np.full(grid.shape, REASONS.index("not_computed"), dtype=np.int8),
+        "error": np.zeros(grid.shape, dtype=np.int8),
+    }
     values: dict[str, np.ndarray] = {}
 
     for where, words, chosen in grid.combinations(mechanism):
         part: dict[str, np.ndarray] = {}
-        part_codes = np.full(total, REASONS.index("not_computed"), dtype=np.int8)
+        part_codes = {name: np.zeros(total, dtype=np.int8) for name in codes}
         try:
             # One chunk at a time: XLA's CPU client can deadlock when programs that share its
             # thread pool run at once, and one program keeps the cores busy by itself.
             for start in range(0, total, size):
-                found, bad = evaluate_chunk(
+                found, *flags = evaluate_chunk(
                     chosen,
                     axis_names,
                     axes,
@@ -124,6 +141,7 @@ def _evaluate(
                     size,
                     point["speed"],
                     point["load"],
+                    sources,
                 )
                 count = min(size, total - start)
                 for name, array in found.items():
@@ -131,7 +149,8 @@ def _evaluate(
                     if name not in part:
                         part[name] = np.full((total, *value.shape[1:]), np.nan, value.dtype)
                     part[name][start : start + count] = value[:count]
-                part_codes[start : start + count] = np.asarray(bad)[:count]
+                for array, flag in zip(part_codes.values(), flags, strict=True):
+                    array[start : start + count] = np.asarray(flag)[:count]
                 bar.update(count)
         except MissingDataError as error:
             if words:
@@ -146,7 +165,8 @@ def _evaluate(
                     f"{values[name].shape[len(grid.shape) :]} before; sweep the two apart"
                 )
             values[name][where] = value.reshape((*shape, *value.shape[1:]))
-        codes[where] = part_codes.reshape(shape)
+        for name, array in part_codes.items():
+            codes[name][where] = array.reshape(shape)
     return values, codes
 
 

@@ -147,6 +147,31 @@ def test_brute_force_finds_nothing_better(optimum):
     assert np.nanmax(data["efficiency"].values) > best.optimum.objective + 0.005
 
 
+#: Examples that ask for an optimisation; that of the demo is among them.
+OPTIMISED = [name for name in file.example_names() if "\n[optimise]" in file.example_text(name)]
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(900)
+@pytest.mark.parametrize("name", OPTIMISED)
+def test_the_optimum_of_every_example_passes_check(prsm, prsm_json, tmp_path, name):
+    """The file as it is written and rounded; its findings are those that the optimisation told."""
+    results = prsm_json("optimise", name, "--out", tmp_path)
+    assert results["converged"]
+    status, out, err = prsm("check", results["mechanism"], "--json", "-")
+    assert (status, err) == (0, "")
+    checked = json.loads(out)
+    assert checked["errors"] == 0
+    told = [(f["name"], f["severity"]) for f in results["findings_optimum"]]
+    assert told == [(f["name"], f["severity"]) for f in checked["findings"]]
+    start = [(f.name, f.severity) for f in prsm_jax.check(scenes.example(name))]
+    assert [(f["name"], f["severity"]) for f in results["findings_start"]] == start
+
+
+def test_the_example_of_the_demo_is_one_of_them():
+    assert "actuator" in OPTIMISED
+
+
 @pytest.mark.slow
 @pytest.mark.timeout(900)
 def test_demo(prsm, tmp_path):
@@ -168,6 +193,7 @@ def test_demo(prsm, tmp_path):
     }
     results = json.loads((folder / "results.json").read_text())
     assert tomllib.loads((folder / "optimised.toml").read_text())["stage"]
+    assert prsm("check", folder / "optimised.toml")[0] == 0
     improved = file.load(folder / "optimised.toml")
     state = scenes.steady_state(improved)
     claimed = results["optimise"]["optimum"]["objective"]

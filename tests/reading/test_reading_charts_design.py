@@ -162,6 +162,25 @@ def test_sweeps():
     chart.finish()
 
 
+def test_sweeps_name_no_design_with_an_error_the_best():
+    """Dots where `check` finds an error; the star on the best of the others."""
+    data = _dataset().isel(load=[0])
+    values = data["max_pressure"].values[..., 0]
+    flawed = values < np.nanquantile(values, 0.4)
+    data["error"] = (("lead", "contact_angle"), flawed.astype(np.int8))
+    chart = Chart(sweep_map(data, "max_pressure", sense="minimise"))
+    axes = chart.axes[0]
+    _, dots, star = chart.lines(axes)
+    lead, angle = data["lead"].values, data["contact_angle"].values
+    column, row = np.nonzero(flawed)
+    assert len(column) > 3
+    chart.curve(axes, dots, lead[column], angle[row], ("m", "rad"))
+    assert dots.get_label() == "error of prsm check"
+    best = np.unravel_index(np.nanargmin(np.where(flawed, np.nan, values)), values.shape)
+    chart.curve(axes, star, lead[best[0]], angle[best[1]], ("m", "rad"))
+    chart.says("smallest: ", (values[best], "Pa"))
+
+
 @reads("chart", "life_chart")
 def test_life():
     load = jnp.asarray([3e3, -18e3, 9e3])

@@ -448,21 +448,36 @@ def test_sweep(run, monkeypatch, tmp_path):
         given.append((axes, quantities, more["store"]))
         # Three rollers too many, and one design that does not mesh.
         codes = np.array([2] * 3 + [3] + [0] * 17, np.int8)
-        return xarray.Dataset({"code": ("design", codes)}, attrs={"points": 21, "failed": 4})
+        # Overlapping rollers are an error of check too; five others interfere or are overloaded.
+        errors = np.array([2] * 3 + [0] + [4] * 2 + [3] * 3 + [0] * 12, np.int8)
+        meanings = {
+            "code": (codes, "successful impossible_dimension overlapping_rollers no_meshing"),
+            "error": (errors, "none dimension roller_clearance backlash static_safety"),
+        }
+        variables = {
+            name: ("design", values, {"flag_meanings": words})
+            for name, (values, words) in meanings.items()
+        }
+        variables["failed"] = ("design", codes != 0)
+        return xarray.Dataset(variables, attrs={"points": 21, "failed": 4})
 
     monkeypatch.setattr(_design, "run_sweep", sweep)
     axis = ("--axis", "lead=5 mm:15 mm:3", "--axis", "contact_angle=30 deg,45 deg")
     found, printed = run("sweep", "wu2022", *axis, "--quantities", "efficiency, mass")
     store = found.pop("store")
     reasons = {"overlapping_rollers": 3, "no_meshing": 1}
-    assert_json(without_words(found), {"points": 21, "failed": 4, "reasons": reasons})
+    errors = {"backlash": 3, "static_safety": 2}
+    wanted = {"points": 21, "failed": 4, "reasons": reasons, "errors": errors}
+    assert_json(without_words(found), wanted)
     axes, quantities, place = given[0]
     assert quantities == ["efficiency", "mass"]
     assert str(place) == store
     np.testing.assert_allclose(axes["lead"], to_si([5, 10, 15], "mm"))
     np.testing.assert_allclose(axes["contact_angle"], to_si([30, 45], "deg"))
-    first = " ".join(printed.lines[0])
-    assert "21 designs, 4 failed: overlapping rollers (3), no meshing (1)" in first
+    assert " ".join(printed.lines[0]) == (
+        "21 designs, 4 failed: overlapping rollers (3), no meshing (1); errors of prsm check in 5 "
+        "more: backlash (3), static safety (2)"
+    )
 
 
 @reads("verb", "validate")

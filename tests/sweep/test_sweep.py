@@ -10,6 +10,7 @@ import scenes
 import xarray
 
 import prsm_jax as prsm
+from prsm_jax.mechanism import AxialPlay, Carrier, Gear, Screw, ScrewShaft, Strength
 from prsm_jax.sweep import sweep
 
 QUANTITIES = ("efficiency", "max_pressure", "carrier_ratio")
@@ -81,6 +82,50 @@ def test_a_failed_design_is_marked_and_alone():
     for name in QUANTITIES:
         assert np.isnan(data[name][1]).all()
         np.testing.assert_array_equal(data[name][[0, 2]], good[name][:2])
+
+
+def _named(codes):
+    """Meanings of the codes of a data set, design by design."""
+    meanings = np.array(codes.attrs["flag_meanings"].split())
+    return meanings[codes.values.astype(int)]
+
+
+def test_designs_have_the_error_that_check_finds_first():
+    """Teeth, carrier, capacity, shaft and bore, each broken somewhere on the grid."""
+    given = scenes.stage(
+        screw=Screw(mass=0.76, inertia=0.5 * 0.76 * 12e-3**2, bore_radius=5e-3),
+        carrier=Carrier(inertia=1e-4, radial_width=6e-3),
+        gear=Gear(np.radians(20), roller_teeth=16.0),
+        strength=Strength(
+            play=AxialPlay(screw_tooth_thinning=0.08e-3, roller_tooth_thinning=0.05e-3),
+            static_capacity=40e3,
+            shaft=ScrewShaft("fixed_supported", unsupported_length=0.3, root_radius=11e-3),
+        ),
+    )
+    base = scenes.mechanism(given)
+    axes = {
+        "lead": [8e-3, 20e-3],
+        "carrier.radial_width": [6e-3, 9e-3],
+        "screw.bore_radius": [5e-3, 11.5e-3],
+        "roller_teeth": [16.0, 16.5],
+        "operating_point.load": [9e3, 50e3],
+    }
+    data = sweep(base, axes, ["nut_radius"])
+    found = _named(data["error"])
+    for index in np.ndindex(found.shape):
+        values = {name: axes[name][i] for name, i in zip(axes, index, strict=True)}
+        one = prsm.mechanism.set_parameters(base, values, checked=False)
+        errors = [f.name for f in prsm.check(one) if f.severity == "error"]
+        assert found[index] in (errors or ["none"]), (values, errors)
+    assert set(np.unique(found)) == {
+        *("none", "backlash", "carrier_clearance", "bore", "gear_assembly", "static_safety")
+    }
+    # A bore wider than the shaft is no mechanism; of the others the numbers stand.
+    np.testing.assert_array_equal(data["failed"], found == "bore")
+    assert data.attrs["errors"] == (found != "none").sum()
+    assert set(_named(data["code"])[found == "bore"]) == {"impossible_dimension"}
+    quiet = sweep(base, axes, ["nut_radius"], findings=False)
+    assert not quiet["error"].any()
 
 
 def test_numbers_that_are_not_finite_are_failures(own_quantities):
