@@ -63,6 +63,50 @@ def pulled_back(mechanism, weights, quantities):
     return pullback(weights)
 
 
+def all_values(leaves, rest, quantities):
+    """Quantities, one after the other, of a mechanism in two parts."""
+    found = prsm.compute(eqx.combine(leaves, rest), quantities)
+    return jnp.concatenate([jnp.ravel(found[name]) for name in quantities])
+
+
+@eqx.filter_jit
+def along(leaves, direction, rest, quantities):
+    """Quantities and their derivative along a change of all numbers of a mechanism at once.
+
+    `leaves` and `rest` are the two parts of `eqx.partition(mechanism, eqx.is_inexact_array)`.
+    """
+    return jax.jvp(lambda x: all_values(x, rest, quantities), (leaves,), (direction,))
+
+
+@eqx.filter_jit
+def by_all_numbers(leaves, weights, rest, quantities):
+    """Gradient of a weighted sum of quantities by all numbers of a mechanism, reverse mode."""
+    return jax.vjp(lambda x: all_values(x, rest, quantities), leaves)[1](weights)[0]
+
+
+def some_direction(leaves, seed):
+    """A change of every number by a share of its own."""
+    random = np.random.default_rng(seed)
+    return jax.tree.map(lambda x: jnp.asarray(x * random.uniform(-1, 1, x.shape)), leaves)
+
+
+def central_slope(leaves, direction, rest, quantities, step=1e-6):
+    """Derivative along a direction by central differences; NaN where a value is infinite."""
+
+    def at(share):
+        moved = jax.tree.map(lambda x, d: x + share * d, leaves, direction)
+        return np.asarray(along(moved, direction, rest, quantities)[0])
+
+    with np.errstate(invalid="ignore"):
+        return (at(step) - at(-step)) / (2 * step)
+
+
+def inner(first, second):
+    """Sum of the products of all numbers of two trees."""
+    pairs = zip(jax.tree.leaves(first), jax.tree.leaves(second), strict=True)
+    return sum(float(jnp.sum(a * b)) for a, b in pairs)
+
+
 def forward(mechanism, quantities):
     """Values, and their derivatives to relative changes of the variables [quantity, variable]."""
     nothing, columns = jnp.zeros(len(VARIABLES)), []

@@ -106,8 +106,13 @@ def fault(
     row = number(item, published, computed, unit, note=note)
     if abs(float(own) - float(published)) <= half_unit(published):
         raise ValueError(f"{item}: the toolkit gives {own} too; that is reproduced, not a fault")
-    held: Verdict = "fault reproduced" if row.verdict == "reproduced" else "not reproduced"
-    return dataclasses.replace(row, verdict=held, own=float(own))
+    return dataclasses.replace(_if_equal("fault reproduced", row), own=float(own))
+
+
+def _if_equal(verdict: Verdict, row: Row) -> Row:
+    """A row of two numbers with a verdict of its own, as long as they agree."""
+    held: Verdict = verdict if row.verdict == "reproduced" else "not reproduced"
+    return dataclasses.replace(row, verdict=held)
 
 
 def formula(
@@ -124,8 +129,7 @@ def formula(
     **Arguments:** as `number`; `value` is the formula's, to the digits that are compared.
     """
     row = number(item, value, computed, unit, tolerance=tolerance, note=note)
-    held: Verdict = "formula agrees" if row.verdict == "reproduced" else "not reproduced"
-    return dataclasses.replace(row, verdict=held)
+    return _if_equal("formula agrees", row)
 
 
 def consistent(
@@ -142,8 +146,7 @@ def consistent(
     **Arguments:** as `number`; `other` follows from what else the paper prints.
     """
     row = number(item, published, other, unit, tolerance=tolerance, note=note)
-    held: Verdict = "paper consistent" if row.verdict == "reproduced" else "not reproduced"
-    return dataclasses.replace(row, verdict=held)
+    return _if_equal("paper consistent", row)
 
 
 def inconsistent(

@@ -25,8 +25,8 @@ _CITATION = (
 )
 #: Published frequencies [Hz] by number of planets: rotational (simple), translational (double).
 #: Second-hand: as an open-source model of drive trains quotes Table 2 (gfsReboucas/Drivetrain on
-#: GitHub, Lin_Parker_99.m, test_01); the paper itself was not at hand, so that a slip of a quotation
-#: cannot be told from a misprint. That model computes the same numbers as this one.
+#: GitHub, Lin_Parker_99.m, test_01); the paper itself was not at hand, so that a slip of a
+#: quotation cannot be told from a misprint. That model computes the same numbers as this one.
 ROTATIONAL = {
     3: ("0.0", "1475.7", "1930.3", "2658.3", "7462.8", "11775.3"),
     4: ("0.0", "1536.6", "1970.6", "2625.7", "7773.6", "13071.1"),

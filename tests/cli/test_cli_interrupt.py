@@ -14,6 +14,9 @@ from pathlib import Path
 
 import pytest
 
+import prsm_jax
+
+PACKAGE = Path(prsm_jax.__file__).parent
 #: The process has to end in this time [s], whatever it is doing.
 PATIENCE = 2.0
 #: A job in the background of a script ignores SIGINT, and so would its children.
@@ -138,21 +141,38 @@ def test_a_signal_while_jax_is_imported(tmp_path, number, message):
     assert time.monotonic() - began < 20
 
 
-HALF_WRITTEN = """
-import contextlib, os, pathlib, signal, sys, threading, time
+#: Files and signals of the package without the rest of it, as in a process that is `prsm`.
+ALONE = f"""
+import contextlib, os, pathlib, signal, sys, threading, time, types
 sys.argv = ["prsm"]
 sys.modules["jax"] = None  # neither files nor signals need it
-import importlib.util, types
-package = types.ModuleType("prsm_jax"); package.__path__ = [{package!r}]
+package = types.ModuleType("prsm_jax"); package.__path__ = [{str(PACKAGE)!r}]
 sys.modules["prsm_jax"] = package
 from prsm_jax import _files, _interrupt
+"""
 
+
+def stopped(code, folder):
+    """A process of its own that runs this code and is stopped by the signal in it."""
+    found = subprocess.run(
+        [sys.executable, "-c", HEARS + ALONE + code],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=50,
+        check=False,
+    )
+    assert (found.returncode, found.stderr) == (130, "prsm: stopped (Ctrl-C)\n")
+    return {path.name: path.read_text() for path in folder.iterdir()}
+
+
+HALF_WRITTEN = """
 def write(folder):
     number = 0
     while True:
         with contextlib.suppress(OSError):
-            (folder / f"{{number % 100}}").mkdir(parents=True, exist_ok=True)
-            (folder / f"{{number % 100}}" / "chunk").write_text("half")
+            (folder / f"{number % 100}").mkdir(parents=True, exist_ok=True)
+            (folder / f"{number % 100}" / "chunk").write_text("half")
         number += 1
 
 here = pathlib.Path(".")
@@ -168,33 +188,11 @@ with _files.folder_for_results(here / "new" / "inner") as folder:
 
 
 def test_what_is_half_written_goes_and_what_was_there_stays(tmp_path):
-    import prsm_jax
-
     (tmp_path / "kept.json").write_text("old")
-    code = HALF_WRITTEN.format(package=str(Path(prsm_jax.__file__).parent))
-    found = subprocess.run(
-        [sys.executable, "-c", HEARS + code],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        timeout=50,
-        check=False,
-    )
-    assert (found.returncode, found.stderr) == (130, "prsm: stopped (Ctrl-C)\n")
-    assert [path.name for path in tmp_path.iterdir()] == ["kept.json"]
-    assert (tmp_path / "kept.json").read_text() == "old"
+    assert stopped(HALF_WRITTEN, tmp_path) == {"kept.json": "old"}
 
 
-def test_a_result_that_takes_its_place_is_not_cut_in_two(tmp_path):
-    """A signal in the middle of several renames waits until they are done."""
-    import prsm_jax
-
-    code = f"""
-import os, pathlib, signal, sys, time, types
-sys.argv = ["prsm"]
-package = types.ModuleType("prsm_jax"); package.__path__ = [{str(Path(prsm_jax.__file__).parent)!r}]
-sys.modules["prsm_jax"] = package
-from prsm_jax import _files, _interrupt
+TAKING_PLACE = """
 here = pathlib.Path(".")
 with _files.temporary_folder(here, ".building-") as building:
     for name in ("a", "b"):
@@ -206,15 +204,10 @@ with _files.temporary_folder(here, ".building-") as building:
         os.replace(building / "b", "b")
     time.sleep(60)
 """
+
+
+def test_a_result_that_takes_its_place_is_not_cut_in_two(tmp_path):
+    """A signal in the middle of several renames waits until they are done."""
     for name in ("a", "b"):
         (tmp_path / name).write_text("old")
-    found = subprocess.run(
-        [sys.executable, "-c", HEARS + code],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        timeout=50,
-        check=False,
-    )
-    assert (found.returncode, found.stderr) == (130, "prsm: stopped (Ctrl-C)\n")
-    assert {p.name: p.read_text() for p in tmp_path.iterdir()} == {"a": "new", "b": "new"}
+    assert stopped(TAKING_PLACE, tmp_path) == {"a": "new", "b": "new"}

@@ -5,9 +5,16 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from derivatives import (
+    all_values,
+    along,
+    by_all_numbers,
+    central_slope,
+    inner,
+    some_direction,
+)
 from scenes import equal_shares, stage
 
-import prsm_jax as prsm
 from prsm_jax.mechanism import (
     AxialPlay,
     CoulombFriction,
@@ -37,32 +44,6 @@ BRACED = {"preload_opening_load", "preloaded_stiffness", "preload_torque"}
 AVAILABLE = tuple(name for name in NAMES if name not in BRACED)
 
 
-def _values(leaves, rest):
-    found = prsm.compute(eqx.combine(leaves, rest), AVAILABLE)
-    return jnp.concatenate([jnp.ravel(found[name]) for name in AVAILABLE])
-
-
-@eqx.filter_jit
-def _forward(leaves, direction, rest):
-    return jax.jvp(lambda x: _values(x, rest), (leaves,), (direction,))
-
-
-@eqx.filter_jit
-def _reverse(leaves, weights, rest):
-    return jax.vjp(lambda x: _values(x, rest), leaves)[1](weights)[0]
-
-
-def _direction(leaves):
-    """A change of every number by a share of its own."""
-    random = np.random.default_rng(5)
-    return jax.tree.map(lambda x: jnp.asarray(x * random.uniform(-1, 1, x.shape)), leaves)
-
-
-def _dot(first, second):
-    pairs = zip(jax.tree.leaves(first), jax.tree.leaves(second), strict=True)
-    return sum(float(jnp.sum(a * b)) for a, b in pairs)
-
-
 @pytest.fixture(scope="module")
 def parts():
     return eqx.partition(_actuator(), eqx.is_inexact_array)
@@ -74,16 +55,9 @@ def test_nothing_is_left_out():
 
 def test_forward_agrees_with_differences(parts):
     leaves, rest = parts
-    direction = _direction(leaves)
-    values, slopes = _forward(leaves, direction, rest)
-    step = 1e-6
-    ends = [
-        _forward(
-            jax.tree.map(lambda x, d, s=s: x + s * step * d, leaves, direction), direction, rest
-        )
-        for s in (1, -1)
-    ]
-    found = (np.asarray(ends[0][0]) - np.asarray(ends[1][0])) / (2 * step)
+    direction = some_direction(leaves, 5)
+    values, slopes = along(leaves, direction, rest, AVAILABLE)
+    found = central_slope(leaves, direction, rest, AVAILABLE)
     # Second order in a step of 1e-6, and rounding of 1e-16 over it: the meshing has 1e-12.
     np.testing.assert_allclose(
         slopes,
@@ -109,18 +83,18 @@ def test_forward_agrees_with_differences(parts):
 )
 def test_reverse_agrees_with_forward_and_stays_finite(duty):
     leaves, rest = eqx.partition(_actuator(**duty), eqx.is_inexact_array)
-    direction = _direction(leaves)
-    values, slopes = _forward(leaves, direction, rest)
+    direction = some_direction(leaves, 5)
+    values, slopes = along(leaves, direction, rest, AVAILABLE)
     assert not np.isnan(values).any()
     assert np.isfinite(slopes).all()
     # Each quantity of order one, so that none drowns in another's rounding.
     scale = jnp.where(jnp.isfinite(values) & (values != 0), jnp.abs(values), 1.0)
     for weights in (jnp.ones_like(values) / scale, jnp.cos(jnp.arange(values.size)) / scale):
-        gradient = _reverse(leaves, weights, rest)
+        gradient = by_all_numbers(leaves, weights, rest, AVAILABLE)
         assert all(np.isfinite(leaf).all() for leaf in jax.tree.leaves(gradient))
         expected = float(jnp.sum(weights * slopes))
         size = float(jnp.sum(jnp.abs(weights * slopes)))
-        assert _dot(gradient, direction) == pytest.approx(expected, abs=1e-10 * size)
+        assert inner(gradient, direction) == pytest.approx(expected, abs=1e-10 * size)
 
 
 #: What rests on a preload, and on how threads share the largest and the equivalent load.
@@ -152,8 +126,7 @@ def _braced():
 @eqx.filter_jit
 def _all_ways(leaves, direction, weights, rest):
     def values(given):
-        found = prsm.compute(eqx.combine(given, rest), SHARED)
-        return jnp.concatenate([jnp.ravel(found[name]) for name in SHARED])
+        return all_values(given, rest, SHARED)
 
     here, slopes = jax.jvp(values, (leaves,), (direction,))
     return here, slopes, jax.vjp(values, leaves)[1](weights / here)[0]
@@ -161,7 +134,7 @@ def _all_ways(leaves, direction, weights, rest):
 
 def test_derivatives_through_preload_and_shared_loads():
     leaves, rest = eqx.partition(_braced(), eqx.is_inexact_array)
-    direction = _direction(leaves)
+    direction = some_direction(leaves, 5)
     weights = jnp.cos(jnp.arange(float(len(SHARED))))
     here, slopes, gradient = _all_ways(leaves, direction, weights, rest)
     step = 1e-5
@@ -181,4 +154,4 @@ def test_derivatives_through_preload_and_shared_loads():
     )
     expected = jnp.sum(weights / here * slopes)
     size = float(jnp.sum(jnp.abs(weights / here * slopes)))
-    assert _dot(gradient, direction) == pytest.approx(float(expected), abs=1e-9 * size)
+    assert inner(gradient, direction) == pytest.approx(float(expected), abs=1e-9 * size)

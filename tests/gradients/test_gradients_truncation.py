@@ -5,10 +5,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from derivatives import along, by_all_numbers, central_slope, inner, some_direction
 from scenes import array
 from truncation_scenes import screw_of_30_mm
 
-import prsm_jax as prsm
 from prsm_jax.contact import pressure_ratio, risk_ratio, share_within
 
 NAMES = (
@@ -37,26 +37,6 @@ def _scene(lead, load):
     return eqx.tree_at(lambda m: m.duty_cycle, one, cycle, is_leaf=lambda x: x is None)
 
 
-def _values(leaves, rest):
-    found = prsm.compute(eqx.combine(leaves, rest), NAMES)
-    return jnp.concatenate([jnp.ravel(found[name]) for name in NAMES])
-
-
-@eqx.filter_jit
-def _forward(leaves, direction, rest):
-    return jax.jvp(lambda x: _values(x, rest), (leaves,), (direction,))
-
-
-@eqx.filter_jit
-def _reverse(leaves, weights, rest):
-    return jax.vjp(lambda x: _values(x, rest), leaves)[1](weights)[0]
-
-
-def _direction(leaves):
-    random = np.random.default_rng(7)
-    return jax.tree.map(lambda x: jnp.asarray(x * random.uniform(-1, 1, x.shape)), leaves)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("lead", "load"),
@@ -65,20 +45,12 @@ def _direction(leaves):
 )
 def test_forward_reverse_and_differences_agree(lead, load):
     leaves, rest = eqx.partition(_scene(lead, load), eqx.is_inexact_array)
-    direction = _direction(leaves)
-    values, slopes = _forward(leaves, direction, rest)
+    direction = some_direction(leaves, 7)
+    values, slopes = along(leaves, direction, rest, NAMES)
     assert not np.isnan(values).any()
     assert np.isfinite(slopes).all()
-    step = 1e-6
-    ends = [
-        _forward(
-            jax.tree.map(lambda x, d, s=s: x + s * step * d, leaves, direction), direction, rest
-        )
-        for s in (1, -1)
-    ]
     finite = np.isfinite(np.asarray(values))
-    with np.errstate(invalid="ignore"):
-        found = (np.asarray(ends[0][0]) - np.asarray(ends[1][0])) / (2 * step)
+    found = central_slope(leaves, direction, rest, NAMES)
     scale = np.where(finite & (values != 0), np.abs(values), 1.0)
     # Second order in a step of 1e-6, and rounding of 1e-15 of the values over it.
     np.testing.assert_allclose(
@@ -88,11 +60,11 @@ def test_forward_reverse_and_differences_agree(lead, load):
         cut = np.asarray(values)[-1] > 0
         assert cut == (lead < 15e-3)
     weights = jnp.asarray(1 / scale)
-    gradient = _reverse(leaves, weights, rest)
+    gradient = by_all_numbers(leaves, weights, rest, NAMES)
     assert all(np.isfinite(leaf).all() for leaf in jax.tree.leaves(gradient))
-    pairs = zip(jax.tree.leaves(gradient), jax.tree.leaves(direction), strict=True)
-    pulled = sum(float(jnp.sum(a * b)) for a, b in pairs)
-    np.testing.assert_allclose(pulled, float(jnp.sum(slopes * weights)), rtol=1e-10)
+    np.testing.assert_allclose(
+        inner(gradient, direction), float(jnp.sum(slopes * weights)), rtol=1e-10
+    )
 
 
 @pytest.mark.parametrize("law", [pressure_ratio, risk_ratio, share_within])
