@@ -39,7 +39,7 @@ _TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 _QUICK = (1e-4, 1e-6)
 #: Rivals that take packages of their own.
 _LSODA = "numbalsoda LSODA, all cores"
-_CASADI = "CasADi {}, mapped on all cores"
+_CASADI = "CasADi {}, interpreted, mapped on all cores"
 
 
 class Scene:

@@ -13,7 +13,7 @@ from ..geometry import (
 )
 from ..mechanism import Mechanism, Scalar
 from ..quantities import Analysis
-from ..strength import needs_meshing_for_backlash
+from ..strength import thins_teeth
 from ._margin import Margin, Reading, is_whole, margin_source
 
 #: A micrometre more than touching, so that rounding in a file does not close a gap [m].
@@ -275,10 +275,12 @@ def _on_flank(mechanism: Mechanism, index: int) -> Iterator[Margin]:
 
 @margin_source
 def _tooth_thickness(mechanism: Mechanism, index: int) -> Iterator[Margin]:
-    """Teeth of half a pitch; where their thinning or play is given, `backlash` speaks instead."""
+    """Teeth of half a pitch; not where their thinning or play is given."""
     stage = mechanism.stages[index]
     play = None if stage.strength is None else stage.strength.play
-    if needs_meshing_for_backlash(stage) or (play is not None and play.axial_backlash is not None):
+    if play is not None and (play.axial_backlash is not None or thins_teeth(play)):
+        return
+    if stage.load_sharing is not None and stage.load_sharing.backlash is not None:
         return
     yield Margin(
         "tooth_thickness",

@@ -1,7 +1,9 @@
 """Findings on given masses and moments of inertia: can a body of these dimensions have them?"""
 
-import dataclasses
 from collections.abc import Iterator
+from typing import Any
+
+import equinox as eqx
 
 from .._errors import MissingDataError
 from ..geometry import Finding
@@ -42,11 +44,21 @@ def _label(body: str) -> str:
     return body.replace("_", " ")
 
 
+def _changed(part: Any, **fields: Any) -> Any:
+    """A part with other fields, and without the checks of construction: it may be broken."""
+    return eqx.tree_at(
+        lambda p: [getattr(p, name) for name in fields],
+        part,
+        list(fields.values()),
+        is_leaf=lambda leaf: leaf is None,
+    )
+
+
 def _inertia_from_dimensions(stage: Stage, body: str) -> float | None:
     """½ m (R² + r²) with the mass given; none where the radii are not all there."""
-    part = dataclasses.replace(getattr(stage, body), inertia=None, length=as_scalar(1.0))
+    part = _changed(getattr(stage, body), inertia=None, length=as_scalar(1.0))
     try:
-        return float(body_inertia(dataclasses.replace(stage, **{body: part}), body))
+        return float(body_inertia(_changed(stage, **{body: part}), body))
     except MissingDataError:
         return None
 
@@ -57,9 +69,9 @@ def _mass_from_dimensions(stage: Stage, body: str) -> tuple[float, float] | None
     material = part.material or stage.material
     if material is None or material.density is None:
         material = Material(as_scalar(210e9), as_scalar(0.3), as_scalar(_STEEL_DENSITY))
-    part = dataclasses.replace(part, mass=None, material=material)
+    part = _changed(part, mass=None, material=material)
     try:
-        mass = float(body_mass(dataclasses.replace(stage, **{body: part}), body))
+        mass = float(body_mass(_changed(stage, **{body: part}), body))
     except MissingDataError:
         return None
     assert material.density is not None

@@ -95,7 +95,14 @@ def roller_frequency(analysis: Analysis):
     return _all(groups)
 
 
-@quantity("carrier_frequency", "f_c", "Hz", "carrier natural frequency", ("stage",))
+@quantity(
+    "carrier_frequency",
+    "f_c",
+    "Hz",
+    "carrier natural frequency",
+    ("stage",),
+    shares=("operating_point",),
+)
 def carrier_frequency(analysis: Analysis):
     groups = [group for group in analysis.carrier if group is not None]
     if len(groups) < len(analysis.carrier):

@@ -34,6 +34,7 @@ from ._play import (
     needs_meshing_for_backlash as needs_meshing_for_backlash,
     preload_force as preload_force,
     preloaded_stiffness as preloaded_stiffness,
+    thins_teeth as thins_teeth,
 )
 from ._preload import (
     OPENING_RATIO as OPENING_RATIO,

@@ -86,12 +86,17 @@ def _thinning(play: AxialPlay) -> list[Scalar]:
     ]
 
 
+def thins_teeth(play: AxialPlay) -> bool:
+    """Whether the thinning of some teeth is given."""
+    return bool(_thinning(play))
+
+
 def needs_meshing_for_backlash(stage: Stage) -> bool:
     """Whether the backlash follows from the teeth."""
     play = None if stage.strength is None else stage.strength.play
     if play is None or play.axial_backlash is not None or is_braced(stage):
         return False
-    return bool(_thinning(play))
+    return thins_teeth(play)
 
 
 def _approach(stage: Stage, load: Scalar, contact: StageContact | None) -> Scalar:

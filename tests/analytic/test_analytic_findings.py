@@ -8,7 +8,15 @@ from scenes import array, example, stage, thread
 import prsm_jax as prsm
 from prsm_jax import file
 from prsm_jax.geometry import roller_clearance
-from prsm_jax.mechanism import Gear, Screw
+from prsm_jax.mechanism import (
+    AxialPlay,
+    Gear,
+    LoadSharing,
+    Roller,
+    Screw,
+    ScrewShaft,
+    Strength,
+)
 
 
 def _findings(one):
@@ -139,6 +147,61 @@ def test_unusual_module(radius, found):
         assert "0.45 or 0.5 mm" in one["unusual_module"].message
 
 
-def test_no_advice_to_thin_teeth_that_are_thinned():
-    """The shipped actuator gives the thinning, and its play is positive."""
-    assert "tooth_thickness" not in {f.name for f in prsm.check(example("actuator"))}
+@pytest.mark.parametrize(
+    ("play", "shared", "names"),
+    [
+        (None, None, {"tooth_thickness"}),
+        (AxialPlay(preload_force=1e3), None, {"tooth_thickness"}),
+        # 0.08236 mm is what half a pitch lacks on a flank of the screw and of the rollers.
+        ({"screw_tooth_thinning": 0.1e-3, "roller_tooth_thinning": 0.05e-3}, None, set()),
+        ({"screw_tooth_thinning": 0.01e-3}, None, {"backlash"}),
+        (AxialPlay(axial_backlash=30e-6), None, set()),
+        (AxialPlay(preload_force=1e3, screw_tooth_thinning=0.2e-3), None, set()),
+        (None, 30e-6, set()),
+    ],
+    ids=["bare", "braced", "thinned", "not enough", "measured", "braced and thinned", "shared"],
+)
+def test_advice_to_thin_teeth_only_where_nothing_is_known_of_them(play, shared, names):
+    """`thin the teeth by at least 0.054 mm` is no advice for teeth that are thinned by more."""
+    play = AxialPlay(**play) if isinstance(play, dict) else play
+    given = {} if play is None else {"strength": Strength(play=play)}
+    if shared is not None:
+        given["load_sharing"] = LoadSharing(20, backlash=shared)
+    found = _findings(stage(**given))
+    assert names == {"tooth_thickness", "backlash"} & set(found)
+    if "tooth_thickness" in names:
+        assert "thin the teeth by at least that" in found["tooth_thickness"].message
+
+
+def test_no_advice_for_the_shipped_actuator():
+    """It gives the thinning, and its play is positive."""
+    names = {f.name for f in prsm.check(example("actuator"))}
+    assert not names & {"tooth_thickness", "backlash"}
+    (play,) = prsm.compute(example("actuator"), ["axial_backlash"])["axial_backlash"]
+    assert float(play) > 0
+
+
+@pytest.mark.parametrize("body", ["screw", "roller"])
+def test_a_bore_wider_than_its_body(body):
+    """Set past the checks of construction: 11 of 12 mm are left, 12 and 13 of 12 are none."""
+    bodies = {"screw": (Screw, 12e-3), "roller": (Roller, 4e-3)}
+    kind, radius = bodies[body]
+    good = stage(**{body: kind(mass=1.0, inertia=1e-4, bore_radius=0.9 * radius)})
+    assert "bore" not in _findings(good)
+    for factor in (1.0, 1.1):
+        place = lambda s: getattr(s, body).bore_radius  # noqa: E731
+        broken = eqx.tree_at(place, good, array(factor * radius))
+        found = _findings(broken)["bore"]
+        assert (found.severity, found.impossible) == ("error", True)
+        assert (found.value, found.limit) == pytest.approx((factor * radius, radius))
+        assert f"stage.{body}.bore_radius is {1e3 * factor * radius:.6g} mm" in found.message
+
+
+def test_a_bore_wider_than_the_root_of_the_shaft():
+    shaft = ScrewShaft("fixed_supported", unsupported_length=0.3, root_radius=11e-3)
+    good = stage(
+        screw=Screw(mass=0.7, inertia=1e-4, bore_radius=10e-3), strength=Strength(shaft=shaft)
+    )
+    assert "bore" not in _findings(good)
+    found = _findings(eqx.tree_at(lambda s: s.screw.bore_radius, good, array(11.5e-3)))["bore"]
+    assert (found.value, found.limit) == pytest.approx((11.5e-3, 11e-3))

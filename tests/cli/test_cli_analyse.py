@@ -126,6 +126,8 @@ def test_without_json_a_table_is_printed(prsm, verb):
         (["steady", "nosuch"], "nosuch"),
         (["steady", "wu2022", "--set", "lead=10 kg"], "wrong unit"),
         (["steady", "wu2022", "--set", "leed=10 mm"], "leed"),
+        # Ten metres.
+        (["steady", "wu2022", "--set", "lead=10"], "at most 1 m"),
         (["steady", "wu2022", "--set", "lead"], "KEY=VALUE"),
         (["steady"], "file"),
         (["stedy", "wu2022"], "steady"),

@@ -8,6 +8,7 @@ import pytest
 from prsm_jax._text_table import TextTable
 from prsm_jax.cli._tables import in_units
 from tests import scenes
+from tests.report.report_scenes import make_optimum
 
 TABLE = TextTable(
     "Some quantities and what they mean, in a title that is longer than a narrow line",
@@ -67,7 +68,13 @@ def test_lines_are_in_the_units_that_an_engineer_reads():
     assert rows["nothing"][0] is None
 
 
-@pytest.mark.parametrize("verb", ["check", "contact", "modal", "steady", "campbell", "sensitivity"])
+@pytest.mark.parametrize(
+    "verb",
+    [
+        *("check", "contact", "modal", "response", "campbell", "steady", "simulate"),
+        "sensitivity",
+    ],
+)
 def test_the_terminal_is_filled_and_not_overrun(prsm, monkeypatch, verb):
     words = ["--quantities", "efficiency,max_pressure"] if verb == "sensitivity" else []
     for columns in ("60", "80", "132"):
@@ -75,6 +82,15 @@ def test_the_terminal_is_filled_and_not_overrun(prsm, monkeypatch, verb):
         status, out, err = prsm(verb, "wu2022", *words)
         assert (status, err) == (0, "")
         assert max(map(len, out.splitlines())) <= int(columns)
+
+
+@pytest.mark.parametrize("columns", [60, 80])
+def test_the_table_of_an_optimisation_fits(columns):
+    """As `optimise` and `demo` print it; in a mechanism's own units, and with its findings."""
+    best = make_optimum(scenes.example("actuator"))
+    lines = best.text(columns).splitlines()
+    assert max(map(len, lines)) <= columns
+    assert any("max_pressure" in line for line in lines)
 
 
 def test_the_catalogue_and_the_published_numbers_fit_80_columns(prsm, monkeypatch):

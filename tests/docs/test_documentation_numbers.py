@@ -7,8 +7,9 @@ from claims import NUMBER, check, covered, numbers_of, page_text, value_of
 from claims_contact import CLAIMS as CONTACT
 from claims_published import CLAIMS as PUBLISHED
 from claims_readme import CLAIMS as README
+from claims_stress import CLAIMS as STRESS
 
-CLAIMS = [*PUBLISHED, *CONTACT, *README]
+CLAIMS = [*PUBLISHED, *CONTACT, *STRESS, *README]
 #: Pages whose every number is a claim, and what of them is none: what a paper prints, what is
 #: chosen, run times of the authors' machine. Pieces of text, as regular expressions.
 GIVEN = {

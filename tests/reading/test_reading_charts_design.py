@@ -172,7 +172,7 @@ def test_sweeps_name_no_design_with_an_error_the_best():
     axes = chart.axes[0]
     _, dots, star = chart.lines(axes)
     lead, angle = data["lead"].values, data["contact_angle"].values
-    column, row = np.nonzero(flawed)
+    row, column = np.nonzero(flawed.T)
     assert len(column) > 3
     chart.curve(axes, dots, lead[column], angle[row], ("m", "rad"))
     assert dots.get_label() == "error of prsm check"
