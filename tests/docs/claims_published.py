@@ -180,7 +180,38 @@ def _by_flanks() -> list[float]:
     return [*screw, *nut[1:]]
 
 
+def _gear(start: str) -> Row:
+    return row("lin_parker1999", f"4 planets: {start}")
+
+
+def _gears() -> list[float]:
+    verdicts = [one.verdict for one in rows("lin_parker1999").values()]
+    return [verdicts.count("reproduced"), len(verdicts)]
+
+
+def _left_out_once() -> list[float]:
+    found = [row("lin_parker1999", f"5 planets: {n}") for n in _LEFT_OUT_ONCE]
+    return [max(abs(float(one.published) - float(one.computed)) for one in found)]
+
+
+_LEFT_OUT_ONCE = ("rotational 4", "translational 2", "translational 5")
 CLAIMS = [
+    Claim(PAGE, "{} of the {} agree to half a unit of the printed digit", _gears),
+    Claim(PAGE, "7382.4 Hz with 5 planets) agree to {} Hz", _left_out_once),
+    *(
+        Claim(
+            PAGE,
+            f"| {name} | {{}} | {{}} | {{}} |",
+            lambda name=name: [
+                float(_gear(name).published),
+                _gear(name).computed,
+                abs(_gear(name).relative_difference),
+            ],
+        )
+        for name in ("rotational 2", "translational 1", "translational 2")
+    ),
+]
+CLAIMS += [
     Claim(PAGE, f"| {name} {directions}| {{}} µJ | {{}} µJ |", _energies(key))
     for name, directions, key in (
         ("screw sideways", "(two directions) ", "screw moved sideways"),

@@ -42,7 +42,41 @@ GIVEN = {
         r"equations 17, 18 and 28|[Ee]quation (17|23|35)",
         r"below 0\.45, nearly 0\.80",
         r"the printed 879 MPa",
+        # Planetary gear: rows of `prsm validate lin_parker1999`, tested with it.
+        r"gfsReboucas/Drivetrain.*`test_01`|all 42 frequencies",
+        r"three of them \(2614\.8, 1072\.0 and 7382\.4 Hz",
+        r"727\.0 and 1091\.0 are",
     ),
+    "docs/contact_hertz.md": (
+        r"for \$B/A\$ 1\.15 to 1\.6|10⁴",
+        r"with 64 nodes|against 1024 nodes, 150 random points within 1\.5 semi-axes",
+        r"^\| 0\.(7|1|01), (64|96) \|",
+        r"Friction of 0\.1 |of 0\.25 by",
+        r"profile angles of 30°",
+        r"For 55 N:",
+        r"half-space, 64 × 32 \| 128 × 64",
+    ),
+    "docs/contact_surfaces.md": (
+        r"principal directions, 1\.3\s|grid 1\.3 times the ellipse",
+        r"^\| \d+ × \d+ \|",
+        r"1e-4 leaves errors like|default of 1e-8",
+        # Run times.
+        r"for errors up to 1e-4 .*\(64 × 64|cells\): 2\.1 ms .*; with 16$",
+        r"on\s32 × 32 cells|on 32 × 32 cells and|on 64 × 64",
+        r"at a depth of 0\.3",
+        r"at 25, 50 and 100 N",
+        r"^\| \| screw, 25 N.*$|^\| paper, .*$",
+        r"on 32 cells an axis",
+        r"grid of 0\.01 mm.*at 25 N",
+        r"nominal radius \(50 N\)",
+        r"Hertz for 0\.05 mm and an edge rounded by 0\.2 mm",
+        r"\(\*(Phil\. Trans\. R\. Soc\. A|Wear|J\. Mech\. Phys\. Solids|J\. Tribology)\* \d+\)",
+        r"^1998 \(\*J\. Tribology\* 120\)",
+    ),
+    "docs/load_sharing.md": (r"20 threads, 10 rollers", r"^\| all unlike \| 11 \|"),
+    "docs/vibration.md": (r"1e12 apart", r"×1700|1700 times"),
+    "docs/response.md": (r"80 teeth on 10 rollers",),
+    "docs/dynamics.md": (r"\(17 to 28\)", r"pass 0\.01 rad/s"),
 }
 
 
