@@ -21,8 +21,8 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--smoke",
         action="store_true",
-        help="the quick problems, each method at its first and last setting, two samples: whether "
-        "everything runs, and how wrong it is",
+        help="the quick problems or smaller ones, each method at its first and last setting, two "
+        "samples: whether everything runs, and how wrong it is",
     )
     parser.add_argument(
         "--out", type=Path, default=Path("out/benchmarks"), help="folder for the results"
@@ -73,7 +73,7 @@ def main(argv: list[str] | None = None) -> int:
     chosen = arguments.cases or case_names()
     quick = arguments.quick or arguments.smoke
     for name in chosen:
-        case = find_case(name, quick=quick)
+        case = find_case(name, quick=quick, smoke=arguments.smoke)
         if arguments.list:
             print(f"{case.name:12} {case.description}")
         else:

@@ -1,6 +1,10 @@
-"""The cases: every module here offers `case(quick)`, and its name is the case's name."""
+"""The cases: every module here offers `case(quick)`, and its name is the case's name.
+
+A case that is long even if quick has a second argument, `smoke`.
+"""
 
 import importlib
+import inspect
 import pkgutil
 
 from ..harness import Case
@@ -11,11 +15,12 @@ def case_names() -> tuple[str, ...]:
     return tuple(sorted(module.name for module in pkgutil.iter_modules(__path__)))
 
 
-def find_case(name: str, *, quick: bool) -> Case:
-    """Build a case by name, smaller if `quick`.
+def find_case(name: str, *, quick: bool, smoke: bool = False) -> Case:
+    """Build a case by name, smaller if `quick`, and as small as it gets for `smoke`.
 
     **Raises:** `ValueError` for an unknown name.
     """
     if name not in case_names():
         raise ValueError(f"there is no case {name!r}; choose from {', '.join(case_names())}")
-    return importlib.import_module(f"{__name__}.{name}").case(quick)
+    make = importlib.import_module(f"{__name__}.{name}").case
+    return make(quick, smoke) if "smoke" in inspect.signature(make).parameters else make(quick)

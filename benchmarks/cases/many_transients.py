@@ -2,6 +2,7 @@
 
 import functools
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import jax
@@ -40,6 +41,30 @@ _QUICK = (1e-4, 1e-6)
 #: Rivals that take packages of their own.
 _LSODA = "numbalsoda LSODA, all cores"
 _CASADI = "CasADi {}, interpreted, mapped on all cores"
+
+
+@dataclass(frozen=True)
+class Size:
+    """How many designs, over how much time, and how many of them are compared."""
+
+    settling: int
+    missions: int
+    slopes: int
+    in_step: int
+    chunk: int
+    compared: int
+    mission_s: float
+    tolerances: tuple[float, ...]
+    mission_tolerances: tuple[float, ...]
+    in_step_tolerances: tuple[float, ...]
+
+
+_FULL = Size(
+    10_000, 100, 2000, 9984, 96, 50, 1.0, _TOLERANCES, _TOLERANCES[2:5], (1e-4, 1e-6, 1e-8)
+)
+_SMALL = Size(200, 50, 100, 192, 24, 5, 1.0, _QUICK, _QUICK, (1e-6,))
+#: Whether everything runs: one reversal, and as many designs as chunks need.
+_LEAST = Size(8, 4, 4, 8, 4, 2, 0.15, _QUICK, _QUICK, (1e-6,))
 
 
 class Scene:
@@ -229,11 +254,10 @@ def _left_out(*rivals: str) -> dict[str, str]:
     return found
 
 
-def _settle(quick: bool) -> Problem:
-    count, settings = (200, _QUICK) if quick else (10_000, _TOLERANCES)
-    compared = 5 if quick else 50
+def _settle(size: Size) -> Problem:
+    count, settings, compared = size.settling, size.tolerances, size.compared
     scene = Scene(count, 1e-3, 21)
-    rivals = _rivals(scene, settings, count, 3 if quick else 10)
+    rivals = _rivals(scene, settings, count, min(compared, 10))
     return Problem(
         name="settle",
         title=f"Two-stage settle, 1 ms, batch of {count} designs",
@@ -254,9 +278,9 @@ def _settle(quick: bool) -> Problem:
     )
 
 
-def _mission_reference(scene: Scene) -> Callable:
+def _mission_reference(scene: Scene, compared: int) -> Callable:
     def reference():
-        rows = scene.rows(2)
+        rows = scene.rows(compared)
         # SciPy's solvers give up where the force jumps. Over a nanometre per second it does not,
         # and that moves the solution by 3e-11.
         rows[:, 3] = np.maximum(rows[:, 3], 1e-9)
@@ -265,26 +289,26 @@ def _mission_reference(scene: Scene) -> Callable:
     return reference
 
 
-def _mission(quick: bool, width: float) -> Problem:
-    count, settings = (50, _QUICK) if quick else (100, _TOLERANCES[2:5])
-    scene = Scene(count, 1.0, 201, _FREQUENCY, width)
+def _mission(size: Size, width: float) -> Problem:
+    count, settings, compared = size.missions, size.mission_tolerances, min(size.compared, 2)
+    scene = Scene(count, size.mission_s, round(200 * size.mission_s) + 1, _FREQUENCY, width)
     rivals = _rivals(scene, settings, count, 1)
     friction = "exact Coulomb friction"
     if width:
         friction = f"Coulomb friction regularised over {1e3 * width:g} mm/s"
     # In chunks, because the samples of a whole batch, rewritten at every step, outgrow the cache.
-    chunk, order = (10 if quick else 50), np.arange(count)
+    chunk, order = size.missions // (5 if size is _SMALL else 2), np.arange(count)
     ours = [
         _ours(scene, "quasi-steady balance", "quasi_steady", (None,)),
         _ours(scene, "RODASP", "rosenbrock", settings, chunk, order),
     ]
     return Problem(
         name="mission_smooth" if width else "mission",
-        title=f"One second with reversals at 5 Hz, {friction}, batch of {count} designs",
+        title=f"{size.mission_s:g} s with reversals at 5 Hz, {friction}, batch of {count} designs",
         instance="trajectory",
         methods=[*ours, *rivals],
-        reference=_mission_reference(scene),
-        reference_note="SciPy Radau at rtol 1e-10, two designs, meshed in mpmath",
+        reference=_mission_reference(scene, compared),
+        reference_note=f"SciPy Radau at rtol 1e-10, {compared} designs, meshed in mpmath",
         baseline=rivals[0].name,
         left_out=_left_out(_LSODA, _CASADI.format("CVODES")),
         target=1e-5,
@@ -303,8 +327,8 @@ def _sloped(scene: Scene, method: Any):
     return values
 
 
-def _gradients(quick: bool) -> Problem:
-    count, settings = (100, _QUICK) if quick else (2000, _TOLERANCES)
+def _gradients(size: Size) -> Problem:
+    count, settings = size.slopes, size.tolerances
     scene = Scene(count, 1e-3, 21)
     inputs = jax.tree.map(
         jnp.asarray,
@@ -392,14 +416,14 @@ def _gradients(quick: bool) -> Problem:
     )
 
 
-def _lock_step(quick: bool) -> Problem:
+def _lock_step(size: Size) -> Problem:
     """All designs of a batch take as many steps as the slowest."""
-    count, settings = (192, (1e-6,)) if quick else (9984, (1e-4, 1e-6, 1e-8))
+    count, settings, compared = size.in_step, size.in_step_tolerances, min(size.compared, 5)
     scene = Scene(count, 1e-3, 21)
     # Stiffness: the force that settles a carrier over its inertia and slip.
     p = scene.numbers
     stiffness = p[:, 2] * p[:, 15] / (p[:, 14] * p[:, 0])
-    order, chunk = np.argsort(stiffness), 24 if quick else 96
+    order, chunk = np.argsort(stiffness), size.chunk
     shuffled = np.arange(count)
     return Problem(
         name="lock_step",
@@ -413,23 +437,24 @@ def _lock_step(quick: bool) -> Problem:
             _ours(scene, "RODASP, chunks", "rosenbrock", settings, chunk, shuffled),
             _ours(scene, "RODASP, chunks by stiffness", "rosenbrock", settings, chunk, order),
         ],
-        reference=_reference(scene, 5, "DOP853", 1e-12),
-        reference_note="SciPy DOP853 at rtol 1e-12, five designs, meshed in mpmath",
+        reference=_reference(scene, compared, "DOP853", 1e-12),
+        reference_note=f"SciPy DOP853 at rtol 1e-12, {compared} designs, meshed in mpmath",
         baseline="Tsit5, at once",
         target=1e-6,
     )
 
 
-def case(quick: bool) -> Case:
-    """The case of this module."""
+def case(quick: bool, smoke: bool = False) -> Case:
+    """The case of this module; with `smoke` as small as still runs all of it."""
+    size = _LEAST if smoke else _SMALL if quick else _FULL
     return Case(
         "many_transients",
         "Transients of many designs against compiled rivals, their derivatives, and lock step",
         [
-            _settle(quick),
-            _mission(quick, 0.0),
-            _mission(quick, 1e-3),
-            _gradients(quick),
-            _lock_step(quick),
+            _settle(size),
+            _mission(size, 0.0),
+            _mission(size, 1e-3),
+            _gradients(size),
+            _lock_step(size),
         ],
     )

@@ -12,15 +12,6 @@ import pytest
 from benchmarks.cases import case_names, many_transients
 
 ROOT = Path(__file__).parents[2]
-#: Two minutes of missions, derivatives and lock step: one of its five problems stands for them.
-LONG = "many_transients"
-_SETTLE = """
-import pathlib, sys
-from benchmarks.__main__ import run
-from benchmarks.cases.many_transients import _settle
-from benchmarks.harness import Case
-run(Case("many_transients", "", [_settle(True)]), pathlib.Path(sys.argv[1]), quick=True, smoke=True)
-"""
 
 
 @pytest.fixture(scope="module")
@@ -31,11 +22,8 @@ def run(tmp_path_factory):
 
     def find(name):
         if name not in known:
-            words = ["-m", "benchmarks", name, "--smoke", "--out", str(folder)]
-            if name == LONG:
-                words = ["-c", _SETTLE, str(folder)]
             subprocess.run(
-                [sys.executable, *words],
+                [sys.executable, "-m", "benchmarks", name, "--smoke", "--out", str(folder)],
                 check=True,
                 cwd=ROOT,
                 env=os.environ | {"PYTHONPATH": str(ROOT)},
@@ -76,6 +64,13 @@ def test_a_case_runs_and_comes_near_its_target(run, name):
         for absent in problem["left_out"]:
             assert "not installed" in absent["reason"]
             assert re.search(rf"\| {re.escape(absent['method'])} \(rival\) \|.*left out", text)
+
+
+@pytest.mark.slow
+def test_no_problem_of_a_case_is_left_out_of_the_smoke_run(run):
+    """Settling, missions with and without a jump of friction, derivatives, and lock step."""
+    names = {problem["name"] for problem in run("many_transients")[0]["problems"]}
+    assert names == {"settle", "mission", "mission_smooth", "gradients", "lock_step"}
 
 
 def test_rivals_that_are_not_installed_are_rows(monkeypatch):
