@@ -14,7 +14,6 @@ from prsm_jax import MissingDataError
 from prsm_jax.findings import margins_of
 from prsm_jax.quantities import Analysis, catalogue
 
-
 _COMMON = ("kinematics", "contacts", "steady", "_both_senses", "stress_peaks", "spectrum", "demand")
 
 
