@@ -39,12 +39,16 @@ def test_frequencies():
         rows += [(f"{family} {k}", pair) for k, pair in enumerate(zip(*every, strict=True), 1)]
     assert chart.ticks(axes) == [name for name, _ in rows]
     left = axes.get_xlim()[0]
+    # Which design a dot belongs to is seen by its filling, as in the legend.
+    legend = [one.get_markerfacecolor() == "white" for one in axes.get_legend().legend_handles]
+    assert legend == [True, False]
     for index, (_, pair) in enumerate(rows):
         places = []
-        for value, times in pair:
+        for hollow, (value, times) in zip(legend, pair, strict=True):
             stem, dot = chart.lines(axes)[:2]
             chart.curve(axes, stem, [left, value], None, ("Hz", ""))
             chart.curve(axes, dot, value, None, ("Hz", ""))
+            assert (dot.get_markerfacecolor() == "white") == hollow
             places.append(dot.get_ydata()[0])
             assert set(stem.get_ydata()) == {places[-1]}
             expected = [(value, "Hz")] + ([(times, "", "whole")] if times > 1 else [])
