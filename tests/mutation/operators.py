@@ -1,8 +1,9 @@
 """Single faults of a source file, as replacements of a piece of its text."""
 
 import ast
+from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 #: Each with what a plausible slip makes of it.
 _BINARY: dict[type, tuple[str, str]] = {
@@ -55,6 +56,16 @@ class Fault:
     offset: int
     old: str
     new: str
+    #: The line that it is in, and how many like it come before: unlike the line's number these
+    #: stay when text above changes.
+    text: str = ""
+    again: int = 0
+
+    @property
+    def name(self) -> str:
+        """What the fault is called in results and in the list of reasons."""
+        more = f" (number {self.again + 1})" if self.again else ""
+        return f"{self.path}: {self.old!r} → {self.new!r} in `{self.text}`{more}"
 
     def applied(self, text: str) -> str:
         """The file with the fault in it."""
@@ -182,8 +193,14 @@ def faults(path: str, text: str) -> Iterator[Fault]:
     """Every single fault of a file, in the order of its text."""
     finder = _Finder(path, text)
     finder.visit(ast.parse(text))
-    seen = set()
+    lines = text.splitlines()
+    seen: set[tuple[int, str]] = set()
+    before: Counter[str] = Counter()
     for fault in sorted(finder.found, key=lambda one: (one.offset, one.new)):
-        if (fault.offset, fault.new) not in seen:
-            seen.add((fault.offset, fault.new))
-            yield fault
+        if (fault.offset, fault.new) in seen:
+            continue
+        seen.add((fault.offset, fault.new))
+        number = text.count("\n", 0, fault.offset)
+        named = replace(fault, line=number + 1, text=lines[number].strip())
+        yield replace(named, again=before[named.name])
+        before[named.name] += 1

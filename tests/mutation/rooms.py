@@ -2,141 +2,139 @@
 
 from pathlib import Path
 
-#: By the start of a file's path inside of the package, the more particular first: tests in the
-#: order in which they are tried. Slow tests are left out.
-TESTS: tuple[tuple[str, tuple[str, ...]], ...] = (
-    ("geometry/_flanks", ("analytic/test_analytic_flanks.py", "analytic/test_analytic_meshing.py")),
-    ("geometry/_ring", ("analytic/test_analytic_line_contact.py",)),
+#: By the start of a file's path inside of the package, the more particular first: files of tests,
+#: `analytic/hertz` for `analytic/test_analytic_hertz.py`. Tests that are marked slow are left out.
+_TESTS: tuple[tuple[str, str], ...] = (
+    ("geometry/_flank_ends", "analytic/truncation analytic/single_faults"),
+    ("geometry/_ring", "analytic/line_contact"),
+    ("geometry/_curvature", "analytic/meshing analytic/truncation analytic/halfspace_flanks"),
     (
         "geometry/_checks",
-        ("analytic/test_analytic_single_faults.py", "analytic/test_analytic_findings.py"),
+        "analytic/construction analytic/single_faults analytic/findings_numbers analytic/findings",
     ),
-    ("geometry", ("analytic/test_analytic_meshing.py", "literature/test_literature_meshing.py")),
-    (
-        "contact/_line",
-        ("analytic/test_analytic_line_contact.py", "analytic/test_analytic_subsurface.py"),
-    ),
-    ("contact/_stress", ("analytic/test_analytic_subsurface.py",)),
-    ("contact/_subsurface", ("analytic/test_analytic_subsurface.py",)),
-    ("contact/_axis_stress", ("analytic/test_analytic_subsurface.py",)),
-    (
-        "contact",
-        (
-            "analytic/test_analytic_hertz.py",
-            "literature/test_literature_contact.py",
-            "analytic/test_analytic_subsurface.py",
-        ),
-    ),
+    ("geometry", "analytic/meshing literature/meshing analytic/steady golden/examples"),
+    ("contact/_line_c", "analytic/line_contact analytic/subsurface"),
+    ("contact/_line_s", "analytic/subsurface"),
+    ("contact/_stress", "analytic/subsurface analytic/strength"),
+    ("contact/_subsurface", "analytic/subsurface analytic/strength analytic/halfspace_flanks"),
+    ("contact/_axis_stress", "analytic/subsurface"),
+    ("contact/_carlson", "analytic/subsurface"),
+    ("contact/_truncation", "analytic/truncation gradients/truncation"),
+    ("contact/_slip_and_spin", "analytic/slip_and_spin analytic/spin_losses analytic/steady"),
+    ("contact", "analytic/hertz literature/contact analytic/subsurface gradients/limits"),
     (
         "halfspace",
-        (
-            "analytic/test_analytic_halfspace.py",
-            "analytic/test_analytic_halfspace_flanks.py",
-            "extreme/test_extreme_halfspace.py",
-        ),
+        "analytic/halfspace analytic/halfspace_flanks extreme/halfspace analytic/line_contact "
+        "analytic/subsurface analytic/single_faults gradients/halfspace",
     ),
     (
         "load_sharing",
-        (
-            "analytic/test_analytic_load_sharing.py",
-            "analytic/test_analytic_single_faults.py",
-            "extreme/test_extreme_load_sharing.py",
-        ),
+        "analytic/load_sharing analytic/single_faults analytic/axial_stiffness "
+        "extreme/load_sharing gradients/load_sharing golden/examples",
     ),
-    ("stiffness", ("analytic/test_analytic_load_sharing.py", "analytic/test_analytic_modes.py")),
     (
-        "strength/_rel",
-        ("analytic/test_analytic_rating_life.py", "analytic/test_analytic_strength.py"),
+        "stiffness",
+        "literature/vibration analytic/load_sharing analytic/axial_stiffness analytic/vibration "
+        "analytic/unequal_rollers analytic/modes",
     ),
+    ("strength/_reliability", "analytic/rating_life analytic/strength"),
+    ("strength/_truncation", "analytic/truncation gradients/truncation"),
+    ("strength/_subsurface", "analytic/strength analytic/subsurface"),
     (
         "strength",
-        (
-            "analytic/test_analytic_strength.py",
-            "analytic/test_analytic_rating_life.py",
-            "analytic/test_analytic_single_faults.py",
-        ),
+        "analytic/strength analytic/rating_life analytic/single_faults analytic/truncation "
+        "gradients/strength",
+    ),
+    (
+        "modal/_frequency_loci",
+        "report/modes analytic/distinct_frequencies",
     ),
     (
         "modal",
-        (
-            "analytic/test_analytic_modes.py",
-            "analytic/test_analytic_distinct_frequencies.py",
-            "analytic/test_analytic_unequal_rollers.py",
-            "analytic/test_analytic_single_faults.py",
-            "literature/test_literature_planetary_gear.py",
-            "report/test_report_modes.py",
-        ),
+        "analytic/vibration analytic/modes analytic/distinct_frequencies analytic/unequal_rollers "
+        "analytic/single_faults literature/planetary_gear gradients/modes",
     ),
-    ("dynamics/_settling", ("analytic/test_analytic_settling.py",)),
-    ("dynamics/_rosenbrock", ("analytic/test_analytic_rosenbrock.py",)),
-    ("dynamics/_quasi", ("analytic/test_analytic_quasi_steady.py",)),
-    ("dynamics/_bristle", ("analytic/test_analytic_lugre.py",)),
-    ("dynamics/_locking", ("analytic/test_analytic_locking.py",)),
-    ("dynamics/_screw_friction", ("analytic/test_analytic_screw_friction.py",)),
-    ("dynamics/_torque", ("analytic/test_analytic_torque_drive.py",)),
-    ("dynamics/_smooth_torque", ("analytic/test_analytic_torque_drive.py",)),
-    ("dynamics/_transient_q", ("analytic/test_analytic_transient_quantities.py",)),
+    ("dynamics/_settling", "analytic/settling"),
+    ("dynamics/_chain", "analytic/settling analytic/steady analytic/newton"),
+    ("dynamics/_reduced", "analytic/settling analytic/steady"),
+    ("dynamics/_rosenbrock", "analytic/rosenbrock"),
+    ("dynamics/_small", "analytic/rosenbrock analytic/steady analytic/newton"),
+    ("dynamics/_quasi", "analytic/quasi_steady"),
+    ("dynamics/_neglected", "analytic/torque_carriers analytic/quasi_steady"),
+    ("dynamics/_bristle", "analytic/lugre"),
+    (
+        "dynamics/_rubbing",
+        "analytic/steady analytic/lugre analytic/regularised analytic/newton analytic/flanks",
+    ),
+    (
+        "dynamics/_thread_friction",
+        "analytic/steady analytic/newton analytic/regularised analytic/flanks",
+    ),
+    ("dynamics/_locking", "analytic/locking"),
+    ("dynamics/_screw_friction", "analytic/screw_friction analytic/steady analytic/newton"),
+    ("dynamics/_stick_slip", "analytic/torque_carriers analytic/torque_drive"),
+    (
+        "dynamics/_torque",
+        "analytic/torque_drive analytic/torque_carriers analytic/transient_codes",
+    ),
+    ("dynamics/_smooth_torque", "analytic/torque_drive analytic/torque_carriers"),
+    ("dynamics/_phases", "analytic/torque_carriers analytic/torque_drive"),
+    (
+        "dynamics/_transient_q",
+        "analytic/transient_quantities analytic/single_faults analytic/torque_carriers",
+    ),
     (
         "dynamics",
-        (
-            "analytic/test_analytic_steady.py",
-            "analytic/test_analytic_single_faults.py",
-            "analytic/test_analytic_newton.py",
-            "analytic/test_analytic_transient.py",
-            "analytic/test_analytic_settling.py",
-            "analytic/test_analytic_torque_drive.py",
-        ),
+        "analytic/steady analytic/screw_friction analytic/single_faults literature/dynamics "
+        "analytic/newton analytic/transient_codes analytic/transient analytic/settling "
+        "analytic/lugre analytic/quasi_steady",
     ),
     (
         "response",
-        (
-            "response/test_response_receptance.py",
-            "response/test_response_excitation.py",
-            "response/test_response_counted_orders.py",
-            "response/test_response_elimination.py",
-        ),
+        "response/counted_orders response/elimination response/receptance response/excitation",
     ),
+    ("quantities/_assumptions", "analytic/assumptions"),
+    ("quantities/_truncation", "analytic/truncation"),
+    ("quantities/_axial", "analytic/axial_stiffness analytic/assumptions"),
+    ("quantities/_locking", "analytic/locking"),
     (
         "quantities",
-        (
-            "analytic/test_analytic_strength.py",
-            "analytic/test_analytic_rating_life.py",
-            "analytic/test_analytic_transient_quantities.py",
-            "analytic/test_analytic_vibration.py",
-            "golden/test_golden_examples.py",
-        ),
+        "analytic/strength analytic/rating_life analytic/single_faults literature/contact "
+        "analytic/transient_quantities analytic/vibration gradients/strength golden/examples",
     ),
+    (
+        "findings/_truncation",
+        "analytic/truncation analytic/findings_numbers analytic/findings",
+    ),
+    ("findings/_sharing", "analytic/assumptions analytic/findings analytic/findings_numbers"),
+    ("findings/_locking", "analytic/locking analytic/findings analytic/findings_numbers"),
     (
         "findings",
-        (
-            "analytic/test_analytic_findings_numbers.py",
-            "analytic/test_analytic_findings.py",
-            "analytic/test_analytic_single_faults.py",
-            "analytic/test_analytic_strength.py",
-        ),
+        "analytic/findings_numbers analytic/construction analytic/single_faults "
+        "analytic/strength analytic/findings",
     ),
-    ("sensitivity", ("sensitivity/test_sensitivity_values.py",)),
-    (
-        "optimise",
-        (
-            "optimise/test_optimise_analytic.py",
-            "analytic/test_analytic_single_faults.py",
-            "optimise/test_optimise_mechanism.py",
-        ),
-    ),
-    ("sweep", ("sweep/test_sweep.py", "analytic/test_analytic_single_faults.py")),
-    ("mechanism/_profiles", ("analytic/test_analytic_profiles.py",)),
-    ("mechanism/_sequences", ("analytic/test_analytic_profiles.py",)),
+    ("sensitivity", "sensitivity/values"),
+    ("optimise", "optimise/analytic analytic/single_faults optimise/findings optimise/mechanism"),
+    ("sweep", "sweep/test_sweep.py analytic/single_faults"),
+    ("mechanism/_profiles", "analytic/profiles"),
+    ("mechanism/_sequences", "analytic/profiles"),
+    ("mechanism/_follows", "sensitivity/values"),
+    ("mechanism/_parameters", "analytic/construction sensitivity/values optimise/analytic"),
     (
         "mechanism",
-        (
-            "analytic/test_analytic_masses.py",
-            "analytic/test_analytic_steady.py",
-            "analytic/test_analytic_profiles.py",
-            "file/test_file_examples.py",
-        ),
+        "analytic/construction analytic/masses analytic/profiles analytic/steady "
+        "analytic/unequal_rollers file/examples file/scenarios file/unequal_rollers "
+        "analytic/findings_numbers file/errors",
     ),
 )
+
+
+def _file(name: str) -> str:
+    folder, _, last = name.partition("/")
+    return name if name.endswith(".py") else f"{folder}/test_{folder}_{last}.py"
+
+
+TESTS = tuple((start, tuple(_file(name) for name in names.split())) for start, names in _TESTS)
 #: Rooms that are drawn from.
 ROOMS = tuple(dict.fromkeys(start.partition("/")[0] for start, _ in TESTS))
 
