@@ -17,18 +17,18 @@ from .operators import Fault, faults
 from .rooms import ROOMS, core_files
 from .trying import try_faults
 
-_PACKAGE = Path(__file__).parents[2] / "prsm_jax"
+_TREE = Path(__file__).parents[2]
 _REASONS = Path(__file__).parent / "reasons.json"
 
 
-def draw(count: int, seed: int, rooms: tuple[str, ...]) -> list[Fault]:
+def draw(tree: Path, count: int, seed: int, rooms: tuple[str, ...]) -> list[Fault]:
     """So many faults in a random order that depends on the seed and on each fault alone.
 
     A change of the package elsewhere leaves the others in their order.
     """
-    pool = []
-    for path in core_files(_PACKAGE):
-        name = str(path.relative_to(_PACKAGE))
+    package, pool = tree / "prsm_jax", []
+    for path in core_files(package):
+        name = str(path.relative_to(package))
         if name.partition("/")[0] in rooms:
             pool += faults(name, path.read_text())
     return sorted(pool, key=lambda fault: random.Random(f"{seed} {fault.name}").random())[:count]
@@ -59,16 +59,17 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=13)
     parser.add_argument("--rooms", default=",".join(ROOMS), help="separated by commas")
     parser.add_argument("--jobs", type=int, default=1, help="faults tried at once")
+    parser.add_argument("--tree", type=Path, default=_TREE, help="a checkout of another commit")
     parser.add_argument("--output", type=Path, default=Path("out/mutation.json"))
     parser.add_argument("--least", type=float, default=0.9, help="share that has to be seen")
     parser.add_argument("--list", action="store_true", help="only print the faults")
     given = parser.parse_args()
-    chosen = draw(given.count, given.seed, tuple(given.rooms.split(",")))
+    chosen = draw(given.tree, given.count, given.seed, tuple(given.rooms.split(",")))
     if given.list:
         print("\n".join(f"{fault.line:4} {fault.name}" for fault in chosen))
         return 0
     rows = []
-    for row in try_faults(chosen, given.output, given.jobs):
+    for row in try_faults(chosen, given.tree, given.output, given.jobs):
         rows.append(row)
         print(f"{row['seen'] or 'NOT SEEN':8} {row['seconds']:6.1f} s  {row['fault']}", flush=True)
     share = _report(rows)

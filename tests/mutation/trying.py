@@ -13,20 +13,19 @@ from .operators import Fault
 from .processes import Process, preload, start
 from .rooms import quick_tests
 
-_ROOT = Path(__file__).parents[2]
 #: So many tests that saw faults of the same file, and of the same room, come first.
 _SAME_FILE, _SAME_ROOM = 6, 6
 #: A test that takes so long comes after the others of its room [s].
 _LONG = 3.0
 
 
-def _copy(folder: Path) -> None:
+def _copy(tree: Path, folder: Path) -> None:
     """The tree without what is built, for a process of its own."""
     for name in ("prsm_jax", "tests", "docs", "benchmarks"):
-        if (_ROOT / name).exists():
+        if (tree / name).exists():
             ignore = shutil.ignore_patterns("__pycache__", "images", "*.png", "*.svg")
-            shutil.copytree(_ROOT / name, folder / name, ignore=ignore)
-    shutil.copy(_ROOT / "pyproject.toml", folder)
+            shutil.copytree(tree / name, folder / name, ignore=ignore)
+    shutil.copy(tree / "pyproject.toml", folder)
 
 
 class _Records:
@@ -98,6 +97,7 @@ class _Attempt:
     def _start(self) -> Process:
         unsound = [name for name, sound in self._records.sound.items() if not sound]
         tests = [f"tests/{name}" for name in quick_tests(self.fault.path)]
+        tests = [name for name in tests if (self._folder / name).exists()]
         return start(self._folder, tests, self._records.first(self.fault.path), unsound)
 
     def result(self) -> dict | None:
@@ -118,7 +118,7 @@ class _Attempt:
         return {"seen": seen, "by": name, "tests": len(self._process.seconds), "seconds": seconds}
 
 
-def try_faults(chosen: list[Fault], output: Path, jobs: int) -> Iterator[dict]:
+def try_faults(chosen: list[Fault], tree: Path, output: Path, jobs: int) -> Iterator[dict]:
     """A row of results for each fault, those that the file has without trying them again."""
     records = _Records(output)
     todo = [fault for fault in chosen if fault.name not in records.rows]
@@ -129,7 +129,7 @@ def try_faults(chosen: list[Fault], output: Path, jobs: int) -> Iterator[dict]:
     with tempfile.TemporaryDirectory() as place:
         free = [Path(place).resolve() / str(index) for index in range(jobs)]
         for folder in free:
-            _copy(folder)
+            _copy(tree, folder)
         running: list[tuple[Path, _Attempt]] = []
         while todo or running:
             while todo and free:
