@@ -63,6 +63,22 @@ def test_vertex_is_the_minimum_of_the_exact_gap():
     assert 0.999 <= float(fit.determination) <= 1
 
 
+def test_determination_is_that_of_least_squares():
+    """R² of NumPy's parabola through the same gaps, over a width where it is visibly below 1."""
+    radius, contact, half = array(8.5e-3), flanks(), 2e-3
+    vertex = _vertex(contact, radius)
+    share = np.linspace(-1, 1, 33)
+    gap = jax.vmap(lambda y: ring_gap(contact, radius, y))(vertex.arc + jnp.asarray(share * half))
+    gap = np.asarray(gap - vertex.gap)
+    best = np.polynomial.Polynomial.fit(share, gap, 2, domain=[-1, 1])
+    missed = np.sum((gap - best(share)) ** 2) / np.sum((gap - gap.mean()) ** 2)
+    assert missed > 1e-7
+    fit = fit_parabola(contact, radius, vertex, array(half))
+    assert float(fit.coefficient) == pytest.approx(best.coef[2] / half**2, rel=1e-9)
+    # 1 − R² is a difference of numbers near 1.
+    assert float(1 - fit.determination) == pytest.approx(missed, rel=1e-6, abs=1e-14)
+
+
 def test_without_a_lead_all_slices_bear_alike():
     """P = F/(zone n_z/cos k) and Hertz's line contact in every slice."""
     found = under(flanks(0.0))

@@ -4,11 +4,23 @@ The coefficient of `[stage.friction.spin]` is that of the nut side: at 0 the los
 the screw side alone.
 """
 
+import math
+
 import numpy as np
 import pytest
 from scenes import array, mechanism, stage, steady_state, thread
 
-from prsm_jax.mechanism import CoulombFriction, Friction, Material, SpinFriction
+from prsm_jax.dynamics._rubbing import Rubbing, rubbed_friction, rubbed_moment
+from prsm_jax.mechanism import (
+    CoulombFriction,
+    Friction,
+    LuGreFriction,
+    Material,
+    RegularisedCoulombFriction,
+    SpinFriction,
+    StribeckFriction,
+    ViscousFriction,
+)
 
 COEFFICIENT = 0.05
 
@@ -73,3 +85,38 @@ def test_spin_of_the_screw_side_takes_from_sliding_and_brakes_the_carriers():
     without = steady_state(mechanism(stage(geometry=geometry, friction=alone)), 100.0, 20e3)
     assert found.carrier_ratio[0] < without.carrier_ratio[0]
     assert found.losses["thread_sliding"] < without.losses["thread_sliding"]
+
+
+@pytest.mark.parametrize("speed", [0.0, 1e-3, 0.02, 3.0])
+def test_every_law_rubs_by_the_mean_local_speed(speed):
+    """The coefficient of each law in closed form, and the moment μ F m + c m_v."""
+    static, sliding, transition, width, viscous = 0.2, 0.05, 0.015, 0.01, 40.0
+    changing = {
+        "static_coefficient": array(static),
+        "coefficient": array(sliding),
+        "stribeck_speed": array(transition),
+    }
+    falling = sliding + (static - sliding) * math.exp(-((speed / transition) ** 2))
+    bristles = {"bristle_stiffness": array(1e5), "bristle_damping": array(10.0)}
+    cases = [
+        (CoulombFriction(array(sliding)), sliding, 0.0),
+        (
+            RegularisedCoulombFriction(array(sliding), array(width)),
+            sliding * speed / math.hypot(speed, width),
+            0.0,
+        ),
+        (ViscousFriction(array(viscous)), 0.0, viscous),
+        (StribeckFriction(**changing), falling, 0.0),
+        (StribeckFriction(**changing, viscous_coefficient=array(viscous)), falling, viscous),
+        (LuGreFriction(**changing, **bristles), falling, 0.0),
+    ]
+    along = array([0.6, 0.0, 0.8])
+    rub = Rubbing(along, array(2e-4), array(speed), array(3e-7))
+    slip = array([0.01, -0.02, 0.03])
+    for law, coefficient, damping in cases:
+        moment = float(rubbed_moment(law, rub, array(500.0)))
+        expected = coefficient * 500.0 * 2e-4 + damping * 3e-7
+        assert moment == pytest.approx(expected, rel=1e-13, abs=1e-300), law
+        per_force, constant = rubbed_friction(law, slip, None, rub)
+        np.testing.assert_allclose(per_force, coefficient * along, rtol=1e-13)
+        np.testing.assert_allclose(constant, damping * slip, rtol=1e-13)

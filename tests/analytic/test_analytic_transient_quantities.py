@@ -13,7 +13,8 @@ from prsm_jax.mechanism import CoulombFriction, Friction
 
 def test_peak_of_a_parabola_is_exact_wherever_the_samples_fall():
     time = np.linspace(0, 1, 12)
-    for place in (0.2, 0.4321, 0.5):
+    # In the second and in the last but one of the samples as well.
+    for place in (0.2, 0.4321, 0.5, 0.1, 0.9):
         history = jnp.asarray(3.0 - 7 * (time - place) ** 2)
         assert float(prsm.peak(history)) == pytest.approx(3.0, rel=1e-13)
         # The slope of the peak by a uniform rise is 1, spread over three samples.

@@ -59,6 +59,8 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=13)
     parser.add_argument("--rooms", default=",".join(ROOMS), help="separated by commas")
     parser.add_argument("--jobs", type=int, default=1, help="faults tried at once")
+    parser.add_argument("--budget", type=int, default=300, help="processor time of a fault [s]")
+    parser.add_argument("--again", action="store_true", help="try what was not seen again")
     parser.add_argument("--tree", type=Path, default=_TREE, help="a checkout of another commit")
     parser.add_argument("--output", type=Path, default=Path("out/mutation.json"))
     parser.add_argument("--least", type=float, default=0.9, help="share that has to be seen")
@@ -69,7 +71,7 @@ def main() -> int:
         print("\n".join(f"{fault.line:4} {fault.name}" for fault in chosen))
         return 0
     rows = []
-    for row in try_faults(chosen, given.tree, given.output, given.jobs):
+    for row in try_faults(chosen, given.tree, given.output, given.jobs, given.budget, given.again):
         rows.append(row)
         print(f"{row['seen'] or 'NOT SEEN':8} {row['seconds']:6.1f} s  {row['fault']}", flush=True)
     share = _report(rows)

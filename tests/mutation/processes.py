@@ -4,14 +4,16 @@ import gc
 import importlib
 import json
 import os
+import resource
 import signal
 import sys
 import time
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import jaxtyping
 import pytest
 
 #: What the package and its tests import and what takes a while.
@@ -24,6 +26,11 @@ _LIBRARIES = (
 #: Where a process writes what happens, in its own folder.
 _EVENTS = "mutation_events.jsonl"
 _OUTPUT = "mutation_output.txt"
+#: How long a test may take that takes no time without a fault [s]; four times the usual time
+#: doubles it. Generous: other programs run beside it, and what is changed is compiled anew.
+_PATIENCE = 90.0
+#: What a test takes that is not known [s].
+_USUAL = 4.0
 
 
 def preload() -> None:
@@ -41,9 +48,9 @@ def preload() -> None:
 class _Ordered:
     """Runs likely tests first and writes down what happens."""
 
-    def __init__(self, events, first: Sequence[str], leave_out: Sequence[str]):
-        self._events, self._leave_out = events, set(leave_out)
-        self._rank = {name: rank for rank, name in enumerate(first)}
+    def __init__(self, events, first, leave_out, usual: Mapping[str, float]):
+        self._events, self._leave_out, self._usual = events, set(leave_out), usual
+        self._rank = {name: rank - len(first) for rank, name in enumerate(first)}
 
     def _write(self, **words) -> None:
         self._events.write(json.dumps({**words, "at": time.time()}) + "\n")
@@ -51,7 +58,7 @@ class _Ordered:
 
     def pytest_collection_modifyitems(self, items):
         items[:] = [item for item in items if item.nodeid not in self._leave_out]
-        items.sort(key=lambda item: self._rank.get(item.nodeid, len(self._rank)))
+        items.sort(key=lambda item: self._rank.get(item.nodeid, self._usual.get(item.nodeid, 0.0)))
 
     def pytest_runtest_logstart(self, nodeid):
         self._write(test=nodeid, what="start")
@@ -67,9 +74,12 @@ class _Ordered:
             self._write(test=report.nodeid, what="failed", seconds=0.0)
 
 
-def _inside(folder: Path, tests, first, leave_out) -> int:
+def _inside(folder: Path, tests, first, leave_out, usual, budget: int) -> int:
     """The life of a forked process."""
     os.setsid()
+    resource.setrlimit(resource.RLIMIT_CPU, (budget, budget + 5))
+    # Checks of types and shapes would take most of the time, and see no physics.
+    jaxtyping.install_import_hook = lambda *names: None
     output = os.open(folder / _OUTPUT, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
     os.dup2(output, 1)
     os.dup2(output, 2)
@@ -83,22 +93,26 @@ def _inside(folder: Path, tests, first, leave_out) -> int:
     words = ["-q", "-x", "-m", "not slow", "-p", "no:cacheprovider", "-p", "no:xdist"]
     words += ["-W", "ignore:Module already imported:pytest.PytestAssertRewriteWarning"]
     with open(folder / _EVENTS, "w") as events:
-        return int(pytest.main([*words, *tests], plugins=[_Ordered(events, first, leave_out)]))
+        return int(
+            pytest.main([*words, *tests], plugins=[_Ordered(events, first, leave_out, usual)])
+        )
 
 
 @dataclass
 class Process:
     """Tests that run in a folder, and what is known of them so far.
 
-    `patience` is how long one test may take [s]: more is a hang.
+    `usual` are the seconds that tests take without a fault: many times more is a hang. `spent` says
+    that the budget ended before the tests did.
     """
 
     folder: Path
     pid: int
-    patience: float
+    usual: Mapping[str, float]
     began: float = field(default_factory=time.time)
     failed: str = ""
     hung: str = ""
+    spent: bool = False
     seconds: dict[str, float] = field(default_factory=dict)
 
     def finished(self) -> bool:
@@ -117,10 +131,12 @@ class Process:
             elif event["what"] == "passed":
                 self.seconds[event["test"]] = event["seconds"]
         if done:
-            if not self.failed and os.waitstatus_to_exitcode(status) not in (0, 5):
+            code = os.waitstatus_to_exitcode(status)
+            self.spent = code in (-signal.SIGXCPU, -signal.SIGKILL)
+            if not (self.failed or self.spent) and code not in (0, 5):
                 self.failed = running or "start"
             return True
-        if time.time() - since > self.patience:
+        if time.time() - since > _PATIENCE * (1 + self.usual.get(running, _USUAL) / 4):
             os.killpg(self.pid, signal.SIGKILL)
             os.waitpid(self.pid, 0)
             self.hung = running or "start"
@@ -135,13 +151,16 @@ class Process:
 def start(
     folder: Path,
     tests: Sequence[str],
-    first: Sequence[str] = (),
-    leave_out: Sequence[str] = (),
-    patience: float = 150.0,
+    first: Sequence[str],
+    leave_out: Sequence[str],
+    usual: Mapping[str, float],
+    budget: int,
 ) -> Process:
     """Quick tests of the given files in a copy of the tree, until one fails.
 
-    `first` are names of tests in the order in which they are tried before all others.
+    `first` are names of tests in the order in which they are tried before all others, `usual` the
+    seconds that tests take: short ones come before long ones. `budget` is the processor time that
+    all may take [s].
     """
     (folder / _EVENTS).unlink(missing_ok=True)
     with warnings.catch_warnings():
@@ -150,7 +169,7 @@ def start(
     if pid == 0:
         code = 70
         try:
-            code = _inside(folder, tests, first, leave_out)
+            code = _inside(folder, tests, first, leave_out, usual, budget)
         finally:
             os._exit(code)
-    return Process(folder, pid, patience)
+    return Process(folder, pid, usual)

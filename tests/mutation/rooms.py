@@ -22,6 +22,7 @@ _TESTS: tuple[tuple[str, str], ...] = (
     ("contact/_truncation", "analytic/truncation gradients/truncation"),
     ("contact/_slip_and_spin", "analytic/slip_and_spin analytic/spin_losses analytic/steady"),
     ("contact", "analytic/hertz literature/contact analytic/subsurface gradients/limits"),
+    ("halfspace/_peak", "analytic/halfspace_peak analytic/halfspace"),
     (
         "halfspace",
         "analytic/halfspace analytic/halfspace_flanks extreme/halfspace analytic/line_contact "
@@ -64,7 +65,8 @@ _TESTS: tuple[tuple[str, str], ...] = (
     ("dynamics/_bristle", "analytic/lugre"),
     (
         "dynamics/_rubbing",
-        "analytic/steady analytic/lugre analytic/regularised analytic/newton analytic/flanks",
+        "analytic/spin_losses analytic/steady analytic/lugre analytic/regularised analytic/newton "
+        "analytic/flanks",
     ),
     (
         "dynamics/_thread_friction",

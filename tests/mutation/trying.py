@@ -13,9 +13,11 @@ from .operators import Fault
 from .processes import Process, preload, start
 from .rooms import quick_tests
 
+#: Processor time of one test alone [s].
+_LIMIT = 600
 #: So many tests that saw faults of the same file, and of the same room, come first.
-_SAME_FILE, _SAME_ROOM = 6, 6
-#: A test that takes so long comes after the others of its room [s].
+_SAME_FILE, _SAME_ROOM = 6, 4
+#: A test that takes so long does not come first, whatever it saw [s].
 _LONG = 3.0
 
 
@@ -46,30 +48,25 @@ class _Records:
         os.replace(part, self._output)
 
     def first(self, path: str) -> list[str]:
-        """Tests in the order in which a fault of a file is tried with them.
+        """Tests that a fault of a file is tried with first.
 
-        Those that saw faults of the same file come first, then those that saw most in the room,
-        then short ones.
+        Short ones that saw faults of the same file, then those that saw most in the room.
         """
         room = path.partition("/")[0]
         seen = [row for row in reversed(self.rows.values()) if row["seen"] and row["by"]]
+        seen = [row for row in seen if self.seconds.get(row["by"], 0.0) < _LONG]
         same = dict.fromkeys(row["by"] for row in seen if row["path"] == path)
         often = Counter(row["by"] for row in seen if row["path"].partition("/")[0] == room)
         front = [*list(same)[:_SAME_FILE], *(name for name, _ in often.most_common(_SAME_ROOM))]
-        short = [name for name, seconds in self.seconds.items() if seconds < _LONG]
-        return list(dict.fromkeys(front + short))
-
-
-def _wait(process: Process) -> Process:
-    while not process.finished():
-        time.sleep(0.1)
-    return process
+        return list(dict.fromkeys(front))
 
 
 def _fails_when_sound(name: str, folder: Path, records: _Records) -> bool:
     """Whether a test fails without a fault, and so tells nothing; each is asked once."""
     if name not in records.sound:
-        process = _wait(start(folder, [name]))
+        process = start(folder, [name], [], [], {}, _LIMIT)
+        while not process.finished():
+            time.sleep(0.1)
         records.sound[name] = not (process.failed or process.hung)
         records.seconds.update(process.seconds)
         if not records.sound[name]:
@@ -80,8 +77,9 @@ def _fails_when_sound(name: str, folder: Path, records: _Records) -> bool:
 class _Attempt:
     """One fault in one folder."""
 
-    def __init__(self, fault: Fault, folder: Path, records: _Records):
+    def __init__(self, fault: Fault, folder: Path, records: _Records, budget: int):
         self.fault, self._folder, self._records = fault, folder, records
+        self._budget = budget
         self._target = folder / "prsm_jax" / fault.path
         self._text = self._target.read_text()
         self._began = time.monotonic()
@@ -98,7 +96,8 @@ class _Attempt:
         unsound = [name for name, sound in self._records.sound.items() if not sound]
         tests = [f"tests/{name}" for name in quick_tests(self.fault.path)]
         tests = [name for name in tests if (self._folder / name).exists()]
-        return start(self._folder, tests, self._records.first(self.fault.path), unsound)
+        first, usual = self._records.first(self.fault.path), self._records.seconds
+        return start(self._folder, tests, first, unsound, usual, self._budget)
 
     def result(self) -> dict | None:
         """None while it runs."""
@@ -112,15 +111,21 @@ class _Attempt:
             self._process = self._start()
             return None
         seen = "time" if self._process.hung else "test" if name else ""
-        if not seen:
-            self._records.seconds.update(self._process.seconds)
         seconds = round(time.monotonic() - self._began, 1)
-        return {"seen": seen, "by": name, "tests": len(self._process.seconds), "seconds": seconds}
+        passed, spent = len(self._process.seconds), self._process.spent
+        return {"seen": seen, "by": name, "passed": passed, "spent": spent, "seconds": seconds}
 
 
-def try_faults(chosen: list[Fault], tree: Path, output: Path, jobs: int) -> Iterator[dict]:
-    """A row of results for each fault, those that the file has without trying them again."""
+def try_faults(
+    chosen: list[Fault], tree: Path, output: Path, jobs: int, budget: int, again: bool = False
+) -> Iterator[dict]:
+    """A row of results for each fault, those that the file has without trying them again.
+
+    With `again` only what was seen is not tried again.
+    """
     records = _Records(output)
+    if again:
+        records.rows = {name: row for name, row in records.rows.items() if row["seen"]}
     todo = [fault for fault in chosen if fault.name not in records.rows]
     yield from (records.rows[fault.name] for fault in chosen if fault.name in records.rows)
     if not todo:
@@ -134,7 +139,7 @@ def try_faults(chosen: list[Fault], tree: Path, output: Path, jobs: int) -> Iter
         while todo or running:
             while todo and free:
                 folder, fault = free.pop(), todo.pop(0)
-                running.append((folder, _Attempt(fault, folder, records)))
+                running.append((folder, _Attempt(fault, folder, records, budget)))
             time.sleep(0.1)
             for pair in tuple(running):
                 folder, attempt = pair
