@@ -50,6 +50,8 @@ _TESTS: tuple[tuple[str, str], ...] = (
         "modal/_frequency_loci",
         "report/modes analytic/distinct_frequencies",
     ),
+    ("modal/_quartic", "analytic/secular analytic/vibration"),
+    ("modal/_secular", "analytic/secular analytic/vibration analytic/distinct_frequencies"),
     (
         "modal",
         "analytic/vibration analytic/modes analytic/distinct_frequencies analytic/unequal_rollers "

@@ -39,10 +39,13 @@ class _Records:
         self.rows: dict[str, dict] = {row["fault"]: row for row in kept.get("faults", [])}
         self.sound: dict[str, bool] = kept.get("sound", {})
         self.seconds: dict[str, float] = kept.get("seconds", {})
+        # Of this run and of those before it, for their order.
+        self.killers: dict[str, list[str]] = kept.get("killers", {})
 
     def save(self) -> None:
         self._output.parent.mkdir(parents=True, exist_ok=True)
         whole = {"faults": list(self.rows.values()), "sound": self.sound, "seconds": self.seconds}
+        whole["killers"] = self.killers
         part = self._output.with_suffix(".part")
         part.write_text(json.dumps(whole, indent=1, ensure_ascii=False) + "\n")
         os.replace(part, self._output)
@@ -53,12 +56,25 @@ class _Records:
         Short ones that saw faults of the same file, then those that saw most in the room.
         """
         room = path.partition("/")[0]
-        seen = [row for row in reversed(self.rows.values()) if row["seen"] and row["by"]]
-        seen = [row for row in seen if self.seconds.get(row["by"], 0.0) < _LONG]
-        same = dict.fromkeys(row["by"] for row in seen if row["path"] == path)
-        often = Counter(row["by"] for row in seen if row["path"].partition("/")[0] == room)
-        front = [*list(same)[:_SAME_FILE], *(name for name, _ in often.most_common(_SAME_ROOM))]
-        return list(dict.fromkeys(front))
+        same = [name for name in reversed(self.killers.get(path, [])) if self._short(name)]
+        often = Counter(
+            name
+            for other, names in self.killers.items()
+            if other.partition("/")[0] == room
+            for name in names
+            if self._short(name)
+        )
+        front = [*list(dict.fromkeys(same))[:_SAME_FILE]]
+        return list(dict.fromkeys([*front, *(name for name, _ in often.most_common(_SAME_ROOM))]))
+
+    def _short(self, name: str) -> bool:
+        return self.seconds.get(name, 0.0) < _LONG
+
+    def add(self, row: dict) -> None:
+        self.rows[row["fault"]] = row
+        if row["seen"]:
+            self.killers.setdefault(row["path"], []).append(row["by"])
+        self.save()
 
 
 def _fails_when_sound(name: str, folder: Path, records: _Records) -> bool:
@@ -150,6 +166,5 @@ def try_faults(
                 free.append(folder)
                 fault = attempt.fault
                 row = {"fault": fault.name, "path": fault.path, "line": fault.line, **result}
-                records.rows[fault.name] = row
-                records.save()
+                records.add(row)
                 yield row
