@@ -17,6 +17,8 @@ from prsm_jax.contact import (
     complete_elliptic_integrals,
     hertz_contact,
 )
+from prsm_jax.contact._axis_ratio import antoine_log_axis_ratio
+from prsm_jax.contact._hertz import _inverse_cube_root
 
 _integrals = jax.jit(complete_elliptic_integrals)
 _associated = jax.jit(associated_elliptic_integrals)
@@ -206,3 +208,23 @@ def test_methods_are_the_ones_that_are_documented():
     assert set(APPROXIMATIONS) == names
     with pytest.raises(ValueError, match="choose one of exact, antoine"):
         hertz_contact(array(1.0), array(1.0), array(0.0), array(1.0), "hertz")  # type: ignore[arg-type]
+
+
+def test_inverse_cube_root_over_forty_decades():
+    """Of cubes of semi-axes far below an atom up to those of planets, and its derivative."""
+    cubes = np.logspace(-69, 30, 397)
+    root, slope = jax.jit(jax.vmap(jax.value_and_grad(_inverse_cube_root)))(jnp.asarray(cubes))
+    np.testing.assert_allclose(root, 1 / np.cbrt(cubes), rtol=2e-15)
+    np.testing.assert_allclose(slope, -1 / (3 * np.cbrt(cubes) * cubes), rtol=3e-15)
+
+
+def test_antoines_axis_ratio_as_far_as_its_authors_say():
+    """Off by at most 6e-6 up to B/A = 1e4: B/A of κ by Legendre's integrals in SciPy."""
+    ratios = np.linspace(3e-3, 0.999, 300)
+    parameter = 1 - ratios**2
+    first, second = scipy.special.ellipkm1(ratios**2), scipy.special.ellipe(parameter)
+    quotient = (second / ratios**2 - first) / (first - second)
+    assert quotient.max() > 1e4
+    found = np.exp(antoine_log_axis_ratio(jnp.log(jnp.asarray(quotient))))
+    within = quotient <= 1e4
+    np.testing.assert_allclose(found[within], ratios[within], rtol=6e-6)
