@@ -25,8 +25,8 @@ _TESTS: tuple[tuple[str, str], ...] = (
     ("halfspace/_peak", "analytic/halfspace_peak analytic/halfspace"),
     (
         "halfspace",
-        "analytic/halfspace analytic/halfspace_flanks extreme/halfspace analytic/line_contact "
-        "analytic/subsurface analytic/single_faults gradients/halfspace",
+        "analytic/ends_of_laws analytic/halfspace analytic/halfspace_flanks extreme/halfspace "
+        "analytic/line_contact analytic/subsurface analytic/single_faults gradients/halfspace",
     ),
     (
         "load_sharing",
@@ -43,8 +43,8 @@ _TESTS: tuple[tuple[str, str], ...] = (
     ("strength/_subsurface", "analytic/strength analytic/subsurface"),
     (
         "strength",
-        "analytic/strength analytic/rating_life analytic/single_faults analytic/truncation "
-        "gradients/strength",
+        "analytic/ends_of_laws analytic/strength analytic/rating_life analytic/single_faults "
+        "analytic/truncation gradients/strength",
     ),
     (
         "modal/_frequency_loci",
@@ -127,10 +127,14 @@ _TESTS: tuple[tuple[str, str], ...] = (
     ("mechanism/_profiles", "analytic/profiles"),
     ("mechanism/_sequences", "analytic/profiles"),
     ("mechanism/_follows", "sensitivity/values"),
-    ("mechanism/_parameters", "analytic/construction sensitivity/values optimise/analytic"),
+    (
+        "mechanism/_parameters",
+        "analytic/construction sweep/test_sweep.py sensitivity/values optimise/analytic",
+    ),
     (
         "mechanism",
-        "analytic/construction analytic/masses analytic/profiles analytic/steady "
+        "analytic/construction analytic/ends_of_laws analytic/masses analytic/profiles "
+        "analytic/steady "
         "analytic/unequal_rollers file/examples file/scenarios file/unequal_rollers "
         "analytic/findings_numbers file/errors",
     ),
