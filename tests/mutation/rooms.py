@@ -23,11 +23,13 @@ _TESTS: tuple[tuple[str, str], ...] = (
     ("contact/_slip_and_spin", "analytic/slip_and_spin analytic/spin_losses analytic/steady"),
     ("contact", "analytic/hertz literature/contact analytic/subsurface gradients/limits"),
     ("halfspace/_peak", "analytic/halfspace_peak analytic/halfspace"),
+    ("halfspace/_equilibrium", "gradients/halfspace analytic/halfspace extreme/halfspace"),
     (
         "halfspace",
         "analytic/ends_of_laws analytic/halfspace analytic/halfspace_flanks extreme/halfspace "
         "analytic/line_contact analytic/subsurface analytic/single_faults gradients/halfspace",
     ),
+    ("load_sharing/_wide", "analytic/load_sharing extreme/load_sharing"),
     (
         "load_sharing",
         "analytic/load_sharing analytic/single_faults analytic/axial_stiffness "
@@ -52,6 +54,7 @@ _TESTS: tuple[tuple[str, str], ...] = (
     ),
     ("modal/_quartic", "analytic/secular analytic/vibration"),
     ("modal/_secular", "analytic/secular analytic/vibration analytic/distinct_frequencies"),
+    ("modal/_system", "analytic/vibration_system analytic/vibration analytic/unequal_rollers"),
     (
         "modal",
         "analytic/vibration analytic/modes analytic/distinct_frequencies analytic/unequal_rollers "
@@ -78,6 +81,7 @@ _TESTS: tuple[tuple[str, str], ...] = (
     ("dynamics/_body_forces", "analytic/newton analytic/screw_friction"),
     ("dynamics/_free_bodies", "analytic/newton analytic/screw_friction"),
     ("dynamics/_roller_balance", "analytic/newton analytic/single_faults"),
+    ("dynamics/_driven", "analytic/torque_carriers analytic/torque_drive"),
     ("dynamics/_locking", "analytic/locking"),
     ("dynamics/_screw_friction", "analytic/screw_friction analytic/steady analytic/newton"),
     ("dynamics/_stick_slip", "analytic/torque_carriers analytic/torque_drive"),
