@@ -8,6 +8,7 @@ import functools
 
 import jax
 import jax.numpy as jnp
+import mpmath
 import numpy as np
 import pytest
 import scipy.special
@@ -223,3 +224,21 @@ def test_the_ellipse_lies_where_the_gap_is_flat():
     axes, directions = np.linalg.eigh(np.asarray(matrix))
     np.testing.assert_allclose(np.sqrt(axes), [hertz.semi_minor, hertz.semi_major], rtol=1e-12)
     assert abs(directions[:, 1] @ vectors[:, 0]) == pytest.approx(1, abs=1e-12)
+
+
+@pytest.mark.parametrize("thinner", [1e-7, 6e-6, 1.2e-5, 1.4e-5, 5e-5])
+def test_nearly_round_ellipses_keep_their_axes(thinner):
+    """(a² − b²)/(B − A) of κ = 1 − `thinner`, whose B/A follows in 40 digits, on either branch."""
+    with mpmath.workdps(40):
+        ratio = 1 - mpmath.mpf(thinner)
+        m = 1 - ratio**2
+        first, second = mpmath.ellipk(m), mpmath.ellipe(m)
+        quotient = (first - second) / (second / ratio**2 - first)
+        anisotropy = (1 - quotient) / (1 + quotient)
+        expected = float(m / anisotropy)
+    total, twist, squared = array(330.0), array(1.0), array((330.0 * float(anisotropy)) ** 2)
+    hertz = hertz_contact(array(50.0), total, squared, array(1.15e11))
+    shape = ellipse_shape(hertz, RelativeCurvature(total, squared, total / 2, twist))
+    found = float(-shape.mixed * total / hertz.semi_major**2)
+    # Where the ellipse counts as long the difference a² − b² loses 1e-16/τ.
+    assert found == pytest.approx(expected, rel=2e-10)

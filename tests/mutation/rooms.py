@@ -64,7 +64,7 @@ _TESTS: tuple[tuple[str, str], ...] = (
     ("dynamics/_chain", "analytic/settling analytic/steady analytic/newton"),
     ("dynamics/_reduced", "analytic/settling analytic/steady"),
     ("dynamics/_rosenbrock", "analytic/rosenbrock"),
-    ("dynamics/_small", "analytic/rosenbrock analytic/steady analytic/newton"),
+    ("dynamics/_small", "analytic/small_newton analytic/rosenbrock analytic/steady"),
     ("dynamics/_quasi", "analytic/quasi_steady"),
     ("dynamics/_neglected", "analytic/torque_carriers analytic/quasi_steady"),
     ("dynamics/_bristle", "analytic/lugre"),
