@@ -21,6 +21,7 @@ from prsm_jax.halfspace import (
     subsurface_stress_field,
     tangent_plane,
 )
+from prsm_jax.halfspace._flank_gap import _crests
 
 MODULUS = array(1.15e11)
 SHAPE = (32, 32)
@@ -321,6 +322,23 @@ def test_flanks_end_at_their_crests():
     points = np.asarray(plane.origin) + x * np.asarray(plane.major) + y * np.asarray(plane.minor)
     radius = np.hypot(points[..., 0] - 20e-3, points[..., 1])
     np.testing.assert_allclose(edge, (5.05e-3 - radius) * np.sqrt(2), atol=1e-12)
+
+
+@pytest.mark.parametrize(("x", "y"), [(9e-3, 0.0), (8.6e-3, 1.2e-3), (14.7e-3, -0.4e-3)])
+def test_distances_from_crests(x, y):
+    """From the outer circles of screw and roller and the inner one of the nut, drawn by hand."""
+    geometry = thread(5e-3, screw_addendum=0.4e-3, roller_addendum=0.3e-3)
+    roller = float(geometry.roller_radius)
+    screw, axis = 3 * roller, 4 * roller
+    from_centre, from_axis = np.hypot(x, y), np.hypot(x - axis, y)
+    expected = {
+        "screw": (screw + 0.4e-3 - from_centre, roller + 0.3e-3 - from_axis),
+        "nut": (from_centre - (axis + roller - 0.4e-3), roller + 0.3e-3 - from_axis),
+    }
+    for side, distances in expected.items():
+        found = _crests(geometry, side, array(x), array(y))
+        np.testing.assert_allclose(found, distances, rtol=1e-13, atol=1e-17)
+    assert _crests(thread(5e-3), "screw", array(x), array(y)) == (None, None)
 
 
 def test_roughness_on_flanks():

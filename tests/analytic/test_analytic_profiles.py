@@ -1,5 +1,7 @@
 """Drives over time: limits kept, integrals and derivatives right, tables as SciPy's."""
 
+import dataclasses
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -116,6 +118,20 @@ def test_s_curve_keeps_its_limits(index, curves):
     # Steps in which one stretch ends and the next begins meet neither limit fully.
     assert np.sum(~(full | steep | bent) & moving[1:]) <= 8
     assert np.all(value[times > float(move.duration)] == 0)
+
+
+def test_what_is_not_given_takes_no_time():
+    """No dwell unless asked for, and a fall as long as the rise: the durations of three shapes."""
+    up_and_down = TrapezoidalProfile(100.0, 0.1, 0.2)
+    assert float(up_and_down.duration) == pytest.approx(0.4, rel=1e-15)
+    # A triangle of height 60 and an area of 12; seven stretches of which four are 0.1 s long.
+    triangle = TrapezoidalMoveProfile(12.0, 100.0, 300.0)
+    assert float(triangle.duration) == pytest.approx(0.4, rel=1e-14)
+    curve = SCurveMoveProfile(6.0, 100.0, 300.0, 3000.0)
+    assert float(curve.duration) == pytest.approx(0.4, rel=1e-14)
+    for profile, dwell in ((up_and_down, 0.3), (triangle, 0.7), (curve, 0.2)):
+        longer = dataclasses.replace(profile, dwell_time=array(dwell))
+        assert float(longer.duration) == pytest.approx(0.4 + dwell, rel=1e-14)
 
 
 def test_moves_travel_their_angle(curves):
