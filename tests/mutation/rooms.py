@@ -126,7 +126,11 @@ _TESTS: tuple[tuple[str, str], ...] = (
         "analytic/strength analytic/findings",
     ),
     ("sensitivity", "sensitivity/values"),
-    ("optimise", "optimise/analytic analytic/single_faults optimise/findings optimise/mechanism"),
+    (
+        "optimise",
+        "optimise/box optimise/analytic analytic/single_faults optimise/findings "
+        "optimise/mechanism",
+    ),
     ("sweep", "sweep/test_sweep.py analytic/single_faults"),
     ("mechanism/_profiles", "analytic/profiles"),
     ("mechanism/_sequences", "analytic/profiles"),

@@ -10,6 +10,7 @@ import pytest
 import scenes
 
 import prsm_jax as prsm
+from prsm_jax.mechanism import find_parameters
 from prsm_jax.sensitivity import sensitivity
 
 PARAMETERS = ("lead", "contact_angle", "roller_radius")
@@ -233,3 +234,22 @@ def test_a_default_follows_whoever_asks():
     assert "roller_profile_radius" in alone.to_dict()["follows"]["roller_radius"]
     assert "roller_profile_radius" in fixed.to_dict()["stays"]["roller_radius"]
     assert "roller_radius: screw radius, nut radius, centre distance, roller profile" in str(alone)
+
+
+def test_a_name_without_a_number_means_all_stages():
+    """With the word `stage` before it or without; with a number one of them."""
+    one = scenes.stage()
+    two = scenes.mechanism(one, one)
+    both = {"stage.1.thread.lead", "stage.2.thread.lead"}
+    for name, paths in (
+        ("lead", both),
+        ("thread.lead", both),
+        ("stage.thread.lead", both),
+        ("stage.2.lead", {"stage.2.thread.lead"}),
+        ("stage.1.thread.lead", {"stage.1.thread.lead"}),
+    ):
+        assert {found.path for found in find_parameters(two, name)} == paths, name
+    with pytest.raises(prsm.UnknownNameError, match=r"has 2 stage\(s\)"):
+        find_parameters(two, "stage.3.lead")
+    with pytest.raises(prsm.UnknownNameError, match="unknown parameter"):
+        find_parameters(two, "screw.1.lead")
