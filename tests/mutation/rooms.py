@@ -75,7 +75,7 @@ _TESTS: tuple[tuple[str, str], ...] = (
     ),
     (
         "dynamics/_thread_friction",
-        "analytic/steady analytic/newton analytic/regularised analytic/flanks",
+        "analytic/spin_losses analytic/steady analytic/newton analytic/regularised analytic/flanks",
     ),
     ("dynamics/_newton", "analytic/newton"),
     ("dynamics/_body_forces", "analytic/newton analytic/screw_friction"),
