@@ -2,6 +2,7 @@
 
 import contextlib
 import ctypes  # here, for a thread that ends the process cannot import while JAX is imported
+import errno
 import os
 import secrets
 import shutil
@@ -21,6 +22,7 @@ _empty: set[Path] = set()
 _placing = threading.RLock()
 _PATIENCE_S = 1.0
 _MOVED, _TRIES = ".moved-", 1000
+_OPEN_FILES = ("/dev/fd/", "/dev/stdin", "/dev/stdout", "/dev/stderr", "/proc/")
 
 
 @contextlib.contextmanager
@@ -96,15 +98,29 @@ def taking_place() -> contextlib.AbstractContextManager:
     return _placing
 
 
-def _is_device(path: Path) -> bool:
-    """Whether a path is a terminal, pipe or device, onto which a rename would destroy it."""
-    absolute = os.path.abspath(path)
-    if absolute.startswith(("/dev/", "/proc/")):
+def is_written_through(path: Path) -> bool:
+    """Whether a path is a terminal, pipe or device, onto which a rename would destroy it.
+
+    What this process has open already is also written to by others: `/dev/stdout` may be a file.
+    """
+    if os.path.abspath(path).startswith(_OPEN_FILES):
         return True
     try:
-        return not stat.S_ISREG(os.stat(path).st_mode)
+        mode = os.stat(path).st_mode
     except OSError:
         return False
+    return not (stat.S_ISREG(mode) or stat.S_ISDIR(mode))
+
+
+def real_path(path: Path) -> Path:
+    """Where a path leads when its links are followed; what is there need not exist.
+
+    **Raises:** `OSError` for links that lead in a circle.
+    """
+    real = Path(os.path.realpath(path))
+    if real.is_symlink():
+        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(path))
+    return real
 
 
 @contextlib.contextmanager
@@ -115,24 +131,29 @@ def whole_file(target: Path) -> Iterator[Path]:
     fails it goes away, and what was at the target is as it was. What a symbolic link points to is
     replaced, not the link; a device or pipe is written to.
     """
-    if _is_device(target):
+    if is_written_through(target):
         with temporary_folder(Path(tempfile.gettempdir()), "prsm-jax-") as folder:
             partial = folder / target.name
             yield partial
             with partial.open("rb") as source, target.open("wb") as sink:
                 shutil.copyfileobj(source, sink)
         return
-    target = Path(os.path.realpath(target))
+    target = real_path(target)
     partial = target.with_name(f".{target.name[:32]}.{secrets.token_hex(4)}.partial")
     with _goes_away(partial):
         yield partial
         with _placing:
+            with contextlib.suppress(OSError):
+                # Who may read the file stays as it was.
+                shutil.copymode(target, partial)
             os.replace(partial, target)
 
 
 @contextlib.contextmanager
 def temporary_folder(parent: Path, prefix: str) -> Iterator[Path]:
     """A private folder beside what is to be made, gone afterwards."""
+    # Another process that stopped without a result may have taken the empty folder away.
+    parent.mkdir(parents=True, exist_ok=True)
     with _goes_away(Path(tempfile.mkdtemp(prefix=prefix, dir=parent))) as folder:
         yield folder
 

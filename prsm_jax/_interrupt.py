@@ -22,7 +22,8 @@ from ._files import end_process
 _MESSAGES = {signal.SIGINT: "stopped (Ctrl-C)", signal.SIGTERM: "terminated"}
 #: Held by whoever ends the process: the main thread with a result, or a signal without one.
 _ending = threading.Lock()
-_handled: set[int] = set()
+#: Set where there is nothing any more that a signal could cut in two.
+_complete = threading.Event()
 #: What clears the terminal: gives the text to be written before the message.
 _clearing: list[Callable[[], str]] = []
 #: Both ends of the socket that signals are announced in; closed, they would be lost.
@@ -35,8 +36,11 @@ def end_on_signals() -> None:
     A signal that is ignored (a job in the background of a script) stays ignored. Only for a process
     that is the command line, not for one that calls it.
     """
+    if _sockets or threading.current_thread() is not threading.main_thread():
+        return
+    _open_standard_files()
     wanted = [n for n in _MESSAGES if signal.getsignal(n) is not signal.SIG_IGN]
-    if threading.current_thread() is not threading.main_thread() or not wanted:
+    if not wanted:
         return
     reader, writer = socket.socketpair()
     writer.setblocking(False)
@@ -45,8 +49,20 @@ def end_on_signals() -> None:
     for number in wanted:
         # A handler of Python's own has to be there for the number to be announced.
         signal.signal(number, lambda *_: None)
-        _handled.add(number)
     threading.Thread(target=_wait, args=(reader,), name="signals", daemon=True).start()
+
+
+def _open_standard_files() -> None:
+    """Open what the caller closed as the null device, so that no other file takes its number.
+
+    What is printed would go into that file.
+    """
+    for number in (0, 1, 2):
+        try:
+            os.fstat(number)
+        except OSError:
+            # The lowest number that is free: those below are taken.
+            os.open(os.devnull, os.O_RDWR)
 
 
 def clear_first(clear: Callable[[], str]) -> None:
@@ -55,17 +71,12 @@ def clear_first(clear: Callable[[], str]) -> None:
 
 
 def keep_result() -> None:
-    """The result is complete: from now on a signal has its default effect, which is to end.
+    """The result is complete: from now on a signal ends the process and removes nothing.
 
     Does not return if a signal is ending the process already.
     """
-    if not _handled:
-        return
-    _ending.acquire()
-    for number in _handled:
-        signal.signal(number, signal.SIG_DFL)
-    _handled.clear()
-    signal.set_wakeup_fd(-1)
+    with _ending:
+        _complete.set()
 
 
 def _wait(reader: socket.socket) -> None:
@@ -81,6 +92,8 @@ def _end(number: int) -> None:
     try:
         os.write(2, f"{erase}prsm: {_MESSAGES[signal.Signals(number)]}\n".encode())
     finally:
+        if _complete.is_set():
+            os._exit(128 + number)
         end_process(128 + number)
 
 

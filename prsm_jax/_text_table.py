@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from ._plain_text import markdown, printable
+
 #: What stands where there is no number.
 NOT_DEFINED = "–"
 _GAP = 2
@@ -24,7 +26,7 @@ def cell_text(value: Any) -> str:
         return "yes" if value else "no"
     if isinstance(value, float | np.floating):
         return NOT_DEFINED if np.isnan(value) else f"{float(value):.6g}".replace("inf", "∞")
-    return str(value)
+    return printable(str(value))
 
 
 @dataclass(frozen=True)
@@ -48,18 +50,19 @@ class TextTable:
         - `width`: number of characters in a line; default as many as it needs.
         """
         cells = [[cell_text(cell) for cell in row] for row in self.rows]
-        lines = textwrap.wrap(self.title, width) if width else [self.title]
+        title = printable(self.title)
+        lines = textwrap.wrap(title, width) if width else [title]
         for part in self._parts(cells, width):
             lines += self._part(cells, part, width)
         return "\n".join(line for line in lines if line) + "\n"
 
     def markdown(self) -> str:
         """The table as Markdown, ending with a line break."""
-        rows = [[cell_text(c).replace("|", r"\|") for c in row] for row in self.rows]
-        head = [name.replace("|", r"\|") for name in self.columns]
+        rows = [[markdown(cell_text(c)) for c in row] for row in self.rows]
+        head = [markdown(name) for name in self.columns]
         lines = [head, ["---:" if self._numeric(i) else "---" for i in range(len(head))], *rows]
         body = "\n".join("| " + " | ".join(line) + " |" for line in lines)
-        return (f"**{self.title}**\n\n" if self.title else "") + body + "\n"
+        return (f"**{markdown(self.title)}**\n\n" if self.title else "") + body + "\n"
 
     def _numeric(self, column: int) -> bool:
         cells = [text for text in (cell_text(row[column]) for row in self.rows) if text]

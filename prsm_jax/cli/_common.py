@@ -15,6 +15,7 @@ import numpy as np
 from cyclopts import Parameter
 
 from .._files import whole_file
+from .._plain_text import markdown
 from ..geometry import Finding
 from ..mechanism import Mechanism, get_parameter
 from ._progress import clear
@@ -111,7 +112,8 @@ def save_tables(
     write_text(written[0], _encoded(results))
     parts = [table.markdown() for table in tables]
     if assumptions:
-        parts.append("Assumptions\n\n" + "".join(f"* {sentence}\n" for sentence in assumptions))
+        lines = [f"* {markdown(sentence)}\n" for sentence in assumptions]
+        parts.append("Assumptions\n\n" + "".join(lines))
     write_text(written[1], "\n".join(parts))
     return written
 

@@ -1,6 +1,7 @@
 """The main job in one command: analyse, differentiate, improve, report."""
 
 import json
+import sys
 import time
 from pathlib import Path
 from typing import Annotated, Any
@@ -18,7 +19,7 @@ from ._common import Common, plain
 from ._contact import contact_results
 from ._modal import modal_results
 from ._optimised import optimised_text
-from ._progress import doing, expect_programs, tell
+from ._progress import clear, doing, expect_programs, tell
 from ._simulate import transient_results
 from ._tables import terminal_width
 
@@ -109,9 +110,18 @@ def demo(
     }
     say("drawing and writing the report")
     encoded = json.dumps(plain(results), indent=2, ensure_ascii=False, allow_nan=False)
-    report = write_report(folder, data, attachments={"results.json": encoded + "\n", **files})
+    faults: list[str] = []
+    report = write_report(
+        folder,
+        data,
+        attachments={"results.json": encoded + "\n", **files},
+        on_fault=faults.append,
+    )
     say("done; look at")
     tell(f"  {report}  (everything, in one file)")
     for name in ("report.md", "figures", "results.json", *files):
         tell(f"  {folder / name}")
-    return int(not best.converged)
+    for fault in faults:
+        clear()
+        print(f"prsm: warning: the report is not complete: {fault}", file=sys.stderr)
+    return int(not best.converged or bool(faults))

@@ -1,28 +1,13 @@
 """Entry point: one line on stderr and exit status 2 for whatever the user can mend."""
 
-import os
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 
 from .._errors import PrsmError, missing_extra
 from .._interrupt import clear_first, end_on_signals, keep_result
+from .._plain_text import printable
 from ._progress import erase_for_good, progress
-
-#: Where compiled programs are kept between runs, unless this variable says otherwise.
-_CACHE_VARIABLE = "PRSM_JAX_CACHE"
-
-
-def _keep_compiled_programs() -> None:
-    """Let JAX keep what it compiles, however small: a second run then starts at once."""
-    import jax
-
-    default = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "prsm_jax"
-    folder = os.environ.get(_CACHE_VARIABLE, str(default))
-    if folder:
-        jax.config.update("jax_compilation_cache_dir", folder)
-        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0)
-        jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
+from ._streams import make_patient, stdout_failure
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -40,35 +25,37 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # This process is the command line; a program that calls it keeps its own signal handlers.
         end_on_signals()
         clear_first(erase_for_good)
+        make_patient()
     words = list(sys.argv[1:] if arguments is None else arguments)
-    status, message = _run(words)
+    status, message = _run(words, alone=arguments is None)
+    failure = stdout_failure()
+    if failure is not None and not message:
+        status, message = 2, f"stdout: {failure.strerror}"
     # From here on the result stands: a signal that came before ended the process.
     keep_result()
     if message:
-        print(f"prsm: {' '.join(message.split())}", file=sys.stderr)
+        print(f"prsm: {printable(' '.join(message.split()))}", file=sys.stderr)
     return status
 
 
-def _run(words: list[str]) -> tuple[int, str]:
+def _run(words: list[str], alone: bool) -> tuple[int, str]:
     """Exit status, and what went wrong in words, if something did."""
     try:
         from cyclopts import CycloptsError
     except ModuleNotFoundError as error:
         return 2, str(missing_extra("cli", "the command line", error))
     with progress(words[0] if words else ""):
+        from ._compiled import keep_compiled_programs, tell_of_trouble_once
         from ._verbs import app
 
-        _keep_compiled_programs()
+        keep_compiled_programs()
+        if alone:
+            tell_of_trouble_once()
         try:
             status = app(
                 words, exit_on_error=False, print_error=False, result_action="return_value"
             )
-            sys.stdout.flush()
             return (status if isinstance(status, int) else 0), ""
-        except BrokenPipeError:
-            # The reader (`head`, a pager) has seen enough; there is nothing left to flush to.
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-            return 0, ""
         except KeyboardInterrupt:
             return 130, "stopped (Ctrl-C)"
         except CycloptsError as error:

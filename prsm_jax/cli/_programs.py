@@ -59,9 +59,9 @@ def run_stored(
     leaves, structure = jax.tree.flatten(mechanism)
     path = Path(folder) / "programs" / _key(name, leaves, structure)
     exported = None
-    # A program that is cut short, or from a JAX that cannot read it, is simply made again.
+    # A program that was changed, or from a JAX that cannot read it, is simply made again.
     try:
-        exported = export.deserialize(bytearray(path.read_bytes()))
+        exported = export.deserialize(bytearray(_read(path)))
     except Exception:
         exported = None
     if exported is None:
@@ -76,4 +76,13 @@ def _write(path: Path, data: bytes) -> None:
     with contextlib.suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         with whole_file(path) as partial:
-            partial.write_bytes(data)
+            partial.write_bytes(hashlib.sha256(data).digest() + data)
+
+
+def _read(path: Path) -> bytes:
+    """What `_write` kept. **Raises:** `OSError` or `ValueError` if it is not there, or not that."""
+    stored = path.read_bytes()
+    size = hashlib.sha256().digest_size
+    if hashlib.sha256(stored[size:]).digest() != stored[:size]:
+        raise ValueError(f"{path} is not what was written")
+    return stored[size:]

@@ -5,6 +5,7 @@ import tempfile
 from pathlib import Path
 
 from .._errors import PrsmError
+from ._streams import stdout_is_closed
 
 
 def check_json(path: str | None) -> None:
@@ -12,6 +13,8 @@ def check_json(path: str | None) -> None:
 
     **Raises:** `PrsmError` in one line.
     """
+    if path == "-" and stdout_is_closed():
+        raise PrsmError("--json -: stdout is closed; give the path of a file")
     if path is None or path == "-":
         return
     target = Path(path)

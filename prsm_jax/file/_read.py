@@ -57,7 +57,8 @@ def text_of(source: str | Path) -> str:
     if len(data) > _LARGEST_FILE:
         raise FileError(f"{name}: is larger than {_LARGEST_FILE} bytes; this cannot be a mechanism")
     try:
-        return data.decode("utf-8")
+        # Windows editors put a byte order mark first.
+        return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise FileError(
             f"{name}: is not UTF-8 text (byte {error.start}); save it as UTF-8"
@@ -100,7 +101,7 @@ def _parse(text: str, name: str) -> dict:
             message = f"line {number} has more than {_MOST_DOTS_IN_A_LINE} dots; split it"
             raise file_error(name, {}, [((), message)])
     try:
-        return tomllib.loads(text)
+        return tomllib.loads(text.removeprefix("\ufeff"))
     except RecursionError as error:
         raise file_error(name, {}, [((), "is nested too deeply")]) from error
     except ValueError as error:

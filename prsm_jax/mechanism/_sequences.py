@@ -1,6 +1,6 @@
 """Tables over time, and sequences of profiles: repeated, and turned round at every repetition."""
 
-from typing import ClassVar, TypeAlias
+from typing import ClassVar, NamedTuple, TypeAlias
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -15,6 +15,10 @@ from ._profiles import (
     TrapezoidalProfile,
 )
 from ._tables import Curve, Interpolation
+
+#: Sequences may lie in each other this deep.
+_DEEPEST = 16
+_MOST_REPEATS = 1_000_000
 
 
 class TableProfile(eqx.Module):
@@ -64,41 +68,67 @@ class SequenceProfile(eqx.Module):
         if not self.part:
             raise ValueError("SequenceProfile: part is empty; give at least one profile")
         for part in self.part:
-            if not hasattr(part, "duration"):
+            # Of the class: of the profile it would be computed here, again at every level.
+            if not hasattr(type(part), "duration"):
                 raise ValueError(
                     f"SequenceProfile: a {type(part).__name__} has no end, so nothing can follow "
                     "it; give a table or a profile that has one"
                 )
         if self.repeats < 1:
             raise ValueError(f"SequenceProfile: repeats is {self.repeats}; it must be 1 or more")
+        levels, repeats = self._nested()
+        if levels > _DEEPEST:
+            raise ValueError(
+                f"SequenceProfile: sequences lie {levels} levels deep in each other; at most "
+                f"{_DEEPEST} are allowed, so write inner ones out as parts"
+            )
+        if repeats > _MOST_REPEATS:
+            raise ValueError(
+                f"SequenceProfile: the innermost parts are run through {repeats} times; at most "
+                f"{_MOST_REPEATS} are allowed"
+            )
 
-    def _ends(self) -> list[Scalar]:
-        ends, end = [], jnp.zeros_like(self.part[0].duration)
-        for part in self.part:
-            end = end + part.duration
-            ends.append(end)
-        return ends
+    def _nested(self) -> tuple[int, int]:
+        """Levels of sequences in each other, this one included; repeats of the innermost."""
+        inner = [part._nested() for part in self.part if isinstance(part, SequenceProfile)]
+        levels = max((levels for levels, _ in inner), default=0)
+        return levels + 1, self.repeats * max((repeats for _, repeats in inner), default=1)
+
+    def _laid_out(self) -> "_Layout":
+        """Ends of all parts, of those in them as well: each is computed once."""
+        inner = tuple(
+            part._laid_out() if isinstance(part, SequenceProfile) else None for part in self.part
+        )
+        ends: list[Scalar] = []
+        for part, layout in zip(self.part, inner, strict=True):
+            length = part.duration if layout is None else layout.duration
+            ends.append(length if not ends else ends[-1] + length)
+        starts = [jnp.zeros_like(ends[0]), *ends[:-1]]
+        return _Layout(self.repeats * ends[-1], starts, ends, inner)
 
     @property
     def duration(self) -> Scalar:
         """Length of all repetitions [s]."""
-        return self.repeats * self._ends()[-1]
+        return self._laid_out().duration
 
     @property
     def break_times(self) -> Float[Array, " breaks"]:
         """Those of all parts in all repetitions [s]."""
-        ends = self._ends()
-        starts = [jnp.zeros_like(ends[0]), *ends[:-1]]
-        once = [s + part.break_times for s, part in zip(starts, self.part, strict=True)]
-        once = jnp.concatenate([*once, jnp.stack(ends)])
-        cycles = jnp.arange(self.repeats, dtype=once.dtype) * ends[-1]
-        return (cycles[:, None] + once[None, :]).reshape(-1)
+        return self._breaks(self._laid_out())
 
-    def _place(self, time: Scalar):
-        """Which repetition, its sign, time in it, and the ends of the parts."""
-        ends = self._ends()
+    def _breaks(self, layout: "_Layout") -> Float[Array, " breaks"]:
+        ends = layout.ends
+        once = []
+        for part, start, inner in zip(self.part, layout.starts, layout.inner, strict=True):
+            once.append(start + (part.break_times if inner is None else part._breaks(inner)))
+        every = jnp.concatenate([*once, jnp.stack(ends)])
+        cycles = jnp.arange(self.repeats, dtype=every.dtype) * ends[-1]
+        return (cycles[:, None] + every[None, :]).reshape(-1)
+
+    def _place(self, time: Scalar, ends: list[Scalar]):
+        """Which repetition, its sign, and time in it."""
         if self.repeats == 1:
-            return jnp.zeros_like(time), jnp.ones_like(time), time, ends
+            return jnp.zeros_like(time), jnp.ones_like(time), time
         cycle = jnp.floor(time / ends[-1])
         # A quotient that is rounded down would leave the end of a repetition to nobody.
         cycle = jnp.where(time - cycle * ends[-1] >= ends[-1], cycle + 1, cycle)
@@ -106,30 +136,54 @@ class SequenceProfile(eqx.Module):
         sign = 1 - 2 * jnp.mod(cycle, 2) if self.reversing else jnp.ones_like(time)
         # Rounding must not put the start of a repetition before its first part.
         since = time - cycle * ends[-1]
-        return cycle, sign, jnp.where(cycle > 0, jnp.maximum(since, 0.0), since), ends
+        return cycle, sign, jnp.where(cycle > 0, jnp.maximum(since, 0.0), since)
 
     def __call__(self, time: Scalar) -> Scalar:
-        _, sign, since, ends = self._place(time)
-        value = self.part[-1](since - (ends[-2] if len(ends) > 1 else 0.0))
-        for index in reversed(range(len(ends) - 1)):
-            start = ends[index - 1] if index > 0 else 0.0
-            value = jnp.where(since < ends[index], self.part[index](since - start), value)
+        return self._value(time, self._laid_out())
+
+    def _value(self, time: Scalar, layout: "_Layout") -> Scalar:
+        _, sign, since = self._place(time, layout.ends)
+
+        def of_part(index: int) -> Scalar:
+            part, inner = self.part[index], layout.inner[index]
+            own = since - layout.starts[index]
+            return part(own) if inner is None else part._value(own, inner)
+
+        value = of_part(len(self.part) - 1)
+        for index in reversed(range(len(self.part) - 1)):
+            value = jnp.where(since < layout.ends[index], of_part(index), value)
         return sign * value
 
     def angle(self, time: Scalar) -> Scalar:
         """Integral from 0 to a time."""
-        cycle, sign, since, ends = self._place(time)
-        once = jnp.zeros_like(time)
-        for part in self.part:
-            once = once + part.angle(part.duration)
-        done = jnp.mod(cycle, 2) * once if self.reversing else cycle * once
-        inner, start = jnp.zeros_like(time), jnp.zeros_like(time)
-        for index, part in enumerate(self.part):
-            own = jnp.maximum(since - start, 0.0)
+        return self._angles(time, self._laid_out())[0]
+
+    def _angles(self, time: Scalar, layout: "_Layout") -> tuple[Scalar, Scalar]:
+        """Integral from 0 to a time, and over all repetitions."""
+        cycle, sign, since = self._place(time, layout.ends)
+        once, inner = jnp.zeros_like(time), jnp.zeros_like(time)
+        for index, (part, own) in enumerate(zip(self.part, layout.inner, strict=True)):
+            length = part.duration if own is None else own.duration
+            elapsed = jnp.maximum(since - layout.starts[index], 0.0)
             if index < len(self.part) - 1:
-                own = jnp.minimum(own, part.duration)
-            inner, start = inner + part.angle(own), ends[index]
-        return done + sign * inner
+                elapsed = jnp.minimum(elapsed, length)
+            if own is None:
+                reached, whole = part.angle(elapsed), part.angle(length)
+            else:
+                reached, whole = part._angles(elapsed, own)
+            once, inner = once + whole, inner + reached
+        done = jnp.mod(cycle, 2) * once if self.reversing else cycle * once
+        cycles = self.repeats % 2 if self.reversing else self.repeats
+        return done + sign * inner, cycles * once
+
+
+class _Layout(NamedTuple):
+    """Where the parts of a sequence start and end [s]; layouts of those that are sequences."""
+
+    duration: Scalar
+    starts: list[Scalar]
+    ends: list[Scalar]
+    inner: tuple["_Layout | None", ...]
 
 
 PartProfile: TypeAlias = (

@@ -24,7 +24,7 @@ def _designs(data: ReportData, part: str, index: int | None = None) -> dict:
     own, other = getattr(data, part), getattr(data.improved, part, None)
     pick = (lambda value: value) if index is None else (lambda value: value[index])
     if other is None:
-        return {data.title: pick(own)}
+        return {data.label: pick(own)}
     before, after = data.ends
     return {before: pick(own), after: pick(other)}
 

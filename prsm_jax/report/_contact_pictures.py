@@ -4,6 +4,7 @@ from pathlib import Path
 
 import equinox as eqx
 
+from .._plain_text import short_label
 from ..contact import contact_modulus, line_contact, load_of, thread_contacts
 from ..halfspace import FlankContact, flank_contact, ring_contact
 from ..mechanism import CoulombFriction, Mechanism, Stage, material_of
@@ -75,7 +76,7 @@ def contact_pictures(
         zip(mechanism.stages, _thread_contacts(mechanism, shared), strict=True), start=1
     ):
         suffix = f"-stage-{number}" if len(mechanism.stages) > 1 else ""
-        label = mechanism.title or "thread contact"
+        label = short_label(mechanism.title) or "thread contact"
         figures["contact-ellipses" + suffix] = contact_ellipses({label: pair})
         true = _true_flanks(stage, shared, cells)
         if true:

@@ -9,6 +9,7 @@ import jax.numpy as jnp
 from jaxtyping import Array
 
 from .._errors import MissingDataError, PrsmError
+from .._plain_text import short_heading, short_label
 from ..contact import StageContact, load_of, stage_contact
 from ..dynamics import (
     Method,
@@ -27,6 +28,7 @@ from ..mechanism import Mechanism, find_parameters
 from ..modal import Modes, modal
 from ..quantities import available_quantities, compute
 from ._optimisation import Optimisation
+from ._section import words_of_fault
 from ._shared_loads import shared_loads
 
 
@@ -39,7 +41,8 @@ class ReportData:
 
     mechanism: Mechanism
     title: str
-    findings: tuple[Finding, ...] = ()
+    #: `None` if the checks could not be made.
+    findings: tuple[Finding, ...] | None = ()
     meshings: tuple[Meshing, ...] | None = None
     contacts: tuple[StageContact, ...] | None = None
     modes: tuple[Modes, ...] | None = None
@@ -60,9 +63,16 @@ class ReportData:
     improved: "ReportData | None" = None
     #: Parts that could not be analysed, with the reason.
     left_out: tuple[tuple[str, str], ...] = ()
+    #: Parts whose analysis failed by a fault of this program, with the fault.
+    faults: tuple[tuple[str, str], ...] = ()
     #: Where the mechanism came from (file or example), and the command that made the report.
     source: str = ""
     command: str = ""
+
+    @property
+    def label(self) -> str:
+        """The title as it stands in pictures."""
+        return short_label(self.title)
 
     @property
     def feasible(self) -> bool:
@@ -135,7 +145,8 @@ def analyse(
 ) -> ReportData:
     """Analyse a mechanism at its operating point for a report.
 
-    A part for which the mechanism lacks data is left out, with the reason.
+    A part for which the mechanism lacks data is left out, with the reason; so is one whose analysis
+    fails, which the report says at its top.
 
     **Arguments:**
 
@@ -148,6 +159,7 @@ def analyse(
     - `transient`: whether to simulate, where the operating point has a duration.
     """
     left_out: list[tuple[str, str]] = []
+    faults: list[tuple[str, str]] = []
     given, mechanism = mechanism, _written_out(mechanism)
 
     def attempt(part: str, function: Callable, *args) -> Any:
@@ -155,19 +167,27 @@ def analyse(
             return function(*args)
         except (MissingDataError, PrsmError, ValueError) as error:
             left_out.append((part, str(error)))
-            return None
+        except Exception as error:
+            # Hours of other work are not lost with one part of the report.
+            faults.append((part, words_of_fault(error)))
+        return None
 
-    meshings = _meshings(mechanism)
-    contacts = attempt("contact", _contacts, mechanism, meshings)
+    findings = attempt("checks", check, mechanism)
+    meshings = attempt("meshing", _meshings, mechanism)
+    contacts = None if meshings is None else attempt("contact", _contacts, mechanism, meshings)
     modes = attempt("vibration", _all_modes, mechanism)
     steady = attempt("steady state", _steady_states, mechanism) or (None, None, None)
     history = attempt("transient", _history, mechanism) if transient else None
     strength = attempt("strength", _strength, mechanism)
     shared = attempt("load sharing", _shared, mechanism) or ({}, {})
+    after = None
+    if improved is not None:
+        after = analyse(improved, title=_title_after(optimisation), transient=transient)
+        faults += [(f"{part} {after.title}", words) for part, words in after.faults]
     return ReportData(
         mechanism=given,
-        title=title or mechanism.title or "Planetary roller screw mechanism",
-        findings=check(mechanism),
+        title=short_heading(title or mechanism.title) or "Planetary roller screw mechanism",
+        findings=findings,
         meshings=meshings,
         contacts=contacts,
         modes=modes,
@@ -180,10 +200,9 @@ def analyse(
         deflections=shared[1],
         sensitivity=sensitivity,
         optimisation=optimisation,
-        improved=None
-        if improved is None
-        else analyse(improved, title=_title_after(optimisation), transient=transient),
+        improved=after,
         left_out=tuple(left_out),
+        faults=tuple(faults),
         source=source,
         command=command,
     )

@@ -35,7 +35,7 @@ def mechanism_section(data: ReportData) -> Section:
             if len(stages) == 1
             else f"Stage {i} to scale: across and along its axis, and its threads.",
             lambda i=i: cross_section(
-                {data.title if len(stages) == 1 else f"{data.title}, stage {i}": data.mechanism},
+                {data.label if len(stages) == 1 else f"{data.label}, stage {i}": data.mechanism},
                 stage=i,
             ),
         )
@@ -54,6 +54,9 @@ def findings_section(data: ReportData) -> Section:
     head = ("severity", *(("stage",) if many else ()), "check", "what it says")
     words, tables = [], []
     for name, findings in designs.items():
+        if findings is None:
+            words.append(f"{name.capitalize()}: the checks could not be made.".removeprefix(": "))
+            continue
         if not findings:
             what = "(ratio, clearance, gear, meshing, thread, masses, springs)"
             words.append(

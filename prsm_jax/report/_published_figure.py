@@ -28,6 +28,14 @@ def published_figure(figure: PublishedFigure) -> Figure:
 
     **Raises:** `MissingExtraError` without matplotlib.
     """
+    import matplotlib
+
+    # Symbols of the papers are formulas; nothing here is text from a user.
+    with matplotlib.rc_context({"text.parse_math": True}):
+        return _page(figure)
+
+
+def _page(figure: PublishedFigure) -> Figure:
     several = len(figure.panels) > 1
     rows = (len(figure.panels) + 1) // 2 if several else 1
     page = page_figure(_PANEL * rows + _EXTRA, 180.0 if several else 120.0)

@@ -4,6 +4,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from .._plain_text import short_heading
+
+
+def words_of_fault(error: Exception) -> str:
+    """A fault of this program in one line, as a user can pass it on."""
+    words = short_heading(str(error))
+    return f"{type(error).__name__}: {words}" if words else type(error).__name__
+
 
 @dataclass(frozen=True)
 class Table:
@@ -34,3 +42,5 @@ class Section:
     pictures: tuple[Picture, ...] = ()
     #: Sentences from `prsm_jax.assumptions`, printed beneath the tables.
     assumptions: tuple[str, ...] = ()
+    #: What is missing because of a fault of this program, as sentences.
+    faults: tuple[str, ...] = ()

@@ -2,6 +2,7 @@
 
 import collections
 import platform
+from collections.abc import Callable
 
 from .._display_units import show
 from .._version import __version__
@@ -17,27 +18,43 @@ from ._data import ReportData
 from ._design_sections import optimisation_section, sensitivity_section
 from ._efficiency import efficiency_text
 from ._mechanism_section import findings_section, mechanism_section
-from ._section import Section, Table
+from ._section import Section, Table, words_of_fault
 from ._strength_section import sharing_section, strength_section
 
 
 def report_sections(data: ReportData) -> tuple[Section, ...]:
-    """Every section that the data have something for, in the order of reading."""
-    sections = [
-        _summary(data),
-        findings_section(data),
-        mechanism_section(data),
-        contact_section(data),
-        sharing_section(data),
-        vibration_section(data),
-        steady_section(data),
-        transient_section(data),
-        strength_section(data),
-        sensitivity_section(data),
-        optimisation_section(data),
-        _provenance(data),
-    ]
-    return tuple(with_assumptions(section, data) for section in sections if section is not None)
+    """Every section that the data have something for, in the order of reading.
+
+    A section whose making fails is there all the same, and says so.
+    """
+    sections = (
+        _made("summary", "In short", data, lambda: _summary(data)),
+        _made("findings", "Findings", data, lambda: findings_section(data)),
+        _made("mechanism", "Mechanism", data, lambda: mechanism_section(data)),
+        _made("contact", "Thread contact", data, lambda: contact_section(data)),
+        _made("load_sharing", "Load sharing", data, lambda: sharing_section(data)),
+        _made("vibration", "Vibration", data, lambda: vibration_section(data)),
+        _made("steady", "Steady state", data, lambda: steady_section(data)),
+        _made("transient", "Transient", data, lambda: transient_section(data)),
+        _made("strength", "Strength and life", data, lambda: strength_section(data)),
+        _made("sensitivity", "Sensitivities", data, lambda: sensitivity_section(data)),
+        _made("optimisation", "Optimisation", data, lambda: optimisation_section(data)),
+        _made("provenance", "Provenance", data, lambda: _provenance(data)),
+    )
+    return tuple(section for section in sections if section is not None)
+
+
+def _made(
+    anchor: str, title: str, data: ReportData, make: Callable[[], Section | None]
+) -> Section | None:
+    """A section with what its numbers rest on, or one that says why it could not be made."""
+    try:
+        section = make()
+        return None if section is None else with_assumptions(section, data)
+    except (OSError, ImportError):
+        raise
+    except Exception as error:
+        return Section(anchor, title, faults=(f"The section is missing: {words_of_fault(error)}",))
 
 
 def _summary(data: ReportData) -> Section:
@@ -72,8 +89,10 @@ def _summary(data: ReportData) -> Section:
     return Section("summary", "In short", tuple(words))
 
 
-def _need_attention(design: str, findings: tuple[Finding, ...]) -> list[str]:
+def _need_attention(design: str, findings: tuple[Finding, ...] | None) -> list[str]:
     """Errors and warnings of one design by name, errors first."""
+    if findings is None:
+        return [f"The checks{design} could not be made."]
     serious = sorted((f for f in findings if f.severity != "note"), key=lambda f: f.severity)
     if not serious:
         return []

@@ -160,7 +160,7 @@ def sharing_section(data: ReportData) -> Section | None:
                 Picture(
                     f"force_deflection{suffix}",
                     f"Axial load over deflection of the nut, and its stiffness{words}.",
-                    lambda curve=curve: force_deflection_chart({data.title: curve}),
+                    lambda curve=curve: force_deflection_chart({data.label: curve}),
                 )
             )
     words = (

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, ParamSpec
 
 from .._errors import missing_extra
 from .._files import whole_file
+from ._letters import any_letter, write_powers_out
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes as Axes
@@ -89,6 +90,9 @@ _RC: Any = {
     "lines.linewidth": 1.4,
     "figure.facecolor": "white",
     "savefig.facecolor": "white",
+    # A dollar in a title is a dollar: text from users is no formula.
+    "text.parse_math": False,
+    "text.usetex": False,
     # The same picture gives the same file.
     "svg.hashsalt": "prsm_jax",
 }
@@ -106,8 +110,9 @@ def drawn(picture: Callable[_P, Any]) -> Callable[_P, Any]:
             import matplotlib.figure
         except ImportError as error:
             raise missing_extra("report", "drawing pictures", error) from error
-        with matplotlib.rc_context(_RC):
+        with matplotlib.rc_context(_RC), any_letter():
             figure = picture(*args, **kwargs)
+            write_powers_out(figure)
             figure.draw_without_rendering()
         return figure
 
@@ -175,7 +180,7 @@ def save_figure(
         metadata = {"Date": None} if format_ == "svg" else None
         if format_ == "pdf":
             metadata = {"CreationDate": None}
-        with matplotlib.rc_context(_RC), whole_file(target) as partial:
+        with matplotlib.rc_context(_RC), any_letter(), whole_file(target) as partial:
             figure.savefig(partial, format=format_, dpi=dpi, metadata=metadata)
         written.append(target)
     return tuple(written)

@@ -5,7 +5,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .._errors import missing_extra
-from .._files import taking_place, temporary_folder
+from .._files import real_path, temporary_folder
+from .._placing import placing_in, put_folder
 
 if TYPE_CHECKING:
     import xarray
@@ -37,17 +38,10 @@ def check_store(store: str | os.PathLike) -> None:
 
 def write_store(dataset: "xarray.Dataset", store: str | os.PathLike) -> None:
     """Write a data set as a zarr store (format 3), under a temporary name until it is complete."""
-    path = Path(store).absolute()
+    path = real_path(Path(store))
     with temporary_folder(path.parent, f".{path.name}-") as temporary:
-        new, old = temporary / "new", temporary / "old"
+        new = temporary / "new"
         # Consolidated metadata is not part of format 3, and zarr warns when it is written.
         dataset.to_zarr(new, mode="w", zarr_format=3, consolidated=False)
-        with taking_place():
-            if path.exists():
-                os.replace(path, old)
-            try:
-                os.replace(new, path)
-            except OSError:
-                if old.exists():
-                    os.replace(old, path)
-                raise
+        with placing_in(path.parent):
+            put_folder(new, path, temporary / "old")

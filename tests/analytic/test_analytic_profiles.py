@@ -287,3 +287,50 @@ def test_a_stretch_begins_exactly_where_the_one_before_ends(share):
     held = SequenceProfile([ConstantProfile(5.0, 0.1 * share)], repeats=12)
     starts = jnp.arange(1.0, 12.0) * held.part[0].duration
     np.testing.assert_array_equal(jax.vmap(held)(starts), 5.0)
+
+
+def _nested(levels, repeats=1, reversing=False):
+    profile = SequenceProfile((ConstantProfile(3.0, 0.5), TRAPEZOID), repeats, reversing)
+    for _ in range(levels - 1):
+        profile = SequenceProfile((profile, ConstantProfile(2.0, 0.1)), repeats, reversing)
+    return profile
+
+
+def test_nested_sequences_cost_what_their_parts_cost():
+    """Operations grow with the levels, not with a power of them (which doubled at every level)."""
+
+    def operations(levels):
+        def everything(profile, time):
+            return profile(time), profile.angle(time), profile.break_times, profile.duration
+
+        return len(jax.make_jaxpr(everything)(_nested(levels), jnp.asarray(0.3)).eqns)
+
+    four, eight, sixteen = map(operations, (4, 8, 16))
+    assert eight - four == pytest.approx((sixteen - eight) / 2, rel=0.05)
+
+
+def test_nested_sequences_are_what_they_would_be_written_out():
+    inner = SequenceProfile((ConstantProfile(3.0, 0.5), TRAPEZOID), 2, True)
+    outer = SequenceProfile((inner, ConstantProfile(2.0, 0.1)), 3, True)
+    once = [ConstantProfile(3.0, 0.5), TRAPEZOID]
+    back = [ConstantProfile(-3.0, 0.5), dataclasses.replace(TRAPEZOID, peak=array(-100.0))]
+    there = [*once, *back, ConstantProfile(2.0, 0.1)]
+    other = [*back, *once, ConstantProfile(-2.0, 0.1)]
+    flat = SequenceProfile((*there, *other, *there))
+    # No break falls on one of them, and the last is past the end.
+    times = jnp.linspace(0.0, 6.31234, 1001)
+    for one, two in ((outer, flat), (outer.angle, flat.angle)):
+        got, expected = (np.asarray(jax.jit(jax.vmap(f))(times)) for f in (one, two))
+        # Sums of the same terms in another order.
+        np.testing.assert_allclose(got, expected, rtol=1e-12, atol=1e-10)
+    assert float(outer.duration) == pytest.approx(float(flat.duration), rel=1e-14)
+    found, expected = (np.unique(np.round(p.break_times, 9)) for p in (outer, flat))
+    np.testing.assert_allclose(found, expected)
+
+
+def test_sequences_that_are_too_deep_or_too_long():
+    assert _nested(16).duration > 0
+    with pytest.raises(ValueError, match="17 levels deep in each other; at most 16"):
+        _nested(17)
+    with pytest.raises(ValueError, match="run through 10000000 times; at most 1000000"):
+        _nested(7, repeats=10)

@@ -159,6 +159,18 @@ def test_files_that_cannot_be_read(tmp_path):
             file.load(source)
 
 
+def test_a_byte_order_mark_is_no_text(tmp_path, identical):
+    """Editors of Windows put one first; of UTF-16, the line says what to do."""
+    text = file.example_text("wu2022")
+    path = tmp_path / "windows.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + text.replace("\n", "\r\n").encode())
+    assert identical(file.load(path), file.load("wu2022"))
+    assert identical(file.loads("\ufeff" + text), file.load("wu2022"))
+    path.write_bytes(text.encode("utf-16"))
+    with pytest.raises(FileError, match="is not UTF-8 text"):
+        file.load(path)
+
+
 def test_unknown_example():
     with pytest.raises(FileError, match="did you mean wu2022"):
         file.example_text("wu2021")

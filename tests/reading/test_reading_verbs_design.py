@@ -557,7 +557,7 @@ def test_demo(monkeypatch, tmp_path, capsys, feasible):
         written.update(more)
         return dataclasses.replace(before, improved=after)
 
-    def write(folder, data, *, attachments):
+    def write(folder, data, *, attachments, on_fault):
         written.update(data=data, files=attachments)
         return folder / "report.html"
 

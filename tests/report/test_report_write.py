@@ -1,6 +1,7 @@
 """The report: right numbers, parts left out when absent, all or nothing on disk."""
 
 import dataclasses
+import errno
 import re
 
 import numpy as np
@@ -155,13 +156,13 @@ def test_a_failure_writes_nothing(data, tmp_path, monkeypatch):
     (out / "mine.txt").write_text("keep")
     before = {p: p.read_bytes() for p in out.rglob("*") if p.is_file()}
 
-    def broken(*_):
-        raise RuntimeError("the last picture fails")
+    def full(*_):
+        raise OSError(errno.ENOSPC, "the disk is full")
 
-    monkeypatch.setattr(_analysis_sections, "loss_chart", broken)
-    with pytest.raises(RuntimeError, match="last picture"):
+    monkeypatch.setattr(_analysis_sections, "loss_chart", full)
+    with pytest.raises(OSError, match="disk is full"):
         write_report(out, data, dpi=60)
-    with pytest.raises(RuntimeError, match="last picture"):
+    with pytest.raises(OSError, match="disk is full"):
         write_report(tmp_path / "new", data, dpi=60)
     assert {p: p.read_bytes() for p in out.rglob("*") if p.is_file()} == before
     assert [p.name for p in tmp_path.iterdir()] == ["out"]

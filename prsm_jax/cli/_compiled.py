@@ -1,0 +1,87 @@
+"""The folder where compiled programs are kept between runs, and what may be wrong with it."""
+
+import os
+import sys
+import tempfile
+import warnings
+from pathlib import Path
+
+from .._files import whole_file
+from .._plain_text import printable
+from ._progress import clear
+
+#: Where compiled programs are kept between runs, unless this variable says otherwise.
+_VARIABLE = "PRSM_JAX_CACHE"
+_TROUBLE = r"Error (reading|writing) persistent compilation cache entry"
+
+
+def keep_compiled_programs() -> None:
+    """Let JAX keep what it compiles, however small: a second run then starts at once.
+
+    A folder that cannot be written costs one line, and every run then compiles anew.
+    """
+    import jax
+
+    default = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "prsm_jax"
+    folder = os.environ.get(_VARIABLE, str(default))
+    if not folder:
+        return
+    try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        why = error.strerror or str(error)
+        _tell(f"{folder}: compiled programs cannot be kept here for the next run ({why.lower()})")
+        return
+    jax.config.update("jax_compilation_cache_dir", folder)
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0)
+    jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
+    _write_whole_entries()
+
+
+def tell_of_trouble_once() -> None:
+    """One line, and no more, where JAX cannot read or write compiled programs (a full disk)."""
+    warned = warnings.showwarning
+    told: list[str] = []
+
+    def show(message, category, filename, lineno, file=None, line=None):
+        words = str(message)
+        if not words.startswith(("Error reading persistent", "Error writing persistent")):
+            warned(message, category, filename, lineno, file, line)
+        elif not told:
+            told.append(words)
+            what = "read" if words.startswith("Error reading") else "kept for the next run"
+            _tell(f"a compiled program could not be {what} ({words.rpartition(': ')[2].lower()})")
+
+    warnings.filterwarnings("always", _TROUBLE)
+    warnings.showwarning = show
+
+
+def _tell(what: str) -> None:
+    clear()
+    print(f"prsm: {printable(what)}; {_VARIABLE} names the folder", file=sys.stderr)
+
+
+def _write_whole_entries() -> None:
+    """Programs of JAX's own folder are complete or not there, also beside another process.
+
+    JAX writes them in place, and never again: half of one, from a process that was killed or a disk
+    that was full, would be in the way for ever.
+    """
+    try:
+        from jax._src.lru_cache import LRUCache
+    except ImportError:
+        return
+    put = LRUCache.put
+
+    def put_whole(self, key: str, value: bytes) -> None:
+        if self.eviction_enabled or not key:
+            put(self, key, value)
+            return
+        with whole_file(Path(self.path) / f"{key}-cache") as partial:
+            partial.write_bytes(value)
+
+    if not getattr(put, "whole", False):
+        put_whole.whole = True  # type: ignore[attr-defined]
+        LRUCache.put = put_whole

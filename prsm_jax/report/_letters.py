@@ -1,0 +1,43 @@
+"""Text in pictures: shown letter by letter, whatever letters there are."""
+
+import contextlib
+import re
+import warnings
+from collections.abc import Iterator
+from typing import Any
+
+from .._display_units import MINUS
+
+_POWER = re.compile(r"\$\\mathdefault\{(-?)(?:([\d.]+)\\times)?(\d+)\^\{(-?\d+)\}\}\$")
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+@contextlib.contextmanager
+def any_letter() -> Iterator[None]:
+    """A letter that the font lacks is drawn as a box, without a warning for each."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", r"Glyph \d+ .*missing from", UserWarning)
+        warnings.filterwarnings("ignore", "Matplotlib currently does not support", UserWarning)
+        yield
+
+
+def write_powers_out(figure: Any) -> None:
+    """Powers of ten beside logarithmic axes, which matplotlib writes as formulas, as letters."""
+    from matplotlib.ticker import LogFormatterMathtext, LogFormatterSciNotation
+
+    class Powers(LogFormatterSciNotation):
+        def __call__(self, x: float, pos: int | None = None) -> str:
+            return _POWER.sub(_power, super().__call__(x, pos))
+
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            if isinstance(axis.get_major_formatter(), LogFormatterMathtext):
+                axis.set_major_formatter(Powers())
+            minor = axis.get_minor_formatter()
+            if isinstance(minor, LogFormatterMathtext):
+                axis.set_minor_formatter(Powers(minor_thresholds=minor.minor_thresholds))
+
+
+def _power(found: re.Match) -> str:
+    sign, times, base, power = found.groups()
+    return f"{sign and MINUS}{times + '·' if times else ''}{base}{power.translate(_RAISED)}"

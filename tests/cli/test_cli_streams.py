@@ -1,0 +1,88 @@
+"""Stdout that is closed, full or no longer read: no traceback, and no result lost."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+_START = "import sys; sys.argv[0] = 'prsm'; from prsm_jax.cli import main; sys.exit(main())"
+
+
+def shell(command, folder, cache=""):
+    """A command of the shell in which `prsm` is the program; status, stdout and stderr."""
+    program = f'prsm() {{ \'{sys.executable}\' -c "{_START}" "$@"; }}'
+    found = subprocess.run(
+        ["bash", "-c", f"set -o pipefail\n{program}\n{command}"],
+        cwd=folder,
+        env=os.environ | {"PRSM_JAX_CACHE": str(cache)},
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=200,
+        check=False,
+    )
+    return found.returncode, found.stdout, found.stderr
+
+
+def test_a_reader_that_has_seen_enough(tmp_path):
+    """The rest of the run goes on, and what it writes is there."""
+    status, out, err = shell("prsm quantities --out kept | head -n 1", tmp_path)
+    assert (status, err) == (0, "")
+    assert len(out.splitlines()) == 1
+    assert json.loads((tmp_path / "kept" / "quantities.json").read_text())["quantities"]
+
+
+def test_a_closed_stdout(tmp_path):
+    status, out, err = shell("prsm example wu2022 --json there.json >&-", tmp_path)
+    assert (status, out, err) == (0, "", "")
+    assert json.loads((tmp_path / "there.json").read_text())["name"] == "wu2022"
+    status, out, err = shell("prsm example wu2022 --json - >&-", tmp_path)
+    assert (status, out) == (2, "")
+    assert err == "prsm: --json -: stdout is closed; give the path of a file\n"
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+def test_a_full_stdout(tmp_path):
+    status, _, err = shell("prsm example wu2022 >/dev/full", tmp_path)
+    assert (status, err) == (2, "prsm: stdout: No space left on device\n")
+
+
+def test_a_closed_stderr(tmp_path):
+    status, out, _ = shell("prsm modal nothing.toml 2>&-", tmp_path)
+    assert (status, out) == (2, "")
+
+
+def test_an_unwritable_folder_of_compiled_programs_is_one_line(tmp_path):
+    """Once, however many programs are compiled; the results are the same."""
+    (tmp_path / "file").write_text("mine")
+    status, out, err = shell("prsm modal wu2022", tmp_path, cache=tmp_path / "file" / "cache")
+    assert status == 0
+    assert "Natural frequencies" in out
+    (line,) = err.splitlines()
+    assert line.startswith(f"prsm: {tmp_path}/file/cache: compiled programs cannot be kept here")
+    assert (tmp_path / "file").read_text() == "mine"
+
+
+def test_damaged_compiled_programs_are_made_anew_once(tmp_path):
+    """Half a file, as a process that was killed leaves it, and bytes that were changed."""
+    cache = tmp_path / "cache"
+    status, first, err = shell("prsm steady wu2022", tmp_path, cache)
+    assert (status, err) == (0, "")
+    kept = sorted(path for path in cache.rglob("*") if path.is_file())
+    assert {path.parent.name for path in kept} == {"cache", "programs"}
+    for number, path in enumerate(kept):
+        data = bytearray(path.read_bytes())
+        if path.parent.name == "cache" and number % 2:
+            data = data[: len(data) // 2]
+        else:
+            data[len(data) // 2] ^= 1
+        path.write_bytes(data)
+    status, second, err = shell("prsm steady wu2022", tmp_path, cache)
+    assert (status, second) == (0, first)
+    assert len(err.splitlines()) == 1
+    assert err.startswith("prsm: a compiled program could not be read (")
+    status, third, err = shell("prsm steady wu2022", tmp_path, cache)
+    assert (status, third, err) == (0, first, "")
