@@ -4,6 +4,7 @@ import contextlib
 import ctypes
 import gc
 import os
+import sys
 import tempfile
 from pathlib import Path
 
@@ -54,7 +55,10 @@ gc.set_threshold(100_000, 20, 50)
 #: that the compiler aborts.
 _MAPPED_REGIONS = 25_000
 #: Compiled programs fill a worker's memory long before; two workers share a machine [bytes].
-_MEMORY = 2 << 30
+#: Between modules, and between the tests of one.
+_MEMORY, _MEMORY_INSIDE = 2 << 30, (5 << 30) // 2
+#: No worker may ever have taken more [bytes]; a session in which one did has failed.
+_MOST_MEMORY = 3 << 30
 
 
 def _pages(path: str = "/proc/self/statm") -> int:
@@ -74,9 +78,64 @@ def _few_compiled_programs():
     if not regions.exists():
         return
     if regions.read_bytes().count(b"\n") > _MAPPED_REGIONS or _pages() > _MEMORY:
-        jax.clear_caches()
-        gc.collect()
-        _trim()
+        _drop_compiled_programs()
+
+
+def _drop_compiled_programs() -> None:
+    jax.clear_caches()
+    gc.collect()
+    _trim()
+
+
+def pytest_runtest_teardown():
+    """Drop them inside a module only where it has to be: its programs are compiled again."""
+    if Path("/proc/self/statm").exists() and _pages() > _MEMORY_INSIDE:
+        _drop_compiled_programs()
+
+
+#: Of every worker, the most memory that it ever took [bytes].
+_peaks: dict[str, int] = {}
+
+
+def _peak() -> int:
+    """The most memory that this process ever took [bytes]; 0 where the system does not say."""
+    try:
+        import resource
+    except ImportError:
+        return 0
+    # In kilobytes, but on macOS.
+    unit = 1 if sys.platform == "darwin" else 1024
+    return unit * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node):
+    """A worker of pytest-xdist has ended and says how much memory it took."""
+    _peaks[node.gateway.id] = getattr(node, "workeroutput", {}).get("peak_memory", 0)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_sessionfinish(session):
+    """Fail a session in which a worker took more memory than a machine with two of them has."""
+    config = session.config
+    if hasattr(config, "workeroutput"):
+        config.workeroutput["peak_memory"] = _peak()
+        return
+    if not _peaks:
+        _peaks["this process"] = _peak()
+    if max(_peaks.values()) > _MOST_MEMORY and session.exitstatus == 0:
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+
+def pytest_terminal_summary(terminalreporter):
+    """Memory of every worker, and in red that of one that took too much."""
+    for name, peak in sorted(_peaks.items()):
+        words = f"most memory of {name}: {peak / 2**30:.2f} GiB"
+        if peak > _MOST_MEMORY:
+            words += f", more than the {_MOST_MEMORY / 2**30:g} GiB that a worker may take: FAILED"
+            terminalreporter.write_line(words, red=True, bold=True)
+        elif len(_peaks) > 1:
+            terminalreporter.write_line(words)
 
 
 @pytest.fixture

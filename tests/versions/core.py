@@ -1,4 +1,4 @@
-"""The tests of the core paths: reading, contact, modes, motion, derivatives, design, sweep, report."""
+"""Tests of the core paths: reading, contact, modes, motion, derivatives, design, sweep, report."""
 
 TESTS = (
     "tests/file/test_file_examples.py",

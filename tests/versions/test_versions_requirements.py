@@ -34,7 +34,7 @@ def test_extras_are_followed_and_the_highest_of_several_bounds_counts():
     assert lowest(project, ("one",)) == {"jax": "0.10", "numpy": "2.0", "rich": "13"}
     with pytest.raises(ValueError, match="'pint' has no lowest version; write pint>=…"):
         lowest(project, ("four",))
-    with pytest.raises(ValueError, match="'pint==1.0' is not of the form name>=version"):
+    with pytest.raises(ValueError, match=r"'pint==1\.0' is not of the form name>=version"):
         lowest(project, ("five",))
 
 
