@@ -9,6 +9,7 @@ import stat
 import subprocess
 import sys
 import textwrap
+import time
 
 import numpy as np
 import pytest
@@ -119,6 +120,7 @@ def test_two_processes_write_one_store(tmp_path):
     while any(writer.poll() is None for writer in writers):
         with contextlib.suppress(FileNotFoundError):
             assert len(set(json.loads((tmp_path / "a.json").read_text()))) == 1
+        time.sleep(0.01)
     for writer in writers:
         assert (writer.communicate()[1], writer.returncode) == ("", 0)
     assert len(_numbers(tmp_path / "a.zarr")) == 1
