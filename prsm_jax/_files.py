@@ -56,7 +56,7 @@ def end_process(status: int) -> NoReturn:
         for path in barred:
             for moved in path.parent.glob(f"{path.name}{_MOVED}*"):
                 _remove(moved)
-        deepest_first = sorted(_empty, key=lambda path: -len(path.parts))
+        deepest_first = sorted(list(_empty), key=lambda path: -len(path.parts))
         _last_steps([bytes(path) for path in barred], [bytes(path) for path in deepest_first])
     finally:
         os._exit(status)
@@ -161,14 +161,22 @@ def temporary_folder(parent: Path, prefix: str) -> Iterator[Path]:
 @contextlib.contextmanager
 def folder_for_results(folder: Path) -> Iterator[Path]:
     """A folder to write into, made if it is not there; if nothing comes of it, it goes again."""
-    missing = [p for p in (folder, *folder.parents) if not p.exists()]
-    for path in missing:
-        _empty.add(path)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        yield folder
+        yield make_folder(folder)
     finally:
-        for path in missing:
-            with contextlib.suppress(OSError):
-                path.rmdir()
-            _empty.discard(path)
+        remove_empty_folders()
+
+
+def make_folder(folder: Path) -> Path:
+    """A folder for results, made if it is not there; `remove_empty_folders` if none came."""
+    _empty.update(path for path in (folder, *folder.parents) if not path.exists())
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def remove_empty_folders() -> None:
+    """Take away the folders that were made here for results and have none."""
+    for path in sorted(list(_empty), key=lambda path: -len(path.parts)):
+        with contextlib.suppress(OSError):
+            path.rmdir()
+    _empty.clear()

@@ -5,6 +5,7 @@ from typing import Any
 
 import equinox as eqx
 
+from .._files import make_folder
 from ..dynamics import STEADY_RESULTS, SteadyState, steady_meaning, steady_state
 from ..findings import check as run_checks
 from ..mechanism import Mechanism, OperatingPoint
@@ -122,7 +123,7 @@ def _steady_pictures(folder: Path, state: SteadyState) -> tuple[Path, ...]:
     flow = steady_flow(state)
     if flow.total > 0:
         figures["power-flow"] = power_flow_chart(flow)
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     return tuple(p for name, one in figures.items() for p in save_figure(one, folder / name))
 
 

@@ -14,7 +14,7 @@ import jax
 import numpy as np
 from cyclopts import Parameter
 
-from .._files import whole_file
+from .._files import make_folder, whole_file
 from .._plain_text import markdown
 from ..geometry import Finding
 from ..mechanism import Mechanism, get_parameter
@@ -107,7 +107,7 @@ def save_tables(
     """Write results into the folder of `--out`: SI as NAME.json, tables as NAME.md."""
     if assumptions is not None:
         results = {**results, "assumptions": list(assumptions)}
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     written = folder / f"{name}.json", folder / f"{name}.md"
     write_text(written[0], _encoded(results))
     parts = [table.markdown() for table in tables]

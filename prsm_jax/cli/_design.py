@@ -8,7 +8,7 @@ import numpy as np
 from cyclopts import Parameter
 
 from .._errors import PrsmError
-from .._files import folder_for_results
+from .._files import folder_for_results, make_folder
 from ..findings import check
 from ..mechanism import Mechanism, find_parameters
 from ..optimise import optimise as run_optimise
@@ -42,7 +42,7 @@ def sensitivity(
     if common.out is not None:
         from ..report import save_figure, sensitivity_bars
 
-        common.out.mkdir(parents=True, exist_ok=True)
+        make_folder(common.out)
         save_figure(
             sensitivity_bars(table.quantities, table.parameters, table.elasticity),
             common.out / "sensitivity",
@@ -84,7 +84,7 @@ def optimise(
     path = None
     if best.feasible or keep_infeasible:
         folder = Path("out/optimise") if common.out is None else common.out
-        folder.mkdir(parents=True, exist_ok=True)
+        make_folder(folder)
         path = folder / f"{Path(file).stem}-optimised.toml"
         write_text(path, optimised_text(file, mechanism, best))
     results = best.to_dict() | {"mechanism": path, "valid": best.feasible}

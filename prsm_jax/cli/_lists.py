@@ -6,6 +6,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from .._errors import PrsmError
+from .._files import make_folder
 from ..quantities import catalogue
 from ._app import app
 from ._common import Output, emit, save_tables, write_text
@@ -45,7 +46,7 @@ def example(
         if name is None:
             raise PrsmError(f"--out {output.out}: say which example to write there")
         text = example_text(name)
-        output.out.mkdir(parents=True, exist_ok=True)
+        make_folder(output.out)
         write_text(output.out / f"{name}.toml", text)
     if name is None:
         emit(output, {"examples": example_names()}, lambda: "\n".join(example_names()))
@@ -89,5 +90,5 @@ def _published_pictures(folder: Path, source: str | None) -> list[Path]:
     # Everything that can fail comes before the folder.
     drawn = {figure.file_name: published_figure(figure) for figure in published_figures(source)}
     drawn |= {one.file_name: published_pressure(one) for one in published_pressures(source)}
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     return [path for name, figure in drawn.items() for path in save_figure(figure, folder / name)]

@@ -4,6 +4,7 @@ import sys
 from collections.abc import Sequence
 
 from .._errors import PrsmError, missing_extra
+from .._files import remove_empty_folders
 from .._interrupt import clear_first, end_on_signals, keep_result
 from .._plain_text import printable
 from ._progress import erase_for_good, progress
@@ -31,6 +32,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     failure = stdout_failure()
     if failure is not None and not message:
         status, message = 2, f"stdout: {failure.strerror}"
+    # What went wrong before anything was written leaves no folder.
+    remove_empty_folders()
     # From here on the result stands: a signal that came before ended the process.
     keep_result()
     if message:

@@ -8,6 +8,7 @@ import numpy as np
 from cyclopts import Parameter
 
 from .._errors import PrsmError
+from .._files import make_folder
 from ..findings import check
 from ..mechanism import Mechanism, find_parameters
 from ..modal import FAMILIES, FrequencyLoci, Modes, frequency_loci, modal as run_modal
@@ -104,7 +105,7 @@ def _pictures(
         drawn["frequencies-against-" + loci.parameter.replace(".", "-")] = frequency_loci_chart(
             loci
         )
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     written = [
         path for name, figure in drawn.items() for path in save_figure(figure, folder / name)
     ]

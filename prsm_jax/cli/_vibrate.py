@@ -8,6 +8,7 @@ import numpy as np
 from cyclopts import Parameter
 
 from .._errors import PrsmError
+from .._files import make_folder
 from ..findings import check
 from ..mechanism import Mechanism, ModalDamping, RayleighDamping, StructuralDamping, as_scalar
 from ..modal import Modes, modal as run_modal
@@ -140,7 +141,7 @@ def response(
     if common.out is not None and np.asarray(found.value).any():
         from ..report import response_chart, save_figure
 
-        common.out.mkdir(parents=True, exist_ok=True)
+        make_folder(common.out)
         figure = response_chart({law or "undamped": found}, modes)
         picture = save_figure(figure, common.out / "response")[0]
 
@@ -246,7 +247,7 @@ def campbell(
     if common.out is not None and found.crossings(speed):
         from ..report import campbell_chart, save_figure
 
-        common.out.mkdir(parents=True, exist_ok=True)
+        make_folder(common.out)
         picture = save_figure(campbell_chart(found, speed), common.out / "campbell")[0]
 
     def text() -> str:

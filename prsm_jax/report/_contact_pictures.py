@@ -4,6 +4,7 @@ from pathlib import Path
 
 import equinox as eqx
 
+from .._files import make_folder
 from .._plain_text import short_label
 from ..contact import contact_modulus, line_contact, load_of, thread_contacts
 from ..halfspace import FlankContact, flank_contact, ring_contact
@@ -113,5 +114,5 @@ def save_contact_pictures(
     # Everything that can fail comes before the folder.
     figures = contact_pictures(mechanism, load, cells=cells)
     place = Path(folder)
-    place.mkdir(parents=True, exist_ok=True)
+    make_folder(place)
     return tuple(path for name, one in figures.items() for path in save_figure(one, place / name))

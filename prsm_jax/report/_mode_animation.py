@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from .._files import make_folder
 from ..mechanism import Mechanism
 from ..modal import Modes
 from ._animation_file import indexed, save_frames
@@ -91,7 +92,7 @@ def save_mode_animations(
     _check(energy, frames)
     motions = mode_motions(mechanism, modes, stage)
     place = Path(folder)
-    place.mkdir(parents=True, exist_ok=True)
+    make_folder(place)
     return tuple(
         _save(place / f"mode-{motion.first:02d}-{motion.family}.gif", motion, energy, frames)
         for motion in motions

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import equinox as eqx
 
+from .._files import make_folder
 from ..dynamics import Transient, body_forces
 from ..mechanism import Mechanism
 from ._force_orbit import force_orbit
@@ -48,7 +49,7 @@ def save_transient_pictures(
     if flow.total > 0:
         figures["energy-flow"] = power_flow_chart(flow, "Energy flow of the whole transient")
     place = Path(folder)
-    place.mkdir(parents=True, exist_ok=True)
+    make_folder(place)
     written = [path for name, one in figures.items() for path in save_figure(one, place / name)]
     if animation:
         written.append(save_motion_animation(place / "motion", mechanism, run))

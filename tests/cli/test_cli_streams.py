@@ -1,5 +1,6 @@
 """Stdout that is closed, full or no longer read: no traceback, and no result lost."""
 
+import ctypes
 import json
 import os
 import subprocess
@@ -9,6 +10,11 @@ from pathlib import Path
 import pytest
 
 _START = "import sys; sys.argv[0] = 'prsm'; from prsm_jax.cli import main; sys.exit(main())"
+
+
+def _as_anyone():
+    """Root may write everywhere: give that up (PR_CAPBSET_DROP of CAP_DAC_OVERRIDE)."""
+    ctypes.CDLL(None).prctl(24, 1, 0, 0, 0)
 
 
 def shell(command, folder, cache=""):
@@ -22,6 +28,7 @@ def shell(command, folder, cache=""):
         capture_output=True,
         text=True,
         timeout=200,
+        preexec_fn=_as_anyone if sys.platform == "linux" else None,
         check=False,
     )
     return found.returncode, found.stdout, found.stderr
@@ -48,6 +55,29 @@ def test_a_closed_stdout(tmp_path):
 def test_a_full_stdout(tmp_path):
     status, _, err = shell("prsm example wu2022 >/dev/full", tmp_path)
     assert (status, err) == (2, "prsm: stdout: No space left on device\n")
+
+
+def test_a_disk_that_is_full_and_a_folder_that_is_read_only(tmp_path):
+    """One line, and nothing is there that was not: no file, and no folder for it."""
+    (tmp_path / "old").mkdir()
+    (tmp_path / "old" / "quantities.json").write_text("old")
+    (tmp_path / "read-only").mkdir(mode=0o555)
+    small = "ulimit -f 8; prsm quantities --out"
+    for command, words in (
+        (f"{small} new/inner", "File too large"),
+        (f"{small} old", "File too large"),
+        ("prsm quantities --json read-only/x.json", "nothing can be written in"),
+        ("prsm quantities --out read-only/new", "nothing can be written in"),
+    ):
+        status, out, err = shell(command, tmp_path)
+        assert (status, out) == (2, "")
+        (line,) = err.splitlines()
+        assert line.startswith("prsm: ")
+        assert words in line
+    assert {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*")} == {
+        *("old", "old/quantities.json", "read-only"),
+    }
+    assert (tmp_path / "old" / "quantities.json").read_text() == "old"
 
 
 def test_a_closed_stderr(tmp_path):
