@@ -56,7 +56,7 @@ def end_process(status: int) -> NoReturn:
         for path in barred:
             for moved in path.parent.glob(f"{path.name}{_MOVED}*"):
                 _remove(moved)
-        deepest_first = sorted(list(_empty), key=lambda path: -len(path.parts))
+        deepest_first = sorted(_empty, key=lambda path: -len(path.parts))
         _last_steps([bytes(path) for path in barred], [bytes(path) for path in deepest_first])
     finally:
         os._exit(status)
@@ -176,7 +176,7 @@ def make_folder(folder: Path) -> Path:
 
 def remove_empty_folders() -> None:
     """Take away the folders that were made here for results and have none."""
-    for path in sorted(list(_empty), key=lambda path: -len(path.parts)):
+    for path in sorted(_empty, key=lambda path: -len(path.parts)):
         with contextlib.suppress(OSError):
             path.rmdir()
     _empty.clear()
