@@ -10,11 +10,12 @@ DEMO_STAMP := $(VENV)/.installed-demo
 TEST_STAMP := $(VENV)/.installed-test
 WORKERS ?= 2
 
-.PHONY: help demo test lint bench docs notebooks clean
+.PHONY: help demo test versions lint bench docs notebooks clean
 
 help:
 	@echo "make demo       analyse and improve the actuator example into out/demo/"
 	@echo "make test       run all tests"
+	@echo "make versions   test the core paths with the lowest and the newest versions"
 	@echo "make lint       ruff and pyright"
 	@echo "make bench      error against run time, all cases, into out/bench/"
 	@echo "make docs       build the documentation into out/docs/"
@@ -42,6 +43,12 @@ demo: $(DEMO_STAMP)
 
 test: $(TEST_STAMP)
 	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
+
+# The tests of the core paths with the lowest versions that pyproject.toml allows, and with the
+# newest ones on other Pythons; one that is not on this machine is named as not tested.
+versions: $(TEST_STAMP)
+	$(BIN)/python -m tests.versions lowest
+	$(BIN)/python -m tests.versions newest 3.12 3.13
 
 lint: $(TEST_STAMP)
 	$(BIN)/ruff check .

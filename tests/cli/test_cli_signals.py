@@ -133,3 +133,18 @@ while True:
         assert (len(numbers), len(set(numbers))) == (4096, 1)
         data = xarray.open_zarr(tmp_path / "a.zarr", consolidated=False)
         assert len({int(n) for name in "xy" for n in data[name].values}) == 1
+
+
+@pytest.mark.slow
+def test_two_runs_in_one_folder_with_one_cache(tmp_path):
+    """Both end well and give the same numbers; so does a third from what they kept."""
+    words = ("steady", "wu2022", "--out", "out", "--json")
+    runs = [start((*words, f"{n}.json"), tmp_path, tmp_path / "cache") for n in (1, 2)]
+    for run in runs:
+        assert run.communicate(timeout=200)[1] == ""
+    third = start((*words, "3.json"), tmp_path, tmp_path / "cache")
+    assert third.communicate(timeout=200)[1] == ""
+    assert [run.returncode for run in (*runs, third)] == [0, 0, 0]
+    first, *others = (json.loads((tmp_path / f"{n}.json").read_text()) for n in (1, 2, 3))
+    assert others == [first, first]
+    readable(tmp_path)
