@@ -57,7 +57,8 @@ _MAPPED_REGIONS = 25_000
 #: Compiled programs fill a worker's memory long before; two workers share a machine [bytes].
 #: Between modules, and between the tests of one.
 _MEMORY, _MEMORY_INSIDE = 2 << 30, (5 << 30) // 2
-#: No worker may ever have taken more [bytes]; a session in which one did has failed.
+#: No worker may ever have taken more [bytes]: the summary says so in red, and with
+#: PRSM_TEST_MEMORY=strict in the environment the session has failed.
 _MOST_MEMORY = 3 << 30
 
 
@@ -116,14 +117,15 @@ def pytest_testnodedown(node):
 
 @pytest.hookimpl(trylast=True)
 def pytest_sessionfinish(session):
-    """Fail a session in which a worker took more memory than a machine with two of them has."""
+    """Gather how much memory every worker took."""
     config = session.config
     if hasattr(config, "workeroutput"):
         config.workeroutput["peak_memory"] = _peak()
         return
     if not _peaks:
         _peaks["this process"] = _peak()
-    if max(_peaks.values()) > _MOST_MEMORY and session.exitstatus == 0:
+    strict = os.environ.get("PRSM_TEST_MEMORY") == "strict"
+    if strict and max(_peaks.values()) > _MOST_MEMORY and session.exitstatus == 0:
         session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
 
@@ -132,7 +134,7 @@ def pytest_terminal_summary(terminalreporter):
     for name, peak in sorted(_peaks.items()):
         words = f"most memory of {name}: {peak / 2**30:.2f} GiB"
         if peak > _MOST_MEMORY:
-            words += f", more than the {_MOST_MEMORY / 2**30:g} GiB that a worker may take: FAILED"
+            words += f", more than the {_MOST_MEMORY / 2**30:g} GiB that a worker may take"
             terminalreporter.write_line(words, red=True, bold=True)
         elif len(_peaks) > 1:
             terminalreporter.write_line(words)
