@@ -1,6 +1,7 @@
 """Standard output and error that may be closed, full, or a pipe that nobody reads any more."""
 
 import io
+import os
 import sys
 from typing import TextIO
 
@@ -22,6 +23,8 @@ class _Sink(io.FileIO):
 
 def make_patient() -> None:
     """Let stdout and stderr of this process fail without an exception where text is printed."""
+    if os.name != "posix":
+        return  # a console of Windows is no file of bytes
     sys.stdout, sys.stderr = _patient(sys.stdout, 1), _patient(sys.stderr, 2)
 
 
