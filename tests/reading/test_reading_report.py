@@ -14,6 +14,7 @@ from reading_tables import assert_cell, assert_table, html_tables
 from reading_units import assert_reads, numbers, to_si
 
 import prsm_jax as prsm
+from prsm_jax._plain_text import markdown as escaped
 from prsm_jax.dynamics import STEADY_RESULTS
 from prsm_jax.geometry import Finding, roller_clearance
 from prsm_jax.mechanism import body_mass, stage_mass
@@ -582,7 +583,7 @@ def test_the_page_has_the_cells_of_the_tables(sections, data, tmp_path, monkeypa
     markdown = (path.parent / "report.md").read_text()
     for table in tables:
         for row in table.rows:
-            assert " | ".join(c.replace("|", "\\|") for c in row) in markdown
+            assert " | ".join(escaped(c) for c in row) in markdown
 
 
 def test_stages_keep_their_numbers_apart(data):

@@ -5,6 +5,7 @@ import html
 import re
 
 import prsm_jax as prsm
+from prsm_jax._plain_text import markdown as escaped
 from prsm_jax.report import write_report
 
 
@@ -32,7 +33,7 @@ def test_sentences_stand_beneath_the_numbers_that_rest_on_them(data, tmp_path):
         in_markdown = _section(markdown, f"\n## {title}\n", "\n## ")
         for sentence in expected:
             assert in_html.count(f"<li>{sentence}</li>") == 1
-            assert in_markdown.count(f"\n* {sentence}\n") == 1
+            assert in_markdown.count(f"\n* {escaped(sentence)}\n") == 1
     assert "rest on" not in _section(page, "<h2>Mechanism</h2>", "</section>")
     # Coulomb friction of the threads needs no contact ellipses.
     assert not re.search("rest on", _section(page, "<h2>Steady state</h2>", "</section>"))
