@@ -103,7 +103,7 @@ def test_ctrl_c_while_compiling_or_running(tmp_path, words, moment):
     assert terminal.last_line == "prsm: stopped (Ctrl-C)"
     # The line of progress is erased, and nothing but it and the message was written.
     assert "Traceback" not in terminal.text
-    assert re.fullmatch(r"(\r\x1b\[Kprsm [^\r\n]*)+\r\x1b\[Kprsm: stopped.*\s*", terminal.text)
+    assert re.fullmatch(r"(\r\x1b\[K(prsm [^\r\n]*)?)+\r\x1b\[Kprsm: stopped.*\s*", terminal.text)
     assert list(folder.iterdir()) == []
 
 
