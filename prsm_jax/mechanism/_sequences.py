@@ -120,7 +120,10 @@ class SequenceProfile(eqx.Module):
         ends = layout.ends
         once = []
         for part, start, inner in zip(self.part, layout.starts, layout.inner, strict=True):
-            once.append(start + (part.break_times if inner is None else part._breaks(inner)))
+            if isinstance(part, SequenceProfile) and inner is not None:
+                once.append(start + part._breaks(inner))
+            else:
+                once.append(start + part.break_times)
         every = jnp.concatenate([*once, jnp.stack(ends)])
         cycles = jnp.arange(self.repeats, dtype=every.dtype) * ends[-1]
         return (cycles[:, None] + every[None, :]).reshape(-1)
@@ -147,7 +150,9 @@ class SequenceProfile(eqx.Module):
         def of_part(index: int) -> Scalar:
             part, inner = self.part[index], layout.inner[index]
             own = since - layout.starts[index]
-            return part(own) if inner is None else part._value(own, inner)
+            if isinstance(part, SequenceProfile) and inner is not None:
+                return part._value(own, inner)
+            return part(own)
 
         value = of_part(len(self.part) - 1)
         for index in reversed(range(len(self.part) - 1)):
@@ -167,10 +172,10 @@ class SequenceProfile(eqx.Module):
             elapsed = jnp.maximum(since - layout.starts[index], 0.0)
             if index < len(self.part) - 1:
                 elapsed = jnp.minimum(elapsed, length)
-            if own is None:
-                reached, whole = part.angle(elapsed), part.angle(length)
-            else:
+            if isinstance(part, SequenceProfile) and own is not None:
                 reached, whole = part._angles(elapsed, own)
+            else:
+                reached, whole = part.angle(elapsed), part.angle(length)
             once, inner = once + whole, inner + reached
         done = jnp.mod(cycle, 2) * once if self.reversing else cycle * once
         cycles = self.repeats % 2 if self.reversing else self.repeats
