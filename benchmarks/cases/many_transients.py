@@ -64,7 +64,7 @@ _FULL = Size(
 )
 _SMALL = Size(200, 50, 100, 192, 24, 5, 1.0, _QUICK, _QUICK, (1e-6,))
 #: Whether everything runs: one reversal, and as many designs as chunks need.
-_LEAST = Size(8, 4, 4, 8, 4, 2, 0.15, _QUICK, _QUICK, (1e-6,))
+_LEAST = Size(8, 4, 4, 8, 4, 1, 0.11, _QUICK, _QUICK, (1e-6,))
 
 
 class Scene:
