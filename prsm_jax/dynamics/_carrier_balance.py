@@ -12,7 +12,7 @@ from .._root import find_root
 from ..mechanism import Scalar, Stage
 from ._contact_losses import has_contact_losses, resisting_moments
 from ._kinematics import StageKinematics, free_carrier_ratio
-from ._rubbing import ScrewContact, rubbing_of, screw_contact, share_residual
+from ._rubbing import ScrewContact, Slip, rubbing_of, screw_contact
 from ._small_newton import find_roots
 from ._stage_forces import Motion
 from ._thread_friction import slip_direction
@@ -35,8 +35,12 @@ def steady_motion(
     sense: Scalar,
     axial_acceleration: Scalar | None = None,
     share: Scalar | None = None,
+    contact: ScrewContact | None = None,
 ) -> Motion:
-    """Motion at a carrier ratio; at standstill with the directions of that about to begin."""
+    """Motion at a carrier ratio; at standstill with the directions of that about to begin.
+
+    With the share of the normal force that carries, or all of the screw side, where that is known.
+    """
     turn = unit_slip(kinematics, ratio)
     return Motion(
         screw_speed=speed,
@@ -47,6 +51,7 @@ def steady_motion(
         nut_sense=sense,
         axial_acceleration=axial_acceleration,
         share=share,
+        contact=contact,
     )
 
 
@@ -88,16 +93,13 @@ class CarrierBalance(eqx.Module):
         across = jnp.sqrt(across**2 + slip[2] ** 2 * square)
         return free_carrier_ratio(self.kinematics) - tangent * across / square
 
-    def _contact(self, tangent: Scalar, share: Scalar | None) -> tuple[ScrewContact, Scalar | None]:
-        """The screw side at `t`, and by how much a given share misses its axial balance."""
+    def contact(self, tangent: Scalar, share: Scalar | None = None) -> ScrewContact:
+        """The screw side at `t`, and where slip and spin are one at a share that carries."""
         stage, kinematics = self.stage, self.kinematics
         turn = unit_slip(kinematics, self.ratio(tangent))
-        motion = self.speed * turn, self.sense * slip_direction(turn)
+        slip = Slip(self.speed * turn, self.sense * slip_direction(turn))
         axial = self.axial_force / stage.present_roller_count
-        contact = screw_contact(stage, kinematics, *motion, axial, share=share)
-        if share is None:
-            return contact, None
-        return contact, share_residual(stage, kinematics, *motion, share, contact)
+        return screw_contact(stage, kinematics, slip, axial, share=share)
 
     def _drive_share(
         self, tangent: Scalar, contact: ScrewContact
@@ -107,7 +109,7 @@ class CarrierBalance(eqx.Module):
         assert friction_of is not None
         ratio, count = self.ratio(tangent), stage.present_roller_count
         direction = self.sense * slip_direction(unit_slip(kinematics, ratio))
-        force, per_force, constant, rub = contact
+        force, per_force, constant, rub, _ = contact
         normal = kinematics.meshing.screw.normal
         friction = force * per_force + constant
         resisting = jnp.zeros_like(tangent)
@@ -137,22 +139,13 @@ class CarrierBalance(eqx.Module):
         limit = _LARGEST_SHARE * jnp.sign(resisting)
         return jnp.where(suffices, share - aside, limit), jnp.asarray(True)
 
-    def residual(self, tangent: Scalar) -> Scalar:
+    def residual(self, tangent: Scalar, contact: ScrewContact) -> Scalar:
         """Zero in balance, and of order one."""
-        return self._residual(tangent, self._contact(tangent, None)[0])
-
-    def residuals(self, tangent: Scalar, share: Scalar) -> tuple[Scalar, Scalar]:
-        """Of the carrier and, where slip and spin are one, of the axial balance at that share."""
-        contact, missed = self._contact(tangent, share)
-        assert missed is not None
-        return self._residual(tangent, contact), missed
-
-    def _residual(self, tangent: Scalar, contact: ScrewContact) -> Scalar:
         return tangent - jnp.sqrt(1 + tangent**2) * self._drive_share(tangent, contact)[0]
 
-    def suffices(self, tangent: Scalar, share: Scalar | None = None) -> Bool[Array, ""]:
+    def suffices(self, tangent: Scalar, contact: ScrewContact) -> Bool[Array, ""]:
         """Whether friction can drive the carrier."""
-        return self._drive_share(tangent, self._contact(tangent, share)[0])[1]
+        return self._drive_share(tangent, contact)[1]
 
 
 class BalancedCarrier(NamedTuple):
@@ -160,8 +153,8 @@ class BalancedCarrier(NamedTuple):
 
     ratio: Scalar
     found: Bool[Array, ""]
-    #: Share of the normal force that carries, where it was found with the ratio.
-    share: Scalar | None = None
+    #: The screw side, where it was found with the ratio.
+    contact: ScrewContact | None = None
 
 
 def balanced_carrier_ratio(
@@ -202,20 +195,27 @@ def _balanced(balance: CarrierBalance) -> BalancedCarrier:
 
     # A plain function: JAX wants to hash it, and a method carries arrays.
     def residual(tangent: Scalar) -> Scalar:
-        return balance.residual(tangent)
+        return balance.residual(tangent, balance.contact(tangent))
 
     accuracy = 1e-13 if start.dtype == jnp.float64 else 1e-5
     tangent, found = find_root(residual, start, tolerance=accuracy, max_steps=20)
-    return BalancedCarrier(balance.ratio(tangent), found & balance.suffices(tangent))
+    suffices = balance.suffices(tangent, balance.contact(tangent))
+    return BalancedCarrier(balance.ratio(tangent), found & suffices)
 
 
 def _balanced_with_force(balance: CarrierBalance, start: Scalar) -> BalancedCarrier:
     """Carrier and normal force at once: a root within a root would be a large program."""
 
     def residuals(unknowns):
-        return jnp.stack(balance.residuals(unknowns[0], unknowns[1]))
+        tangent, share = unknowns[0], unknowns[1]
+        contact = balance.contact(tangent, share)
+        assert contact.missed is not None
+        return jnp.stack([balance.residual(tangent, contact), contact.missed])
 
     begin = jnp.stack([start, -balance.kinematics.meshing.screw.normal[2]])
     accuracy = 1e-10 if start.dtype == jnp.float64 else 1e-4
     (tangent, share), found = find_roots(residuals, begin, tolerance=accuracy, max_steps=30)
-    return BalancedCarrier(balance.ratio(tangent), found & balance.suffices(tangent, share), share)
+    contact = balance.contact(tangent, share)
+    return BalancedCarrier(
+        balance.ratio(tangent), found & balance.suffices(tangent, contact), contact
+    )

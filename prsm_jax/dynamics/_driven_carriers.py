@@ -29,7 +29,16 @@ from ._reduced_stage import reduced_stage
 from ._sliding_motion import sliding_motion
 from ._small_newton import find_roots
 from ._stage_forces import Motion
-from ._torque_balance import BACKWARD, FORWARD, STICKING, ScrewMotion, TorqueProblem
+from ._torque_balance import (
+    BACKWARD,
+    FORWARD,
+    STICKING,
+    ScrewMotion,
+    TorqueProblem,
+    first_unknowns,
+    missed_by,
+    shares_of,
+)
 
 
 class Carriers(eqx.Module):
@@ -40,6 +49,10 @@ class Carriers(eqx.Module):
     tangent: Float[Array, " stages"]
     #: Speed of carriers that coast [rad/s].
     speed: Float[Array, " stages"]
+
+
+#: Shares of the normal force that carry, of the stages that spin (`_rubbing`).
+Shares = dict[int, Scalar]
 
 
 class Driven(NamedTuple):
@@ -81,7 +94,12 @@ def slip_geometry(problem: TorqueProblem) -> SlipGeometry:
 
 @physics("driven_carriers")
 def _forces(
-    problem: TorqueProblem, time: Scalar, screw: ScrewMotion, sense: Scalar, carriers: Carriers
+    problem: TorqueProblem,
+    time: Scalar,
+    screw: ScrewMotion,
+    sense: Scalar,
+    carriers: Carriers,
+    shares: Shares,
 ) -> tuple[tuple[StageState, ...], Scalar]:
     """Forces of all stages, and the load; `sense` is the share while the screw is held."""
     mechanism, kinematics = problem.mechanism, problem.kinematics
@@ -96,11 +114,13 @@ def _forces(
     ratios = slip_geometry(problem).ratio(carriers.tangent)
 
     def motion_of(index: int, flank: Scalar, _, axial_acceleration) -> Motion:
-        geometry = kinematics[index]
+        geometry, share = kinematics[index], shares.get(index)
         speed = flank * screw.speed
-        in_step = steady_motion(geometry, ratios[index], speed, flank * sense, axial_acceleration)
+        in_step = steady_motion(
+            geometry, ratios[index], speed, flank * sense, axial_acceleration, share
+        )
         coasting = sliding_motion(
-            geometry, speed, flank * carriers.speed[index], axial_acceleration
+            geometry, speed, flank * carriers.speed[index], axial_acceleration, share=share
         )
         return jax.tree.map(
             lambda one, other: jnp.where(carriers.coasts[index], one, other), coasting, in_step
@@ -138,21 +158,37 @@ def driven(
     applied, scale = problem.scenario.torque_at(time), problem.torque_scale
     unit = scale / problem.total_inertia
 
-    def at(unknown: Scalar):
-        acceleration = jnp.where(turns, unknown * unit, 0.0)
-        sense = jnp.where(turns, mode, unknown)
+    def at(unknowns):
+        acceleration = jnp.where(turns, unknowns[0] * unit, 0.0)
+        sense = jnp.where(turns, mode, unknowns[0])
         screw = ScrewMotion(angle, speed, acceleration)
-        return _forces(problem, time, screw, sense, carriers), acceleration
+        shares = shares_of(problem, unknowns)
+        return _forces(problem, time, screw, sense, carriers, shares), acceleration
 
-    def residual(unknown: Scalar) -> Scalar:
-        (states, _), _ = at(unknown)
-        return (states[0].screw.drive_torque - applied) / scale
+    def residual(unknowns):
+        (states, _), _ = at(unknowns)
+        return jnp.stack([(states[0].screw.drive_torque - applied) / scale, *missed_by(states)])
 
     # Linear in the acceleration but for flanks that change, the moduli in the friction of splines
     # and thrust bearings, and losses in the contact ellipses.
-    accuracy = 1e-13 if speed.dtype == jnp.float64 else 1e-5
-    unknown, found = find_root(residual, jnp.zeros_like(speed), tolerance=accuracy, max_steps=30)
-    (states, load), acceleration = at(unknown)
+    begin = jnp.zeros_like(speed)
+    shares = first_unknowns(problem)[len(problem.kinematics) :]
+    if shares.size:
+        # Of friction that takes no share at all nothing is known to spin.
+        begin = jnp.where(turns, begin, 0.5)
+        unknowns, found = find_roots(
+            residual,
+            jnp.concatenate([begin[None], shares]),
+            tolerance=_accuracy(speed),
+            max_steps=30,
+        )
+    else:
+        accuracy = 1e-13 if speed.dtype == jnp.float64 else 1e-5
+        unknown, found = find_root(
+            lambda x: residual(x[None])[0], begin, tolerance=accuracy, max_steps=30
+        )
+        unknowns = unknown[None]
+    (states, load), acceleration = at(unknowns)
     carried = _drives(states) / problem.inertia
     carried = jnp.where(turns | carriers.coasts, carried, 0.0)
     return Driven(states, load, acceleration, carried, found)
@@ -208,41 +244,51 @@ def leaving(
 
     def residual(unknowns):
         acceleration = unknowns[0] * unit
-        moved = eqx.tree_at(lambda c: c.tangent, carriers, unknowns[1:])
+        moved = eqx.tree_at(lambda c: c.tangent, carriers, unknowns[1 : 1 + count])
         screw = ScrewMotion(angle, speed, acceleration)
-        states, _ = _forces(problem, time, screw, mode, moved)
+        states, _ = _forces(problem, time, screw, mode, moved, shares_of(problem, unknowns))
         torque = (states[0].screw.drive_torque - applied) / scale
         balance = _out_of_balance(problem, states, acceleration, mode, moved)
-        return jnp.concatenate([torque[None], balance])
+        return jnp.stack([torque, *balance, *missed_by(states)])
 
-    start = jnp.zeros(1 + len(problem.kinematics), speed.dtype)
+    count = len(problem.kinematics)
+    start = jnp.concatenate([jnp.zeros_like(speed)[None], first_unknowns(problem)])
     unknowns, found = find_roots(residual, start, tolerance=_accuracy(speed), max_steps=40)
-    return unknowns[1:], found
+    return unknowns[1 : 1 + count], found
 
 
 @eqx.filter_jit
-def onset(
-    problem: TorqueProblem, time: Scalar, angle: Scalar, sense: Scalar, carriers: Carriers
+def onsets(
+    problem: TorqueProblem, time: Scalar, angle: Scalar, carriers: Carriers
 ) -> tuple[tuple[StageState, ...], Scalar]:
-    """Forces of all stages, and the load, where a screw at rest is about to turn in a sense.
+    """Forces of all stages, and the load, where a screw at rest is about to turn: either way.
 
     Some carriers may coast; the tangents of the others are found here.
+
+    **Returns:** what `_forces` does, with an axis in front: turning backward, and forward.
     """
     none = jnp.zeros_like(angle)
-    still = ScrewMotion(angle, none, none)
-    tangents = jnp.zeros_like(carriers.tangent)
+    still, count = ScrewMotion(angle, none, none), len(problem.kinematics)
 
-    def moved(tangents):
-        return eqx.tree_at(lambda c: c.tangent, carriers, tangents)
+    def forces(sense, unknowns):
+        moved = eqx.tree_at(lambda c: c.tangent, carriers, unknowns[:count])
+        shares = shares_of(problem, unknowns)
+        return moved, _forces(problem, time, still, sense, moved, shares)
 
-    def residual(tangents):
-        states, _ = _forces(problem, time, still, sense, moved(tangents))
-        return _out_of_balance(problem, states, none, sense, moved(tangents))
+    def onset(sense):
+        def residual(unknowns):
+            moved, (states, _) = forces(sense, unknowns)
+            balance = _out_of_balance(problem, states, none, sense, moved)
+            return jnp.stack([*balance, *missed_by(states)])
 
-    # Where nothing resists the rollers the slip is that of geometry alone.
-    if any(has_contact_losses(stage.friction) for stage in problem.mechanism.stages):
-        tangents, _ = find_roots(residual, tangents, tolerance=_accuracy(angle), max_steps=30)
-    return _forces(problem, time, still, sense, moved(tangents))
+        unknowns = first_unknowns(problem)
+        # Where nothing resists the rollers the slip is that of geometry alone.
+        if any(has_contact_losses(stage.friction) for stage in problem.mechanism.stages):
+            unknowns, _ = find_roots(residual, unknowns, tolerance=_accuracy(angle), max_steps=30)
+        return forces(sense, unknowns)[1]
+
+    # One program for both senses.
+    return jax.vmap(onset)(jnp.asarray([BACKWARD, FORWARD], angle.dtype))
 
 
 def onset_torques(
@@ -252,9 +298,4 @@ def onset_torques(
 
     As `breakaway_torques`, with some of the carriers coasting.
     """
-
-    def torque(sense):
-        return onset(problem, time, angle, sense, carriers)[0][0].screw.drive_torque
-
-    # One program for both senses.
-    return jax.vmap(torque)(jnp.asarray([BACKWARD, FORWARD], angle.dtype))
+    return onsets(problem, time, angle, carriers)[0][0].screw.drive_torque

@@ -28,7 +28,7 @@ from ..mechanism import (
 from ._bristles import bristle_friction
 from ._flank import turned
 from ._kinematics import StageKinematics, slip_velocity
-from ._rubbing import Rubbing, rubbed_friction, rubbing, rubbing_of
+from ._rubbing import Rubbing, Slip, rubbed_friction, rubbing, rubbing_of
 from ._thread_friction import slip_direction, thread_friction
 
 
@@ -201,7 +201,7 @@ def rubbing_on_screw_side(
         return None
     flank = flank_of(unknowns)
     slip, direction = (turned(vector, flank) for vector in slip_of(kinematics, known, flank))
-    rub = rubbing(ellipse, kinematics, slip, direction, jnp.abs(unknowns.screw_contact))
+    rub = rubbing(ellipse, kinematics, Slip(slip, direction), jnp.abs(unknowns.screw_contact))
     return dataclasses.replace(rub, direction=turned(rub.direction, flank))
 
 

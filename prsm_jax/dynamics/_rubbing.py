@@ -10,11 +10,12 @@ balance is one equation for the share of the normal force that carries.
 """
 
 import functools
+from collections.abc import Callable
 from typing import NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Float
 
 from .._physics import physics
 from .._root import find_root
@@ -33,8 +34,7 @@ from ._flank import force_free_coefficient
 from ._kinematics import StageKinematics
 from ._thread_friction import stribeck_coefficient, thread_friction
 
-#: Points of the rule: its error is below 1e-10 for flanks of roller screws, a/b < 1.5 and
-#: ω a/v < 0.5.
+#: Points of the rule, wherever the instantaneous centre lies: an error of ORDER16.
 _ORDER = 16
 #: Of the share of the normal force that carries; below it a thread counts as jammed.
 _LEAST_SHARE = 1e-9
@@ -49,6 +49,16 @@ class RubbingEllipse(eqx.Module):
     across: Float[Array, "3"]
     #: Axial part of the common normal.
     normal_axial: Scalar
+
+
+class Slip(NamedTuple):
+    """Slip of the screw over the roller."""
+
+    #: [m/s].
+    velocity: Float[Array, "3"]
+    #: Unit vector; at standstill that of the motion about to begin. Shorter where friction takes
+    #: only a share of what it can, in a stage that is held.
+    direction: Float[Array, "3"]
 
 
 class Rubbing(eqx.Module):
@@ -88,18 +98,15 @@ def spin_per_slip(kinematics: StageKinematics, direction: Float[Array, "3"]) -> 
     return screw + kinematics.relative_spin_ratio * carrier
 
 
-def _cube_root(force: Scalar) -> Scalar:
-    loaded = force != 0
-    return jnp.where(loaded, jnp.cbrt(jnp.where(loaded, jnp.abs(force), 1.0)), 0.0)
+def _root(power: Callable[[Scalar], Scalar], value: Scalar) -> Scalar:
+    """A root of what is not negative, 0 at 0, where it has no derivative."""
+    some = value > 0
+    return jnp.where(some, power(jnp.where(some, value, 1.0)), 0.0)
 
 
 @physics("spin_friction")
 def rubbing(
-    ellipse: RubbingEllipse,
-    kinematics: StageKinematics,
-    slip: Float[Array, "3"],
-    direction: Float[Array, "3"],
-    force: Scalar,
+    ellipse: RubbingEllipse, kinematics: StageKinematics, slip: Slip, force: Scalar
 ) -> Rubbing:
     """What an ellipse under a normal force rubs, seen from the side of the loaded flank.
 
@@ -107,22 +114,21 @@ def rubbing(
 
     - `ellipse`: that of the screw side.
     - `kinematics`: of its stage.
-    - `slip`, `direction`: slip of the screw over the roller [m/s], and its unit vector.
+    - `slip`: of the screw over the roller.
     - `force`: normal force of one roller [N].
     """
-    square = jnp.sum(slip**2)
-    slips = square > 0
-    speed = jnp.where(slips, jnp.sqrt(jnp.where(slips, square, 1.0)), 0.0)
-    growth, along = _cube_root(force), jnp.abs(ellipse.normal_axial)
+    direction = slip.direction
+    speed, held = (_root(jnp.sqrt, jnp.sum(vector**2)) for vector in slip)
+    growth, along = _root(jnp.cbrt, jnp.abs(force)), jnp.abs(ellipse.normal_axial)
     turning = spin_per_slip(kinematics, direction)
     # An ellipse that is twice as large spins as if twice as fast: its shape stays that at 1 N.
     spin = ellipse.normal_axial * turning * growth
     rolling, across = direction @ ellipse.rolling, direction @ ellipse.across
-    found = slip_and_spin(ellipse.shape, (rolling, across), spin, _ORDER, elongated=False)
+    found = slip_and_spin(ellipse.shape, (rolling, across), spin, _ORDER)
     first, second = found.force
     size = ellipse.shape.first + ellipse.shape.second
     return Rubbing(
-        direction=first * ellipse.rolling + second * ellipse.across,
+        direction=held * (first * ellipse.rolling + second * ellipse.across),
         moment=growth * along * jnp.abs(found.moment),
         mean_speed=speed * (first * rolling + second * across + found.moment * spin),
         viscous_moment=size / 5 * jnp.abs(growth * along * spin) * speed,
@@ -188,7 +194,9 @@ class ScrewContact(NamedTuple):
     per_force: Float[Array, "3"]
     constant: Float[Array, "3"]
     #: `None` where no spin is modelled, or no friction that it could change.
-    rubbing: Rubbing | None
+    rubbing: Rubbing | None = None
+    #: What an assumed share of the normal force misses the axial balance by; of order one.
+    missed: Scalar | None = None
 
 
 def rubbing_of(stage: Stage, kinematics: StageKinematics) -> RubbingEllipse | None:
@@ -200,43 +208,45 @@ def rubbing_of(stage: Stage, kinematics: StageKinematics) -> RubbingEllipse | No
     return getattr(kinematics.resistance, "ellipse", None)
 
 
+def spinning_stages(
+    stages: tuple[Stage, ...], kinematics: tuple[StageKinematics, ...]
+) -> dict[int, Scalar]:
+    """Stages whose axial balance has an unknown, and where to begin its search: no friction."""
+    return {
+        index: -geometry.meshing.screw.normal[2]
+        for index, (stage, geometry) in enumerate(zip(stages, kinematics, strict=True))
+        if rubbing_of(stage, geometry) is not None
+    }
+
+
 class _Balance(NamedTuple):
     """The axial balance of a roller whose friction depends on its normal force."""
 
     law: ThreadFriction
     ellipse: RubbingEllipse
     kinematics: StageKinematics
-    slip: Float[Array, "3"]
-    direction: Float[Array, "3"]
+    slip: Slip
     deflection: Float[Array, "3"] | None
     #: What is left for the normal force [N], and its share that carries if nothing spins.
     left: Scalar
     bracket: Scalar
 
-    @property
-    def carries(self) -> Bool[Array, ""]:
-        return self.bracket > _LEAST_SHARE
-
     def at(self, share: Scalar) -> ScrewContact:
         """Everything where this share of the normal force carries."""
-        share = jnp.where(self.carries, jnp.maximum(share, _LEAST_SHARE), self.bracket)
-        force = self.left / share
-        rub = rubbing(self.ellipse, self.kinematics, self.slip, self.direction, force)
-        friction = rubbed_friction(self.law, self.slip, self.deflection, rub)
-        return ScrewContact(force, *friction, rub)
-
-    def residual(self, share: Scalar) -> Scalar:
-        """What the share misses that of the friction by; of order one."""
-        normal = self.kinematics.meshing.screw.normal
-        carried = -normal[2] - self.at(share).per_force[2]
-        return share - jnp.where(self.carries, carried, self.bracket)
+        carries = self.bracket > _LEAST_SHARE
+        assumed = jnp.where(carries, jnp.maximum(share, _LEAST_SHARE), self.bracket)
+        force = self.left / assumed
+        rub = rubbing(self.ellipse, self.kinematics, self.slip, force)
+        per_force, constant = rubbed_friction(self.law, self.slip.velocity, self.deflection, rub)
+        carried = -self.kinematics.meshing.screw.normal[2] - per_force[2]
+        missed = share - jnp.where(carries, carried, self.bracket)
+        return ScrewContact(force, per_force, constant, rub, missed)
 
 
 def screw_contact(
     stage: Stage,
     kinematics: StageKinematics,
-    slip: Float[Array, "3"],
-    direction: Float[Array, "3"],
+    slip: Slip,
     axial: Scalar,
     deflection: Float[Array, "3"] | None = None,
     share: Scalar | None = None,
@@ -249,52 +259,31 @@ def screw_contact(
     **Arguments:**
 
     - `stage`, `kinematics`: the stage, with the contact ellipses if spin is modelled.
-    - `slip`, `direction`: slip of the screw over the roller [m/s], and its unit vector.
+    - `slip`: of the screw over the roller.
     - `axial`: what one roller carries axially [N].
     - `deflection`: of the bristles, where friction has that state [m].
-    - `share`: the bracket, where it is known already.
+    - `share`: the bracket, where it is found with other unknowns (`missed` is then to vanish).
     """
     law = None if stage.friction is None else stage.friction.thread
     ellipse = rubbing_of(stage, kinematics)
-    per_force, constant, bracket = _without_spin(law, kinematics, slip, direction, deflection)
+    if isinstance(law, LuGreFriction) and deflection is not None:
+        per_force, constant = bristle_friction(law, slip.velocity, deflection)
+    else:
+        per_force, constant = thread_friction(law, *slip)
+    bracket = -kinematics.meshing.screw.normal[2] - per_force[2]
     left = axial + constant[2]
     if law is None or ellipse is None:
-        return ScrewContact(left / bracket, per_force, constant, None)
-    balance = _Balance(law, ellipse, kinematics, slip, direction, deflection, left, bracket)
+        return ScrewContact(left / bracket, per_force, constant)
+    balance = _Balance(law, ellipse, kinematics, slip, deflection, left, bracket)
     if share is None:
-        start = jnp.where(balance.carries, bracket, 1.0)
+        start = jnp.where(bracket > _LEAST_SHARE, bracket, 1.0)
         accuracy = 1e-14 if start.dtype == jnp.float64 else 1e-6
-        share, _ = find_root(
-            lambda unknown: balance.residual(unknown),
-            start,
-            tolerance=accuracy,
-            max_steps=20,
-        )
+
+        # A plain function: JAX wants to hash it, and a method carries arrays.
+        def missed(unknown: Scalar) -> Scalar:
+            found = balance.at(unknown).missed
+            assert found is not None
+            return found
+
+        share, _ = find_root(missed, start, tolerance=accuracy, max_steps=20)
     return balance.at(share)
-
-
-def _without_spin(law, kinematics, slip, direction, deflection):
-    """Friction per normal force and beside it, and the share of the normal force that carries."""
-    if isinstance(law, LuGreFriction) and deflection is not None:
-        per_force, constant = bristle_friction(law, slip, deflection)
-    else:
-        per_force, constant = thread_friction(law, slip, direction)
-    return per_force, constant, -kinematics.meshing.screw.normal[2] - per_force[2]
-
-
-def share_residual(
-    stage: Stage,
-    kinematics: StageKinematics,
-    slip: Float[Array, "3"],
-    direction: Float[Array, "3"],
-    share: Scalar,
-    contact: ScrewContact,
-) -> Scalar:
-    """What an assumed share of the normal force misses the axial balance by; of order one.
-
-    **Arguments:** as those of `screw_contact`, and what that found for the share.
-    """
-    law = None if stage.friction is None else stage.friction.thread
-    _, _, bracket = _without_spin(law, kinematics, slip, direction, None)
-    carried = -kinematics.meshing.screw.normal[2] - contact.per_force[2]
-    return share - jnp.where(bracket > _LEAST_SHARE, carried, bracket)

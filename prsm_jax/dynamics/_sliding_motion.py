@@ -21,6 +21,7 @@ def sliding_motion(
     carrier_speed: Scalar,
     axial_acceleration: Scalar | None,
     deflection: Float[Array, "3"] | None = None,
+    share: Scalar | None = None,
 ) -> Motion:
     """Motion at given speeds of screw and carrier [rad/s], seen from the loaded flank's side."""
     slip = slip_velocity(kinematics, screw_speed, carrier_speed)
@@ -34,4 +35,5 @@ def sliding_motion(
         nut_sense=sense_of(rolling),
         axial_acceleration=axial_acceleration,
         deflection=deflection,
+        share=share,
     )

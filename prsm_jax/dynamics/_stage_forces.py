@@ -18,7 +18,7 @@ from ..mechanism import (
 )
 from ._contact_losses import ResistingMoment, has_contact_losses, resisting_moments
 from ._kinematics import StageKinematics
-from ._rubbing import Rubbing, screw_contact
+from ._rubbing import Rubbing, ScrewContact, Slip, screw_contact
 
 
 class Motion(eqx.Module):
@@ -37,8 +37,11 @@ class Motion(eqx.Module):
     axial_acceleration: Scalar | None = None
     #: Deflection of the bristles in one contact [m]; `None` where friction has no state.
     deflection: Float[Array, "3"] | None = None
-    #: Share of the normal force that carries axially, where it has been found already (`_rubbing`).
+    #: Share of the normal force that carries axially, where it is found with other unknowns
+    #: (`_rubbing`).
     share: Scalar | None = None
+    #: All of the screw side, where that is known already.
+    contact: ScrewContact | None = None
 
 
 class StageForces(eqx.Module):
@@ -66,6 +69,8 @@ class StageForces(eqx.Module):
     carrier_drive: Scalar
     #: Slip and spin together in the ellipse of the screw side; `None` where not modelled.
     rubbing: Rubbing | None = None
+    #: What a share of the normal force that was assumed misses the axial balance by.
+    missed: Scalar | None = None
 
 
 @physics("axial_inertia")
@@ -101,15 +106,11 @@ def stage_forces(
     """
     count = stage.present_roller_count
     screw_side, nut_side = kinematics.meshing.screw, kinematics.meshing.nut
-    force, per_force, constant, rub = screw_contact(
-        stage,
-        kinematics,
-        motion.slip,
-        motion.direction,
-        axial_force / count,
-        motion.deflection,
-        motion.share,
-    )
+    contact = motion.contact
+    if contact is None:
+        slip, axial = Slip(motion.slip, motion.direction), axial_force / count
+        contact = screw_contact(stage, kinematics, slip, axial, motion.deflection, motion.share)
+    force, per_force, constant, rub, missed = contact
     friction = force * per_force + constant
     on_roller = force * screw_side.normal + friction
     nut_axial = -on_roller[2]
@@ -139,6 +140,7 @@ def stage_forces(
         torque_on_screw=flank * torque,
         carrier_drive=flank * drive,
         rubbing=rub,
+        missed=missed,
     )
 
 

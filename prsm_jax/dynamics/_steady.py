@@ -137,7 +137,7 @@ def _steady_states(
         balance = balanced_carrier_ratio(stage, geometry, own_sense, own_speed, axial_force)
         balanced = balanced & balance.found
         ratios.append(balance.ratio)
-        return steady_motion(geometry, balance.ratio, own_speed, own_sense, share=balance.share)
+        return steady_motion(geometry, balance.ratio, own_speed, own_sense, contact=balance.contact)
 
     states = chain_forces(mechanism, kinematics, motion_of, speed, sense, load)
     for state in states:

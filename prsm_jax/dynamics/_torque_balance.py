@@ -19,6 +19,7 @@ from ._carrier_balance import CarrierBalance, steady_motion
 from ._chain import StageState, chain_forces
 from ._contact_losses import has_contact_losses, with_resistance
 from ._kinematics import StageKinematics, travel_per_turn
+from ._rubbing import spinning_stages
 from ._small_newton import find_roots
 from ._stage_forces import Motion, carrier_inertia
 from ._steady import all_kinematics
@@ -53,8 +54,9 @@ class Instant(NamedTuple):
     states: tuple[StageState, ...]
     ratios: Float[Array, " stages"]
     load: Scalar
-    #: How far each carrier is from its balance, and whether friction could drive them.
-    residuals: Float[Array, " stages"]
+    #: How far each carrier and the axial balance of each stage that spins are from theirs, and
+    #: whether friction could drive them.
+    residuals: Float[Array, " unknowns"]
     valid: Bool[Array, ""]
 
     @property
@@ -63,20 +65,39 @@ class Instant(NamedTuple):
         return self.states[0].screw.drive_torque
 
 
+def first_unknowns(problem: TorqueProblem) -> Float[Array, " unknowns"]:
+    """Where to begin a search: tangents of all carriers, and shares of the stages that spin."""
+    shares = spinning_stages(problem.mechanism.stages, problem.kinematics).values()
+    start = jnp.zeros_like(problem.inertia)
+    return jnp.concatenate([start, jnp.stack(list(shares))]) if shares else start
+
+
+def shares_of(problem: TorqueProblem, unknowns: Float[Array, " unknowns"]) -> dict[int, Scalar]:
+    """Shares of the normal force that carry, by stage: the last of the unknowns."""
+    spinning = list(spinning_stages(problem.mechanism.stages, problem.kinematics))
+    return {index: unknowns[at - len(spinning)] for at, index in enumerate(spinning)}
+
+
+def missed_by(states: tuple[StageState, ...]) -> list[Scalar]:
+    """What these shares miss the axial balances by."""
+    each = [state.forces.missed for state in states]
+    return [missed for missed in each if missed is not None]
+
+
 @physics("torque_drive")
 def instant(
     problem: TorqueProblem,
     time: Scalar,
     motion: ScrewMotion,
     sense: Scalar,
-    tangents: Float[Array, " stages"],
+    unknowns: Float[Array, " unknowns"],
 ) -> Instant:
     """Forces of all stages for a motion of the screw, with slip in the directions of a sense.
 
     **Arguments:**
 
     - `problem`, `time`, `motion`, `sense`: what moves, when and how; +1 or −1.
-    - `tangents`: unknowns of the carriers' balances (`CarrierBalance`).
+    - `unknowns`: tangents of the carriers' balances (`CarrierBalance`), and shares (`shares_of`).
     """
     mechanism, kinematics = problem.mechanism, problem.kinematics
     travel = travel_per_turn(mechanism.stages, len(mechanism.stages))
@@ -86,16 +107,20 @@ def instant(
     ratios: list[Scalar] = []
     residuals: list[Scalar] = []
     valid = jnp.stack([k.meshing.converged for k in kinematics]).all()
+    shares = shares_of(problem, unknowns)
 
     def motion_of(index: int, flank: Scalar, axial_force: Scalar, axial_acceleration) -> Motion:
         stage, geometry = mechanism.stages[index], kinematics[index]
         own_speed, own_sense = flank * motion.speed, flank * sense
         per_ratio = problem.inertia[index] * (flank * motion.acceleration)
         balance = CarrierBalance(stage, geometry, own_sense, own_speed, axial_force, per_ratio)
-        ratio = balance.ratio(tangents[index])
+        tangent = unknowns[index]
+        ratio, contact = balance.ratio(tangent), balance.contact(tangent, shares.get(index))
         ratios.append(ratio)
-        residuals.append(balance.residual(tangents[index]))
-        return steady_motion(geometry, ratio, own_speed, own_sense, axial_acceleration)
+        residuals.append(balance.residual(tangent, contact))
+        return steady_motion(
+            geometry, ratio, own_speed, own_sense, axial_acceleration, contact=contact
+        )
 
     states = chain_forces(
         mechanism, kinematics, motion_of, motion.speed, sense, load, motion.acceleration
@@ -103,14 +128,16 @@ def instant(
     for state in states:
         # Past the locking limit the axial balance asks for a pulling contact.
         valid = valid & (state.forces.contact_force >= 0)
-    return Instant(states, jnp.stack(ratios[::-1]), load, jnp.stack(residuals[::-1]), valid)
+    missed = jnp.stack([*residuals[::-1], *missed_by(states)])
+    return Instant(states, jnp.stack(ratios[::-1]), load, missed, valid)
 
 
 class Balance(NamedTuple):
     """What a search found."""
 
     acceleration: Scalar
-    tangents: Float[Array, " stages"]
+    #: As those of `instant`.
+    unknowns: Float[Array, " unknowns"]
     found: Bool[Array, ""]
 
 
@@ -128,7 +155,7 @@ def moving(
         now = instant(problem, time, motion, sense, unknowns[1:])
         return jnp.concatenate([((now.torque - applied) / scale)[None], now.residuals])
 
-    start = jnp.zeros(1 + len(problem.kinematics), speed.dtype)
+    start = jnp.concatenate([jnp.zeros_like(speed)[None], first_unknowns(problem)])
     unknowns, found = find_roots(residual, start, tolerance=_tolerance(speed), max_steps=30)
     return Balance(unknowns[0] * unit, unknowns[1:], found)
 
@@ -138,16 +165,16 @@ def resting(problem: TorqueProblem, time: Scalar, angle: Scalar, sense: Scalar) 
     """The balances of the carriers in a motion that is about to begin."""
     none = jnp.zeros_like(angle)
     still = ScrewMotion(angle, none, none)
-    start = jnp.zeros(len(problem.kinematics), angle.dtype)
+    start = first_unknowns(problem)
     if not any(has_contact_losses(stage.friction) for stage in problem.mechanism.stages):
         # Nothing resists the rollers: the slip is that of geometry alone.
         return Balance(none, start, jnp.asarray(True))
 
-    def residual(tangents):
-        return instant(problem, time, still, sense, tangents).residuals
+    def residual(unknowns):
+        return instant(problem, time, still, sense, unknowns).residuals
 
-    tangents, found = find_roots(residual, start, tolerance=_tolerance(angle), max_steps=30)
-    return Balance(none, tangents, found)
+    unknowns, found = find_roots(residual, start, tolerance=_tolerance(angle), max_steps=30)
+    return Balance(none, unknowns, found)
 
 
 def _tolerance(value: Scalar) -> float:
@@ -164,8 +191,8 @@ def breakaway_torques(problem: TorqueProblem, time: Scalar, angle: Scalar) -> Fl
     none = jnp.zeros_like(angle)
 
     def torque(sense):
-        tangents = resting(problem, time, angle, sense).tangents
-        return instant(problem, time, ScrewMotion(angle, none, none), sense, tangents).torque
+        found = resting(problem, time, angle, sense).unknowns
+        return instant(problem, time, ScrewMotion(angle, none, none), sense, found).torque
 
     # One program for both senses.
     return jax.vmap(torque)(jnp.asarray([BACKWARD, FORWARD], angle.dtype))
@@ -180,7 +207,7 @@ def torque_problem(mechanism: Mechanism, scenario: TorqueScenario) -> TorqueProb
 
     def torque(acceleration):
         motion = ScrewMotion(zero, zero, acceleration)
-        return instant(problem, zero, motion, one, jnp.zeros_like(inertia)).torque
+        return instant(problem, zero, motion, one, first_unknowns(problem)).torque
 
     at_rest, total = jax.jvp(torque, (zero,), (one,))
     grid = jnp.linspace(0.0, 1.0, 17, dtype=inertia.dtype) * scenario.duration

@@ -7,7 +7,7 @@ from jaxtyping import Array, Bool, Float
 
 from ..mechanism import Mechanism, Scalar, TorqueScenario
 from ._contact_losses import has_contact_losses
-from ._driven_carriers import driven, onset, onset_torques, slip_geometry
+from ._driven_carriers import driven, onsets, slip_geometry
 from ._integration import Settings
 from ._kinematics import travel_per_turn
 from ._neglected_lag import neglected
@@ -66,9 +66,10 @@ def _integrated(
 
     def at(time, angle, speed, mode, carriers):
         rests = (mode == STICKING) & ~jnp.any(carriers.coasts)
-        limits = onset_torques(problem, time, angle, carriers)
         applied = problem.scenario.torque_at(time)
-        resting, load = onset(problem, time, angle, _nearer(applied, limits), carriers)
+        both = onsets(problem, time, angle, carriers)
+        forward = _nearer(applied, both[0][0].screw.drive_torque) == FORWARD
+        resting, load = jax.tree.map(lambda x: jnp.where(forward, x[1], x[0]), both)
         now = driven(problem, time, angle, speed, mode, carriers)
         states = jax.tree.map(lambda a, b: jnp.where(rests, a, b), resting, now.states)
         acceleration, accelerations = (
@@ -114,7 +115,7 @@ def _quasi_steady(
         balance = jax.tree.map(lambda a, b: jnp.where(sticking, a, b), still, turning)
         acceleration = balance.acceleration
         now = instant(
-            problem, time, ScrewMotion(angle, speed, acceleration), sense, balance.tangents
+            problem, time, ScrewMotion(angle, speed, acceleration), sense, balance.unknowns
         )
         states, ratios, load = now.states, now.ratios, now.load
         drives = jnp.stack([state.forces.carrier_drive for state in states])

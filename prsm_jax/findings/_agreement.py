@@ -1,16 +1,18 @@
-"""Findings on numbers that strength and load sharing both have, and that contradict each other."""
+"""Findings on numbers that a file gives twice, in two places, and that contradict each other."""
 
 from collections.abc import Iterator
 
 from ..geometry import Finding
-from ..mechanism import Scalar, Stage
+from ..mechanism import Scalar, Stage, ViscousFriction
 
 #: Preloads, and plays, that differ by less are the same but for rounding.
 _SAME = 0.01
 
 
 def agreement_findings(stage: Stage, number: int, teeth: Scalar | None = None) -> Iterator[Finding]:
-    """Two numbers for one thing: `preload`, `engaged_threads`, `axial_backlash`.
+    """Two numbers for one thing.
+
+    `preload`, `engaged_threads`, `axial_backlash`, `spin_coefficient`.
 
     **Arguments:**
 
@@ -20,6 +22,7 @@ def agreement_findings(stage: Stage, number: int, teeth: Scalar | None = None) -
     yield from _check_preload(stage, number)
     yield from _check_threads(stage, number)
     yield from _check_play(stage, number, teeth)
+    yield from _check_spin(stage, number)
 
 
 def _check_preload(stage: Stage, number: int) -> Iterator[Finding]:
@@ -137,4 +140,36 @@ def _check_play(stage: Stage, number: int, teeth: Scalar | None) -> Iterator[Fin
             f"{source} {stated * 1e6:.4g} um and stage.load_sharing.backlash "
             f"{shared * 1e6:.4g} um, which are one play: backlash and lost motion rest on the "
             "first, thread loads on the second; give both the same",
+        )
+
+
+def _check_spin(stage: Stage, number: int) -> Iterator[Finding]:
+    """Friction of one pair of materials, in sliding and in spin."""
+    friction = stage.friction
+    if friction is None or friction.thread is None or friction.spin is None:
+        return
+    law, spin = friction.thread, float(friction.spin.coefficient)
+    rule = "screw and roller slide and spin by the law of the threads, and"
+    if isinstance(law, ViscousFriction):
+        yield Finding(
+            "spin_coefficient",
+            "note",
+            number,
+            spin,
+            0.0,
+            "stage.friction.thread is viscous and has no friction coefficient: "
+            f"{rule} stage.friction.spin.coefficient, {spin:.4g}, is that of roller and nut only",
+        )
+        return
+    threads = float(law.coefficient)
+    if abs(spin - threads) > _SAME * max(spin, threads):
+        yield Finding(
+            "spin_coefficient",
+            "note",
+            number,
+            spin,
+            threads,
+            f"stage.friction.spin.coefficient is {spin:.4g} and stage.friction.thread.coefficient "
+            f"{threads:.4g}: {rule} the first is that of roller and nut only; give both the same "
+            "unless materials or lubrication of the two sides differ",
         )

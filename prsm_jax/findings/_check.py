@@ -49,9 +49,9 @@ def check(mechanism: Mechanism) -> tuple[Finding, ...]:
     make sense: `inertia`, `mass`, `torsional_support`, `negative_stiffness`. Does friction let it
     move: `jamming`, `self_locking`. Does it last: `static_safety`, `rating_life`, `buckling`,
     `screw_speed`, `false_brinelling`, `contact_truncation`. Do its numbers agree: `preload`,
-    `engaged_threads`, `axial_backlash`. Do threads share as assumed: `equal_sharing`. Nothing is
-    raised; a mechanism without findings gives an empty tuple. Of what lacks data nothing is found.
-    Needs concrete numbers: inside a trace use `evaluate_margins`.
+    `engaged_threads`, `axial_backlash`, `spin_coefficient`. Do threads share as assumed:
+    `equal_sharing`. Nothing is raised; a mechanism without findings gives an empty tuple. Of what
+    lacks data nothing is found. Needs concrete numbers: inside a trace use `evaluate_margins`.
 
     **Arguments:**
 
