@@ -97,7 +97,9 @@ def slip_and_spin(
     - `shape`: the ellipse.
     - `slip`: slip velocity in the two axes of `shape` [m/s].
     - `spin`: angular velocity about the normal, from the first axis to the second [rad/s].
-    - `order`: points of Gauss's rule. Wherever the centre lies, 16 give ORDER16, 32 give ORDER32.
+    - `order`: points of Gauss's rule. Wherever the centre lies, 16 give 2e-8 up to a/b = 5, 20
+      give 3e-8 up to 10, and 32 give 1e-6 up to 50. The largest error is that of a small moment
+      of a centre beside the ellipse; that of the force is a hundredth of it.
     """
     first, second = slip
     along = shape.first * first + shape.mixed * second
@@ -107,15 +109,15 @@ def slip_and_spin(
     area = turned * shape.product
 
     # The least σ, the larger root of a quadratic in it.
-    outside = turned * across > (1 + 2 * _EDGE) * area**2
+    outside = across > (1 + 2 * _EDGE) * area * shape.product
     half = (turned * trace - square) / 2
     root = jnp.sqrt(jnp.where(outside, half**2 + turned * across - area**2, 1.0))
     least = jnp.sqrt(jnp.where(outside, root - half, 1.0))
     least = jnp.where(outside, least, 0.0)
 
-    # 1/√σ = 2y/(1 − c y²), from y = 0: the poles √σ = ± iωa, ± iωb are farthest from both ends for
-    # c = ω² a b. That is a choice, and has no derivative; at rest it is any other.
-    scale = jax.lax.stop_gradient(jnp.where(turned + square > 0, area, 1.0))
+    # 1/√σ = 2y/(1 − c y²), from y = 0: the poles √σ = ± iωa, ± iωb are far from both ends for
+    # c of about 2 ω² a b. That is a choice, and has no derivative; at rest it is any other.
+    scale = jax.lax.stop_gradient(jnp.where(turned + square > 0, 2 * area, 1.0))
     places, weights = np.polynomial.legendre.leggauss(order)
     upper = 1 / (least + jnp.sqrt(least**2 + scale))
     y = upper * jnp.asarray((places + 1) / 2, square.dtype)

@@ -19,7 +19,7 @@ from prsm_jax.contact import EllipseShape, ellipse_shape, hertz_contact, slip_an
 from prsm_jax.geometry import RelativeCurvature
 
 #: Points: as the dynamics use it, and for long ellipses.
-PLAIN, LONG = 16, 32
+PLAIN, LONG = 20, 32
 
 
 def _shape(major, minor, angle):
@@ -47,7 +47,7 @@ def _batch(order):
     return jax.jit(jax.vmap(_law(order)))
 
 
-def _cases(ratios, distances, count, seed):
+def _cases(ratios, distances, count, seed, reference=integrated):
     """Random ellipses in random motion, the centre this many radii away; and their reference."""
     rng = np.random.default_rng(seed)
     shapes, slips, spins, expected = [], [], [], []
@@ -62,7 +62,7 @@ def _cases(ratios, distances, count, seed):
         else:
             own = own * away * abs(spin) / np.hypot(own[0] / minor, own[1] / major)
         turn = np.array([[np.cos(turned), -np.sin(turned)], [np.sin(turned), np.cos(turned)]])
-        along, across, moment = integrated(major, minor, own, spin)
+        along, across, moment = reference(major, minor, own, spin)
         shapes.append(_shape(major, minor, turned))
         slips.append(turn @ own)
         spins.append(spin)
@@ -109,18 +109,26 @@ def _near_the_edge(rng, index):
     return 1 + rng.choice([-1, 1]) * 10 ** rng.uniform(-6, -1)
 
 
-@pytest.mark.parametrize(
-    ("ratio", "accuracy"), [(1.0, 1e-11), (1.5, 1e-11), (3.0, 1e-8), (5.0, 1e-7), (20.0, 1e-6)]
-)
-def test_the_rule_of_the_dynamics_against_direct_integration(ratio, accuracy):
-    """Wherever the centre lies, and at the edge, which a plain rule over directions resolves badly.
+@pytest.mark.parametrize("ratio", [1.0, 1.5, 3.0, 5.0, 10.0])
+def test_the_rule_of_the_dynamics_against_direct_integration(ratio):
+    """Wherever the centre lies, also at the edge of the ellipse: 1e-6 asked for.
 
-    By axis ratio; 1e-6 asked for.
+    The reference is good to 2e-8 near the edge, where chords vanish like a root.
     """
     for places, seed in ((_anywhere, 2), (_near_the_edge, 3)):
-        shape, slip, spin, expected = _cases(lambda rng: ratio, places, 40, seed=seed)
+        shape, slip, spin, expected = _cases(lambda rng: ratio, places, 20, seed=seed)
         found = np.asarray(_batch(PLAIN)(shape, slip, spin))
-        assert max(_errors(found, slip, spin, expected)) < accuracy
+        assert max(_errors(found, slip, spin, expected)) < 2e-7
+
+
+def test_the_rule_of_the_dynamics_converges():
+    """Twice as many points change nothing: far from the edge, and at it, up to a/b = 5."""
+    for places, seed in ((_anywhere, 5), (_near_the_edge, 6)):
+        shape, slip, spin, _ = _cases(
+            lambda rng: 5 ** rng.uniform(0, 1), places, 60, seed, lambda *_: (0.0, 0.0, 0.0)
+        )
+        found, more = (np.asarray(_batch(order)(shape, slip, spin)) for order in (PLAIN, 48))
+        assert max(_errors(found, slip, spin, more)) < 2e-10
 
 
 def test_pure_spin_and_pure_sliding_in_closed_form():
@@ -163,7 +171,9 @@ def test_force_and_moment_are_the_gradient_of_the_power():
 
         return jax.grad(potential)(motion), law(shape, motion[:2], motion[2])
 
-    shape, slip, spin, _ = _cases(lambda rng: 20 ** rng.uniform(0, 1), _anywhere, 60, seed=4)
+    shape, slip, spin, _ = _cases(
+        lambda rng: 20 ** rng.uniform(0, 1), _anywhere, 60, 4, lambda *_: (0.0, 0.0, 0.0)
+    )
     found, direct = gradient(shape, jnp.concatenate([slip, spin[:, None]], axis=1))
     for part in (slice(0, 2), slice(2, 3)):
         scale = np.maximum(np.linalg.norm(direct[:, part], axis=1, keepdims=True), 1e-9)

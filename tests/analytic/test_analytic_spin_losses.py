@@ -6,11 +6,13 @@ the screw side alone.
 
 import math
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from scenes import array, mechanism, stage, steady_state, thread
 
-from prsm_jax.dynamics._rubbing import Rubbing, _cube_root, rubbed_friction, rubbed_moment
+import prsm_jax as prsm
+from prsm_jax.dynamics._rubbing import Rubbing, _root, rubbed_friction, rubbed_moment
 from prsm_jax.dynamics._thread_friction import slip_direction, thread_friction
 from prsm_jax.mechanism import (
     CoulombFriction,
@@ -149,5 +151,32 @@ def test_every_law_in_closed_form_along_the_slip():
         per_force, constant = thread_friction(law, array(slip), along)
         np.testing.assert_allclose(per_force, coefficient * slip / speed, rtol=1e-13)
         np.testing.assert_allclose(constant, damping * slip, rtol=1e-13)
-    sizes = [float(_cube_root(array(force))) for force in (0.0, 8.0, -27.0, 1e-9)]
+    sizes = [float(_root(jnp.cbrt, array(abs(force)))) for force in (0.0, 8.0, -27.0, 1e-9)]
     np.testing.assert_allclose(sizes, [0.0, 2.0, 3.0, 1e-3], rtol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("law", "spin", "told"),
+    [
+        (CoulombFriction(0.05), 0.05, None),
+        (CoulombFriction(0.05), None, None),
+        (None, 0.05, None),
+        (CoulombFriction(0.05), 0.08, ("0.08", "0.05")),
+        # The coefficient of fast slip is that of the pair of surfaces.
+        (StribeckFriction(0.12, 0.06, 1e-3), 0.06, None),
+        (StribeckFriction(0.12, 0.06, 1e-3), 0.12, ("0.12", "0.06")),
+        (ViscousFriction(25.0), 0.05, ("viscous", "0.05")),
+    ],
+)
+def test_a_coefficient_of_spin_that_is_not_that_of_the_threads_is_named(law, spin, told):
+    """Which side follows which, where a file gives the two sides different friction."""
+    friction = Friction(thread=law, spin=None if spin is None else SpinFriction(spin))
+    found = [f for f in prsm.check(mechanism(stage(friction=friction))) if "spin" in f.name]
+    if told is None:
+        assert not found
+        return
+    (finding,) = found
+    assert (finding.name, finding.severity, finding.stage) == ("spin_coefficient", "note", 1)
+    assert finding.value == spin
+    for word in (*told, "roller and nut only", "screw and roller slide and spin"):
+        assert word in finding.message
