@@ -165,8 +165,9 @@ def follow_phases(
                 subs=(diffrax.SubSaveAt(t1=True), diffrax.SubSaveAt(ts=jnp.maximum(grid, start)))
             ),
             stepsize_controller=controller,
-            # Newton would leave the step where the margin bends.
-            event=_event(laws.margin, optimistix.Bisection(rtol=EVENT, atol=EVENT)),
+            # Newton would leave the step where the margin bends. To say that it falls saves two
+            # copies of the margin in the program.
+            event=_event(laws.margin, optimistix.Bisection(rtol=EVENT, atol=EVENT, flip=True)),
             adjoint=adjoint_of(settings.gradient),
         )
         times_found: Any = solution.ts

@@ -27,11 +27,10 @@ from ._driven_carriers import (
     slip_geometry,
 )
 from ._integration import Settings
-from ._kinematics import free_carrier_ratio
 from ._phases import EVENT, PhaseLaws, Phases, before, follow_phases
 from ._solvers import solver_of
 from ._torque_balance import FORWARD, STICKING, TorqueProblem
-from ._torque_drive import MISSED, STEPS_PER_SAMPLE, held, next_mode, passed_over
+from ._torque_drive import STEPS_PER_SAMPLE, held, next_mode
 from ._transient_result import Phase
 
 #: Carriers that turn faster than this many times the screw coast. They are in step again below
@@ -51,6 +50,8 @@ class Motions(eqx.Module):
     carriers: Carriers
     #: ω [rad/s].
     carrier_speed: Float[Array, "times stages"]
+    #: Whether all is at rest from a sample to the next.
+    sticks: Bool[Array, " times"]
     found: Phases
 
 
@@ -94,7 +95,10 @@ class _Law(eqx.Module):
     def begin(self, share: Scalar, kept: Array):
         """Label and first state of a phase, from angle and speeds."""
         problem, scale, time = self.problem, self.scale, share * self.duration
-        angle, speed, turning = self.angle(kept), kept[1] * scale, kept[2:] * scale
+        angle, speed = self.angle(kept), kept[1] * scale
+        # At the start of all, carriers keep their ratio to a screw that turns.
+        first = jnp.isinf(kept[2:])
+        turning = jnp.where(first, 0.0, kept[2:]) * scale
         coasts = jax.lax.stop_gradient(
             jnp.abs(turning) > _MIDDLE * jnp.abs(speed) + _AT_REST * scale
         )
@@ -105,11 +109,13 @@ class _Law(eqx.Module):
         # A torque that jumps has done so in a moment.
         soon = time + jnp.where(speed == 0, 4 * EVENT * self.duration, 0.0)
         sense = jnp.where(mode == STICKING, FORWARD, mode)
-        onset, _ = leaving(problem, soon, angle, speed, sense, carriers)
+        onset, found = leaving(problem, soon, angle, speed, sense, carriers)
         moves = speed != 0
         ratios = turning / jnp.where(moves, speed, 1.0)
-        in_step = jnp.where(moves, slip_geometry(problem).tangent(ratios), onset)
-        in_step = jnp.where(mode == STICKING, none, in_step)
+        in_step = jnp.where(moves & ~first, slip_geometry(problem).tangent(ratios), onset)
+        # A screw that is braked harder than friction can brake the carriers has no such ratio: they
+        # then begin in that of rolling.
+        in_step = jnp.where((mode == STICKING) | (first & moves & ~found), none, in_step)
         values = jnp.where(coasts, kept[2:], in_step)
         label = {"mode": mode, "coasts": coasts, "sign": jnp.sign(turning)}
         return label, jnp.concatenate([kept[:2], values])
@@ -166,8 +172,7 @@ def follow_carriers(
     """Integrate screw and carriers through all phases.
 
     They start in the ratio that a moving screw's carriers settle in. Steps are no longer than the
-    time between two samples, while the screw is held a quarter of that. Where the torque passed a
-    limit and came back between two steps of a phase of sticking, that is reported.
+    time between two samples, while the screw is held a quarter of that.
 
     **Arguments:**
 
@@ -203,14 +208,6 @@ def follow_carriers(
     turning = jax.vmap(law.turning)(found.states, found.labels) * scale
     rests = (mode == STICKING) & ~jnp.any(carriers.coasts, axis=1)
     sticks = rests[:-1] & rests[1:] & (angle[:-1] == angle[1:])
-
-    def hold(time, angle):
-        none = jnp.zeros(law.stages, dtype)
-        limits = law.limits(time / end, angle, Carriers(none > 0, none, none))
-        return held(scenario.torque_at(time), limits) / problem.torque_scale
-
-    missed = passed_over(times, angle, sticks, hold)
-    code = jnp.where((found.code == 0) & missed, MISSED, found.code)
     speed = jnp.where(mode == STICKING, 0.0, found.states[:, 1] * scale)
     turning = jnp.where(((mode == STICKING)[:, None]) & ~carriers.coasts, 0.0, turning)
     return Motions(
@@ -219,7 +216,8 @@ def follow_carriers(
         mode,
         carriers,
         turning,
-        found._replace(code=code, phases=joined(found.phases)),
+        jnp.append(sticks, jnp.asarray(False)),
+        found._replace(phases=joined(found.phases)),
     )
 
 
@@ -241,16 +239,7 @@ def joined(phases: Phase) -> Phase:
 
 
 def _start(law: _Law, dtype) -> Array:
-    """Angle and speeds at the start, with carriers that keep their ratio to a screw that turns."""
-    problem = law.problem
-    speed = problem.scenario.initial_speed.astype(dtype)
-    none = jnp.zeros(law.stages, dtype)
-    carriers = Carriers(none > 0, none, none)
-    zero = jnp.zeros((), dtype)
-    sense = jax.lax.stop_gradient(jnp.where(speed < 0, -1.0, 1.0).astype(dtype))
-    tangents, found = leaving(problem, zero, zero, speed, sense, carriers)
-    kept = slip_geometry(problem).ratio(tangents)
-    free = jnp.stack([free_carrier_ratio(geometry) for geometry in problem.kinematics])
-    # A screw that is braked harder than friction can brake the carriers has no such ratio.
-    ratios = jnp.where(found, kept, free)
-    return jnp.concatenate([zero[None], speed[None], ratios * speed]) / law.scale
+    """Angle and speeds at the start; carriers' are found when the first phase begins."""
+    speed = law.problem.scenario.initial_speed.astype(dtype) / law.scale
+    unknown = jnp.full(law.stages, jnp.inf, dtype)
+    return jnp.concatenate([jnp.zeros_like(speed)[None], speed[None], unknown])

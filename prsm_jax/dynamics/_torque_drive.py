@@ -7,8 +7,6 @@ speed; an event ends the mode where the speed passes through zero. While it stic
 between the two limits at which it would begin to turn, and an event ends that where one is passed.
 """
 
-from collections.abc import Callable
-
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -31,7 +29,7 @@ from ._transient_result import Phase
 STEPS_PER_SAMPLE = 4
 #: Between these steps the torque is looked at again, afterwards: a phase that was passed over is
 #: then reported.
-_LOOKS_PER_SAMPLE = 32
+LOOKS_PER_SAMPLE = 32
 #: Result code of that.
 MISSED = 8
 
@@ -64,20 +62,14 @@ def held(applied: Scalar, limits: Float[Array, "2"]) -> Scalar:
     return jnp.minimum(upper - applied, applied - lower)
 
 
-def passed_over(
-    times: Float[Array, " times"],
-    angles: Float[Array, " times"],
-    sticks: Bool[Array, " intervals"],
-    hold: Callable[[Scalar, Scalar], Scalar],
-) -> Bool[Array, ""]:
-    """Whether the torque passed a limit between two samples of one phase of sticking."""
-    shares = jnp.arange(1, _LOOKS_PER_SAMPLE, dtype=times.dtype) / _LOOKS_PER_SAMPLE
+def looks(time: Scalar, step: Scalar) -> Float[Array, " looks"]:
+    """Times between a sample and the next, itself first."""
+    return time + step * jnp.arange(LOOKS_PER_SAMPLE, dtype=time.dtype) / LOOKS_PER_SAMPLE
 
-    def passed(time, step, angle):
-        return jnp.any(jax.vmap(lambda share: hold(time + share * step, angle))(shares) < -1e-6)
 
-    passes = jax.vmap(passed)(times[:-1], jnp.diff(times), angles[:-1])
-    return jax.lax.stop_gradient(jnp.any(sticks & passes))
+def passed(margins: Float[Array, " looks"]) -> Bool[Array, ""]:
+    """Whether the torque passed a limit between two samples, by `held` over the torque scale."""
+    return jax.lax.stop_gradient(jnp.any(margins[1:] < -1e-6))
 
 
 class StickSlip(eqx.Module):
@@ -143,9 +135,12 @@ def follow(problem: TorqueProblem, times: Float[Array, " times"], settings: Sett
     )
     angle, mode = found.states[:, 0] * scale * end, found.labels["mode"]
     sticks = (mode[:-1] == STICKING) & (mode[1:] == STICKING) & (angle[:-1] == angle[1:])
-    code = jnp.where(
-        (found.code == 0) & passed_over(times, angle, sticks, hold), MISSED, found.code
-    )
+
+    def missed(time, step, angle):
+        return passed(jax.vmap(lambda look: hold(look, angle))(looks(time, step)))
+
+    passes = jax.vmap(missed)(times[:-1], jnp.diff(times), angle[:-1])
+    code = jnp.where((found.code == 0) & jnp.any(sticks & passes), MISSED, found.code)
     return StickSlip(
         angle=angle,
         speed=found.states[:, 1] * scale,

@@ -25,7 +25,7 @@ from ._torque_balance import (
     resting,
     torque_problem,
 )
-from ._torque_drive import follow
+from ._torque_drive import MISSED, follow, held, looks, passed
 from ._transient_result import CarrierHistory, Phase, SolverReport, Transient, histories
 
 
@@ -64,12 +64,17 @@ def _integrated(
     motions = follow_carriers(problem, times, settings)
     resists = jnp.asarray([has_contact_losses(s.friction) for s in problem.mechanism.stages])
 
-    def at(time, angle, speed, mode, carriers):
+    def at(time, step, sticks, angle, speed, mode, carriers):
         rests = (mode == STICKING) & ~jnp.any(carriers.coasts)
+        # One program for the limits here, and between this sample and the next.
+        between = looks(time, step)
+        onward = jax.vmap(lambda look: onsets(problem, look, angle, carriers))(between)
+        limits = onward[0][0].screw.drive_torque
+        torques = jax.vmap(problem.scenario.torque_at)(between)
+        missed = sticks & passed(jax.vmap(held)(torques, limits) / problem.torque_scale)
         applied = problem.scenario.torque_at(time)
-        both = onsets(problem, time, angle, carriers)
-        forward = _nearer(applied, both[0][0].screw.drive_torque) == FORWARD
-        resting, load = jax.tree.map(lambda x: jnp.where(forward, x[1], x[0]), both)
+        forward = _nearer(applied, limits[0]) == FORWARD
+        resting, load = jax.tree.map(lambda x: jnp.where(forward, x[0, 1], x[0, 0]), onward)
         now = driven(problem, time, angle, speed, mode, carriers)
         states = jax.tree.map(lambda a, b: jnp.where(rests, a, b), resting, now.states)
         acceleration, accelerations = (
@@ -81,10 +86,16 @@ def _integrated(
         dragged = dragged & (slip_geometry(problem).ratio(carriers.tangent) < 0)
         pushed = jnp.stack([state.forces.contact_force >= 0 for state in states])
         valid = jnp.all(pushed) & ~jnp.any(dragged) & (rests | now.found)
-        return (acceleration, load, states, accelerations), valid, applied
+        return (acceleration, load, states, accelerations), valid, applied, missed
 
-    rows, valid, applied = jax.vmap(at)(
-        times, motions.angle, motions.speed, motions.mode, motions.carriers
+    rows, valid, applied, missed = jax.vmap(at)(
+        times,
+        jnp.diff(times, append=times[-1:]),
+        motions.sticks,
+        motions.angle,
+        motions.speed,
+        motions.mode,
+        motions.carriers,
     )
     acceleration, load, states, accelerations = rows
     history = CarrierHistory(
@@ -92,7 +103,9 @@ def _integrated(
     )
     found = motions.found
     name = NAMES["rosenbrock" if settings.method == "auto" else settings.method]
-    report = SolverReport(found.steps, found.rejected, found.code, f"{name} with events")
+    # The torque passed a limit and came back between two steps of a phase of sticking.
+    code = jnp.where((found.code == 0) & jnp.any(missed), MISSED, found.code)
+    report = SolverReport(found.steps, found.rejected, code, f"{name} with events")
     run = _found(problem, times, history, report, valid)
     return _with_motion(problem, run, applied, motions.angle, motions.mode, found.phases)
 

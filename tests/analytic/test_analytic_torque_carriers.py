@@ -23,6 +23,7 @@ from prsm_jax.mechanism import (
     Friction,
     RegularisedCoulombFriction,
     ThrustBearingFriction,
+    body_inertia,
 )
 
 SAMPLES = 81
@@ -208,15 +209,24 @@ def test_estimate_vanishes_without_inertia():
     assert float(reduced.solver.error_estimate) < 1e-7
 
 
-def test_heavier_carriers_take_longer_to_stop():
-    """At I/J = 0.58 the stop differs by microseconds between both treatments."""
-    chain = one(0.7, rollers=0.57)
-    inertia = float(carrier_inertia(chain.stages[0]))
-    assert inertia / 1.7e-4 == pytest.approx(0.58, abs=0.03)
-    scene = scenario(torque(amplitude=3.0), 0.4)
+def test_what_the_reduction_costs_at_a_ratio_of_inertias_of_0_58():
+    """7e-4 of the peak speed and 6 µs in the time of the stop; the estimate is within a fifth.
+
+    Nothing but the length of the run depends on the frequency, so the scene is that of 2 Hz.
+    """
+    chain = one(0.7, rollers=0.558)
+    inertia = float(carrier_inertia(chain.stages[0]) / body_inertia(chain.stages[0], "screw"))
+    assert inertia == pytest.approx(0.58, abs=1e-3)
+    scene = scenario(torque(amplitude=3.4, frequency=15.0), 0.4 * 2 / 15)
     reduced, exact = run(chain, scene, "quasi_steady"), run(chain, scene)
+    assert int(reduced.solver.code) == int(exact.solver.code) == 0
+    peak = np.max(np.abs(exact.screw_speed))
+    error = float(np.max(np.abs(reduced.screw_speed - exact.screw_speed)) / peak)
+    assert error == pytest.approx(7e-4, rel=0.1)
+    assert 1 / 1.2 < float(reduced.solver.error_estimate) / error < 1.2
     stops = [float(found.phases.end[1]) for found in (reduced, exact)]
-    assert 1e-6 < abs(stops[0] - stops[1]) < 1e-4
+    # Quasi-steady carriers give the screw no energy back that they took, so it stops later.
+    assert stops[0] - stops[1] == pytest.approx(6e-6, abs=1e-6)
 
 
 def test_regularised_friction_tends_to_exact_friction():
