@@ -155,6 +155,7 @@ def _compare(quasi_steady, rtol):
         assert slopes[-1] == pytest.approx(difference, rel=3e-3, abs=3e-3)
     gradient = jax.jit(jax.grad(weighted("reverse")))(point)
     np.testing.assert_allclose(gradient, slopes, rtol=rtol, atol=rtol)
+    return jax.jit(jax.grad(weighted("both")))(point), slopes
 
 
 @pytest.mark.slow
@@ -164,10 +165,14 @@ def test_torque_driven_carriers_through_events():
     Reverse mode takes the steps of the forward run again. When it chose them anew, amplified
     rounding made it end elsewhere, and derivatives were 3e-4 to 1e-2 off.
     """
-    _compare(quasi_steady=False, rtol=3e-6)
+    chosen_anew, slopes = _compare(quasi_steady=False, rtol=3e-6)
+    # Reverse mode through "both" chooses steps anew, compiled differently: 6e-6 off were seen;
+    # steps that are taken again leave 5e-8.
+    np.testing.assert_allclose(chosen_anew, slopes, rtol=5e-5)
 
 
 @pytest.mark.slow
 def test_torque_driven_screw_with_quasi_steady_carriers():
     """The same where the screw alone is a state."""
-    _compare(quasi_steady=True, rtol=3e-6)
+    chosen_anew, slopes = _compare(quasi_steady=True, rtol=3e-6)
+    np.testing.assert_allclose(chosen_anew, slopes, rtol=5e-5)
