@@ -260,7 +260,7 @@ def leaving(
 @eqx.filter_jit
 def onsets(
     problem: TorqueProblem, time: Scalar, angle: Scalar, carriers: Carriers
-) -> tuple[tuple[StageState, ...], Scalar]:
+) -> tuple[tuple[StageState, ...], Float[Array, "2"]]:
     """Forces of all stages, and the load, where a screw at rest is about to turn: either way.
 
     Some carriers may coast; the tangents of the others are found here.
