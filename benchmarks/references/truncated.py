@@ -48,7 +48,7 @@ def _surfaces(design: Design, side: str):
 
 
 def _gap(design: Design, side: str, addenda, along, across):
-    """Gap over the tangent plane, and where both flanks are there."""
+    """Gap over the tangent plane, and how far past either crest a point lies, along the flank."""
     upper, lower, (x0, y0), slope, helical, centre = _surfaces(design, side)
     radius = np.hypot(x0, y0)
     radial = np.array([x0, y0]) / radius
@@ -74,12 +74,13 @@ def _gap(design: Design, side: str, addenda, along, across):
     body = np.hypot(foot[0], foot[1])
     roller = np.hypot(foot[0] - centre, foot[1])
     nominal = (design.starts - 2) * design.roller_radius
-    inside = roller < design.roller_radius + addenda[1]
+    past = [roller - design.roller_radius - addenda[1]]
     if side == "screw":
-        inside &= body < nominal + addenda[0]
+        past.append(body - nominal - addenda[0])
     else:
-        inside &= body > design.starts * design.roller_radius - addenda[0]
-    return meets(upper) - meets(lower), inside
+        past.append(design.starts * design.roller_radius - addenda[0] - body)
+    stretch = np.hypot(1.0, slope)
+    return meets(upper) - meets(lower), [stretch * one for one in past]
 
 
 def _influence(count: int, step: float, modulus: float) -> np.ndarray:
@@ -99,16 +100,36 @@ def _influence(count: int, step: float, modulus: float) -> np.ndarray:
 def contact_pressure(
     design: Design, side: str, addenda, axial_force: float, modulus: float, cells: int = 128
 ) -> float:
-    """Pressure at the contact point over p₀ of the whole ellipse under the same force.
+    """`pressures` at the contact point, the crests being sharp."""
+    return pressures(design, side, addenda, axial_force, modulus, cells)[0]
+
+
+def pressures(
+    design: Design,
+    side: str,
+    addenda,
+    axial_force: float,
+    modulus: float,
+    cells: int = 128,
+    edge_radius: float | None = None,
+) -> tuple[float, float]:
+    """Pressure at the contact point, and the largest one, over p₀ of the whole ellipse.
 
     **Arguments:** SI; `addenda`: heights of the threads of screw (and nut) and roller; `cells`
-    along a side of the grid, which is 1.45 times as large as the ellipse.
+    along a side of the grid, which is 1.45 times as large as the ellipse; `edge_radius` of the
+    crests' edges, which are sharp without it (then the largest pressure depends on the grid).
     """
     peak, major, force = hertz_pressure(design, side, axial_force, modulus)
     step = 2 * 1.45 * major / cells
     place = (np.arange(cells) - (cells - 1) / 2) * step
     along, across = np.meshgrid(place, place, indexing="ij")
-    gap, inside = _gap(design, side, addenda, along, across)
+    gap, past = _gap(design, side, addenda, along, across)
+    inside = np.ones(gap.shape, bool)
+    for one in past:
+        if edge_radius is None:
+            inside &= one < 0
+        else:
+            gap = gap + np.maximum(one, 0.0) ** 2 / (2 * edge_radius)
     kernel = _influence(cells, step, modulus)
 
     def displaced(pressure):
@@ -140,4 +161,5 @@ def contact_pressure(
         if moved < 1e-8:
             break
     middle = slice(cells // 2 - 1, cells // 2 + 1)
-    return float(np.sqrt(np.mean(pressure[middle, middle] ** 2)) / peak)
+    at_point = float(np.sqrt(np.mean(pressure[middle, middle] ** 2)) / peak)
+    return at_point, float(pressure.max() / peak)

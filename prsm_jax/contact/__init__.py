@@ -8,6 +8,13 @@ from ._axis_ratio import axis_ratio_of as axis_ratio_of
 from ._axis_stress import axis_stress as axis_stress
 from ._contacts import load_of as load_of, thread_contacts as thread_contacts
 from ._conventions import ContactFrame as ContactFrame, contact_frames as contact_frames
+from ._edge_pressure import (
+    RoundedEdge as RoundedEdge,
+    edge_ratio as edge_ratio,
+    largest_pressure as largest_pressure,
+    opposite_onset as opposite_onset,
+    rounded_edges as rounded_edges,
+)
 from ._elliptic import (
     associated_elliptic_integrals as associated_elliptic_integrals,
     complete_elliptic_integrals as complete_elliptic_integrals,
@@ -48,6 +55,8 @@ from ._subsurface import subsurface_stress as subsurface_stress
 from ._thread_contact import (
     StageContact as StageContact,
     ThreadContactSide as ThreadContactSide,
+    contact_pair as contact_pair,
+    contact_side as contact_side,
     engaged_threads as engaged_threads,
     side_contact as side_contact,
     stage_contact as stage_contact,

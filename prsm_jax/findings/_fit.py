@@ -1,6 +1,6 @@
 """Margins of geometry: are the dimensions possible, do the parts fit, do the threads mesh?"""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import jax.numpy as jnp
 
@@ -11,10 +11,10 @@ from ..geometry import (
     dimension_margins,
     roller_clearance,
 )
-from ..mechanism import Mechanism, Scalar
+from ..mechanism import Mechanism, Scalar, Stage
 from ..quantities import Analysis
 from ..strength import thins_teeth
-from ._margin import Margin, Reading, is_whole, margin_source
+from ._margin import Kind, Margin, Reading, is_whole, margin_source
 
 #: A micrometre more than touching, so that rounding in a file does not close a gap [m].
 _CLOSE = 1e-6
@@ -29,6 +29,27 @@ _WORDS = {
     "roller_profile_radius": "more than 0",
 }
 _UNITS = {"starts": "", "contact_angle": " rad"}
+
+
+def _clearance(
+    name: str,
+    index: int,
+    value: Callable[[Stage], Scalar],
+    message: Callable[[Reading], str],
+    kind: Kind,
+) -> Margin:
+    """An error where two parts do not stay apart."""
+    return Margin(
+        name,
+        index + 1,
+        lambda analysis: value(analysis.mechanism.stages[index]),
+        (("error", 0.0),),
+        message,
+        unit="m",
+        kind=kind,
+        reserve=_CLOSE,
+        strict=True,
+    )
 
 
 @margin_source
@@ -116,20 +137,14 @@ def _ratio(mechanism: Mechanism, index: int) -> Iterator[Margin]:
 @margin_source
 def _rollers(mechanism: Mechanism, index: int) -> Iterator[Margin]:
     count = mechanism.stages[index].roller_count
-    yield Margin(
-        "roller_clearance",
-        index + 1,
-        lambda analysis: roller_clearance(analysis.mechanism.stages[index]),
-        (("error", 0.0),),
-        lambda r: (
+
+    def message(r: Reading) -> str:
+        return (
             f"{count} neighbouring rollers overlap by {-r.value * 1e3:.4g} mm; use fewer or "
             "smaller rollers"
-        ),
-        unit="m",
-        kind="existence",
-        reserve=_CLOSE,
-        strict=True,
-    )
+        )
+
+    yield _clearance("roller_clearance", index, roller_clearance, message, "existence")
 
 
 @margin_source
@@ -190,17 +205,7 @@ def _carrier(mechanism: Mechanism, index: int) -> Iterator[Margin]:
             f"{-r.value * 1e3:.4g} mm into the screw's thread; make it narrower"
         )
 
-    yield Margin(
-        "carrier_clearance",
-        index + 1,
-        lambda analysis: carrier_clearance(analysis.mechanism.stages[index]),
-        (("error", 0.0),),
-        message,
-        unit="m",
-        kind="assembly",
-        reserve=_CLOSE,
-        strict=True,
-    )
+    yield _clearance("carrier_clearance", index, carrier_clearance, message, "assembly")
 
 
 @margin_source

@@ -1,7 +1,7 @@
 """Margins of strength and life: dents, fatigue, buckling, whirling, false brinelling, play."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import jax.numpy as jnp
 
@@ -10,6 +10,7 @@ from ..geometry import Finding, Severity
 from ..mechanism import Mechanism, Scalar, Stage, Strength
 from ..quantities import (
     Analysis,
+    SharedLoad,
     derives_dynamic_capacity,
     derives_static_capacity,
     minimum_amplitude_of,
@@ -18,14 +19,55 @@ from ..quantities import (
     static_capacity_of,
 )
 from ._agreement import agreement_findings
-from ._margin import Margin, Reading, margin_source
+from ._margin import Margin, Reading, Source, margin_source
 
 #: What catalogues of ball screws ask for against buckling.
 _BUCKLING_SAFETY = 2.0
 
 
-def _data(mechanism: Mechanism, index: int) -> Strength | None:
-    return mechanism.stages[index].strength
+def _where_given(*names: str) -> Callable[[Source], Source]:
+    """A source of margins for stages whose strength data have one of some entries."""
+
+    def register(margins: Source) -> Source:
+        def source(mechanism: Mechanism, index: int) -> Iterator[Margin]:
+            data = mechanism.stages[index].strength
+            if data is not None and any(getattr(data, name) is not None for name in names):
+                yield from margins(mechanism, index)
+
+        return margin_source(source)
+
+    return register
+
+
+def _at_least(
+    name: str,
+    index: int,
+    pair: Callable[[Analysis], tuple[Scalar, Scalar]],
+    message: Callable[[Reading], str],
+    unit: str = "1",
+    shares: tuple[SharedLoad, ...] = (),
+) -> Margin:
+    """A warning where what there is falls short of what is needed.
+
+    The value is their difference, or without a unit the quotient less 1; both are in the details,
+    as `there` and `needed`.
+    """
+
+    def value(analysis: Analysis) -> Scalar:
+        there, needed = pair(analysis)
+        return there / needed - 1 if unit == "1" else there - needed
+
+    return Margin(
+        name,
+        index + 1,
+        value,
+        (("warning", 0.0),),
+        message,
+        unit=unit,
+        details=lambda analysis: dict(zip(("there", "needed"), pair(analysis), strict=True)),
+        shown=lambda r: (r.details["there"], r.details["needed"]),
+        shares=shares,
+    )
 
 
 def _stage(analysis: Analysis, index: int) -> tuple[Stage, Strength]:
@@ -38,12 +80,8 @@ def _safety(value: float) -> float:
     return math.inf if value >= 1 else 1 / (1 - value)
 
 
-@margin_source
+@_where_given("permissible_pressure", "static_capacity")
 def _static_safety(mechanism: Mechanism, index: int) -> Iterator[Margin]:
-    data = _data(mechanism, index)
-    if data is None or (data.permissible_pressure is None and data.static_capacity is None):
-        return
-
     def value(analysis: Analysis) -> Scalar:
         stage, _ = _stage(analysis, index)
         # Of the load, not of the capacity: finite without load.
@@ -65,12 +103,8 @@ def _static_safety(mechanism: Mechanism, index: int) -> Iterator[Margin]:
     )
 
 
-@margin_source
+@_where_given("shaft")
 def _buckling(mechanism: Mechanism, index: int) -> Iterator[Margin]:
-    data = _data(mechanism, index)
-    if data is None or data.shaft is None:
-        return
-
     def value(analysis: Analysis) -> Scalar:
         stage, _ = _stage(analysis, index)
         return 1 - analysis.demand[1] / strength.buckling_load(stage)
@@ -89,12 +123,8 @@ def _buckling(mechanism: Mechanism, index: int) -> Iterator[Margin]:
     )
 
 
-@margin_source
+@_where_given("shaft")
 def _screw_speed(mechanism: Mechanism, index: int) -> Iterator[Margin]:
-    data = _data(mechanism, index)
-    if data is None or data.shaft is None:
-        return
-
     def details(analysis: Analysis) -> dict[str, Scalar]:
         stage, _ = _stage(analysis, index)
         return {
@@ -131,74 +161,45 @@ def _screw_speed(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         )
 
 
-@margin_source
+@_where_given("required_life")
 def _rating_life(mechanism: Mechanism, index: int) -> Iterator[Margin]:
-    data = _data(mechanism, index)
-    if data is None or data.required_life is None:
-        return
-
-    def details(analysis: Analysis) -> dict[str, Scalar]:
+    def lives(analysis: Analysis) -> tuple[Scalar, Scalar]:
         stage, data = _stage(analysis, index)
         life = rating_life_of(analysis, index, stage).time
         factor = strength.life_factor(stage)
         assert data.required_life is not None
-        return {"life": life if factor is None else life * factor, "asked": data.required_life}
-
-    def value(analysis: Analysis) -> Scalar:
-        found = details(analysis)
-        return found["life"] / found["asked"] - 1
+        return life if factor is None else life * factor, data.required_life
 
     def message(r: Reading) -> str:
-        life, asked = r.details["life"], r.details["asked"]
+        life, asked = r.details["there"], r.details["needed"]
         return (
             f"the rating life is {life / 3600:.4g} h, and {asked / 3600:.4g} h are asked for: "
             f"a dynamic capacity {(asked / life) ** (1 / 3):.3g} times as high would do (rests "
             "on the practice of ball screws and bearings)"
         )
 
-    yield Margin(
-        "rating_life",
-        index + 1,
-        value,
-        (("warning", 0.0),),
-        message,
-        details=details,
-        shown=lambda r: (r.details["life"], r.details["asked"]),
-        shares=("equivalent",) if derives_dynamic_capacity(mechanism.stages[index]) else (),
-    )
+    shares: tuple[SharedLoad, ...] = ()
+    if derives_dynamic_capacity(mechanism.stages[index]):
+        shares = ("equivalent",)
+    yield _at_least("rating_life", index, lives, message, shares=shares)
 
 
-@margin_source
+@_where_given("oscillation_amplitude")
 def _false_brinelling(mechanism: Mechanism, index: int) -> Iterator[Margin]:
-    data = _data(mechanism, index)
-    if data is None or data.oscillation_amplitude is None:
-        return
-
-    def details(analysis: Analysis) -> dict[str, Scalar]:
+    def amplitudes(analysis: Analysis) -> tuple[Scalar, Scalar]:
         stage, data = _stage(analysis, index)
         assert data.oscillation_amplitude is not None
-        smallest = minimum_amplitude_of(analysis, index, stage)
-        return {"amplitude": data.oscillation_amplitude, "smallest": smallest}
+        return data.oscillation_amplitude, minimum_amplitude_of(analysis, index, stage)
 
-    def value(analysis: Analysis) -> Scalar:
-        found = details(analysis)
-        return found["amplitude"] - found["smallest"]
-
-    yield Margin(
-        "false_brinelling",
-        index + 1,
-        value,
-        (("warning", 0.0),),
-        lambda r: (
-            f"the screw swings by {math.degrees(r.details['amplitude']):.3g} deg to either side, "
+    def message(r: Reading) -> str:
+        return (
+            f"the screw swings by {math.degrees(r.details['there']):.3g} deg to either side, "
             "and its contacts leave their own ellipse only from "
-            f"{math.degrees(r.details['smallest']):.3g} deg on: they wear in place, which no "
+            f"{math.degrees(r.details['needed']):.3g} deg on: they wear in place, which no "
             "rating life covers; turn it further from time to time"
-        ),
-        unit="rad",
-        details=details,
-        shown=lambda r: (r.details["amplitude"], r.details["smallest"]),
-    )
+        )
+
+    yield _at_least("false_brinelling", index, amplitudes, message, unit="rad")
 
 
 @margin_source

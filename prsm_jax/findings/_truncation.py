@@ -88,6 +88,8 @@ def _contact_truncation(mechanism: Mechanism, index: int) -> Iterator[Margin]:
             for which, (load, of_thread) in _loads(analysis, index).items():
                 numbers[which] = load
                 numbers[which + "_half_extent"] = reach.half_extent(of_thread)
+                if reach.edge is not None:
+                    numbers[which + "_edge_pressure"] = reach.edge_pressure(of_thread)
             return numbers
 
         def value(analysis: Analysis, place=place) -> Scalar:
@@ -130,6 +132,9 @@ def _message(reading: Reading, index: int, side: str, kind: str, body: str) -> s
                 f"{half * 1e3:.3g} mm, {lost:.2%} of its load) at {_LOADS[which]} of "
                 f"{numbers[which] * 1e-3:.4g} kN"
             )
+            edge = numbers.get(which + "_edge_pressure")
+            if edge is not None:
+                parts[-1] += f", {edge * 1e-6:.4g} MPa at the rounded edge"
             # Threads share as under this load.
             onset = numbers[which] * (distance / half) ** 3
     return (

@@ -17,6 +17,7 @@ from ._curvature import (
 )
 from ._flank_ends import (
     FlankEnd as FlankEnd,
+    Way as Way,
     end_names as end_names,
     flank_ends as flank_ends,
     flanks_end as flanks_end,

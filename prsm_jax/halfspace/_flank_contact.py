@@ -93,8 +93,9 @@ def flank_contact(
     - `extent`: half the grid over the semi-axes of the Hertz ellipse.
     - `heights`: roughness or waviness of both surfaces together, positive outwards, so a peak
       lowers the gap: an array, or a function of the coordinates x and y on the grid [m].
-    - `edge_radius`: radius by which the crests' edges are rounded; the rounding begins at the
-      crest, and nothing is cut off [m]. The result is differentiable in it and in the addenda.
+    - `edge_radius`: radius by which the crests' edges are rounded, by default that of the thread
+      if it has one; the rounding begins at the crest, and nothing is cut off [m]. The result is
+      differentiable in it and in the addenda.
     - `meshing`: the thread's meshing, if known already.
     - `tolerance`, `max_iterations`: as in `solve_contact`.
 
@@ -108,6 +109,7 @@ def flank_contact(
         )
     side = checked_side(side)
     thread = stage.thread
+    edge_radius = thread.edge_radius if edge_radius is None else edge_radius
     meshing = mesh(thread) if meshing is None else meshing
     contact = getattr(meshing, side)
     modulus = contact_modulus(material_of(stage, "roller"), material_of(stage, side))

@@ -13,6 +13,7 @@ from ._distribution import (
     load_distribution as load_distribution,
     stage_load_distribution as stage_load_distribution,
     stage_load_distributions as stage_load_distributions,
+    tangent_stiffness as tangent_stiffness,
 )
 from ._equilibrium import Equilibrium as Equilibrium, equilibrium as equilibrium
 from ._flank_law import (
@@ -33,6 +34,7 @@ from ._stage_chains import (
 )
 from ._unloaded import (
     ElasticDeflection as ElasticDeflection,
+    Resting as Resting,
     elastic_deflection as elastic_deflection,
 )
 from ._yamamoto import ToothCompliance as ToothCompliance, tooth_compliance as tooth_compliance

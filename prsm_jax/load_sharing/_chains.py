@@ -25,7 +25,8 @@ from .._physics import physics
 from ..mechanism import Scalar
 from ._flank_law import flank_energy, flank_force, flank_force_and_slope
 
-#: What is prescribed: the axial load, the deflection, or the preload that the spacer has to make.
+#: What is prescribed: the axial load, the deflection, or the preload that the spacer has to make (a
+#: load once it is made, see `Chains.sought`).
 Control: TypeAlias = Literal["load", "deflection", "preload"]
 
 
@@ -165,6 +166,9 @@ class Chains(eqx.Module):
     guide: Scalar
     #: By how much the spacer of a split nut is too long [m]; `None` for a nut in one piece.
     offset: Scalar | None = None
+    #: 1 where the spacer's offset is sought that makes a preload, 0 where a load is prescribed on
+    #: top of `offset`; only `"preload"` looks at it, and `None` stands for 1.
+    sought: Scalar | None = None
     #: After which segment the nut is split, from 0.
     split: int | None = eqx.field(static=True, default=None)
     #: Whether the nut's force is taken at the end where the screw's enters.
@@ -201,7 +205,9 @@ def load_and_offset(chains: Chains, state: State, control: Control, value: Scala
     assert state.control is not None
     if control == "deflection":
         return state.control, offset
-    return jnp.zeros_like(value), state.control
+    if chains.sought is None:
+        return jnp.zeros_like(value), state.control
+    return (1 - chains.sought) * value, offset + chains.sought * state.control
 
 
 def screw_force(state: State, load: Scalar) -> Float[Array, " segments"]:
@@ -279,6 +285,9 @@ def balance(
     elif control == "preload":
         assert chains.split is not None
         left = given[chains.split] - value
+        if chains.sought is not None:
+            # Without a preload to be found the unknown offset stays 0.
+            left = chains.sought * left + (1 - chains.sought) * state.control
     return State(
         screw_approach=weight * (screw.force - nut.force)
         - _differences(roller, jnp.zeros_like(value)),

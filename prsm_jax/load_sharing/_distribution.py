@@ -1,5 +1,6 @@
 """How one stage shares its load: threads, rollers, pressures, stiffness of the nut."""
 
+from collections.abc import Callable
 from typing import Literal
 
 import equinox as eqx
@@ -7,7 +8,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..contact import load_of
+from ..contact import StageContact, load_of
 from ..geometry import Meshing
 from ..mechanism import Mechanism, Scalar, Stage
 from ._chains import (
@@ -23,7 +24,7 @@ from ._chains import (
 )
 from ._equilibrium import Equilibrium, equilibrium, linear_response
 from ._ladder import control_column
-from ._stage_chains import StageChains, sharing_of, stage_chains, with_units_of
+from ._stage_chains import UNITS, StageChains, sharing_of, stage_chains, with_units_of
 from ._unloaded import ElasticDeflection, elastic_deflection
 
 #: Share of a typical force, in double and single precision, below which there is none: well above
@@ -123,8 +124,9 @@ class LoadDistribution(eqx.Module):
     #: Travel of screw towards nut from where nominal forward flanks touch, at their ends [m]. With
     #: play, errors or preload it is not 0 without a load: see `elastic`.
     deflection: Scalar
-    #: Tangent stiffness between screw and nut dF/dx, shafts and teeth included [N/m].
-    tangent_stiffness: Scalar
+    #: Tangent stiffness between screw and nut dF/dx, shafts and teeth included [N/m]; `None` where
+    #: it was not asked for (see `tangent_stiffness`).
+    tangent_stiffness: Scalar | None
     #: Force in the spacer of a split nut [N]; `None` for a nut in one piece.
     spacer_force: Scalar | None
     chains: Chains
@@ -218,42 +220,107 @@ def tangent_stiffness(chains: Chains, state: State) -> Scalar:
     return -1 / sum((jnp.sum(a * b) for a, b in pairs), own)
 
 
-def braced(whole: StageChains, stage: Stage) -> StageChains:
-    """With the offset of the spacer that makes the preload, where a preload is given."""
-    split = sharing_of(stage).split_nut
-    if split is None or split.preload is None:
-        return whole
-    chains = with_units_of(whole.chains, preload=split.preload)
-    found = equilibrium(chains, split.preload, "preload")
-    return eqx.tree_at(
-        lambda w: (w.chains.offset, w.meshing_converged),
+def _each(function: Callable, values: Array, *more):
+    """A function of scalars, applied to each of some values side by side, or to a single one."""
+    return (jax.vmap(function) if values.ndim else function)(values, *more)
+
+
+def _braced_first(
+    whole: StageChains, preload: Scalar, values: Float[Array, "*values"]
+) -> tuple[StageChains, Equilibrium]:
+    """The spacer that makes the preload, then the loads on top: one program, run twice."""
+
+    def at(offset: Scalar, sought: Scalar, value: Scalar):
+        chains = eqx.tree_at(
+            lambda c: (c.offset, c.sought),
+            whole.chains,
+            (offset, sought),
+            is_leaf=lambda x: x is None,
+        )
+        chains = with_units_of(chains, load=(1 - sought) * value, preload=sought * value)
+        return UNITS(chains), equilibrium(chains, value, "preload")
+
+    def turn(offset: Scalar, given):
+        sought, values = given
+        found = _each(lambda value: at(offset, sought, value), values)
+        return offset + jnp.ravel(found[1].state.control)[0], found
+
+    nothing = jnp.zeros_like(preload)
+    sought = jnp.asarray([1.0, 0.0], preload.dtype)
+    both = jnp.stack([jnp.broadcast_to(preload, values.shape), values])
+    _, found = jax.lax.scan(turn, nothing, (sought, both))
+    spacer, (units, loaded) = (jax.tree.map(lambda x, k=k: x[k], found) for k in range(2))
+    offset = jnp.ravel(spacer[1].state.control)[0]
+    whole = eqx.tree_at(
+        lambda w: (w.chains.offset, w.meshing_converged, *UNITS(w.chains)),
         whole,
-        (found.state.control, whole.meshing_converged & found.converged),
+        (offset, whole.meshing_converged & jnp.all(spacer[1].converged), *units),
         is_leaf=lambda x: x is None,
     )
+    return whole, loaded
 
 
-def balanced(whole: StageChains, value: Scalar, control: Control = "load") -> LoadDistribution:
-    """The distribution of a load, or of a deflection, in chains that are braced already."""
-    prescribed = {control: value}
-    chains = with_units_of(whole.chains, **prescribed)
-    found = equilibrium(chains, value, control)
-    load, offset = load_and_offset(chains, found.state, control, value)
-    state = found.state
+def balanced(
+    whole: StageChains,
+    stage: Stage,
+    values: Float[Array, "*values"],
+    control: Control = "load",
+    *,
+    tangent: bool = True,
+) -> LoadDistribution:
+    """The distributions of loads or of deflections; with a leading axis where there are several.
+
+    **Arguments:**
+
+    - `whole`: chains of the stage.
+    - `stage`: the stage, whose split nut may have a preload that is made first.
+    - `values`: axial loads [N] or deflections [m], or a single one.
+    - `control`: which of them.
+    - `tangent`: whether to find the tangent stiffness as well.
+    """
+    split = sharing_of(stage).split_nut
+    preload = None if split is None else split.preload
+    if preload is not None and control == "load":
+        whole, found = _braced_first(whole, preload, values)
+    else:
+        if preload is not None:
+            whole, _ = _braced_first(whole, preload, jnp.zeros_like(preload))
+
+        def solve(value: Scalar):
+            chains = with_units_of(whole.chains, **{control: value})
+            return UNITS(chains), equilibrium(chains, value, control)
+
+        units, found = _each(solve, values)
+        whole = eqx.tree_at(lambda w: UNITS(w.chains), whole, units)
+
+    def describe(value: Scalar, found: Equilibrium, units) -> LoadDistribution:
+        of_one = eqx.tree_at(lambda w: UNITS(w.chains), whole, units)
+        return _described(of_one, found, value, control, tangent)
+
+    return _each(describe, values, found, UNITS(whole.chains))
+
+
+def _described(
+    whole: StageChains, found: Equilibrium, value: Scalar, control: Control, tangent: bool
+) -> LoadDistribution:
+    chains, state = whole.chains, found.state
+    load, offset = load_and_offset(chains, state, control, value)
+    free = eqx.tree_at(lambda s: s.control, state, None, is_leaf=lambda x: x is None)
+    if control == "load":
+        # The offset of a spacer that is made is no unknown any more.
+        found = eqx.tree_at(lambda e: e.state, found, free)
     spacer = None
     if chains.split is not None:
         spacer = state.nut_force[chains.split]
         if chains.same_end:
             spacer = spacer - load
-    whole = eqx.tree_at(lambda w: w.chains, whole, chains)
-    free = eqx.tree_at(lambda s: s.control, state, None, is_leaf=lambda x: x is None)
     on_screw, on_nut = flank_loads(chains, state)
     return LoadDistribution(
         screw=_side(whole, "screw", on_screw),
         nut=_side(whole, "nut", on_nut),
         load=load,
         deflection=deflection_of(chains, state, load, offset),
-        tangent_stiffness=tangent_stiffness(chains, free),
+        tangent_stiffness=tangent_stiffness(chains, free) if tangent else None,
         spacer_force=spacer,
         chains=chains,
         equilibrium=found,
@@ -278,11 +345,15 @@ def stage_load_distribution(
     """
     if not sharing_of(stage).has_reverse_flanks:
         load = jnp.abs(load)
-    return balanced(braced(stage_chains(stage, meshing), stage), load)
+    return balanced(stage_chains(stage, meshing), stage, load)
 
 
 def stage_load_distributions(
-    stage: Stage, loads: list[Scalar], meshing: Meshing | None = None
+    stage: Stage,
+    loads: list[Scalar],
+    meshing: Meshing | None = None,
+    tangent: bool = True,
+    contact: StageContact | None = None,
 ) -> list[LoadDistribution]:
     """`stage_load_distribution` for several loads, in one program that is as large as that of one.
 
@@ -291,16 +362,17 @@ def stage_load_distributions(
     - `stage`: the stage; needs `load_sharing`, materials, and sections or segment stiffnesses.
     - `loads`: axial loads [N].
     - `meshing`: its meshing, if known already.
+    - `tangent`: whether to find the tangent stiffness of each as well.
+    - `contact`: contacts of the stage under some load above 0, if known already.
 
     **Raises:** `MissingDataError` if data are missing.
     """
-    if len(loads) == 1:
-        return [stage_load_distribution(stage, loads[0], meshing)]
-    values = jnp.stack(loads)
+    values = loads[0] if len(loads) == 1 else jnp.stack(loads)
     if not sharing_of(stage).has_reverse_flanks:
         values = jnp.abs(values)
-    whole = braced(stage_chains(stage, meshing), stage)
-    found = jax.vmap(lambda load: balanced(whole, load))(values)
+    found = balanced(stage_chains(stage, meshing, contact), stage, values, tangent=tangent)
+    if len(loads) == 1:
+        return [found]
     return [jax.tree.map(lambda leaf, k=k: leaf[k], found) for k in range(len(loads))]
 
 

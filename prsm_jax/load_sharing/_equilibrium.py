@@ -167,71 +167,96 @@ def _largest(arrays) -> Scalar:
     return jnp.max(jnp.abs(jnp.concatenate([jnp.ravel(array) for array in arrays])), initial=0.0)
 
 
-def _cut(
-    chains: Chains,
-    start: _Point,
-    step: State,
-    control: Control,
-    value: Scalar,
-    worthwhile: Bool[Array, ""],
-) -> _Point:
-    """The point after a step, cut by false position and bisection where it overshoots."""
-    first = _energy_slope(start.left, step)
-    one = jnp.ones_like(value)
+class _Bracket(NamedTuple):
+    """Shares of a step between which the energy's slope along it changes sign, with the slopes."""
 
-    def at(share):
-        point = _point(chains, _moved(start.state, step, share), control, value)
-        return point, _energy_slope(point.left, step)
+    share: Scalar
+    low: Scalar
+    low_slope: Scalar
+    high: Scalar
+    high_slope: Scalar
+    cuts: Int[Array, ""]
 
-    def goes_on(carry):
-        _, slope, lower, upper, _, count = carry
-        outside = (slope > _SLOPE_LEFT * jnp.abs(first)) | (
-            (slope < -_SLOPE_LEFT * jnp.abs(first)) & (count > 0)
-        )
-        apart = upper[0] > lower[0]
-        return worthwhile & outside & (first < 0) & (count < _MOST_CUTS) & apart
 
-    def closer(carry):
-        _, slope, lower, upper, share, count = carry
-        right = slope > 0
-        lower = jax.tree.map(lambda a, b: jnp.where(right, a, b), lower, (share, slope))
-        upper = jax.tree.map(lambda a, b: jnp.where(right, b, a), upper, (share, slope))
-        (low, low_slope), (high, high_slope) = lower, upper
-        secant = low + (high - low) * low_slope / (low_slope - high_slope)
-        # A tooth that has just closed is stiffer by orders than the film: search by decades too.
-        half = jnp.where(low > 0, (low + high) / 2, high / 10)
-        share = jnp.where(count % 2 == 0, secant, half)
-        point, slope = at(share)
-        return point, slope, lower, upper, share, count + 1
+class _Search(NamedTuple):
+    """Where the search stands: the last point that was kept, the step from it, the next share."""
 
-    # Most steps are not cut: outside the loop, so that a batch need not select among points.
-    point, slope = at(one)
-    carry = (point, slope, (jnp.zeros_like(one), first), (one, slope), one, 0)
-    return jax.lax.while_loop(goes_on, closer, carry)[0]
+    point: _Point
+    error: Scalar
+    steps: Int[Array, ""]
+    #: Step from the point, and whether one is still to be found.
+    step: State
+    arrived: Bool[Array, ""]
+    bracket: _Bracket
+
+
+def _whole_step(slope: Scalar) -> _Bracket:
+    one, none = jnp.ones_like(slope), jnp.zeros_like(slope)
+    return _Bracket(one, none, slope, one, slope, jnp.zeros_like(slope, dtype=int))
+
+
+def _closer(bracket: _Bracket, slope: Scalar) -> _Bracket:
+    """The next share of a step that overshot, by false position and bisection in turn."""
+    share, low, low_slope, high, high_slope, cuts = bracket
+    past = slope > 0
+    low, low_slope = jnp.where(past, low, share), jnp.where(past, low_slope, slope)
+    high, high_slope = jnp.where(past, share, high), jnp.where(past, slope, high_slope)
+    secant = low + (high - low) * low_slope / (low_slope - high_slope)
+    # A tooth that has just closed is stiffer by orders than the film: search by decades too.
+    half = jnp.where(low > 0, (low + high) / 2, high / 10)
+    share = jnp.where(cuts % 2 == 0, secant, half)
+    return _Bracket(share, low, low_slope, high, high_slope, cuts + 1)
+
+
+def _select(which: Bool[Array, ""], first, second):
+    return jax.tree.map(lambda a, b: jnp.where(which, a, b), first, second)
 
 
 def _search(
     chains: Chains, control: Control, value: Scalar, tolerance: float, max_steps: int
 ) -> tuple[State, Scalar, Scalar]:
-    def goes_on(carry):
-        _, error, count = carry
-        # The first step leads from springs to teeth.
-        return (error > tolerance) & (count <= max_steps)
+    """Newton steps and their cuts in one loop, so that each part is written out once."""
+    # Where all but rounding is in balance a cut would chase noise, and in a batch hold up all.
+    worth_cutting = max(tolerance, 1e3 * default_tolerance(value.dtype))
 
-    def step(carry):
-        point, error, count = carry
-        right = jax.tree.map(jnp.negative, point.left)
-        change = solve_linear(chains, (point.screw, point.nut), control, right)
-        # Where all but rounding is in balance a cut would chase noise, and in a batch hold up all.
-        worthwhile = error > jnp.maximum(tolerance, 1e3 * default_tolerance(value.dtype))
-        worthwhile = worthwhile & (count > 0)
-        point = _cut(chains, point, change, control, value, worthwhile)
-        return point, _error(chains, point), count + 1
+    def goes_on(search: _Search):
+        # The first step leads from springs to teeth.
+        return (search.error > tolerance) & (search.steps <= max_steps)
+
+    def body(search: _Search) -> _Search:
+        start = search.point
+        right = jax.tree.map(jnp.negative, start.left)
+        found = solve_linear(chains, (start.screw, start.nut), control, right)
+        step = _select(search.arrived, found, search.step)
+        first = _energy_slope(start.left, step)
+        bracket = _select(search.arrived, _whole_step(first), search.bracket)
+        point = _point(chains, _moved(start.state, step, bracket.share), control, value)
+        slope = _energy_slope(point.left, step)
+        far = _SLOPE_LEFT * jnp.abs(first)
+        outside = (slope > far) | ((slope < -far) & (bracket.cuts > 0))
+        worthwhile = (search.error > worth_cutting) & (search.steps > 0) & (first < 0)
+        left = (bracket.cuts < _MOST_CUTS) & (bracket.high > bracket.low)
+        kept = ~(worthwhile & outside & left)
+        return _Search(
+            _select(kept, point, start),
+            jnp.where(kept, _error(chains, point), search.error),
+            jnp.where(kept, search.steps + 1, search.steps),
+            step,
+            kept,
+            _closer(bracket, slope),
+        )
 
     start = _start(chains, control, value)
-    carry = (start, jnp.full_like(value, jnp.inf), jnp.zeros_like(value))
-    point, error, count = jax.lax.while_loop(goes_on, step, carry)
-    return point.state, error, count - 1
+    search = _Search(
+        start,
+        jnp.full_like(value, jnp.inf),
+        jnp.zeros_like(value, dtype=int),
+        start.state,
+        jnp.ones_like(value, dtype=bool),
+        _whole_step(jnp.zeros_like(value)),
+    )
+    found = jax.lax.while_loop(goes_on, body, search)
+    return found.point.state, found.error, (found.steps - 1).astype(value.dtype)
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1, 2))

@@ -4,23 +4,10 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from .._cubic import root_above_one
 from .._physics import physics
 
-#: Halley steps for y³ − y = κ from a start that is 2 % off at its worst; three reach rounding.
-_STEPS = 3
-
 Numbers = Float[Array, "..."]
-
-
-def _inverse_share(kappa: Numbers) -> Numbers:
-    """The root y ≥ 1 of y³ − y = κ, κ ≥ 0: convex, and the start lies above the root."""
-    large = jnp.cbrt(jnp.maximum(kappa, 0.1))
-    y = jnp.minimum(1 + kappa / 2, large + 1 / (3 * large))
-    for _ in range(_STEPS):
-        square = y * y
-        left, slope = y * (square - 1) - kappa, 3 * square - 1
-        y = y - left * slope / (slope * slope - 3 * y * left)
-    return y
 
 
 def _force(approach: Numbers, hertz: Numbers | None, tooth: Numbers | None) -> Numbers:
@@ -31,7 +18,7 @@ def _force(approach: Numbers, hertz: Numbers | None, tooth: Numbers | None) -> N
     root = jnp.sqrt(approach / hertz)
     if tooth is not None:
         # With f^{1/3} = √(δ/b)/y the equation is y³ − y = c √δ / b^{3/2}.
-        root = root / _inverse_share(tooth * root / hertz)
+        root = root / root_above_one(tooth * root / hertz)
     return root**3
 
 

@@ -10,7 +10,7 @@ from jaxtyping import Array, Bool, Float
 
 from ..mechanism import Mechanism, Stage
 from ._chains import Control
-from ._distribution import balanced, braced, stage_at
+from ._distribution import balanced, stage_at
 from ._stage_chains import sharing_of, stage_chains
 
 
@@ -63,11 +63,9 @@ def force_deflection(
 
 @eqx.filter_jit
 def _curve(stage: Stage, values: Float[Array, " points"], control: Control) -> ForceDeflection:
-    whole = braced(stage_chains(stage), stage)
-
-    def point(value):
-        found = balanced(whole, value, control)
-        stiffness, energy = found.tangent_stiffness, found.stored_energy
-        return found.load, found.deflection, stiffness, energy, found.converged
-
-    return ForceDeflection(*jax.vmap(point)(values))
+    found = balanced(stage_chains(stage), stage, values, control)
+    assert found.tangent_stiffness is not None
+    energy = jax.vmap(lambda one: one.stored_energy)(found)
+    return ForceDeflection(
+        found.load, found.deflection, found.tangent_stiffness, energy, found.converged
+    )

@@ -182,12 +182,13 @@ def control_column(chains: Chains, state: State, control: Control) -> State:
     segment, nut = chains.screw_segment, chains.nut_segment
     if control == "preload":
         assert chains.split is not None
+        sought = jnp.ones_like(chains.film) if chains.sought is None else chains.sought
         return State(
             zeros.screw_approach,
             zeros.approach,
             zeros.roller_force,
-            zeros.nut_force.at[chains.split].set(1.0),
-            control=jnp.zeros_like(chains.film),
+            zeros.nut_force.at[chains.split].set(sought),
+            control=1 - sought,
         )
     closing = segment + nut if chains.same_end else segment
     return State(

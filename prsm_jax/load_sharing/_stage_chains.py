@@ -6,7 +6,14 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from .._errors import MissingDataError
-from ..contact import ContactFrame, HertzContact, contact_frames, contact_modulus, hertz_contact
+from ..contact import (
+    ContactFrame,
+    HertzContact,
+    StageContact,
+    ThreadContactSide,
+    contact_frames,
+    contact_pair,
+)
 from ..geometry import Meshing, mesh
 from ..mechanism import LoadSharing, Scalar, Stage, material_of, nut_outer_radius
 from ._chains import Chains, Flanks
@@ -189,6 +196,20 @@ def _flanks(
     )
 
 
+def _under_one_newton(side: ThreadContactSide) -> HertzContact:
+    """The same contact under a normal force of 1 N: lengths and pressure by the cube root."""
+    hertz, root = side.hertz, jnp.cbrt(side.normal_force)
+    return HertzContact(
+        semi_major=hertz.semi_major / root,
+        semi_minor=hertz.semi_minor / root,
+        max_pressure=hertz.max_pressure / root,
+        approach=hertz.approach / root**2,
+        stiffness=hertz.stiffness / root,
+        stiffness_tangent=hertz.stiffness_tangent / root,
+        second_elliptic_integral=hertz.second_elliptic_integral,
+    )
+
+
 def with_units(
     chains: Chains,
     load: Scalar | None = None,
@@ -237,13 +258,16 @@ def with_units_of(chains: Chains, **prescribed: Scalar) -> Chains:
     return eqx.tree_at(UNITS, chains, UNITS(with_units(chains, **prescribed)))
 
 
-def stage_chains(stage: Stage, meshing: Meshing | None = None) -> StageChains:
+def stage_chains(
+    stage: Stage, meshing: Meshing | None = None, contact: StageContact | None = None
+) -> StageChains:
     """The chains of a stage, without units (see `with_units`).
 
     **Arguments:**
 
     - `stage`: the stage; needs `load_sharing`, materials, and sections or segment stiffnesses.
     - `meshing`: its meshing, if known already; only the `"exact"` curvatures look at it.
+    - `contact`: its contacts under some load above 0, if known already.
 
     **Raises:** `MissingDataError` if data are missing.
     """
@@ -252,14 +276,15 @@ def stage_chains(stage: Stage, meshing: Meshing | None = None) -> StageChains:
         meshing = mesh(stage.thread)
     frames = contact_frames(stage.thread, meshing, stage.curvature)
     rollers = roller_classes(stage)
-    units, flanks, teeth = [], [], _teeth(stage)
-    for side, frame in zip(("screw", "nut"), frames, strict=True):
-        modulus = contact_modulus(material_of(stage, "roller"), material_of(stage, side))
-        curvature = frame.curvature
-        one = jnp.ones((), dtype)
-        unit = hertz_contact(one, curvature.total, curvature.difference_squared, modulus)
-        units.append(unit)
-        flanks.append(_flanks(stage, side, unit, frame, rollers, teeth))
+    if contact is None:
+        units = contact_pair(stage, frames, (jnp.ones((), dtype), jnp.ones((), dtype)))
+    else:
+        units = _under_one_newton(contact.screw), _under_one_newton(contact.nut)
+    teeth = _teeth(stage)
+    flanks = [
+        _flanks(stage, side, unit, frame, rollers, teeth)
+        for side, unit, frame in zip(("screw", "nut"), units, frames, strict=True)
+    ]
     segments = (sharing.thread_count - 1,)
     compliances = {
         body: jnp.broadcast_to(value, segments)

@@ -48,7 +48,23 @@ def first_contacts(chains: Chains) -> tuple[Scalar, Scalar | None]:
     return forward, reach(chains.screw.reverse_gap, chains.nut.reverse_gap - shift[None, :])
 
 
-def _rest(chains: Chains, load: Scalar) -> tuple[Scalar, Bool[Array, ""], Bool[Array, ""]]:
+class Resting(NamedTuple):
+    """The balance without a load."""
+
+    #: Travel of screw towards nut, from where nominal forward flanks touch [m].
+    travel: Scalar
+    converged: Bool[Array, ""]
+
+
+def _balance(chains: Chains, offset: Scalar) -> Resting:
+    nothing = jnp.zeros_like(offset)
+    found = equilibrium(with_units_of(chains, load=nothing), nothing)
+    return Resting(deflection_of(chains, found.state, nothing, offset), found.converged)
+
+
+def _rest(
+    chains: Chains, load: Scalar, resting: Resting | None
+) -> tuple[Scalar, Bool[Array, ""], Bool[Array, ""]]:
     """Where the nut stands before it takes a load of this sign; whether braced, and found."""
     forward, backward = first_contacts(chains)
     if backward is None:
@@ -58,16 +74,17 @@ def _rest(chains: Chains, load: Scalar) -> tuple[Scalar, Bool[Array, ""], Bool[A
     if not chains.same_end:
         touching = touching - offset
     braced = forward + backward < 0
-    # With play there is only the film to be found: a search that ends soon, and is not used.
-    value = jnp.where(braced, jnp.zeros_like(load), load)
-    found = equilibrium(with_units_of(chains, load=value), value)
-    resting = deflection_of(chains, found.state, value, offset)
-    return jnp.where(braced, resting, touching), braced, ~braced | found.converged
+    if resting is None:
+        resting = _balance(chains, offset)
+    # With play there is only the film that holds the teeth, and the balance is not used.
+    return jnp.where(braced, resting.travel, touching), braced, ~braced | resting.converged
 
 
 # One program where a user asks a distribution for it.
 @eqx.filter_jit
-def elastic_deflection(chains: Chains, load: Scalar, travel: Scalar) -> ElasticDeflection:
+def elastic_deflection(
+    chains: Chains, load: Scalar, travel: Scalar, resting: Resting | None = None
+) -> ElasticDeflection:
     """The travel that a load causes, measured from where the nut stands without it.
 
     That is the balance without a load where a split nut or too thick rollers brace it, else where
@@ -78,8 +95,9 @@ def elastic_deflection(chains: Chains, load: Scalar, travel: Scalar) -> ElasticD
     - `chains`: the chains; with the spacer's offset, where the nut is split.
     - `load`: axial load [N].
     - `travel`: of screw towards nut under it, from where nominal forward flanks touch [m].
+    - `resting`: the balance without a load, if known already.
     """
-    rest, braced, converged = _rest(chains, load)
+    rest, braced, converged = _rest(chains, load, resting)
     loaded = load != 0
     deflection = jnp.where(loaded | braced, travel - rest, 0.0)
     moved = loaded & (deflection != 0)

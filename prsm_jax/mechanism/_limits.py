@@ -71,6 +71,7 @@ _BY_NAME = {
     "bore_radius": NOT_NEGATIVE,
     "screw_addendum": NOT_NEGATIVE,
     "roller_addendum": NOT_NEGATIVE,
+    "edge_radius": POSITIVE,
     "coefficient": NOT_NEGATIVE,
     "static_coefficient": NOT_NEGATIVE,
     "viscous_coefficient": NOT_NEGATIVE,

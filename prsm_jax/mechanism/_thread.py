@@ -44,6 +44,9 @@ class Thread(Limited):
     roller_addendum: Scalar | None = optional_number(
         "m", "height of the roller's thread above its nominal radius"
     )
+    edge_radius: Scalar | None = optional_number(
+        "m", "radius by which the edges between flanks and crests are rounded, of all threads"
+    )
 
     @property
     def flank_angle(self) -> Scalar:

@@ -32,6 +32,7 @@ from ._catalogue import (
     compute as compute,
     compute_checked as compute_checked,
     compute_coded as compute_coded,
+    evaluate as evaluate,
     evaluate_coded as evaluate_coded,
     find_quantity as find_quantity,
     quantity as quantity,
@@ -47,4 +48,5 @@ from ._strength import (
     sharing_factor_of as sharing_factor_of,
     static_capacity_of as static_capacity_of,
     static_safety_of as static_safety_of,
+    truncated_fatigue_of as truncated_fatigue_of,
 )

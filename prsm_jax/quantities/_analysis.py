@@ -21,7 +21,14 @@ from ..contact import (
 )
 from ..dynamics import StageKinematics, SteadyState, all_kinematics, steady_state
 from ..geometry import Meshing, dimensions_possible, rollers_fit
-from ..load_sharing import LoadDistribution, stage_load_distributions
+from ..load_sharing import (
+    ElasticDeflection,
+    LoadDistribution,
+    Resting,
+    elastic_deflection,
+    stage_load_distributions,
+    tangent_stiffness,
+)
 from ..mechanism import Mechanism, Scalar, Stage, material_of
 from ..modal import (
     ModeGroup,
@@ -48,8 +55,9 @@ from ..strength import (
 )
 
 #: Under which load threads share: that of the operating point; or on one flank, a preload of two
-#: nuts included, the largest of all, or the constant one with the fatigue of the duty cycle.
-SharedLoad: TypeAlias = Literal["operating_point", "largest", "equivalent"]
+#: nuts included, the largest of all, or the constant one with the fatigue of the duty cycle; or
+#: none, where a nut with both flanks stands by itself.
+SharedLoad: TypeAlias = Literal["operating_point", "largest", "equivalent", "none"]
 _Made = TypeVar("_Made")
 #: Families that can be had one by one.
 _FAMILIES: dict[str, Callable[[VibrationSystem], ModeGroup | None]] = {
@@ -282,10 +290,20 @@ class Analysis:
                 if one not in loads and (index, one) not in self._distributions:
                     with contextlib.suppress(MissingDataError):
                         loads[one] = self._shared_load(stage, one)
-            found = stage_load_distributions(stage, list(loads.values()), self.meshing(index))
+            # Capacities look at the same contacts.
+            known = stage.engaged_threads is not None
+            found = stage_load_distributions(
+                stage,
+                list(loads.values()),
+                self.meshing(index),
+                False,
+                self.reference_contact(index) if known else None,
+            )
             for name, distribution in zip(loads, found, strict=True):
                 self._distributions[index, name] = distribution
-                self.require(distribution.converged)
+                # Loose teeth need no balance without a load: `elastic` looks at it.
+                if name != "none":
+                    self.require(distribution.converged)
         return self._distributions[key]
 
     def expect(self, loads: Iterable[SharedLoad]) -> None:
@@ -294,6 +312,8 @@ class Analysis:
 
     def _alike(self, stage: Stage, under: SharedLoad) -> SharedLoad:
         """The first of the loads that are one by structure: no distribution is traced twice."""
+        if under == "none":
+            return under
         one = self._asked or self.mechanism.duty_cycle is None
         if not one or under == "operating_point":
             return under
@@ -303,6 +323,10 @@ class Analysis:
         """An axial load [N] with its sign: that of the phase which counts most."""
         if under == "operating_point":
             return self.signed_load
+        if under == "none":
+            if stage.load_sharing is None or not stage.load_sharing.has_reverse_flanks:
+                raise MissingDataError("threads with one flank do not stand by themselves")
+            return jnp.zeros_like(self.signed_load)
         spectrum, point = self.spectrum, self.mechanism.operating_point
         if under == "largest":
             magnitude, loads = largest_flank_load(stage, self.demand[1]), spectrum.load
@@ -318,6 +342,30 @@ class Analysis:
             return magnitude
         worst = loads[jnp.argmax(jax.lax.stop_gradient(harm))]
         return jnp.where(worst < 0, -magnitude, magnitude)
+
+    def elastic(self, index: int) -> ElasticDeflection:
+        """What the load of the operating point does to the travel of a stage (from 0)."""
+
+        def make() -> ElasticDeflection:
+            loaded, resting = self.distribution(index), None
+            sharing = self.mechanism.stages[index].load_sharing
+            if sharing is not None and sharing.has_reverse_flanks:
+                alone = self.distribution(index, "none")
+                resting = Resting(alone.deflection, alone.converged)
+            found = elastic_deflection(loaded.chains, loaded.load, loaded.deflection, resting)
+            self.require(found.converged)
+            return found
+
+        return self.once(("elastic", index), make)
+
+    def nut_tangent_stiffness(self, index: int) -> Scalar:
+        """dF/dx between screw and nut of a stage (from 0) at the operating point [N/m]."""
+
+        def make() -> Scalar:
+            found = self.distribution(index)
+            return tangent_stiffness(found.chains, found.equilibrium.state)
+
+        return self.once(("nut_tangent_stiffness", index), make)
 
     @property
     def distributions(self) -> tuple[LoadDistribution, ...]:

@@ -213,15 +213,32 @@ def life_theory(stage: Stage) -> str | None:
 
 def _flanks(stage: Stage) -> str:
     if flanks_end(stage):
+        at_edge = (
+            "which the file does not round (edge_radius): in elastic half-spaces it has no finite "
+            "value at a sharp edge."
+            if stage.thread.edge_radius is None
+            else "which edge_pressure has for the edge_radius of the file."
+        )
         return (
             "Where a contact ellipse passes the crest or root of a flank, pressure, capacities and "
             "life are those of the rest of it (finding contact_truncation), without the "
-            "concentration of pressure at the edge."
+            f"concentration of pressure at the edge, {at_edge}"
         )
     return (
         "Contact ellipses are taken to lie on the flanks as a whole, since the file does not say "
         "where these end (screw_addendum, roller_addendum): really a long ellipse is cut there, "
         "so its pressure is higher, and capacities and life are lower."
+    )
+
+
+@assumption("edges")
+def edges(stage: Stage) -> str | None:
+    """Of the pressure at rounded crests."""
+    if not flanks_end(stage) or stage.thread.edge_radius is None:
+        return None
+    return (
+        "The pressure at rounded crests is that of elastic half-spaces: it does not say how the "
+        "steel yields there, and the true edge, behind which there is no material, bears less."
     )
 
 

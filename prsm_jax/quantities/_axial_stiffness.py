@@ -11,7 +11,7 @@ from collections.abc import Callable
 from .. import strength
 from ..mechanism import Scalar, Stage
 from ..stiffness import ThreadStiffness, axial_stiffness as stage_axial_stiffness, in_series
-from ._analysis import Analysis
+from ._analysis import Analysis, SharedLoad
 from ._catalogue import quantity
 
 _CONTACTS = (
@@ -44,14 +44,11 @@ def _contact_tangent(analysis: Analysis):
 
 
 def _nut_secants(analysis: Analysis) -> list[Scalar]:
-    elastic = [one.elastic for one in analysis.distributions]
-    for one in elastic:
-        analysis.require(one.converged)
-    return [one.secant_stiffness for one in elastic]
+    return [analysis.elastic(i).secant_stiffness for i in range(len(analysis.mechanism.stages))]
 
 
 def _nut_tangents(analysis: Analysis) -> list[Scalar]:
-    return [one.tangent_stiffness for one in analysis.distributions]
+    return [analysis.nut_tangent_stiffness(i) for i in range(len(analysis.mechanism.stages))]
 
 
 def _with_shaft(stage: Stage, nut: Scalar) -> Scalar:
@@ -74,19 +71,39 @@ def _of_axis(nuts: Callable[[Analysis], list[Scalar]]) -> Callable[[Analysis], S
     return axis
 
 
-def _declare(name: str, symbol: str, words: str, function, assumes: tuple[str, ...] = ()) -> None:
-    quantity(name, symbol, "N/m", words, assumes=assumes, shares=("operating_point",))(function)
+_LOADED: tuple[SharedLoad, ...] = ("operating_point",)
+#: A nut's secant is measured from where it stands without a load.
+_FROM_REST: tuple[SharedLoad, ...] = ("operating_point", "none")
+
+
+def _declare(
+    name: str,
+    symbol: str,
+    words: str,
+    function,
+    assumes: tuple[str, ...] = (),
+    shares: tuple[SharedLoad, ...] = _LOADED,
+) -> None:
+    quantity(name, symbol, "N/m", words, assumes=assumes, shares=shares)(function)
 
 
 _EQUAL = ("equal_stiffness",)
-for _name, _symbol, _what, _function, _assumes in (
-    ("contact_axial_stiffness_secant", "K_c", f"secant F/x {_CONTACTS}", _contact_secant, _EQUAL),
+for _name, _symbol, _what, _function, _assumes, _shares in (
+    (
+        "contact_axial_stiffness_secant",
+        "K_c",
+        f"secant F/x {_CONTACTS}",
+        _contact_secant,
+        _EQUAL,
+        _LOADED,
+    ),
     (
         "contact_axial_stiffness_tangent",
         "K_c,t",
         f"tangent dF/dx {_CONTACTS}",
         _contact_tangent,
         _EQUAL,
+        _LOADED,
     ),
     (
         "nut_axial_stiffness_secant",
@@ -94,14 +111,23 @@ for _name, _symbol, _what, _function, _assumes in (
         f"secant F/x {_NUT}; x from where the nut stands without load",
         _of_nut(_nut_secants),
         (),
+        _FROM_REST,
     ),
-    ("nut_axial_stiffness_tangent", "K_n,t", f"tangent dF/dx {_NUT}", _of_nut(_nut_tangents), ()),
+    (
+        "nut_axial_stiffness_tangent",
+        "K_n,t",
+        f"tangent dF/dx {_NUT}",
+        _of_nut(_nut_tangents),
+        (),
+        _LOADED,
+    ),
     (
         "axis_axial_stiffness_secant",
         "K_x",
         f"secant F/x {_AXIS}; x from where the nut stands without load",
         _of_axis(_nut_secants),
         (),
+        _FROM_REST,
     ),
     (
         "axis_axial_stiffness_tangent",
@@ -109,9 +135,10 @@ for _name, _symbol, _what, _function, _assumes in (
         f"tangent dF/dx {_AXIS}",
         _of_axis(_nut_tangents),
         (),
+        _LOADED,
     ),
 ):
-    _declare(_name, _symbol, _what, _function, _assumes)
+    _declare(_name, _symbol, _what, _function, _assumes, _shares)
 
 # Former names.
 _declare(

@@ -127,7 +127,7 @@ def compute(
     **Raises:** `UnknownNameError` for an unknown name; `MissingDataError`, naming the quantity,
     where the mechanism lacks data for it.
     """
-    return _evaluate(Analysis(mechanism, speed, load), quantities)
+    return evaluate(Analysis(mechanism, speed, load), quantities)
 
 
 def compute_checked(
@@ -144,7 +144,7 @@ def compute_checked(
     quantities needed, and does not look for values that are not finite.
     """
     analysis = Analysis(mechanism, speed, load)
-    values = _evaluate(analysis, quantities)
+    values = evaluate(analysis, quantities)
     return values, analysis.valid
 
 
@@ -166,13 +166,22 @@ def evaluate_coded(
     analysis: Analysis, quantities: Iterable[str]
 ) -> tuple[dict[str, Array], Int[Array, ""]]:
     """As `compute_coded`, of an analysis of which more is asked."""
-    values = _evaluate(analysis, quantities)
+    values = evaluate(analysis, quantities)
     finite = jnp.stack([jnp.isfinite(value).all() for value in values.values()]).all()
     code = code_of(analysis)
     return values, jnp.where((code == 0) & ~finite, REASONS.index("not_finite"), code)
 
 
-def _evaluate(analysis: Analysis, quantities: Iterable[str]) -> dict[str, Array]:
+def evaluate(analysis: Analysis, quantities: Iterable[str]) -> dict[str, Array]:
+    """Quantities of an analysis, which may give more to the same program.
+
+    **Arguments:**
+
+    - `analysis`: of the mechanism.
+    - `quantities`: names from the catalogue.
+
+    **Raises:** as `compute`.
+    """
     values, wanted = {}, [find_quantity(name) for name in quantities]
     analysis.expect(load for found in wanted for load in found.shares)
     for found in wanted:
@@ -242,6 +251,7 @@ __all__ = [
     "compute",
     "compute_checked",
     "compute_coded",
+    "evaluate",
     "evaluate_coded",
     "find_quantity",
     "quantity",

@@ -91,13 +91,11 @@ def max_pressure_shared(analysis: Analysis):
     "m",
     "axial deflection of the nut by the load: from where the nut stands without it, braced or at "
     "the first contact with play and errors passed; all stages together",
-    shares=("operating_point",),
+    shares=("operating_point", "none"),
 )
 def axial_deflection(analysis: Analysis):
-    elastic = [one.elastic for one in analysis.distributions]
-    for one in elastic:
-        analysis.require(one.converged)
-    return jnp.sum(jnp.stack([one.deflection for one in elastic]))
+    stages = range(len(analysis.mechanism.stages))
+    return jnp.sum(jnp.stack([analysis.elastic(i).deflection for i in stages]))
 
 
 @quantity(

@@ -4,6 +4,7 @@ from .. import strength
 from ..mechanism import Scalar, Stage
 from ._analysis import Analysis
 from ._catalogue import quantity
+from ._onsets import onsets_of
 from ._strength import on_one_flank, per_stage, sharing_factor_of
 
 
@@ -52,6 +53,52 @@ def contact_truncation_largest(analysis: Analysis):
             sharing_factor_of(analysis, i),
         ),
     )
+
+
+def edge_pressure_of(analysis: Analysis, index: int, stage: Stage, largest: bool) -> Scalar:
+    load = on_one_flank(analysis, stage)
+    if not largest:
+        load = strength.largest_flank_load(stage, analysis.load)
+    return strength.edge_pressure(
+        stage,
+        load,
+        analysis.meshing(index),
+        analysis.reference_contact(index),
+        sharing_factor_of(analysis, index, "largest" if largest else "operating_point"),
+        onsets_of(analysis, index),
+    )
+
+
+_EDGE = (
+    "largest pressure of the most loaded thread contact anywhere, that at crests rounded by "
+    "stage.thread.edge_radius included (elastic half-spaces; where steel yields it is less), under "
+)
+
+
+@quantity(
+    "edge_pressure",
+    "p_e",
+    "Pa",
+    _EDGE + "the load of the operating point",
+    ("stage",),
+    assumes=("cut_sharing", "edges"),
+    shares=("operating_point",),
+)
+def edge_pressure(analysis: Analysis):
+    return per_stage(analysis, lambda i, stage: edge_pressure_of(analysis, i, stage, False))
+
+
+@quantity(
+    "edge_pressure_largest",
+    "p_e,max",
+    "Pa",
+    _EDGE + "the largest load of operating point and duty cycle",
+    ("stage",),
+    assumes=("cut_sharing", "edges"),
+    shares=("largest",),
+)
+def edge_pressure_largest(analysis: Analysis):
+    return per_stage(analysis, lambda i, stage: edge_pressure_of(analysis, i, stage, True))
 
 
 def truncation_load_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:

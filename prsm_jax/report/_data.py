@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeAlias
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -26,7 +26,8 @@ from ..geometry import Finding, Meshing, mesh
 from ..load_sharing import ForceDeflection, LoadDistribution
 from ..mechanism import Mechanism, find_parameters
 from ..modal import Modes, modal
-from ..quantities import available_quantities, compute
+from ..quantities import Analysis, available_quantities, evaluate, truncated_fatigue_of
+from ..strength import TruncatedFatigue
 from ._optimisation import Optimisation
 from ._section import words_of_fault
 from ._shared_loads import shared_loads
@@ -53,6 +54,8 @@ class ReportData:
     transient: Transient | None = None
     #: Quantities of strength and life by name.
     strength: Mapping[str, Array] | None = None
+    #: What the ends of the flanks make of the fatigue of each stage; empty where no life is known.
+    fatigue: tuple[TruncatedFatigue | None, ...] = ()
     #: Shared loads, and force–deflection curves, of those stages (from 0) that say how they share.
     shared: Mapping[int, LoadDistribution] = field(default_factory=dict)
     deflections: Mapping[int, ForceDeflection] = field(default_factory=dict)
@@ -95,7 +98,6 @@ _meshings = eqx.filter_jit(lambda mechanism: tuple(mesh(s.thread) for s in mecha
 _modal = eqx.filter_jit(modal)
 _steady = eqx.filter_jit(steady_state)
 _simulate = eqx.filter_jit(simulate)
-_compute = eqx.filter_jit(compute)
 
 #: What the section on strength tells, where the file has the data.
 STRENGTH = (
@@ -103,6 +105,7 @@ STRENGTH = (
     "static_safety",
     "dynamic_capacity",
     "truncation_load",
+    "edge_pressure_largest",
     "equivalent_load",
     "equivalent_speed",
     "rating_life",
@@ -178,7 +181,7 @@ def analyse(
     modes = attempt("vibration", _all_modes, mechanism)
     steady = attempt("steady state", _steady_states, mechanism) or (None, None, None)
     history = attempt("transient", _history, mechanism) if transient else None
-    strength = attempt("strength", _strength, mechanism)
+    strength = attempt("strength", _strength, mechanism) or (None, ())
     shared = attempt("load sharing", _shared, mechanism) or ({}, {})
     after = None
     if improved is not None:
@@ -195,7 +198,8 @@ def analyse(
         forward=steady[1],
         backward=steady[2],
         transient=history,
-        strength=strength,
+        strength=strength[0],
+        fatigue=strength[1],
         shared=shared[0],
         deflections=shared[1],
         sensitivity=sensitivity,
@@ -256,10 +260,23 @@ def _history(mechanism: Mechanism) -> Transient | None:
     return run
 
 
-def _strength(mechanism: Mechanism) -> Mapping[str, Array] | None:
+_Strength: TypeAlias = tuple[Mapping[str, Array] | None, tuple[TruncatedFatigue | None, ...]]
+
+
+@eqx.filter_jit
+def _strengths(mechanism: Mechanism, names: tuple[str, ...]) -> _Strength:
+    analysis = Analysis(mechanism)
+    values = evaluate(analysis, names)
+    if "rating_life" not in names:
+        return values, ()
+    stages = enumerate(mechanism.stages)
+    return values, tuple(truncated_fatigue_of(analysis, i, stage) for i, stage in stages)
+
+
+def _strength(mechanism: Mechanism) -> _Strength:
     if all(stage.strength is None for stage in mechanism.stages):
-        return None
-    return _compute(mechanism, available_quantities(mechanism, STRENGTH))
+        return None, ()
+    return _strengths(mechanism, available_quantities(mechanism, STRENGTH))
 
 
 def _shared(

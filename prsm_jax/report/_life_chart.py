@@ -1,12 +1,14 @@
 """Load spectrum and rating life: what loads the threads, what uses them up, how long they last."""
 
+from collections.abc import Callable
 from typing import Any
 
+import jax.numpy as jnp
 import numpy as np
 
 from .._display_units import display_unit, in_unit, number
 from ..mechanism import Scalar
-from ..strength import LoadSpectrum, equivalent_load
+from ..strength import LoadSpectrum, TruncatedFatigue
 from ._style import FREE, INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure
 
 #: Up to so many phases are told apart by number.
@@ -20,18 +22,23 @@ def life_chart(
     capacity: Scalar | float,
     spectrum: LoadSpectrum,
     static_capacity: Scalar | float | None = None,
+    fatigue: TruncatedFatigue | None = None,
 ) -> Figure:
     """Draw a load spectrum, the damage of its phases, and the life against the load.
 
     Above, the phases in order of their load over their share of the turning, with the equivalent
     load, and below each the share of the damage that it does. Beside them the basic rating life
-    $10^6 (C_a/F)^3$ with the point of the equivalent load. Magnitudes count, on one flank.
+    with the point of the equivalent load, the constant load with the same life. Magnitudes count,
+    on one flank. The life is $10^6 (C_a/F)^3$, and the equivalent load the cubic mean, as long as
+    no contact ellipse passes the end of a flank.
 
     **Arguments:**
 
     - `capacity`: dynamic capacity C_a [N].
     - `spectrum`: the loads, of a duty cycle or a transient (`load_spectrum`).
     - `static_capacity`: C_0a [N], where the line of the life ends.
+    - `fatigue`: `strength.truncated_fatigue` of the stage, where flanks end: then life and damage
+      go by how much of the ellipses each load leaves on the flanks.
 
     **Returns:** a matplotlib figure; loads in N or kN, lives in turns of the screw.
 
@@ -39,9 +46,17 @@ def life_chart(
     """
     loads = np.abs(np.asarray(spectrum.load, float))
     share = np.asarray(spectrum.weights, float)
-    mean, rated = float(equivalent_load(spectrum)), float(capacity)
-    if not mean > 0:
+    rated = float(capacity)
+    if not loads.max() > 0:
         raise ValueError("the spectrum has no load, so its life has no end; nothing can be drawn")
+
+    def comparable(forces: np.ndarray) -> np.ndarray:
+        """Loads whose lives go by the cube."""
+        if fatigue is None:
+            return forces
+        return np.asarray(fatigue.comparable_load(jnp.asarray(forces), jnp.asarray(rated)))
+
+    mean = _constant_load(comparable, np.sum(share * comparable(loads) ** 3) ** (1 / 3))
     order = np.argsort(-loads, kind="stable")
     figure = page_figure(88)
     halves: Any = figure.subfigures(1, 2, width_ratios=(1.15, 1))
@@ -50,7 +65,7 @@ def life_chart(
     unit = display_unit("N", loads)
     width, height = 100 * share[order], loads[order]
     start = np.cumsum(width) - width
-    harm = share[order] * height**3
+    harm = share[order] * comparable(height) ** 3
     harm = 100 * harm / harm.sum()
     for axes, values in ((bars, unit(height)), (damage, harm)):
         axes.bar(
@@ -77,8 +92,33 @@ def life_chart(
     bars.set_title("Load spectrum")
     named = " (numbered)" if len(loads) <= _MOST_NAMED else ""
     damage.set_title(f"Damage by phase{named}")
-    _life_line(line.subplots(), rated, mean, static_capacity)
+    _life_line(
+        line.subplots(),
+        rated,
+        mean,
+        static_capacity,
+        lambda forces: 1e6 * (rated / comparable(forces)) ** 3,
+    )
     return figure
+
+
+#: Points of a grid that is narrowed so many times about a load.
+_POINTS, _TIMES = 65, 4
+
+
+def _constant_load(comparable: Callable[[np.ndarray], np.ndarray], wanted: float) -> float:
+    """The load with the fatigue of a mean: where `comparable`, which rises, has this value."""
+    low, high = wanted, wanted
+    while comparable(np.asarray([low]))[0] > wanted:
+        low /= 2
+    while comparable(np.asarray([high]))[0] < wanted:
+        high *= 2
+    for _ in range(_TIMES):
+        forces = np.linspace(low, high, _POINTS)
+        place = np.clip(np.searchsorted(comparable(forces), wanted), 1, _POINTS - 1)
+        low, high = forces[place - 1], forces[place]
+    ends = np.asarray([low, high])
+    return float(np.interp(wanted, comparable(ends), ends))
 
 
 def _name_phases(axes: Axes, centres, heights, order, widths) -> None:
@@ -88,13 +128,19 @@ def _name_phases(axes: Axes, centres, heights, order, widths) -> None:
             axes.text(centre, height, words, ha="center", va="bottom", fontsize=SMALL)
 
 
-def _life_line(axes: Axes, capacity: float, mean: float, static_capacity) -> None:
+def _life_line(
+    axes: Axes,
+    capacity: float,
+    mean: float,
+    static_capacity,
+    life_under: Callable[[np.ndarray], np.ndarray],
+) -> None:
     unit = display_unit("N", [capacity])
     lowest = min(mean, capacity / 10) / 2
     highest = capacity if static_capacity is None else max(capacity, float(static_capacity))
     forces = np.geomspace(lowest, highest, 50)
-    axes.loglog(unit(forces), 1e6 * (capacity / forces) ** 3, color=SERIES[0])
-    life = 1e6 * (capacity / mean) ** 3
+    axes.loglog(unit(forces), life_under(forces), color=SERIES[0])
+    life = float(life_under(np.asarray([mean]))[0])
     axes.plot([unit(mean)] * 2, [1e5, life], color=MUTED, linewidth=0.8, linestyle=":")
     axes.plot(unit(mean), life, "o", color=SERIES[3], markersize=5)
     axes.annotate(

@@ -12,6 +12,7 @@ from ..mechanism import DutyCycle, Mechanism, Scalar, Stage
 from ..quantities import find_quantity
 from ..strength import (
     LoadSpectrum,
+    TruncatedFatigue,
     flank_loads,
     largest_demand,
     load_spectrum,
@@ -67,10 +68,11 @@ def _strength_pictures(data: ReportData) -> tuple[Picture, ...]:
         suffix, words = _suffix(data, index)
         # Without a life there is none to draw: then the preload is not known either.
         drawn = None
+        fatigue = data.fatigue[index] if data.fatigue else None
         if cycle is not None and "dynamic_capacity" in values and "rating_life" in values:
-            drawn, whose = _pressed(stage, cycle)
-        if drawn is not None and bool(jnp.any(drawn.load != 0)):
             capacity = float(np.ravel(values["dynamic_capacity"])[index])
+            drawn, whose = _pressed(stage, cycle, capacity, fatigue)
+        if drawn is not None and bool(jnp.any(drawn.load != 0)):
             static = values.get("static_capacity")
             ends = None if static is None else float(np.ravel(static)[index])
             pictures.append(
@@ -78,7 +80,7 @@ def _strength_pictures(data: ReportData) -> tuple[Picture, ...]:
                     f"life{suffix}",
                     f"Loads of the duty cycle, the damage they do, and the life{words}.{whose}"
                     + _cut_at_capacity(values, index),
-                    lambda c=capacity, s=ends, d=drawn: life_chart(c, d, s),
+                    lambda c=capacity, s=ends, d=drawn, f=fatigue: life_chart(c, d, s, f),
                 )
             )
         if stage.strength is not None and stage.strength.shaft is not None:
@@ -94,13 +96,14 @@ def _strength_pictures(data: ReportData) -> tuple[Picture, ...]:
 
 
 def _cut_at_capacity(values: Mapping[str, Array], index: int) -> str:
-    """What a chart of lives by the cube of the load leaves out where ellipses are cut."""
+    """Why a line of lives is not straight where ellipses are cut."""
     onset = values.get("truncation_load")
     if onset is None or np.ravel(onset)[index] >= np.ravel(values["dynamic_capacity"])[index]:
         return ""
     return (
         " Under the dynamic capacity the ends of the flanks cut the contact ellipses, less under "
-        "smaller loads: the line goes by the cube of the load, and the life of the table is longer."
+        "smaller loads: the life falls faster than with the cube of the load there, and the "
+        "equivalent load is the constant one with the same life."
     )
 
 
@@ -112,7 +115,9 @@ def _demand(mechanism: Mechanism) -> tuple[Scalar | None, Scalar | None]:
     return load, speed
 
 
-def _pressed(stage: Stage, cycle: DutyCycle) -> tuple[LoadSpectrum, str]:
+def _pressed(
+    stage: Stage, cycle: DutyCycle, capacity: float, fatigue: TruncatedFatigue | None
+) -> tuple[LoadSpectrum, str]:
     """The loads that a life chart draws, and in words which flanks they press."""
     spectrum, preload = load_spectrum(cycle), preload_of(stage)
     if preload is None:
@@ -121,8 +126,13 @@ def _pressed(stage: Stage, cycle: DutyCycle) -> tuple[LoadSpectrum, str]:
         return spectrum, (
             " Magnitudes count, as if on one flank; the table keeps the loads of both flanks apart."
         )
-    harm = [jnp.sum(spectrum.weights * load**3) for load in flank_loads(spectrum.load, preload)]
-    worse = flank_loads(spectrum.load, preload)[0 if harm[0] >= harm[1] else 1]
+    both = flank_loads(spectrum.load, preload)
+    cubes = [
+        load if fatigue is None else fatigue.comparable_load(load, jnp.asarray(capacity))
+        for load in both
+    ]
+    harm = [jnp.sum(spectrum.weights * load**3) for load in cubes]
+    worse = both[0 if harm[0] >= harm[1] else 1]
     return eqx.tree_at(lambda s: s.load, spectrum, worse), (
         " The loads are those of the flanks that are loaded more, preload included; the table "
         "adds up the flanks on both sides."

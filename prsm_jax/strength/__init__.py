@@ -6,6 +6,12 @@ from ._contacts import (
     reference_contact as reference_contact,
     strength_of as strength_of,
 )
+from ._edges import (
+    EndReach as EndReach,
+    edge_pressure as edge_pressure,
+    end_reaches as end_reaches,
+    side_edges as side_edges,
+)
 from ._fatigue import (
     cycles_per_turn as cycles_per_turn,
     dynamic_capacity as dynamic_capacity,
@@ -68,11 +74,9 @@ from ._static import (
     static_safety as static_safety,
 )
 from ._truncation import (
-    EndReach as EndReach,
     SideOnset as SideOnset,
     TruncatedFatigue as TruncatedFatigue,
     contact_truncation as contact_truncation,
-    end_reaches as end_reaches,
     load_of_whole_ellipse as load_of_whole_ellipse,
     side_onsets as side_onsets,
     truncation_load as truncation_load,

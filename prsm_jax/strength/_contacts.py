@@ -3,7 +3,13 @@
 import jax.numpy as jnp
 
 from .._errors import MissingDataError
-from ..contact import StageContact, engaged_threads, stage_contact
+from ..contact import (
+    StageContact,
+    contact_frames,
+    contact_pair,
+    contact_side,
+    engaged_threads,
+)
 from ..geometry import Meshing, mesh
 from ..mechanism import Scalar, SplitNut, Stage, Strength
 from ._powers import positive_power
@@ -23,7 +29,16 @@ def reference_contact(stage: Stage, meshing: Meshing | None = None) -> StageCont
     **Raises:** `MissingDataError` if materials or engaged threads are not given.
     """
     load = jnp.asarray(REFERENCE_LOAD, stage.thread.lead.dtype)
-    return stage_contact(stage, load, meshing_of(stage, meshing))
+    threads = engaged_threads(stage)
+    frames = contact_frames(stage.thread, meshing_of(stage, meshing), stage.curvature)
+    axial = load / (stage.present_roller_count * threads)
+    forces = axial * frames[0].normal_per_axial, axial * frames[1].normal_per_axial
+    pair = contact_pair(stage, frames, forces)
+    sides = [
+        contact_side(hertz, force, frame, threads)
+        for hertz, force, frame in zip(pair, forces, frames, strict=True)
+    ]
+    return StageContact(*sides)
 
 
 def meshing_of(stage: Stage, meshing: Meshing | None) -> Meshing | None:

@@ -11,6 +11,7 @@ this is the theory behind ISO 281 and ISO 3408-5, applied to their tracks.
 
 import math
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -178,13 +179,23 @@ def side_risks(
     screw_cycles, roller_cycles, nut_cycles = cycles_per_turn(stage)
     frames = contact_frames(stage.thread, meshing, stage.curvature)
     bodies = (stage.thread.screw_radius, screw_cycles), (stage.thread.nut_radius, nut_cycles)
+
+    def stressed_of(total: Scalar, rolling: Scalar, pressure: Scalar, product: Scalar) -> Scalar:
+        return _stressed(pressure, product, _rolling_ratio(total, rolling))
+
+    given = [
+        (
+            frame.curvature.total,
+            frame.curvature.rolling,
+            side.hertz.max_pressure,
+            side.hertz.semi_major * side.hertz.semi_minor,
+        )
+        for frame, side in zip(frames, (contact.screw, contact.nut), strict=True)
+    ]
+    # Both sides in one: half the program.
+    both = jax.vmap(stressed_of)(*(jnp.stack(pair) for pair in zip(*given, strict=True)))
     risks = []
-    for frame, side, (radius, cycles) in zip(
-        frames, (contact.screw, contact.nut), bodies, strict=True
-    ):
-        hertz, curvature = side.hertz, frame.curvature
-        ratio = _rolling_ratio(curvature.total, curvature.rolling)
-        stressed = _stressed(hertz.max_pressure, hertz.semi_major * hertz.semi_minor, ratio)
+    for stressed, (radius, cycles) in zip(both, bodies, strict=True):
         tracks = radius * cycles**WEIBULL_SLOPE
         tracks = tracks + rollers * stage.thread.roller_radius * roller_cycles**WEIBULL_SLOPE
         risks.append(_STEEL * stressed * threads * tracks * (2 * jnp.pi * 1e3))

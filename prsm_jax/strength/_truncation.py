@@ -11,14 +11,13 @@ from ..contact import (
     Onsets,
     StageContact,
     contact_frames,
-    half_extent,
     onset_pressures,
     pressure_ratio,
     risk_ratio,
     share_within,
     truncation,
 )
-from ..geometry import FlankEnd, Meshing, flank_ends, flanks_end
+from ..geometry import Meshing, flank_ends, flanks_end
 from ..mechanism import Scalar, Stage
 from ._contacts import REFERENCE_LOAD, meshing_of, reference_contact, thread_share
 from ._powers import positive_power
@@ -82,9 +81,13 @@ def side_onsets(
     return found[0], found[1]
 
 
-def _known(
+def known_sides(
     sides: tuple[SideOnset | None, SideOnset | None] | None,
 ) -> list[SideOnset]:
+    """The sides whose flanks end.
+
+    **Raises:** `MissingDataError` if there are none.
+    """
     if sides is None:
         raise MissingDataError(
             "no flank ends anywhere; give stage.thread.screw_addendum and "
@@ -120,7 +123,7 @@ def contact_truncation(
     of_threads = jnp.abs(load) * sharing_factor / thread_share(stage)
     shares = [
         truncation(side.pressure(of_threads), side.onsets)
-        for side in _known(side_onsets(stage, meshing, contact))
+        for side in known_sides(side_onsets(stage, meshing, contact))
     ]
     return jnp.max(jnp.stack(shares))
 
@@ -141,45 +144,8 @@ def truncation_load(
 
     **Raises:** as `contact_truncation`.
     """
-    loads = [side.onset_load for side in _known(side_onsets(stage, meshing, contact))]
+    loads = [side.onset_load for side in known_sides(side_onsets(stage, meshing, contact))]
     return jnp.min(jnp.stack(loads)) * thread_share(stage) / sharing_factor
-
-
-class EndReach(eqx.Module):
-    """One end of a flank, and how far the ellipse of its side reaches towards it."""
-
-    #: `"screw"` or `"nut"` side of the rollers.
-    side: str = eqx.field(static=True)
-    end: FlankEnd
-    #: Half-extent of the ellipse towards the end under `REFERENCE_LOAD` on one flank, in equal
-    #: shares [m].
-    reference: Scalar
-
-    def half_extent(self, load: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
-        """Half-extent under an axial load on one flank, if all threads share it equally [m]."""
-        return self.reference * positive_power(load / REFERENCE_LOAD, 1 / 3)
-
-
-def end_reaches(
-    stage: Stage, meshing: Meshing | None = None, contact: StageContact | None = None
-) -> tuple[EndReach, ...]:
-    """All ends of the flanks of a stage, in the order of `geometry.end_names`.
-
-    **Arguments:** as in `side_onsets`.
-    """
-    meshing = meshing_of(stage, meshing)
-    if contact is None:
-        contact = reference_contact(stage, meshing)
-    frames = contact_frames(stage.thread, meshing, stage.curvature)
-    ends = flank_ends(stage, meshing if stage.curvature == "exact" else None)
-    per_share = thread_share(stage) ** (-1 / 3)
-    return tuple(
-        EndReach(name, end, per_share * half_extent(side.hertz, frame.curvature, end))
-        for name, side, frame, of_side in zip(
-            ("screw", "nut"), (contact.screw, contact.nut), frames, ends, strict=True
-        )
-        for end in of_side
-    )
 
 
 def load_at_pressure(side: SideOnset | None, reference: Scalar, pressure: Scalar) -> Scalar:

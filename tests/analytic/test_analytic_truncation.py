@@ -5,8 +5,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from laminae import lamina_load, lamina_risk, pressure_ratio_by_bisection, sides_of
 from scenes import array, example, mechanism, mesh, stage, thread
-from scipy.integrate import quad
 from scipy.optimize import brentq
 from truncation_scenes import screw_of_30_mm, without_addenda
 
@@ -15,7 +15,6 @@ from benchmarks.references.meshing import Design
 from benchmarks.references.truncated import contact_pressure, hertz_pressure
 from prsm_jax import strength
 from prsm_jax.contact import (
-    contact_frames,
     half_extent,
     hertz_contact,
     load_beyond,
@@ -23,7 +22,6 @@ from prsm_jax.contact import (
     risk_beyond,
     risk_ratio,
     share_within,
-    stage_contact,
     truncation,
 )
 from prsm_jax.geometry import flank_ends, flanks_end
@@ -33,38 +31,19 @@ from prsm_jax.mechanism import ScrewShaft, Strength
 _compute = eqx.filter_jit(prsm.compute)
 
 
-def _lamina_load(reach):
-    """Load of a unit Hertz hemisphere beyond a line, lamina by lamina, over the whole."""
-    # A lamina at y is a semi-ellipse of half-width and height √(1 − y²).
-    part = quad(lambda y: np.pi / 2 * (1 - y**2), reach, 1)[0]
-    return part / (2 * np.pi / 3)
-
-
-def _lamina_risk(reach):
-    whole = quad(lambda y: (1 - y**2) ** 4.5, -1, 1)[0]
-    return quad(lambda y: (1 - y**2) ** 4.5, reach, 1)[0] / whole
-
-
 @pytest.mark.parametrize("reach", [-0.6, 0.0, 0.3, 0.7, 0.99])
 def test_shares_beyond_a_line_are_those_of_the_laminae(reach):
-    np.testing.assert_allclose(load_beyond(array(reach)), _lamina_load(reach), rtol=1e-12)
+    np.testing.assert_allclose(load_beyond(array(reach)), lamina_load(reach), rtol=1e-12)
     # Quadrature of 1e-13 over a part that may be 1e-9 of the whole.
-    np.testing.assert_allclose(risk_beyond(array(reach)), _lamina_risk(reach), atol=1e-13)
-
-
-def _ratio_by_bisection(reaches):
-    def excess(ratio):
-        return ratio**3 * (1 - sum(_lamina_load(min(t / ratio, 1.0)) for t in reaches)) - 1
-
-    return brentq(excess, 1.0, 50.0, xtol=1e-13)
+    np.testing.assert_allclose(risk_beyond(array(reach)), lamina_risk(reach), atol=1e-13)
 
 
 @pytest.mark.parametrize("reaches", [(0.7, 2.0), (0.9, 0.5), (0.28, 0.28), (1.05, 0.2), (0.05, 3)])
 def test_pressure_risk_and_load_are_those_of_laminae_at_one_approach(reaches):
     pressure, onsets = array(2e9), tuple(array(2e9 * t) for t in reaches)
-    ratio = _ratio_by_bisection(reaches)
+    ratio = pressure_ratio_by_bisection(reaches)
     np.testing.assert_allclose(pressure_ratio(pressure, onsets), ratio, rtol=1e-11)
-    kept = 1 - sum(_lamina_risk(min(t / ratio, 1.0)) for t in reaches)
+    kept = 1 - sum(lamina_risk(min(t / ratio, 1.0)) for t in reaches)
     np.testing.assert_allclose(risk_ratio(pressure, onsets), ratio**10 * kept, rtol=1e-9)
     # At the pressure that results, the load is the one that was given.
     within = share_within(pressure * ratio, onsets)
@@ -80,15 +59,6 @@ def test_a_whole_ellipse_is_hertz_exactly():
         assert float(risk_ratio(found, onsets)) == 1.0
         assert float(share_within(found, onsets)) == 1.0
         assert float(truncation(found, onsets)) == 0.0
-
-
-def _sides(one, load):
-    """Contacts, frames and ends of a stage, side by side."""
-    meshing = mesh(one.thread)
-    found = stage_contact(one, array(load), meshing)
-    frames = contact_frames(one.thread, meshing, one.curvature)
-    ends = flank_ends(one, meshing if one.curvature == "exact" else None)
-    return zip((found.screw.hertz, found.nut.hertz), frames, ends, ("screw", "nut"), strict=True)
 
 
 def _nearest(one, plane, end, size):
@@ -116,7 +86,7 @@ def test_ends_and_extents_are_those_in_the_tangent_plane(lead):
     """By rays over the plane, and the ellipse's support by its points; no formula in common."""
     one = screw_of_30_mm(lead).stages[0]
     meshing = mesh(one.thread)
-    for hertz, frame, ends, side in _sides(one, 6e5):
+    for hertz, frame, ends, side in sides_of(one, 6e5):
         assert {(e.kind, e.body) for e in ends} == {("crest", side), ("crest", "roller")}
         assert {e.way for e in ends} == {"to_roller_axis", "from_roller_axis"}
         plane = tangent_plane(one.thread, meshing, side)
@@ -137,7 +107,7 @@ def test_ends_and_extents_are_those_in_the_tangent_plane(lead):
 def test_the_half_extent_is_regular_at_a_circle():
     """Between the minor and the major semi-axis, and continuous where they are one."""
     one = screw_of_30_mm(5e-3).stages[0]
-    _, frame, ends, _ = next(iter(_sides(one, 1e5)))
+    _, frame, ends, _ = next(iter(sides_of(one, 1e5)))
 
     def extent(squared, tilt):
         curvature = eqx.tree_at(
@@ -167,7 +137,7 @@ def test_a_30_by_5_mm_screw_near_its_capacity():
     """The nut side at 0.95 C_0a: a semi-axis of 0.40 mm and 0.28 mm of flank."""
     whole = _compute(without_addenda(screw_of_30_mm(5e-3)), ["static_capacity"])
     load = 0.95 * float(whole["static_capacity"][0])
-    hertz, _, ends, _ = list(_sides(screw_of_30_mm(5e-3).stages[0], load))[1]
+    hertz, _, ends, _ = list(sides_of(screw_of_30_mm(5e-3).stages[0], load))[1]
     np.testing.assert_allclose(float(hertz.semi_major), 0.40e-3, rtol=0.015)
     np.testing.assert_allclose([float(e.distance) for e in ends], 0.28e-3, rtol=0.015)
 
@@ -175,12 +145,12 @@ def test_a_30_by_5_mm_screw_near_its_capacity():
 def _static_by_bisection(one, permissible):
     """C_0a by laminae: load under which the worse side has the permissible pressure."""
     loads = []
-    for hertz, frame, ends, _ in _sides(one, 1e4):
+    for hertz, frame, ends, _ in sides_of(one, 1e4):
         reaches = [float(e.distance / half_extent(hertz, frame.curvature, e)) for e in ends]
 
         def pressure(load, hertz=hertz, reaches=reaches):
             scale = (load / 1e4) ** (1 / 3)
-            ratio = _ratio_by_bisection([t / scale for t in reaches])
+            ratio = pressure_ratio_by_bisection([t / scale for t in reaches])
             return float(hertz.max_pressure) * scale * ratio / permissible - 1
 
         loads.append(brentq(pressure, 1e4, 1e7, rtol=1e-12))
@@ -249,12 +219,12 @@ def _fatigue_by_laminae(one, load):
     fatigue = strength.truncated_fatigue(one)
     total, grown = 0.0, 0.0
     for side, risk, (hertz, frame, ends, _) in zip(
-        fatigue.sides, fatigue.risks, _sides(one, load), strict=True
+        fatigue.sides, fatigue.risks, sides_of(one, load), strict=True
     ):
         assert side is not None
         reaches = [float(e.distance / half_extent(hertz, frame.curvature, e)) for e in ends]
-        ratio = _ratio_by_bisection(reaches)
-        kept = 1 - sum(_lamina_risk(min(t / ratio, 1.0)) for t in reaches)
+        ratio = pressure_ratio_by_bisection(reaches)
+        kept = 1 - sum(lamina_risk(min(t / ratio, 1.0)) for t in reaches)
         total, grown = total + float(risk), grown + float(risk) * ratio**10 * kept
     return (grown / total) ** 0.3
 
@@ -313,7 +283,7 @@ def test_pressure_at_the_contact_point_against_half_spaces(side, lead, pressure,
     """The law over the solver on the true flanks, which end sharply; errors as documented."""
     one = screw_of_30_mm(lead).stages[0]
     index = ("screw", "nut").index(side)
-    hertz, _, _, _ = list(_sides(one, 1e4))[index]
+    hertz, _, _, _ = list(sides_of(one, 1e4))[index]
     load = 1e4 * (pressure / float(hertz.max_pressure)) ** 3
     reference, code = _on_true_flanks(one, side, array(load))
     assert int(code) == 0

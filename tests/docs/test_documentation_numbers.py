@@ -7,9 +7,10 @@ from claims import NUMBER, check, covered, numbers_of, page_text, value_of
 from claims_contact import CLAIMS as CONTACT
 from claims_published import CLAIMS as PUBLISHED
 from claims_readme import CLAIMS as README
+from claims_strength import CLAIMS as STRENGTH
 from claims_stress import CLAIMS as STRESS
 
-CLAIMS = [*PUBLISHED, *CONTACT, *STRESS, *README]
+CLAIMS = [*PUBLISHED, *CONTACT, *STRESS, *STRENGTH, *README]
 #: Pages whose every number is a claim, and what of them is none: what a paper prints, what is
 #: chosen, run times of the authors' machine. Pieces of text, as regular expressions.
 GIVEN = {
@@ -80,7 +81,11 @@ GIVEN = {
 }
 
 
-@pytest.mark.parametrize("claim", CLAIMS, ids=lambda claim: f"{claim.page[5:]}: {claim.text[:60]}")
+@pytest.mark.parametrize(
+    "claim",
+    [pytest.param(one, marks=[pytest.mark.slow] if one.slow else []) for one in CLAIMS],
+    ids=lambda claim: f"{claim.page[5:]}: {claim.text[:60]}",
+)
 def test_number_is_the_computed_one(claim):
     check(claim)
 

@@ -674,7 +674,8 @@ def test_every_picture_is_of_its_part_of_the_data(data, monkeypatch):
     assert shared is data.shared[0]
     (curves,) = given("force_deflection", "force_deflection_chart")
     assert list(curves.values()) == [data.deflections[0]]
-    capacity, spectrum, static = given("life", "life_chart")
+    capacity, spectrum, static, fatigue = given("life", "life_chart")
+    assert fatigue is (data.fatigue[0] if data.fatigue else None)
     assert capacity == float(data.strength["dynamic_capacity"][0])
     assert static == float(data.strength["static_capacity"][0])
     cycle = data.mechanism.duty_cycle

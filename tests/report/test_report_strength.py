@@ -5,9 +5,11 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from report_checks import assert_printable, axis_labels
+from truncation_scenes import screw_of_30_mm
 
 import prsm_jax as prsm
-from prsm_jax.mechanism import AxialPlay
+from prsm_jax import strength
+from prsm_jax.mechanism import AxialPlay, DutyCycle
 from prsm_jax.report import ReportData, life_chart, shaft_limits_chart
 from prsm_jax.report._strength_section import strength_section
 from prsm_jax.strength import (
@@ -43,6 +45,54 @@ def test_life_of_many_samples_and_of_none():
     idle = LoadSpectrum(jnp.zeros(2), jnp.ones(2), jnp.ones(2))
     with pytest.raises(ValueError, match="no load"):
         life_chart(2e4, idle)
+
+
+def test_life_and_damage_follow_ellipses_that_are_cut():
+    """As the rating life of every single load, and of the phases; a straight line would not."""
+    stage = screw_of_30_mm(3e-3).stages[0]
+    capacity, fatigue = strength.dynamic_capacity(stage), strength.truncated_fatigue(stage)
+    spectrum = LoadSpectrum(
+        jnp.asarray([4e4, 3e5, 1.2e5]), jnp.asarray([4e3, 9.0, 3e2]), jnp.ones(3)
+    )
+    picture = life_chart(capacity, spectrum, 6e5, fatigue)
+    assert_printable(picture)
+    bars, damage, line = picture.axes
+    force, life = (np.asarray(x) for x in line.lines[0].get_data())
+
+    def lasts(load):
+        alone = strength.constant_load(jnp.asarray(1.0), jnp.asarray(load))
+        return float(rating_life(stage, capacity, alone, fatigue).revolutions)
+
+    for place in (0, 20, 35, 49):
+        np.testing.assert_allclose(life[place], lasts(1e3 * force[place]), rtol=1e-10)
+    cube = 1e6 * (float(capacity) / (1e3 * force)) ** 3
+    assert np.max(np.abs(life / cube - 1)) > 0.1
+    together = float(rating_life(stage, capacity, spectrum, fatigue).revolutions)
+    (mean,), (turns,) = line.lines[2].get_data()
+    np.testing.assert_allclose(turns, together, rtol=1e-9)
+    np.testing.assert_allclose(lasts(1e3 * mean), together, rtol=1e-9)
+    np.testing.assert_allclose(bars.lines[0].get_ydata()[0], mean, rtol=1e-12)
+    used = np.asarray(strength.damage(stage, capacity, spectrum, fatigue))
+    order = np.argsort(-np.asarray(spectrum.load))
+    heights = [patch.get_height() for patch in damage.patches]
+    np.testing.assert_allclose(heights, 100 * used[order] / used.sum(), rtol=1e-9)
+
+
+def test_a_report_draws_lives_with_the_ends_of_the_flanks():
+    """The fatigue of the report is that of the quantities, shared loads included."""
+    from prsm_jax.report._data import _strength
+
+    one = screw_of_30_mm(3e-3, load=2e5)
+    cycle = DutyCycle(jnp.ones(2), jnp.ones(2), jnp.asarray([3e5, 1e5]))
+    one = eqx.tree_at(lambda m: m.duty_cycle, one, cycle, is_leaf=lambda x: x is None)
+    values, fatigue = _strength(one)
+    data = ReportData(one, "a title", strength=values, fatigue=fatigue)
+    (picture,) = [p for p in strength_section(data).pictures if p.name == "life"]
+    assert "same life" in picture.caption
+    *_, line = picture.draw().axes
+    np.testing.assert_allclose(
+        line.lines[2].get_ydata()[0], float(values["rating_life"][0]), rtol=1e-9
+    )
 
 
 def test_limits_of_the_shaft_pass_through_the_laws(actuator):

@@ -1,0 +1,168 @@
+"""Thread contacts at the ends of their flanks: how far they reach, pressure at rounded crests."""
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._errors import MissingDataError
+from ..contact import (
+    RoundedEdge,
+    StageContact,
+    contact_frames,
+    contact_modulus,
+    edge_ratio,
+    half_extent,
+    largest_pressure,
+    opposite_onset,
+    rounded_edges,
+)
+from ..geometry import FlankEnd, Meshing, flank_ends
+from ..mechanism import Scalar, Stage, material_of
+from ._contacts import REFERENCE_LOAD, meshing_of, reference_contact, thread_share
+from ._powers import positive_power
+from ._truncation import SideOnset, known_sides, side_onsets
+
+
+def side_edges(
+    stage: Stage, meshing: Meshing | None = None, contact: StageContact | None = None
+) -> tuple[tuple[RoundedEdge, ...], tuple[RoundedEdge, ...]]:
+    """The rounded crests that the ellipses of screw and nut side may pass.
+
+    **Arguments:**
+
+    - `stage`: the stage; needs materials, `engaged_threads` and `thread.edge_radius`.
+    - `meshing`: its meshing, if known already.
+    - `contact`: `reference_contact` of the stage, if known already.
+
+    **Raises:** `MissingDataError` if one of these is not given.
+    """
+    radius = stage.thread.edge_radius
+    if radius is None:
+        raise MissingDataError(
+            "the pressure at a sharp edge has no finite value in elastic half-spaces; give "
+            "stage.thread.edge_radius, the radius by which the crests' edges are rounded"
+        )
+    meshing = meshing_of(stage, meshing)
+    if contact is None:
+        contact = reference_contact(stage, meshing)
+    frames = contact_frames(stage.thread, meshing, stage.curvature)
+    ends = flank_ends(stage, meshing if stage.curvature == "exact" else None)
+    found = [
+        rounded_edges(
+            side.hertz,
+            frame.curvature,
+            of_side,
+            contact_modulus(material_of(stage, "roller"), material_of(stage, name)),
+            radius,
+        )
+        for name, side, frame, of_side in zip(
+            ("screw", "nut"), (contact.screw, contact.nut), frames, ends, strict=True
+        )
+    ]
+    return found[0], found[1]
+
+
+def edge_pressure(
+    stage: Stage,
+    load: Scalar,
+    meshing: Meshing | None = None,
+    contact: StageContact | None = None,
+    sharing_factor: Scalar | float = 1.0,
+    sides: tuple[SideOnset | None, SideOnset | None] | None = None,
+) -> Scalar:
+    """Largest pressure of the most loaded contacts, that at rounded crests included [Pa].
+
+    Of elastic half-spaces: where it exceeds what the steel bears, the edge yields.
+
+    **Arguments:**
+
+    - `stage`: the stage, with addenda and `thread.edge_radius`.
+    - `load`: axial load on one flank, of one nut of a braced pair [N].
+    - `meshing`: its meshing, if known already.
+    - `contact`: `reference_contact` of the stage, if known already.
+    - `sharing_factor`: load of the most loaded thread over the mean.
+    - `sides`: `side_onsets` of the stage, if known already.
+
+    **Raises:** `MissingDataError` where no flank ends or no edge radius is given, and if materials
+    or engaged threads are not.
+    """
+    meshing = meshing_of(stage, meshing)
+    if contact is None:
+        contact = reference_contact(stage, meshing)
+    if sides is None:
+        sides = side_onsets(stage, meshing, contact)
+    known_sides(sides)
+    assert sides is not None
+    of_threads = jnp.abs(load) * sharing_factor / thread_share(stage)
+    return jnp.max(
+        jnp.stack(
+            [
+                largest_pressure(side.pressure(of_threads), side.onsets, edges)
+                for side, edges in zip(sides, side_edges(stage, meshing, contact), strict=True)
+                if side is not None
+            ]
+        )
+    )
+
+
+class EndReach(eqx.Module):
+    """One end of a flank, and how far the ellipse of its side reaches towards it."""
+
+    #: `"screw"` or `"nut"` side of the rollers.
+    side: str = eqx.field(static=True)
+    end: FlankEnd
+    #: Half-extent of the ellipse towards the end under `REFERENCE_LOAD` on one flank, in equal
+    #: shares [m].
+    reference: Scalar
+    #: Hertz pressure under that load [Pa].
+    pressure: Scalar
+    #: The edge there, if it is a rounded crest, and what `edge_ratio` asks of the other way.
+    edge: RoundedEdge | None = None
+    opposite: Scalar | None = None
+
+    def half_extent(self, load: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
+        """Half-extent under an axial load on one flank, if all threads share it equally [m]."""
+        return self.reference * positive_power(load / REFERENCE_LOAD, 1 / 3)
+
+    def edge_pressure(self, load: Scalar) -> Scalar:
+        """Pressure at the rounded crest if all threads share a load equally; 0 uncut [Pa]."""
+        assert self.edge is not None
+        pressure = self.pressure * positive_power(load / REFERENCE_LOAD, 1 / 3)
+        return pressure * edge_ratio(pressure, self.edge, self.opposite)
+
+
+def end_reaches(
+    stage: Stage, meshing: Meshing | None = None, contact: StageContact | None = None
+) -> tuple[EndReach, ...]:
+    """All ends of the flanks of a stage, in the order of `geometry.end_names`.
+
+    **Arguments:** as in `side_onsets`.
+    """
+    meshing = meshing_of(stage, meshing)
+    if contact is None:
+        contact = reference_contact(stage, meshing)
+    frames = contact_frames(stage.thread, meshing, stage.curvature)
+    ends = flank_ends(stage, meshing if stage.curvature == "exact" else None)
+    edges: list[list[tuple[RoundedEdge | None, Scalar | None]]]
+    edges = [[(None, None)] * len(of_side) for of_side in ends]
+    if stage.thread.edge_radius is not None:
+        for of_side, known, rounded in zip(
+            ends, edges, side_edges(stage, meshing, contact), strict=True
+        ):
+            crests = [place for place, end in enumerate(of_side) if end.kind == "crest"]
+            for place, edge in zip(crests, rounded, strict=True):
+                known[place] = edge, opposite_onset(edge, rounded)
+    per_share = thread_share(stage) ** (-1 / 3)
+    return tuple(
+        EndReach(
+            name,
+            end,
+            per_share * half_extent(side.hertz, frame.curvature, end),
+            per_share * side.hertz.max_pressure,
+            *edge,
+        )
+        for name, side, frame, of_side, known in zip(
+            ("screw", "nut"), (contact.screw, contact.nut), frames, ends, edges, strict=True
+        )
+        for end, edge in zip(of_side, known, strict=True)
+    )

@@ -1,0 +1,253 @@
+"""Cut ellipses in split nuts, among threads that share unequally, and over duty cycles.
+
+Everything is summed up thread by thread and lamina by lamina, with quadrature and root searches;
+of the package only whole ellipses, distances of the ends and how threads share are used.
+"""
+
+import functools
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from laminae import lamina_risk, pressure_ratio_by_bisection, sides_of
+from scipy.optimize import brentq
+from truncation_scenes import NUT_LENGTH, screw_of_30_mm, without_addenda
+
+import prsm_jax as prsm
+from prsm_jax import strength
+from prsm_jax.contact import half_extent
+from prsm_jax.mechanism import AxialPlay, DutyCycle, LoadSharing, SplitNut, Strength
+
+_PERMISSIBLE, _FACTOR, _LEAD = 4.2e9, 1.1, 3e-3
+_RATED = np.log(1 / 0.9)
+_compute = eqx.filter_jit(prsm.compute)
+
+
+def _strength(play=None):
+    return Strength(permissible_pressure=_PERMISSIBLE, material_factor=_FACTOR, play=play)
+
+
+def _with_cycle(one, loads, turned):
+    cycle = DutyCycle(jnp.ones(len(loads)), jnp.asarray(turned), jnp.asarray(loads))
+    return eqx.tree_at(lambda m: m.duty_cycle, one, cycle, is_leaf=lambda x: x is None)
+
+
+@functools.cache
+def _unit(lead):
+    """Of either side under 10 kN in equal shares: Hertz pressure, reaches, risk of fatigue."""
+    one = screw_of_30_mm(lead).stages[0]
+    risks = strength.truncated_fatigue(one).risks
+    found = []
+    for (hertz, frame, ends, _), risk in zip(sides_of(one, 1e4), risks, strict=True):
+        reaches = tuple(float(e.distance / half_extent(hertz, frame.curvature, e)) for e in ends)
+        found.append((float(hertz.max_pressure), reaches, float(risk)))
+    return found
+
+
+def _pressures(lead, load):
+    """Largest pressures of both sides under a load in equal shares of all threads."""
+    scale = (load / 1e4) ** (1 / 3)
+    return [
+        p * scale * pressure_ratio_by_bisection([t / scale for t in reaches])
+        for p, reaches, _ in _unit(lead)
+    ]
+
+
+def _risk(lead, load, loads=(1.0,), share=1.0):
+    """ln(1/S) of 10⁶ turns: threads that bear `loads` times the mean; `share` of them there."""
+    total = 0.0
+    for q in loads:
+        scale = (load * q / share / 1e4) ** (1 / 3)
+        for _, reaches, risk in _unit(lead):
+            ratio = pressure_ratio_by_bisection([t / scale for t in reaches])
+            kept = 1 - sum(lamina_risk(min(t / scale / ratio, 1.0)) for t in reaches)
+            # A track's risk goes with the 10/3 power of its load, and so with that of the factor.
+            total += risk * (scale**3 / _FACTOR) ** (10 / 3) * ratio**10 * kept
+    return total * share / len(loads)
+
+
+def _life(risk):
+    return 1e6 * (_RATED / risk) ** 0.9
+
+
+def _capacity(lead, **more):
+    return brentq(lambda load: _life(_risk(lead, load, **more)) / 1e6 - 1, 1e3, 1e7, rtol=1e-13)
+
+
+def _on_flanks(load, preload):
+    """Loads of two nuts that are braced, from F/F_p = (1 + s)^1.5 − (1 − s)^1.5."""
+    shift = brentq(
+        lambda s: (1 + s) ** 1.5 - np.maximum(1 - s, 0.0) ** 1.5 - abs(load) / preload, 0, 500
+    )
+    both = preload * (1 + shift) ** 1.5, preload * max(1 - shift, 0.0) ** 1.5
+    return both if load >= 0 else both[::-1]
+
+
+_SPLIT = {
+    # The halves alike, by strength alone.
+    "half": (0.5, AxialPlay(preload_force=8e4, arrangement="split_nut"), {}),
+    # The smaller half, by load sharing.
+    "smaller": (
+        60 / 142,
+        None,
+        {"split_nut": SplitNut(60, preload=8e4), "backlash": 1e-5}
+        | {f"{body}_segment_stiffness": 4e9 for body in ("screw", "roller", "nut")},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", _SPLIT)
+def test_a_split_nut(name):
+    """Half the threads each way, the preload on both flanks at all times."""
+    share, play, sharing = _SPLIT[name]
+    # As many threads as a nut of 85 mm has pitches of 0.6 mm, rounded.
+    one = screw_of_30_mm(_LEAD, load=1e5, strength=_strength(play), engaged_threads=142.0)
+    if sharing:
+        one = eqx.tree_at(
+            lambda m: m.stages[0].load_sharing,
+            one,
+            LoadSharing(142, **sharing),
+            is_leaf=lambda x: x is None,
+        )
+    scale = 142 / (NUT_LENGTH / (_LEAD / 5)) * share
+    loads, turned = [2.5e5, -1e5, 4e4], [1.0, 30.0, 400.0]
+    names = ["static_capacity", "dynamic_capacity", "rating_life", "phase_damage"]
+    names += ["contact_truncation", "truncation_load", "static_safety"]
+    found = {k: np.ravel(v) for k, v in _compute(_with_cycle(one, loads, turned), names).items()}
+
+    onset = min(1e4 * min(t) ** 3 for _, t, _ in _unit(_LEAD)) * scale
+    np.testing.assert_allclose(found["truncation_load"], onset, rtol=1e-9)
+    static = brentq(
+        lambda load: max(_pressures(_LEAD, load / scale)) / _PERMISSIBLE - 1, 1e3, 1e7, rtol=1e-13
+    )
+    np.testing.assert_allclose(found["static_capacity"], static, rtol=1e-9)
+    # Ellipses are cut under both capacities, and under the larger phases.
+    assert static > onset
+    dynamic = _capacity(_LEAD, share=scale)
+    np.testing.assert_allclose(found["dynamic_capacity"], dynamic, rtol=1e-8)
+    assert dynamic > onset
+
+    flanks = np.array([_on_flanks(load, 8e4) for load in loads])
+    assert flanks.max() > onset > flanks.min()
+    np.testing.assert_allclose(found["static_safety"], static / flanks.max(), rtol=1e-9)
+    pressed = _on_flanks(1e5, 8e4)[0]
+    np.testing.assert_allclose(
+        found["contact_truncation"], 1 - (onset / pressed) ** (1 / 3), rtol=1e-9
+    )
+    # Miner's rule on either flank, and both flanks as parts in series.
+    rates = np.array([[1 / _life(_risk(_LEAD, x, share=scale)) for x in row] for row in flanks])
+    weights = np.asarray(turned) / np.sum(turned)
+    each = weights @ rates
+    both = np.sum(each ** (10 / 9)) ** -0.9
+    np.testing.assert_allclose(found["rating_life"], both, rtol=1e-8)
+    worse = np.argmax(each)
+    turns = np.asarray(turned) / (2 * np.pi)
+    np.testing.assert_allclose(found["phase_damage"], turns * rates[:, worse], rtol=1e-8)
+
+
+#: Soft shafts: the first thread bears much more than the last.
+_THREADS = 24
+_SHAFTS = LoadSharing(
+    _THREADS,
+    screw_segment_stiffness=3e9,
+    roller_segment_stiffness=1e9,
+    nut_segment_stiffness=6e9,
+)
+
+
+def _shared(load, cycle=None):
+    lead = 5e-3
+    one = screw_of_30_mm(
+        lead,
+        load=load,
+        strength=_strength(),
+        engaged_threads=float(_THREADS),
+        load_sharing=_SHAFTS,
+    )
+    return one if cycle is None else _with_cycle(one, *cycle)
+
+
+@eqx.filter_jit
+def _distribution(one, load):
+    found = prsm.load_distribution(one, load)
+    return [side.thread_load[0] for side in (found.screw, found.nut)]
+
+
+def _part():
+    """Threads of this nut over those of the unit scene."""
+    return _THREADS / (NUT_LENGTH / 1e-3)
+
+
+def test_threads_that_share_unequally():
+    """Under the largest load, thread by thread: pressure, truncation and static capacity."""
+    load = 1.6e5
+    one = _shared(load)
+    names = ["max_pressure_shared", "max_pressure", "static_capacity", "truncation_load"]
+    names += ["contact_truncation", "permanent_deformation"]
+    found = {k: float(np.ravel(v)[0]) for k, v in _compute(one, names).items()}
+    sides = [np.asarray(x) for x in _distribution(one, jnp.asarray(load))]
+    mean = load / (10 * _THREADS)
+    pressures = [
+        _pressures(5e-3, q * load / _part())[k]
+        for k, side in enumerate(sides)
+        for q in (side.max() / mean,)
+    ]
+    np.testing.assert_allclose(found["max_pressure_shared"], max(pressures), rtol=1e-9)
+    np.testing.assert_allclose(
+        found["max_pressure"], max(_pressures(5e-3, load / _part())), rtol=1e-9
+    )
+    assert found["max_pressure_shared"] > 1.05 * found["max_pressure"]
+    worst = max(side.max() for side in sides) / mean
+    capacity = brentq(
+        lambda x: max(_pressures(5e-3, x * worst / _part())) / _PERMISSIBLE - 1, 1e3, 1e7,
+        rtol=1e-13,
+    )  # fmt: skip
+    np.testing.assert_allclose(found["static_capacity"], capacity, rtol=1e-9)
+    onset = min(1e4 * min(t) ** 3 for _, t, _ in _unit(5e-3)) * _part() / worst
+    np.testing.assert_allclose(found["truncation_load"], onset, rtol=1e-9)
+    np.testing.assert_allclose(
+        found["contact_truncation"], 1 - (onset / load) ** (1 / 3), rtol=1e-8
+    )
+    # The dent is that of the force which presses a whole ellipse as much: pressures cubed, squared.
+    whole = _compute(without_addenda(one), ["permanent_deformation"])["permanent_deformation"]
+    scale = (load * worst / _part() / 1e4) ** (1 / 3)
+    ratio = [pressure_ratio_by_bisection([t / scale for t in r]) for _, r, _ in _unit(5e-3)]
+    dents = found["permanent_deformation"] / float(whole)
+    assert min(ratio) ** 6 - 1e-9 <= dents <= max(ratio) ** 6 + 1e-9
+    assert min(ratio) > 1.01
+
+
+def test_fatigue_of_threads_that_share_unequally():
+    """Duty cycle, under whose equivalent load they share: within 2 % of thread by thread.
+
+    The code cuts all ellipses as those of one thread with the fatigue of all; the sum over threads
+    cuts each by its own load.
+    """
+    loads, turned = [2.2e5, 1.2e5, 4e4], [2.0, 40.0, 400.0]
+    one = _shared(1e5, (loads, turned))
+    names = ["dynamic_capacity", "rating_life", "phase_damage"]
+    found = {k: np.ravel(v) for k, v in _compute(one, names).items()}
+    weights = np.asarray(turned) / np.sum(turned)
+    equivalent = float((weights @ np.asarray(loads) ** 3) ** (1 / 3))
+    sides = [np.asarray(x) for x in _distribution(one, jnp.asarray(equivalent))]
+    worse = max(sides, key=lambda x: np.mean(x ** (10 / 3)))
+    shares = worse / worse.mean()
+    part = _part()
+    each = _capacity(5e-3, loads=shares, share=part)
+    np.testing.assert_allclose(found["dynamic_capacity"], each, rtol=0.02)
+    rates = np.array([1 / _life(_risk(5e-3, x, loads=shares, share=part)) for x in loads])
+    np.testing.assert_allclose(found["rating_life"], 1 / (weights @ rates), rtol=0.06)
+    # As the code has it, exactly: one load for all threads.
+    factor = np.mean(shares ** (10 / 3)) ** 0.3
+    alike = brentq(
+        lambda x: _life(_risk(5e-3, x * factor, share=part)) / 1e6 - 1, 1e3, 1e7, rtol=1e-13
+    )
+    np.testing.assert_allclose(found["dynamic_capacity"], alike, rtol=1e-8)
+    as_one = np.array([1 / _life(_risk(5e-3, x * factor, share=part)) for x in loads])
+    np.testing.assert_allclose(found["rating_life"], 1 / (weights @ as_one), rtol=1e-8)
+    turns = np.asarray(turned) / (2 * np.pi)
+    np.testing.assert_allclose(found["phase_damage"], turns * as_one, rtol=1e-8)
+    # Whole ellipses would have another life.
+    plain = _compute(without_addenda(one), ["rating_life"])["rating_life"]
+    assert abs(found["rating_life"][0] / float(plain[0]) - 1) > 0.05
