@@ -26,9 +26,7 @@ def screw_of_30_mm(lead, addendum=0.2, load=20e3, strength=None, **more):
         10,
         geometry=geometry,
         strength=strength,
-        engaged_threads=NUT_LENGTH / pitch,
-        material=STEEL,
-        **more,
+        **({"engaged_threads": NUT_LENGTH / pitch, "material": STEEL} | more),
     )
     return mechanism(one, load=load)
 

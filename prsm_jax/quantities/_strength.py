@@ -58,6 +58,22 @@ def _fatigue_factor(analysis: Analysis, index: int) -> Scalar | float:
     return jnp.max(jnp.stack(factors)) if factors else 1.0
 
 
+def _thread_shares(
+    analysis: Analysis, index: int
+) -> tuple[strength.ThreadShares, strength.ThreadShares] | None:
+    """Loads of all threads over their mean under the mean load, where they share unequally."""
+    found = []
+    for side in _sides(analysis, index, "equivalent"):
+        loads = jnp.ravel(side.thread_load)
+        weights = jnp.ravel(jnp.broadcast_to(side.weight[:, None], side.thread_load.shape))
+        weights = weights / jnp.sum(weights)
+        mean = jnp.sum(weights * loads)
+        # Without load they are all alike.
+        alike = jnp.where(side.loaded, mean, 1.0)
+        found.append(strength.ThreadShares(jnp.where(side.loaded, loads / alike, 1.0), weights))
+    return (found[0], found[1]) if found else None
+
+
 def static_capacity_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     # What is given needs no contacts.
     if stage.strength is None or stage.strength.static_capacity is not None:
@@ -163,6 +179,7 @@ def truncated_fatigue_of(
             analysis.reference_contact(index),
             _fatigue_factor(analysis, index),
             onsets_anywhere(analysis, index),
+            _thread_shares(analysis, index),
         ),
     )
 

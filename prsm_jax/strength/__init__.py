@@ -75,6 +75,7 @@ from ._static import (
 )
 from ._truncation import (
     SideOnset as SideOnset,
+    ThreadShares as ThreadShares,
     TruncatedFatigue as TruncatedFatigue,
     contact_truncation as contact_truncation,
     load_of_whole_ellipse as load_of_whole_ellipse,

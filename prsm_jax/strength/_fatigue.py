@@ -23,7 +23,7 @@ from ..mechanism import Scalar, Stage
 from ._contacts import REFERENCE_LOAD, meshing_of, reference_contact, strength_of, thread_share
 from ._load_spectrum import mean_load
 from ._subsurface import orthogonal_shear
-from ._truncation import SideOnset, TruncatedFatigue, side_onsets
+from ._truncation import SideOnset, ThreadShares, TruncatedFatigue, side_onsets
 
 #: Exponents of stress, depth and life, and Weibull slope, of point contacts.
 STRESS_EXPONENT, DEPTH_EXPONENT, WEIBULL_SLOPE = 31 / 3, 7 / 3, 10 / 9
@@ -137,15 +137,18 @@ def truncated_fatigue(
     contact: StageContact | None = None,
     sharing_factor: Scalar | float = 1.0,
     sides: tuple[SideOnset | None, SideOnset | None] | None = None,
+    threads: tuple[ThreadShares, ThreadShares] | None = None,
 ) -> TruncatedFatigue | None:
     """What the ends of the flanks make of the fatigue under a load; `None` where no flank ends.
 
-    Also `None` where the dynamic capacity is given: a test has the truncation in it. With threads
-    that share unequally all are taken to be cut as one that bears `sharing_factor` times the mean.
+    Also `None` where the dynamic capacity is given: a test has the truncation in it. Where threads
+    share unequally each is cut by its own load; without `threads` all are taken to be cut as one
+    that bears `sharing_factor` times the mean.
 
     **Arguments:** as in `dynamic_capacity`, and
 
     - `sides`: `side_onsets` of the stage, if known already.
+    - `threads`: loads of the threads over the mean, on the screw and the nut side.
     """
     if stage.strength is None or stage.strength.dynamic_capacity is not None:
         return None
@@ -157,7 +160,8 @@ def truncated_fatigue(
     if sides is None:
         return None
     risks = side_risks(stage, meshing, contact)
-    return TruncatedFatigue(sides, risks, sharing_factor / thread_share(stage))
+    common = sharing_factor if threads is None else 1.0
+    return TruncatedFatigue(sides, risks, common / thread_share(stage), threads)
 
 
 def fatigue_risk(stage: Stage, meshing: Meshing | None, contact: StageContact) -> Scalar:

@@ -1,5 +1,7 @@
 """What flanks that end inside the contact ellipses make of capacities and life."""
 
+from collections.abc import Callable
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -178,6 +180,33 @@ def load_of_whole_ellipse(
     return load * pressure_ratio(side.pressure(load), side.onsets) ** 3
 
 
+class ThreadShares(eqx.Module):
+    """How unlike the threads of one side are loaded."""
+
+    #: Load of each over a common one.
+    load: Float[Array, " threads"]
+    #: Part of the side's threads that each stands for; their sum is 1.
+    weight: Float[Array, " threads"]
+
+    def mean_of_risks(
+        self,
+        ratio: Callable[[Float[Array, "*batch"]], Float[Array, "*batch"]],
+        common: Float[Array, "*batch"],
+    ) -> Float[Array, "*batch"]:
+        """Mean of a ratio of risks over the threads, each by its risk as a whole ellipse.
+
+        **Arguments:**
+
+        - `ratio`: of a thread's load [N].
+        - `common`: the common load [N].
+        """
+        risks = self.weight * positive_power(self.load, 10 / 3)
+        risks = risks / jnp.sum(risks)
+        spread = (1,) * common.ndim + risks.shape
+        loads = jnp.expand_dims(common, -1) * jnp.reshape(self.load, spread)
+        return jnp.sum(jnp.reshape(risks, spread) * ratio(loads), axis=-1)
+
+
 class TruncatedFatigue(eqx.Module):
     """Rolling fatigue of contacts whose ellipses pass the ends of their flanks under some loads.
 
@@ -191,6 +220,9 @@ class TruncatedFatigue(eqx.Module):
     risks: tuple[Scalar, Scalar]
     #: Load in equal shares of all threads over the axial load.
     per_load: Scalar | float
+    #: Loads of the threads of either side over the load that `per_load` gives all of them, and how
+    #: much of the side each stands for; `None` where all are alike.
+    threads: tuple[ThreadShares, ThreadShares] | None = None
 
     def load_factor(self, load: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
         """g: load of a whole ellipse with the same fatigue, over the load; 1 where nothing is cut.
@@ -200,10 +232,17 @@ class TruncatedFatigue(eqx.Module):
         - `load`: axial load on one flank, not negative [N].
         """
         grown = jnp.zeros_like(load)
-        for side, risk in zip(self.sides, self.risks, strict=True):
+        threads = (None, None) if self.threads is None else self.threads
+        for side, risk, shares in zip(self.sides, self.risks, threads, strict=True):
             if side is None:
                 continue
-            ratio = risk_ratio(side.pressure(load * self.per_load), side.onsets)
+            borne = load * self.per_load
+            if shares is None:
+                ratio = risk_ratio(side.pressure(borne), side.onsets)
+            else:
+                ratio = shares.mean_of_risks(
+                    lambda one, side=side: risk_ratio(side.pressure(one), side.onsets), borne
+                )
             grown = grown + risk / (self.risks[0] + self.risks[1]) * (ratio - 1)
         return (1 + grown) ** 0.3
 
