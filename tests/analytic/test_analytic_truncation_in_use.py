@@ -80,9 +80,9 @@ def _life(risk):
     return 1e6 * (_RATED / risk) ** 0.9
 
 
-def _rates(loads, **more):
+def _rates(phases, **more):
     """Lives used up by a turn, 0 without load."""
-    risks = [_risk(load=load, **more) for load in loads]
+    risks = [_risk(load=load, **more) for load in phases]
     return np.array([1 / _life(risk) if risk > 0 else 0.0 for risk in risks])
 
 
