@@ -20,6 +20,7 @@ _TESTS: tuple[tuple[str, str], ...] = (
     ("contact/_axis_stress", "analytic/subsurface"),
     ("contact/_carlson", "analytic/subsurface"),
     ("contact/_truncation", "analytic/truncation gradients/truncation"),
+    ("contact/_edge_pressure", "analytic/edge_pressure"),
     ("contact/_slip_and_spin", "analytic/slip_and_spin analytic/spin_losses analytic/steady"),
     ("contact", "analytic/hertz literature/contact analytic/subsurface gradients/limits"),
     ("halfspace/_peak", "analytic/halfspace_peak analytic/halfspace"),
@@ -41,7 +42,11 @@ _TESTS: tuple[tuple[str, str], ...] = (
         "analytic/unequal_rollers analytic/modes",
     ),
     ("strength/_reliability", "analytic/rating_life analytic/strength"),
-    ("strength/_truncation", "analytic/truncation gradients/truncation"),
+    ("strength/_edges", "analytic/edge_pressure analytic/truncation"),
+    (
+        "strength/_truncation",
+        "analytic/truncation_in_use analytic/truncation gradients/truncation",
+    ),
     ("strength/_subsurface", "analytic/strength analytic/subsurface"),
     (
         "strength",
