@@ -254,7 +254,7 @@ def _braced_first(
     whole = eqx.tree_at(
         lambda w: (w.chains.offset, w.meshing_converged, *UNITS(w.chains)),
         whole,
-        (offset, whole.meshing_converged & jnp.all(spacer[1].converged), *units),
+        (offset, whole.meshing_converged & jnp.all(spacer[1].result == 0), *units),
         is_leaf=lambda x: x is None,
     )
     return whole, loaded
