@@ -14,8 +14,6 @@ from ..mechanism import Mechanism, Scalar, Stage
 from ._chains import (
     Chains,
     Control,
-    Flanks,
-    Loads,
     State,
     deflection_of,
     flank_loads,
@@ -24,91 +22,9 @@ from ._chains import (
 )
 from ._equilibrium import Equilibrium, equilibrium, linear_response
 from ._ladder import control_column
+from ._side_loads import SideLoads, side_loads
 from ._stage_chains import UNITS, StageChains, sharing_of, stage_chains, with_units_of
 from ._unloaded import ElasticDeflection, elastic_deflection
-
-#: Share of a typical force, in double and single precision, below which there is none: well above
-#: the film's.
-_NOTHING = {True: 1e-9, False: 1e-3}
-
-
-class SideLoads(eqx.Module):
-    """Loads between rollers and screw, or rollers and nut; a row for each class of rollers."""
-
-    #: Axial load on the flanks that a positive load presses [N].
-    forward: Float[Array, "classes threads"]
-    #: Axial load on the opposite flanks [N]; `None` where they are not modelled.
-    reverse: Float[Array, "classes threads"] | None
-    #: Largest Hertz pressure of each thread [Pa].
-    max_pressure: Float[Array, "classes threads"]
-    #: Axial secant stiffness of one roller of each class, its threads in parallel and its
-    #: `stiffness_factor` in it [N/m]; 0 for a roller that carries nothing.
-    stiffness: Float[Array, " classes"]
-    #: How many rollers each class stands for.
-    weight: Float[Array, " classes"]
-    #: A typical force on one thread [N], which tells a load from rounding; `None` if not known.
-    force_unit: Scalar | None = None
-    #: As `stiffness`, but tangent [N/m]; `None` if not known.
-    tangent: Float[Array, " classes"] | None = None
-
-    @property
-    def thread_load(self) -> Float[Array, "classes threads"]:
-        """Axial load on each thread, on whichever flank [N]."""
-        return self.forward if self.reverse is None else self.forward + self.reverse
-
-    @property
-    def roller_load(self) -> Float[Array, " classes"]:
-        """Axial load that one roller of each class carries [N]."""
-        net = self.forward if self.reverse is None else self.forward - self.reverse
-        return jnp.sum(net, axis=1)
-
-    @property
-    def roller_stiffness(self) -> Scalar:
-        """Axial secant stiffness of one roller of the first class [N/m].
-
-        The nominal ones; where all are unlike, the first roller. Those of the others are in
-        `stiffness`.
-        """
-        return self.stiffness[0]
-
-    @property
-    def roller_tangent_stiffness(self) -> Scalar:
-        """As `roller_stiffness`, but tangent [N/m]."""
-        assert self.tangent is not None
-        return self.tangent[0]
-
-    @property
-    def thread_sharing_factor(self) -> Scalar:
-        """Largest load of a thread over the mean of all; 1 without load."""
-        return self._ratio(jnp.max(self.thread_load), self._mean_thread_load)
-
-    @property
-    def _mean_thread_load(self) -> Scalar:
-        load = self.thread_load
-        return jnp.sum(self.weight[:, None] * load) / (jnp.sum(self.weight) * load.shape[1])
-
-    @property
-    def loaded(self) -> Bool[Array, ""]:
-        """Whether the threads bear more than rounding."""
-        return self._mean_thread_load > self._nothing
-
-    @property
-    def _nothing(self) -> Scalar | float:
-        """Up to here a force is rounding, or that of the film which keeps loose teeth [N]."""
-        if self.force_unit is None:
-            return 0.0
-        return _NOTHING[self.weight.dtype == jnp.float64] * self.force_unit
-
-    @property
-    def roller_sharing_factor(self) -> Scalar:
-        """Largest load of a roller over the mean of all; 1 without load."""
-        load = self.roller_load
-        mean = jnp.abs(jnp.sum(self.weight * load)) / jnp.sum(self.weight)
-        return self._ratio(jnp.max(jnp.abs(load)), mean)
-
-    def _ratio(self, part: Scalar, whole: Scalar) -> Scalar:
-        loaded = whole > self._nothing
-        return jnp.where(loaded, part / jnp.where(loaded, whole, 1.0), 1.0)
 
 
 class LoadDistribution(eqx.Module):
@@ -170,41 +86,6 @@ class LoadDistribution(eqx.Module):
         owner = {n: index for index, numbers in enumerate(self.rollers) for n in numbers}
         numbers = tuple(sorted(owner))
         return numbers, values[jnp.asarray([owner[n] for n in numbers])]
-
-
-def _positive_root(value: Array) -> Array:
-    """Cube root of loads; 0, with derivative 0, where there is none."""
-    loaded = value > 0
-    return jnp.where(loaded, jnp.cbrt(jnp.where(loaded, value, 1.0)), 0.0)
-
-
-def _stiffness(force: Array, flanks: Flanks, hertz_share: float = 1.0) -> Array:
-    """Secant stiffness f/δ of each thread; with 2/3 of Hertz its tangent; 0 without load."""
-    root = _positive_root(force)
-    assert flanks.hertz is not None
-    soft = hertz_share * flanks.hertz
-    return root / (soft if flanks.tooth is None else soft + flanks.tooth * root)
-
-
-def _side(whole: StageChains, side: Literal["screw", "nut"], loads: Loads) -> SideLoads:
-    flanks: Flanks = getattr(whole.chains, side)
-    forward, reverse = loads
-    unit, normal = getattr(whole, f"{side}_unit_contact"), getattr(whole, f"{side}_normal")
-    stiffness, tangent = _stiffness(forward, flanks), _stiffness(forward, flanks, 2 / 3)
-    largest = forward
-    if reverse is not None:
-        stiffness = stiffness + _stiffness(reverse, flanks)
-        tangent = tangent + _stiffness(reverse, flanks, 2 / 3)
-        largest = jnp.maximum(forward, reverse)
-    return SideLoads(
-        forward=forward,
-        reverse=reverse,
-        max_pressure=unit.max_pressure * _positive_root(largest * normal),
-        stiffness=jnp.sum(stiffness, axis=1),
-        tangent=jnp.sum(tangent, axis=1),
-        weight=whole.chains.weight,
-        force_unit=whole.chains.force_unit,
-    )
 
 
 def tangent_stiffness(chains: Chains, state: State) -> Scalar:
@@ -316,8 +197,8 @@ def _described(
             spacer = spacer - load
     on_screw, on_nut = flank_loads(chains, state)
     return LoadDistribution(
-        screw=_side(whole, "screw", on_screw),
-        nut=_side(whole, "nut", on_nut),
+        screw=side_loads(whole, "screw", on_screw),
+        nut=side_loads(whole, "nut", on_nut),
         load=load,
         deflection=deflection_of(chains, state, load, offset),
         tangent_stiffness=tangent_stiffness(chains, free) if tangent else None,

@@ -17,19 +17,14 @@ from ..contact import (
     StressPeak,
     load_of,
     stage_contact,
-    stress_peak_on_axis,
 )
 from ..dynamics import StageKinematics, SteadyState, all_kinematics, steady_state
 from ..geometry import Meshing, dimensions_possible, rollers_fit
 from ..load_sharing import (
-    ElasticDeflection,
     LoadDistribution,
-    Resting,
-    elastic_deflection,
     stage_load_distributions,
-    tangent_stiffness,
 )
-from ..mechanism import Mechanism, Scalar, Stage, material_of
+from ..mechanism import Mechanism, Scalar, Stage
 from ..modal import (
     ModeGroup,
     Modes,
@@ -53,6 +48,7 @@ from ..strength import (
     reference_contact,
     spectrum_of,
 )
+from ._stress_peaks import stress_peaks_of
 
 #: Under which load threads share: that of the operating point; or on one flank, a preload of two
 #: nuts included, the largest of all, or the constant one with the fatigue of the duty cycle; or
@@ -231,30 +227,7 @@ class Analysis:
     @cached_property
     def stress_peaks(self) -> dict[str, dict[AxisMeasure, StressPeak]]:
         """Largest stresses below the contacts of all stages, in screw and nut, without friction."""
-
-        # Both sides of all stages at once: one program for each measure.
-        places = [(side, k) for side in ("screw", "nut") for k in range(len(self.contacts))]
-        hertz = [getattr(self.contacts[k], side).hertz for side, k in places]
-        given = (
-            jnp.stack([contact.semi_major for contact in hertz]),
-            jnp.stack([contact.semi_minor for contact in hertz]),
-            jnp.stack([contact.max_pressure for contact in hertz]),
-            jnp.stack(
-                [material_of(self.mechanism.stages[k], side).poisson_ratio for side, k in places]
-            ),
-        )
-        found: dict[str, dict[AxisMeasure, StressPeak]] = {"screw": {}, "nut": {}}
-        measures: tuple[AxisMeasure, ...] = ("von_mises", "max_shear")
-        for measure in measures:
-
-            def below(major, minor, pressure, ratio, measure: AxisMeasure = measure):
-                return stress_peak_on_axis(major, minor, pressure, ratio, measure)
-
-            peaks = jax.vmap(below)(*given)
-            count = len(self.contacts)
-            found["screw"][measure] = jax.tree.map(lambda leaf, n=count: leaf[:n], peaks)
-            found["nut"][measure] = jax.tree.map(lambda leaf, n=count: leaf[n:], peaks)
-        return found
+        return stress_peaks_of(self.contacts, self.mechanism.stages)
 
     @cached_property
     def threads(self) -> tuple[ThreadStiffness, ...]:
@@ -342,30 +315,6 @@ class Analysis:
             return magnitude
         worst = loads[jnp.argmax(jax.lax.stop_gradient(harm))]
         return jnp.where(worst < 0, -magnitude, magnitude)
-
-    def elastic(self, index: int) -> ElasticDeflection:
-        """What the load of the operating point does to the travel of a stage (from 0)."""
-
-        def make() -> ElasticDeflection:
-            loaded, resting = self.distribution(index), None
-            sharing = self.mechanism.stages[index].load_sharing
-            if sharing is not None and sharing.has_reverse_flanks:
-                alone = self.distribution(index, "none")
-                resting = Resting(alone.deflection, alone.converged)
-            found = elastic_deflection(loaded.chains, loaded.load, loaded.deflection, resting)
-            self.require(found.converged)
-            return found
-
-        return self.once(("elastic", index), make)
-
-    def nut_tangent_stiffness(self, index: int) -> Scalar:
-        """dF/dx between screw and nut of a stage (from 0) at the operating point [N/m]."""
-
-        def make() -> Scalar:
-            found = self.distribution(index)
-            return tangent_stiffness(found.chains, found.equilibrium.state)
-
-        return self.once(("nut_tangent_stiffness", index), make)
 
     @property
     def distributions(self) -> tuple[LoadDistribution, ...]:

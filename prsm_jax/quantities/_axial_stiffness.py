@@ -13,6 +13,7 @@ from ..mechanism import Scalar, Stage
 from ..stiffness import ThreadStiffness, axial_stiffness as stage_axial_stiffness, in_series
 from ._analysis import Analysis, SharedLoad
 from ._catalogue import quantity
+from ._nut_travel import elastic_of, nut_tangent_of
 
 _CONTACTS = (
     "of the thread contacts, with their teeth where [stage.load_sharing.tooth] gives them, shafts "
@@ -44,11 +45,11 @@ def _contact_tangent(analysis: Analysis):
 
 
 def _nut_secants(analysis: Analysis) -> list[Scalar]:
-    return [analysis.elastic(i).secant_stiffness for i in range(len(analysis.mechanism.stages))]
+    return [elastic_of(analysis, i).secant_stiffness for i in range(len(analysis.mechanism.stages))]
 
 
 def _nut_tangents(analysis: Analysis) -> list[Scalar]:
-    return [analysis.nut_tangent_stiffness(i) for i in range(len(analysis.mechanism.stages))]
+    return [nut_tangent_of(analysis, i) for i in range(len(analysis.mechanism.stages))]
 
 
 def _with_shaft(stage: Stage, nut: Scalar) -> Scalar:

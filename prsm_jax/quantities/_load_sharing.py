@@ -6,6 +6,7 @@ from .._errors import MissingDataError
 from ..mechanism import Scalar
 from ._analysis import Analysis
 from ._catalogue import quantity
+from ._nut_travel import elastic_of
 from ._onsets import truncated_pressure
 
 
@@ -95,7 +96,7 @@ def max_pressure_shared(analysis: Analysis):
 )
 def axial_deflection(analysis: Analysis):
     stages = range(len(analysis.mechanism.stages))
-    return jnp.sum(jnp.stack([analysis.elastic(i).deflection for i in stages]))
+    return jnp.sum(jnp.stack([elastic_of(analysis, i).deflection for i in stages]))
 
 
 @quantity(
