@@ -4,7 +4,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from prsm_jax.modal import VibrationSystem, symmetric_modes
+from prsm_jax.modal import VibrationSystem, spring_network, symmetric_modes
+from prsm_jax.numerics import singular_values
 
 from ..harness import Case, Method, Prepared, Problem, Reference
 from ..references.stages import NumPyStage, dense_solver, random_systems, unflattened
@@ -51,6 +52,48 @@ def _blocks_by_lapack(system: VibrationSystem):
 
 def _reduced(system: VibrationSystem):
     return symmetric_modes(system).frequencies
+
+
+def _rooted(unflatten, row):
+    """√k G M^{-1/2} of one design, without any use of symmetry; its singular values are ω."""
+    network = spring_network(unflatten(row))
+    return jnp.sqrt(network.stiffness)[:, None] * network.rows / jnp.sqrt(network.mass)[None, :]
+
+
+def _without_symmetry(count: int, spread: float, quick: bool) -> Problem:
+    """What a stage with unequal rollers takes: all degrees of freedom at once."""
+    batches = (1, 100) if quick else (1, 100, 10_000)
+    numbers = random_systems(count, batches[-1], spread)
+    unflatten, rival = unflattened(count), NumPyStage(count)
+    compared = 2 if quick else 8
+
+    def reference():
+        rows = [frequencies(row, count)[0] for row in numbers[:compared]]
+        return {_FREQUENCIES: Reference(np.array(rows))}
+
+    def jacobi(row):
+        return jnp.sort(singular_values(_rooted(unflatten, row))[0]) / (2 * jnp.pi)
+
+    def lapack(row):
+        # Vectors too, as the derivatives of modes need them.
+        values, vectors = jnp.linalg.svd(_rooted(unflatten, row), full_matrices=False)[1:]
+        return values[::-1] / (2 * jnp.pi) + 0 * vectors[0]
+
+    decades = "" if spread < 1 else f", numbers spread over ±{spread:g} decades"
+    return Problem(
+        name=f"dense_{count}" + ("" if spread < 1 else "_extreme"),
+        title=f"Natural frequencies without symmetry, N = {count}{decades}",
+        instance="design",
+        methods=[
+            _vmapped("Jacobi", _FREQUENCIES, jacobi, numbers, batches),
+            _vmapped("LAPACK, singular values", _FREQUENCIES, lapack, numbers, batches),
+            _vmapped("LAPACK, eigenvalues", _FREQUENCIES, dense_solver(count), numbers, batches),
+            _rival("NumPy eigvalsh, batched", _FREQUENCIES, rival.by_numpy, numbers[:1_000]),
+        ],
+        reference=reference,
+        reference_note=f"mpmath eigsy of the full matrix at {DIGITS} digits, {compared} designs",
+        baseline="LAPACK, singular values",
+    )
 
 
 def _vmapped(name, quantity, solve, numbers: np.ndarray, batches, dtype=jnp.float64) -> Method:
@@ -211,6 +254,10 @@ def case(quick: bool) -> Case:
     if not quick:
         title = "Natural frequencies, N = 7, numbers spread over ±6 decades"
         problems.append(_values_problem("extreme", title, 7, 6.0, quick, largest=10_000))
+        problems += [_without_symmetry(n, 0.1, quick) for n in (3, 7, 12, 20)]
+        problems.append(_without_symmetry(7, 3.0, quick))
+    else:
+        problems.append(_without_symmetry(7, 0.1, quick))
     problems.append(_gradient_problem(7, quick))
     return Case(
         "frequencies",

@@ -10,6 +10,7 @@ from jaxtyping import Array, Float
 
 from .._physics import physics
 from ..mechanism import Scalar
+from ..numerics import solve
 from ._axis_stress import axis_stress
 from ._stress_measures import (
     max_shear_of_principal,
@@ -103,7 +104,7 @@ def _moving(
     held = last & ~inside
     gradient = jnp.where(held, 0.0, gradient)
     hessian = jnp.where(held[:, None] | held[None, :], -jnp.eye(found.size), hessian)
-    change = -jnp.linalg.solve(hessian, gradient)
+    change = -solve(hessian, gradient)
     small = jnp.all(jnp.abs(change) <= 2 * spacing * 0.5 ** (_REFINEMENTS - 1))
     return found + jnp.where(small & jnp.all(jnp.isfinite(change)), change, 0.0)
 

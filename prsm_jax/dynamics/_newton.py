@@ -14,6 +14,7 @@ from jaxtyping import Array, Bool, Float
 
 from .._physics import physics
 from ..mechanism import Mechanism, Scalar, Stage
+from ..numerics import solve
 from ._contact_losses import has_contact_losses, resisting_moments
 from ._free_bodies import (
     FromNext,
@@ -27,10 +28,6 @@ from ._kinematics import StageKinematics
 
 _UNKNOWNS = len(StageUnknowns._fields)
 _MOST_ITERATIONS = 20
-
-
-def _solve(matrix: Float[Array, "n n"], right: Float[Array, " n"]) -> Float[Array, " n"]:
-    return jnp.linalg.solve(matrix, right[:, None])[:, 0]
 
 
 def from_following(
@@ -99,7 +96,7 @@ def newton_forces(
     def search(function, start):
         def step(carry):
             flat, _, count = carry
-            change = _solve(jax.jacfwd(function)(flat), function(flat))
+            change = solve(jax.jacfwd(function)(flat), function(flat))
             settled = jnp.max(jnp.abs(change)) <= 1e-13 * jnp.max(jnp.abs(flat - change))
             return flat - change, settled, count + 1
 
@@ -112,7 +109,7 @@ def newton_forces(
         return flat, settled.astype(start.dtype)
 
     def solve_linear(linear, right):
-        return _solve(jax.vmap(linear, out_axes=1)(jnp.eye(len(right), dtype=right.dtype)), right)
+        return solve(jax.vmap(linear, out_axes=1)(jnp.eye(len(right), dtype=right.dtype)), right)
 
     # Contacts that press, where the moments in their ellipses have a derivative.
     start = jnp.ones(len(stages) * _UNKNOWNS, load.dtype)

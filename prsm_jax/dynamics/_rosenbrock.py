@@ -20,7 +20,7 @@ import jax.numpy as jnp
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float, PyTree
 
-from ._small_solve import solve_small
+from ..numerics import solve_small
 
 _GAMMA = 0.25
 _C = (0.0, 0.75, 0.21, 0.63, 1.0, 1.0)

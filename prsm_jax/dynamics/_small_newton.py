@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ._small_solve import solve_small
+from ..numerics import solve_small
 
 
 def find_roots(

@@ -8,6 +8,24 @@ from ._system import VibrationSystem
 
 #: In the order of `family_shares`. A rigid motion is a mode without strain, of whatever family.
 FAMILIES = ("carrier", "torsional", "transverse", "roller")
+#: Less than this share of a pattern's square left beside those before it is rounding.
+_ABSENT = 1e-20
+
+
+def _orthonormal(patterns: list[Float[Array, " rollers"]]) -> Float[Array, "patterns rollers"]:
+    """The patterns orthogonal to those before them and of norm one; 0 where nothing is left."""
+    rows: list[Array] = []
+    for pattern in patterns:
+        rest = pattern
+        # Twice is enough (Kahan and Parlett).
+        for _ in range(2):
+            for row in rows:
+                rest = rest - jnp.sum(row * rest) * row
+        square = jnp.sum(rest**2)
+        left = square > _ABSENT * jnp.sum(pattern**2)
+        # Not the other way round: what is not a number stays so.
+        rows.append(jnp.where(left, rest, 0.0) / jnp.sqrt(jnp.where(left, square, 1.0)))
+    return jnp.stack(rows)
 
 
 def family_shares(
@@ -39,12 +57,11 @@ def family_shares(
         else:
             places["torsional" if coordinate.direction == "u" else "transverse"].append(index)
     position = system.roller_positions
-    patterns = jnp.stack([jnp.ones_like(position), jnp.cos(position), jnp.sin(position)], axis=1)
-    basis = jnp.linalg.qr(patterns)[0]
+    basis = _orthonormal([jnp.ones_like(position), jnp.cos(position), jnp.sin(position)])
     shares = {name: jnp.sum(energy[jnp.asarray(at, int)], axis=0) for name, at in places.items()}
     shares["roller"] = jnp.zeros_like(shares["carrier"])
     for at in rollers.values():
-        found = (basis.T @ amplitude[jnp.asarray(at, int)]) ** 2
+        found = (basis @ amplitude[jnp.asarray(at, int)]) ** 2
         first, second = found[0], jnp.sum(found[1:], axis=0)
         shares["torsional"] = shares["torsional"] + first
         shares["transverse"] = shares["transverse"] + second

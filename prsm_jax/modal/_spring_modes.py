@@ -19,6 +19,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Inexact
 
+from ..numerics import hermitian_eigenvalues, singular_values
 from ._spring_network import SpringNetwork
 
 #: Eigenvalues closer than this share of themselves are one cluster. Those of an exact cluster
@@ -103,14 +104,9 @@ def _halved(root, change):
 def _modes(stiffness, rows):
     """Blocks B = Vᴴ A V of the clusters, diagonal in value and ascending, and the vectors V."""
     root = jnp.sqrt(stiffness)[:, None].astype(rows.dtype) * rows
-    # Unit size, so that float32 keeps its range.
-    size = jnp.max(jnp.abs(root))
-    size = jnp.where(size > 0, size, 1.0)
-    _, _, adjoint = jnp.linalg.svd(root / size.astype(rows.dtype), full_matrices=False)
-    vectors = adjoint.conj().T
-    values = jnp.sum(stiffness[:, None] * jnp.abs(rows @ vectors) ** 2, axis=0)
-    order = jnp.argsort(values)
-    return jnp.diag(values[order]).astype(rows.dtype), vectors[:, order]
+    singular, vectors = singular_values(root)
+    order = jnp.argsort(singular)
+    return jnp.diag(singular[order] ** 2).astype(rows.dtype), vectors[:, order]
 
 
 @_modes.defjvp
@@ -196,17 +192,11 @@ def directional_slopes(
     projected = _projected_change(stiffness, rows, vectors, stiffness_change, rows_change)
     together = clusters(values)
     inside = jnp.where(together, projected, jnp.zeros_like(projected))
-    # One eigenproblem for all clusters: scaled to a norm of one, and each shifted so far that the
-    # ascending eigenvalues come cluster by cluster.
-    size = jnp.linalg.norm(inside)
-    size = jnp.where(size > 0, size, 1.0)
+    # One eigenproblem for all clusters, each scaled to a norm of one.
+    size = jnp.sqrt(together.astype(values.dtype) @ jnp.sum(jnp.abs(inside) ** 2, axis=1))
+    size = jnp.where(size == 0, 1.0, size)
+    slopes = hermitian_eigenvalues(inside / size[:, None].astype(inside.dtype)) * size
     first = jnp.argmax(together, axis=1)
-    shift = 3.0 * first.astype(values.dtype)
-    shifted = jnp.linalg.eigvalsh(
-        inside / size.astype(inside.dtype) + jnp.diag(shift).astype(inside.dtype)
-    )
-    slopes = (shifted - shift) * size
+    _, slopes = jax.lax.sort((first, slopes), num_keys=2)
     last = first + jnp.sum(together, axis=1) - 1
-    number = jnp.arange(len(values))
-    last = first.astype(int) + jnp.sum(together, axis=1) - 1
-    return values, slopes, slopes[first + last - number]
+    return values, slopes, slopes[first + last - jnp.arange(len(values))]

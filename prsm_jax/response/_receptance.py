@@ -11,8 +11,8 @@ from jaxtyping import Array, Bool, Complex, Float
 from .._physics import physics
 from ..mechanism import ModalDamping, RayleighDamping, Scalar, StructuralDamping
 from ..modal import SpringNetwork
+from ..numerics import Factors, factorise, substitute, substitute_transposed
 from ._dissipation import LAWS, AnyDamping, Dissipation, dissipation, scaled_modes
-from ._elimination import Factors, factorise, substitute, substitute_transposed
 
 Solver: TypeAlias = Literal["direct", "modal"]
 #: Frequencies solved at once; more of them are taken in turns, so that memory stays bounded.

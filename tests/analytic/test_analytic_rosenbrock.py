@@ -10,7 +10,7 @@ import pytest
 from scenes import array
 
 from prsm_jax.dynamics._rosenbrock import Rodasp
-from prsm_jax.dynamics._small_solve import solve_small
+from prsm_jax.numerics import solve_small
 
 TIMES = np.linspace(0.0, 2.0, 41)
 

@@ -12,17 +12,19 @@ import prsm_jax
 ROOT = Path(prsm_jax.__file__).parent
 #: Each room and the rooms that it may use, directly. `_name` modules of the package serve all.
 LAYERS = {
+    "numerics": set(),
     "mechanism": set(),
     "file": {"mechanism"},
     "geometry": {"mechanism"},
-    "contact": {"mechanism", "geometry"},
+    "contact": {"numerics", "mechanism", "geometry"},
     "halfspace": {"mechanism", "geometry", "contact"},
     "load_sharing": {"mechanism", "geometry", "contact"},
     "strength": {"mechanism", "geometry", "contact", "load_sharing"},
     "stiffness": {"mechanism", "geometry", "contact", "load_sharing"},
-    "modal": {"mechanism", "geometry", "contact", "load_sharing", "stiffness"},
-    "dynamics": {"mechanism", "geometry", "contact", "stiffness"},
+    "modal": {"numerics", "mechanism", "geometry", "contact", "load_sharing", "stiffness"},
+    "dynamics": {"numerics", "mechanism", "geometry", "contact", "stiffness"},
     "response": {
+        "numerics",
         "mechanism",
         "geometry",
         "contact",

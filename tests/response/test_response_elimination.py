@@ -8,7 +8,7 @@ from response_scenes import LAWS
 from scenes import example
 
 import prsm_jax as prsm
-from prsm_jax.response._elimination import factorise, substitute, substitute_transposed
+from prsm_jax.numerics import factorise, substitute, substitute_transposed
 
 _EPS = np.finfo(float).eps
 _solve = jax.jit(lambda a, b: substitute(factorise(a), b))

@@ -5,6 +5,8 @@ that do not depend on each other can wait for each other for ever. Two responses
 program are such a pair. For matrices of this size nothing is lost.
 """
 
+from collections.abc import Callable
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -86,3 +88,36 @@ def substitute_transposed(
     upper = jax.lax.fori_loop(0, size, forward, right)
     lower = jax.lax.fori_loop(0, size, backward, upper)
     return jnp.zeros_like(lower).at[factors.order].set(lower)
+
+
+def solve(matrix: Inexact[Array, "n n"], right: Inexact[Array, " n"]) -> Inexact[Array, " n"]:
+    """x with A x = b; the derivatives solve with the same factors.
+
+    **Arguments:**
+
+    - `matrix`: A, real. One that is singular in rounding gives numbers of no meaning.
+    - `right`: b.
+    """
+    return solver(matrix)(right)
+
+
+def solver(
+    matrix: Inexact[Array, "n n"],
+) -> Callable[[Inexact[Array, " n"]], Inexact[Array, " n"]]:
+    """A function that solves A x = b for any b, with the matrix factorised once.
+
+    **Arguments:**
+
+    - `matrix`: A, real.
+    """
+    factors = factorise(jax.lax.stop_gradient(matrix))
+
+    def solved(right: Inexact[Array, " n"]) -> Inexact[Array, " n"]:
+        return jax.lax.custom_linear_solve(
+            lambda x: matrix @ x,
+            right,
+            lambda _, b: substitute(factors, b[:, None])[:, 0],
+            lambda _, b: substitute_transposed(factors, b[:, None])[:, 0],
+        )
+
+    return solved

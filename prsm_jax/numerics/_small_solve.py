@@ -5,7 +5,9 @@ from collections.abc import Callable
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-#: Up to here elimination is written out; larger systems go to LAPACK.
+from ._elimination import solver
+
+#: Up to here elimination is written out; larger systems are factorised in a loop.
 _LARGEST = 8
 
 
@@ -14,20 +16,17 @@ def solve_small(
 ) -> Callable[[Float[Array, " n"]], Float[Array, " n"]]:
     """A function that solves `matrix x = right` for any right-hand side.
 
-    Elimination without pivoting, as a few fused multiplications under `vmap` instead of a LAPACK
-    call per matrix. Without pivoting it suits matrices `I/(γh) − J`: the step size keeps their
-    diagonal large, and where it does not, the error estimate of the step grows and rejects it.
+    Elimination without pivoting, as a few fused multiplications under `vmap`. It suits matrices
+    `I/(γh) − J`: the step size keeps their diagonal large, and where it does not, the error
+    estimate of the step grows and rejects it.
 
     **Arguments:**
 
-    - `matrix`: the matrix; n ≤ 8 is written out.
+    - `matrix`: the matrix; n ≤ 8 is written out, larger ones are pivoted.
     """
     size = matrix.shape[-1]
     if size > _LARGEST:
-        from jax.scipy.linalg import lu_factor, lu_solve
-
-        factors = lu_factor(matrix)
-        return lambda right: lu_solve(factors, right)
+        return solver(matrix)
     entries = [[matrix[i, j] for j in range(size)] for i in range(size)]
     inverse = []
     for k in range(size):
