@@ -1,0 +1,109 @@
+"""Python threads that calculate at once all return, with the numbers of one thread alone.
+
+With LAPACK's custom calls two threads waited for each other for ever. A deadlock cannot be ended
+from inside, so each case is a process of its own with a time limit.
+"""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import jax
+import pytest
+
+SCRIPT = Path(__file__).with_name("scenes_at_once.py")
+#: Compiling seven programs on a busy machine; far from for ever [s].
+PATIENCE = 400
+
+
+def _at_once(seconds):
+    environment = os.environ | {
+        "JAX_COMPILATION_CACHE_DIR": str(jax.config.jax_compilation_cache_dir),
+        "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0",
+    }
+    done = subprocess.run(
+        [sys.executable, "-W", "error", str(SCRIPT), str(seconds)],
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE + seconds,
+        env=environment,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    words, *rounds = done.stdout.split()
+    assert words == "rounds"
+    assert len(rounds) == 8
+    # Every thread went round all scenes at least once.
+    assert min(int(one) for one in rounds) >= 7
+
+
+@pytest.mark.slow
+def test_eight_threads_for_ten_seconds():
+    _at_once(10)
+
+
+@pytest.mark.slow
+def test_eight_threads_for_a_minute():
+    _at_once(60)
+
+
+FORKED = """
+import multiprocessing, os, sys, warnings
+import jax, jax.numpy as jnp
+import prsm_jax as prsm
+
+mechanism = prsm.load("wu2022")
+compiled = jax.jit(lambda k: prsm.modal(
+    prsm.set_parameter(mechanism, "stiffness.screw_roller", k)).frequencies)
+compiled(jnp.asarray(2e8)).block_until_ready()
+
+def work(case):
+    try:
+        {
+            "compiled": lambda: compiled(jnp.asarray(2e8)),
+            "modal": lambda: prsm.modal(mechanism),
+            "steady_state": lambda: prsm.steady_state(mechanism, speed=100.0, load=7e3),
+            "compute": lambda: prsm.compute(mechanism, ["mass"]),
+            "simulate": lambda: prsm.simulate(mechanism, prsm.Scenario(100.0, 7e3, 1e-3)),
+        }[case]()
+    except RuntimeError as error:
+        print(case, "RuntimeError", "spawn" in str(error), flush=True)
+        return
+    print(case, "no error", flush=True)
+
+warnings.simplefilter("ignore")
+for case in ("compiled", "modal", "steady_state", "compute", "simulate"):
+    child = multiprocessing.get_context("fork").Process(target=work, args=(case,))
+    child.start()
+    child.join()
+print("parent", compiled(jnp.asarray(2e8)).shape, flush=True)
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
+def test_a_forked_process_says_so():
+    """Instead of waiting for threads that it does not have."""
+    done = subprocess.run(
+        [sys.executable, "-c", FORKED], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    cases = ("compiled", "modal", "steady_state", "compute", "simulate")
+    expected = [f"{case} RuntimeError True" for case in cases]
+    assert done.stdout.splitlines() == [*expected, "parent (17,)"], done.stderr
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
+def test_forked_before_anything_is_calculated():
+    """A process that is forked before JAX runs calculates as any other."""
+    code = (
+        "import os, prsm_jax as prsm\n"
+        "child = os.fork()\n"
+        "if child: raise SystemExit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))\n"
+        "print(float(prsm.modal(prsm.load('wu2022')).frequencies[-1]) > 1e3, flush=True)\n"
+        "os._exit(0)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert (done.returncode, done.stdout) == (0, "True\n"), done.stderr
