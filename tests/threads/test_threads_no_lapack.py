@@ -14,8 +14,8 @@ from scenes import example
 
 import prsm_jax as prsm
 from prsm_jax import file
-from prsm_jax.mechanism import RollerSupport, UnequalRoller
-from prsm_jax.modal import directional_derivatives, family_modes, spring_network, vibration_system
+from prsm_jax.mechanism import Support, UnequalRoller
+from prsm_jax.modal import directional_derivatives, family_modes
 
 #: `stablehlo.custom_call @lapack_dgesdd_ffi(...)`.
 _CALL = re.compile(r"custom_call\s+@(\w+)")
@@ -68,7 +68,7 @@ def test_modes(translating):
     mechanism = _unequal()
     if translating:
         stage = mechanism.stages[0]
-        held = RollerSupport(jnp.asarray(1e9))
+        held = Support(radial_stiffness=jnp.asarray(1e9))
         stage = dataclasses.replace(
             stage, roller=dataclasses.replace(stage.roller, support=held), unequal_roller=()
         )
@@ -135,4 +135,4 @@ def test_responses_and_contacts():
     assert not _called(prsm.campbell, mechanism)
     shared = example("actuator_load_sharing")
     assert not _called(prsm.load_distribution, shared)
-    assert not _called(lambda m: prsm.flank_contact(m), shared)
+    assert not _called(lambda m: prsm.flank_contact(m.stages[0], "screw", 100.0, (8, 8)), shared)
