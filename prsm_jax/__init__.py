@@ -2,7 +2,8 @@
 
 Data flows one way, and the folders are named after it: file → mechanism → geometry → contact →
 load_sharing → stiffness → modal, dynamics → response → findings, quantities → sensitivity,
-optimise, sweep → report. `validation` compares with published numbers, `cli` is the command line.
+optimise, sweep → report. `validation` compares with published numbers, `cli` is the command line,
+`numerics` the small linear algebra that several of them use.
 """
 
 from ._errors import (

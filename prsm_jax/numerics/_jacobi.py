@@ -18,32 +18,39 @@ from jaxtyping import Array, Float, Inexact
 from ._row_factor import row_factor
 
 Vectors = Inexact[Array, "vectors length batch"]
+Norms = Float[Array, "pairs batch"]
 #: Most sweeps over all pairs: 5 to 8 suffice for any matrix that is finite.
 _MOST_SWEEPS = 40
 #: Designs that are taken at once: their matrices stay in the cache.
 _CHUNK = 128
 
 
-def _turned(top: Vectors, bottom: Vectors, close: float) -> tuple[Vectors, Vectors, Array]:
-    """Each pair made orthogonal; and whether any was not, to rounding."""
-    first, second = (jnp.sum(jnp.abs(x) ** 2, axis=1) for x in (top, bottom))
-    product = jnp.sum(top.conj() * bottom, axis=1)
+def _tangents(first: Norms, second: Norms, product: Array, close: float) -> tuple[Array, ...]:
+    """What turns each pair orthogonal, and by how much the pair and all others were not.
+
+    **Returns:** tangent and product of each pair after a change of the phase of the second vector;
+    that phase (none if real); cosine between the pair; and how much the turn mixes of the longer
+    vector into the direction of the other.
+    """
     size = jnp.abs(product)
+    lengths = jnp.sqrt(first) * jnp.sqrt(second)
     # What is not a number compares as done.
-    oblique = size > close * (jnp.sqrt(first) * jnp.sqrt(second))
-    divisor = jnp.where(oblique, size, 1.0)
+    oblique = size > close * lengths
+    divisor = jnp.where(oblique, product, jnp.ones_like(product))
+    phase = None
+    if jnp.iscomplexobj(product):
+        phase = divisor / jnp.where(oblique, size, 1.0).astype(product.dtype)
+        divisor = jnp.where(oblique, size, 1.0)
     ratio = (second - first) / (2 * divisor)
     tangent = jnp.where(ratio >= 0, 1.0, -1.0) / (jnp.abs(ratio) + jnp.sqrt(1 + ratio * ratio))
     tangent = jnp.where(oblique, tangent, 0.0)
-    cosine = 1 / jnp.sqrt(1 + tangent * tangent)
-    phase = jnp.where(oblique, product / divisor.astype(product.dtype), jnp.ones_like(product))
-    c = cosine.astype(top.dtype)[:, None]
-    s = (cosine * tangent).astype(top.dtype)[:, None]
-    bottom = phase.conj()[:, None] * bottom
-    return c * top - s * bottom, s * top + c * bottom, jnp.any(oblique)
+    longer, shorter = jnp.maximum(first, second), jnp.minimum(first, second)
+    cosine = jnp.where(oblique, size / jnp.where(oblique, lengths, 1.0), 0.0)
+    mixed = jnp.abs(tangent) * jnp.sqrt(longer / jnp.where(oblique, shorter, 1.0))
+    return tangent, divisor, phase, cosine, jnp.where(oblique, mixed, 0.0)
 
 
-def _moved(top: Vectors, bottom: Vectors) -> tuple[Vectors, Vectors]:
+def _moved(top: Array, bottom: Array) -> tuple[Array, Array]:
     """The pairs of the next step: all vectors but the first go round by one place."""
     if top.shape[0] == 1:
         return top, bottom
@@ -53,11 +60,39 @@ def _moved(top: Vectors, bottom: Vectors) -> tuple[Vectors, Vectors]:
     )
 
 
+def _sweep(pairs: tuple[Vectors, Vectors], close: float) -> tuple[Vectors, Vectors, Array]:
+    """All pairs turned once; a bound on the cosines that are left."""
+    steps = 2 * pairs[0].shape[0] - 1
+
+    def step(_, carry):
+        top, bottom, first, second, most, mixed = carry
+        product = jnp.sum(top.conj() * bottom, axis=1)
+        t, divisor, phase, cosine, mixing = _tangents(first, second, product, close)
+        cosines = 1 / jnp.sqrt(1 + t * t)
+        c, s = (x.astype(top.dtype)[:, None] for x in (cosines, cosines * t))
+        if phase is not None:
+            bottom = phase.conj()[:, None] * bottom
+        top, bottom = _moved(c * top - s * bottom, s * top + c * bottom)
+        change = t * divisor
+        first, second = _moved(first - change, second + change)
+        # Not a number stays so, and compares as done below.
+        most = jnp.maximum(most, jnp.max(cosine, axis=0))
+        mixed = jnp.maximum(mixed, jnp.max(mixing, axis=0))
+        return top, bottom, first, second, most, mixed
+
+    squares = [jnp.sum(jnp.abs(x) ** 2, axis=1) for x in pairs]
+    nothing = jnp.zeros(squares[0].shape[1:], squares[0].dtype)
+    start = (*pairs, *squares, nothing, nothing)
+    top, bottom, _, _, most, mixed = jax.lax.fori_loop(0, steps, step, start)
+    return top, bottom, steps * most * mixed
+
+
 def _orthogonal(vectors: Vectors) -> Vectors:
     """The vectors, turned among each other until all are orthogonal; in the same places.
 
     Orthogonal ones are left as they are, so groups that are orthogonal from the start stay apart.
-    Not a number where the rotations did not end.
+    A sweep leaves products of cosines and mixing: where all values differ the square of what it
+    found, so that no sweep is needed to see it. Not a number where the rotations did not end.
     """
     count = vectors.shape[0]
     if count < 2:
@@ -66,23 +101,20 @@ def _orthogonal(vectors: Vectors) -> Vectors:
     if count % 2:
         padded = jnp.concatenate([vectors, jnp.zeros_like(vectors[:1])])
     half = padded.shape[0] // 2
-    period = padded.shape[0] - 1
     close = count * float(jnp.finfo(vectors.dtype).eps)
 
     def goes_on(carry):
-        _, _, step, oblique = carry
-        return ((step % period != 0) | oblique) & (step < _MOST_SWEEPS * period)
+        return jnp.any(carry[2] > close) & (carry[3] < _MOST_SWEEPS)
 
     def advance(carry):
-        top, bottom, step, before = carry
-        top, bottom, oblique = _turned(top, bottom, close)
-        # The first step of a sweep forgets the sweep before.
-        return (*_moved(top, bottom), step + 1, oblique | (before & (step % period != 0)))
+        return (*_sweep(carry[:2], close), carry[3] + 1)
 
-    start = (padded[:half], padded[half:], jnp.zeros((), jnp.int32), jnp.asarray(True))
-    top, bottom, _, oblique = jax.lax.while_loop(goes_on, advance, start)
+    left = jnp.full(vectors.shape[2:], jnp.inf, vectors.real.dtype)
+    start = (padded[:half], padded[half:], left, jnp.zeros((), jnp.int32))
+    top, bottom, left, _ = jax.lax.while_loop(goes_on, advance, start)
     found = jnp.concatenate([top, bottom])[:count]
-    return jnp.where(oblique, jnp.full_like(found, jnp.nan), found)
+    ended = jnp.logical_not(left > close)
+    return jnp.where(ended[None, None], found, jnp.full_like(found, jnp.nan))
 
 
 def _by_chunks(function, matrices: Array):

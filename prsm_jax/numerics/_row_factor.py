@@ -47,14 +47,16 @@ def row_factor(matrix: Stack) -> Inexact[Array, "columns columns batch"]:
         first = _largest(jnp.abs(column))
         top = _picked(first, column, 0)
         size = jnp.abs(top)
-        phase = jnp.where(size > 0, top / jnp.where(size > 0, size, 1.0), jnp.ones_like(top))
-        normal = column + jnp.where(first, phase * norm, jnp.zeros_like(phase))
+        some = size > 0
+        phase = top / jnp.where(some, size, 1.0).astype(dtype)
+        phase = jnp.where(some, phase, jnp.ones_like(phase))
+        normal = column + jnp.where(first, phase * norm.astype(dtype), jnp.zeros_like(phase))
         divisor = norm * (norm + size)
         # Not the other way round: what is not a number stays so.
         empty = norm <= least
         share = jnp.where(empty, 0.0, 1 / jnp.where(empty, 1.0, divisor)).astype(dtype)
-        along = share * jnp.sum(normal.conj()[:, None] * a, axis=0)
-        reached = _picked(first[:, None], a, 0) - _picked(first, normal, 0) * along
+        along = share[None] * jnp.sum(normal.conj()[:, None] * a, axis=0)
+        reached = _picked(first[:, None], a, 0) - _picked(first, normal, 0)[None] * along
         alone = jnp.where(own, least, 0.0).astype(dtype)
         factor = factor.at[k].set(jnp.where(empty, alone, reached))
         gone = first[:, None] | own[None]

@@ -363,10 +363,6 @@ class Analysis:
                 self._once |= {(group.family, index): group for group in modes.groups}
                 found.append(modes)
                 continue
-            if found:
-                # One after the other: two batched LAPACK calls at once can wait for each other's
-                # threads for ever (jaxlib 0.10.2 on a CPU with two cores).
-                system, _ = jax.lax.optimization_barrier((system, found[-1].frequencies))
             found.append(stage_modes(system))
         return tuple(found)
 

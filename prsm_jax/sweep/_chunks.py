@@ -33,8 +33,9 @@ def map_in_chunks(
       length of the function. A number of designs that has a divisor between half of this and
       this saves a copy of the arguments.
     - `devices`: devices to share the designs, which need as many programs at once. A CPU can
-      be several devices (`jax.config.update("jax_num_cpu_devices", 2)` before JAX is used), for
-      functions of plain arithmetic: programs that call LAPACK can wait for each other for ever.
+      be several devices (`jax.config.update("jax_num_cpu_devices", 2)` before JAX is used);
+      everything in this package suits that, but functions of your own that call LAPACK
+      (`jax.numpy.linalg`) can wait for each other for ever.
 
     **Returns:** the results, with the designs along the first axis of every array.
 

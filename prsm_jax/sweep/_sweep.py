@@ -129,8 +129,7 @@ def _evaluate(
         part: dict[str, np.ndarray] = {}
         part_codes = {name: np.zeros(total, dtype=np.int8) for name in codes}
         try:
-            # One chunk at a time: XLA's CPU client can deadlock when programs that share its
-            # thread pool run at once, and one program keeps the cores busy by itself.
+            # One chunk at a time: one program keeps the cores busy by itself.
             for start in range(0, total, size):
                 found, *flags = evaluate_chunk(
                     chosen,

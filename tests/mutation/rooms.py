@@ -5,6 +5,7 @@ from pathlib import Path
 #: By the start of a file's path inside of the package, the more particular first: files of tests,
 #: `analytic/hertz` for `analytic/test_analytic_hertz.py`. Tests that are marked slow are left out.
 _TESTS: tuple[tuple[str, str], ...] = (
+    ("numerics", "numerics/jacobi numerics/solves response/elimination"),
     ("geometry/_flank_ends", "analytic/truncation analytic/single_faults"),
     ("geometry/_ring", "analytic/line_contact"),
     ("geometry/_curvature", "analytic/meshing analytic/truncation analytic/halfspace_flanks"),
