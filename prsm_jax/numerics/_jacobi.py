@@ -25,7 +25,9 @@ _MOST_SWEEPS = 40
 _CHUNK = 128
 
 
-def _tangents(first: Norms, second: Norms, product: Array, close: float) -> tuple[Array, ...]:
+def _tangents(
+    first: Norms, second: Norms, product: Array, close: float
+) -> tuple[Array, Array, Array | None, Array, Array]:
     """What turns each pair orthogonal, and by how much the pair and all others were not.
 
     **Returns:** tangent and product of each pair after a change of the phase of the second vector;
