@@ -22,7 +22,7 @@ Norms = Float[Array, "pairs batch"]
 #: Most sweeps over all pairs: 5 to 8 suffice for any matrix that is finite.
 _MOST_SWEEPS = 40
 #: Designs that are taken at once: their matrices stay in the cache.
-_CHUNK = 128
+_CHUNK = 64
 
 
 def _tangents(

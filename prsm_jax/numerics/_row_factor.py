@@ -10,18 +10,19 @@ columns stay in the order of the matrix. All arrays have a batch as their last a
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Inexact
+from jaxtyping import Array, Inexact
 
 Stack = Inexact[Array, "rows columns batch"]
 
 
-def _largest(values: Float[Array, "n batch"]) -> Array:
-    """Marks the largest of each column."""
-    return jnp.arange(values.shape[0])[:, None] == jnp.argmax(values, axis=0)[None, :]
+def _marked(index: Array, count: int) -> Array:
+    return jnp.arange(count)[:, None] == index[None]
 
 
-def _picked(marked: Array, values: Array, axis: int) -> Array:
-    return jnp.sum(jnp.where(marked, values, jnp.zeros_like(values)), axis=axis)
+def _taken(values: Array, index: Array, axis: int) -> Array:
+    """One slice of each member of the batch."""
+    index = jnp.expand_dims(index, tuple(range(values.ndim - 1)))
+    return jnp.squeeze(jnp.take_along_axis(values, index, axis), axis)
 
 
 def row_factor(matrix: Stack) -> Inexact[Array, "columns columns batch"]:
@@ -34,35 +35,45 @@ def row_factor(matrix: Stack) -> Inexact[Array, "columns columns batch"]:
 
     - `matrix`: A, with a largest entry of about one.
     """
-    _, columns, batch = matrix.shape
-    dtype = matrix.dtype
+    rows, columns, batch = matrix.shape
+    dtype, real = matrix.dtype, matrix.real.dtype
     least = float(jnp.finfo(dtype).eps) ** 2
 
     def reflected(k, carry):
-        a, done, factor = carry
-        squares = jnp.sum(jnp.abs(a) ** 2, axis=0)
-        own = _largest(jnp.where(done, -1.0, squares))
-        norm = jnp.sqrt(_picked(own, squares, 0))
-        column = _picked(own[None], a, 1)
-        first = _largest(jnp.abs(column))
-        top = _picked(first, column, 0)
+        a, left, turn, norms, at = carry
+        squares = jnp.sum(jnp.abs(a) ** 2 * left[:, None], axis=0)
+        # `turn` is when a column was taken; until then it is one that never comes.
+        own = jnp.argmax(jnp.where(turn < columns, -1.0, squares), axis=0)
+        column = _taken(a, own, 1) * left.astype(dtype)
+        norm = jnp.sqrt(_taken(squares, own, 0))
+        row = jnp.argmax(jnp.where(left > 0, jnp.abs(column), -1.0), axis=0)
+        first = _marked(row, rows)
+        top = _taken(column, row, 0)
         size = jnp.abs(top)
         some = size > 0
         phase = top / jnp.where(some, size, 1.0).astype(dtype)
         phase = jnp.where(some, phase, jnp.ones_like(phase))
         normal = column + jnp.where(first, phase * norm.astype(dtype), jnp.zeros_like(phase))
-        divisor = norm * (norm + size)
         # Not the other way round: what is not a number stays so.
         empty = norm <= least
-        share = jnp.where(empty, 0.0, 1 / jnp.where(empty, 1.0, divisor)).astype(dtype)
-        along = share[None] * jnp.sum(normal.conj()[:, None] * a, axis=0)
-        reached = _picked(first[:, None], a, 0) - _picked(first, normal, 0)[None] * along
-        alone = jnp.where(own, least, 0.0).astype(dtype)
-        factor = factor.at[k].set(jnp.where(empty, alone, reached))
-        gone = first[:, None] | own[None]
-        a = jnp.where(gone, jnp.zeros_like(a), a - normal[:, None] * along[None])
-        return a, done | own, factor
+        share = jnp.where(empty, 0.0, 1 / jnp.where(empty, 1.0, norm * (norm + size)))
+        along = share[None].astype(dtype) * jnp.sum(normal.conj()[:, None] * a, axis=0)
+        a = a - normal[:, None] * along[None]
+        left = jnp.where(first & jnp.logical_not(empty)[None], 0.0, left)
+        turn = jnp.where(_marked(own, columns), k, turn)
+        return a, left, turn, norms.at[k].set(norm), at.at[k].set(row)
 
-    nothing = jnp.zeros((columns, batch), bool)
-    start = (matrix, nothing, jnp.zeros((columns, columns, batch), dtype))
-    return jax.lax.fori_loop(0, columns, reflected, start)[2]
+    start = (
+        matrix,
+        jnp.ones((rows, batch), real),
+        jnp.full((columns, batch), columns),
+        jnp.zeros((columns, batch), real),
+        jnp.zeros((columns, batch), int),
+    )
+    a, _, turn, norms, at = jax.lax.fori_loop(0, columns, reflected, start)
+    found = jnp.take_along_axis(a, at[:, None], 0)
+    number = jnp.arange(columns)[:, None, None]
+    # Columns taken before hold what rounding left of zero.
+    found = jnp.where(turn[None] < number, jnp.zeros_like(found), found)
+    alone = jnp.where(turn[None] == number, least, 0.0).astype(dtype)
+    return jnp.where((norms <= least)[:, None], alone, found)
