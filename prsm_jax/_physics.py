@@ -11,8 +11,6 @@ from typing import ParamSpec, TypeVar
 
 import jax
 
-from ._forked import refuse_forked
-
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
 _PREFIX = "physics:"
@@ -24,7 +22,6 @@ def physics(name: str) -> Callable[[Callable[_P, _R]], Callable[_P, _R]]:
     def decorate(function: Callable[_P, _R]) -> Callable[_P, _R]:
         @functools.wraps(function)
         def labelled(*args: _P.args, **kwargs: _P.kwargs) -> _R:
-            refuse_forked()
             with jax.named_scope(_PREFIX + name):
                 return function(*args, **kwargs)
 

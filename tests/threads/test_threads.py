@@ -48,51 +48,6 @@ def test_eight_threads_for_a_minute():
     _at_once(60)
 
 
-FORKED = """
-import multiprocessing, os, sys, warnings
-import jax, jax.numpy as jnp
-import prsm_jax as prsm
-
-mechanism = prsm.load("wu2022")
-compiled = jax.jit(lambda k: prsm.modal(
-    prsm.set_parameter(mechanism, "stiffness.screw_roller", k)).frequencies)
-compiled(jnp.asarray(2e8)).block_until_ready()
-
-def work(case):
-    try:
-        {
-            "compiled": lambda: compiled(jnp.asarray(2e8)),
-            "modal": lambda: prsm.modal(mechanism),
-            "steady_state": lambda: prsm.steady_state(mechanism, speed=100.0, load=7e3),
-            "compute": lambda: prsm.compute(mechanism, ["mass"]),
-            "simulate": lambda: prsm.simulate(mechanism, prsm.Scenario(100.0, 7e3, 1e-3)),
-        }[case]()
-    except RuntimeError as error:
-        print(case, "RuntimeError", "spawn" in str(error), flush=True)
-        return
-    print(case, "no error", flush=True)
-
-warnings.simplefilter("ignore")
-for case in ("compiled", "modal", "steady_state", "compute", "simulate"):
-    child = multiprocessing.get_context("fork").Process(target=work, args=(case,))
-    child.start()
-    child.join()
-print("parent", compiled(jnp.asarray(2e8)).shape, flush=True)
-"""
-
-
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
-def test_a_forked_process_says_so():
-    """Instead of waiting for threads that it does not have."""
-    done = subprocess.run(
-        [sys.executable, "-c", FORKED], capture_output=True, text=True, timeout=120, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    cases = ("compiled", "modal", "steady_state", "compute", "simulate")
-    expected = [f"{case} RuntimeError True" for case in cases]
-    assert done.stdout.splitlines() == [*expected, "parent (17,)"], done.stderr
-
-
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
 def test_forked_before_anything_is_calculated():
     """A process that is forked before JAX runs calculates as any other."""
