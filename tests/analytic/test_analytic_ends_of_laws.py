@@ -9,6 +9,7 @@ import pytest
 from scenes import array
 
 from prsm_jax import halfspace, strength
+from prsm_jax.load_sharing._flank_law import flank_force_and_slope
 from prsm_jax.mechanism._limits import Limit
 from prsm_jax.strength._powers import positive_power, ratio_or_infinity, scaled_unless_infinite
 
@@ -69,6 +70,25 @@ def test_a_range_admits_what_lies_inside_and_no_more(lowest, highest):
         *(True, True),
         *(False, False, False),
     ]
+
+
+@pytest.mark.parametrize("approach", [1e-9, 3e-6, 2e-3])
+def test_flanks_of_contacts_alone_and_of_teeth_alone(approach):
+    """δ = b f^{2/3}, so f = (δ/b)^{3/2} and df/dδ = 3f/2δ; δ = c f; and nothing apart."""
+    hertz, tooth, given = 1e-7, 3e-9, array(approach)
+    force, slope = flank_force_and_slope(given, array(hertz), None)
+    assert float(force) == pytest.approx((approach / hertz) ** 1.5, rel=1e-13)
+    assert float(slope) == pytest.approx(1.5 * (approach / hertz) ** 1.5 / approach, rel=1e-13)
+    force, slope = flank_force_and_slope(given, None, array(tooth))
+    np.testing.assert_allclose([force, slope], [approach / tooth, 1 / tooth], rtol=1e-13)
+    force, slope = flank_force_and_slope(given, array(hertz), array(tooth))
+    force, slope = float(force), float(slope)
+    assert tooth * force + hertz * force ** (2 / 3) == pytest.approx(approach, rel=1e-13)
+    assert slope == pytest.approx(1 / (tooth + 2 / 3 * hertz * force ** (-1 / 3)), rel=1e-13)
+    for parts in ((hertz, None), (None, tooth), (hertz, tooth)):
+        laws = [None if part is None else array(part) for part in parts]
+        apart = flank_force_and_slope(-given, *laws)
+        assert tuple(map(float, apart)) == (0.0, 0.0)
 
 
 def test_codes_of_surface_contacts_mean_what_happens():

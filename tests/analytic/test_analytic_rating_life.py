@@ -285,6 +285,16 @@ def test_factors_multiply():
         prsm.compute(mechanism(ONE), ["modified_rating_life"])
 
 
+@pytest.mark.parametrize("factors", [{}, {"life_modification_factor": 0.5}])
+def test_the_life_over_the_one_that_is_asked_for(factors):
+    """10⁶ (C/F)³ turns at 100 rad/s, over 10⁷ s; times a factor where there is one."""
+    data = Strength(dynamic_capacity=CAPACITY, required_life=1e7, **factors)
+    found = prsm.compute(mechanism(stage(strength=data)), ["life_ratio"])["life_ratio"]
+    lasts = 1e6 * (CAPACITY / 7e3) ** 3 * 2 * np.pi / 100
+    expected = lasts / 1e7 * factors.get("life_modification_factor", 1.0)
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
 def test_quantities_without_data_name_the_remedy():
     bare = mechanism(stage())
     for name in ("static_capacity", "rating_life", "buckling_load", "axial_backlash"):

@@ -31,6 +31,7 @@ _TESTS: tuple[tuple[str, str], ...] = (
         "analytic/ends_of_laws analytic/halfspace analytic/halfspace_flanks extreme/halfspace "
         "analytic/line_contact analytic/subsurface analytic/single_faults gradients/halfspace",
     ),
+    ("load_sharing/_flank_law", "analytic/ends_of_laws analytic/load_sharing"),
     ("load_sharing/_wide", "analytic/load_sharing extreme/load_sharing"),
     (
         "load_sharing",

@@ -1,6 +1,7 @@
 """The faults that a mutation run puts in: each changes one thing, none changes words."""
 
 import ast
+import json
 from pathlib import Path
 
 from tests.mutation.operators import faults
@@ -52,3 +53,34 @@ def test_every_core_file_has_tests_that_exist():
     for _, names in TESTS:
         for name in names:
             assert (root / "tests" / name).exists(), name
+
+
+def test_every_reason_is_of_a_fault_that_there_is():
+    """Remove a reason from `reasons.json` together with the line that it was about."""
+    package = Path(__file__).parents[2] / "prsm_jax"
+    reasons = json.loads((Path(__file__).parent / "reasons.json").read_text())
+    for name, reason in reasons.items():
+        path = name.partition(":")[0]
+        known = {fault.name for fault in faults(path, (package / path).read_text())}
+        assert name in known, f"no such fault any more: {name}"
+        assert reason
+    page = (Path(__file__).parent / "README.md").read_text()
+    for name, reason in reasons.items():
+        assert name.partition(":")[0] in page
+        assert reason in page
+
+
+def test_a_fault_keeps_its_name_when_other_lines_change():
+    before = [one.name for one in faults("one.py", _SOURCE)]
+    after = [one.name for one in faults("one.py", "WIDTH = other\n\n" + _SOURCE)]
+    assert before == after
+    assert len(set(before)) == len(before)
+    twice = [
+        one.name
+        for one in faults("two.py", "area = side * side * side\narea = side * side * side\n")
+    ]
+    assert [name.rpartition("` ")[2] or "" for name in twice][1:] == [
+        "(number 2)",
+        "(number 3)",
+        "(number 4)",
+    ]
