@@ -6,6 +6,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from .._errors import MissingDataError
+from .._guards import above_or_nan, below_or_nan
 from .._physics import physics
 from .._root import find_root
 from ..geometry import contact_zone, fit_parabola, ring_vertex
@@ -95,10 +96,10 @@ def slice_geometry(contact: LineContact, edges: int = _EDGES) -> SliceGeometry:
 def _overlap_per_slice(overlap: Edges) -> Float[Array, " slices"]:
     """Mean of max(0, u) over slices between whose edges u is linear; exact, and smooth in u."""
     lower, upper = jnp.minimum(overlap[:-1], overlap[1:]), jnp.maximum(overlap[:-1], overlap[1:])
-    crossed = (lower < 0) & (upper > 0)
+    crossed = below_or_nan(lower) & above_or_nan(upper)
     height = jnp.where(crossed, upper - lower, 1.0)
     part = jnp.where(crossed, upper**2 / (2 * height), 0.0)
-    return jnp.where(lower >= 0, (lower + upper) / 2, part)
+    return jnp.where(below_or_nan(lower), part, (lower + upper) / 2)
 
 
 @physics("line_contact")
@@ -134,7 +135,7 @@ def line_contact_under_force(
     length = width / jnp.cos(contact.roller_profile_angle)
     axial = (slices.normal[:-1] + slices.normal[1:]) / 2
     spring = jnp.pi / 2 * modulus
-    loaded = axial_force > 0
+    loaded = above_or_nan(axial_force)
     force = jnp.where(loaded, axial_force, 1.0)
 
     # In units of the approach that shares the load over all slices, however deep they overlap:
@@ -155,7 +156,7 @@ def line_contact_under_force(
     approach = jnp.where(loaded, scaled * unit, 0.0)
 
     depth = jnp.maximum(approach - slices.gap, 0.0)
-    touching = depth > 0
+    touching = above_or_nan(depth)
     line_load = spring * depth
     safe = jnp.where(touching, line_load, 1.0)
     half_width = jnp.where(
@@ -167,10 +168,11 @@ def line_contact_under_force(
     span = jnp.abs(edges_overlap[1:] - edges_overlap[:-1])
     above = jnp.maximum(jnp.maximum(edges_overlap[:-1], edges_overlap[1:]), 0.0)
     below = jnp.minimum(edges_overlap[:-1], edges_overlap[1:])
-    partly = (below < 0) & (span > 0)
+    partly = below_or_nan(below) & above_or_nan(span)
     share = jnp.where(partly, above / jnp.where(partly, span, 1.0), jnp.where(above > 0, 1.0, 0.0))
     loaded_share = jnp.mean(share)
-    mean_load = jnp.mean(per_slice) / jnp.where(loaded_share > 0, loaded_share, 1.0)
+    mean_load = jnp.mean(per_slice) / jnp.where(above_or_nan(loaded_share), loaded_share, 1.0)
+    bears = above_or_nan(mean_load)
     worst = jnp.argmax(pressure)
     radius = slices.radius[worst]
     fit = fit_parabola(
@@ -192,9 +194,7 @@ def line_contact_under_force(
         max_pressure=jnp.max(pressure),
         max_half_width=jnp.max(half_width),
         loaded_share=loaded_share,
-        edge_ratio=jnp.where(
-            mean_load > 0, jnp.max(line_load) / jnp.where(mean_load > 0, mean_load, 1.0), 1.0
-        ),
+        edge_ratio=jnp.where(bears, jnp.max(line_load) / jnp.where(bears, mean_load, 1.0), 1.0),
         parabola_fit=fit.determination,
         converged=slices.converged & found,
     )

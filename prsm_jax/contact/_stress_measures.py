@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from .._guards import above_or_nan
 from .._physics import physics
 
 Stress = Float[Array, "*batch 3 3"]
@@ -11,7 +12,7 @@ Measure = Float[Array, "*batch"]
 
 def _safe_sqrt(square: Measure) -> Measure:
     """√, with derivative 0 at 0: the measures below have no direction to grow in there."""
-    positive = square > 0
+    positive = above_or_nan(square)
     return jnp.where(positive, jnp.sqrt(jnp.where(positive, square, 1.0)), 0.0)
 
 
@@ -42,7 +43,7 @@ def _lode_angle(stress: Stress, second: Measure) -> Measure:
     xx, yy, zz = (stress[..., i, i] - third[..., 0, 0] for i in range(3))
     xy, yz, zx = stress[..., 0, 1], stress[..., 1, 2], stress[..., 2, 0]
     determinant = xx * (yy * zz - yz**2) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx)
-    deviatoric = second > 0
+    deviatoric = above_or_nan(second)
     root = jnp.sqrt(jnp.where(deviatoric, second, 1.0))
     sine = -1.5 * jnp.sqrt(3.0) * jnp.where(deviatoric, determinant, 0.0) / root**3
     # At two equal principal stresses the sorted ones have a kink: the slope of arcsin, infinite

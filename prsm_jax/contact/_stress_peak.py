@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from .._guards import above_or_nan
 from .._physics import physics
 from ..mechanism import Scalar
 from ..numerics import solve
@@ -135,7 +136,7 @@ def stress_peak_on_axis(
     """
     chosen = _measure(measure, _OF_PRINCIPAL)
     # Without a load the axes are 0; the place in units of b then says nothing, and costs nothing.
-    loaded = semi_minor > 0
+    loaded = above_or_nan(semi_minor)
     ratio = jnp.where(loaded, semi_minor, 1.0) / jnp.where(loaded, semi_major, 1.0)
     one = jnp.ones_like(ratio)
 
@@ -193,7 +194,7 @@ def stress_peak(
     chosen = _measure(measure, _MEASURES)
     turned = semi_axes[1] > semi_axes[0]
     major, minor = jnp.max(semi_axes), jnp.min(semi_axes)
-    loaded = minor > 0
+    loaded = above_or_nan(minor)
     ratio = jnp.where(loaded, minor, 1.0) / jnp.where(loaded, major, 1.0)
     order = jnp.where(turned, jnp.asarray([1, 0]), jnp.asarray([0, 1]))
     pulled = traction[order]
@@ -205,7 +206,7 @@ def stress_peak(
 
     # First the section along the friction, whose maximum is near enough for grids in space.
     length = jnp.hypot(pulled[0], pulled[1])
-    sliding = length > 0
+    sliding = above_or_nan(length)
     direction = jnp.where(sliding, pulled, jnp.asarray([1.0, 0.0], pulled.dtype))
     direction = direction / jnp.where(sliding, length, 1.0)
     along, depth = jnp.meshgrid(jnp.linspace(-1.25, 1.25, 21), jnp.linspace(0.0, 1.25, 11))

@@ -19,6 +19,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float
 
+from .._guards import above_or_nan
 from .._physics import physics
 from ..mechanism import Scalar
 from ._elliptic import associated_elliptic_integrals
@@ -72,7 +73,7 @@ def _directions(
     measure = 2 * quarter_period * jnp.asarray(np.concatenate([weights, weights]), dtype)
 
     square = x**2 + y**2
-    off_axis = square > 0
+    off_axis = above_or_nan(square)
     radius = jnp.sqrt(jnp.where(off_axis, square, 1.0))
     cosine, sine = jnp.where(off_axis, x, 1.0) / radius, jnp.where(off_axis, y, 0.0) / radius
     start = jacobi_of_direction(sine, -cosine, axis_ratio)

@@ -22,6 +22,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from .._guards import above_or_nan, below_or_nan
 from .._physics import physics
 from ..geometry import FlankEnd, RelativeCurvature
 from ..mechanism import Scalar
@@ -63,7 +64,7 @@ def half_extent(hertz: HertzContact, curvature: RelativeCurvature, end: FlankEnd
     )
     # Between b² and a² but for rounding.
     square = (major**2 + minor**2) / 2 - rate * (coefficient - total / 2)
-    loaded = square > 0
+    loaded = above_or_nan(square)
     return jnp.where(loaded, jnp.sqrt(jnp.where(loaded, square, 1.0)), 0.0)
 
 
@@ -102,7 +103,7 @@ def onset_pressures(
 
 def _reach(pressure: Real, onset: Scalar) -> Real:
     """t: distance to the end over the half-extent of the ellipse."""
-    loaded = pressure > 0
+    loaded = above_or_nan(pressure)
     reach = jnp.where(loaded, onset / jnp.where(loaded, pressure, 1.0), _FAR)
     return jnp.clip(reach, _LEAST, _FAR)
 
@@ -120,7 +121,7 @@ def truncation(pressure: Real, onsets: Onsets) -> Real:
     """
     shares = []
     for onset in onsets:
-        passed = (pressure > onset) & (pressure > 0)
+        passed = above_or_nan(pressure, onset) & above_or_nan(pressure)
         shares.append(jnp.where(passed, 1 - onset / jnp.where(passed, pressure, 1.0), 0.0))
     largest = shares[0]
     for share in shares[1:]:
@@ -156,7 +157,7 @@ def risk_beyond(reach: Real) -> Real:
     integral = 126 * angle
     for order, factor in ((2, 105.0), (4, 30.0), (6, 7.5), (8, 1.25), (10, 0.1)):
         integral = integral + factor * jnp.sin(order * angle)
-    return jnp.where(reach < 1, (1 - integral / (512 * _WHOLE)) / 2, 0.0)
+    return jnp.where(below_or_nan(reach, 1.0), (1 - integral / (512 * _WHOLE)) / 2, 0.0)
 
 
 @risk_beyond.defjvp
@@ -180,7 +181,7 @@ def _ratio(first: Real, second: Real) -> Real:
     root = jnp.cbrt(1 + steep + jnp.sqrt(steep * (2 + steep)))
     at_one = near / 2 * (root + 1 / root - 1)
     at_both = jnp.sqrt((4 + near**3 + far**3) / (3 * (near + far)))
-    return jnp.where(near < 1, jnp.where(at_one > far, at_both, at_one), 1.0)
+    return jnp.where(below_or_nan(near, 1.0), jnp.where(at_one > far, at_both, at_one), 1.0)
 
 
 @_ratio.defjvp

@@ -5,6 +5,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from .._guards import above_or_nan
 from ..mechanism import Mechanism, Scalar
 from ._contact_losses import with_resistance
 from ._free_bodies import (
@@ -112,7 +113,7 @@ class BodyForces(eqx.Module):
 
 def _length(vector):
     square = jnp.sum(vector**2, axis=-1)
-    some = square > 0
+    some = above_or_nan(square)
     return jnp.where(some, jnp.sqrt(jnp.where(some, square, 1.0)), 0.0)
 
 

@@ -9,6 +9,7 @@ transverse part says it all.
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from .._guards import above_or_nan
 from .._physics import physics
 from ..mechanism import LuGreFriction, Mechanism, Scalar, Stage
 from ._kinematics import StageKinematics
@@ -70,7 +71,7 @@ def bristle_rate(
 
 def _length(vector: Float[Array, "3"]) -> Scalar:
     square = jnp.sum(vector**2)
-    some = square > 0
+    some = above_or_nan(square)
     return jnp.where(some, jnp.sqrt(jnp.where(some, square, 1.0)), 0.0)
 
 

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from .._errors import MissingDataError
+from .._guards import above_or_nan
 from .._physics import physics
 from .._root import find_root
 from ..mechanism import Scalar, Stage
@@ -120,7 +121,7 @@ class CarrierBalance(eqx.Module):
         if self.inertia_per_ratio is not None:
             resisting = resisting + self.inertia_per_ratio * ratio / count
         square = jnp.sum(friction**2)
-        rubs = square > 0
+        rubs = above_or_nan(square)
         length = jnp.where(rubs, jnp.sqrt(jnp.where(rubs, square, 1.0)), 0.0)
         reach = jnp.sqrt(kinematics.drive @ kinematics.drive)
         largest = length * reach

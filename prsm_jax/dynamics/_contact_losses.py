@@ -20,6 +20,7 @@ import jax
 import jax.numpy as jnp
 
 from .._errors import MissingDataError
+from .._guards import above_or_nan
 from .._physics import physics
 from ..contact import (
     HertzContact,
@@ -87,13 +88,13 @@ def rolling_moment(
     (Johnson 1985, equation 9.2).
     """
     difference_squared = curvature.difference_squared
-    elongated = difference_squared > 0
+    elongated = above_or_nan(difference_squared)
     difference = jnp.sqrt(jnp.where(elongated, difference_squared, 1.0))
     # The gap coefficient in the rolling direction is A cos²ψ + B sin²ψ.
     sine_squared = jnp.where(
         elongated, (curvature.rolling - curvature.total / 2) / difference + 0.5, 0.5
     )
-    loaded = hertz.semi_minor > 0
+    loaded = above_or_nan(hertz.semi_minor)
     major = jnp.where(loaded, hertz.semi_major, 1.0)
     minor = jnp.where(loaded, hertz.semi_minor, 1.0)
     length = 1 / jnp.sqrt((1 - sine_squared) / major**2 + sine_squared / minor**2)
@@ -137,7 +138,7 @@ def contact_resistance(stage: Stage, kinematics: StageKinematics) -> ContactResi
 
 
 def _at_force(coefficient: ResistingMoment, force: Scalar) -> ResistingMoment:
-    loaded = force > 0
+    loaded = above_or_nan(force)
     growth = jnp.where(loaded, force * jnp.cbrt(jnp.where(loaded, force, 1.0)), 0.0)
     return jax.tree.map(lambda at_unit_force: at_unit_force * growth, coefficient)
 

@@ -18,6 +18,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from .._guards import above_or_nan
 from .._physics import physics
 from .._root import find_root
 from ..mechanism import Scalar
@@ -210,7 +211,7 @@ def _out_of_balance(
     needed = problem.inertia * geometry.ratio(carriers.tangent) * acceleration
     left = sense * (_drives(states) - needed)
     square = jnp.stack([jnp.sum(state.forces.friction**2) for state in states])
-    rubs = square > 0
+    rubs = above_or_nan(square)
     friction = jnp.where(rubs, jnp.sqrt(jnp.where(rubs, square, 1.0)), 0.0)
     count = jnp.stack([stage.present_roller_count for stage in problem.mechanism.stages])
     largest = count * friction * geometry.drive

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import equinox as eqx
 import jax.numpy as jnp
 
+from .._guards import above_or_nan
 from .._physics import physics
 from ..mechanism import Scalar, Stage
 from ._contact_losses import has_contact_losses
@@ -86,7 +87,7 @@ def reduced_forces(
     law = None if stage.friction is None else stage.friction.thread
     along = speed * reduced.along - carrier_speed * reduced.drive
     square = along**2 + (speed * reduced.across) ** 2
-    slips = square > 0
+    slips = above_or_nan(square)
     slip_speed = jnp.where(slips, jnp.sqrt(jnp.where(slips, square, 1.0)), 0.0)
     per_force, constant = thread_friction(law, slip_speed[None], jnp.ones_like(slip_speed)[None])
     # Friction per slip speed: it is parallel to the slip.

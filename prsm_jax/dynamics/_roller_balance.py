@@ -3,6 +3,7 @@
 import equinox as eqx
 import jax.numpy as jnp
 
+from .._guards import above_or_nan
 from .._physics import physics
 from ..mechanism import Gear, Scalar, Stage, body_inertia, mean_roller_inertia, mean_roller_mass
 from ._chain import StageState
@@ -102,5 +103,5 @@ def roller_support_forces(
 
 def _norm(first: Scalar, second: Scalar) -> Scalar:
     square = first**2 + second**2
-    some = square > 0
+    some = above_or_nan(square)
     return jnp.where(some, jnp.sqrt(jnp.where(some, square, 1.0)), 0.0)

@@ -17,6 +17,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from .._guards import above_or_nan
 from .._physics import physics
 from .._root import find_root
 from ..contact import EllipseShape, slip_and_spin
@@ -101,7 +102,7 @@ def spin_per_slip(kinematics: StageKinematics, direction: Float[Array, "3"]) -> 
 
 def _root(power: Callable[[Scalar], Scalar], value: Scalar) -> Scalar:
     """A root of what is not negative, 0 at 0, where it has no derivative."""
-    some = value > 0
+    some = above_or_nan(value)
     return jnp.where(some, power(jnp.where(some, value, 1.0)), 0.0)
 
 

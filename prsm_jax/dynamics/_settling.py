@@ -18,6 +18,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from .._guards import above_or_nan
 from .._physics import physics
 from ..mechanism import CoulombFriction, Mechanism, Scalar, Stage
 from ._reduced_chain import ReducedChain, screw_of
@@ -104,7 +105,7 @@ def _settled_stage(
     normal, across, drive = reduced.normal_axial, reduced.across, reduced.drive
     share = coefficient * flank * sense * reduced.axial / (across * normal)
     carries = share < 1
-    share = jnp.where(carries, share, 0.0)
+    share = jnp.where(share >= 1, 0.0, share)
 
     excess = (reduced.along - initial_ratio * drive) / across
     way = jnp.sign(excess)
@@ -119,7 +120,7 @@ def _settled_stage(
     slip, begun = way * jnp.exp(x), way * jnp.exp(start)
     slip, begun = jnp.where(slips, slip, 0.0), jnp.where(slips, begun, 0.0)
     # Exactly what it was, before anything has happened.
-    swept = moved > 0
+    swept = above_or_nan(moved)
     ratio = jnp.where(swept, (reduced.along - slip * across) / drive, initial_ratio)
 
     # Mean of √(1 + S²) F/(n √(1 + S²) − k), and so on, over the impulse: dI = −dH/…, so the

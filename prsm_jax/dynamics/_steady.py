@@ -1,11 +1,14 @@
 """Steady state: algebra, no integration."""
 
+import dataclasses
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from .._errors import MissingDataError
+from .._guards import above_or_nan
 from .._physics import physics
 from ..geometry import dimensions_possible, rollers_fit
 from ..mechanism import Mechanism, Scalar
@@ -33,9 +36,11 @@ _MEANINGS = (
     "lower friction of spin and rolling",
     "no meshing: screw and roller do not touch with a common normal; check lead, contact angle "
     "and profile radius",
-    "impossible dimension: lead and radii must be more than 0, starts more than 2, and the contact "
-    "angle between 0 and 90 deg (prsm_jax.check names it)",
+    "impossible dimension: lead and radii must be more than 0, starts more than 2, the contact "
+    "angle between 0 and 90 deg, and bores narrower than their bodies (prsm_jax.check names it)",
     "overlapping rollers: neighbouring rollers have no room; use fewer or smaller ones",
+    "not finite: a number of the mechanism, the speed or the load is NaN or infinite, or so large "
+    "that a result is; correct it",
 )
 #: The same as names, by code.
 STEADY_RESULTS = (
@@ -46,8 +51,9 @@ STEADY_RESULTS = (
     "no_meshing",
     "impossible_dimension",
     "overlapping_rollers",
+    "not_finite",
 )
-_IMPOSSIBLE, _OVERLAPPING = 5, 6
+_JAMMED, _IMPOSSIBLE, _OVERLAPPING, _NOT_FINITE = 2, 5, 6, 7
 
 
 def steady_meaning(name: str) -> str:
@@ -89,8 +95,9 @@ class SteadyState(eqx.Module):
     output_power: Scalar
     #: |input − output − losses| / input.
     power_balance_residual: Scalar
-    #: False where the meshing has no solution, a thread jams, the carrier cannot turn, or no such
-    #: mechanism can be built (a dimension out of range, rollers that overlap).
+    #: False where the meshing has no solution, a thread jams, the carrier cannot turn, no such
+    #: mechanism can be built (a dimension out of range, rollers that overlap), or a number here is
+    #: NaN or infinite.
     valid: Bool[Array, ""]
     #: 0 when all is well; see `result`.
     code: Int[Array, ""] | None = None
@@ -112,10 +119,12 @@ class SteadyState(eqx.Module):
 
     @property
     def computed(self) -> Bool[Array, "*batch"]:
-        """Whether there is a steady state, be its rollers too many for their circle or not."""
+        """Whether motion and forces are known, be its rollers too many for their circle or not."""
         if self.code is None:
             return self.valid
-        return (self.code <= 1) | (self.code >= _IMPOSSIBLE)
+        known = jnp.isfinite(self.drive_torque) & jnp.isfinite(self.efficiency)
+        known = known & jnp.isfinite(self.carrier_ratio + self.contact_force).all(axis=-1)
+        return known & ((self.code <= 1) | (self.code >= _IMPOSSIBLE))
 
 
 def _steady_states(
@@ -142,7 +151,7 @@ def _steady_states(
     states = chain_forces(mechanism, kinematics, motion_of, speed, sense, load)
     for state in states:
         # Past the limit of jamming the axial balance asks for a pulling contact.
-        pushed = pushed & (state.forces.contact_force > 0)
+        pushed = pushed & above_or_nan(state.forces.contact_force)
     code = jnp.where(meshed, jnp.where(pushed, jnp.where(balanced, 0, 3), 2), 4)
     stages = mechanism.stages
     fit = jnp.stack([rollers_fit(stage) for stage in stages]).all()
@@ -227,7 +236,7 @@ def steady_state(
         for stage, geometry, state in zip(mechanism.stages, kinematics, states, strict=True)
     ]
     zero = jnp.zeros_like(load)
-    return SteadyState(
+    found = SteadyState(
         efficiency=useful / driving,
         carrier_ratio=jnp.stack(ratios),
         drive_torque=torque,
@@ -254,9 +263,20 @@ def steady_state(
         valid=code == 0,
         code=jnp.where((code == 0) & ~forward & (useful / driving < 0), 1, code),
     )
+    return _marked(found)
+
+
+def _marked(state: SteadyState) -> SteadyState:
+    """With the code of what is not finite, where nothing else is wrong that would explain it."""
+    numbers = [x for x in jax.tree.leaves(state) if jnp.issubdtype(x.dtype, jnp.inexact)]
+    # 0 times what is NaN or infinite is NaN.
+    finite = jnp.isfinite(sum(jnp.sum(0.0 * x) for x in numbers))
+    unexplained = (state.code <= _JAMMED) & ~finite
+    code = jnp.where(unexplained, _NOT_FINITE, state.code)
+    return dataclasses.replace(state, valid=state.valid & finite, code=code)
 
 
 def _length(vector: Float[Array, "3"]) -> Scalar:
     square = jnp.sum(vector**2)
-    some = square > 0
+    some = above_or_nan(square)
     return jnp.where(some, jnp.sqrt(jnp.where(some, square, 1.0)), 0.0)

@@ -9,6 +9,7 @@ import functools
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from .._guards import above_or_nan
 from .._physics import physics
 from ..mechanism import (
     CoulombFriction,
@@ -24,7 +25,7 @@ from ..mechanism import (
 def slip_direction(slip: Float[Array, "3"]) -> Float[Array, "3"]:
     """Unit vector along the slip; zero, with zero derivative, where nothing slips."""
     square = jnp.sum(slip**2)
-    slipping = square > 0
+    slipping = above_or_nan(square)
     length = jnp.sqrt(jnp.where(slipping, square, 1.0))
     return jnp.where(slipping, slip / length, 0.0)
 

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._errors import PrsmError
-from ..mechanism import Mechanism, TorqueScenario
+from ..mechanism import Mechanism, TorqueScenario, check_scenario
 from ._automatic import chosen_method
 from ._bristle_transient import bristle_history
 from ._bristles import has_bristles
@@ -23,6 +23,7 @@ from ._steady import all_kinematics
 from ._torque_transient import torque_history
 from ._transient_result import (
     CANNOT_BE_BUILT,
+    MEANS_NOTHING,
     CarrierHistory,
     SolverReport,
     Transient,
@@ -86,13 +87,15 @@ def simulate(
     - `kinematics`: kinematics of the stages, if known already.
 
     **Raises:** `MissingDataError` if masses or the scenario are not given; `ValueError` for an
-    unknown method or gradient, or the
-    closed form under a prescribed torque; `PrsmError` if the solver fails, or no such
-    mechanism can be built (a dimension out of range, rollers that overlap), and `throw` is set.
+    unknown method or gradient, a scenario that means nothing (a duration that is not above 0, NaN
+    or infinite numbers), or the closed form under a prescribed torque; `PrsmError` if the solver
+    fails, or no such mechanism can be built (a dimension out of range, rollers that overlap), and
+    `throw` is set.
     """
     settings = Settings(method, gradient, rtol, atol, max_steps)
     if scenario is None:
         scenario = default_scenario(mechanism)
+    check_scenario(scenario)
     if isinstance(scenario, TorqueScenario):
         follow = smooth_torque_history if has_smooth_threads(mechanism) else torque_history
         found = follow(mechanism, scenario, settings)
@@ -121,7 +124,9 @@ def simulate(
 
 def _checked(run: Transient, throw: bool) -> Transient:
     if throw and is_concrete(run.solver.code) and int(run.solver.code) != 0:
-        what = "did not finish" if int(run.solver.code) < CANNOT_BE_BUILT else "is of no mechanism"
+        code = int(run.solver.code)
+        what = "did not finish" if code < CANNOT_BE_BUILT else "is of no mechanism"
+        what = what if code < MEANS_NOTHING else "has no meaning"
         raise PrsmError(f"the transient {what}: {run.solver.result}")
     return run
 

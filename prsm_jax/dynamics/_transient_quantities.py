@@ -9,6 +9,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from .._errors import UnknownNameError, closest
+from .._guards import above_or_nan
 from ..mechanism import Scalar
 from ._transient_result import Transient
 
@@ -68,12 +69,13 @@ def settling_time(
     - `end`: the end value; default the last sample.
 
     **Returns:** the time, and whether the history both leaves the band and returns to it; the time
-    is the first sample's where it never leaves, and the last where it never returns.
+    is the first sample's where it never leaves, the last where it never returns, and NaN where a
+    sample is.
     """
     final = history[..., -1] if end is None else end
     allowed = jnp.abs(band * final)[..., None]
     distance = jnp.abs(history - final[..., None])
-    outside = jax.lax.stop_gradient(distance > allowed)
+    outside = jax.lax.stop_gradient(above_or_nan(distance, allowed))
     count = history.shape[-1]
     places = jnp.arange(count)
     last = jnp.max(jnp.where(outside, places, -1), axis=-1)
@@ -95,6 +97,7 @@ def settling_time(
     straight = jnp.where(crosses, outer - limit, 0.0) / fallen
     share = jnp.where(decays, jnp.log(high / between) / jnp.log(high / low), straight)
     found = jnp.where(last < 0, time[0], time[-1])
+    found = jnp.where(jnp.isnan(jnp.sum(distance, axis=-1)), jnp.nan, found)
     return jnp.where(crosses, start + share * (stop - start), found), crosses
 
 
@@ -167,5 +170,5 @@ def mean_efficiency(run: Transient) -> Scalar:
     given = jnp.maximum(drive, 0.0) + jnp.maximum(-load, 0.0)
     taken = jnp.maximum(load, 0.0) + jnp.maximum(-drive, 0.0)
     put_in = integral(run.time, given)
-    some = put_in > 0
+    some = above_or_nan(put_in)
     return jnp.where(some, integral(run.time, taken) / jnp.where(some, put_in, 1.0), 0.0)

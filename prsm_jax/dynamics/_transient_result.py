@@ -39,11 +39,15 @@ _MEANINGS = (
     "two steps; raise samples, which shortens them",
     steady_meaning("overlapping_rollers"),
     steady_meaning("impossible_dimension"),
+    "not finite: a number of the mechanism or the scenario is NaN or infinite, or so large that a "
+    "result is; correct it",
+    "impossible duration: a simulation needs a duration of more than 0 s that is finite",
 )
 _JAMMED = 7
-#: Codes from here on are of the mechanism; how the integration went is another matter.
-CANNOT_BE_BUILT = 9
-_OVERLAPPING, _IMPOSSIBLE = 9, 10
+#: Codes from here on are of the mechanism and of the scenario; how the integration went is another
+#: matter.
+CANNOT_BE_BUILT, MEANS_NOTHING = 9, 11
+_OVERLAPPING, _IMPOSSIBLE, _NOT_FINITE, _NO_DURATION = 9, 10, 11, 12
 
 
 class SolverReport(eqx.Module):
@@ -182,6 +186,15 @@ def _relative(residual: Scalar, scale: Scalar) -> Scalar:
     return jnp.abs(residual) / jnp.where(scale > 0, scale, 1.0)
 
 
+def _finite_samples(times: Float[Array, " times"], rows: dict[str, Any]) -> Bool[Array, " times"]:
+    """Whether everything is finite at each time; times run along the first axis of every row."""
+    # 0 times what is NaN or infinite is NaN.
+    total = 0.0 * times
+    for row in jax.tree.leaves(rows):
+        total = total + jnp.sum(0.0 * row.reshape(len(times), -1), axis=1)
+    return jnp.isfinite(total)
+
+
 def histories(
     mechanism: Mechanism,
     kinematics: tuple[StageKinematics, ...],
@@ -256,6 +269,7 @@ def histories(
 
     found = jax.vmap(at)(history)
     found = jax.vmap(at)(history)
+    finite = _finite_samples(times, found)
     deflections: Any = found.pop("bristle_deflection")
     per_stage = (
         "carrier_ratio",
@@ -275,10 +289,14 @@ def histories(
     margin = jamming_margin(mechanism, kinematics, jnp.max(jnp.abs(history.screw_speed)))
     jammed = jnp.any(rows["contact_force"] < 0) | ((report.code != 0) & (margin <= 0))
     code = jnp.where(jammed, _JAMMED, report.code)
+    # Where the first sample is not finite no method could have found more; later samples may also be
+    # lost by a method that gave up, which has a code of its own.
+    code = jnp.where(~finite[0] | ((code == 0) & ~finite.all()), _NOT_FINITE, code)
     fit = jnp.stack([rollers_fit(stage) for stage in mechanism.stages]).all()
     possible = jnp.stack([dimensions_possible(stage) for stage in mechanism.stages]).all()
     code = jnp.where((code == 0) & ~fit, _OVERLAPPING, code)
     code = jnp.where(possible, code, _IMPOSSIBLE)
+    code = jnp.where((times[-1] > 0) & jnp.isfinite(times[-1]), code, _NO_DURATION)
     return Transient(
         time=times,
         screw_acceleration=history.screw_acceleration,

@@ -11,7 +11,7 @@ from ..geometry import Meshing, mesh
 from ..mechanism import Scalar, Stage, material_of
 from ._flank_gap import FlankGap, TangentPlane, checked_side, flank_gap, tangent_plane
 from ._grid import grid_over
-from ._surface_contact import SurfaceContact, solve_contact
+from ._surface_contact import SurfaceContact, solve_contact, within_small_strains
 
 #: Heights on the grid [m], or a function of the coordinates [m] that gives them.
 Heights = (
@@ -79,7 +79,7 @@ def flank_contact(
 
     The axial load is shared equally by rollers and threads, as in `stage_contact`. Curvatures and
     normals are always the exact ones, whatever the stage's convention. Without a load there is no
-    pressure, and the result code is 3.
+    pressure, and the result code is 3; under a load that no half-space stands for it is 4.
 
     **Arguments:**
 
@@ -147,4 +147,5 @@ def flank_contact(
         tolerance=tolerance,
         max_iterations=max_iterations,
     )
+    surface = within_small_strains(surface, hertz.max_pressure, modulus)
     return FlankContact(surface, flanks, plane, hertz, normal_per_axial)

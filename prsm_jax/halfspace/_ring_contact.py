@@ -8,7 +8,7 @@ from ..contact import LineContactResult, line_contact_under_force
 from ..geometry import contact_zone, ring_gap
 from ..mechanism import LineContact, Scalar
 from ._grid import Grid
-from ._surface_contact import SurfaceContact, solve_contact
+from ._surface_contact import SurfaceContact, solve_contact, within_small_strains
 
 #: Half the width of the grid over that of the widest slice, and its length over the zone's.
 _WIDER, _LONGER = 2.5, 1.05
@@ -68,10 +68,11 @@ def ring_contact(
         * slices.normal_force
         / jnp.where(slices.axial_force > 0, slices.axial_force, 1.0)
     )
-    return solve_contact(
+    surface = solve_contact(
         grid,
         normal[:, None] * (gap - lowest),
         modulus,
         load=force,
         material=jnp.broadcast_to(material[:, None], shape),
     )
+    return within_small_strains(surface, slices.max_pressure, modulus)

@@ -1,5 +1,7 @@
 """Contact of two elastic bodies with any gap, as half-spaces."""
 
+import dataclasses
+
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
@@ -17,7 +19,12 @@ RESULTS = {
     1: "not converged: raise max_iterations or tolerance, and look for numbers that are not finite",
     2: "the contact reaches the edge of the grid: make the grid larger",
     3: "no contact: no load, or an approach smaller than the gap",
+    4: "not a half-space: under this load the Hertz pressure is above a tenth of the contact "
+    "modulus, and the contact no longer small against the bodies; lower the load",
 }
+#: Pressure over contact modulus up to which strains and slopes are small. Hardened steel yields at
+#: less than half of it.
+_LARGEST_STRAIN = 0.1
 
 
 class SurfaceContact(eqx.Module):
@@ -51,6 +58,22 @@ class SurfaceContact(eqx.Module):
     def found(self) -> Bool[Array, ""]:
         """Whether the numbers are those of a contact within the grid."""
         return self.code == 0
+
+
+def within_small_strains(
+    surface: SurfaceContact, hertz_pressure: Scalar, modulus: Scalar
+) -> SurfaceContact:
+    """The contact, with a result code where its load is beyond what half-spaces stand for.
+
+    **Arguments:**
+
+    - `surface`: a contact that was solved.
+    - `hertz_pressure`: pressure by closed form, without the edges of the surfaces [Pa].
+    - `modulus`: contact modulus E* [Pa].
+    """
+    small = hertz_pressure <= _LARGEST_STRAIN * modulus
+    known = jnp.isfinite(hertz_pressure) & jnp.isfinite(modulus)
+    return dataclasses.replace(surface, code=jnp.where(small | ~known, surface.code, 4))
 
 
 def _rim(field: Bool[Array, "nx ny"]) -> Bool[Array, ""]:

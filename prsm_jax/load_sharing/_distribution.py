@@ -47,7 +47,7 @@ class LoadDistribution(eqx.Module):
     spacer_force: Scalar | None
     chains: Chains
     equilibrium: Equilibrium
-    #: Whether threads mesh, and the balance was found.
+    #: Whether threads mesh, and the balance was found; else loads and deflections are NaN.
     converged: Bool[Array, ""]
     #: Numbers of the rollers of each class, from 1.
     rollers: tuple[tuple[int, ...], ...] = eqx.field(static=True)
@@ -184,7 +184,10 @@ def balanced(
 def _described(
     whole: StageChains, found: Equilibrium, value: Scalar, control: Control, tangent: bool
 ) -> LoadDistribution:
-    chains, state = whole.chains, found.state
+    chains = whole.chains
+    converged = found.converged & whole.meshing_converged
+    # Where a search that found nothing has ended is no distribution.
+    state = jax.tree.map(lambda x: jnp.where(converged, x, jnp.nan), found.state)
     load, offset = load_and_offset(chains, state, control, value)
     free = eqx.tree_at(lambda s: s.control, state, None, is_leaf=lambda x: x is None)
     if control == "load":
@@ -205,7 +208,7 @@ def _described(
         spacer_force=spacer,
         chains=chains,
         equilibrium=found,
-        converged=found.converged & whole.meshing_converged,
+        converged=converged,
         rollers=whole.rollers,
     )
 

@@ -5,6 +5,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._cubic import root_above_one
+from .._guards import above_or_nan
 from .._physics import physics
 
 Numbers = Float[Array, "..."]
@@ -32,7 +33,7 @@ def _slope(force: Numbers, hertz: Numbers | None, tooth: Numbers | None) -> Numb
 
 
 def _where_touching(approach: Numbers) -> tuple[Array, Numbers]:
-    touching = approach > 0
+    touching = above_or_nan(approach)
     return touching, jnp.where(touching, approach, 1.0)
 
 

@@ -6,6 +6,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from .._guards import above_or_nan
 from ..mechanism import Scalar
 from ._chains import Flanks, Loads
 from ._stage_chains import StageChains
@@ -73,7 +74,7 @@ class SideLoads(eqx.Module):
     @property
     def loaded(self) -> Bool[Array, ""]:
         """Whether the threads bear more than rounding."""
-        return self._mean_thread_load > self._nothing
+        return above_or_nan(self._mean_thread_load, self._nothing)
 
     @property
     def _nothing(self) -> Scalar | float:
@@ -90,13 +91,13 @@ class SideLoads(eqx.Module):
         return self._ratio(jnp.max(jnp.abs(load)), mean)
 
     def _ratio(self, part: Scalar, whole: Scalar) -> Scalar:
-        loaded = whole > self._nothing
+        loaded = above_or_nan(whole, self._nothing)
         return jnp.where(loaded, part / jnp.where(loaded, whole, 1.0), 1.0)
 
 
 def _positive_root(value: Array) -> Array:
     """Cube root of loads; 0, with derivative 0, where there is none."""
-    loaded = value > 0
+    loaded = above_or_nan(value)
     return jnp.where(loaded, jnp.cbrt(jnp.where(loaded, value, 1.0)), 0.0)
 
 

@@ -98,6 +98,7 @@ def elastic_deflection(
     - `resting`: the balance without a load, if known already.
     """
     rest, braced, converged = _rest(chains, load, resting)
+    rest = jnp.where(converged, rest, jnp.nan)
     loaded = load != 0
     deflection = jnp.where(loaded | braced, travel - rest, 0.0)
     moved = loaded & (deflection != 0)

@@ -95,7 +95,11 @@ from ._profiles import (
     TrapezoidalMoveProfile as TrapezoidalMoveProfile,
     TrapezoidalProfile as TrapezoidalProfile,
 )
-from ._scenario import Scenario as Scenario, TorqueScenario as TorqueScenario
+from ._scenario import (
+    Scenario as Scenario,
+    TorqueScenario as TorqueScenario,
+    check_scenario as check_scenario,
+)
 from ._screw_friction import (
     Drag as Drag,
     RegularisedSplineFriction as RegularisedSplineFriction,

@@ -12,6 +12,13 @@ def _known(values: dict) -> dict[str, np.ndarray]:
     }
 
 
+def check_finite(owner: str, remedy: str, **values) -> None:
+    """**Raises:** `ValueError` if one of the named numbers is known and NaN or infinite."""
+    for name, value in _known(values).items():
+        if not np.all(np.isfinite(value)):
+            raise ValueError(f"{owner}: {name} is {value}; it must be finite; {remedy}")
+
+
 def check_positive(owner: str, **values) -> None:
     """**Raises:** `ValueError` if one of the named numbers is known and not above 0."""
     for name, value in _known(values).items():

@@ -6,6 +6,7 @@ import equinox as eqx
 from jaxtyping import Array, Float
 
 from ._bodies import Carrier, Gear, GivenStiffness, Material, Nut, RingGear, Roller, Screw
+from ._checked import check_finite, check_not_negative
 from ._damping import Damping
 from ._design_problem import DesignProblem
 from ._fields import Scalar, as_scalar, choice, number, optional_number
@@ -89,7 +90,7 @@ class Stage(Limited):
         return self.roller_count - sum(roller.missing for roller in self.unequal_roller)
 
 
-class OperatingPoint(eqx.Module):
+class OperatingPoint(Limited):
     """The steady operating point: prescribed screw speed and load on the last nut."""
 
     speed: Scalar = number("rad/s", "screw speed; negative when the load drives the screw back")
@@ -109,6 +110,12 @@ class DutyCycle(eqx.Module):
     load: Float[Array, " phases"] = eqx.field(
         converter=as_scalar, metadata={"unit": "N", "description": "axial load in each phase"}
     )
+
+    def __check_init__(self):
+        check_not_negative("DutyCycle", duration=self.duration)
+        for name, unit in (("duration", "s"), ("speed", "rad/s"), ("load", "N")):
+            values = {name: getattr(self, name)}
+            check_finite("DutyCycle", f"give the {name} of each phase in {unit}", **values)
 
 
 class Mechanism(eqx.Module):

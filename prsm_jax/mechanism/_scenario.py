@@ -5,6 +5,7 @@ numbers differentiable): the profiles of `_profiles` and `_sequences`, the loads
 any other. Those of a file can be written back to one.
 """
 
+import dataclasses
 from collections.abc import Callable
 
 import equinox as eqx
@@ -12,6 +13,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ._checked import check_finite, check_positive
 from ._fields import Scalar, choice, driven, number
 from ._loads import LoadOfMotion, break_times_of, load_value
 from ._sequences import Profile
@@ -20,6 +22,24 @@ from ._sequences import Profile
 def _check_samples(samples: int) -> None:
     if samples < 2:
         raise ValueError(f"samples is {samples}; a history needs at least 2")
+
+
+def check_scenario(scenario: "Scenario | TorqueScenario") -> None:
+    """Refuse a scene that means nothing; numbers that are traced, and functions, are not known.
+
+    **Arguments:**
+
+    - `scenario`: the scene.
+
+    **Raises:** `ValueError` for a duration that is not above 0, and for NaN or infinite numbers.
+    """
+    owner = type(scenario).__name__
+    for field in dataclasses.fields(scenario):
+        value, unit = getattr(scenario, field.name), field.metadata.get("unit")
+        if unit is not None and not callable(value):
+            remedy = f"give the {field.metadata['description']} in {unit}"
+            check_finite(owner, remedy, **{field.name: value})
+    check_positive(owner, duration=scenario.duration)
 
 
 def _needs_motion():
@@ -54,6 +74,7 @@ class Scenario(eqx.Module):
 
     def __check_init__(self):
         _check_samples(self.samples)
+        check_scenario(self)
 
     def speed_at(self, time: Scalar) -> Scalar:
         """Screw speed at a time [rad/s]."""
@@ -98,6 +119,7 @@ class TorqueScenario(eqx.Module):
 
     def __check_init__(self):
         _check_samples(self.samples)
+        check_scenario(self)
 
     def torque_at(self, time: Scalar) -> Scalar:
         """Torque at a time [N·m]."""

@@ -11,6 +11,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from .._guards import above_or_nan
 from ._arrowhead import arrowhead_modes
 
 
@@ -74,5 +75,5 @@ def mesh_energy_share(
     held = jnp.sum(block.support[:, None] * shapes[:-1] ** 2, axis=0)
     meshed = jnp.sum(block.mesh[:, None] * block.elongations(shapes) ** 2, axis=0)
     total = held + meshed
-    strained = total > 0
+    strained = above_or_nan(total)
     return jnp.where(strained, meshed / jnp.where(strained, total, 1.0), 0.0)

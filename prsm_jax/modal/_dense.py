@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from .._guards import above_or_nan
 from .._physics import physics
 from ..mechanism import Scalar
 from ._assembly import spring_network
@@ -105,7 +106,7 @@ def directional_derivatives(
     )
     values, forward, backward = directional_slopes(network, change)
     frequencies = frequency(values)
-    elastic = frequencies > 0
+    elastic = above_or_nan(frequencies)
     # f = √λ/2π; where nothing holds the body f leaves zero with a slope only if λ grows with t².
     rate = jnp.where(elastic, 1 / (8 * jnp.pi**2 * jnp.where(elastic, frequencies, 1.0)), 0.0)
     return FrequencySlopes(frequencies, rate * forward, rate * backward)

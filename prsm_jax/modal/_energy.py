@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Inexact
 
+from .._guards import above_or_nan
 from ._spring_network import SpringNetwork
 
 
@@ -51,6 +52,6 @@ def strain_energies(
 def shares(energies: dict[str, Float[Array, " modes"]]) -> dict[str, Float[Array, " modes"]]:
     """Energies as shares of their sum; all zero where there is none."""
     total = jnp.sum(jnp.stack(list(energies.values())), axis=0)
-    some = total > 0
+    some = above_or_nan(total)
     divisor = jnp.where(some, total, 1.0)
     return {name: jnp.where(some, row / divisor, 0.0) for name, row in energies.items()}

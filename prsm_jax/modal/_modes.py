@@ -132,8 +132,8 @@ class Modes(eqx.Module):
             lambda shapes: strain_energies(network, shapes, each_spring=each_spring)
         )
         # Of a rigid motion there is nothing but rounding to be shared.
-        elastic = self.frequencies > _RIGID_SHARE * self.frequencies[-1]
-        return {name: jnp.where(elastic, row, 0.0) for name, row in found.items()}
+        rigid = self.frequencies <= _RIGID_SHARE * self.frequencies[-1]
+        return {name: jnp.where(rigid, 0.0, row) for name, row in found.items()}
 
     def _labels(self) -> list[tuple[float, str, int]]:
         rows = []
@@ -184,7 +184,8 @@ def of_elastic(
     share: Float[Array, " modes"], frequencies: Float[Array, " modes"]
 ) -> Float[Array, " modes"]:
     """Shares of strain energy, and 0 for a rigid motion: what it has is rounding."""
-    return jnp.where(frequencies > _RIGID_SHARE * jnp.max(frequencies), share, 0.0)
+    rigid = frequencies <= _RIGID_SHARE * jnp.max(frequencies)
+    return jnp.where(rigid, 0.0, share)
 
 
 def frequency(eigenvalue: Float[Array, " modes"]) -> Float[Array, " modes"]:

@@ -19,6 +19,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Inexact
 
+from .._guards import above_or_nan
 from ..numerics import hermitian_eigenvalues, singular_values
 from ._spring_network import SpringNetwork
 
@@ -90,7 +91,7 @@ def _halved(root, change):
     """Y with `root Y + Y root = change`; 0 where the root is."""
     values = _diagonal(root)
     total = values[None, :] + values[:, None]
-    held = total > 0
+    held = above_or_nan(total)
     divisor = jnp.where(held, total, 1.0).astype(change.dtype)
 
     def divided(matrix):

@@ -140,12 +140,12 @@ def compute_checked(
     """As `compute`, and whether the values can be used.
 
     The flag is false where the threads do not mesh, a contact would have to pull, or a solver
-    below found nothing; the values may look harmless all the same. It speaks only for what the
-    quantities needed, and does not look for values that are not finite.
+    below found nothing, where the values may look harmless all the same; and where a value is NaN
+    or infinite. It speaks only for what the quantities needed.
     """
     analysis = Analysis(mechanism, speed, load)
     values = evaluate(analysis, quantities)
-    return values, analysis.valid
+    return values, analysis.valid & _finite(values)
 
 
 def compute_coded(
@@ -167,9 +167,12 @@ def evaluate_coded(
 ) -> tuple[dict[str, Array], Int[Array, ""]]:
     """As `compute_coded`, of an analysis of which more is asked."""
     values = evaluate(analysis, quantities)
-    finite = jnp.stack([jnp.isfinite(value).all() for value in values.values()]).all()
     code = code_of(analysis)
-    return values, jnp.where((code == 0) & ~finite, REASONS.index("not_finite"), code)
+    return values, jnp.where((code == 0) & ~_finite(values), REASONS.index("not_finite"), code)
+
+
+def _finite(values: dict[str, Array]) -> Bool[Array, ""]:
+    return jnp.stack([jnp.isfinite(value).all() for value in values.values()]).all()
 
 
 def evaluate(analysis: Analysis, quantities: Iterable[str]) -> dict[str, Array]:

@@ -6,6 +6,7 @@ import jax.numpy as jnp
 
 from .. import strength
 from .._errors import MissingDataError
+from .._guards import above_or_nan
 from ..dynamics import steady_state
 from ..mechanism import Friction, Mechanism, Scalar, Stage
 from ._analysis import Analysis
@@ -110,7 +111,7 @@ def _preload_torque(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     alone = Mechanism((eqx.tree_at(lambda s: s.friction, stage, friction),))
     kinematics = (analysis.kinematics[index],)
     speed = jnp.abs(analysis.speed)
-    speed = jnp.where(speed > 0, speed, _CREEP)
+    speed = jnp.where(above_or_nan(speed), speed, _CREEP)
     # The screw drives one nut against the preload, which helps it to turn in the other.
     states = jax.vmap(lambda load: steady_state(alone, speed, load, kinematics))(
         jnp.stack([preload, -preload])

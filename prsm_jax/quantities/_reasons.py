@@ -31,7 +31,7 @@ def code_of(analysis: Analysis) -> Int[Array, ""]:
     # `cached_property` stores what has been evaluated under its own name.
     evaluated = analysis.__dict__
     if "steady" in evaluated and analysis.steady.code is not None:
-        for name in ("no_balance", "jammed"):
+        for name in ("not_finite", "no_balance", "jammed"):
             at = analysis.steady.code == STEADY_RESULTS.index(name)
             code = jnp.where(at, REASONS.index(name), code)
     if "kinematics" in evaluated:

@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 
 from .._errors import MissingDataError
+from .._guards import above_or_nan
 from ..response import excitation_orders, find_order
 from ..stiffness import ring_roller_stiffness
 from ._analysis import Analysis
@@ -19,7 +20,7 @@ def _lowest(groups):
 
 def _lowest_mesh_dominated(groups):
     found = [
-        jnp.where(group.mesh_energy_share > _DOMINANT, group.frequencies, jnp.inf)
+        jnp.where(above_or_nan(group.mesh_energy_share, _DOMINANT), group.frequencies, jnp.inf)
         for group in groups
     ]
     return jnp.min(jnp.concatenate(found))

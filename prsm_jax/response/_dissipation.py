@@ -9,6 +9,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._errors import UnknownNameError, closest
+from .._guards import above_or_nan
 from .._physics import physics
 from ..mechanism import Damping, ModalDamping, RayleighDamping, Scalar, StructuralDamping
 from ..modal import SpringModes, SpringNetwork, spring_modes
@@ -54,7 +55,8 @@ def _square_root_jvp(primals, tangents):
     def solve(_, right):
         # No gap between roots is divided by, so that repeated ones are as good as any.
         total = roots[:, None] + roots[None, :]
-        share = jnp.where(total > 0, 1 / jnp.where(total > 0, total, 1.0), 0.0)
+        some = above_or_nan(total)
+        share = jnp.where(some, 1 / jnp.where(some, total, 1.0), 0.0)
         return vectors @ (share * (vectors.T @ right @ vectors)) @ vectors.T
 
     change = jax.lax.custom_linear_solve(

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._errors import MissingDataError
+from .._guards import above_or_nan
 from ..contact import StageContact, ThreadContactSide, stage_contact
 from ..geometry import Meshing
 from ..load_sharing import LoadDistribution, SideLoads, stage_load_distribution
@@ -117,7 +118,7 @@ def _each(stage: Stage, given: Scalar) -> Float[Array, " rollers"]:
 def in_series(first: Scalar, second: Scalar) -> Scalar:
     """Stiffness of two springs in series; without load both are 0, and so is the result [N/m]."""
     total = first + second
-    stiff = total > 0
+    stiff = above_or_nan(total)
     return first * jnp.where(stiff, second / jnp.where(stiff, total, 1.0), 0.0)
 
 

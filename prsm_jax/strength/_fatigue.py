@@ -16,6 +16,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._errors import MissingDataError
+from .._guards import above_or_nan
 from .._physics import physics
 from ..contact import StageContact, axis_ratio_of, contact_frames, engaged_threads
 from ..geometry import Meshing
@@ -223,6 +224,6 @@ def fatigue_sharing_factor(
         weights = jnp.ones_like(thread_loads)
     shares = jnp.ravel(weights / jnp.sum(weights))
     mean = jnp.sum(shares * jnp.ravel(thread_loads))
-    loaded = mean > 0
+    loaded = above_or_nan(mean)
     effective = mean_load(jnp.ravel(thread_loads), shares, 10 / 3)
     return jnp.where(loaded, effective / jnp.where(loaded, mean, 1.0), 1.0)

@@ -4,6 +4,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from .._guards import above_or_nan
 from .._physics import physics
 from ..mechanism import Scalar, Stage
 from ._contacts import preload_of
@@ -32,7 +33,7 @@ def basic_life(capacity: Scalar, load: Scalar) -> Scalar:
     """
     smallest = jnp.finfo(capacity.dtype).tiny ** 0.25
     share = jnp.abs(load) / capacity
-    loaded = share > smallest
+    loaded = above_or_nan(share, smallest)
     return jnp.where(loaded, 1e6 * jnp.where(loaded, share, 1.0) ** -3, jnp.inf)
 
 
@@ -69,11 +70,11 @@ def rating_life(
     both = mean_load(jnp.stack(means), jnp.ones_like(jnp.stack(means)), 3 * WEIBULL_SLOPE)
     revolutions = basic_life(capacity, both)
     seconds_per_turn = ratio_or_infinity(2 * jnp.pi * jnp.ones_like(both), spectrum.mean_speed)
-    turns = jnp.isfinite(seconds_per_turn)
-    time = scaled_unless_infinite(revolutions, jnp.where(turns, seconds_per_turn, 1.0))
+    still = jnp.isinf(seconds_per_turn)
+    time = scaled_unless_infinite(revolutions, jnp.where(still, 1.0, seconds_per_turn))
     return RatingLife(
         revolutions=revolutions,
-        time=jnp.where(turns, time, jnp.inf),
+        time=jnp.where(still, jnp.inf, time),
         distance=scaled_unless_infinite(revolutions, stage.thread.lead),
     )
 

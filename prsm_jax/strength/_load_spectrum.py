@@ -8,6 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._errors import MissingDataError
+from .._guards import above_or_nan
 from ..mechanism import DutyCycle, Mechanism, Scalar
 from ._powers import positive_power
 
@@ -26,7 +27,7 @@ class LoadSpectrum(eqx.Module):
     def weights(self) -> Float[Array, " phases"]:
         """Share of each phase in the turning; of the time, where nothing turns at all."""
         total = jnp.sum(self.turned_angle)
-        turns = total > 0
+        turns = above_or_nan(total)
         whole = jnp.where(turns, total, jnp.sum(self.duration))
         return jnp.where(turns, self.turned_angle, self.duration) / whole
 
@@ -43,7 +44,7 @@ class LoadSpectrum(eqx.Module):
     @property
     def phase_speed(self) -> Float[Array, " phases"]:
         """Magnitude of the screw speed in each phase [rad/s]; 0 in one without length."""
-        lasts = self.duration > 0
+        lasts = above_or_nan(self.duration)
         return jnp.where(lasts, self.turned_angle, 0.0) / jnp.where(lasts, self.duration, 1.0)
 
 
