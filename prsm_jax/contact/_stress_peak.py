@@ -36,6 +36,8 @@ _OF_PRINCIPAL: dict[str, Callable[[Array, Array, Array], Array]] = {
 }
 #: Depths in a grid on the axis, of width 2 b first, and how many ever finer grids there are.
 _DEPTHS, _GRIDS = 33, 3
+#: Newton steps from the finest grid to rounding.
+_STEPS = 3
 #: How often the grid in space is made finer.
 _REFINEMENTS = 8
 
@@ -92,22 +94,32 @@ def _moving(
     spacing: Float[Array, " d"],
     *given: Array,
 ) -> Float[Array, " d"]:
-    """One step of Newton from a maximum that was found, which also carries its derivatives.
+    """Steps of Newton from a maximum that was found; the last one also carries its derivatives.
 
     A step that leaves the last grid belongs to a maximum at the surface or at the edge of the
     contact; there the point stays where it is, in units of the semi-axes. On the surface the depth
     is held.
     """
-    inside = found[-1] > 0
-    gradient = jax.grad(function)(found, *given)
-    hessian = jax.hessian(function)(found, *jax.lax.stop_gradient(given))
+    stopped = jax.lax.stop_gradient(given)
     last = jnp.arange(found.size) == found.size - 1
-    held = last & ~inside
-    gradient = jnp.where(held, 0.0, gradient)
-    hessian = jnp.where(held[:, None] | held[None, :], -jnp.eye(found.size), hessian)
-    change = -solve(hessian, gradient)
-    small = jnp.all(jnp.abs(change) <= 2 * spacing * 0.5 ** (_REFINEMENTS - 1))
-    return found + jnp.where(small & jnp.all(jnp.isfinite(change)), change, 0.0)
+    held = last & ~(found[-1] > 0)
+
+    def step(point, hessian, given):
+        gradient = jnp.where(held, 0.0, jax.grad(function)(point, *given))
+        change = -solve(hessian, gradient)
+        small = jnp.all(jnp.abs(change) <= 2 * spacing * 0.5 ** (_REFINEMENTS - 1))
+        return point + jnp.where(small & jnp.all(jnp.isfinite(change)), change, 0.0)
+
+    def closer(_, carry):
+        point, _ = carry
+        hessian = jax.hessian(function)(point, *stopped)
+        hessian = jnp.where(held[:, None] | held[None, :], -jnp.eye(found.size), hessian)
+        return step(point, hessian, stopped), hessian
+
+    # The second Hessian is that of the maximum: the place moves as its inverse.
+    start = (found, -jnp.eye(found.size, dtype=found.dtype))
+    point, hessian = jax.lax.stop_gradient(jax.lax.fori_loop(0, 2, closer, start))
+    return step(point, hessian, given)
 
 
 @physics("stress_peak_on_axis")
@@ -153,12 +165,23 @@ def stress_peak_on_axis(
         return grid[jnp.argmax(several(grid))], width * (2 / (_DEPTHS - 1))
 
     found, _ = jax.lax.fori_loop(0, _GRIDS, refine, (one, one))
-    # The top of the parabola through three points, and one step of Newton from there, which also
-    # carries the derivatives.
-    near = 1e-3 if ratio.dtype == jnp.float64 else 1e-2
-    before, here, after = several(found + near * jnp.asarray([-1.0, 0.0, 1.0], ratio.dtype))
-    bend = (after - 2 * here + before) / near**2
-    top = found - (after - before) / (2 * near * bend)
+    # Steps of Newton by differences of fourth order, and one that also carries the derivatives: it
+    # needs the curvature at the maximum itself, for the depth moves as one over it.
+    near = 3e-3 if ratio.dtype == jnp.float64 else 3e-2
+    stencil = near * jnp.arange(-2.0, 3.0, dtype=ratio.dtype)
+
+    def closer(_, carry):
+        centre, _ = carry
+        values = several(centre + stencil)
+        slope = values @ jnp.asarray([1.0, -8.0, 0.0, 8.0, -1.0], ratio.dtype) / (12 * near)
+        curved = jnp.asarray([-1.0, 16.0, -30.0, 16.0, -1.0], ratio.dtype) / (12 * near**2)
+        bend = values @ curved
+        return centre - slope / bend, bend
+
+    top, bend = jax.lax.fori_loop(0, _STEPS, closer, (found, one))
+    # Poisson's ratios below about 0 put it on the surface, where nothing says that the slope is 0.
+    below = above_or_nan(found, 2 * near)
+    top, bend = jnp.where(below, top, found), jnp.where(below, bend, jnp.inf)
     value, slope = jax.jvp(
         lambda depth: at(depth, ratio, poisson_ratio), (top,), (jnp.ones_like(top),)
     )
@@ -217,4 +240,7 @@ def stress_peak(
     moved = _moving(at, found, spacing, *given)
     flat = jnp.stack([moved[0] * major, moved[1] * minor])[order]
     position = jnp.concatenate([flat, moved[2:] * minor])
-    return StressPeak(max_pressure * at(jax.lax.stop_gradient(moved), *given), position)
+    value = at(jax.lax.stop_gradient(moved), *given)
+    # Among values that are NaN the search picks a place all the same.
+    position = jnp.where(jnp.isnan(value), jnp.nan, position)
+    return StressPeak(max_pressure * value, position)

@@ -289,7 +289,7 @@ def histories(
     margin = jamming_margin(mechanism, kinematics, jnp.max(jnp.abs(history.screw_speed)))
     jammed = jnp.any(rows["contact_force"] < 0) | ((report.code != 0) & (margin <= 0))
     code = jnp.where(jammed, _JAMMED, report.code)
-    # Where the first sample is not finite no method could have found more; later samples may also be
+    # Where the first sample is not finite no method could have found more; later ones may also be
     # lost by a method that gave up, which has a code of its own.
     code = jnp.where(~finite[0] | ((code == 0) & ~finite.all()), _NOT_FINITE, code)
     fit = jnp.stack([rollers_fit(stage) for stage in mechanism.stages]).all()

@@ -1,7 +1,6 @@
 """The chains of a stage: sections, teeth, contacts and gaps from its numbers."""
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
@@ -216,11 +215,14 @@ def with_units(
     deflection: Scalar | None = None,
     preload: Scalar | None = None,
 ) -> Chains:
-    """The chains with a typical force on a thread, and a film that suits it."""
-    chains = jax.lax.stop_gradient(chains)
+    """The chains with a typical force on a thread, and a film that suits it.
+
+    Differentiated like everything else: what the film alone transmits, such as the play behind
+    loaded flanks, changes loads by a billionth, and by another billionth if the film were constant.
+    """
     zero = jnp.zeros((), chains.weight.dtype)
     load, deflection, preload = (
-        zero if one is None else jax.lax.stop_gradient(one) for one in (load, deflection, preload)
+        zero if one is None else one for one in (load, deflection, preload)
     )
     sides, count = (chains.screw, chains.nut), chains.screw.gap.shape[1]
     reach = jnp.abs(deflection) / 2

@@ -54,8 +54,12 @@ class Modes(eqx.Module):
 
     @property
     def frequencies(self) -> Float[Array, " degrees"]:
-        """All natural frequencies, ascending, repeated roots repeated [Hz]."""
-        return jnp.sort(self._repeated())
+        """All natural frequencies, ascending, repeated roots repeated [Hz].
+
+        Where one of them is NaN so are all, for its place in the order is not known.
+        """
+        ascending = jnp.sort(self._repeated())
+        return jnp.where(jnp.isnan(ascending[-1]), jnp.nan, ascending)
 
     def _asked(self) -> tuple[VibrationSystem, SpringNetwork]:
         if self.system is None or self.network is None:

@@ -1,0 +1,131 @@
+"""Every number of a mechanism as one vector, and what quantities make of many such vectors.
+
+One compiled program evaluates all of them: a batch of mechanisms, each with one number changed.
+"""
+
+import functools
+import itertools
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from scenes import example
+
+import prsm_jax as prsm
+from prsm_jax.quantities import compute_coded
+
+#: Mechanisms in a batch.
+_BATCH = 64
+
+
+def numbers_of(mechanism):
+    """Names of all numbers, their values, and the function that builds a mechanism from values."""
+    leaves, structure = jax.tree_util.tree_flatten_with_path(mechanism)
+    names = [
+        jax.tree_util.keystr(path) + (f"[{k}]" if leaf.ndim else "")
+        for path, leaf in leaves
+        for k in range(leaf.size)
+    ]
+    shapes = [leaf.shape for _, leaf in leaves]
+
+    def build(vector):
+        built, at = [], 0
+        for shape in shapes:
+            size = int(np.prod(shape))
+            built.append(jnp.reshape(vector[at : at + size], shape))
+            at += size
+        return jax.tree_util.tree_unflatten(structure, built)
+
+    values = np.concatenate([np.ravel(np.asarray(leaf)) for _, leaf in leaves])
+    return names, values, build
+
+
+class Quantities:
+    """Quantities of a mechanism as a function of all its numbers.
+
+    **Attributes:** `names`, `values`: of the numbers; `labels`: of the components of quantities.
+    """
+
+    def __init__(self, mechanism, quantities=None):
+        self.names, self.values, build = numbers_of(mechanism)
+        wanted = prsm.available_quantities(mechanism) if quantities is None else quantities
+
+        def evaluate(vector):
+            found, code = compute_coded(build(vector), wanted)
+            return jnp.concatenate([jnp.ravel(found[name]) for name in wanted]), code
+
+        shapes = jax.eval_shape(lambda v: compute_coded(build(v), wanted)[0], self.values)
+        self.labels = [
+            label
+            for name in wanted
+            for label in prsm.quantities.component_names(name, shapes[name].shape)
+        ]
+        self._run = jax.jit(jax.vmap(evaluate))
+        self._push = jax.jit(
+            jax.vmap(lambda x, t: jax.jvp(lambda v: evaluate(v)[0], (x,), (t,))[1], (None, 0))
+        )
+
+    def __call__(self, rows):
+        """Values and result codes of many vectors of numbers."""
+        parts = [self._run(part) for part in _batches(rows)]
+        values, codes = (np.concatenate([np.asarray(p[k]) for p in parts]) for k in (0, 1))
+        return values[: len(rows)], codes[: len(rows)]
+
+    def derivatives(self):
+        """Forward derivatives of every label, a row for each number, per relative change of it."""
+        scales = sizes(self.values)
+        parts = [self._push(self.values, part) for part in _batches(np.diag(scales))]
+        return np.concatenate([np.asarray(part) for part in parts])[: len(scales)]
+
+    def differences(self):
+        """The same by differences, and an estimate of their own error; see `extrapolated`."""
+        shifts = np.concatenate([_STEPS, -_STEPS])
+        rows = self.values + shifts[:, None, None] * np.diag(sizes(self.values))[None]
+        found, _ = self(rows.reshape(-1, len(self.values)))
+        found = found.reshape(2, len(_STEPS), len(self.values), -1)
+        steps = _STEPS[:, None, None]
+        return extrapolated((found[0] - found[1]) / (2 * steps))
+
+
+#: Relative changes of a number, halved from one to the next.
+_STEPS = 2e-2 * 0.5 ** np.arange(16)
+
+
+def sizes(values):
+    """By what a relative change is relative: the magnitude, or 1 where a number is 0."""
+    return np.where(values == 0, 1.0, np.abs(values))
+
+
+def extrapolated(differences):
+    """Richardson's limit of central differences over halved steps, and an estimate of its error.
+
+    From each column of the extrapolation the value that agrees best with those before it; where
+    rounding or a kink disturbs all of them, the estimate says so.
+    """
+    columns = [differences]
+    for order in range(1, 4):
+        last = columns[-1]
+        columns.append((4.0**order * last[1:] - last[:-1]) / (4.0**order - 1))
+    best = np.full(differences.shape[1:], np.nan)
+    error = np.full(differences.shape[1:], np.inf)
+    for before, column in itertools.pairwise(columns):
+        for k in range(1, len(column)):
+            moved = np.abs(column[k] - column[k - 1])
+            gained = np.abs(column[k] - before[k + 1])
+            estimate = np.maximum(moved, gained)
+            better = estimate < error
+            best, error = np.where(better, column[k], best), np.where(better, estimate, error)
+    return best, error
+
+
+def _batches(rows):
+    """Rows in batches of one size, the last one filled up with its last row."""
+    for first in range(0, len(rows), _BATCH):
+        part = np.asarray(rows[first : first + _BATCH])
+        yield np.concatenate([part, np.repeat(part[-1:], _BATCH - len(part), axis=0)])
+
+
+@functools.cache
+def quantities_of(name, wanted=None):
+    """The `Quantities` of a shipped example, compiled once."""
+    return Quantities(example(name), wanted)
