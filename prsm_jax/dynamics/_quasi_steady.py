@@ -9,6 +9,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from .._guards import above_or_nan
 from .._physics import physics
 from ..mechanism import Mechanism, Scalar
 from ._carrier_balance import balanced_carrier_ratio, steady_motion
@@ -122,7 +123,7 @@ def _followed(problem: Problem, time: Scalar):
     slopes = jax.jacfwd(lambda w: carrier_acceleration(problem, time, w))(ratios * speed)
     rates = jnp.abs(jnp.diagonal(slopes))
     # Standstill: carriers follow at once.
-    moving = (rates > 0) & (speed != 0)
+    moving = above_or_nan(rates) & (speed != 0)
     lag = jnp.where(moving, 1 / jnp.where(moving, rates, 1.0), 0.0)
     return lag * drift, (ratios, lag, valid)
 

@@ -26,7 +26,14 @@ from ._torque_balance import (
     torque_problem,
 )
 from ._torque_drive import MISSED, follow, held, looks, passed
-from ._transient_result import CarrierHistory, Phase, SolverReport, Transient, histories
+from ._transient_result import (
+    CarrierHistory,
+    Phase,
+    SolverReport,
+    Transient,
+    code_of_finite,
+    histories,
+)
 
 
 def torque_history(mechanism: Mechanism, scenario: TorqueScenario, settings: Settings) -> Transient:
@@ -173,9 +180,11 @@ def _with_motion(
 ) -> Transient:
     stages = problem.mechanism.stages
     position = travel_per_turn(stages, len(stages)) * angle
+    # A held screw keeps still under a torque that is NaN.
+    code = code_of_finite(run.solver.code, jnp.isfinite(applied + position))
     return eqx.tree_at(
-        lambda run: (run.drive_torque, run.position, run.sticking, run.phases),
+        lambda run: (run.drive_torque, run.position, run.sticking, run.phases, run.solver.code),
         run,
-        (applied, position, mode == STICKING, phases),
+        (applied, position, mode == STICKING, phases, code),
         is_leaf=lambda leaf: leaf is None,
     )

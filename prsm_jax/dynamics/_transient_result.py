@@ -195,6 +195,15 @@ def _finite_samples(times: Float[Array, " times"], rows: dict[str, Any]) -> Bool
     return jnp.isfinite(total)
 
 
+def code_of_finite(code: Int[Array, ""], finite: Bool[Array, " times"]) -> Int[Array, ""]:
+    """A result code, and that of numbers that are not finite where it explains them.
+
+    Where the first sample is not finite no method could have found more; later ones may also be
+    lost by a method that gave up, which has a code of its own.
+    """
+    return jnp.where(~finite[0] | ((code == 0) & ~finite.all()), _NOT_FINITE, code)
+
+
 def histories(
     mechanism: Mechanism,
     kinematics: tuple[StageKinematics, ...],
@@ -289,9 +298,7 @@ def histories(
     margin = jamming_margin(mechanism, kinematics, jnp.max(jnp.abs(history.screw_speed)))
     jammed = jnp.any(rows["contact_force"] < 0) | ((report.code != 0) & (margin <= 0))
     code = jnp.where(jammed, _JAMMED, report.code)
-    # Where the first sample is not finite no method could have found more; later ones may also be
-    # lost by a method that gave up, which has a code of its own.
-    code = jnp.where(~finite[0] | ((code == 0) & ~finite.all()), _NOT_FINITE, code)
+    code = code_of_finite(code, finite)
     fit = jnp.stack([rollers_fit(stage) for stage in mechanism.stages]).all()
     possible = jnp.stack([dimensions_possible(stage) for stage in mechanism.stages]).all()
     code = jnp.where((code == 0) & ~fit, _OVERLAPPING, code)

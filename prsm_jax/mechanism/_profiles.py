@@ -85,7 +85,8 @@ class AbstractSegmentedProfile(eqx.Module):
         since = time - starts
         here = (time < ends) & (time >= starts)
         value = parts.value + since * (parts.slope + since * parts.curvature / 2)
-        return jnp.sum(jnp.where(here, value, 0.0))
+        # Of a length that is NaN no stretch would be here.
+        return jnp.where(jnp.isnan(time + ends[-1]), jnp.nan, jnp.sum(jnp.where(here, value, 0.0)))
 
     def angle(self, time: Scalar) -> Scalar:
         """Integral from 0 to a time."""
@@ -93,9 +94,10 @@ class AbstractSegmentedProfile(eqx.Module):
         starts, ends = _limits(parts)
         since = time - starts
         since = jnp.where(since < 0, 0.0, jnp.where(time < ends, since, parts.length))
-        return jnp.sum(
+        turned = jnp.sum(
             since * (parts.value + since * (parts.slope / 2 + since * parts.curvature / 6))
         )
+        return jnp.where(jnp.isnan(time + ends[-1]), jnp.nan, turned)
 
 
 class ConstantProfile(AbstractSegmentedProfile):

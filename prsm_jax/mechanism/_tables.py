@@ -6,6 +6,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
+from .._guards import above_or_nan
 from ._checked import check_increasing
 from ._fields import Scalar
 
@@ -51,7 +52,7 @@ class Curve(eqx.Module):
         else:
             # A harmonic mean, 0 where the chords turn back.
             weight_left, weight_right = before + 2 * after, 2 * before + after
-            same = left * right > 0
+            same = above_or_nan(left * right)
             inverse = weight_left / jnp.where(same, left, 1.0) + weight_right / jnp.where(
                 same, right, 1.0
             )

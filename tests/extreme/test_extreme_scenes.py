@@ -7,8 +7,10 @@ import math
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 import pytest
 import scenes
+from every_number import numbers_of
 from scenes import array, example
 
 import prsm_jax as prsm
@@ -143,6 +145,54 @@ def test_a_bore_wider_than_the_screw_is_refused_wherever_it_comes_from():
     assert REASONS[int(traced(array(jnp.nan)))] == "impossible_dimension"
     assert int(traced(mechanism.stages[0].screw.bore_radius)) == 0
     wide = eqx.tree_at(lambda m: m.stages[0].screw.bore_radius, mechanism, array(0.5))
-    found = [f for f in prsm.check(wide) if f.name == "dimension"]
+    found = [f for f in prsm.check(wide) if f.name == "bore"]
     assert [f.severity for f in found] == ["error"]
-    assert "stage.screw.bore_radius" in found[0].message
+    assert "stage.screw.bore_radius is 500 mm" in found[0].message
+
+
+_PROFILE = prsm.TrapezoidalProfile(100.0, 1e-2, 2e-2, dwell_time=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "method"),
+    [
+        (Scenario(_PROFILE, 7e3, 5e-2, samples=21), "quasi_steady"),
+        (Scenario(100.0, 7e3, 2e-3, samples=5), "closed_form"),
+        pytest.param(
+            TorqueScenario(16.0, 7e3, 2e-3, samples=5, most_phases=4),
+            "quasi_steady",
+            marks=pytest.mark.slow,
+        ),
+    ],
+)
+def test_nan_in_any_number_of_a_scene_is_told(scenario, method):
+    """What moves with a number is NaN, or the code says so, where that number is NaN."""
+    mechanism = scenes.mechanism()
+    names, values, build = numbers_of((mechanism, scenario))
+
+    def follow(numbers):
+        run = prsm.simulate(*build(numbers), method=method, max_steps=256, throw=False)
+        rows = [run.efficiency, run.drive_torque, run.carrier_force, run.ring_gear_force]
+        rows += [run.screw_speed, run.carrier_ratio, run.screw_roller_axial_force]
+        return jnp.concatenate([jnp.ravel(row) for row in rows]), run.solver.code
+
+    def with_each(changed):
+        rows = np.repeat(values[None], len(values), axis=0)
+        np.fill_diagonal(rows, changed)
+        return rows
+
+    nudged = with_each(np.where(values == 0, 1e-7, values * (1 + 1e-4)))
+    rows = np.concatenate([values[None], nudged, with_each(np.nan)])
+    found, codes = (np.asarray(x) for x in jax.jit(jax.vmap(follow))(rows))
+    base, nudged, bad = found[0], found[1 : 1 + len(values)], found[1 + len(values) :]
+    assert codes[0] == 0
+    assert np.isfinite(base).all()
+    depends = (np.abs(nudged - base) > 1e-12 * np.abs(base)).any(axis=1)
+    assert depends.mean() > 0.3
+    told = codes[1 + len(values) :] != 0
+    silent = [name for name, d, t in zip(names, depends, told, strict=True) if d and not t]
+    assert not silent
+    # A number that does not matter leaves everything as it was.
+    for row, d, t in zip(bad, depends, told, strict=True):
+        if not d and not t:
+            np.testing.assert_allclose(row, base, rtol=1e-12)
