@@ -268,6 +268,7 @@ def steady_state(
 
 def _marked(state: SteadyState) -> SteadyState:
     """With the code of what is not finite, where nothing else is wrong that would explain it."""
+    assert state.code is not None
     numbers = [x for x in jax.tree.leaves(state) if jnp.issubdtype(x.dtype, jnp.inexact)]
     # 0 times what is NaN or infinite is NaN.
     finite = jnp.isfinite(sum(jnp.sum(0.0 * x) for x in numbers))

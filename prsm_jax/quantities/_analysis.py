@@ -111,7 +111,8 @@ class Analysis:
             flags.append(self.steady.computed)
         if "contacts" in evaluated:
             flags += [
-                side.hertz.semi_major >= 0
+                # NaN is told by the values themselves.
+                jnp.logical_not(side.hertz.semi_major < 0)
                 for stage in self.contacts
                 for side in (stage.screw, stage.nut)
             ]

@@ -63,7 +63,7 @@ def test_nan_is_never_a_number(name, wanted):
     found, codes = program(_with_each(x, np.nan))
     # Most numbers matter to something, and most quantities to some number.
     assert depends.any(axis=1).mean() > 0.5
-    assert depends.any(axis=0).mean() > 0.9
+    assert depends.any(axis=0).mean() > 0.8
     numbers = [
         f"{program.labels[j]} is {found[k, j]} where {program.names[k]} is NaN"
         for k, j in zip(*np.nonzero(depends & ~np.isnan(found)), strict=True)

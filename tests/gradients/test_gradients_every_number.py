@@ -93,7 +93,8 @@ def test_the_depth_of_the_largest_stress_moves_as_the_stress_says(measure, ratio
     expected, error = extrapolated((values[0] - values[1]) / (2 * steps[:, None]))
     for found in (jax.jacfwd(depth)(given), jax.jacrev(depth)(given)):
         relative = np.asarray(found) * np.asarray(given)
-        assert np.all(np.abs(relative - expected) < 5 * error + 1e-8 * np.abs(expected))
+        # The curvature at the maximum is a difference, rounded the more the longer the ellipse.
+        assert np.all(np.abs(relative - expected) < 5 * error + 1e-7 * np.abs(expected))
     assert np.all(error < 1e-6 * np.abs(expected))
 
 
