@@ -1,4 +1,7 @@
-"""`python -m benchmarks [case …] [--quick | --smoke] [--out DIR]`, or `--list`."""
+"""`python -m benchmarks [case …] [--quick | --smoke] [--out DIR]`, or `--list`.
+
+`python -m benchmarks extremes` is the matrix of extremes, with options of its own (`--help`).
+"""
 
 import argparse
 import contextlib
@@ -68,6 +71,11 @@ def share_cores() -> None:
 
 def main(argv: list[str] | None = None) -> int:
     """Entry point; returns the exit status."""
+    given = sys.argv[1:] if argv is None else argv
+    if given[:1] == ["extremes"]:
+        from .extremes.command import main as extremes
+
+        return extremes(given[1:])
     arguments = _arguments(argv)
     share_cores()
     chosen = arguments.cases or case_names()

@@ -1,0 +1,365 @@
+"""One row of one structure: values, forward and reverse derivatives, and a verdict on each."""
+
+import functools
+import time
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from . import references
+from .cells import Cell
+from .differences import STEPS, Slope, slopes
+from .numbers import changed, numbers_of, split
+from .rows import Row, admitted
+from .structures import Structure
+
+#: Relative difference up to which a derivative agrees with one by differences.
+_SLOPE_TOLERANCE = 1e-6
+#: Forward and reverse derivatives are the same sums in another order.
+_TRANSPOSE_TOLERANCE = 1e-8
+#: A derivative below this share of its value, per relative change of a number, cannot be measured.
+_UNMEASURABLE = 1e-9
+_EPSILON = 2.3e-16
+
+
+class Programs:
+    """The compiled programs of a structure; every row goes through them."""
+
+    def __init__(self, structure: Structure):
+        self.structure = structure
+        self.leaves, build = split(structure.base)
+        self.numbers = numbers_of(structure.base)
+        dtype = jnp.result_type(float)
+
+        def outputs(values):
+            found, codes = structure.outputs(build(values))
+            return {name: jnp.asarray(v) for name, v in found.items()}, codes
+
+        def only_values(values):
+            return outputs(values)[0]
+
+        @jax.jit
+        def forward(values, tangents):
+            return jax.jvp(only_values, (values,), (tangents,))[1]
+
+        @jax.jit
+        def reverse(values, weights):
+            return jax.vjp(only_values, values)[1](weights)[0]
+
+        self._values, self._forward, self._reverse = jax.jit(outputs), forward, reverse
+        self._dtype = dtype
+
+    def _given(self, leaves):
+        return [jnp.asarray(leaf, self._dtype) for leaf in leaves]
+
+    def values(self, leaves):
+        """Values and codes."""
+        found, codes = jax.device_get(self._values(self._given(leaves)))
+        return (
+            {name: np.asarray(v, float) for name, v in found.items()},
+            {name: int(code) for name, code in codes.items()},
+        )
+
+    def forward(self, leaves, direction):
+        """Derivatives of all values along a direction."""
+        found = jax.device_get(self._forward(self._given(leaves), self._given(direction)))
+        return {name: np.asarray(v, float) for name, v in found.items()}
+
+    def reverse(self, leaves, weights):
+        """Derivatives of a weighted sum of values by all numbers."""
+        given = {name: jnp.asarray(w, self._dtype) for name, w in weights.items()}
+        found = jax.device_get(self._reverse(self._given(leaves), given))
+        return [np.asarray(v, float) for v in found]
+
+
+@functools.cache
+def programs(name: str) -> Programs:
+    """The programs of a structure, compiled once per process."""
+    from .structures import structure
+
+    return Programs(structure(name))
+
+
+def _relative(found: np.ndarray, expected: np.ndarray, least: float) -> float:
+    """Error relative to each entry, or to a share of the largest one where that is more."""
+    scale = np.maximum(np.abs(expected), least * np.max(np.abs(expected), initial=0.0))
+    difference = np.abs(found - expected)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        error = np.where(difference == 0, 0.0, difference / scale)
+    return float(np.max(error, initial=0.0))
+
+
+class Verdicts:
+    """The cells of one row, column by column."""
+
+    def __init__(self, compiled: Programs, row: Row, base: dict[str, np.ndarray]):
+        self.compiled, self.row, self.base = compiled, row, base
+        self.structure = compiled.structure
+        self.leaves, self.places = changed(compiled.leaves, compiled.numbers, row.changes)
+        self.found, self.codes = compiled.values(self.leaves)
+        self.usable: dict[str, bool] = {}
+        #: Entries below this share of the largest are measured by that share of it.
+        self.least = 1.0 if self.structure.histories else 1e-14
+
+    def _impossible(self) -> bool:
+        """Whether one of the changed numbers is none that a file may have."""
+        return any(
+            not all(admitted(self.compiled.numbers[k], x) for x in np.ravel(self.leaves[k]))
+            for k in self.places
+        )
+
+    def value_cells(self) -> dict[str, Cell]:
+        """Verdicts on values."""
+        impossible = self._impossible()
+        expected = {} if impossible else self._expected()
+        cells = {}
+        for name, value in self.found.items():
+            cell = self._value(name, value, expected.get(name), impossible)
+            cells[name] = cell
+            self.usable[name] = cell.status in ("agrees", "finite", "wrong_value")
+            if cell.status == "agrees" and not np.isfinite(value).all():
+                self.usable[name] = False
+        return cells
+
+    def _expected(self):
+        if not self.structure.reference:
+            return {}
+        given = dict(zip([n.name for n in self.compiled.numbers], self.leaves, strict=True))
+        try:
+            return getattr(references, self.structure.reference)(self.structure, given)
+        except references.NoReference:
+            return {}
+
+    def _value(self, name, value, expected, impossible) -> Cell:
+        if self.codes[name] != 0:
+            return Cell("refused", None, f"code {self.codes[name]}")
+        if self.row.group == "number" and np.array_equal(value, self.base[name], equal_nan=True):
+            return Cell("untouched")
+        if not np.isfinite(value).all():
+            documented = name in self.structure.infinite and not np.isnan(value).any()
+            if not documented or impossible:
+                return Cell("not_finite", None, f"{_first(value)}")
+            return Cell("agrees", 0.0, "documented to be ∞")
+        if impossible:
+            return Cell("accepted", None, f"{_first(value)}, ordinarily {_first(self.base[name])}")
+        if expected is None:
+            return Cell("finite")
+        reference, own = expected
+        if np.shape(reference) != np.shape(value):
+            return Cell("wrong_value", None, f"shape {np.shape(value)} for {np.shape(reference)}")
+        error = _relative(value, np.asarray(reference, float), self.least)
+        if error <= max(self.structure.tolerance, own):
+            return Cell("agrees", error)
+        return Cell("wrong_value", error, f"{_first(value)} for {_first(reference)}")
+
+    # Derivatives -------------------------------------------------------------------------------
+
+    def _direction(self, random, geometry: bool) -> list[np.ndarray]:
+        return [
+            leaf * random.uniform(0.5, 1.0, leaf.shape) * random.choice([-1.0, 1.0], leaf.shape)
+            if not geometry or ".thread." in number.name
+            else np.zeros_like(leaf)
+            for leaf, number in zip(self.leaves, self.compiled.numbers, strict=True)
+        ]
+
+    def _wobble(self, random) -> dict[str, np.ndarray]:
+        """How far a relative change of all numbers by an epsilon moves the values."""
+        worst = {name: np.zeros_like(value) for name, value in self.found.items()}
+        for _ in range(2):
+            moved = [
+                leaf * (1 + _EPSILON * random.choice([-1.0, 1.0], leaf.shape))
+                for leaf in self.leaves
+            ]
+            values, _ = self.compiled.values(moved)
+            for name, value in values.items():
+                change = np.abs(value - self.found[name])
+                worst[name] = np.fmax(worst[name], np.where(np.isfinite(change), change, 0.0))
+        return worst
+
+    def gradient_cells(self, seed: int) -> tuple[dict[str, Cell], dict[str, Cell]]:
+        """Verdicts on forward and on reverse derivatives."""
+        random = np.random.default_rng([seed, *self.row.name.encode()])
+        if not any(self.usable.values()):
+            return {}, {}
+        wobble = self._wobble(random)
+        forward: dict[str, Cell] = {}
+        kinds = (False,) if self.structure.slow else (False, True)
+        tangents: dict[str, np.ndarray] = {}
+        direction: list[np.ndarray] = []
+        for geometry in kinds:
+            own = self._direction(random, geometry)
+            if not any(np.any(part) for part in own):
+                continue
+            given = self.compiled.forward(self.leaves, own)
+            if not tangents:
+                tangents, direction = given, own
+            measured = self._measured(own, wobble)
+            for name in self.found:
+                if self.usable[name]:
+                    cell = self._slope(name, given[name], measured[name])
+                    forward[name] = _worse(forward.get(name), cell)
+        self._at_zero(forward, random)
+        return forward, self._reverse_cells(forward, tangents, direction, random)
+
+    def _measured(self, direction, wobble):
+        wanted = {name: value for name, value in self.found.items() if self.usable[name]}
+
+        def at(step: float):
+            values, codes = self.compiled.values(
+                [leaf + step * part for leaf, part in zip(self.leaves, direction, strict=True)]
+            )
+            return values, {name: code == 0 for name, code in codes.items()}
+
+        steps = STEPS[:6] if self.structure.slow else STEPS
+        with np.errstate(all="ignore"):
+            return slopes(at, wanted, wobble, steps)
+
+    def _at_zero(self, cells: dict[str, Cell], random) -> None:
+        """Derivatives by numbers that are 0 have to be finite too."""
+        direction = [
+            np.where(leaf == 0, np.where(base == 0, 1e-6, np.abs(base)), 0.0)
+            for leaf, base in zip(self.leaves, self.compiled.leaves, strict=True)
+        ]
+        if not any(np.any(part) for part in direction):
+            return
+        for name, slope in self.compiled.forward(self.leaves, direction).items():
+            if self.usable[name] and not np.isfinite(slope).all():
+                cells[name] = Cell("not_finite", None, f"by a number that is 0: {_first(slope)}")
+
+    def _slope(self, name: str, given: np.ndarray, measured: Slope | None) -> Cell:
+        if not np.isfinite(given).all():
+            return Cell("not_finite", None, _first(given))
+        if measured is None:
+            return Cell("open", None, "no stretch without a refusal")
+        tolerance = max(_SLOPE_TOLERANCE, 10 * self.structure.tolerance * self.structure.slow)
+        value = np.abs(self.found[name])
+        scale = np.maximum(np.abs(given), np.abs(measured.value))
+        # Below that, and below what rounding does to the largest component, nothing is measured.
+        least = 1.0 if self.structure.histories else 1e-8
+        floor = _UNMEASURABLE * np.maximum(value, least * np.max(value, initial=0.0))
+        if self.structure.histories:
+            scale = np.maximum(scale, np.max(scale, initial=0.0))
+        difference = np.abs(given - measured.value)
+        allowed = tolerance * scale + 10 * measured.error + 1.05 * measured.jump + floor
+        error = float(np.max(difference / np.maximum(scale, floor + 1e-300), initial=0.0))
+        if np.any(difference > allowed):
+            worst = int(np.argmax(difference / allowed))
+            seen = f"{np.ravel(given)[worst]:.10g} for {np.ravel(measured.value)[worst]:.10g}"
+            return Cell("wrong_gradient", error, f"{seen} ± {np.ravel(measured.error)[worst]:.1g}")
+        vague = measured.error + measured.jump > np.maximum(1e-2 * scale, floor)
+        if np.any(vague):
+            return Cell("open", error, "kink" if np.any(measured.jump > 0) else "rounding")
+        return Cell("agrees", error)
+
+    def _reverse_cells(self, forward, tangents, direction, random) -> dict[str, Cell]:
+        if not tangents:
+            return {}
+        good = [name for name in forward if forward[name].status != "not_finite"]
+        weights = {
+            name: np.where(np.isfinite(t) & (name in good), self._weight(t, random), 0.0)
+            for name, t in tangents.items()
+        }
+        cells: dict[str, Cell] = {}
+        together = self._transposed(weights, tangents, direction, good)
+        if together is not None and len(good) == len(forward):
+            return {name: Cell(forward[name].status, together) for name in good}
+        # One at a time: whose derivative it is.
+        for name in forward:
+            alone = {
+                other: w if other == name else np.zeros_like(w) for other, w in weights.items()
+            }
+            if name not in good:
+                alone[name] = np.ones_like(weights[name])
+            gradient = self.compiled.reverse(self.leaves, alone)
+            if not all(np.isfinite(g).all() for g in gradient):
+                where = next(
+                    n.name
+                    for n, g in zip(self.compiled.numbers, gradient, strict=True)
+                    if not np.isfinite(g).all()
+                )
+                cells[name] = Cell("not_finite", None, f"by {where}")
+                continue
+            error = self._mismatch(gradient, alone, tangents, direction, [name])
+            if name not in good or error is None or error <= _TRANSPOSE_TOLERANCE:
+                status = "open" if name not in good else forward[name].status
+                cells[name] = Cell(status, error)
+            elif error <= self._slope_error(forward[name]):
+                cells[name] = Cell("open", error)
+            else:
+                cells[name] = Cell("wrong_gradient", error, "reverse differs from forward")
+        return cells
+
+    def _slope_error(self, cell: Cell) -> float:
+        # Methods that choose their steps by tolerance agree to that only.
+        return 1e-4 if self.structure.slow else 0.0
+
+    def _weight(self, tangent, random):
+        size = np.where(np.abs(tangent) > 0, np.abs(tangent), 1.0)
+        with np.errstate(over="ignore", invalid="ignore"):
+            signs = random.uniform(0.5, 1.0, tangent.shape) * random.choice([-1, 1], tangent.shape)
+            return np.nan_to_num(signs / size, posinf=0.0, neginf=0.0)
+
+    def _mismatch(self, gradient, weights, tangents, direction, names) -> float | None:
+        left = sum(float(np.sum(g * d)) for g, d in zip(gradient, direction, strict=True))
+        right = sum(float(np.sum(weights[n] * tangents[n])) for n in names)
+        scale = sum(float(np.sum(np.abs(weights[n] * tangents[n]))) for n in names)
+        # Terms of the sum over all numbers may cancel.
+        terms = sum(float(np.sum(np.abs(g * d))) for g, d in zip(gradient, direction, strict=True))
+        scale += 1e-6 * terms
+        return abs(left - right) / scale if scale > 0 else None
+
+    def _transposed(self, weights, tangents, direction, names) -> float | None:
+        """How far reverse is from forward, all columns at once; `None` where it has to be told."""
+        gradient = self.compiled.reverse(self.leaves, weights)
+        if not all(np.isfinite(g).all() for g in gradient):
+            return None
+        error = self._mismatch(gradient, weights, tangents, direction, names)
+        if error is None or error <= _TRANSPOSE_TOLERANCE:
+            return error or 0.0
+        return None
+
+
+_ORDER = ("agrees", "untouched", "finite", "open", "wrong_gradient", "not_finite")
+
+
+def _worse(one: Cell | None, other: Cell) -> Cell:
+    if one is None:
+        return other
+    return max((one, other), key=lambda cell: _ORDER.index(cell.status))
+
+
+def _first(values) -> str:
+    flat = np.ravel(np.asarray(values, float))
+    bad = flat[~np.isfinite(flat)]
+    return f"{(bad if bad.size else flat)[0]:.6g}" if flat.size else "nothing"
+
+
+def judge(
+    compiled: Programs, row: Row, base: dict[str, np.ndarray], seed: int
+) -> tuple[dict[str, tuple[Cell, ...]], float]:
+    """The cells of a row, value, forward and reverse for each column, and the seconds it took."""
+    begin = time.perf_counter()
+    verdicts = Verdicts(compiled, row, base)
+    absent = Cell("absent")
+    if row.changes and not verdicts.places:
+        return {}, 0.0
+    values = verdicts.value_cells()
+    forward: dict[str, Cell] = {}
+    reverse: dict[str, Cell] = {}
+    if not (row.group == "number" and verdicts._impossible()):
+        forward, reverse = verdicts.gradient_cells(seed)
+    cells = {
+        name: (value, forward.get(name, absent), reverse.get(name, absent))
+        for name, value in values.items()
+    }
+    return cells, time.perf_counter() - begin
+
+
+def crashed(columns: tuple[str, ...], error: BaseException) -> dict[str, tuple[Cell, ...]]:
+    """What is said of a row that ended in an exception."""
+    cell = Cell("crash", None, f"{type(error).__name__}: {error}"[:200])
+    return {name: (cell, Cell("absent"), Cell("absent")) for name in columns}
+
+
+__all__ = ["Programs", "Verdicts", "crashed", "judge", "programs"]

@@ -1,0 +1,97 @@
+"""The numbers of a pytree by name, with their units and limits, and changes of them."""
+
+import dataclasses
+import re
+from typing import Any, NamedTuple
+
+import equinox as eqx
+import jax
+import numpy as np
+
+from prsm_jax.mechanism import ANY, Limit, limit_of
+
+#: Stiffnesses may be negative in Python: published models are (`prsm_jax.check` finds them).
+_FREE_UNITS = ("N/m",)
+
+
+class Number(NamedTuple):
+    """One floating-point leaf: its path as in files, its SI unit, and what it may be."""
+
+    name: str
+    unit: str
+    limit: Limit
+
+
+def _name(path) -> str:
+    parts = []
+    for key in path:
+        if isinstance(key, jax.tree_util.SequenceKey):
+            parts.append(str(key.idx + 1))
+        else:
+            parts.append(str(getattr(key, "name", getattr(key, "key", key))))
+    return ".".join(parts).replace("stages.", "stage.")
+
+
+def _unit(tree: Any, path) -> str:
+    node, unit = tree, "1"
+    for key in path:
+        if isinstance(key, jax.tree_util.SequenceKey):
+            node = node[key.idx]
+            continue
+        for field in dataclasses.fields(node) if dataclasses.is_dataclass(node) else ():
+            if field.name == key.name:
+                given = field.metadata.get("unit", unit)
+                unit = unit if given == "*" else given
+        node = getattr(node, key.name)
+    return unit
+
+
+def numbers_of(tree: Any) -> tuple[Number, ...]:
+    """Every floating-point leaf of a pytree, in the order of its leaves."""
+    found = []
+    for path, _ in jax.tree_util.tree_leaves_with_path(eqx.filter(tree, eqx.is_inexact_array)):
+        name, unit = _name(path), _unit(tree, path)
+        limit = ANY if unit in _FREE_UNITS else limit_of(name.rpartition(".")[2], unit)
+        found.append(Number(name, unit, limit))
+    return tuple(found)
+
+
+def split(tree: Any):
+    """The leaves as NumPy arrays, and a function that builds the pytree from such a list."""
+    numbers, rest = eqx.partition(tree, eqx.is_inexact_array)
+    leaves, structure = jax.tree.flatten(numbers)
+
+    def build(values):
+        return eqx.combine(jax.tree.unflatten(structure, list(values)), rest)
+
+    return [np.asarray(leaf, float) for leaf in leaves], build
+
+
+class Change(NamedTuple):
+    """A number set to a value, or multiplied by a factor; of every leaf whose name matches."""
+
+    pattern: str
+    how: str  # "set" or "times"
+    value: float
+
+    def matches(self, name: str) -> bool:
+        """Whether a number is meant: the pattern is an ending of its name, with `*` for one part."""
+        pattern = re.escape(self.pattern).replace(r"\*", r"[^.]*")
+        return re.search(rf"(^|\.){pattern}$", name) is not None
+
+
+def changed(
+    leaves: list[np.ndarray], numbers: tuple[Number, ...], changes: tuple[Change, ...]
+) -> tuple[list[np.ndarray], set[int]]:
+    """Leaves with changes made, and the places of those that were meant."""
+    moved, places = [leaf.copy() for leaf in leaves], set()
+    for change in changes:
+        for place, number in enumerate(numbers):
+            if not change.matches(number.name):
+                continue
+            places.add(place)
+            if change.how == "set":
+                moved[place] = np.full_like(moved[place], change.value)
+            else:
+                moved[place] = moved[place] * change.value
+    return moved, places

@@ -1,0 +1,129 @@
+"""`docs/extremes.md`: what the matrix found, from its own run."""
+
+from pathlib import Path
+
+from ..harness._atomic import written_whole
+from .cells import KINDS, STATUSES, Table, is_bad, total
+from .picture import write_pictures
+from .structures import structure
+
+_HEAD = """\
+# The matrix of extremes
+
+This page is written by `python -m benchmarks extremes --docs docs`. It does not change by hand.
+
+A **row** is an extreme: one number at the end of its range, a seeded combination of several
+numbers, or NaN, infinity, zero and the negative put into one number. A **column** is a quantity of
+the catalogue, or a result of modes, steady state, a method of transients, load sharing or the
+half-space. A **cell** compares with a reference that is written apart from the package, or finds
+a refusal by name. Each pair of row and column has three cells: the value, its forward derivative
+and its reverse derivative.
+
+## References
+
+| what | reference | agreement |
+|---|---|---|
+| thread, contacts, steady turning, modes | mpmath at 50 digits: common normal of the helicoids, \
+elliptic integrals, balance of forces, eigenvalues | 1e-9, or what a change of all numbers by \
+1e-13 does |
+| stages with unequal rollers or supports | full matrices in mpmath | 1e-9 |
+| transients at constant speed | SciPy's Radau at 1e-9 on an own right-hand side | 2e-6 of the \
+largest value |
+| half-space | Hertz | 3 % on 24 × 24 cells, the error of the grid |
+| derivatives, forward | extrapolated differences along random directions, with their own error | \
+1e-6 and ten times that error |
+| derivatives, reverse | forward derivatives along the same direction | 1e-8 |
+
+What has no reference is said to be finite, no more. A derivative is open where differences cannot
+tell: at kinks, and where rounding is larger than a hundredth of it.
+
+"""
+
+
+def _colours() -> list[str]:
+    lines = ["| colour | status | meaning | a fault |", "|---|---|---|---|"]
+    for name, status in STATUSES.items():
+        if name == "absent":
+            continue
+        patch = (
+            f'<span style="background:{status.colour};padding:0 0.8em;'
+            f'border:1px solid #888"></span>'
+        )
+        fault = "yes" if status.bad else "no"
+        lines.append(f"| {patch} | {name.replace('_', ' ')} | {status.meaning} | {fault} |")
+    return lines
+
+
+def _counts(tables: list[Table]) -> list[str]:
+    names = [name for name in STATUSES if name != "absent"]
+    head = ["structure", "rows", "columns", *(name.replace("_", " ") for name in names)]
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    for table in tables:
+        counts = table.counts()
+        row = [structure(table.structure).title, str(len(table.rows)), str(len(table.columns))]
+        lines.append("| " + " | ".join(row + [str(counts[name]) for name in names]) + " |")
+    counts = total(tables)
+    row = ["**all**", str(sum(len(t.rows) for t in tables)), ""]
+    lines.append("| " + " | ".join(row + [str(counts[name]) for name in names]) + " |")
+    return lines
+
+
+def _faults(tables: list[Table]) -> list[str]:
+    found: dict[tuple[str, str, str, str], list[str]] = {}
+    for table in tables:
+        for row, column, kind, cell in table.bad():
+            found.setdefault((table.structure, column, kind, cell.status), []).append(
+                f"{row}: {cell.detail}"
+            )
+    if not found:
+        return ["No cell is bad."]
+    lines = ["| structure | column | kind | status | cells | first |", "|---|---|---|---|---|---|"]
+    for (name, column, kind, status), rows in found.items():
+        first = rows[0].replace("|", "\\|")
+        lines.append(f"| {name} | {column} | {kind} | {status} | {len(rows)} | {first} |")
+    return lines
+
+
+def _largest(tables: list[Table]) -> list[str]:
+    lines = ["| structure | value | forward | reverse |", "|---|---|---|---|"]
+    for table in tables:
+        worst = []
+        for place in range(len(KINDS)):
+            errors = [
+                three[place].error
+                for columns in table.cells.values()
+                for three in columns.values()
+                if three[place].status == "agrees" and three[place].error is not None
+            ]
+            worst.append(f"{max(errors):.1e}" if errors else "")
+        lines.append(f"| {table.structure} | " + " | ".join(worst) + " |")
+    return lines
+
+
+def write_page(tables: list[Table], folder: Path, arguments, seconds: float) -> list[Path]:
+    """Write the page and its pictures; returns their paths."""
+    titled = [(table, structure(table.structure).title) for table in tables]
+    pictures = write_pictures(titled, folder / "images" / "extremes")
+    counts = total(tables)
+    bad = sum(number for name, number in counts.items() if is_bad(name))
+    cells = sum(counts.values())
+    lines = [_HEAD, "## This run", ""]
+    lines.append(
+        f"Seed {arguments.seed}, {arguments.rows} combinations: {cells} cells, {bad} bad, in "
+        f"{seconds / 60:.0f} minutes on two cores."
+    )
+    lines += ["", *_colours(), "", *_counts(tables), "", "## Faults", "", *_faults(tables), ""]
+    lines += ["## Largest errors of cells that agree", "", *_largest(tables), ""]
+    lines += [
+        "## Pictures",
+        "",
+        "The colour of a pair is that of the worst of its three cells.",
+        "",
+    ]
+    for name, group, path in pictures:
+        relative = path.relative_to(folder).as_posix()
+        lines += [f"![{structure(name).title}, {group} rows]({relative})", ""]
+    page = folder / "extremes.md"
+    with written_whole(page) as temporary:
+        temporary.write_text("\n".join(lines), encoding="utf-8")
+    return [page, *(path for _, _, path in pictures)]

@@ -1,0 +1,132 @@
+"""The matrix as pictures: one coloured cell per pair of row and column."""
+
+import base64
+import struct
+import zlib
+from pathlib import Path
+
+import numpy as np
+
+from .cells import KINDS, STATUSES, Table
+
+#: Worst first: the colour of a pair is that of the worst of its three cells.
+_RANK = ("crash", "hang", "not_finite", "wrong_value", "wrong_gradient", "accepted")
+_RANK = (*_RANK, "open", "finite", "refused", "agrees", "untouched", "absent")
+_GREY = "#f2f2f2"
+
+
+def _worst(three) -> str:
+    return min((cell.status for cell in three), key=_RANK.index)
+
+
+def _rgb(colour: str) -> tuple[int, int, int]:
+    return tuple(int(colour[k : k + 2], 16) for k in (1, 3, 5))  # type: ignore[return-value]
+
+
+def _png(pixels: np.ndarray) -> bytes:
+    """An image without a library that would put a date into it."""
+    height, width, _ = pixels.shape
+    rows = b"".join(b"\0" + row.tobytes() for row in pixels.astype(np.uint8))
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        body = kind + data
+        return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
+
+    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    compressed = zlib.compress(rows, 9)
+    return (
+        b"\x89PNG\r\n\x1a\n"
+        + chunk(b"IHDR", header)
+        + chunk(b"IDAT", compressed)
+        + chunk(b"IEND", b"")
+    )
+
+
+def _image(table: Table, rows: list[dict]) -> bytes:
+    pixels = np.full((len(rows), len(table.columns), 3), _rgb(_GREY), np.uint8)
+    for i, row in enumerate(rows):
+        cells = table.cells.get(row["name"], {})
+        for j, column in enumerate(table.columns):
+            if column in cells:
+                pixels[i, j] = _rgb(STATUSES[_worst(cells[column])].colour)
+    return _png(pixels)
+
+
+_GROUPS = {
+    "single": "extremes one by one",
+    "combination": "random combinations",
+    "number": "NaN, infinity, zero and its negative in every number",
+}
+
+
+def _escaped(text: str) -> str:
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+
+
+def _runs(names: list[str]) -> list[tuple[str, int, int]]:
+    """Stretches of equal names: name, first, length."""
+    found: list[tuple[str, int, int]] = []
+    for index, name in enumerate(names):
+        if found and found[-1][0] == name:
+            found[-1] = (name, found[-1][1], found[-1][2] + 1)
+        else:
+            found.append((name, index, 1))
+    return found
+
+
+def _labels(rows: list[dict], group: str) -> list[tuple[str, int, int]]:
+    if group == "number":
+        # Four rows to a number: one label for them.
+        return _runs([row["name"].rpartition(":")[0] for row in rows])
+    return [(row["name"], index, 1) for index, row in enumerate(rows)]
+
+
+def svg(table: Table, title: str, group: str) -> str:
+    """Rows of one group of a structure, with the names of rows and columns."""
+    rows = [row for row in table.rows if row["group"] == group]
+    labelled = group != "combination"
+    step = {"single": 11, "number": 3, "combination": 3}[group]
+    wide, left, top = 11, 330, 210
+    width, height = left + wide * len(table.columns) + 20, top + step * len(rows) + 20
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" '
+        f'width="{width}" height="{height}" font-family="sans-serif" font-size="9">',
+        f'<rect width="{width}" height="{height}" fill="#ffffff"/>',
+        f'<text x="8" y="18" font-size="13">{_escaped(title)}</text>',
+        f'<text x="8" y="34">{len(rows)} {_GROUPS[group]}, {len(table.columns)} columns</text>',
+    ]
+    for j, column in enumerate(table.columns):
+        x = left + wide * j + 8
+        parts.append(
+            f'<text transform="translate({x},{top - 5}) rotate(-60)">{_escaped(column)}</text>'
+        )
+    data = base64.b64encode(_image(table, rows)).decode()
+    parts.append(
+        f'<image x="{left}" y="{top}" width="{wide * len(table.columns)}" '
+        f'height="{step * len(rows)}" preserveAspectRatio="none" image-rendering="pixelated" '
+        f'href="data:image/png;base64,{data}"/>'
+    )
+    if labelled:
+        for name, first, count in _labels(rows, group):
+            y = top + step * (first + count / 2) + 3
+            parts.append(
+                f'<text x="{left - 6}" y="{y:.1f}" text-anchor="end">{_escaped(name)}</text>'
+            )
+    parts.append("</svg>")
+    return "\n".join(parts) + "\n"
+
+
+def write_pictures(tables: list[tuple[Table, str]], folder: Path) -> list[tuple[str, str, Path]]:
+    """One picture per structure and group of rows; structure, group and path of each."""
+    folder.mkdir(parents=True, exist_ok=True)
+    found = []
+    for table, title in tables:
+        for group in _GROUPS:
+            if any(row["group"] == group for row in table.rows):
+                path = folder / f"extremes-{table.structure}-{group}.svg"
+                path.write_text(svg(table, title, group), encoding="utf-8")
+                found.append((table.structure, group, path))
+    return found
+
+
+__all__ = ["KINDS", "svg", "write_pictures"]
