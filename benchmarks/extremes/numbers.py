@@ -75,7 +75,7 @@ class Change(NamedTuple):
     value: float
 
     def matches(self, name: str) -> bool:
-        """Whether a number is meant: the pattern is an ending of its name, with `*` for one part."""
+        """Whether a number is meant: the pattern ends its name, with `*` for one part of it."""
         pattern = re.escape(self.pattern).replace(r"\*", r"[^.]*")
         return re.search(rf"(^|\.){pattern}$", name) is not None
 

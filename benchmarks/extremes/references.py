@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 import mpmath
 import numpy as np
 from mpmath import mpf
+from mpmath.libmp import NoConvergence
 
 from ..references.hertz import exact_hertz
 from ..references.meshing import Design, mesh_point
@@ -37,7 +38,7 @@ def _conditioned(function: Callable[[dict[str, list]], dict], given: Given) -> E
                 for k, v in exact.items()
             }
             beside = function(moved)
-        except (ValueError, ZeroDivisionError, mpmath.NoConvergence, TypeError) as error:
+        except (ValueError, ZeroDivisionError, NoConvergence, TypeError) as error:
             raise NoReference(str(error)) from error
     found: Expected = {}
     for name, value in middle.items():
@@ -90,7 +91,7 @@ def unequal(structure, given: Given) -> Expected:
         try:
             numbers = StageNumbers(part, exact)
             found = modes_of(numbers)
-        except (ValueError, ZeroDivisionError, mpmath.NoConvergence, TypeError) as error:
+        except (ValueError, ZeroDivisionError, NoConvergence, TypeError) as error:
             raise NoReference(str(error)) from error
     return {"natural_frequencies": (np.array([float(x) for x in found]), 1e-11)}
 
@@ -109,7 +110,7 @@ def settling(structure, given: Given) -> Expected:
         try:
             whole = Chain(structure.base, exact, scenario=True)
             floats = whole.in_floats()
-        except (ValueError, ZeroDivisionError, mpmath.NoConvergence, TypeError) as error:
+        except (ValueError, ZeroDivisionError, NoConvergence, TypeError) as error:
             raise NoReference(str(error)) from error
     duration = float(given["scenario.duration"])
     start = float(given["scenario.initial_carrier_ratio"])

@@ -1,0 +1,127 @@
+"""The matrix of extremes in a reduced form: no bad cell, and faults put in that it has to find."""
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from benchmarks.extremes import structures
+from benchmarks.extremes.cells import Table, is_bad
+from benchmarks.extremes.judge import Programs, judge
+from benchmarks.extremes.plan import reduced_rows, rows_of
+from benchmarks.extremes.structures import Ellipse, Structure, columns_of, structure
+from prsm_jax.contact import hertz_contact
+
+#: One of each kind; the rest are in the full run, `python -m benchmarks extremes`.
+REDUCED = ("hertz", "quantities", "steady_2", "load_sharing", "unequal_rollers", "closed_form")
+
+
+def run(one: Structure, rows) -> Table:
+    """A table of these rows."""
+    compiled, table = Programs(one), Table(one.name, columns_of(one))
+    base, _ = compiled.values(compiled.leaves)
+    for row in rows:
+        cells, _ = judge(compiled, row, base, seed=14)
+        table.rows.append(row.as_json())
+        table.cells[row.name] = cells
+    return table
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", REDUCED)
+def test_no_cell_is_bad(name):
+    one = structure(name)
+    table = run(one, reduced_rows(one))
+    assert not table.bad()
+    counts = table.counts()
+    judged = sum(number for status, number in counts.items() if status != "absent")
+    assert judged > 30
+    # Refusing everything would be a way to be never wrong.
+    assert counts["agrees"] > 0.1 * judged
+
+
+def _with(change) -> Structure:
+    """The bare contact with something done to its results."""
+    one = structures.hertz()
+
+    def outputs(ellipse: Ellipse):
+        values, codes = one.outputs(ellipse)
+        return change(ellipse, values), codes
+
+    return dataclasses.replace(one, outputs=outputs)
+
+
+def _swallowed(ellipse, values):
+    # What `where(force > 0, …, 0)` makes of NaN.
+    loaded = ellipse.force > 0
+    return {name: jnp.where(loaded, value, 0.0) for name, value in values.items()}
+
+
+@jax.custom_jvp
+def _same(value):
+    return value
+
+
+@_same.defjvp
+def _same_jvp(primals, tangents):
+    return primals[0], 1.01 * tangents[0]
+
+
+def _wrong_slope(_, values):
+    return values | {"approach": _same(values["approach"])}
+
+
+def _wrong_value(_, values):
+    return values | {"semi_major": values["semi_major"] * (1 + 1e-6)}
+
+
+def _not_a_number(ellipse, values):
+    # The gradient of a square root at 0.
+    at_circle = jnp.sqrt(jnp.abs(ellipse.larger - ellipse.smaller)) * 0.0
+    return values | {"stiffness": values["stiffness"] + at_circle}
+
+
+@pytest.mark.parametrize(
+    ("change", "status", "kind"),
+    [
+        (_swallowed, "accepted", "value"),
+        (_wrong_slope, "wrong_gradient", "forward"),
+        (_wrong_value, "wrong_value", "value"),
+        (_not_a_number, "not_finite", "forward"),
+    ],
+)
+def test_a_fault_is_found(change, status, kind):
+    one = _with(change)
+    table = run(one, reduced_rows(one))
+    assert (kind, status) in {(kind, cell.status) for _, _, kind, cell in table.bad()}
+
+
+def test_rows_are_seeded_and_cover_every_number():
+    one = structure("steady_2")
+    rows = rows_of(one, count=20)
+    assert rows == rows_of(one, count=20)
+    assert rows != rows_of(one, count=20, seed=15)
+    spoiled = {row.number for row in rows if row.group == "number"}
+    leaves = [x for x in jax.tree.leaves(one.base) if np.issubdtype(x.dtype, np.inexact)]
+    assert len(spoiled) == len(leaves)
+    offered = [row.offered for row in rows if row.group == "number"]
+    assert offered.count("NaN") == offered.count("zero") == len(leaves)
+
+
+def test_statuses_that_are_faults():
+    assert is_bad("not_finite")
+    assert is_bad("hang")
+    assert not is_bad("refused")
+    assert not is_bad("open")
+
+
+def test_the_bare_contact_is_hertz():
+    """The matrix calls the package as users do."""
+    ellipse = structures.hertz().base
+    a, b = ellipse.smaller, ellipse.larger
+    found = hertz_contact(ellipse.force, a + b, (b - a) ** 2, ellipse.modulus)
+    values, codes = structures.hertz().outputs(ellipse)
+    assert float(values["max_pressure"]) == float(found.max_pressure)
+    assert int(codes["max_pressure"]) == 0
