@@ -157,14 +157,16 @@ class Chain:
             moment += link.arm[1] * (link.normal[1] + along[1])
             torque = torque + link.count * force * moment
             bearing, spline = factor * link.bearing, factor * link.spline
-            torque = torque + sense * bearing * nut
+            # The screw of the next stage slides in this one's, and drags it along.
+            own = nut - (found[-1]["spline"] if found else 0)
+            torque = torque + sense * bearing * own
             torque = torque / (1 - bearing * spline) + sense * factor * link.drag
             state = {"force": force, "nut": nut, "slip": size, "along": along}
             state["tangential"] = along[0] * link.drive[0] + along[1] * link.drive[1]
             if spline:
                 need(torque > 0 and link.drag == 0, "a spline that pulls back")
             state["spline"] = sense * spline * torque
-            nut = nut + state["spline"]
+            nut = own + state["spline"]
             found.append(state)
         return torque, found[::-1]
 

@@ -101,7 +101,8 @@ def run_structure(name: str, arguments: argparse.Namespace) -> Table:
         if count is not None and done >= count:
             break
         if row is None:
-            raise RuntimeError(f"{name}: {fault.detail}, before its first row")
+            print(f"{name}: {fault.detail}, before its first row", flush=True)
+            break
         print(f"{name}: {row['name']}: {fault.detail}", flush=True)
         absent = Cell("absent")
         table.cells[row["name"]] = dict.fromkeys(table.columns, (fault, absent, absent))

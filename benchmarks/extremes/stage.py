@@ -105,12 +105,9 @@ class StageNumbers:
 
     def stiffness(self, side: str) -> Number:
         """Axial secant stiffness of one roller [N/m]."""
-        return (
-            self["engaged_threads"]
-            * self.thread_force
-            * self.sides[side][2]
-            / (self.hertz(side)[1])
-        )
+        # The normal approach is an axial travel times the cosine of the normal's slope.
+        force = self["engaged_threads"] * self.thread_force
+        return force / self.sides[side][2] / self.hertz(side)[1]
 
     # Steady turning ------------------------------------------------------------------------
 

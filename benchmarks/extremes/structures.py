@@ -68,7 +68,13 @@ _NO_SPIN = Friction(
 )
 
 
-def _actuator(*, count: int = 10, friction: Friction | None = None, sharing: bool = False):
+def _actuator(
+    *,
+    count: int = 10,
+    friction: Friction | None = None,
+    sharing: bool = False,
+    crests: bool = True,
+) -> Mechanism:
     mechanism = file.load("actuator")
     (stage,) = mechanism.stages
     changes: dict[str, Any] = {"friction": friction or stage.friction, "roller_count": count}
@@ -77,6 +83,9 @@ def _actuator(*, count: int = 10, friction: Friction | None = None, sharing: boo
     thread = dataclasses.replace(
         stage.thread, roller_profile_radius=float(stage.thread.profile_radius)
     )
+    if not crests:
+        # So that no ellipse is cut, and Hertz is the reference.
+        thread = dataclasses.replace(thread, screw_addendum=None, roller_addendum=None)
     stage = dataclasses.replace(stage, thread=thread, **changes)
     return dataclasses.replace(
         mechanism, stages=(stage,), design_problem=None, operating_point=_point(mechanism)
@@ -161,19 +170,17 @@ def quantities_three() -> Structure:
     return _of_quantities(
         "three_rollers",
         "three rollers",
-        _actuator(count=3, friction=_NO_SPIN),
+        _actuator(count=3, friction=_NO_SPIN, crests=False),
         _VIBRATION,
         reference="stage",
     )
 
 
 def quantities_sixty() -> Structure:
-    mechanism = _actuator(count=60, friction=_NO_SPIN)
+    mechanism = _actuator(count=60, friction=_NO_SPIN, crests=False)
     mechanism = prsm.set_parameter(mechanism, "starts", 30.0)
     mechanism = prsm.set_parameter(mechanism, "roller_radius", 1.5e-3)
     mechanism = prsm.set_parameter(mechanism, "roller_profile_radius", 2.1e-3)
-    mechanism = prsm.set_parameter(mechanism, "screw_addendum", 0.05e-3)
-    mechanism = prsm.set_parameter(mechanism, "roller_addendum", 0.05e-3)
     return _of_quantities(
         "sixty_rollers", "sixty rollers", mechanism, _VIBRATION, reference="stage"
     )
@@ -412,11 +419,8 @@ def hertz() -> Structure:
 
 
 def half_space() -> Structure:
-    mechanism = _actuator(friction=_NO_SPIN)
-    (stage,) = mechanism.stages
-    thread = dataclasses.replace(stage.thread, screw_addendum=None, roller_addendum=None)
-    stage = dataclasses.replace(stage, thread=thread, strength=None)
-    bare = Mechanism((_bare_contact(stage),), _point(mechanism))
+    mechanism = _actuator(friction=_NO_SPIN, crests=False)
+    bare = Mechanism((_bare_contact(mechanism.stages[0]),), _point(mechanism))
 
     def outputs(m: Mechanism) -> Outputs:
         values, codes = {}, {}
