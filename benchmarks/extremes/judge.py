@@ -184,7 +184,9 @@ class Verdicts:
             return {}, {}
         wobble = self._wobble(random)
         forward: dict[str, Cell] = {}
-        kinds = (False,) if self.structure.slow else (False, True)
+        # In combinations one direction has to do.
+        alone = self.row.group == "single" and not self.structure.slow
+        kinds = (False, True) if alone else (False,)
         tangents: dict[str, np.ndarray] = {}
         direction: list[np.ndarray] = []
         for geometry in kinds:
