@@ -110,8 +110,22 @@ def run_structure(name: str, arguments: argparse.Namespace) -> Table:
     return table
 
 
+def faults(table: Table) -> list[str]:
+    """Every class of faults once, with how many cells it has and the first of them."""
+    classes: Counter = Counter()
+    example = {}
+    for row, column, kind, cell in table.bad():
+        key = (column, kind, cell.status)
+        classes[key] += 1
+        example.setdefault(key, f"{row}: {cell.detail}")
+    return [
+        f"  {table.structure} {column} {kind} {status} × {number}; {example[column, kind, status]}"
+        for (column, kind, status), number in classes.most_common()
+    ]
+
+
 def summary(tables: list[Table]) -> str:
-    """Counts by structure and column, and then every class of faults once."""
+    """Counts by structure and status."""
     lines = []
     names = [name for name in STATUSES if name != "absent"]
     lines.append("structure".ljust(22) + "".join(name.rjust(15) for name in names))
@@ -124,18 +138,6 @@ def summary(tables: list[Table]) -> str:
     lines.append("all".ljust(22) + "".join(str(counts[name]).rjust(15) for name in names))
     bad = sum(n for name, n in counts.items() if is_bad(name))
     lines.append(f"{sum(counts.values())} cells, {bad} bad")
-    for table in tables:
-        classes: Counter = Counter()
-        example = {}
-        for row, column, kind, cell in table.bad():
-            key = (column, kind, cell.status)
-            classes[key] += 1
-            example.setdefault(key, f"{row}: {cell.detail}")
-        for (column, kind, status), number in classes.most_common():
-            lines.append(
-                f"  {table.structure} {column} {kind} {status} × {number}; "
-                f"{example[column, kind, status]}"
-            )
     return "\n".join(lines)
 
 
@@ -178,6 +180,7 @@ def main(argv: list[str] | None = None) -> int:
             bad = sum(n for status, n in counts.items() if is_bad(status))
             spent = time.perf_counter() - begin
             print(f"{name}: {len(tables[name].rows)} rows, {bad} bad, {spent:.0f} s", flush=True)
+            print("\n".join(faults(tables[name])), flush=True)
     ordered = [tables[name] for name in chosen]
     seconds = time.perf_counter() - begin
     print(summary(ordered))

@@ -88,6 +88,7 @@ from ._parameters import (
     get_parameter as get_parameter,
     set_parameter as set_parameter,
 )
+from ._possible import numbers_possible as numbers_possible
 from ._profiles import (
     ConstantProfile as ConstantProfile,
     SCurveMoveProfile as SCurveMoveProfile,

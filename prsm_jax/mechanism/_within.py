@@ -15,7 +15,7 @@ import numpy as np
 from ._limits import limit_of
 
 #: A negative stiffness is what some published models come to: `check` finds it, files refuse it.
-_FREE_UNITS = ("N/m",)
+FREE_UNITS = ("N/m",)
 _EXAMPLES = {
     "m": "numbers in Python are in metres: 10 mm is 10e-3",
     "rad": "numbers in Python are in radians: 45 deg is math.radians(45)",
@@ -54,7 +54,7 @@ def check_number(owner: str, name: str, unit: str, value: object) -> None:
     **Raises:** `ValueError` with name, value, what is allowed, and what to do.
     """
     known = _known(value)
-    if known is None or unit in _FREE_UNITS:
+    if known is None or unit in FREE_UNITS:
         return
     limit = limit_of(name, unit)
     for one in known.ravel().tolist():
