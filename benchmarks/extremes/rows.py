@@ -32,7 +32,8 @@ class Row:
         return {
             "name": self.name,
             "group": self.group,
-            "changes": [list(change) for change in self.changes],
+            # NaN and infinity are no JSON.
+            "changes": [[c.pattern, c.how, repr(c.value)] for c in self.changes],
         }
 
 
