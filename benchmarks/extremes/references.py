@@ -59,12 +59,13 @@ def hertz(_, given: Given) -> Expected:
     """A bare contact by the elliptic integrals of Johnson 1985, chapter 4."""
 
     def exact(numbers):
-        force, smaller, larger, modulus = (
-            numbers[name][0] for name in ("force", "smaller", "larger", "modulus")
+        force, total, square, modulus = (
+            numbers[name][0] for name in ("force", "total", "difference_squared", "modulus")
         )
-        if min(force, smaller, larger, modulus) <= 0:
-            raise NoReference("a number is not positive")
-        smaller, larger = sorted((smaller, larger))
+        difference = mpmath.sqrt(square)
+        if force <= 0 or modulus <= 0 or not 0 <= difference < total:
+            raise NoReference("no contact of an ellipse")
+        smaller, larger = (total - difference) / 2, (total + difference) / 2
         pressure, approach, major, minor = exact_hertz(force, smaller, larger, modulus)
         return {
             "max_pressure": pressure,

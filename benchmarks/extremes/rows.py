@@ -138,11 +138,15 @@ _SINGLES: dict[str, list[tuple[Change, ...]]] = {
     "force ×": _times("force", 0.0, 1e-300, 1e-12, 1e12),
     "modulus ×": _times("modulus", 1e-12, 1e12),
     "A over B": [
-        (Change("smaller", "set", 240.0 * ratio),)
+        (
+            Change("total", "set", 240.0 * (1 + ratio)),
+            Change("difference_squared", "set", (240.0 * (1 - ratio)) ** 2),
+        )
         for ratio in (1.0, 1 - 1e-15, 1 - 1e-12, 1 - 1e-8, 1 - 1e-4, 0.5, 1e-2, 1e-4, 1e-6, 1e-9)
     ],
     "curvatures ×": [
-        (Change("smaller", "times", f), Change("larger", "times", f)) for f in (1e-6, 1e6)
+        (Change("total", "times", f), Change("difference_squared", "times", f**2))
+        for f in (1e-6, 1e6)
     ],
 }
 
@@ -219,8 +223,8 @@ _RANGES: tuple[tuple[str, str, float, float], ...] = (
     ("thread.screw_addendum", "times", 1e-2, 3.0),
     ("thread.roller_addendum", "times", 1e-2, 3.0),
     ("force", "set", 1e-9, 1e12),
-    ("smaller", "set", 1e-3, 1e3),
-    ("larger", "set", 1e3, 1e6),
+    ("total", "set", 162.0, 1e6),
+    ("difference_squared", "times", 1e-9, 1.02),
     ("modulus", "times", 1e-9, 1e9),
 )
 

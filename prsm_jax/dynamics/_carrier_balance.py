@@ -24,9 +24,17 @@ _LARGEST_SHARE = 0.9
 
 
 def unit_slip(kinematics: StageKinematics, ratio: Scalar) -> Float[Array, "3"]:
-    """Slip per radian of screw turn at a carrier ratio [m/rad]."""
-    in_plane = kinematics.slip_per_screw[:2] - ratio * kinematics.drive
-    return jnp.concatenate([in_plane, kinematics.slip_per_screw[2:]])
+    """Slip per radian of screw turn at a carrier ratio [m/rad].
+
+    Its part along d and that across it. The difference `v₀ − ζ d` itself is noise at small leads,
+    where the contact moves by millimetres per radian and slips by nanometres.
+    """
+    drive, slip = kinematics.drive, kinematics.slip_per_screw
+    square = drive @ drive
+    across = (slip[0] * drive[1] - slip[1] * drive[0]) / square
+    along = free_carrier_ratio(kinematics) - ratio
+    in_plane = along * drive + across * jnp.stack([drive[1], -drive[0]])
+    return jnp.concatenate([in_plane, slip[2:]])
 
 
 def steady_motion(
