@@ -23,17 +23,27 @@ from ._thread_friction import slip_direction
 _LARGEST_SHARE = 0.9
 
 
-def unit_slip(kinematics: StageKinematics, ratio: Scalar) -> Float[Array, "3"]:
-    """Slip per radian of screw turn at a carrier ratio [m/rad].
+def unit_slip(
+    kinematics: StageKinematics, ratio: Scalar | None = None, lag: Scalar | None = None
+) -> Float[Array, "3"]:
+    """Slip per radian of screw turn at a carrier ratio ζ [m/rad].
 
-    Its part along d and that across it. The difference `v₀ − ζ d` itself is noise at small leads,
-    where the contact moves by millimetres per radian and slips by nanometres.
+    Its part along d and that across it, `(ζ∞ − ζ) d + (v₀ × d) d⊥/|d|²`. The difference `v₀ − ζ d`
+    itself is noise at small leads, where the contact moves by millimetres per radian and slips by
+    nanometres.
+
+    **Arguments:**
+
+    - `kinematics`: of the stage.
+    - `ratio`: carrier ratio ζ; that of a carrier which nothing resists if absent.
+    - `lag`: ζ∞ − ζ, where it is known better than by subtraction.
     """
     drive, slip = kinematics.drive, kinematics.slip_per_screw
-    square = drive @ drive
-    across = (slip[0] * drive[1] - slip[1] * drive[0]) / square
-    along = free_carrier_ratio(kinematics) - ratio
-    in_plane = along * drive + across * jnp.stack([drive[1], -drive[0]])
+    in_plane = kinematics.crossing / (drive @ drive) * jnp.stack([drive[1], -drive[0]])
+    if lag is None and ratio is not None:
+        lag = free_carrier_ratio(kinematics) - ratio
+    if lag is not None:
+        in_plane = in_plane + lag * drive
     return jnp.concatenate([in_plane, slip[2:]])
 
 
@@ -45,12 +55,14 @@ def steady_motion(
     axial_acceleration: Scalar | None = None,
     share: Scalar | None = None,
     contact: ScrewContact | None = None,
+    lag: Scalar | None = None,
 ) -> Motion:
     """Motion at a carrier ratio; at standstill with the directions of that about to begin.
 
-    With the share of the normal force that carries, or all of the screw side, where that is known.
+    With the share of the normal force that carries, or all of the screw side, where that is known;
+    `lag` is as in `unit_slip`.
     """
-    turn = unit_slip(kinematics, ratio)
+    turn = unit_slip(kinematics, ratio, lag)
     return Motion(
         screw_speed=speed,
         carrier_speed=speed * ratio,
@@ -92,20 +104,21 @@ class CarrierBalance(eqx.Module):
                 "drive them; give [stage.friction.thread]"
             )
 
+    def lag(self, tangent: Scalar) -> Scalar:
+        """By how much the carrier ratio at `t` is below that of a carrier which nothing resists."""
+        drive, slip = self.kinematics.drive, self.kinematics.slip_per_screw
+        square = drive @ drive
+        across = jnp.sqrt(self.kinematics.crossing**2 + slip[2] ** 2 * square)
+        return tangent * across / square
+
     def ratio(self, tangent: Scalar) -> Scalar:
         """Carrier ratio ω/Ω at `t`."""
-        drive, slip = self.kinematics.drive, self.kinematics.slip_per_screw
-        # A cross product: at small leads the slip is nearly all along d, and slip² − along² is
-        # noise.
-        across = slip[0] * drive[1] - slip[1] * drive[0]
-        square = drive @ drive
-        across = jnp.sqrt(across**2 + slip[2] ** 2 * square)
-        return free_carrier_ratio(self.kinematics) - tangent * across / square
+        return free_carrier_ratio(self.kinematics) - self.lag(tangent)
 
     def contact(self, tangent: Scalar, share: Scalar | None = None) -> ScrewContact:
         """The screw side at `t`, and where slip and spin are one at a share that carries."""
         stage, kinematics = self.stage, self.kinematics
-        turn = unit_slip(kinematics, self.ratio(tangent))
+        turn = unit_slip(kinematics, lag=self.lag(tangent))
         slip = Slip(self.speed * turn, self.sense * slip_direction(turn))
         axial = self.axial_force / stage.present_roller_count
         return screw_contact(stage, kinematics, slip, axial, share=share)
@@ -117,7 +130,7 @@ class CarrierBalance(eqx.Module):
         stage, kinematics, friction_of = self.stage, self.kinematics, self.stage.friction
         assert friction_of is not None
         ratio, count = self.ratio(tangent), stage.present_roller_count
-        direction = self.sense * slip_direction(unit_slip(kinematics, ratio))
+        direction = self.sense * slip_direction(unit_slip(kinematics, lag=self.lag(tangent)))
         force, per_force, constant, rub, _ = contact
         normal = kinematics.meshing.screw.normal
         friction = force * per_force + constant
@@ -164,6 +177,27 @@ class BalancedCarrier(NamedTuple):
     found: Bool[Array, ""]
     #: The screw side, where it was found with the ratio.
     contact: ScrewContact | None = None
+    #: By how much the ratio is below that of a carrier which nothing resists; `None` if that is it.
+    lag: Scalar | None = None
+
+    def motion(
+        self,
+        kinematics: StageKinematics,
+        speed: Scalar,
+        sense: Scalar,
+        axial_acceleration: Scalar | None = None,
+    ) -> Motion:
+        """Motion in balance."""
+        lag = jnp.zeros_like(self.ratio) if self.lag is None else self.lag
+        return steady_motion(
+            kinematics,
+            self.ratio,
+            speed,
+            sense,
+            axial_acceleration,
+            contact=self.contact,
+            lag=lag,
+        )
 
 
 def balanced_carrier_ratio(
@@ -208,8 +242,8 @@ def _balanced(balance: CarrierBalance) -> BalancedCarrier:
 
     accuracy = 1e-13 if start.dtype == jnp.float64 else 1e-5
     tangent, found = find_root(residual, start, tolerance=accuracy, max_steps=20)
-    suffices = balance.suffices(tangent, balance.contact(tangent))
-    return BalancedCarrier(balance.ratio(tangent), found & suffices)
+    found = found & balance.suffices(tangent, balance.contact(tangent))
+    return BalancedCarrier(balance.ratio(tangent), found, lag=balance.lag(tangent))
 
 
 def _balanced_with_force(balance: CarrierBalance, start: Scalar) -> BalancedCarrier:
@@ -225,6 +259,5 @@ def _balanced_with_force(balance: CarrierBalance, start: Scalar) -> BalancedCarr
     accuracy = 1e-10 if start.dtype == jnp.float64 else 1e-4
     (tangent, share), found = find_roots(residuals, begin, tolerance=accuracy, max_steps=30)
     contact = balance.contact(tangent, share)
-    return BalancedCarrier(
-        balance.ratio(tangent), found & balance.suffices(tangent, contact), contact
-    )
+    found = found & balance.suffices(tangent, contact)
+    return BalancedCarrier(balance.ratio(tangent), found, contact, balance.lag(tangent))

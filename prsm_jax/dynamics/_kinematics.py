@@ -26,6 +26,17 @@ class StageKinematics(eqx.Module):
     resistance: eqx.Module | None = None
 
     @property
+    def crossing(self) -> Scalar:
+        """v₀ × d, of the transverse parts of the slip per screw turn and of d [m²/rad²].
+
+        With v₀ = (−y, x) and d = v₀ + n (y, a − x) at the contact (x, y) it is −n a y. At small
+        leads the slip is nearly all along d, and the difference of the products is noise.
+        """
+        screw = self.meshing.screw
+        aside = screw.contact_radius * jnp.sin(screw.contact_angle_position)
+        return -self.thread.starts * self.thread.centre_distance * aside
+
+    @property
     def relative_spin_ratio(self) -> Scalar:
         """(n − 1): the roller turns about its axis at −(n − 1) ω."""
         return self.thread.starts - 1

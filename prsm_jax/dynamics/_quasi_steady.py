@@ -64,14 +64,12 @@ def quasi_steady_states(
         nonlocal valid
         per_ratio = None if acceleration is None else inertia[index] * (flank * acceleration)
         own_sense, own_speed = flank * sense, flank * speed
-        ratio, found, share = balanced_carrier_ratio(
+        balance = balanced_carrier_ratio(
             mechanism.stages[index], kinematics[index], own_sense, own_speed, axial_force, per_ratio
         )
-        valid = valid & found
-        ratios.append(ratio)
-        return steady_motion(
-            kinematics[index], ratio, own_speed, own_sense, axial_acceleration, share
-        )
+        valid = valid & balance.found
+        ratios.append(balance.ratio)
+        return balance.motion(kinematics[index], own_speed, own_sense, axial_acceleration)
 
     load = scenario.load_at(time)
     states = chain_forces(mechanism, kinematics, motion_of, speed, sense, load, acceleration)

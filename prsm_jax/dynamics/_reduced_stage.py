@@ -58,8 +58,7 @@ def reduced_stage(kinematics: StageKinematics) -> ReducedStage:
     """Collect the scalars of a stage."""
     drive, slip, screw = kinematics.drive, kinematics.slip_per_screw, kinematics.meshing.screw
     length = jnp.sqrt(drive @ drive)
-    # A cross product: at small leads the slip is nearly all along d, and slip² − along² is noise.
-    across = (slip[0] * drive[1] - slip[1] * drive[0]) / length
+    across = kinematics.crossing / length
     return ReducedStage(
         along=slip[:2] @ drive / length,
         across=jnp.sqrt(across**2 + slip[2] ** 2),

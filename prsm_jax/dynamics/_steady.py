@@ -12,7 +12,7 @@ from .._guards import above_or_nan
 from .._physics import physics
 from ..geometry import dimensions_possible, rollers_fit
 from ..mechanism import Mechanism, Scalar
-from ._carrier_balance import balanced_carrier_ratio, steady_motion
+from ._carrier_balance import balanced_carrier_ratio
 from ._chain import StageState, chain_forces
 from ._contact_losses import with_resistance
 from ._flank import turned
@@ -146,7 +146,7 @@ def _steady_states(
         balance = balanced_carrier_ratio(stage, geometry, own_sense, own_speed, axial_force)
         balanced = balanced & balance.found
         ratios.append(balance.ratio)
-        return steady_motion(geometry, balance.ratio, own_speed, own_sense, contact=balance.contact)
+        return balance.motion(geometry, own_speed, own_sense)
 
     states = chain_forces(mechanism, kinematics, motion_of, speed, sense, load)
     for state in states:
