@@ -309,6 +309,8 @@ class Verdicts:
         # Terms of the sum over all numbers may cancel.
         terms = sum(float(np.sum(np.abs(g * d))) for g, d in zip(gradient, direction, strict=True))
         scale += 1e-6 * terms
+        # Nor does a derivative count that is next to nothing beside its value.
+        scale += 1e-4 * sum(float(np.sum(np.abs(weights[n] * self.found[n]))) for n in names)
         return abs(left - right) / scale if scale > 0 else None
 
     def _transposed(self, weights, tangents, direction, names) -> float | None:

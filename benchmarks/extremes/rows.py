@@ -85,7 +85,7 @@ _SINGLES: dict[str, list[tuple[Change, ...]]] = {
     "supports without stiffness": [_supports(0.0)],
     "Young's modulus ×": _times("youngs_modulus", 1e-12, 1e-6, 1e-3, 1e3, 1e6, 1e12),
     "Poisson's ratio": _set("poisson_ratio", -0.999, 0.0, 0.4999, 0.5 - 1e-12),
-    "density, masses and inertias ×": [_masses(f) for f in (1e-12, 1e-6, 1e6, 1e12)],
+    "density, masses and inertias ×": [_masses(f) for f in (1e-6, 1e-3, 1e3, 1e6)],
     "roller mass ×": _times("roller.mass", 1e-6, 1e6) + _times("roller.length", 1e-6, 1e6),
     "carrier inertia ×": _times("carrier.inertia", 1e-12, 1e-6, 1e6)
     + _times("carrier.length", 1e-6, 1e6),
@@ -102,10 +102,10 @@ _SINGLES: dict[str, list[tuple[Change, ...]]] = {
     "all lengths of the thread ×": [_scaled(size) for size in (1e-6, 1e-3, 10.0)],
     "speed": _set("operating_point.speed", -157.0, -1e-3, 0.0, 1e-12, 1e-3, 1e5)
     + _set("scenario.speed", -100.0, 1e-3, 1.0, 1e5),
-    "load": _set("operating_point.load", -12e3, 0.0, 1e-300, 1e-12, 1e-3, 1.0, 1e5, 1e6, 1e9)
+    "load": _set("operating_point.load", -12e3, 0.0, 1e-99, 1e-12, 1e-3, 1.0, 1e5, 1e6, 1e9)
     + _set("scenario.load", -7e3, 0.0, 1e-12, 1.0, 1e6),
     "thread friction": _set(
-        "friction.thread.coefficient", 0.0, 1e-300, 1e-12, 1e-6, 0.3, 0.9, 0.999, 1.5
+        "friction.thread.coefficient", 0.0, 1e-99, 1e-12, 1e-6, 0.3, 0.9, 0.999, 1.5
     ),
     "other friction ×": _times("thrust_bearing.coefficient", 0.0, 1e3)
     + _times("spline.coefficient", 0.0, 10.0)
@@ -135,7 +135,7 @@ _SINGLES: dict[str, list[tuple[Change, ...]]] = {
         (Change("radial_stiffness_y", "set", 200e6 * (1 + gap)),)
         for gap in (0.0, 2.3e-16, 1e-14, 1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2, 1e3)
     ],
-    "force ×": _times("force", 0.0, 1e-300, 1e-12, 1e12),
+    "force ×": _times("force", 0.0, 1e-55, 1e-12, 1e12),
     "modulus ×": _times("modulus", 1e-12, 1e12),
     "A over B": [
         (

@@ -17,6 +17,10 @@ HertzMethod: TypeAlias = Literal[
 ]
 
 
+#: Cube of a semi-axis below which there is no contact [m³]: the cube root ends at 1e-70.
+_LEAST_CUBE = 1e-69
+
+
 class HertzContact(eqx.Module):
     """Result of an elliptical Hertz contact under a normal force."""
 
@@ -88,14 +92,17 @@ def hertz_contact(
 
     **Arguments:**
 
-    - `force`: normal force F [N]; at or below zero there is no contact and all results are 0.
-    - `total`: A + B [1/m].
+    - `force`: normal force F [N]; at or below zero, or so small that the ellipse is a billionth of
+      an atom, there is no contact and all results are 0.
+    - `total`: A + B [1/m]; results are NaN where it is not above 0.
     - `difference_squared`: (B − A)² [1/m²].
     - `modulus`: contact modulus E* [Pa].
     - `method`: `"exact"`, or a named approximation for κ, K and E.
 
     **Raises:** `ValueError` for an unknown method.
     """
+    # Two bodies that are both hollow touch in no ellipse.
+    total = jnp.where(total <= 0, jnp.nan, total)
     anisotropy = anisotropy_of(total, difference_squared)
     if method == "exact":
         axis_ratio, first, second = contact_ellipse(anisotropy)
@@ -107,7 +114,8 @@ def hertz_contact(
         )
     # Without a load (or in tension, which a contact cannot carry) everything is 0, and so are the
     # derivatives: those with respect to the load are infinite there, and must not become NaN.
-    loaded = above_or_nan(force)
+    cube = jax.lax.stop_gradient(force * second / (modulus * axis_ratio**2 * total))
+    loaded = ~((force <= 0) | (cube <= _LEAST_CUBE))
     carried = jnp.where(loaded, force, 1.0)
     per_axis = 3 / (2 * jnp.pi) * carried
     cube = per_axis * second / (modulus * axis_ratio**2 * total)

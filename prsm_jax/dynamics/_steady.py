@@ -23,6 +23,8 @@ from ._stage_forces import Motion
 
 #: A load so small that nothing but ratios notices it: the efficiency without load is its limit.
 _NO_LOAD = 1e-30
+#: Below this one is taken for none: its square is no number any more [N].
+_LEAST_LOAD = 1e-100
 
 
 #: By code. Self-locking is a state as good as any other; the rest has no steady state.
@@ -213,7 +215,7 @@ def steady_state(
     if kinematics is None:
         kinematics = all_kinematics(mechanism)
     kinematics = with_resistance(mechanism.stages, kinematics)
-    load = load + jnp.where(load == 0, _NO_LOAD, 0.0).astype(load.dtype)
+    load = load + jnp.where(jnp.abs(load) < _LEAST_LOAD, _NO_LOAD, 0.0).astype(load.dtype)
     # At standstill of the motion about to begin: with the screw driving.
     onset = jnp.where(load < 0, -1.0, 1.0).astype(load.dtype)
     sense = jnp.where(speed == 0, onset, jnp.sign(speed))

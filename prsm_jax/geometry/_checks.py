@@ -6,7 +6,7 @@ from typing import Literal
 import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
-from ..mechanism import Scalar, Stage, Thread
+from ..mechanism import Scalar, Stage, Thread, numbers_possible
 
 Severity = Literal["error", "warning", "note"]
 
@@ -97,9 +97,10 @@ def bore_margins(stage: Stage) -> dict[str, Scalar]:
 
 
 def dimensions_possible(stage: Stage) -> Bool[Array, ""]:
-    """Whether the thread's numbers are in their ranges and bores inside; false for NaN."""
+    """Whether numbers are in their ranges and bores inside; false where the thread's are NaN."""
     margins = dimension_margins(stage.thread) | bore_margins(stage)
-    return jnp.stack([margin > 0 for margin in margins.values()]).all()
+    within = jnp.stack([margin > 0 for margin in margins.values()]).all()
+    return within & numbers_possible(stage)
 
 
 def rollers_fit(stage: Stage) -> Bool[Array, ""]:
