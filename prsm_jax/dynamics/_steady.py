@@ -215,7 +215,8 @@ def steady_state(
     if kinematics is None:
         kinematics = all_kinematics(mechanism)
     kinematics = with_resistance(mechanism.stages, kinematics)
-    load = load + jnp.where(jnp.abs(load) < _LEAST_LOAD, _NO_LOAD, 0.0).astype(load.dtype)
+    none = (load == 0) | (jnp.abs(load) < _LEAST_LOAD)
+    load = load + jnp.where(none, _NO_LOAD, 0.0).astype(load.dtype)
     # At standstill of the motion about to begin: with the screw driving.
     onset = jnp.where(load < 0, -1.0, 1.0).astype(load.dtype)
     sense = jnp.where(speed == 0, onset, jnp.sign(speed))
