@@ -125,6 +125,8 @@ class Chain:
         self.travel = sum(stage.axial for stage in self.stages)
         need(self.load > 0 and self.speed != 0, "no load, or no motion")
         self.root = mpmath.sqrt
+        #: Smallest share of a normal force that has carried so far.
+        self.least_push = 1.0
 
     def in_floats(self) -> "Chain":
         """The same in floats, for an integrator."""
@@ -152,6 +154,7 @@ class Chain:
             along = [sense * factor * link.friction * part / size for part in slip]
             push = -link.normal[2] - along[2]
             need(push > 0, "jammed")
+            self.least_push = min(self.least_push, float(push))
             force = nut / link.count / push
             moment = link.arm[0] * (link.normal[0] + along[0])
             moment += link.arm[1] * (link.normal[1] + along[1])

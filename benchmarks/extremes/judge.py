@@ -82,9 +82,12 @@ def programs(name: str) -> Programs:
 
 
 def _relative(found: np.ndarray, expected: np.ndarray, least: float) -> float:
-    """Error relative to each entry, or to a share of the largest one where that is more."""
-    scale = np.maximum(np.abs(expected), least * np.max(np.abs(expected), initial=0.0))
-    difference = np.abs(found - expected)
+    """Error relative to each entry; a share `least` of the largest one is as good as nothing."""
+    largest, difference = np.max(np.abs(expected), initial=0.0), np.abs(found - expected)
+    if least == 1.0:
+        scale = np.full_like(difference, largest)
+    else:
+        scale, difference = np.abs(expected), np.where(difference <= least * largest, 0, difference)
     with np.errstate(divide="ignore", invalid="ignore"):
         error = np.where(difference == 0, 0.0, difference / scale)
     return float(np.max(error, initial=0.0))

@@ -129,10 +129,12 @@ def settling(structure, given: Given) -> Expected:
     if not solution.success:
         raise NoReference(solution.message)
     torques = np.array([floats.torque(y) for y in solution.y.T])
+    # Next to jamming rounding of the floats here is no small error.
+    own = 1e-6 + 1e-14 / floats.least_push
     return {
         "carrier_ratio": (solution.y, 0.0),
-        "drive_torque": (torques, 1e-6),
-        "efficiency": (floats.load * floats.travel / torques, 1e-6),
+        "drive_torque": (torques, own),
+        "efficiency": (floats.load * floats.travel / torques, own),
     }
 
 

@@ -184,7 +184,7 @@ _RANGES: tuple[tuple[str, str, float, float], ...] = (
     ("thread.contact_angle", "set", 5 * _DEGREE, 85 * _DEGREE),
     ("thread.starts", "set", 3.0, 12.0),
     ("thread.roller_radius", "times", 0.05, 20.0),
-    ("thread.roller_profile_radius", "times", 0.02, 1e3),
+    ("thread.roller_profile_radius", "times", 0.02, 100.0),
     ("screw.support.radial_stiffness", "times", 1e-12, 1e12),
     ("screw.support.torsional_stiffness", "times", 1e-12, 1e12),
     ("nut.support.torsional_stiffness", "times", 1e-12, 1e12),

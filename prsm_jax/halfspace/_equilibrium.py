@@ -88,15 +88,19 @@ def _conjugate_gradients(
     def step(state):
         solution, rest, direction, product, iterations = state
         image = system(direction)
-        length = product / jnp.sum(direction * image)
+        curvature = jnp.sum(direction * image)
+        # A right-hand side that is rounding alone has no direction to go.
+        ends = curvature == 0
+        length = jnp.where(ends, 0.0, product / jnp.where(ends, 1.0, curvature))
         solution, rest = solution + length * direction, rest - length * image
         steepest = precondition(rest)
-        following = jnp.sum(rest * steepest)
+        following = jnp.where(ends, 0.0, jnp.sum(rest * steepest))
         direction = steepest + following / product * direction
         return solution, rest, direction, following, iterations + 1
 
     def unfinished(state):
-        return (jnp.sum(state[1] ** 2) > target) & (state[4] < max_iterations)
+        under_way = (state[3] != 0) & (state[4] < max_iterations)
+        return (jnp.sum(state[1] ** 2) > target) & under_way
 
     steepest = precondition(right)
     start = (jnp.zeros_like(right), right, steepest, jnp.sum(right * steepest), jnp.asarray(0))
@@ -165,7 +169,10 @@ def _equilibrium_jvp(control, max_iterations, primals, tangents):
     solved = jax.lax.custom_linear_solve(
         system,
         right,
-        functools.partial(_conjugate_gradients, precondition, max_iterations),
+        # In reverse mode a sum of all pressures leaves nothing but rounding here, off the mean too.
+        lambda system, right: _conjugate_gradients(
+            precondition, max_iterations, system, spread(right) if control == "load" else right
+        ),
         symmetric=True,
     )
     pressure_dot = even + spread(solved)

@@ -1,5 +1,6 @@
 """Contact of two real flanks of a stage: true gap, crests, roughness."""
 
+import dataclasses
 from collections.abc import Callable
 
 import equinox as eqx
@@ -7,7 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..contact import HertzContact, contact_modulus, engaged_threads, hertz_contact
-from ..geometry import Meshing, mesh
+from ..geometry import Meshing, dimensions_possible, mesh
 from ..mechanism import Scalar, Stage, material_of
 from ._flank_gap import FlankGap, TangentPlane, checked_side, flank_gap, tangent_plane
 from ._grid import grid_over
@@ -148,4 +149,6 @@ def flank_contact(
         max_iterations=max_iterations,
     )
     surface = within_small_strains(surface, hertz.max_pressure, modulus)
+    possible = dimensions_possible(stage) & meshing.converged
+    surface = dataclasses.replace(surface, code=jnp.where(possible, surface.code, 5))
     return FlankContact(surface, flanks, plane, hertz, normal_per_axial)

@@ -29,6 +29,8 @@ _SURFACES = {
 #: Newton steps along the normal. Slopes differ by less than a tenth over a contact, so the first
 #: leaves some hundredths of a micrometre and the third rounding.
 _STEPS = 3
+#: Distance from a flank, over that from the contact point, up to which a point is on it.
+_LARGEST_MISS = 1e-4
 
 
 class TangentPlane(eqx.Module):
@@ -128,12 +130,17 @@ def _height_along_normal(
         return distance
 
     # Derivatives are those of the root: differentiated steps are programs four times as large.
-    return jax.lax.custom_root(
+    found = jax.lax.custom_root(
         above,
         jnp.zeros_like(foot[0]),
         search,
         lambda linear, right: right / linear(jnp.ones_like(right)),
     )
+    # Past the end of the roller's arc, or where it bends too much for so few steps, there is no
+    # gap, and whoever uses it is told so by what is not finite.
+    away = jnp.max(jnp.abs(jax.lax.stop_gradient(foot - plane.origin)))
+    missed = jnp.abs(above(jax.lax.stop_gradient(found))) > _LARGEST_MISS * away
+    return jnp.where(missed, jnp.nan, found)
 
 
 def _crests(thread: Thread, side: Side, x: Scalar, y: Scalar) -> tuple[Scalar | None, ...]:

@@ -21,6 +21,8 @@ RESULTS = {
     3: "no contact: no load, or an approach smaller than the gap",
     4: "not a half-space: under this load the Hertz pressure is above a tenth of the contact "
     "modulus, and the contact no longer small against the bodies; lower the load",
+    5: "no such flanks: they do not mesh, or a number of the stage is out of its range "
+    "(prsm_jax.check names it)",
 }
 #: Pressure over contact modulus up to which strains and slopes are small. Hardened steel yields at
 #: less than half of it.
