@@ -94,15 +94,16 @@ def hertz_contact(
 
     - `force`: normal force F [N]; at or below zero, or so small that the ellipse is a billionth of
       an atom, there is no contact and all results are 0.
-    - `total`: A + B [1/m]; results are NaN where it is not above 0.
+    - `total`: A + B [1/m]; results are NaN where it or E* is not above 0 and finite.
     - `difference_squared`: (B − A)² [1/m²].
     - `modulus`: contact modulus E* [Pa].
     - `method`: `"exact"`, or a named approximation for κ, K and E.
 
     **Raises:** `ValueError` for an unknown method.
     """
-    # Two bodies that are both hollow touch in no ellipse.
-    total = jnp.where(total <= 0, jnp.nan, total)
+    # Two bodies that are both hollow touch in no ellipse, nor do points, or bodies without a modulus.
+    possible = (total > 0) & (total < jnp.inf) & (modulus > 0) & (modulus < jnp.inf)
+    total = jnp.where(possible, total, jnp.nan)
     anisotropy = anisotropy_of(total, difference_squared)
     if method == "exact":
         axis_ratio, first, second = contact_ellipse(anisotropy)
