@@ -101,7 +101,7 @@ def hertz_contact(
 
     **Raises:** `ValueError` for an unknown method.
     """
-    # Two bodies that are both hollow touch in no ellipse, nor do points, or bodies without a modulus.
+    # Bodies that are both hollow touch in no ellipse, nor do points, or bodies without a modulus.
     possible = (total > 0) & (total < jnp.inf) & (modulus > 0) & (modulus < jnp.inf)
     total = jnp.where(possible, total, jnp.nan)
     anisotropy = anisotropy_of(total, difference_squared)

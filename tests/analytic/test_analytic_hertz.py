@@ -228,3 +228,25 @@ def test_antoines_axis_ratio_as_far_as_its_authors_say():
     found = np.exp(antoine_log_axis_ratio(jnp.log(jnp.asarray(quotient))))
     within = quotient <= 1e4
     np.testing.assert_allclose(found[within], ratios[within], rtol=6e-6)
+
+
+@pytest.mark.parametrize(
+    ("force", "total", "difference", "modulus"),
+    [(60.0, -320.0, 160.0, 1e11), (60.0, np.inf, 160.0, 1e11)]
+    + [(60.0, 320.0, 160.0, modulus) for modulus in (-1e11, 0.0, np.inf)],
+)
+def test_what_touches_in_no_ellipse_gives_no_number(force, total, difference, modulus):
+    """Two hollow bodies had positive semi-axes and 3.3 GPa."""
+    found = _hertz(array(force), array(total), array(difference**2), array(modulus))
+    assert all(np.isnan(leaf) for leaf in jax.tree.leaves(found))
+
+
+def test_forces_below_the_range_of_the_cube_root_are_none():
+    """A semi-axis of 1e-24 m is that of no body; without this it is 0 and its stiffness is not."""
+    given = array(320.0), array(160.0**2), array(115e9)
+    least, slope = jax.jvp(lambda f: hertz_contact(f, *given), (array(1e-60),), (array(1.0),))
+    assert all(leaf == 0 or name == 7 for name, leaf in enumerate(jax.tree.leaves(slope), 1))
+    assert float(least.semi_major) == float(least.stiffness) == 0
+    larger = _hertz(array(1e-50), *given)
+    whole = _hertz(array(60.0), *given)
+    assert larger.stiffness / whole.stiffness == pytest.approx((1e-50 / 60) ** (1 / 3), rel=1e-13)

@@ -154,3 +154,17 @@ def test_flanks_differentiate_through_meshing_and_gap():
     unloaded, ahead, back = everything(-1.0 * load)
     for numbers in (unloaded, ahead, back):
         np.testing.assert_allclose(numbers, 0.0, atol=1e-6)
+
+
+def test_reverse_derivative_of_the_load_itself():
+    """Of a sum of all pressures nothing but rounding is left to be solved for; it was NaN."""
+    one = stage(geometry=thread(roller_profile_radius=5.7e-3))
+
+    @jax.jit
+    def slope(load):
+        surface = flank_contact(one, "nut", load, (8, 8)).surface
+        return surface.load
+
+    value, pulled = jax.value_and_grad(slope)(array(17e3))
+    # Proportional to the axial load.
+    assert float(pulled) == pytest.approx(float(value) / 17e3, rel=1e-12)
