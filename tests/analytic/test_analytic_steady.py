@@ -52,7 +52,7 @@ def test_efficiency_at_45_degrees(friction, closed, full):
     assert backward.efficiency == pytest.approx(closed, abs=1.5e-3)
 
 
-@pytest.mark.parametrize("lead", [1e-6, 1e-5, 1e-4, 1e-3, 10e-3, 60e-3])
+@pytest.mark.parametrize("lead", [1e-6, 1e-5, 1e-4, 1e-3, 10e-3, 20e-3])
 def test_efficiency_against_forty_digits_from_micrometres_to_screw_diameters(lead):
     """The screw's contact moves by 12 mm/rad and slips by 0.2 µm/rad at the smallest lead: by
     subtraction the drive torque was 1e-8 off there, and is now as good as anywhere."""
