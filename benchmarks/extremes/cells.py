@@ -117,6 +117,23 @@ class Table:
         }
 
 
+def table_of(data: dict) -> Table:
+    """A table from what `Table.as_json` wrote."""
+    table = Table(data["structure"], tuple(data["columns"]), seconds=data["seconds"])
+    for row in data["rows"]:
+        table.rows.append({key: row[key] for key in ("name", "group", "changes")})
+        cells = {}
+        for place, column in enumerate(table.columns):
+            three = []
+            for kind in KINDS:
+                status = BY_LETTER[row["letters"][kind][place]]
+                detail = row["bad"].get(f"{column} {kind}", ("", None, ""))[2]
+                three.append(Cell(status, row["errors"][kind][place], detail))
+            cells[column] = tuple(three)
+        table.cells[row["name"]] = cells
+    return table
+
+
 def _rounded(error: float | None) -> float | None:
     return None if error is None or not error < float("inf") else float(f"{error:.1e}")
 

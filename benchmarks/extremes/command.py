@@ -13,7 +13,7 @@ from collections import Counter
 from pathlib import Path
 
 from ..harness._atomic import written_whole
-from .cells import STATUSES, Cell, Table, is_bad, total
+from .cells import STATUSES, Cell, Table, is_bad, table_of, total
 from .rows import COMBINATIONS, SEED
 
 #: A row that takes longer is said to hang; compiling is in the first one [s].
@@ -28,6 +28,9 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--rows", type=int, default=COMBINATIONS, help="random combinations")
     parser.add_argument("--seed", type=int, default=SEED, help="seed of the combinations")
     parser.add_argument("--jobs", type=int, default=2, help="processes at a time")
+    parser.add_argument(
+        "--page", type=Path, nargs="+", metavar="JSON", help="only the page, from these files"
+    )
     parser.add_argument("--list", action="store_true", help="name the structures and stop")
     return parser.parse_args(argv)
 
@@ -155,6 +158,20 @@ def document(tables: list[Table], arguments: argparse.Namespace, seconds: float)
     }
 
 
+def _page_of(arguments: argparse.Namespace) -> int:
+    """The page again, from files of earlier runs of the same seed."""
+    from .page import write_page
+
+    found = [json.loads(path.read_text(encoding="utf-8")) for path in arguments.page]
+    tables = [table_of(data) for one in found for data in one["tables"]]
+    arguments.seed, arguments.rows = found[0]["seed"], found[0]["combinations"]
+    folder = Path("docs") if arguments.docs is None else arguments.docs
+    for written in write_page(tables, folder, arguments, sum(one["seconds"] for one in found)):
+        print(written)
+    print(summary(tables))
+    return 1 if any(table.bad() for table in tables) else 0
+
+
 def main(argv: list[str] | None = None) -> int:
     """Entry point; the exit status is 1 where a cell is bad."""
     from .structures import STRUCTURES
@@ -164,6 +181,8 @@ def main(argv: list[str] | None = None) -> int:
     if unknown:
         print(f"unknown structure {', '.join(unknown)}; choose from {', '.join(STRUCTURES)}")
         return 2
+    if arguments.page:
+        return _page_of(arguments)
     chosen = arguments.structures or list(STRUCTURES)
     if arguments.list:
         print("\n".join(STRUCTURES))
