@@ -67,8 +67,8 @@ def reduced_rows(one: Structure, *, seed: int = SEED) -> list[Row]:
     groups: dict[str, list[Row]] = {}
     for row in every:
         groups.setdefault(row.group, []).append(row)
-    keep = {"single": 3, "combination": 4, "number": 5}
     chosen = [every[0]]
-    for group, rows in groups.items():
-        chosen += rows[1 :: keep[group]]
+    for group, limit in (("single", 20), ("combination", 5), ("number", 32)):
+        rows = groups.get(group, [])
+        chosen += rows[:: -(-len(rows) // limit)] if rows else []
     return list(dict.fromkeys(chosen))

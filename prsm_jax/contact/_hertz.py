@@ -49,7 +49,8 @@ def anisotropy_of(total: Scalar, difference_squared: Scalar) -> Scalar:
     (B − A)² is a sum of squares that vanishes at the circle together with its gradient, and
     pressure and approach are even in τ: 0 is their true derivative there.
     """
-    elongated = above_or_nan(difference_squared)
+    # Not the other way round: what is not a number stays so.
+    elongated = ~(difference_squared <= 0)
     root = jnp.sqrt(jnp.where(elongated, difference_squared, 1.0))
     return jnp.where(elongated, root, 0.0) / total
 
