@@ -185,7 +185,7 @@ class Verdicts:
         random = np.random.default_rng([seed, *self.row.name.encode()])
         if not any(self.usable.values()):
             return {}, {}
-        wobble = self._wobble(random)
+        wobble = self.wobble = self._wobble(random)
         forward: dict[str, Cell] = {}
         # In combinations one direction has to do.
         alone = self.row.group == "single" and not self.structure.slow
@@ -314,6 +314,8 @@ class Verdicts:
         scale += 1e-6 * terms
         # Nor does a derivative count that is next to nothing beside its value.
         scale += 1e-4 * sum(float(np.sum(np.abs(weights[n] * self.found[n]))) for n in names)
+        # And both rest on numbers that are rounded.
+        scale += 1e10 * sum(float(np.sum(np.abs(weights[n] * self.wobble[n]))) for n in names)
         return abs(left - right) / scale if scale > 0 else None
 
     def _transposed(self, weights, tangents, direction, names) -> float | None:

@@ -47,8 +47,9 @@ def _with(change) -> Structure:
     one = structures.hertz()
 
     def outputs(ellipse: Ellipse):
-        values, codes = one.outputs(ellipse)
-        return change(ellipse, values), codes
+        values = change(ellipse, one.outputs(ellipse)[0])
+        # A flag that knows only what the values say.
+        return values, {n: jnp.where(jnp.isfinite(v), 0, 1) for n, v in values.items()}
 
     return dataclasses.replace(one, outputs=outputs)
 
