@@ -49,8 +49,7 @@ def anisotropy_of(total: Scalar, difference_squared: Scalar) -> Scalar:
     (B − A)² is a sum of squares that vanishes at the circle together with its gradient, and
     pressure and approach are even in τ: 0 is their true derivative there.
     """
-    # Not the other way round: what is not a number stays so.
-    elongated = ~(difference_squared <= 0)
+    elongated = above_or_nan(difference_squared)
     root = jnp.sqrt(jnp.where(elongated, difference_squared, 1.0))
     return jnp.where(elongated, root, 0.0) / total
 
@@ -117,7 +116,7 @@ def hertz_contact(
     # Without a load (or in tension, which a contact cannot carry) everything is 0, and so are the
     # derivatives: those with respect to the load are infinite there, and must not become NaN.
     cube = jax.lax.stop_gradient(force * second / (modulus * axis_ratio**2 * total))
-    loaded = ~((force <= 0) | (cube <= _LEAST_CUBE))
+    loaded = above_or_nan(force) & above_or_nan(cube, _LEAST_CUBE)
     carried = jnp.where(loaded, force, 1.0)
     per_axis = 3 / (2 * jnp.pi) * carried
     cube = per_axis * second / (modulus * axis_ratio**2 * total)
