@@ -73,36 +73,52 @@ class Quantities:
 
     def derivatives(self):
         """Forward derivatives of every label, a row for each number, per relative change of it."""
-        scales = sizes(self.values)
+        scales = sizes(self.names, self.values)
         parts = [self._push(self.values, part) for part in _batches(np.diag(scales))]
         return np.concatenate([np.asarray(part) for part in parts])[: len(scales)]
 
     def differences(self):
         """The same by differences, and an estimate of their own error; see `extrapolated`."""
         shifts = np.concatenate([_STEPS, -_STEPS])
-        rows = self.values + shifts[:, None, None] * np.diag(sizes(self.values))[None]
+        rows = self.values + shifts[:, None, None] * np.diag(sizes(self.names, self.values))[None]
         found, _ = self(rows.reshape(-1, len(self.values)))
         found = found.reshape(2, len(_STEPS), len(self.values), -1)
         steps = _STEPS[:, None, None]
-        return extrapolated((found[0] - found[1]) / (2 * steps))
+        rounding = _ROUNDING * np.max(np.abs(found), axis=(0, 1)) / steps
+        return extrapolated((found[0] - found[1]) / (2 * steps), rounding)
 
 
 #: Relative changes of a number, halved from one to the next.
 _STEPS = 2e-2 * 0.5 ** np.arange(16)
+#: Relative, of the values that differences are of.
+_ROUNDING = 1e-14
 
 
-def sizes(values):
-    """By what a relative change is relative: the magnitude, or 1 where a number is 0."""
-    return np.where(values == 0, 1.0, np.abs(values))
+def sizes(names, values):
+    """By what a relative change is relative.
+
+    The magnitude of a number; where it is 0 the largest of its array (errors of pitch are
+    micrometres), or 1.
+    """
+    arrays = [name.rpartition("[")[0] if name.endswith("]") else name for name in names]
+    largest = {name: 0.0 for name in arrays}
+    for name, value in zip(arrays, np.abs(values), strict=True):
+        largest[name] = max(largest[name], value)
+    others = np.asarray([largest[name] or 1.0 for name in arrays])
+    return np.where(values == 0, others, np.abs(values))
 
 
-def extrapolated(differences):
+def extrapolated(differences, rounding=0.0):
     """Richardson's limit of central differences over halved steps, and an estimate of its error.
+
+    `rounding` is what rounding of the values leaves of each difference: two neighbours that agree
+    to less agree by chance.
 
     From each column of the extrapolation the value that agrees best with those before it; where
     rounding or a kink disturbs all of them, the estimate says so.
     """
     columns = [differences]
+    rounding = np.broadcast_to(rounding, differences.shape)
     for order in range(1, 4):
         last = columns[-1]
         columns.append((4.0**order * last[1:] - last[:-1]) / (4.0**order - 1))
@@ -112,7 +128,7 @@ def extrapolated(differences):
         for k in range(1, len(column)):
             moved = np.abs(column[k] - column[k - 1])
             gained = np.abs(column[k] - before[k + 1])
-            estimate = np.maximum(moved, gained)
+            estimate = np.maximum(np.maximum(moved, gained), rounding[-len(column) + k])
             better = estimate < error
             best, error = np.where(better, column[k], best), np.where(better, estimate, error)
     return best, error

@@ -32,7 +32,8 @@ _MOST_ITERATIONS = 10
 class Kvaerno(diffrax.AbstractAdaptiveSolver):
     """Kvaerno 5/4 with Newton's iteration in every stage, for problems with few states.
 
-    `tolerance` is that of the last change of a stage; what is left is about its square.
+    `tolerance` is that of the last change of a stage beside one, and increments of a step may be far
+    smaller than one: it has to be well below the tolerance of the step.
     """
 
     tolerance: float

@@ -26,7 +26,7 @@ def solver_of(method: Method, rtol: float, atol: float, autonomous: bool, *, com
         # Not diffrax's own: its chord iterations stall here and the step size collapses.
         from ._kvaerno import Kvaerno
 
-        return Kvaerno(rtol)
+        return Kvaerno(1e-6 * rtol)
     if method == "rosenbrock":
         from ._rosenbrock import Rodasp
 

@@ -114,7 +114,7 @@ def test_the_solver_on_the_flanks_takes_the_radius_of_the_thread():
 
     @eqx.filter_jit
     def largest(one):
-        found = flank_contact(one, "nut", 3e5, (96, 48), extent=1.3, tolerance=1e-5)
+        found = flank_contact(one, "nut", 3e5, (48, 192), extent=1.3, tolerance=1e-5)
         return found.surface.max_pressure / found.hertz.max_pressure, found.surface.code
 
     found, code = largest(one)
@@ -122,9 +122,10 @@ def test_the_solver_on_the_flanks_takes_the_radius_of_the_thread():
     onset, edges = strength.side_onsets(one)[1], strength.side_edges(one)[1]
     pressure = onset.pressure(array(3e5))
     law = largest_pressure(pressure, onset.onsets, edges) / pressure
-    assert float(found) > 1.5
-    # 96 cells along the ellipse.
-    np.testing.assert_allclose(law, found, rtol=0.08)
+    # The edge, not the middle.
+    assert float(found) > 1.3
+    # Twice as many cells change it by 1 %; the law's own 4 %.
+    np.testing.assert_allclose(law, found, rtol=0.05)
 
 
 def test_quantities_are_those_of_the_worst_contact():

@@ -210,7 +210,7 @@ def test_estimate_vanishes_without_inertia():
 
 
 def test_what_the_reduction_costs_at_a_ratio_of_inertias_of_0_58():
-    """7e-4 of the peak speed and 6 µs in the time of the stop; the estimate is within a fifth.
+    """6e-4 of the peak speed and 6 µs in the time of the stop; the estimate is within a fifth.
 
     Nothing but the length of the run depends on the frequency, so the scene is that of 2 Hz.
     """
@@ -222,7 +222,7 @@ def test_what_the_reduction_costs_at_a_ratio_of_inertias_of_0_58():
     assert int(reduced.solver.code) == int(exact.solver.code) == 0
     peak = np.max(np.abs(exact.screw_speed))
     error = float(np.max(np.abs(reduced.screw_speed - exact.screw_speed)) / peak)
-    assert error == pytest.approx(7e-4, rel=0.1)
+    assert error == pytest.approx(6.2e-4, rel=0.03)
     assert 1 / 1.2 < float(reduced.solver.error_estimate) / error < 1.2
     stops = [float(found.phases.end[1]) for found in (reduced, exact)]
     # Quasi-steady carriers give the screw no energy back that they took, so it stops later.

@@ -21,12 +21,6 @@ ASSERTED = [
         "analytic/test_analytic_slip_and_spin.py::test_long_ellipses_against_direct_integration",
     ),
     (
-        "slip and spin",
-        "1e-6",
-        "analytic/test_analytic_slip_and_spin.py::"
-        "test_flanks_of_roller_screws_against_direct_integration",
-    ),
-    (
         "stress below",
         "1e-11",
         "analytic/test_analytic_subsurface.py::"
