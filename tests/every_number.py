@@ -101,7 +101,7 @@ def sizes(names, values):
     micrometres), or 1.
     """
     arrays = [name.rpartition("[")[0] if name.endswith("]") else name for name in names]
-    largest = {name: 0.0 for name in arrays}
+    largest = dict.fromkeys(arrays, 0.0)
     for name, value in zip(arrays, np.abs(values), strict=True):
         largest[name] = max(largest[name], value)
     others = np.asarray([largest[name] or 1.0 for name in arrays])

@@ -1,3 +1,5 @@
+# Examples have the parts that are changed here, and plain numbers become arrays when built:
+# pyright: reportArgumentType=false, reportOptionalOperand=false, reportOperatorIssue=false
 """Steady turning and carrier rates of a chain of stages, for mpmath's numbers and for floats.
 
 Coulomb friction in threads, splines and thrust bearings, constant drag; a load on the last nut

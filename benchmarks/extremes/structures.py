@@ -1,3 +1,5 @@
+# Examples have the parts that are changed here, and plain numbers become arrays when built:
+# pyright: reportArgumentType=false, reportOptionalOperand=false, reportOperatorIssue=false
 """What is compiled: pytrees of one structure each, and the columns that a program gives of them."""
 
 import dataclasses

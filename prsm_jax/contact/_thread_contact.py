@@ -91,7 +91,8 @@ def contact_pair(
         )
         for side, frame, force in zip(("screw", "nut"), frames, forces, strict=True)
     ]
-    both = jax.vmap(hertz_contact)(*(jnp.stack(pair) for pair in zip(*given, strict=True)))
+    force, total, difference, modulus = (jnp.stack(pair) for pair in zip(*given, strict=True))
+    both = jax.vmap(hertz_contact)(force, total, difference, modulus)
     screw, nut = (jax.tree.map(lambda leaf, k=k: leaf[k], both) for k in range(2))
     return screw, nut
 

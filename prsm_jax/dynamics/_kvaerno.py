@@ -15,11 +15,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.flatten_util import ravel_pytree
+from jaxtyping import Array
 
 from ._small_newton import find_roots
 
 _TABLEAU = diffrax.Kvaerno5.tableau
 _STAGES = len(_TABLEAU.b_sol)
+assert _TABLEAU.a_diagonal is not None
 _GAMMA = float(_TABLEAU.a_diagonal[-1])
 #: Weights of the stages before, a row for each implicit stage.
 _BEFORE = np.zeros((_STAGES - 1, _STAGES))
@@ -32,11 +34,11 @@ _MOST_ITERATIONS = 10
 class Kvaerno(diffrax.AbstractAdaptiveSolver):
     """Kvaerno 5/4 with Newton's iteration in every stage, for problems with few states.
 
-    `tolerance` is that of the last change of a stage beside one, and increments of a step may be far
-    smaller than one: it has to be well below the tolerance of the step.
+    `tolerance` is that of the last change of a stage beside one, and increments of a step may be
+    far smaller than one: it has to be well below the tolerance of the step.
     """
 
-    tolerance: float
+    tolerance: float | Array
 
     term_structure: ClassVar = diffrax.AbstractTerm
     interpolation_cls: ClassVar[Callable] = diffrax.ThirdOrderHermitePolynomialInterpolation.from_k
@@ -53,7 +55,8 @@ class Kvaerno(diffrax.AbstractAdaptiveSolver):
     def step(self, terms, t0, t1, y0, args, solver_state, made_jump):
         flat, unflatten = ravel_pytree(y0)
         length, dtype = t1 - t0, flat.dtype
-        tolerance = max(self.tolerance, 100 * float(jnp.finfo(dtype).eps))
+        least = 100 * float(jnp.finfo(dtype).eps)
+        tolerance = jnp.maximum(jnp.asarray(self.tolerance, dtype), least)
 
         def rate(time, state):
             return ravel_pytree(terms.vf(time, unflatten(state), args))[0]

@@ -13,7 +13,7 @@ def find_roots(
     function: Callable[[Float[Array, " n"]], Float[Array, " n"]],
     guess: Float[Array, " n"],
     *,
-    tolerance: float,
+    tolerance: float | Float[Array, ""],
     max_steps: int,
 ) -> tuple[Float[Array, " n"], Bool[Array, ""]]:
     """Roots of a few functions of as many numbers, by Newton.

@@ -276,6 +276,7 @@ def balance(
     if state.wedge is not None:
         assert screw.press is not None
         assert nut.press is not None
+        assert chains.guide is not None
         wedge = chains.weight * (
             jnp.sum(nut.press - screw.press, axis=1) + chains.guide * state.wedge
         )
@@ -286,6 +287,7 @@ def balance(
         assert chains.split is not None
         left = given[chains.split] - value
         if chains.sought is not None:
+            assert state.control is not None
             # Without a preload to be found the unknown offset stays 0.
             left = chains.sought * left + (1 - chains.sought) * state.control
     return State(

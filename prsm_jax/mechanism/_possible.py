@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Iterator
+from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -14,15 +15,17 @@ from ._within import FREE_UNITS
 def _limited(module: eqx.Module) -> Iterator[tuple[Array, Limit]]:
     """The numbers of a part and of the parts in it that have a range, with their limits."""
     for field in dataclasses.fields(module):
-        value, unit = getattr(module, field.name), field.metadata.get("unit")
+        value: Any = getattr(module, field.name)
+        unit = field.metadata.get("unit")
         for part in value if isinstance(value, tuple) else (value,):
             if isinstance(part, eqx.Module):
                 yield from _limited(part)
         if unit is None or unit in FREE_UNITS or not eqx.is_inexact_array(value):
             continue
+        number: Array = jnp.asarray(value)
         limit = limit_of(field.name, unit)
         if limit != ANY:
-            yield value, limit
+            yield number, limit
 
 
 def numbers_possible(module: eqx.Module) -> Bool[Array, ""]:

@@ -146,16 +146,18 @@ def sharing_section(data: ReportData) -> Section | None:
     tables, pictures = [], []
     for index, shared in data.shared.items():
         suffix, words = _suffix(data, index)
+        spacer, tangent = shared.spacer_force, shared.tangent_stiffness
+        assert tangent is not None
         rows = [
             ("largest over mean thread load, screw", number(shared.screw.thread_sharing_factor)),
             ("largest over mean thread load, nut", number(shared.nut.thread_sharing_factor)),
             ("largest over mean roller load", number(shared.screw.roller_sharing_factor)),
             ("largest pressure", show(shared.max_pressure, "Pa")),
             ("deflection", show(shared.elastic.deflection, "m")),
-            ("axial stiffness dF/dx", show(shared.tangent_stiffness, "N/m")),
+            ("axial stiffness dF/dx", show(tangent, "N/m")),
         ]
-        if shared.spacer_force is not None:
-            rows.append(("force in the spacer", show(shared.spacer_force, "N")))
+        if spacer is not None:
+            rows.append(("force in the spacer", show(spacer, "N")))
         tables.append(Table(f"Shared loads{words}", ("", ""), tuple(rows)))
         pictures.append(
             Picture(
