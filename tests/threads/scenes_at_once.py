@@ -67,7 +67,6 @@ def scenes():
         "steady state": (steady, load),
         "load sharing": (sharing, load[:4]),
         "frequency response": (response, stiffness[:8]),
-        "implicit": (run("implicit"), load),
         "rosenbrock": (run("rosenbrock"), load),
     }
 
