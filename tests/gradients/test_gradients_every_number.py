@@ -29,7 +29,6 @@ EXAMPLES = [
             ("li2020_two_stage", None),
             ("li2021_two_stage", None),
             ("actuator_mission", None),
-            ("actuator", None),
             ("actuator_load_sharing", None),
         )
     ),
