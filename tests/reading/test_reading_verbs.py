@@ -75,6 +75,8 @@ def test_contact(run, monkeypatch, name):
     _, line = made.line_contact()
     monkeypatch.setattr(_contact, "run_stored", _directly)
     monkeypatch.setattr(_contact, "mesh", lambda _: place)
+    # The invented place lies on no flank that could end.
+    monkeypatch.setattr(_contact, "side_onsets", lambda *_: None)
     monkeypatch.setattr(_contact, "thread_contacts", lambda *_: (pair,))
     monkeypatch.setattr(_contact, "stress_peak_on_axis", _peak)
     monkeypatch.setattr(_contact, "load_distribution", lambda *_, **__: shared)

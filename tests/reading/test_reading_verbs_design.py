@@ -563,6 +563,8 @@ def test_demo(monkeypatch, tmp_path, capsys, feasible):
 
     peaks = lambda major, minor, pressure, ratio, measure: _Peak(pressure, minor, measure)  # noqa: E731
     monkeypatch.setattr(_contact, "stress_peak_on_axis", peaks)
+    # The invented places lie on no flank that could end.
+    monkeypatch.setattr(_contact, "side_onsets", lambda *_: None)
     monkeypatch.setattr(_demo, "_contact_results", _contact.contact_results)
     monkeypatch.setattr(_demo, "optimise", lambda *_, **__: best)
     monkeypatch.setattr(_demo, "sensitivity", lambda *_, **__: table)
