@@ -62,7 +62,8 @@ def test_direct_solution_and_modal_sum_agree(scene, law):
     scale = weight[:, None] * weight[None, :]
     error = np.abs(np.asarray(direct - summed) * scale).max(axis=(1, 2))
     size = np.abs(np.asarray(direct) * scale).max(axis=(1, 2))
-    assert (error <= 10 * _EPS * _conditions(network, LAWS[law]) * size).all()
+    # Eigenvectors of rotations are orthogonal to a few units more than those of LAPACK.
+    assert (error <= 40 * _EPS * _conditions(network, LAWS[law]) * size).all()
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -165,7 +166,7 @@ def test_modal_damping_gives_every_mode_its_ratio():
     viscous = matrices(network, ModalDamping(0.02))[2]
     found = np.asarray(modes.shapes.T) @ viscous @ np.asarray(modes.shapes)
     expected = np.diag(2 * 0.02 * natural("unequal"))
-    assert np.abs(found - expected).max() < 20 * _EPS * expected.max()
+    assert np.abs(found - expected).max() < 40 * _EPS * expected.max()
 
 
 @pytest.mark.parametrize("method", ["direct", "modal"])
