@@ -105,3 +105,6 @@ def _is_command_line() -> bool:
 
 if _is_command_line():
     end_on_signals()
+    # Read where equinox is imported. Sample times that cannot be give NaN, no exception from inside
+    # a program: JAX does not keep a program that calls Python for the next run.
+    os.environ.setdefault("EQX_ON_ERROR", "nan")

@@ -20,6 +20,10 @@ _FLAGS = os.environ.get("XLA_FLAGS", "")
 _QUICK = "--xla_cpu_use_fusion_emitters=false --xla_backend_optimization_level=0"
 os.environ["XLA_FLAGS"] = f"{_FLAGS} {_QUICK}".strip()
 
+# As in the command line: diffrax's checks of sample times give NaN. What raises from inside a
+# program calls Python, and JAX does not keep such a program for the next run.
+os.environ.setdefault("EQX_ON_ERROR", "nan")
+
 import hypothesis  # noqa: E402
 import jax  # noqa: E402
 import pytest  # noqa: E402

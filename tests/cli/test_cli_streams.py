@@ -116,3 +116,13 @@ def test_damaged_compiled_programs_are_made_anew_once(tmp_path):
     assert err.startswith("prsm: a compiled program could not be read (")
     status, third, err = shell("prsm steady wu2022", tmp_path, cache)
     assert (status, third, err) == (0, first, "")
+
+
+def test_an_integrated_transient_is_kept_for_the_next_run(tmp_path, monkeypatch):
+    """JAX keeps no program that calls Python, as diffrax's checks do where they raise."""
+    monkeypatch.delenv("EQX_ON_ERROR", raising=False)
+    kept = tmp_path / "programs of JAX"
+    command = "prsm simulate li2020_two_stage --method explicit --samples 3"
+    status, _, err = shell(command, tmp_path, kept)
+    assert (status, err) == (0, "")
+    assert list(kept.glob("jit_simulate-*"))
