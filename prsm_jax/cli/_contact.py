@@ -5,13 +5,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import jax.numpy as jnp
+from jaxtyping import Array
+
 from ..contact import (
     HertzContact,
     LineContactResult,
     StageContact,
     line_contact,
     load_of,
-    pressure_ratio,
     stress_peak_on_axis,
     thread_contacts,
 )
@@ -20,7 +22,7 @@ from ..geometry import Meshing, mesh
 from ..load_sharing import LoadDistribution, SideLoads, load_distribution
 from ..mechanism import Mechanism, Scalar, Stage, material_of
 from ..quantities import assumptions
-from ..strength import side_onsets
+from ..strength import SideOnset, side_onsets, truncated_pressure
 from ._app import app
 from ._assumed import CONTACT
 from ._common import Common, emit, plain
@@ -57,7 +59,6 @@ def contact_results(
         for name, onset in zip(("screw", "nut"), onsets, strict=True):
             where, result = getattr(meshing, name), getattr(pair, name)
             hertz = result.hertz
-            cut = 1.0 if onset is None else pressure_ratio(hertz.max_pressure, onset.onsets)
             sides[name] = {
                 "contact_radius_m": where.contact_radius,
                 "contact_angle_position_rad": where.contact_angle_position,
@@ -67,7 +68,8 @@ def contact_results(
                 "semi_major_m": hertz.semi_major,
                 "semi_minor_m": hertz.semi_minor,
                 # As the quantity max_pressure: above Hertz's where a flank ends in the ellipse.
-                "max_pressure_pa": cut * hertz.max_pressure,
+                "max_pressure_pa": truncated_pressure(onset, hertz.max_pressure),
+                "whole_ellipse_max_pressure_pa": hertz.max_pressure,
                 "approach_m": hertz.approach,
                 "stiffness_n_per_m": hertz.stiffness,
                 "stiffness_tangent_n_per_m": hertz.stiffness_tangent,
@@ -99,14 +101,21 @@ def line_contact_results(line: LineContactResult) -> dict[str, Any]:
     }
 
 
-def load_sharing_results(shared: LoadDistribution) -> dict[str, Any]:
+def load_sharing_results(
+    shared: LoadDistribution, onsets: tuple[SideOnset | None, SideOnset | None]
+) -> dict[str, Any]:
     """A load distribution by the names of the JSON; one row of loads for each class of rollers."""
+    pressures = [
+        truncated_pressure(onset, side.max_pressure)
+        for onset, side in zip(onsets, (shared.screw, shared.nut), strict=True)
+    ]
 
-    def side(loads: SideLoads) -> dict[str, Any]:
+    def side(loads: SideLoads, pressure: Array) -> dict[str, Any]:
         return {
             "thread_load_n": loads.forward,
             "reverse_thread_load_n": loads.reverse,
-            "thread_pressure_pa": loads.max_pressure,
+            "thread_pressure_pa": pressure,
+            "whole_ellipse_thread_pressure_pa": loads.max_pressure,
             "roller_load_n": loads.roller_load,
             "thread_sharing_factor": loads.thread_sharing_factor,
             "roller_sharing_factor": loads.roller_sharing_factor,
@@ -118,9 +127,11 @@ def load_sharing_results(shared: LoadDistribution) -> dict[str, Any]:
     return {
         "rollers": [list(numbers) for numbers in shared.rollers],
         "converged": shared.converged & elastic.converged,
-        "screw": side(shared.screw),
-        "nut": side(shared.nut),
-        "max_pressure_pa": shared.max_pressure,
+        "screw": side(shared.screw, pressures[0]),
+        "nut": side(shared.nut, pressures[1]),
+        # As the quantity max_pressure_shared.
+        "max_pressure_pa": jnp.maximum(*(jnp.max(one) for one in pressures)),
+        "whole_ellipse_max_pressure_pa": shared.max_pressure,
         "deflection_m": elastic.deflection,
         "unloaded_deflection_m": elastic.rest,
         "secant_stiffness_n_per_m": elastic.secant_stiffness,
@@ -133,14 +144,15 @@ def _contacts(mechanism: Mechanism) -> dict[str, Any]:
     meshings = [mesh(stage.thread) for stage in mechanism.stages]
     results = contact_results(mechanism.stages, meshings, thread_contacts(mechanism))
     load = load_of(mechanism, None)
-    for number, (stage, found) in enumerate(
-        zip(mechanism.stages, results["stages"], strict=True), start=1
+    for number, (stage, meshing, found) in enumerate(
+        zip(mechanism.stages, meshings, results["stages"], strict=True), start=1
     ):
         if stage.line_contact is not None:
             found["line_contact"] = line_contact_results(line_contact(stage, load))
         if stage.load_sharing is not None:
             shared = load_distribution(mechanism, load, stage=number)
-            found["load_sharing"] = load_sharing_results(shared)
+            onsets = side_onsets(stage, meshing) or (None, None)
+            found["load_sharing"] = load_sharing_results(shared, onsets)
     return results
 
 
@@ -191,6 +203,8 @@ _COLUMNS = (
     ("δ µm", "approach_m", 1e6),
     ("F/δ N/µm", "stiffness_n_per_m", 1e-6),
 )
+#: Beside them where the end of a flank cuts an ellipse: a, b, δ and F/δ are those of the whole one.
+_WHOLE = (("p₀ of the whole ellipse MPa", "whole_ellipse_max_pressure_pa", 1e-6),)
 _BELOW = (
     ("von Mises MPa", "max_von_mises_stress_pa", 1e-6),
     ("at depth mm", "max_von_mises_depth_m", 1e3),
@@ -211,7 +225,8 @@ def _tables(file: str, stages: list[dict[str, Any]]) -> str:
         rows = [(label, *(_times(side[k], by) for _, k, by in columns)) for label, side in sides]
         return table(title, heads, rows)
 
-    found = of_sides(f"Thread contacts: {file}", _COLUMNS)
+    cut = any(s["max_pressure_pa"] != s["whole_ellipse_max_pressure_pa"] for _, s in sides)
+    found = of_sides(f"Thread contacts: {file}", _COLUMNS + (_WHOLE if cut else ()))
     found += of_sides("Largest stress below them, without friction", _BELOW)
     whole: list[Line] = []
     for number, stage in enumerate(stages, start=1):
@@ -248,6 +263,9 @@ def _lines_of_sharing(number: int, shared: dict[str, Any] | None) -> list[Line]:
         ("deflection", shared["deflection_m"], "m"),
         ("axial stiffness dF/dx", shared["tangent_stiffness_n_per_m"], "N/m"),
     ]
+    whole = shared["whole_ellipse_max_pressure_pa"]
+    if whole != shared["max_pressure_pa"]:
+        found.insert(4, ("largest pressure of a whole ellipse", whole, "Pa"))
     if shared["spacer_force_n"] is not None:
         found.append(("force in the spacer", shared["spacer_force_n"], "N"))
     return [(f"stage {number}: load sharing, {one[0]}", *one[1:]) for one in found]

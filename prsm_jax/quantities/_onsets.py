@@ -1,7 +1,6 @@
 """Where contact ellipses reach the ends of their flanks: found once for all quantities."""
 
 from .. import strength
-from ..contact import pressure_ratio
 from ..geometry import flanks_end
 from ..mechanism import Scalar
 from ._analysis import Analysis
@@ -38,4 +37,4 @@ def truncated_pressure(analysis: Analysis, index: int, side: str, hertz: Scalar)
     """Largest pressure on the `"screw"` or `"nut"` side of a stage, from that of Hertz [Pa]."""
     onsets = onsets_of(analysis, index)
     onset = None if onsets is None else onsets[("screw", "nut").index(side)]
-    return hertz if onset is None else hertz * pressure_ratio(hertz, onset.onsets)
+    return strength.truncated_pressure(onset, hertz)

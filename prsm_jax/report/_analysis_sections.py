@@ -14,6 +14,7 @@ from ._loss_chart import loss_chart
 from ._mode_shapes import mode_shapes
 from ._power_flow import energy_flow, steady_flow
 from ._power_flow_chart import power_flow_chart, power_history_chart
+from ._pressures import SIDES, any_cut, largest_pressures
 from ._section import Picture, Section, Table
 from ._style import readable
 from ._transient_chart import settles, settling_time, transient_chart
@@ -36,14 +37,22 @@ def _of_stage(data: ReportData, index: int) -> tuple[str, str]:
     return f"_stage_{index + 1}", f", stage {index + 1}"
 
 
+def _pressures(data: ReportData, index: int) -> dict[str, tuple[float, float]]:
+    """Largest pressures of one stage, by label as in `_designs`."""
+    designs = (data, data.improved)
+    known = [one for one in designs if one is not None and one.contacts is not None]
+    labels = _designs(data, "contacts", index)
+    return {label: largest_pressures(one, index) for label, one in zip(labels, known, strict=True)}
+
+
 def contact_section(data: ReportData) -> Section | None:
     """Pressures, sizes and stiffnesses of the thread contacts."""
     if data.contacts is None or data.meshings is None:
         return None
-    many = len(data.contacts) > 1
+    many, cut = len(data.contacts) > 1, any_cut(data)
     rows = []
     for index, (contact, meshing) in enumerate(zip(data.contacts, data.meshings, strict=True)):
-        for side in ("screw", "nut"):
+        for side, pressure in zip(SIDES, largest_pressures(data, index), strict=True):
             point, part = getattr(meshing, side), getattr(contact, side)
             hertz = part.hertz
             rows.append(
@@ -54,10 +63,11 @@ def contact_section(data: ReportData) -> Section | None:
                     number(float(part.normal_force)),
                     number(1e6 * float(hertz.semi_major)),
                     number(1e6 * float(hertz.semi_minor)),
-                    number(1e-6 * float(hertz.max_pressure)),
+                    number(1e-6 * pressure),
                     number(1e6 * float(hertz.approach)),
                     number(1e-6 * float(hertz.stiffness)),
                     number(1e-6 * float(hertz.stiffness_tangent)),
+                    *((number(1e-6 * float(hertz.max_pressure)),) if cut else ()),
                 )
             )
     head = (
@@ -71,16 +81,22 @@ def contact_section(data: ReportData) -> Section | None:
         "approach in µm",
         "stiffness F/δ in N/µm",
         "dF/dδ in N/µm",
+        *(("p₀ of the whole ellipse in MPa",) if cut else ()),
     )
     pictures = tuple(
         Picture(
             f"contact_ellipses{_of_stage(data, i)[0]}",
             f"Contact ellipses of one thread{_of_stage(data, i)[1]}, to one scale.",
-            lambda i=i: contact_ellipses(_designs(data, "contacts", i)),
+            lambda i=i: contact_ellipses(_designs(data, "contacts", i), _pressures(data, i)),
         )
         for i in range(len(data.contacts))
     )
     words = ("One thread contact on either side of a roller, all loaded threads sharing equally.",)
+    if cut:
+        words += (
+            "Ends of flanks cut ellipses here: p₀ is the largest pressure of what is left of them; "
+            "semi-axes, approach and stiffnesses are those of whole ellipses.",
+        )
     table = Table("Thread contacts", head, tuple(rows))
     return Section("contact", "Thread contact", words, (table,), pictures)
 

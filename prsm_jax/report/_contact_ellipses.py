@@ -12,14 +12,20 @@ _SIDES = ("screw", "nut")
 
 
 @drawn
-def contact_ellipses(contacts: Mapping[str, StageContact]) -> Figure:
+def contact_ellipses(
+    contacts: Mapping[str, StageContact],
+    largest: Mapping[str, tuple[float, float]] | None = None,
+) -> Figure:
     """Draw the contact ellipses of screw and nut side, all to one scale.
 
-    The major axis is drawn horizontally, whatever its direction in the thread.
+    The major axis is drawn horizontally, whatever its direction in the thread. Ellipses are drawn
+    whole, with the pressure of Hertz, even if a flank ends within them.
 
     **Arguments:**
 
     - `contacts`: by label, for example `{"before": …, "after": …}`.
+    - `largest`: largest pressures on the screw and on the nut side by label, ends of flanks
+        regarded [Pa]; default those of the whole ellipses.
 
     **Returns:** a matplotlib figure; lengths in mm or µm, pressure in MPa.
 
@@ -48,11 +54,18 @@ def contact_ellipses(contacts: Mapping[str, StageContact]) -> Figure:
             axes, contact = grid[row, column], hertz[label, side]
             image = _ellipse(axes, contact, unit, x_limit, y_limit, max(highest, 1e-12))
             axes.set_title(f"{label}: {side} side" if len(contacts) > 1 else f"{side} side")
-            pressure = in_unit(contact.max_pressure, display_unit("Pa"))
+            whole = float(contact.max_pressure)
+            pressure = whole if largest is None else float(largest[label][column])
             axes.set_xlabel(
                 f"along the major axis in {unit.label}\n"
-                f"p₀ = {pressure}, a = {in_unit(contact.semi_major, unit, 3)}, "
+                f"p₀ = {in_unit(pressure, display_unit('Pa'))}, "
+                f"a = {in_unit(contact.semi_major, unit, 3)}, "
                 f"b = {in_unit(contact.semi_minor, unit, 3)}"
+                + (
+                    f"\ncut by the end of a flank; whole: {in_unit(whole, display_unit('Pa'))}"
+                    if pressure > whole
+                    else ""
+                )
             )
             axes.tick_params(labelbottom=True)
         grid[row, 0].set_ylabel(f"minor axis in {unit.label}")

@@ -9,10 +9,12 @@ from .._plain_text import short_label
 from ..contact import contact_modulus, line_contact, load_of, thread_contacts
 from ..halfspace import FlankContact, flank_contact, ring_contact
 from ..mechanism import CoulombFriction, Mechanism, Stage, material_of
+from ..strength import side_onsets
 from ._contact_ellipses import contact_ellipses
 from ._force_deflection_chart import force_deflection_chart
 from ._line_contact_chart import line_contact_chart
 from ._pressure_map import pressure_map, pressure_profiles
+from ._pressures import truncated_pressures, whole_pressures
 from ._shared_loads import shared_loads
 from ._style import Figure, save_figure
 from ._subsurface_chart import subsurface_chart
@@ -25,6 +27,7 @@ _USUAL_FRICTION = 0.1
 _flank_contact = eqx.filter_jit(flank_contact)
 _line, _ring_contact = eqx.filter_jit(line_contact), eqx.filter_jit(ring_contact)
 _thread_contacts = eqx.filter_jit(thread_contacts)
+_side_onsets = eqx.filter_jit(side_onsets)
 
 
 def _friction(stage: Stage) -> float:
@@ -78,7 +81,8 @@ def contact_pictures(
     ):
         suffix = f"-stage-{number}" if len(mechanism.stages) > 1 else ""
         label = short_label(mechanism.title) or "thread contact"
-        figures["contact-ellipses" + suffix] = contact_ellipses({label: pair})
+        pressures = truncated_pressures(_side_onsets(stage), whole_pressures(pair))
+        figures["contact-ellipses" + suffix] = contact_ellipses({label: pair}, {label: pressures})
         true = _true_flanks(stage, shared, cells)
         if true:
             figures["pressure-map" + suffix] = pressure_map(true)

@@ -27,10 +27,13 @@ from ..load_sharing import ForceDeflection, LoadDistribution
 from ..mechanism import Mechanism, find_parameters
 from ..modal import Modes, modal
 from ..quantities import Analysis, available_quantities, evaluate, truncated_fatigue_of
-from ..strength import TruncatedFatigue
+from ..strength import SideOnset, TruncatedFatigue, side_onsets
 from ._optimisation import Optimisation
 from ._section import words_of_fault
 from ._shared_loads import shared_loads
+
+#: On the screw and on the nut side; `None` for a side whose flanks do not end.
+SideOnsets: TypeAlias = tuple[SideOnset | None, SideOnset | None]
 
 
 @dataclass(frozen=True)
@@ -46,6 +49,9 @@ class ReportData:
     findings: tuple[Finding, ...] | None = ()
     meshings: tuple[Meshing, ...] | None = None
     contacts: tuple[StageContact, ...] | None = None
+    #: Where the ellipses of screw and nut side reach the ends of their flanks, by stage; empty
+    #: if all ellipses are taken to be whole.
+    onsets: tuple[SideOnsets, ...] = ()
     modes: tuple[Modes, ...] | None = None
     #: At the operating point, and with the screw driving and the load driving it back.
     steady: SteadyState | None = None
@@ -127,12 +133,15 @@ STRENGTH = (
 
 
 @eqx.filter_jit
-def _contacts(mechanism: Mechanism, meshings: tuple[Meshing, ...]) -> tuple[StageContact, ...]:
+def _contacts(
+    mechanism: Mechanism, meshings: tuple[Meshing, ...]
+) -> tuple[tuple[StageContact, ...], tuple[SideOnsets, ...]]:
+    """Contacts under the operating load, and where flanks end, of every stage."""
     load = jnp.abs(load_of(mechanism, None))
-    return tuple(
-        stage_contact(stage, load, meshing)
-        for stage, meshing in zip(mechanism.stages, meshings, strict=True)
-    )
+    stages = tuple(zip(mechanism.stages, meshings, strict=True))
+    contacts = tuple(stage_contact(stage, load, meshing) for stage, meshing in stages)
+    onsets = tuple(side_onsets(stage, meshing) or (None, None) for stage, meshing in stages)
+    return contacts, onsets
 
 
 def analyse(
@@ -177,7 +186,9 @@ def analyse(
 
     findings = attempt("checks", check, mechanism)
     meshings = attempt("meshing", _meshings, mechanism)
-    contacts = None if meshings is None else attempt("contact", _contacts, mechanism, meshings)
+    contacts, onsets = None, ()
+    if meshings is not None:
+        contacts, onsets = attempt("contact", _contacts, mechanism, meshings) or (None, ())
     modes = attempt("vibration", _all_modes, mechanism)
     steady = attempt("steady state", _steady_states, mechanism) or (None, None, None)
     history = attempt("transient", _history, mechanism) if transient else None
@@ -193,6 +204,7 @@ def analyse(
         findings=findings,
         meshings=meshings,
         contacts=contacts,
+        onsets=onsets,
         modes=modes,
         steady=steady[0],
         forward=steady[1],

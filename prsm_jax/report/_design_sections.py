@@ -10,6 +10,7 @@ from ._cross_section import cross_section
 from ._data import ReportData
 from ._optimisation import Change, Limit, Optimisation, relative_change, signed_change
 from ._optimisation_chart import optimisation_chart
+from ._pressures import largest_pressure
 from ._section import Picture, Section, Table
 from ._sensitivity_bars import sensitivity_bars
 from ._style import readable
@@ -175,11 +176,9 @@ def _further(data: ReportData) -> list[Change]:
         return []
     changes = []
     if data.contacts is not None and after.contacts is not None:
-        before, after_it = (
-            max(float(getattr(c, s).hertz.max_pressure) for c in part for s in ("screw", "nut"))
-            for part in (data.contacts, after.contacts)
+        changes.append(
+            Change("max_pressure", "Pa", largest_pressure(data), largest_pressure(after))
         )
-        changes.append(Change("max_pressure", "Pa", before, after_it))
     if data.steady is not None and after.steady is not None:
         states = (data.steady, after.steady)
         for name, unit in (("efficiency", "1"), ("drive_torque", "N·m"), ("output_power", "W")):

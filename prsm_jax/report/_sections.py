@@ -18,6 +18,7 @@ from ._data import ReportData
 from ._design_sections import optimisation_section, sensitivity_section
 from ._efficiency import efficiency_text
 from ._mechanism_section import findings_section, mechanism_section
+from ._pressures import largest_pressure
 from ._section import Section, Table, words_of_fault
 from ._strength_section import sharing_section, strength_section
 
@@ -72,12 +73,7 @@ def _summary(data: ReportData) -> Section:
         else:
             words.append(f"{at}mechanism has no efficiency; {steady.result}.")
     if data.contacts is not None:
-        worst = max(
-            float(getattr(c, side).hertz.max_pressure)
-            for c in data.contacts
-            for side in ("screw", "nut")
-        )
-        words.append(f"The largest contact pressure is {show(worst, 'Pa')}.")
+        words.append(f"The largest contact pressure is {show(largest_pressure(data), 'Pa')}.")
     if data.improved is None:
         words += _need_attention("", data.findings)
     else:

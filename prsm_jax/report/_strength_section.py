@@ -22,6 +22,7 @@ from ..strength import (
 from ._data import ReportData
 from ._force_deflection_chart import force_deflection_chart
 from ._life_chart import life_chart
+from ._pressures import largest_shared_pressure
 from ._section import Picture, Section, Table
 from ._shaft_limits_chart import shaft_limits_chart
 from ._style import readable
@@ -148,14 +149,17 @@ def sharing_section(data: ReportData) -> Section | None:
         suffix, words = _suffix(data, index)
         spacer, tangent = shared.spacer_force, shared.tangent_stiffness
         assert tangent is not None
+        largest, whole = largest_shared_pressure(data, index), float(shared.max_pressure)
         rows = [
             ("largest over mean thread load, screw", number(shared.screw.thread_sharing_factor)),
             ("largest over mean thread load, nut", number(shared.nut.thread_sharing_factor)),
             ("largest over mean roller load", number(shared.screw.roller_sharing_factor)),
-            ("largest pressure", show(shared.max_pressure, "Pa")),
+            ("largest pressure", show(largest, "Pa")),
             ("deflection", show(shared.elastic.deflection, "m")),
             ("axial stiffness dF/dx", show(tangent, "N/m")),
         ]
+        if largest > whole:
+            rows.insert(4, ("largest pressure of a whole ellipse", show(whole, "Pa")))
         if spacer is not None:
             rows.append(("force in the spacer", show(spacer, "N")))
         tables.append(Table(f"Shared loads{words}", ("", ""), tuple(rows)))

@@ -80,5 +80,6 @@ from ._truncation import (
     contact_truncation as contact_truncation,
     load_of_whole_ellipse as load_of_whole_ellipse,
     side_onsets as side_onsets,
+    truncated_pressure as truncated_pressure,
     truncation_load as truncation_load,
 )

@@ -8,7 +8,6 @@ from .._errors import MissingDataError
 from ..contact import (
     RoundedEdge,
     StageContact,
-    contact_frames,
     contact_modulus,
     edge_ratio,
     half_extent,
@@ -16,11 +15,11 @@ from ..contact import (
     opposite_onset,
     rounded_edges,
 )
-from ..geometry import FlankEnd, Meshing, flank_ends
+from ..geometry import FlankEnd, Meshing
 from ..mechanism import Scalar, Stage, material_of
 from ._contacts import REFERENCE_LOAD, meshing_of, reference_contact, thread_share
 from ._powers import positive_power
-from ._truncation import SideOnset, known_sides, side_onsets
+from ._truncation import SideOnset, flank_sides, known_sides, side_onsets
 
 
 def side_edges(
@@ -42,24 +41,17 @@ def side_edges(
             "the pressure at a sharp edge has no finite value in elastic half-spaces; give "
             "stage.thread.edge_radius, the radius by which the crests' edges are rounded"
         )
-    meshing = meshing_of(stage, meshing)
-    if contact is None:
-        contact = reference_contact(stage, meshing)
-    frames = contact_frames(stage.thread, meshing, stage.curvature)
-    ends = flank_ends(stage, meshing if stage.curvature == "exact" else None)
-    found = [
+    screw, nut = (
         rounded_edges(
-            side.hertz,
-            frame.curvature,
-            of_side,
-            contact_modulus(material_of(stage, "roller"), material_of(stage, name)),
+            side.contact.hertz,
+            side.frame.curvature,
+            side.ends,
+            contact_modulus(material_of(stage, "roller"), material_of(stage, side.name)),
             radius,
         )
-        for name, side, frame, of_side in zip(
-            ("screw", "nut"), (contact.screw, contact.nut), frames, ends, strict=True
-        )
-    ]
-    return found[0], found[1]
+        for side in flank_sides(stage, meshing, contact)
+    )
+    return screw, nut
 
 
 def edge_pressure(
@@ -141,28 +133,25 @@ def end_reaches(
     meshing = meshing_of(stage, meshing)
     if contact is None:
         contact = reference_contact(stage, meshing)
-    frames = contact_frames(stage.thread, meshing, stage.curvature)
-    ends = flank_ends(stage, meshing if stage.curvature == "exact" else None)
+    sides = flank_sides(stage, meshing, contact)
     edges: list[list[tuple[RoundedEdge | None, Scalar | None]]]
-    edges = [[(None, None)] * len(of_side) for of_side in ends]
+    edges = [[(None, None)] * len(side.ends) for side in sides]
     if stage.thread.edge_radius is not None:
-        for of_side, known, rounded in zip(
-            ends, edges, side_edges(stage, meshing, contact), strict=True
+        for side, known, rounded in zip(
+            sides, edges, side_edges(stage, meshing, contact), strict=True
         ):
-            crests = [place for place, end in enumerate(of_side) if end.kind == "crest"]
+            crests = [place for place, end in enumerate(side.ends) if end.kind == "crest"]
             for place, edge in zip(crests, rounded, strict=True):
                 known[place] = edge, opposite_onset(edge, rounded)
     per_share = thread_share(stage) ** (-1 / 3)
     return tuple(
         EndReach(
-            name,
+            side.name,
             end,
-            per_share * half_extent(side.hertz, frame.curvature, end),
-            per_share * side.hertz.max_pressure,
+            per_share * half_extent(side.contact.hertz, side.frame.curvature, end),
+            per_share * side.contact.hertz.max_pressure,
             *edge,
         )
-        for name, side, frame, of_side, known in zip(
-            ("screw", "nut"), (contact.screw, contact.nut), frames, ends, edges, strict=True
-        )
-        for end, edge in zip(of_side, known, strict=True)
+        for side, known in zip(sides, edges, strict=True)
+        for end, edge in zip(side.ends, known, strict=True)
     )

@@ -1,6 +1,7 @@
 """What flanks that end inside the contact ellipses make of capacities and life."""
 
 from collections.abc import Callable
+from typing import Literal, NamedTuple
 
 import equinox as eqx
 import jax
@@ -10,8 +11,10 @@ from jaxtyping import Array, Float
 from .._errors import MissingDataError
 from .._root import find_root_of
 from ..contact import (
+    ContactFrame,
     Onsets,
     StageContact,
+    ThreadContactSide,
     contact_frames,
     onset_pressures,
     pressure_ratio,
@@ -19,7 +22,7 @@ from ..contact import (
     share_within,
     truncation,
 )
-from ..geometry import Meshing, flank_ends, flanks_end
+from ..geometry import FlankEnd, Meshing, flank_ends, flanks_end
 from ..mechanism import Scalar, Stage
 from ._contacts import REFERENCE_LOAD, meshing_of, reference_contact, thread_share
 from ._powers import positive_power
@@ -53,6 +56,33 @@ class SideOnset(eqx.Module):
         return jnp.stack(self.onsets).min() > 0
 
 
+class FlankSide(NamedTuple):
+    """One side of the rollers under `REFERENCE_LOAD`, with the ends of its flanks."""
+
+    name: Literal["screw", "nut"]
+    contact: ThreadContactSide
+    frame: ContactFrame
+    ends: tuple[FlankEnd, ...]
+
+
+def flank_sides(
+    stage: Stage, meshing: Meshing | None = None, contact: StageContact | None = None
+) -> tuple[FlankSide, FlankSide]:
+    """Contacts and ends of the flanks on the screw and on the nut side.
+
+    **Arguments:** as in `side_onsets`.
+    """
+    meshing = meshing_of(stage, meshing)
+    if contact is None:
+        contact = reference_contact(stage, meshing)
+    frames = contact_frames(stage.thread, meshing, stage.curvature)
+    ends = flank_ends(stage, meshing if stage.curvature == "exact" else None)
+    return (
+        FlankSide("screw", contact.screw, frames[0], ends[0]),
+        FlankSide("nut", contact.nut, frames[1], ends[1]),
+    )
+
+
 def side_onsets(
     stage: Stage, meshing: Meshing | None = None, contact: StageContact | None = None
 ) -> tuple[SideOnset | None, SideOnset | None] | None:
@@ -69,16 +99,14 @@ def side_onsets(
     """
     if not flanks_end(stage):
         return None
-    meshing = meshing_of(stage, meshing)
-    if contact is None:
-        contact = reference_contact(stage, meshing)
-    frames = contact_frames(stage.thread, meshing, stage.curvature)
-    ends = flank_ends(stage, meshing if stage.curvature == "exact" else None)
     found = [
-        SideOnset(side.hertz.max_pressure, onset_pressures(side.hertz, frame.curvature, of_side))
-        if of_side
+        SideOnset(
+            side.contact.hertz.max_pressure,
+            onset_pressures(side.contact.hertz, side.frame.curvature, side.ends),
+        )
+        if side.ends
         else None
-        for side, frame, of_side in zip((contact.screw, contact.nut), frames, ends, strict=True)
+        for side in flank_sides(stage, meshing, contact)
     ]
     return found[0], found[1]
 
@@ -148,6 +176,19 @@ def truncation_load(
     """
     loads = [side.onset_load for side in known_sides(side_onsets(stage, meshing, contact))]
     return jnp.min(jnp.stack(loads)) * thread_share(stage) / sharing_factor
+
+
+def truncated_pressure(
+    side: SideOnset | None, pressure: Float[Array, "*batch"]
+) -> Float[Array, "*batch"]:
+    """Largest pressure on a side, the concentration at edges left out [Pa].
+
+    **Arguments:**
+
+    - `side`: where its flanks end; `None` if they do not.
+    - `pressure`: Hertz pressure of the whole ellipse under the same load [Pa].
+    """
+    return pressure if side is None else pressure * pressure_ratio(pressure, side.onsets)
 
 
 def load_at_pressure(side: SideOnset | None, reference: Scalar, pressure: Scalar) -> Scalar:

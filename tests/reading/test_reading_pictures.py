@@ -46,7 +46,10 @@ def test_pictures_of_contacts(monkeypatch):
         "thread-loads": "thread_load_chart",
         "force-deflection": "force_deflection_chart",
     }
-    assert drawn["contact-ellipses"][1] == ({title: pair},)
+    pairs, pressures = drawn["contact-ellipses"][1]
+    assert pairs == {title: pair}
+    # What they are where a flank ends, `test_reading_cut_ellipses` reads.
+    assert list(pressures) == [title]
     sides = {"screw side": flanks["screw"], "nut side": flanks["nut"]}
     for name in ("pressure-map", "pressure-profiles"):
         (given,) = drawn[name][1]

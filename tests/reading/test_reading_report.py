@@ -650,8 +650,13 @@ def test_every_picture_is_of_its_part_of_the_data(data, monkeypatch):
         assert name == chart
         return [*values, *more.values()]
 
+    designs, pressures = given("contact_ellipses", "contact_ellipses")
+    assert list(designs) == list(pressures) == ["before", "after"]
+    for label, whole in (("before", data), ("after", after)):
+        assert designs[label] is whole.contacts[0]
+        pair = (designs[label].screw.hertz, designs[label].nut.hertz)
+        assert pressures[label] == tuple(float(hertz.max_pressure) for hertz in pair)
     for picture, chart, part in (
-        ("contact_ellipses", "contact_ellipses", "contacts"),
         ("frequencies", "frequency_chart", "modes"),
         ("losses", "loss_chart", "steady"),
     ):
