@@ -5,8 +5,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 #: Each doubling brings the arguments four times closer together; what the series below then
-#: neglects has the sixth power of their distance. Enough for ratios of the arguments up to 1e9.
-_DOUBLINGS = 20
+#: neglects has the sixth power of their distance. Enough for ratios of the arguments up to 1e60.
+_DOUBLINGS = 10
 
 
 def _doubled(x, y, z):

@@ -27,6 +27,7 @@ from ._flanks import (
     flanks_of as flanks_of,
     nut_side_heights as nut_side_heights,
     nut_side_hessian as nut_side_hessian,
+    past_roller_arc as past_roller_arc,
     screw_side_heights as screw_side_heights,
     screw_side_hessian as screw_side_hessian,
 )

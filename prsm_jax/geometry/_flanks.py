@@ -11,12 +11,17 @@ from typing import NamedTuple, TypeAlias
 
 import equinox as eqx
 import jax.numpy as jnp
+from jaxtyping import Array, Bool
 
 from ..mechanism import Scalar, Thread
 
 #: Gradient (∂z/∂x, ∂z/∂y) of a height over the transverse plane. Like `SymmetricTensor` plain
 #: numbers rather than an array: a batch of designs then runs in one fused loop without a copy.
 Slope: TypeAlias = tuple[Scalar, Scalar]
+
+
+#: (ρ² − d²)/ρ² where the roller's arc counts as ended.
+_ARC_END = 1e-4
 
 
 class SymmetricTensor(NamedTuple):
@@ -91,8 +96,20 @@ def _arc(flanks: FlankGeometry, radius: Scalar) -> tuple[Scalar, Scalar]:
     """
     offset = radius - flanks.arc_centre
     # A hundredth of ρ above its end the arc is already steeper than any thread flank.
-    floor = 1e-4 * flanks.profile_radius**2
+    floor = _ARC_END * flanks.profile_radius**2
     return jnp.sqrt(jnp.maximum(flanks.profile_radius**2 - offset**2, floor)), offset
+
+
+def past_roller_arc(flanks: FlankGeometry, x: Scalar, y: Scalar) -> Bool[Array, ""]:
+    """Whether the roller's profile arc ends before the point (x, y); addenda are another matter.
+
+    **Arguments:**
+
+    - `flanks`: of the stage.
+    - `x`, `y`: transverse coordinates about the screw axis, roller axis at (a, 0) [m].
+    """
+    offset = jnp.hypot(x - flanks.centre_distance, y) - flanks.arc_centre
+    return offset**2 >= (1 - _ARC_END) * flanks.profile_radius**2
 
 
 def _depth(flanks: FlankGeometry, radius: Scalar) -> Scalar:

@@ -14,6 +14,7 @@ from ..geometry import (
     flanks_of,
     nut_side_heights,
     nut_side_hessian,
+    past_roller_arc,
     screw_side_heights,
     screw_side_hessian,
     tangent_tensor,
@@ -54,7 +55,7 @@ class FlankGap(eqx.Module):
 
     #: Distance along the common normal, 0 at the contact point [m].
     gap: Float[Array, "nx ny"]
-    #: Where both flanks exist: within the crests of both threads.
+    #: Where both flanks exist: within the crests of both threads and on the roller's profile arc.
     material: Bool[Array, "nx ny"]
     #: Distance from the crest of screw or nut, positive on the flank; None without addendum [m].
     body_edge: Float[Array, "nx ny"] | None
@@ -186,11 +187,13 @@ def flank_gap(thread: Thread, plane: TangentPlane, side: Side, grid: Grid) -> Fl
         )
         body, roller = _crests(thread, side, foot[0], foot[1])
         edges = tuple(None if edge is None else stretch * edge for edge in (body, roller))
-        return upper - lower, *edges
+        on_roller = foot + (lower if side == "screw" else upper) * plane.normal
+        # Where there is no gap either, that is told by what is not finite.
+        past = past_roller_arc(flanks, on_roller[0], on_roller[1])
+        return upper - lower, ~past, *edges
 
     x, y = grid.points
-    gap, body, roller = jax.vmap(jax.vmap(at))(x, y)
-    material = jnp.ones(grid.shape, bool)
+    gap, material, body, roller = jax.vmap(jax.vmap(at))(x, y)
     for edge in (body, roller):
         if edge is not None:
             material = material & (edge > 0)

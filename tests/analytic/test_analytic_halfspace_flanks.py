@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from scenes import array, mesh, stage, thread
+from scipy.optimize import brentq
 
 import prsm_jax as prsm
 from prsm_jax.contact import hertz_contact, subsurface_stress
@@ -339,6 +340,63 @@ def test_distances_from_crests(x, y):
         found = _crests(geometry, side, array(x), array(y))
         np.testing.assert_allclose(found, distances, rtol=1e-13, atol=1e-17)
     assert _crests(thread(5e-3), "screw", array(x), array(y)) == (None, None)
+
+
+def _distance_along_normal(flank, foot, normal, origin):
+    """To where a flank z(x, y), shifted to the contact point, is met; None where it is not."""
+    shift = flank(*origin[:2]) - origin[2]
+
+    def above(distance):
+        x, y, z = (foot[k] + distance * normal[k] for k in range(3))
+        return flank(x, y) - shift - z
+
+    places = np.linspace(-0.6e-3, 0.6e-3, 1201)
+    with np.errstate(invalid="ignore"):
+        heights = above(places)
+    (crossings,) = np.nonzero(heights[:-1] * heights[1:] <= 0)
+    if not len(crossings):
+        return None
+    nearest = crossings[np.argmin(np.abs(places[crossings]))]
+    return brentq(above, places[nearest], places[nearest + 1], xtol=1e-16)
+
+
+def test_a_gap_is_that_of_the_flanks_or_none():
+    """Across a sharply curved arc: right to 1e-3 of the distance, not finite, or no material.
+
+    Past its end there is no flank, whose continuation would touch the other one again.
+    """
+    profile, angle = 0.5e-3, np.pi / 4
+    geometry = thread(4e-3, 10e-3, angle, roller_profile_radius=array(profile))
+    plane = tangent_plane(geometry, mesh(geometry), "screw")
+    grid = grid_over((25, 25), array(profile), array(profile))
+    found = eqx.filter_jit(flank_gap)(geometry, plane, "screw", grid)
+    gap = np.asarray(found.gap)
+    there = np.isfinite(gap) & np.asarray(found.material)
+
+    def screw(x, y):
+        return np.hypot(x, y) - 12e-3 + 10e-3 / (2 * np.pi) * np.arctan2(y, x)
+
+    def roller(x, y):
+        offset = np.hypot(16e-3 - x, y) - 4e-3 + profile * np.sin(angle)
+        arc = np.sqrt(profile**2 - offset**2) - profile * np.cos(angle)
+        return arc - 10e-3 / (2 * np.pi) / 5 * np.arctan2(y, 16e-3 - x)
+
+    origin, normal, major, minor = (
+        np.asarray(v) for v in (plane.origin, plane.normal, plane.major, plane.minor)
+    )
+    beyond = 0
+    for place in np.ndindex(grid.shape):
+        along, across = (float(c[place]) for c in grid.points)
+        foot = origin + along * major + across * minor
+        distances = [_distance_along_normal(f, foot, normal, origin) for f in (screw, roller)]
+        if None in distances:
+            assert not there[place]
+            beyond += 1
+        elif there[place]:
+            away = np.max(np.abs(foot - origin))
+            assert abs(gap[place] - (distances[0] - distances[1])) <= 1e-3 * away
+    assert 0 < beyond < 0.3 * gap.size
+    assert np.mean(there) > 0.6
 
 
 def test_roughness_on_flanks():

@@ -122,6 +122,14 @@ def test_a_jammed_transient_says_so():
     assert steady_state(_one(0.05), 100.0).result == "successful"
 
 
+@pytest.mark.parametrize("load", [np.inf, np.nan])
+def test_a_load_that_is_no_number_is_named_before_the_jamming(load):
+    """The number has to be corrected first, whatever the thread would do under a real load."""
+    found = steady_state(_one(1.8), 100.0, load)
+    assert found.result.startswith("not finite")
+    assert not bool(found.valid)
+
+
 def test_findings():
     names = {c: [(f.name, f.severity) for f in prsm.check(_one(c))] for c in (0.05, 0.55, 0.7, 1.8)}
     friction = {

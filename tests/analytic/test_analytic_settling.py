@@ -11,7 +11,8 @@ import prsm_jax as prsm
 from prsm_jax import Scenario
 from prsm_jax.dynamics import all_kinematics, carrier_inertia, choose_method, states_at
 from prsm_jax.dynamics._reduced_chain import reduced_chain, reduced_rates
-from prsm_jax.dynamics._settling import inverse_path
+from prsm_jax.dynamics._reduced_stage import ReducedStage
+from prsm_jax.dynamics._settling import _settled_stage, inverse_path
 from prsm_jax.mechanism import (
     CoulombFriction,
     Drag,
@@ -124,6 +125,28 @@ def _settle(one, speed, load, ratio, method):
         return run.carrier_ratio, run.solver.code
 
     return jax.vmap(at)(speed, load, ratio)
+
+
+@pytest.mark.parametrize("rolls", [True, False])
+@pytest.mark.parametrize("coefficient", [0.999, 1.0, 1.001])
+def test_a_thread_at_the_limit_of_locking_is_told_and_finite(coefficient, rolls):
+    """At μ L/2π = q |n_z| exactly, with and without slip along the roller's path."""
+    lengths = {"along": 4e-3, "drive": 2.0**-6, "contact_radius": 1e-2, "normal_moment": 1e-3}
+    # Powers of two, so that friction takes all of the normal force to the last digit.
+    limit = {"across": 2.0**-8, "axial": 2.0**-9, "normal_axial": 0.5}
+    reduced = ReducedStage(**{name: array(value) for name, value in (lengths | limit).items()})
+    one = stage(friction=Friction(thread=CoulombFriction(coefficient)))
+    start = lengths["along"] / lengths["drive"] if rolls else 0.3
+
+    @jax.jit
+    def settled(ratio, speed):
+        return _settled_stage(one, reduced, array(1e-4), speed, ratio, array(500.0), array(1e-3))
+
+    ratio, torque, carries = settled(array(start), array(100.0))
+    assert bool(carries) == (coefficient < 1)
+    assert np.isfinite([ratio, torque]).all()
+    slopes = jax.jacfwd(lambda *x: settled(*x)[:2], argnums=(0, 1))(array(start), array(100.0))
+    assert np.isfinite(np.asarray(jax.tree.leaves(slopes))).all()
 
 
 def test_closed_form_and_integration_agree():

@@ -266,6 +266,29 @@ def test_capacities_scale_as_bearings_do(size, threads, factor):
     np.testing.assert_allclose(static, size**2 * threads, rtol=1e-11)
 
 
+def test_each_track_fails_by_the_pressure_of_its_own_side():
+    """Risks go with F^(10/3), each with the load of its own side alone."""
+    risks = eqx.filter_jit(lambda contact: _fatigue.side_risks(ESTIMATED, None, contact))
+    light, heavy = (stage_contact(ESTIMATED, array(load)) for load in (10e3, 20e3))
+    screw, nut = risks(light)
+    uneven = risks(eqx.tree_at(lambda c: c.nut, light, heavy.nut))
+    np.testing.assert_allclose(uneven, (screw, 2 ** (10 / 3) * nut), rtol=1e-11)
+    uneven = risks(eqx.tree_at(lambda c: c.screw, light, heavy.screw))
+    np.testing.assert_allclose(uneven, (2 ** (10 / 3) * screw, nut), rtol=1e-11)
+    # One million turns at the capacity fail one in ten.
+    both = risks(stage_contact(ESTIMATED, dynamic_capacity(ESTIMATED)))
+    np.testing.assert_allclose(sum(both), -np.log(0.9), rtol=1e-11)
+
+
+def test_quantities_without_shared_loads_are_the_laws_themselves():
+    """Nothing is taken off a capacity where all threads bear alike, split nut or not."""
+    found = _borne(Mechanism((ESTIMATED,), OperatingPoint(100.0, 5e3)))
+    np.testing.assert_allclose(
+        found["dynamic_capacity"][0], dynamic_capacity(ESTIMATED), rtol=1e-12
+    )
+    np.testing.assert_allclose(found["static_capacity"][0], static_capacity(ESTIMATED), rtol=1e-12)
+
+
 def test_rolling_along_either_axis_joins_at_the_circle():
     total = array(100.0)
     slants = jnp.asarray([-0.3, -1.1e-5, -0.9e-5, 0.0, 0.9e-5, 1.1e-5, 0.3])

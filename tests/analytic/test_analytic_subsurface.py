@@ -1,7 +1,10 @@
 """Stress below contacts: closed forms, equilibrium, direct integration, limits, derivatives."""
 
+import itertools
+
 import jax
 import jax.numpy as jnp
+import mpmath
 import numpy as np
 import pytest
 from scenes import array
@@ -38,12 +41,30 @@ def stresses(points, semi_axes, traction=(0.0, 0.0)):
     return np.asarray(_stresses(padded, axes, jnp.asarray(traction, float)))[:count]
 
 
+_carlson = jax.jit(carlson_rf_and_rd)
+
+
 def test_carlson_integrals_against_scipy():
     x, y, z = np.meshgrid([0.0, 1e-6, 0.3], [1e-8, 0.5, 1.0], [0.2, 1.0, 3.0])
     given = [jnp.asarray(v.ravel()) for v in (x, y, z)]
-    first, second = jax.jit(carlson_rf_and_rd)(*given)
+    first, second = _carlson(*given)
     np.testing.assert_allclose(first, elliprf(*given), rtol=4e-15)
     np.testing.assert_allclose(second, elliprd(*given), rtol=4e-15)
+
+
+@pytest.mark.parametrize("ratio", [1e3, 1e9, 1e18, 1e30, 1e60])
+def test_carlson_integrals_of_very_unlike_arguments(ratio):
+    """Contacts 1e15 times as long as wide have arguments whose ratio is 1e30."""
+    values = [0.0, 1 / ratio, ratio**-0.5, 1.0]
+    given = [
+        (x, y, z) for x, y, z in itertools.product(values, repeat=3) if z > 0 and max(x, y) > 0
+    ]
+    found = _carlson(*(jnp.asarray(column) for column in zip(*given, strict=True)))
+    with mpmath.workdps(40):
+        first = [float(mpmath.elliprf(*map(mpmath.mpf, row))) for row in given]
+        second = [float(mpmath.elliprd(*map(mpmath.mpf, row))) for row in given]
+    np.testing.assert_allclose(found[0], first, rtol=2e-15)
+    np.testing.assert_allclose(found[1], second, rtol=2e-15)
 
 
 def thomas_hoersch(depth, ratio):
@@ -202,6 +223,37 @@ def test_needle_is_a_line():
     # 64 nodes for κ = 5e-4, and the ends themselves.
     np.testing.assert_allclose(found, line, atol=3e-3)
     assert float(max_shear_stress(line[0])) == pytest.approx(0.300, abs=0.01)
+
+
+def _from_the_surface(x, z, friction):
+    """σ_x, σ_z, τ_xz below lines of force on a half-plane, summed over √(1 − s²) (Flamant).
+
+    With s = cos v nothing cancels beside the edge at 1; panels halve towards it.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(24)
+    ends = np.append(0.0, np.pi * 2.0 ** np.arange(-60, 1))
+    half = np.diff(ends)[:, None] / 2
+    v = ends[:-1, None] + half * (1 + nodes)
+    distance = (x - 1) + 2 * np.sin(v / 2) ** 2
+    line = 2 / np.pi * half * weights * np.sin(v) ** 2 / (distance**2 + z**2) ** 2
+    n0, n1, n2, n3 = (np.sum(line * distance**k) for k in range(4))
+    return (
+        -z * n2 - friction * n3,
+        -(z**3) * n0 - friction * z**2 * n1,
+        -(z**2) * n1 - friction * z * n2,
+    )
+
+
+@pytest.mark.parametrize(
+    ("x", "z"), [(1.0, 1e-12), (1.0, 1e-9), (1.0, 1e-5), (1.0, 0.4), (1.02, 0.3), (1.5, 0.2)]
+)
+def test_below_and_beside_the_edge_of_a_line(x, z):
+    """All digits, however close to the edge, where stresses rise as the root of the depth."""
+    one = array(1.0)
+    found = line_subsurface_stress(array([x, z]), one, one, array(RATIO), array(0.2))
+    expected = _from_the_surface(x, z, 0.2)
+    np.testing.assert_allclose((found[0, 0], found[2, 2], found[0, 2]), expected, rtol=1e-13)
+    np.testing.assert_allclose(found[1, 1], RATIO * (expected[0] + expected[1]), rtol=1e-13)
 
 
 def test_turning_the_axes_turns_the_stress():

@@ -143,6 +143,9 @@ def test_against_scipy(name, chain, scene):
     # Both at tolerances of 1e-8 and tighter; 5e-8 was the most that was seen.
     np.testing.assert_allclose(found.screw_speed, exact.speed, atol=1e-7 * peak)
     np.testing.assert_allclose(found.carrier_speed, exact.carriers, atol=1e-7 * peak)
+    travel = float(chain.stages[0].thread.lead) / (2 * np.pi)
+    way = peak * float(scene.duration)
+    np.testing.assert_allclose(found.position, travel * exact.angle, atol=1e-7 * travel * way)
     ours, theirs = phases_of(found.phases), merged(exact.phases)
     np.testing.assert_allclose(ours, theirs, atol=2e-8 * float(scene.duration))
     # Newton's balances, drive against load, losses and kinetic energy.
@@ -153,18 +156,44 @@ def test_against_scipy(name, chain, scene):
     assert (np.sum(coasting) > 2) == (name in ("held", "let go"))
 
 
-@pytest.mark.slow
-def test_two_stages_of_which_one_coasts():
-    """Light rollers in one stage stop with the screw, heavy ones in the other do not."""
-    first, second = one(0.05, rollers=0.05).stages[0], one(0.05, rollers=2.0).stages[0]
-    chain = mechanism(first, second)
-    scene = scenario(torque(amplitude=4.0, frequency=8.0), 0.2)
+def _two_stages(scene, bearing, *rollers):
+    chain = mechanism(*(one(0.05, bearing, rollers=r).stages[0] for r in rollers))
     found = run(chain, scene)
     assert int(found.solver.code) == 0
     peak = float(np.max(np.abs(found.screw_speed)))
     exact = reference(chain, scene, peak)
     np.testing.assert_allclose(found.screw_speed, exact.speed, atol=1e-7 * peak)
     np.testing.assert_allclose(found.carrier_speed, exact.carriers, atol=1e-7 * peak)
+    return found, peak
+
+
+@pytest.mark.slow
+def test_two_stages_of_which_one_coasts():
+    """Light rollers in one stage stop with the screw, heavy ones in the other do not."""
+    _two_stages(scenario(torque(amplitude=4.0, frequency=8.0), 0.2), 0.0, 0.05, 2.0)
+
+
+@pytest.mark.slow
+def test_carriers_of_two_stages_stop_one_after_the_other():
+    """Beside a held screw each is braked by a constant friction of its own until it stops."""
+    scene = scenario(torque(3.0, change=0.1, after=0.0), 0.4, 100.0)
+    found, peak = _two_stages(scene, 0.3, 2.0, 4.0)
+    time, held = np.asarray(found.time), np.asarray(found.screw_speed) == 0
+    slopes, ends = [], []
+    for speed in np.abs(np.asarray(found.carrier_speed)):
+        coasts = held & (speed > 0)
+        assert np.sum(coasts) > 10
+        slope, start = np.polyfit(time[coasts], speed[coasts], 1)
+        np.testing.assert_allclose(speed[coasts], start + slope * time[coasts], atol=1e-6 * peak)
+        slopes.append(slope)
+        ends.append(-start / slope)
+        after = time > ends[-1]
+        assert np.sum(after) > 10
+        assert np.all(speed[after] == 0)
+    # The same load brakes them by the same friction: heavier rollers stop later.
+    inertia = [float(carrier_inertia(one(rollers=r).stages[0])) for r in (2.0, 4.0)]
+    np.testing.assert_allclose(slopes[0] / slopes[1], inertia[1] / inertia[0], rtol=1e-6)
+    assert ends[1] > ends[0] + 0.02
 
 
 def test_a_self_locking_load_stays_where_it_is():

@@ -7,6 +7,7 @@ all rollers).
 
 import dataclasses
 import functools
+import math
 
 import equinox as eqx
 import jax
@@ -27,6 +28,7 @@ from prsm_jax.modal import (
     strain_energies,
     symmetric_modes,
 )
+from prsm_jax.modal._arrowhead import arrowhead_modes
 
 DIRECTION = np.array([0.3, -0.5, 0.9, 0.1, -0.7, 0.4, 1.1])
 PATHS = ("stiffness", "mass", "position", "support", "equal")
@@ -183,6 +185,67 @@ def test_closed_form_of_the_second_derivative(ratio):
     expected = 2 * np.sum(np.where(np.eye(len(values)) > 0, 0.0, projected**2 / gaps), axis=0)
     # The softest mode's is a difference of larger terms at most as large as itself over 1e-12.
     np.testing.assert_allclose(second, expected, rtol=1e-9, atol=1e-12 * np.abs(expected).max())
+
+
+def _three_bodies(factor):
+    """Three bodies on supports, meshing with one roller: K, its spring rows and their stiffness."""
+    support, mesh = np.array([2e8, 5e8, 1.1e9]), np.array([1e8, 2.5e8, 1.5e8])
+    rows = np.hstack([factor * np.eye(3), np.ones((3, 1))])
+    stiffness = np.diag([*support, 0.0]) + rows.T @ (mesh[:, None] * rows)
+    return support, mesh, np.array([1.0, 0.8, 0.9, 0.2]), rows, stiffness
+
+
+def _dense(factor):
+    """Eigenvalues and stretches of the meshes, the roller moving forward, by NumPy."""
+    _, _, mass, rows, stiffness = _three_bodies(factor)
+    root = np.sqrt(mass)
+    values, shapes = np.linalg.eigh(stiffness / root[:, None] / root[None])
+    shapes = shapes / root[:, None]
+    shapes = shapes * np.sign(shapes[-1])
+    return values, (rows @ shapes).T
+
+
+def test_modes_follow_the_number_of_rollers():
+    """√N is the factor between a body and the roller coordinate: against differences of NumPy.
+
+    Of the eigenvalues the closed form too: dλ/dF = 2 Σ k q e.
+    """
+    factor = math.sqrt(5.0)
+    support, mesh, mass, _, stiffness = _three_bodies(factor)
+
+    def modes(factor):
+        found = arrowhead_modes(
+            *(tuple(array(v) for v in values) for values in (support, mesh, mass)), factor
+        )
+        signs = [jnp.sign(shape[-1]) for shape in found.shapes]
+        stretches = [
+            jnp.stack([sign * e for e in row])
+            for sign, row in zip(signs, found.stretches, strict=True)
+        ]
+        return jnp.stack(found.values), jnp.stack(stretches)
+
+    values, stretches = jax.jit(modes)(array(factor))
+    np.testing.assert_allclose(values, _dense(factor)[0], rtol=1e-12)
+    np.testing.assert_allclose(stretches, _dense(factor)[1], rtol=1e-9)
+    forward = jax.jit(jax.jacfwd(modes))(array(factor))
+    reverse = jax.jit(jax.jacrev(modes))(array(factor))
+    step = 1e-5
+    sides = [_dense(factor + x) for x in (step, -step)]
+    for ours, theirs, above, below in zip(forward, reverse, *sides, strict=True):
+        np.testing.assert_allclose(theirs, ours, rtol=1e-10)
+        # Truncation, and rounding over the step.
+        difference = (above - below) / (2 * step)
+        np.testing.assert_allclose(ours, difference, rtol=1e-6, atol=1e-9 * np.max(np.abs(above)))
+    bodies = (np.asarray(stretches) - _roller(stiffness, mass)[:, None]) / factor
+    closed = 2 * np.sum(mesh * bodies * np.asarray(stretches), axis=1)
+    np.testing.assert_allclose(forward[0], closed, rtol=1e-10)
+
+
+def _roller(stiffness, mass):
+    """The roller's amplitude in every mode, forward."""
+    root = np.sqrt(mass)
+    _, shapes = np.linalg.eigh(stiffness / root[:, None] / root[None])
+    return np.abs(shapes[-1]) / root[-1]
 
 
 def test_unequal_rollers_by_name():
