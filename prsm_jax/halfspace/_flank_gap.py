@@ -32,6 +32,8 @@ _SURFACES = {
 _STEPS = 3
 #: Distance from a flank, over that from the contact point, up to which a point is on it.
 _LARGEST_MISS = 1e-4
+#: The same at the contact point, in last digits of its coordinates.
+_ROUNDING = 16.0
 
 
 class TangentPlane(eqx.Module):
@@ -140,7 +142,10 @@ def _height_along_normal(
     # Past the end of the roller's arc, or where it bends too much for so few steps, there is no
     # gap, and whoever uses it is told so by what is not finite.
     away = jnp.max(jnp.abs(jax.lax.stop_gradient(foot - plane.origin)))
-    missed = jnp.abs(above(jax.lax.stop_gradient(found))) > _LARGEST_MISS * away
+    # At the contact point itself rounding of the coordinates is all that is left.
+    rounding = _ROUNDING * jnp.finfo(foot.dtype).eps * jnp.max(jnp.abs(plane.origin))
+    allowed = _LARGEST_MISS * away + jax.lax.stop_gradient(rounding)
+    missed = jnp.abs(above(jax.lax.stop_gradient(found))) > allowed
     return jnp.where(missed, jnp.nan, found)
 
 
