@@ -9,7 +9,7 @@ of screws, nuts and rollers with the geometry of `dynamics.stage_numbers`.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from math import copysign, pi, sqrt
+from math import copysign, pi
 
 import numpy as np
 
@@ -69,29 +69,64 @@ class TorqueChain:
         self.torque, self.load = torque, load
         self.travels = np.cumsum([s.lead for s in self.stages]) / (2 * pi)
 
+    def slip(self, k, speed, carrier) -> np.ndarray:
+        """Slip of the screw over the rollers of a stage [m/s]."""
+        stage = self.stages[k]
+        return np.array(
+            [
+                stage.screw[0] * speed - stage.drive[0] * carrier,
+                stage.screw[1] * speed - stage.drive[1] * carrier,
+                stage.lead / (2 * pi) * speed,
+            ]
+        )
+
+    def about_to_turn(self, k, pushed, sense, acceleration) -> np.ndarray:
+        """Direction of slip with a carrier at rest that is about to turn: nothing drives it."""
+        drive = np.array([*self.stages[k].drive, 0.0])
+        slip = self.slip(k, 1.0, 0.0)
+        slip = slip - drive * (slip @ drive) / (drive @ drive)
+        return sense * slip / np.linalg.norm(slip)
+
+    def rollers(self, k, pushed, unit, acceleration) -> tuple[float, float]:
+        """Torque of a stage's rollers about the screw, and on their carrier [N·m].
+
+        **Arguments:**
+
+        - `k`: the stage.
+        - `pushed`: what its rollers carry axially [N].
+        - `unit`: direction of slip.
+        - `acceleration`: of the screw [rad/s²].
+        """
+        stage = self.stages[k]
+        force = pushed / stage.rollers / (-stage.normal[2] - stage.friction * unit[2])
+        if force < 0:
+            raise ValueError("the reference does not change flanks")
+        rub = stage.friction * force * unit
+        on_roller = force * np.array(stage.normal) + rub
+        moment = stage.screw[0] * on_roller[0] + stage.screw[1] * on_roller[1]
+        return stage.rollers * moment, stage.rollers * (rub[:2] @ np.array(stage.drive))
+
     def forces(self, load, speed, carriers, sense, acceleration, directions=None):
-        """Torque at the first screw [N·m] and accelerations of the carriers [rad/s²]."""
+        """Torque at the first screw [N·m] and accelerations of the carriers [rad/s²].
+
+        Directions of slip are those of the speeds, or given; a given `None` is a carrier about to
+        turn.
+        """
         axial, torque, rates = load, 0.0, [0.0] * len(self.stages)
         spline_after = 0.0
         for k in range(len(self.stages) - 1, -1, -1):
             stage, mass = self.stages[k], self.masses[k]
-            slip = np.array(
-                [
-                    stage.screw[0] * speed - stage.drive[0] * carriers[k],
-                    stage.screw[1] * speed - stage.drive[1] * carriers[k],
-                    stage.lead / (2 * pi) * speed,
-                ]
-            )
-            unit = slip / np.linalg.norm(slip) if directions is None else directions[k]
             pushed = axial + mass.nut * self.travels[k] * acceleration
-            force = pushed / stage.rollers / (-stage.normal[2] - stage.friction * unit[2])
-            if force < 0:
-                raise ValueError("the reference does not change flanks")
-            rub = stage.friction * force * unit
-            rates[k] = stage.rollers * (rub[:2] @ np.array(stage.drive)) / stage.inertia
-            on_roller = force * np.array(stage.normal) + rub
-            moment = stage.screw[0] * on_roller[0] + stage.screw[1] * on_roller[1]
-            alone = torque + stage.rollers * moment + mass.screw_inertia * acceleration
+            if directions is None:
+                slip = self.slip(k, speed, carriers[k])
+                unit = slip / np.linalg.norm(slip)
+            elif directions[k] is None:
+                unit = self.about_to_turn(k, pushed, sense, acceleration)
+            else:
+                unit = directions[k]
+            moment, driven = self.rollers(k, pushed, unit, acceleration)
+            rates[k] = driven / stage.inertia
+            alone = torque + moment + mass.screw_inertia * acceleration
             free = pushed - spline_after
             if k > 0:
                 free += mass.screw * self.travels[k - 1] * acceleration
@@ -129,8 +164,7 @@ class TorqueChain:
     def limits(self, time, angle, carriers) -> tuple[float, float]:
         """Torques at which a screw at rest begins to turn backward and forward.
 
-        A carrier at rest is driven by nothing, so friction has no component along ∂v_R/∂ω; one
-        that coasts slips against it.
+        A carrier at rest is driven by nothing; one that coasts slips against ∂v_R/∂ω.
         """
         load = self.load(time, self._position(angle), 0.0)
         found = []
@@ -138,24 +172,27 @@ class TorqueChain:
             directions = []
             for stage, carrier in zip(self.stages, carriers, strict=True):
                 drive = np.array([*stage.drive, 0.0])
-                if carrier != 0:
-                    directions.append(-copysign(1, carrier) * drive / np.linalg.norm(drive))
-                    continue
-                slip = np.array([*stage.screw, stage.lead / (2 * pi)])
-                slip = slip - drive * (slip @ drive) / (drive @ drive)
-                directions.append(sense * slip / np.linalg.norm(slip))
+                coasts = -copysign(1, carrier) * drive / np.linalg.norm(drive)
+                directions.append(coasts if carrier != 0 else None)
             torque, _ = self.forces(load, 0.0, carriers, sense, 0.0, directions)
             found.append(torque)
         return found[0], found[1]
 
-    def ratios(self, time, angle, sense, speed) -> np.ndarray:
-        """Ratios that carriers keep to a screw that moves: ω̇ = ζ Ω̇, by iteration."""
+    def ratios(self, time, angle, sense, speed, carriers) -> np.ndarray:
+        """Ratios that carriers at rest keep to a screw that moves: ω̇ = ζ Ω̇, by iteration.
+
+        Those of carriers that coast are theirs.
+        """
         from scipy.optimize import fsolve
 
+        small, rests = sense * abs(speed), carriers == 0
+
         def left(ratios):
-            small = sense * abs(speed)
-            turning, carriers = self.acceleration(time, angle, small, ratios * small, sense)
-            return carriers / (1 + abs(turning)) - ratios * turning / (1 + abs(turning))
+            turning, found = self.acceleration(
+                time, angle, small, np.where(rests, ratios * small, carriers), sense
+            )
+            missed = found / (1 + abs(turning)) - ratios * turning / (1 + abs(turning))
+            return np.where(rests, missed, ratios - carriers / small)
 
         free = np.array(
             [
@@ -164,9 +201,10 @@ class TorqueChain:
                 for s in self.stages
             ]
         )
-        found = fsolve(left, free, xtol=1e-13, full_output=True)[0]
+        start = np.where(rests, free, carriers / small)
+        found = fsolve(left, start, xtol=1e-13, full_output=True)[0]
         # A screw that is braked harder than friction can brake the carriers has no such ratio.
-        return found if np.max(np.abs(left(found))) < 1e-9 else free
+        return found if np.max(np.abs(left(found))) < 1e-9 else start
 
     def run(
         self,
@@ -192,7 +230,7 @@ class TorqueChain:
         run = Run(times, np.zeros(samples), np.zeros((count, samples)), np.zeros(samples))
         carriers = np.zeros(count)
         if speed != 0:
-            carriers = speed * self.ratios(0.0, 0.0, int(copysign(1, speed)), speed)
+            carriers = speed * self.ratios(0.0, 0.0, int(copysign(1, speed)), speed, carriers)
         time, angle = 0.0, 0.0
         for _ in range(most):
             mode, start = self._mode(time, angle, speed, carriers, duration), time
@@ -275,10 +313,9 @@ class TorqueChain:
         if abs(speed) < small:
             # Its first instant is a straight line; breaking away, the torque has to grow first.
             start = time + 1e-9 * duration
-            at_rest = np.abs(carriers) < small
+            carriers = np.where(np.abs(carriers) < small, 0.0, carriers)
             speed = mode * small * (_FIRST / _SMALL)
-            if np.all(at_rest):
-                carriers = speed * self.ratios(start, angle, mode, speed)
+            carriers = speed * self.ratios(start, angle, mode, speed, carriers)
 
         def rate(t, y):
             turning, rates = self.acceleration(t, y[0], y[1], y[2:], mode)
@@ -313,14 +350,7 @@ class TorqueChain:
             if found.status != 0:
                 raise ValueError(found.message)
             return duration, last[0], last[1], last[2:]
-        turning, _ = self.acceleration(time, last[0], last[1], last[2:], mode)
+        turning, rates = self.acceleration(time, last[0], last[1], last[2:], mode)
         rest = abs(last[1] / turning)
-        carriers = np.where(np.abs(last[2:]) < 100 * small, 0.0, last[2:])
+        carriers = np.where(np.abs(last[2:]) < 100 * small, 0.0, last[2:] + rest * rates)
         return time + rest, last[0] + last[1] * rest / 2, 0.0, carriers
-
-
-def slip_speed(stage: StageNumbers, speed: float, carrier: float) -> float:
-    """Speed of the screw's contact point over the roller's [m/s]."""
-    x = stage.screw[0] * speed - stage.drive[0] * carrier
-    y = stage.screw[1] * speed - stage.drive[1] * carrier
-    return sqrt(x**2 + y**2 + (stage.lead / (2 * pi) * speed) ** 2)

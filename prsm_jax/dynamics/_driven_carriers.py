@@ -42,6 +42,13 @@ from ._torque_balance import (
 )
 
 
+class Turning(NamedTuple):
+    """Screw over roller and roller over nut, by stage: speeds over the screw's, or their senses."""
+
+    screw: Float[Array, " stages"]
+    nut: Float[Array, " stages"]
+
+
 class Carriers(eqx.Module):
     """How the carriers move; of the two numbers of a stage the one that applies counts."""
 
@@ -50,6 +57,9 @@ class Carriers(eqx.Module):
     tangent: Float[Array, " stages"]
     #: Speed of carriers that coast [rad/s].
     speed: Float[Array, " stages"]
+    #: Senses of turning of stages in step, over that of the screw: +1, or −1 where a carrier still
+    #: turns against the screw. `None` where nothing resists it.
+    ways: Turning | None = None
 
 
 #: Shares of the normal force that carry, of the stages that spin (`_rubbing`).
@@ -93,6 +103,20 @@ def slip_geometry(problem: TorqueProblem) -> SlipGeometry:
     )
 
 
+def resists_turning(problem: TorqueProblem) -> list[bool]:
+    """Stages whose rollers something resists beside the friction of their threads."""
+    return [has_contact_losses(stage.friction) for stage in problem.mechanism.stages]
+
+
+def turning_over(problem: TorqueProblem, ratio: Float[Array, " stages"]) -> Turning:
+    """Speeds of turning over the screw's at carrier ratios, `1 + (n − 1) ζ` and `(n − 1) ζ`.
+
+    What resists the turning changes its sign with them.
+    """
+    rolling = jnp.stack([k.relative_spin_ratio for k in problem.kinematics]) * ratio
+    return Turning(1 + rolling, rolling)
+
+
 @physics("driven_carriers")
 def _forces(
     problem: TorqueProblem,
@@ -120,6 +144,9 @@ def _forces(
         in_step = steady_motion(
             geometry, ratios[index], speed, flank * sense, axial_acceleration, share
         )
+        if carriers.ways is not None:
+            ways = tuple(flank * sense * way[index] for way in carriers.ways)
+            in_step = eqx.tree_at(lambda m: (m.screw_sense, m.nut_sense), in_step, ways)
         coasting = sliding_motion(
             geometry, speed, flank * carriers.speed[index], axial_acceleration, share=share
         )
@@ -284,7 +311,7 @@ def onsets(
 
         unknowns = first_unknowns(problem)
         # Where nothing resists the rollers the slip is that of geometry alone.
-        if any(has_contact_losses(stage.friction) for stage in problem.mechanism.stages):
+        if any(resists_turning(problem)):
             unknowns, _ = find_roots(residual, unknowns, tolerance=_accuracy(angle), max_steps=30)
         return forces(sense, unknowns)[1]
 

@@ -4,7 +4,9 @@ Modes are those of the screw: it turns forward, turns backward, or is held. In e
 two each carrier is in step with it, or coasts (`_driven_carriers`); a held screw's carriers rest,
 or coast until friction has stopped them. An event ends a phase where the screw's speed passes
 through zero, where the torque passes the limit that a held screw can take, where a coasting carrier
-stops, or where a carrier has to be described the other way.
+stops, or where a carrier has to be described the other way. A screw that reverses beneath a
+carrier turns against it for a while: where the rollers begin to turn the other way, what resists
+that jumps, which is an event as well.
 
 In step, the tangent of the slip settles at a rate inversely proportional to the speed of the screw,
 without bound as it stops: it ends in the ratio in which screw and carriers come to rest together.
@@ -24,7 +26,9 @@ from ._driven_carriers import (
     driven,
     leaving,
     onset_torques,
+    resists_turning,
     slip_geometry,
+    turning_over,
 )
 from ._integration import Settings
 from ._phases import EVENT, PhaseLaws, Phases, before, follow_phases
@@ -39,6 +43,9 @@ _BACK, _MIDDLE, _AWAY = 4.0, 5.0, 6.0
 #: Speeds over the speed scale: where a speed counts as past zero, where a carrier counts as at
 #: rest once the screw is, and below which settling becomes no faster.
 _PAST, _AT_REST, _SLOWEST = 1e-12, 1e-9, 1e-7
+#: Turning of rollers over the screw's, past zero, at which what resists it changes its sign: more
+#: than the turning changes in the time to which events are located.
+_TURNED = 1e-6
 
 
 class Motions(eqx.Module):
@@ -90,7 +97,12 @@ class _Law(eqx.Module):
         onward = sign * jnp.maximum(sign * speeds, least)
         speeds = jnp.where(label["mode"] == STICKING, onward, speeds)
         none = jnp.zeros_like(values)
-        return Carriers(coasts, jnp.where(coasts, none, values), jnp.where(coasts, speeds, none))
+        return Carriers(
+            coasts,
+            jnp.where(coasts, none, values),
+            jnp.where(coasts, speeds, none),
+            label.get("ways"),
+        )
 
     def begin(self, share: Scalar, kept: Array):
         """Label and first state of a phase, from angle and speeds."""
@@ -118,6 +130,12 @@ class _Law(eqx.Module):
         in_step = jnp.where((mode == STICKING) | (first & moves & ~found), none, in_step)
         values = jnp.where(coasts, kept[2:], in_step)
         label = {"mode": mode, "coasts": coasts, "sign": jnp.sign(turning)}
+        if any(resists_turning(problem)):
+            over = turning_over(problem, slip_geometry(problem).ratio(in_step))
+            # Carriers that begin to turn do so with the screw.
+            label["ways"] = jax.tree.map(
+                lambda speed: jnp.where((speed < 0) & moves & ~first, -1.0, 1.0), over
+            )
         return label, jnp.concatenate([kept[:2], values])
 
     def rate(self, share: Scalar, state: Array, label) -> Array:
@@ -145,9 +163,15 @@ class _Law(eqx.Module):
         applied = problem.scenario.torque_at(earlier * self.duration)
         hold = held(applied, limits) / problem.torque_scale
         onward = jnp.where(coasts, label["sign"] * state[2:] + _PAST, jnp.inf)
-        ratio = jnp.abs(slip_geometry(problem).ratio(carriers.tangent))
+        ratio = slip_geometry(problem).ratio(carriers.tangent)
         faster = jnp.abs(state[2:]) - _BACK * jnp.abs(state[1])
-        alike = jnp.where(coasts, faster, _AWAY - ratio)
+        in_step = _AWAY - jnp.abs(ratio)
+        if carriers.ways is not None:
+            ways, over = carriers.ways, turning_over(problem, ratio)
+            # Nothing turns rollers back over the nut whose carrier turns with the screw.
+            left = jnp.where(ways.nut < 0, _TURNED - over.nut, jnp.inf)
+            in_step = jnp.minimum(in_step, jnp.minimum(left, ways.screw * over.screw + _TURNED))
+        alike = jnp.where(coasts, faster, in_step)
         turning = jnp.minimum(mode * state[1] + _PAST, jnp.min(alike))
         return jnp.where(mode == STICKING, jnp.minimum(hold, jnp.min(onward)), turning)
 

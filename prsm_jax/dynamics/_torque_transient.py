@@ -6,8 +6,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ..mechanism import Mechanism, Scalar, TorqueScenario
-from ._contact_losses import has_contact_losses
-from ._driven_carriers import driven, onsets, slip_geometry
+from ._driven_carriers import driven, onsets, resists_turning, slip_geometry
 from ._integration import Settings
 from ._kinematics import travel_per_turn
 from ._neglected_lag import neglected
@@ -69,7 +68,7 @@ def _integrated(
 ) -> Transient:
     """Screw and carriers as states."""
     motions = follow_carriers(problem, times, settings)
-    resists = jnp.asarray([has_contact_losses(s.friction) for s in problem.mechanism.stages])
+    resists = jnp.asarray(resists_turning(problem))
 
     def at(time, step, sticks, angle, speed, mode, carriers):
         rests = (mode == STICKING) & ~jnp.any(carriers.coasts)
@@ -91,6 +90,8 @@ def _integrated(
         # What resists the turning of rollers can hold them, but not turn them back.
         dragged = resists & ~carriers.coasts
         dragged = dragged & (slip_geometry(problem).ratio(carriers.tangent) < 0)
+        if carriers.ways is not None:
+            dragged = dragged & (carriers.ways.nut > 0)
         pushed = jnp.stack([state.forces.contact_force >= 0 for state in states])
         valid = jnp.all(pushed) & ~jnp.any(dragged) & (rests | now.found)
         return (acceleration, load, states, accelerations), valid, applied, missed
