@@ -108,3 +108,6 @@ if _is_command_line():
     # Read where equinox is imported. Sample times that cannot be give NaN, no exception from inside
     # a program: JAX does not keep a program that calls Python for the next run.
     os.environ.setdefault("EQX_ON_ERROR", "nan")
+    # Read where JAX is imported. XLA logs an alarm ("Very slow compile?") when a compilation takes
+    # minutes, which the line of progress shows anyway; what fails is an exception all the same.
+    os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")

@@ -7,12 +7,11 @@ import equinox as eqx
 
 from .._files import make_folder
 from ..dynamics import STEADY_RESULTS, SteadyState, steady_meaning, steady_state
-from ..findings import check as run_checks
 from ..mechanism import Mechanism, OperatingPoint
 from ..quantities import assumptions
 from ._app import app
 from ._assumed import STEADY
-from ._common import Common, emit, plain, save_tables
+from ._common import Common, checked, emit, plain, save_tables
 from ._programs import run_stored
 from ._progress import doing, expect_programs
 from ._tables import Line, TextTable, in_units, prose, terminal_width
@@ -25,8 +24,7 @@ _steady_state = eqx.filter_jit(steady_state)
 def check(file: str, *, common: Common = _DEFAULT) -> int:
     """Does it fit together, and do its numbers make sense? Exit status 1 if one is an error."""
     mechanism = common.load(file)
-    doing("compiling and checking")
-    findings, rests_on = run_checks(mechanism), assumptions(mechanism)
+    findings, rests_on = checked(mechanism), assumptions(mechanism)
     rows = [(f.name, f.severity, f.stage, f.message) for f in findings]
     found = TextTable("Findings", ("name", "severity", "stage", "what"), rows)
 
@@ -112,7 +110,7 @@ def steady(file: str, *, common: Common = _DEFAULT) -> int:
             words += f"{len(pictures)} pictures, steady.json and steady.md in {common.out}\n"
         return words
 
-    return int(not emit(common, results, text, rests_on, run_checks(mechanism)))
+    return int(not emit(common, results, text, rests_on, checked(mechanism)))
 
 
 def _steady_pictures(folder: Path, state: SteadyState) -> tuple[Path, ...]:

@@ -16,9 +16,10 @@ from cyclopts import Parameter
 
 from .._files import make_folder, whole_file
 from .._plain_text import markdown
+from ..findings import check
 from ..geometry import Finding
 from ..mechanism import Mechanism, get_parameter
-from ._progress import clear
+from ._progress import clear, doing, expect_programs
 from ._tables import TextTable, terminal_width
 from ._targets import check_folder, check_json
 
@@ -73,7 +74,15 @@ class Common(Output):
 
         self.check_targets()
         mechanism = load(source)
+        # Every verb that analyses a mechanism ends with `checked`.
+        expect_programs("check_margins")
         return apply_settings(mechanism, self.settings) if self.settings else mechanism
+
+
+def checked(mechanism: Mechanism) -> tuple[Finding, ...]:
+    """What `check` finds; the terminal says so, since its program takes long to compile."""
+    doing("checking the design")
+    return check(mechanism)
 
 
 def plain(value: Any) -> Any:
@@ -143,6 +152,7 @@ def emit(
         valid = valid and not any(finding.impossible for finding in findings)
         names = list(dict.fromkeys(f.name for f in findings if f.severity != "note"))
         results = {**results, "findings": names, "valid": valid}
+        clear()
         for finding in findings:
             if finding.severity == "error":
                 where = f"{finding.name}, stage {finding.stage}"

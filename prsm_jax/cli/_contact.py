@@ -17,7 +17,6 @@ from ..contact import (
     stress_peak_on_axis,
     thread_contacts,
 )
-from ..findings import check
 from ..geometry import Meshing, mesh
 from ..load_sharing import LoadDistribution, SideLoads, load_distribution
 from ..mechanism import Mechanism, Scalar, Stage, material_of
@@ -25,7 +24,7 @@ from ..quantities import assumptions
 from ..strength import SideOnset, side_onsets, truncated_pressure
 from ._app import app
 from ._assumed import CONTACT
-from ._common import Common, emit, plain
+from ._common import Common, checked, emit, plain
 from ._programs import run_stored
 from ._progress import doing
 from ._tables import Line, in_units, table
@@ -184,7 +183,7 @@ def contact(file: str, *, common: Common = _DEFAULT) -> int:
         if part is not None
     ]
     results["valid"] = all(part["converged"] for part in parts)
-    return int(not emit(common, results, text, assumptions(mechanism, CONTACT), check(mechanism)))
+    return int(not emit(common, results, text, assumptions(mechanism, CONTACT), checked(mechanism)))
 
 
 def _times(value: float | None, factor: float) -> float | None:

@@ -9,14 +9,13 @@ from cyclopts import Parameter
 
 from .._errors import PrsmError
 from .._files import folder_for_results, make_folder
-from ..findings import check
 from ..mechanism import Mechanism, find_parameters
 from ..optimise import optimise as run_optimise
 from ..quantities import assumptions
 from ..sensitivity import sensitivity as run_sensitivity
 from ..sweep import sweep as run_sweep
 from ._app import app
-from ._common import Common, emit, value_of, words_of, write_text
+from ._common import Common, checked, emit, value_of, words_of, write_text
 from ._optimised import optimised_text
 from ._progress import counted, doing, expect_programs
 from ._tables import prose, terminal_width
@@ -35,7 +34,7 @@ def sensitivity(
     ] = None,
     common: Common = _DEFAULT,
 ) -> int:
-    """Exact derivatives of quantities with respect to parameters, in SI and relative."""
+    """Exact derivatives of quantities with respect to parameters, absolute and relative."""
     mechanism = common.load(file)
     expect_programs("_sensitivity")
     table = run_sensitivity(mechanism, words_of(quantities), words_of(parameters))
@@ -52,7 +51,7 @@ def sensitivity(
         table.to_dict(),
         lambda: table.text(terminal_width()),
         assumptions(mechanism, table.quantities),
-        check(mechanism),
+        checked(mechanism),
     )
     return int(not valid)
 
@@ -185,7 +184,7 @@ def sweep(
             words += f"; errors of prsm check in {sum(errors.values())} more: {_listed(errors)}"
         return prose(words) + str(store)
 
-    found = check(mechanism)
+    found = checked(mechanism)
     results: dict[str, Any] = {
         "store": store,
         "points": points,

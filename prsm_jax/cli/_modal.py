@@ -9,13 +9,12 @@ from cyclopts import Parameter
 
 from .._errors import PrsmError
 from .._files import make_folder
-from ..findings import check
 from ..mechanism import Mechanism, find_parameters
 from ..modal import FAMILIES, FrequencyLoci, Modes, frequency_loci, modal as run_modal
 from ..quantities import assumptions
 from ._app import app
 from ._assumed import VIBRATION
-from ._common import Common, emit, value_of
+from ._common import Common, checked, emit, value_of
 from ._progress import doing, expect_programs
 from ._tables import table
 
@@ -177,7 +176,7 @@ def modal(
             lines += f"{len(written)} pictures in {common.out}\n"
         return lines
 
-    valid = emit(common, results, text, assumptions(mechanism, VIBRATION), check(mechanism))
+    valid = emit(common, results, text, assumptions(mechanism, VIBRATION), checked(mechanism))
     return int(not valid)
 
 

@@ -16,8 +16,12 @@ from collections.abc import Iterator
 _ERASE = "\r\x1b[K"
 _FIRST_S, _EVERY_S = 1.0, 0.2
 _PATIENCE_S = 0.2
-_COMPILED = "/jax/core/compile/backend_compile_duration"
+#: What JAX reports at the end of each step of a compilation.
 _TRACED = "/jax/core/compile/jaxpr_trace_duration"
+_LOWERED = "/jax/core/compile/jaxpr_to_mlir_module_duration"
+_COMPILED = "/jax/core/compile/backend_compile_duration"
+#: A program that was not announced counts as well if it takes as long as this to lower.
+_LONG_S = 0.2
 
 
 class _Line:
@@ -29,16 +33,20 @@ class _Line:
         self.programs: set[str] = set()
         self.total = self.compiled = 0
         self.compiling = False
+        #: Which step of a compilation is under way.
+        self.step = "tracing"
         self.lock = threading.Lock()
         self.shown = False
         self.over = threading.Event()
 
     def text(self) -> str:
         """What the line says now."""
-        words = self.words
+        words, programs = self.words, f"{self.total} program{'s' * (self.total > 1)}"
         if self.compiling:
             number = min(self.compiled + 1, self.total)
-            words = f"compiling {number} of {self.total} program{'s' * (self.total > 1)}"
+            words = f"compiling {number} of {programs}: {self.step}"
+        elif not words and self.compiled:
+            words = f"working, {self.compiled} of {programs} compiled"
         seconds = time.monotonic() - self.began
         text = f"prsm {self.verb}: {words or 'working'} ({seconds:.0f} s)"
         # A line that is broken could not be erased.
@@ -66,14 +74,20 @@ class _Line:
             self.draw()
             wait = _EVERY_S
 
-    def event(self, event: str, name: str) -> None:
+    def event(self, event: str, name: str, duration: float) -> None:
+        """Count the end of one step of compiling one program."""
         if name not in self.programs:
-            return
+            if event != _LOWERED or duration < _LONG_S:
+                return
+            self.programs.add(name)
+            self.total += 1
         if event == _COMPILED:
             self.compiled += 1
-            self.compiling = self.compiled < self.total
-        elif event == _TRACED:
+            self.total = max(self.total, self.compiled)
+            self.compiling, self.step = False, "tracing"
+        else:
             self.compiling = True
+            self.step = "lowering" if event == _TRACED else "machine code"
 
 
 _current: _Line | None = None
@@ -88,9 +102,9 @@ def _listen() -> None:
     import jax.monitoring
 
     def heard(event: str, duration_secs: float, **about: str | int) -> None:
-        if _current is not None and event in (_COMPILED, _TRACED):
-            name = str(about.get("fun_name", ""))
-            _current.event(event, name.removeprefix("jit(").removesuffix(")"))
+        if _current is not None and event in (_TRACED, _LOWERED, _COMPILED):
+            name = str(about.get("fun_name", "")).removeprefix("jit(").removesuffix(")")
+            _current.event(event, name, duration_secs)
 
     jax.monitoring.register_event_duration_secs_listener(heard)
     _listening = True
@@ -126,7 +140,8 @@ def expect_programs(*names: str, times: int = 1) -> None:
     if _current is not None:
         _current.programs.update(names)
         _current.total += times * len(names)
-        _current.compiling = _current.compiled < _current.total
+        # Until the first is there; between others nothing tells tracing from running.
+        _current.compiling = _current.compiled == 0
 
 
 def doing(words: str) -> None:

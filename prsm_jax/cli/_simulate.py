@@ -20,12 +20,11 @@ from ..dynamics import (
     mean_efficiency,
     simulate as run_transient,
 )
-from ..findings import check
 from ..mechanism import Mechanism
 from ..quantities import assumptions
 from ._app import app
 from ._assumed import TRANSIENT
-from ._common import Common, emit
+from ._common import Common, checked, emit
 from ._progress import doing, expect_programs
 from ._tables import Line, in_units, prose, table
 
@@ -186,7 +185,7 @@ def simulate(
 
     results["valid"] = bool(run.solver.code == 0)
     rests_on = assumptions(mechanism, TRANSIENT)
-    return int(not emit(common, results, text, rests_on, check(mechanism)))
+    return int(not emit(common, results, text, rests_on, checked(mechanism)))
 
 
 def _moves_at_an_end(run: Transient) -> bool:

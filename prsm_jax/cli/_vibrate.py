@@ -9,7 +9,6 @@ from cyclopts import Parameter
 
 from .._errors import PrsmError
 from .._files import make_folder
-from ..findings import check
 from ..mechanism import Mechanism, ModalDamping, RayleighDamping, StructuralDamping, as_scalar
 from ..modal import Modes, modal as run_modal
 from ..quantities import assumptions
@@ -22,7 +21,7 @@ from ..response import (
 )
 from ._app import app
 from ._assumed import CRITICAL_SPEEDS, VIBRATION
-from ._common import Common, emit, words_of
+from ._common import Common, checked, emit, words_of
 from ._progress import expect_programs
 from ._tables import prose, table
 
@@ -167,7 +166,7 @@ def response(
         return lines + ("" if picture is None else f"picture: {picture}")
 
     results = response_results(found, modes, law, stage)
-    valid = emit(common, results, text, assumptions(mechanism, VIBRATION), check(mechanism))
+    valid = emit(common, results, text, assumptions(mechanism, VIBRATION), checked(mechanism))
     return int(not valid)
 
 
@@ -272,5 +271,5 @@ def campbell(
         return lines + ("" if picture is None else f"picture: {picture}")
 
     results = campbell_results(found, speed, stage)
-    valid = emit(common, results, text, assumptions(mechanism, CRITICAL_SPEEDS), check(mechanism))
+    valid = emit(common, results, text, assumptions(mechanism, CRITICAL_SPEEDS), checked(mechanism))
     return int(not valid)

@@ -19,7 +19,10 @@ DECLARED_IN = (_fit, _preferred, _stiffness, _locking, _strength, _truncation)
 @functools.cache
 def _compiled(_sources: int):
     # A source that is added later asks for another program.
-    return eqx.filter_jit(lambda mechanism: evaluate_margins(Analysis(mechanism)))
+    def check_margins(mechanism: Mechanism):
+        return evaluate_margins(Analysis(mechanism))
+
+    return eqx.filter_jit(check_margins)
 
 
 def margin_findings(mechanism: Mechanism) -> tuple[tuple[Margin, Finding], ...]:

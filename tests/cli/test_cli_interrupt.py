@@ -72,9 +72,9 @@ class Terminal:
 @pytest.mark.parametrize(
     ("words", "moment"),
     [
-        ((*SWEEP, "contact_angle=35 deg:55 deg:9"), "compiling 1 of 1 program"),
+        ((*SWEEP, "contact_angle=35 deg:55 deg:9"), "compiling 1 of 2 programs"),
         ((*SWEEP, "contact_angle=35 deg:55 deg:3000"), "of 9000000 designs"),
-        (("optimise", "actuator", "--starts", "1"), "compiling 1 of 2 programs"),
+        (("optimise", "actuator", "--starts", "1"), "compiling 1 of 3 programs"),
         (("simulate", "actuator_mission"), "compiling"),
         (("demo",), "compiling"),
     ],

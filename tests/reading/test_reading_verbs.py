@@ -303,7 +303,7 @@ def test_check(run, monkeypatch):
         Finding("buckling", "warning", 1, 1.23, 2.34, "is too long"),
         Finding("mass", "error", 2, 3.45, 4.56, "is too heavy"),
     )
-    monkeypatch.setattr(_analyse, "run_checks", lambda _: findings)
+    monkeypatch.setattr(_analyse, "checked", lambda _: findings)
     found, printed = run("check", "wu2022", status=1)
     keys = ("name", "severity", "stage", "value", "limit", "message")
     assert found.pop("errors", 1) == 1
