@@ -165,7 +165,7 @@ def simulate(
 ) -> int:
     """Time histories of the file's [scenario]; without one, after a step to the operating point."""
     mechanism = common.load(file)
-    expect_programs("simulate", "_numbers")
+    expect_programs(*(["_scene"] if method == "auto" else []), "simulate", "_numbers")
     run = _transient(mechanism, method, samples, rtol, atol, max_steps)
     results = transient_results(run)
     pictures: tuple[Path, ...] = ()

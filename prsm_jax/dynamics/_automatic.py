@@ -63,11 +63,16 @@ def choose_method(
     """
     if isinstance(scenario, TorqueScenario):
         return MethodChoice("rosenbrock", "torque prescribed: screw and carriers are states")
-    scenario = bound_scenario(mechanism, scenario)
-    kinematics = with_resistance(mechanism.stages, all_kinematics(mechanism))
-    problem = carrier_problem(mechanism, kinematics, scenario)
+    problem = _scene(mechanism, bound_scenario(mechanism, scenario))
     times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=problem.inertia.dtype)
     return chosen_method(problem, times * scenario.duration, rtol)
+
+
+@eqx.filter_jit
+def _scene(mechanism: Mechanism, scenario: Scenario) -> Problem:
+    # Compiled as a whole: one operation after the other takes many times as long.
+    kinematics = with_resistance(mechanism.stages, all_kinematics(mechanism))
+    return carrier_problem(mechanism, kinematics, scenario)
 
 
 def chosen_method(problem: Problem, times: Float[Array, " times"], rtol: float) -> MethodChoice:

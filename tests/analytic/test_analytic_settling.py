@@ -1,5 +1,7 @@
 """Settling in closed form, the reduced stages under it, and the choice of the method."""
 
+import dataclasses
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -9,7 +11,7 @@ from scenes import array, mechanism, stage, thread
 
 import prsm_jax as prsm
 from prsm_jax import Scenario
-from prsm_jax.dynamics import all_kinematics, carrier_inertia, choose_method, states_at
+from prsm_jax.dynamics import _automatic, all_kinematics, carrier_inertia, choose_method, states_at
 from prsm_jax.dynamics._reduced_chain import reduced_chain, reduced_rates
 from prsm_jax.dynamics._reduced_stage import ReducedStage
 from prsm_jax.dynamics._settling import _settled_stage, inverse_path
@@ -229,6 +231,7 @@ def test_the_method_is_chosen_by_the_scene():
     assert choose_method(SINGLE, constant).method == "closed_form"
     viscous = _chain(ViscousFriction(25.0))
     assert choose_method(viscous, constant).method == "rosenbrock"
+
     slow = Scenario(lambda t: 100 * jnp.sin(10 * t), 7000.0, 1.0, samples=21)
     assert choose_method(SINGLE, slow, rtol=1e-6).method == "quasi_steady"
     quick = Scenario(lambda t: 100 + 10 * jnp.sin(1e4 * t), 7000.0, DURATION, samples=21)
@@ -248,3 +251,19 @@ def test_the_method_is_chosen_by_the_scene():
 def test_closed_form_says_what_it_needs():
     with pytest.raises(ValueError, match=r"closed_form.*constant speed and load"):
         prsm.simulate(SINGLE, Scenario(lambda t: 1 + t, 1.0, 1.0), method="closed_form")
+
+
+def test_the_method_is_chosen_in_compiled_programs(monkeypatch):
+    """Not one operation after the other, each compiled by itself: that takes a minute."""
+    traced = []
+
+    def kinematics(mechanism):
+        traced.append(isinstance(mechanism.stages[0].thread.lead, jax.core.Tracer))
+        return all_kinematics(mechanism)
+
+    monkeypatch.setattr(_automatic, "all_kinematics", kinematics)
+    # A title of its own, so that nothing is compiled already.
+    choose_method(
+        dataclasses.replace(SINGLE, title="chosen"), Scenario(100.0, 7000.0, DURATION, samples=21)
+    )
+    assert traced == [True]
