@@ -1,9 +1,9 @@
 """prsm_jax: differentiable modelling of planetary roller screw mechanisms in JAX.
 
 Data flows one way, and the folders are named after it: file → mechanism → geometry → contact →
-load_sharing → stiffness → modal, dynamics → response → findings, quantities → sensitivity,
-optimise, sweep → report. `validation` compares with published numbers, `cli` is the command line,
-`numerics` the small linear algebra that several of them use.
+halfspace, load_sharing → strength, stiffness → modal, dynamics → response → quantities → findings,
+sensitivity, optimise, sweep → report. `validation` compares with published numbers, `cli` is the
+command line; `numerics`, at the ground, is the small linear algebra that several of them use.
 """
 
 from ._errors import (

@@ -3,8 +3,10 @@
 from collections.abc import Callable
 from typing import Any
 
+import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array
 
 from .._display_units import display_unit, in_unit, number
 from ..mechanism import Scalar
@@ -54,7 +56,10 @@ def life_chart(
         """Loads whose lives go by the cube."""
         if fatigue is None:
             return forces
-        return np.asarray(fatigue.comparable_load(jnp.asarray(forces), jnp.asarray(rated)))
+        # To one of few lengths, so that one program serves nearly all.
+        padded = np.pad(forces, (0, -len(forces) % _POINTS), mode="edge")
+        found = _comparable_load(fatigue, jnp.asarray(padded), jnp.asarray(rated))
+        return np.asarray(found)[: len(forces)]
 
     mean = _constant_load(comparable, np.sum(share * comparable(loads) ** 3) ** (1 / 3))
     order = np.argsort(-loads, kind="stable")
@@ -103,7 +108,12 @@ def life_chart(
 
 
 #: Points of a grid that is narrowed so many times about a load.
-_POINTS, _TIMES = 65, 4
+_POINTS, _TIMES = 64, 4
+
+
+@eqx.filter_jit
+def _comparable_load(fatigue: TruncatedFatigue, forces: Array, capacity: Array) -> Array:
+    return fatigue.comparable_load(forces, capacity)
 
 
 def _constant_load(comparable: Callable[[np.ndarray], np.ndarray], wanted: float) -> float:

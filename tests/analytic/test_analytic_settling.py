@@ -7,9 +7,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from scenes import array, mechanism, stage, thread
+from scenes import array, example, mechanism, simulate, stage, thread
+from scipy.integrate import solve_ivp
 
 import prsm_jax as prsm
+from benchmarks.references.dynamics import Chain
 from prsm_jax import Scenario
 from prsm_jax.dynamics import _automatic, all_kinematics, carrier_inertia, choose_method, states_at
 from prsm_jax.dynamics._reduced_chain import reduced_chain, reduced_rates
@@ -161,6 +163,25 @@ def test_closed_form_and_integration_agree():
     assert not code.any()
     # The integrator's own error: a thousand steps with a relative tolerance of 1e-12.
     assert jnp.max(jnp.abs(exact - integrated)) < 3e-11
+
+
+def test_closed_form_against_scipy():
+    """A right-hand side in plain Python, with a meshing of its own in many digits."""
+    two, duration = example("li2020_two_stage"), 1e-3
+    scenario = Scenario(array(100.0), array(7000.0), array(duration), samples=41)
+    run = simulate(two, scenario, method="closed_form")
+    assert int(run.solver.code) == 0
+    expected = solve_ivp(
+        Chain(two, 100.0, 7000.0).rate,
+        (0.0, duration),
+        [0.0, 0.0],
+        method="DOP853",
+        t_eval=np.linspace(0.0, duration, 41),
+        rtol=3e-14,
+        atol=1e-15,
+    )
+    # The integrator's own error: some hundred steps with a relative tolerance of 3e-14.
+    assert np.max(np.abs(run.carrier_ratio - expected.y)) < 5e-12
 
 
 def test_what_does_not_move_and_what_has_settled():
