@@ -119,7 +119,7 @@ def _message(reading: Reading, index: int, side: str, kind: str, body: str) -> s
     if not distance > 0:
         return (
             f"the contact on the {side} side lies beyond {place}: pressures and capacities are not "
-            f"to be used; {_remedy(stage, kind, body, -distance)}"
+            f"to be used. Remedy: {_remedy(stage, kind, body, -distance)}"
         )
     parts = []
     for which in sorted((w for w in _LOADS if w in numbers), key=lambda w: numbers[w]):
@@ -128,9 +128,9 @@ def _message(reading: Reading, index: int, side: str, kind: str, body: str) -> s
             share = 1 - distance / half
             lost = float(load_beyond(jnp.asarray(distance / half)))
             parts.append(
-                f"{share:.2%} of its half-extent ({(half - distance) * 1e3:.3g} of "
-                f"{half * 1e3:.3g} mm, {lost:.2%} of its load) at {_LOADS[which]} of "
-                f"{numbers[which] * 1e-3:.4g} kN"
+                f"at {_LOADS[which]} of {numbers[which] * 1e-3:.4g} kN by "
+                f"{(half - distance) * 1e3:.3g} of {half * 1e3:.3g} mm ({share:.2%} of its "
+                f"half-extent, {lost:.2%} of its load)"
             )
             edge = numbers.get(which + "_edge_pressure")
             if edge is not None:
@@ -138,9 +138,9 @@ def _message(reading: Reading, index: int, side: str, kind: str, body: str) -> s
             # Threads share as under this load.
             onset = numbers[which] * (distance / half) ** 3
     return (
-        f"the contact ellipse on the {side} side passes {place} from {onset * 1e-3:.4g} kN on; "
-        f"beyond lie {', '.join(parts)}. Capacities, life and pressures take this into account, "
-        "but not the concentration of pressure at the edge; "
+        f"above {onset * 1e-3:.4g} kN the contact ellipse on the {side} side passes {place}: "
+        f"{', '.join(parts)}. Capacities, life and pressures take this into account, "
+        "but not the concentration of pressure at the edge. Remedy: "
         + _remedy(stage, kind, body, -reading.value)
     )
 

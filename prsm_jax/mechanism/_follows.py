@@ -96,4 +96,4 @@ def follows_in_words(mechanism: Mechanism, name: str, frozen: Iterable[str] = ()
     def listed(names: tuple[str, ...]) -> str:
         return ", ".join(names).replace("_", " ") or "nothing"
 
-    return f"{name}: {listed(follows)} follow; {listed(stays)} stay"
+    return f"{name}: moves with it: {listed(follows)}; stays: {listed(stays)}"

@@ -84,8 +84,8 @@ def _verdict(best: Any) -> list[str]:
     return [
         *_dependents(best),
         f"{'converged' if best.converged else 'NOT CONVERGED'}: {best.message}",
-        f"{best.method}, run {best.best_run + 1} of {len(best.runs)}, "
-        f"{best.evaluations} evaluations, {best.derivative_evaluations} of derivatives",
+        f"method {best.method}; best of {len(best.runs)} starts: number {best.best_run + 1}; "
+        f"{best.evaluations} evaluations of values, {best.derivative_evaluations} of derivatives",
         *_finding_lines("start", best.findings_start),
         *_finding_lines(_found(best), best.findings_optimum),
     ]

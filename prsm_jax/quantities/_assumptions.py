@@ -117,8 +117,8 @@ def equal_contacts(stage: Stage) -> str | None:
         return _equal(stage)
     return (
         "Pressures, ellipses, approaches and stresses of a single contact (max_pressure, …) are "
-        "those of the mean thread load, although the file has [stage.load_sharing]: the most "
-        "loaded thread has max_pressure_shared."
+        "those of the mean thread load, although the file has [stage.load_sharing]; for the "
+        "most loaded thread see max_pressure_shared."
     )
 
 

@@ -254,7 +254,7 @@ def transient_section(data: ReportData) -> Section | None:
         ),
         Picture(
             "powers",
-            "Powers in time; what comes from somewhere goes somewhere.",
+            "Powers in time: supply, work on the load, losses and change of kinetic energy.",
             lambda: power_history_chart(data.mechanism, run),
         ),
     ]

@@ -117,14 +117,14 @@ def optimisation_section(data: ReportData) -> Section | None:
     if found is None:
         return None
     words = [found.in_a_sentence()]
-    if found.feasible or found.active:
+    if not found.converged and (found.feasible or found.active):
         active = ", ".join(found.active) or "none: the optimum lies inside the permitted range"
         words.append(f"Active: {active}.")
     if found.kkt_residual is not None:
         words.append(
             f"First-order optimality (KKT residual): {number(found.kkt_residual, 2)}; 0 is an "
             f"exact optimum. The search {'converged' if found.converged else 'did not converge'}"
-            f"{': ' + found.message if found.message else ''}."
+            f"{_reason(found.message)}."
         )
     pictures = [
         Picture(
@@ -159,6 +159,11 @@ def optimisation_section(data: ReportData) -> Section | None:
     return Section(
         "optimisation", "Optimisation", tuple(words), _tables(found, data), tuple(pictures)
     )
+
+
+def _reason(message: str) -> str:
+    """Why a search ended, unless that is the residual that has been named already."""
+    return "" if not message or message.startswith("KKT residual") else f": {message}"
 
 
 def _worth(found: Optimisation, limit: Limit) -> str:

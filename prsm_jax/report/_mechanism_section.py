@@ -58,11 +58,10 @@ def findings_section(data: ReportData) -> Section:
             words.append(f"{name.capitalize()}: the checks could not be made.".removeprefix(": "))
             continue
         if not findings:
-            what = "(ratio, clearance, gear, meshing, thread, masses, springs)"
             words.append(
-                f"{name.capitalize()}: the checks {what} found nothing."
+                f"{name.capitalize()}: the checks found no errors, warnings or notes."
                 if name
-                else f"The checks {what} found nothing."
+                else "The checks found no errors, warnings or notes."
             )
             continue
         rows = tuple(

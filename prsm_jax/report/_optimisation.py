@@ -1,5 +1,6 @@
 """An optimisation as a report tells it: before and after, limits, and what holds it there."""
 
+import dataclasses
 from dataclasses import dataclass
 
 from .._display_units import MINUS, is_efficiency, number, show
@@ -101,10 +102,13 @@ class Optimisation:
         if self.active:
             words = self.active
             if len(words) == 1:
-                return f"{change}; what limits it is {words[0]}: only moving that gives more."
+                return (
+                    f"{change}. The active limit is {words[0]}: more is possible only if it is "
+                    "relaxed."
+                )
             return (
-                f"{change}; what limits it is {', '.join(words[:-1])} and {words[-1]}: only moving "
-                "one of these gives more."
+                f"{change}. The active limits are {', '.join(words[:-1])} and {words[-1]}: more is "
+                "possible only if one of them is relaxed."
             )
         return f"{change}; no limit is active, so the optimum lies inside the permitted range."
 
@@ -129,6 +133,16 @@ def summarise_optimisation(optimum: Optimum) -> Optimisation:
         for c in optimum.constraints
         if c.name != objective
     ]
+    # What `check` would call an error limits a design as much as what the problem names.
+    margins = [
+        dataclasses.replace(margin, name=f"check: {margin.name}")
+        for margin in optimum.margins
+        if margin.active or not margin.satisfied
+    ]
+    quantities += [
+        Change(m.name, m.unit, start.margins[m.name.removeprefix("check: ")], m.value)
+        for m in margins
+    ]
     return Optimisation(
         objective=objective,
         objective_unit=unit,
@@ -151,7 +165,7 @@ def summarise_optimisation(optimum: Optimum) -> Optimisation:
             Change(objective, unit, scale * start.objective, scale * end.objective),
             *quantities,
         ),
-        limits=tuple(_limit(c, scale) for c in optimum.constraints),
+        limits=tuple(_limit(c, scale) for c in (*optimum.constraints, *margins)),
         converged=optimum.converged,
         kkt_residual=optimum.kkt_residual,
         message=optimum.message,

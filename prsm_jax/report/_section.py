@@ -1,5 +1,6 @@
 """The parts a report is made of, before they become HTML or Markdown."""
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -13,13 +14,28 @@ def words_of_fault(error: Exception) -> str:
     return f"{type(error).__name__}: {words}" if words else type(error).__name__
 
 
+#: How a cell with a number begins: a sign, digits or infinity.
+_NUMBER = re.compile("[-+\N{MINUS SIGN}<>≤≥]?\\s*[\\d∞]")
+
+
 @dataclass(frozen=True)
 class Table:
-    """A table of finished text; the first column is on the left, the others on the right."""
+    """A table of finished text; words are aligned on the left, numbers on the right."""
 
     caption: str
     head: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
+
+    @property
+    def text_columns(self) -> tuple[int, ...]:
+        """The first column, and those of which most cells do not begin with a number."""
+        found = [0]
+        for index in range(1, len(self.head)):
+            cells = [row[index] for row in self.rows if row[index]]
+            words = [cell for cell in cells if not _NUMBER.match(cell)]
+            if 2 * len(words) > len(cells):
+                found.append(index)
+        return tuple(found)
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from ._data import ReportData
 from ._design_sections import optimisation_section, sensitivity_section
 from ._efficiency import efficiency_text
 from ._mechanism_section import findings_section, mechanism_section
-from ._pressures import largest_pressure
+from ._pressures import largest_pressure, largest_shared_pressure
 from ._section import Section, Table, words_of_fault
 from ._strength_section import sharing_section, strength_section
 
@@ -73,7 +73,7 @@ def _summary(data: ReportData) -> Section:
         else:
             words.append(f"{at}mechanism has no efficiency; {steady.result}.")
     if data.contacts is not None:
-        words.append(f"The largest contact pressure is {show(largest_pressure(data), 'Pa')}.")
+        words.append(_pressure_in_a_sentence(data))
     if data.improved is None:
         words += _need_attention("", data.findings)
     else:
@@ -83,6 +83,18 @@ def _summary(data: ReportData) -> Section:
     if data.optimisation is not None and data.feasible:
         words.append(data.optimisation.in_a_sentence())
     return Section("summary", "In short", tuple(words))
+
+
+def _pressure_in_a_sentence(data: ReportData) -> str:
+    """Of equal sharing, and of the most loaded thread where the file says how threads share."""
+    equal = show(largest_pressure(data), "Pa")
+    if len(data.shared) < len(data.mechanism.stages):
+        return f"The largest contact pressure is {equal}."
+    worst = max(largest_shared_pressure(data, index) for index in data.shared)
+    return (
+        f"The largest contact pressure is {show(worst, 'Pa')}, on the most loaded thread; it would "
+        f"be {equal} if all threads shared the load equally."
+    )
 
 
 def _need_attention(design: str, findings: tuple[Finding, ...] | None) -> list[str]:
@@ -97,7 +109,9 @@ def _need_attention(design: str, findings: tuple[Finding, ...] | None) -> list[s
         for f in serious
     )
     names = ", ".join(f"{n} ({k})" if k > 1 else n for n, k in counts.items())
-    return [f"The checks{design} found {len(serious)} thing(s) that need attention: {names}."]
+    kinds = collections.Counter(f.severity for f in serious)
+    found = " and ".join(f"{k} {kind}{'s' * (k > 1)}" for kind, k in sorted(kinds.items()))
+    return [f"The checks{design} found {found}: {names}."]
 
 
 def _provenance(data: ReportData) -> Section:

@@ -64,7 +64,7 @@ def sensitivity_bars(quantities: Sequence[str], parameters: Sequence[str], elast
     axes.tick_params(axis="y", length=0)
     axes.grid(axis="x")
     axes.set_xlabel("elasticity in % of the quantity per % of the parameter")
-    figure.suptitle("What moves what", x=0.01, ha="left", fontsize=9, fontweight="bold")
+    figure.suptitle("Elasticities", x=0.01, ha="left", fontsize=9, fontweight="bold")
     _legend(figure, parameters)
     return figure
 

@@ -26,6 +26,9 @@ def shared_loads(
     """
     sharing = mechanism.stages[stage - 1].load_sharing
     most = _BEYOND * jnp.abs(load)
-    least = -most if sharing is not None and sharing.has_reverse_flanks else 0.0 * most
-    curve = _force_deflection(mechanism, jnp.linspace(least, most, _POINTS), stage=stage)
+    both = sharing is not None and sharing.has_reverse_flanks
+    # Closer together about no load, where the stiffness of a contact grows from 0.
+    place = jnp.linspace(-1.0 if both else 0.0, 1.0, _POINTS)
+    loads = most * jnp.sign(place) * jnp.abs(place) ** 1.5
+    curve = _force_deflection(mechanism, loads, stage=stage)
     return _load_distribution(mechanism, load, stage=stage), curve

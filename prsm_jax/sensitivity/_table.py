@@ -181,7 +181,7 @@ def _dependent_lines(table: Sensitivity) -> list[str]:
         if follows or stays:
             moved = ", ".join(follows).replace("_", " ") or "nothing"
             kept = ", ".join(stays).replace("_", " ") or "nothing"
-            lines.append(f"{name}: {moved} follow; {kept} stay")
+            lines.append(f"{name}: moves with it: {moved}; stays: {kept}")
     return lines
 
 
@@ -214,5 +214,5 @@ def _tables(table: Sensitivity) -> tuple[TextTable, TextTable]:
         relative.append((name, *signs))
     return (
         TextTable("", ("quantity", "value", *heads), rows),
-        TextTable("", ("per cent per per cent", *table.parameters), relative),
+        TextTable("", ("elasticity (% per %)", *table.parameters), relative),
     )

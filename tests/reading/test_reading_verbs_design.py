@@ -242,7 +242,7 @@ def _read_sensitivity(printed: Terminal, table: Sensitivity) -> None:
             for g, (unit, _) in zip(table.gradient[row], steps, strict=True)
         ]
         assert shown == pytest.approx([float(table.values[row]), *slopes], rel=5e-6)
-    assert printed.row("per cent per per cent") == list(table.parameters)
+    assert printed.row("elasticity (% per %)") == list(table.parameters)
     for row, name in enumerate(table.quantities):
         cells = printed.row(name)
         if row == 2:
@@ -388,9 +388,9 @@ def test_optimise(run, monkeypatch, tmp_path):
     _read_optimum(printed)
     # Each variable says what follows and what stays.
     (follows,) = (cells[0] for cells in printed.lines if cells[0].startswith("lead: "))
-    assert follows.startswith("lead: pitch follow; starts, roller radius, ")
+    assert follows.startswith("lead: moves with it: pitch; stays: starts, roller radius, ")
     (follows,) = (cells[0] for cells in printed.lines if cells[0].startswith("contact_angle: "))
-    assert "flank angle" in follows.partition(" follow; ")[0]
+    assert "flank angle" in follows.partition("; stays: ")[0]
 
 
 def test_the_terminal_tells_the_state_of_a_locked_thread(run, monkeypatch):

@@ -3,9 +3,11 @@
 import dataclasses
 
 import pytest
+from report_scenes import make_optimum
 
 from prsm_jax.geometry import Finding
-from prsm_jax.report import _write, write_report
+from prsm_jax.optimise import ConstraintReport
+from prsm_jax.report import _write, summarise_optimisation, write_report
 
 _START = Finding("buckling", "warning", 1, 1.2, 2.0, "the screw is slender")
 _END = Finding("backlash", "error", 1, -8e-6, 0.0, "teeth interfere by 8 µm")
@@ -64,3 +66,30 @@ def test_long_cells_are_broken_and_numbers_are_not(pages):
     assert long
     assert all(cell.startswith(' class="words"') for cell in long)
     assert not [cell for cell in cells if cell not in long and "words" in cell]
+
+
+def test_what_check_keeps_the_optimum_from_is_named_as_a_limit(wu2022):
+    """A margin at its limit limits the design like a constraint; others are not mentioned."""
+    optimum = make_optimum(wu2022)
+
+    def margin(name, value, active):
+        return ConstraintReport(name, "m", value, 1e-6, None, None, 1e-6, active, True, 250.0)
+
+    margins = margin("backlash (stage 1)", 1e-6, True), margin("bore (stage 1)", 4e-3, False)
+    start = dataclasses.replace(
+        optimum.start, margins={"backlash (stage 1)": 55e-6, "bore (stage 1)": 3e-3}
+    )
+    found = summarise_optimisation(dataclasses.replace(optimum, start=start, margins=margins))
+    assert "check: backlash (stage 1) at 1.000 µm" in found.in_a_sentence()
+    limit = found.limits[-1]
+    assert (limit.quantity, limit.value, limit.limit) == ("check: backlash (stage 1)", 1e-6, 1e-6)
+    assert (limit.sense, limit.active, limit.use) == ("lower", True, 1.0)
+    assert (found.quantities[-1].before, found.quantities[-1].after) == (55e-6, 1e-6)
+    assert not [one for one in (*found.limits, *found.quantities) if "bore" in str(one)]
+
+
+def test_words_stand_on_the_left_and_numbers_on_the_right(pages):
+    html, markdown = pages()
+    assert "| severity | check | what it says |\n|---|---|---|\n| warning |" in markdown
+    assert '<th scope="col" class="text">what it says</th>' in html
+    assert "| quantity | before | after | change |\n|---|---:|---:|---:|\n" in markdown
