@@ -135,3 +135,11 @@ def stage(roller_count=10, friction=None, geometry=None, **more):
 def mechanism(*stages, speed=100.0, load=7000.0, duration=None):
     """A mechanism of stages, one by default."""
     return Mechanism(stages or (stage(),), OperatingPoint(speed, load, duration))
+
+
+def changed(one, names, changes):
+    """The mechanism with numbers, by name, that are larger by these parts of themselves."""
+    moved = one
+    for name, change in zip(names, changes, strict=True):
+        moved = prsm.set_parameter(moved, name, prsm.get_parameter(one, name) * (1 + change))
+    return moved

@@ -121,18 +121,21 @@ def _half_spaces(side: str, instances, forces, cells, label: str = _LABEL) -> Me
     return Method("prsm_jax, half-spaces on the flanks", prepare, cells, "cells along a side")
 
 
+def _reference(label: str, side: str, instances, forces, ratio_of, cells: int):
+    """Pressures by half-spaces in NumPy; `ratio_of` gives them over those of Hertz."""
+    values = []
+    for (lead, pressure), force in zip(instances, forces, strict=True):
+        height = _ADDENDUM * lead / 5
+        ratio = ratio_of(_design(lead), side, (height, height), force, _MODULUS, cells)
+        values.append(ratio * pressure)
+    return {label: Reference(np.asarray(values))}
+
+
 def _problem(side: str, instances, cells, reference_cells: int) -> Problem:
     forces = _forces(side, instances)
 
     def reference():
-        values = []
-        for (lead, pressure), force in zip(instances, forces, strict=True):
-            height = _ADDENDUM * lead / 5
-            ratio = contact_pressure(
-                _design(lead), side, (height, height), force, _MODULUS, reference_cells
-            )
-            values.append(ratio * pressure)
-        return {_LABEL: Reference(np.asarray(values))}
+        return _reference(_LABEL, side, instances, forces, contact_pressure, reference_cells)
 
     methods = [
         _law(side, instances, forces, "prsm_jax, laminae", _LABEL),
@@ -155,20 +158,10 @@ def _edge_problem(side: str, instances, cells, reference_cells: int) -> Problem:
     forces = _forces(side, instances)
 
     def reference():
-        values = []
-        for (lead, pressure), force in zip(instances, forces, strict=True):
-            height = _ADDENDUM * lead / 5
-            _, ratio = pressures(
-                _design(lead),
-                side,
-                (height, height),
-                force,
-                _MODULUS,
-                reference_cells,
-                _EDGE_RADIUS,
-            )
-            values.append(ratio * pressure)
-        return {_AT_EDGE: Reference(np.asarray(values))}
+        def largest(*given):
+            return pressures(*given, _EDGE_RADIUS)[1]
+
+        return _reference(_AT_EDGE, side, instances, forces, largest, reference_cells)
 
     methods = [
         _law(side, instances, forces, "prsm_jax, rounded edge", _AT_EDGE),

@@ -9,6 +9,10 @@ from ..mechanism import Scalar, Stage, ViscousFriction
 _SAME = 0.01
 
 
+def _differ(first: float, second: float) -> bool:
+    return abs(first - second) > _SAME * max(abs(first), abs(second))
+
+
 def agreement_findings(stage: Stage, number: int, teeth: Scalar | None = None) -> Iterator[Finding]:
     """Two numbers for one thing.
 
@@ -61,7 +65,7 @@ def _check_preload(stage: Stage, number: int) -> Iterator[Finding]:
     if split.preload is None:
         return
     stated, spacer = float(play.preload_force), float(split.preload)
-    if abs(stated - spacer) > _SAME * max(stated, spacer):
+    if _differ(stated, spacer):
         yield Finding(
             "preload",
             "warning",
@@ -130,7 +134,7 @@ def _check_play(stage: Stage, number: int, teeth: Scalar | None) -> Iterator[Fin
     else:
         return
     shared = float(sharing.backlash)
-    if abs(stated - shared) > _SAME * max(abs(stated), abs(shared)):
+    if _differ(stated, shared):
         yield Finding(
             "axial_backlash",
             "warning",
@@ -162,7 +166,7 @@ def _check_spin(stage: Stage, number: int) -> Iterator[Finding]:
         )
         return
     threads = float(law.coefficient)
-    if abs(spin - threads) > _SAME * max(spin, threads):
+    if _differ(spin, threads):
         yield Finding(
             "spin_coefficient",
             "note",

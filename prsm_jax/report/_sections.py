@@ -28,29 +28,30 @@ def report_sections(data: ReportData) -> tuple[Section, ...]:
 
     A section whose making fails is there all the same, and says so.
     """
-    sections = (
-        _made("summary", "In short", data, lambda: _summary(data)),
-        _made("findings", "Findings", data, lambda: findings_section(data)),
-        _made("mechanism", "Mechanism", data, lambda: mechanism_section(data)),
-        _made("contact", "Thread contact", data, lambda: contact_section(data)),
-        _made("load_sharing", "Load sharing", data, lambda: sharing_section(data)),
-        _made("vibration", "Vibration", data, lambda: vibration_section(data)),
-        _made("steady", "Steady state", data, lambda: steady_section(data)),
-        _made("transient", "Transient", data, lambda: transient_section(data)),
-        _made("strength", "Strength and life", data, lambda: strength_section(data)),
-        _made("sensitivity", "Sensitivities", data, lambda: sensitivity_section(data)),
-        _made("optimisation", "Optimisation", data, lambda: optimisation_section(data)),
-        _made("provenance", "Provenance", data, lambda: _provenance(data)),
+    wanted: tuple[tuple[str, str, Callable[[ReportData], Section | None]], ...] = (
+        ("summary", "In short", _summary),
+        ("findings", "Findings", findings_section),
+        ("mechanism", "Mechanism", mechanism_section),
+        ("contact", "Thread contact", contact_section),
+        ("load_sharing", "Load sharing", sharing_section),
+        ("vibration", "Vibration", vibration_section),
+        ("steady", "Steady state", steady_section),
+        ("transient", "Transient", transient_section),
+        ("strength", "Strength and life", strength_section),
+        ("sensitivity", "Sensitivities", sensitivity_section),
+        ("optimisation", "Optimisation", optimisation_section),
+        ("provenance", "Provenance", _provenance),
     )
+    sections = [_made(anchor, title, data, make) for anchor, title, make in wanted]
     return tuple(section for section in sections if section is not None)
 
 
 def _made(
-    anchor: str, title: str, data: ReportData, make: Callable[[], Section | None]
+    anchor: str, title: str, data: ReportData, make: Callable[[ReportData], Section | None]
 ) -> Section | None:
     """A section with what its numbers rest on, or one that says why it could not be made."""
     try:
-        section = make()
+        section = make(data)
         return None if section is None else with_assumptions(section, data)
     except (OSError, ImportError):
         raise

@@ -5,7 +5,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from scenes import array, mechanism, stage
+from scenes import array, changed, mechanism, stage
 
 import prsm_jax as prsm
 from prsm_jax.mechanism import CoulombFriction, Friction
@@ -100,10 +100,7 @@ class Stroke(eqx.Module):
 
 
 def _run(changes, speed, duration, method, gradient):
-    moved = ONE
-    for name, change in zip(NAMES, changes, strict=True):
-        value = prsm.get_parameter(ONE, name)
-        moved = prsm.set_parameter(moved, name, value * (1 + change))
+    moved = changed(ONE, NAMES, changes)
     scenario = prsm.Scenario(speed, array(5e3), duration, samples=65)
     return prsm.simulate(
         moved,

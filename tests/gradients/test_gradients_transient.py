@@ -5,7 +5,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from scenes import Swing, array, mechanism, stage, thread
+from scenes import Swing, array, changed, mechanism, stage, thread
 
 import prsm_jax as prsm
 from prsm_jax.dynamics import slip_velocity, stage_kinematics
@@ -27,12 +27,9 @@ def test_derivatives_against_differences(method):
     size in the differences, which a step of 1 % turns into 1e-7 per relative change.
     """
     one = mechanism(stage(friction=Friction(thread=CoulombFriction(0.1))))
-    base = jnp.stack([prsm.get_parameter(one, name) for name in VARIABLES])
 
     def evaluate(changes, gradient="both"):
-        moved = one
-        for name, value, change in zip(VARIABLES, base, changes, strict=True):
-            moved = prsm.set_parameter(moved, name, value * (1 + change))
+        moved = changed(one, VARIABLES, changes)
         scenario = prsm.Scenario(array(100.0), array(5e3), array(0.1e-3), samples=3)
         run = prsm.simulate(
             moved,
