@@ -44,8 +44,8 @@ def _lead(mechanism: Mechanism, index: int) -> Iterator[Margin]:
     def message(r: Reading) -> str:
         given = r.details["lead"]
         return (
-            f"the lead of {given * 1e3:.5g} mm is no preferred one of ISO 3408-2 or of catalogues "
-            f"of roller screws: thread gauges and tools are special; nearest: "
+            f"the lead of {given * 1e3:.5g} mm is not a preferred one of ISO 3408-2 or of "
+            f"catalogues of roller screws: thread gauges and tools are special; nearest: "
             f"{neighbours(given, LEADS)}"
         )
 

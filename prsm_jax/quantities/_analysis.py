@@ -299,7 +299,10 @@ class Analysis:
             return self.signed_load
         if under == "none":
             if stage.load_sharing is None or not stage.load_sharing.has_reverse_flanks:
-                raise MissingDataError("threads with one flank do not stand by themselves")
+                raise MissingDataError(
+                    "without a load only a nut with both flanks has a position; give "
+                    "stage.load_sharing.backlash or a split nut"
+                )
             return jnp.zeros_like(self.signed_load)
         spectrum, point = self.spectrum, self.mechanism.operating_point
         if under == "largest":

@@ -82,8 +82,9 @@ def _equal(stage: Stage) -> str:
         else "since the file has no [stage.load_sharing]"
     )
     return (
-        f"All engaged threads of all rollers carry the same load, {why}: really the most loaded "
-        "thread carries more, so its pressure is higher, and capacities, safety and life are lower."
+        f"All engaged threads of all rollers carry the same load, {why}; in reality the most "
+        "loaded thread carries more, so its pressure is higher, and capacities, safety and life "
+        "are lower."
     )
 
 
@@ -226,8 +227,8 @@ def _flanks(stage: Stage) -> str:
         )
     return (
         "Contact ellipses are taken to lie on the flanks as a whole, since the file does not say "
-        "where these end (screw_addendum, roller_addendum): really a long ellipse is cut there, "
-        "so its pressure is higher, and capacities and life are lower."
+        "where these end (screw_addendum, roller_addendum); in reality a long ellipse is cut "
+        "there, so its pressure is higher, and capacities and life are lower."
     )
 
 
@@ -237,8 +238,8 @@ def edges(stage: Stage) -> str | None:
     if not flanks_end(stage) or stage.thread.edge_radius is None:
         return None
     return (
-        "The pressure at rounded crests is that of elastic half-spaces: it does not say how the "
-        "steel yields there, and the true edge, behind which there is no material, bears less."
+        "The pressure at rounded crests is that of elastic half-spaces: yielding of the "
+        "steel is left out, and a real edge, which has no material behind it, is less stiff."
     )
 
 

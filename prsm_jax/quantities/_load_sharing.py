@@ -69,8 +69,8 @@ def largest_thread_load(analysis: Analysis):
     "max_pressure_shared",
     "p₀_max",
     "Pa",
-    "largest pressure of all threads, the load as [stage.load_sharing] has them share it; with "
-    "truncation as `max_pressure`",
+    "largest pressure of all threads under the thread loads of [stage.load_sharing]; ends of "
+    "flanks count as in `max_pressure`",
     assumes=("flanks_of_contacts",),
     shares=("operating_point",),
 )

@@ -90,9 +90,9 @@ def sensitivity_section(data: ReportData) -> Section | None:
     words = ("Exact derivatives at the operating point, by automatic differentiation.",)
     if kinks:
         words += (
-            "Kinks: where a cell has two numbers, one branch takes over from another at this "
-            "design, and the derivative below the present value of the parameter is not that "
-            "above it.",
+            "Kinks: where a cell has two numbers, the derivative below the present value of the "
+            "parameter differs from that above it, because a maximum or a limit changes from one "
+            "term to another there.",
         )
     if not bool(getattr(table, "valid", True)):
         words += ("These numbers are not to be used: the analysis behind them is not valid.",)

@@ -102,9 +102,9 @@ def _cut_at_capacity(values: Mapping[str, Array], index: int) -> str:
     if onset is None or np.ravel(onset)[index] >= np.ravel(values["dynamic_capacity"])[index]:
         return ""
     return (
-        " Under the dynamic capacity the ends of the flanks cut the contact ellipses, less under "
-        "smaller loads: the life falls faster than with the cube of the load there, and the "
-        "equivalent load is the constant one with the same life."
+        " Ends of flanks cut the contact ellipses at the dynamic capacity, and less at smaller "
+        "loads: there the life falls faster than with the cube of the load. The equivalent load is "
+        "the constant load with the same life."
     )
 
 

@@ -115,7 +115,7 @@ def _flank_angle(sheet: Sheet, dims: DrawingDimensions) -> None:
     sheet.text(
         x + sheet.paper(8.0),
         y - sheet.paper(5.5),
-        f"α = {trimmed(math.degrees(angle), 2)}°",
+        f"flank α = {trimmed(math.degrees(angle), 2)}°",
         ha="left",
         va="center",
     )

@@ -363,7 +363,7 @@ def test_drawing(actuator):
     lead = float(thread.lead)
     assert found == pytest.approx([1e3 * lead / starts, 1e3 * lead, starts], abs=5e-4)
     assert "lead" in pitch.split("(")[1]
-    says(detail, "α = ", "", float(thread.flank_angle), "rad")
+    says(detail, "flank α = ", "", float(thread.flank_angle), "rad")
     says(detail, "ρ = ", "", float(thread.profile_radius))
     (arc,) = [p for p in detail.patches if isinstance(p, Arc)]
     assert arc.theta2 - arc.theta1 == pytest.approx(math.degrees(float(thread.flank_angle)))
