@@ -80,7 +80,7 @@ def test_what_check_keeps_the_optimum_from_is_named_as_a_limit(wu2022):
         optimum.start, margins={"backlash (stage 1)": 55e-6, "bore (stage 1)": 3e-3}
     )
     found = summarise_optimisation(dataclasses.replace(optimum, start=start, margins=margins))
-    assert "check: backlash (stage 1) at 1.000 µm" in found.in_a_sentence()
+    assert "check: backlash (stage 1) at 1.000\N{NARROW NO-BREAK SPACE}µm" in found.in_a_sentence()
     limit = found.limits[-1]
     assert (limit.quantity, limit.value, limit.limit) == ("check: backlash (stage 1)", 1e-6, 1e-6)
     assert (limit.sense, limit.active, limit.use) == ("lower", True, 1.0)

@@ -125,7 +125,7 @@ def test_sensitivities_are_per_millimetre_and_per_degree(report):
 
 def test_findings_on_masses_and_stiffnesses_are_shown(report):
     text = _plain(report.read_text())
-    assert "need attention: inertia (4), torsional support." in text
+    assert "found 5 warnings: inertia (4), torsional support." in text
     assert "the moment of inertia of the screw, 0.0001822 kg·m², is m r²" in text
 
 
