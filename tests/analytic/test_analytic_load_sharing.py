@@ -480,3 +480,25 @@ def test_errors_name_what_is_missing():
     with pytest.raises(prsm.MissingDataError, match="wall_thickness"):
         prsm.load_distribution(bare)
     assert TOOTH > 0
+
+
+def test_steps_that_overshoot_are_cut():
+    """Errors and play beside small approaches: whole Newton steps would go round in circles.
+
+    One of 12,000 random chains, the only one that needs it.
+    """
+    rng = np.random.default_rng(1398)
+    size, load = 10 ** rng.uniform(-8, -2.5), 10 ** rng.uniform(-3, 6)
+    gap = size * rng.normal(size=(3, 20))
+    backlash = rng.choice([-1, 1]) * 10 ** rng.uniform(-7, -3)
+    segments = tuple(10 ** rng.uniform(-14, -7, 3))
+    hertz, tooth = 10 ** rng.uniform(-9, -5), 10 ** rng.uniform(-11, -7)
+    bare = chains(
+        20, (1.0,) * 3, gap=gap, backlash=backlash, hertz=hertz, tooth=tooth,
+        segments=segments, load=load,
+    )  # fmt: skip
+    found = equilibrium(bare, array(load))
+    assert bool(found.converged)
+    assert int(found.steps) < 40
+    for side in loads_of(bare, found):
+        np.testing.assert_allclose(np.sum(side), load, rtol=1e-9)

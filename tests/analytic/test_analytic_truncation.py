@@ -1,12 +1,15 @@
 """Ellipses longer than the flank, against direct integration over laminae and ellipses."""
 
+import re
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from laminae import lamina_load, lamina_risk, pressure_ratio_by_bisection, sides_of
-from scenes import array, example, mechanism, mesh, stage, thread
+from scenes import array, example, mechanism, mesh, stage, stage_contact, thread
+from scipy.integrate import quad
 from scipy.optimize import brentq
 from truncation_scenes import screw_of_30_mm, without_addenda
 
@@ -15,6 +18,7 @@ from benchmarks.references.meshing import Design
 from benchmarks.references.truncated import contact_pressure, hertz_pressure
 from prsm_jax import strength
 from prsm_jax.contact import (
+    contact_frames,
     half_extent,
     hertz_contact,
     load_beyond,
@@ -26,7 +30,7 @@ from prsm_jax.contact import (
 )
 from prsm_jax.geometry import flank_ends, flanks_end
 from prsm_jax.halfspace import flank_contact, tangent_plane
-from prsm_jax.mechanism import ScrewShaft, Strength
+from prsm_jax.mechanism import LoadSharing, ScrewShaft, Strength, ThreadTooth
 
 _compute = eqx.filter_jit(prsm.compute)
 
@@ -102,6 +106,31 @@ def test_ends_and_extents_are_those_in_the_tangent_plane(lead):
             np.testing.assert_allclose(
                 half_extent(hertz, frame.curvature, end), support, rtol=2e-3 + 0.03 * bend
             )
+
+
+def test_roots_lie_as_far_inwards_as_crests_of_the_same_height_outwards():
+    """Lengths on a flank are in proportion to differences of radii: r − h, r + h and r + 2h."""
+    height = 0.1e-3
+
+    def distances(crest):
+        # Rollers half as high again, so that nobody's height serves for another.
+        tooth = ThreadTooth(*(array(x) for x in (8e-4, height, 1.5 * height, height)))
+        one = stage(
+            geometry=thread(5e-3, 5e-3, screw_addendum=crest, roller_addendum=1.5 * crest),
+            load_sharing=LoadSharing(20, tooth=tooth),
+        )
+        ends = [end for side in flank_ends(one, mesh(one.thread)) for end in side]
+        kinds = [(end.kind, end.body, end.way) for end in ends]
+        return kinds, np.array([float(end.distance) for end in ends])
+
+    kinds, single = distances(height)
+    _, double = distances(2 * height)
+    assert len(kinds) == 8
+    for place in range(0, 8, 2):
+        (crest, body, way), (root, same, other) = kinds[place : place + 2]
+        assert (crest, root, body == same, way != other) == ("crest", "root", True, True)
+        steps = 2 * (double[place] - single[place])
+        np.testing.assert_allclose(single[place] + single[place + 1], steps, rtol=1e-9)
 
 
 def test_the_half_extent_is_regular_at_a_circle():
@@ -327,6 +356,58 @@ def test_findings_name_the_end_and_both_sides_of_the_threshold():
     np.testing.assert_allclose(found.value, 1 - 1.0001 ** (-1 / 3), rtol=1e-6)
     for words in ("screw side", "crest of the screw", f"{onset * 1e-3:.4g} kN", "screw_addendum"):
         assert words in found.message
+
+
+_PASSES = re.compile(
+    r"on the (?P<side>\w+) side passes the crest of the (?P<body>\w+) "
+    r"from (?P<onset>[\d.]+) kN on; "
+    r"beyond lie (?P<share>[\d.]+)% of its half-extent \((?P<cut>[\d.]+) of (?P<half>[\d.]+) mm, "
+    r"(?P<lost>[\d.]+)% of its load\) at the operating load of (?P<load>[\d.]+) kN.*"
+    r"raise stage.thread.(?P<name>\w+) from (?P<now>[\d.]+) to (?P<wanted>[\d.]+) mm"
+)
+
+
+def test_every_number_of_the_finding():
+    """Read back from its sentence: lengths by crests and half-extents, loads, and the remedy."""
+    geometry = {"screw_addendum": 0.2e-3, "roller_addendum": 0.22e-3}
+    scene = screw_of_30_mm(5e-3, load=500e3)
+    scene = eqx.tree_at(lambda m: m.stages[0].strength, scene, None, is_leaf=lambda x: x is None)
+    for name, value in geometry.items():
+        scene = prsm.set_parameter(scene, name, value)
+    one = scene.stages[0]
+    found = [f for f in prsm.check(scene) if f.name == "contact_truncation"]
+    ends = flank_ends(one, mesh(one.thread))
+    contact = stage_contact(one, array(500e3), mesh(one.thread))
+    frames = contact_frames(one.thread, mesh(one.thread), one.curvature)
+    seen = set()
+    for finding in found:
+        read = _PASSES.search(finding.message)
+        assert read is not None, finding.message
+        side, body = read["side"], read["body"]
+        k = ("screw", "nut").index(side)
+        (end,) = [e for e in ends[k] if (e.kind, e.body) == ("crest", body)]
+        half = float(half_extent((contact.screw, contact.nut)[k].hertz, frames[k].curvature, end))
+        reach = float(end.distance) / half
+        shown = {name: float(read[name]) for name in ("share", "cut", "half", "lost", "load")}
+        expected = {
+            "share": 100 * (1 - reach),
+            "cut": 1e3 * (half - float(end.distance)),
+            "half": 1e3 * half,
+            # Of a parabola in each lamina: the integral of (1 − y²)·3/4 past the line.
+            "lost": 100 * quad(lambda y: 0.75 * (1 - y**2), reach, 1)[0],
+            "load": 500.0,
+        }
+        assert shown == pytest.approx(expected, rel=6e-3, abs=5.1e-3)
+        assert float(read["onset"]) == pytest.approx(500.0 * reach**3, rel=6e-4)
+        np.testing.assert_allclose(finding.value, 1 - reach, rtol=1e-9)
+        # The nut's thread is as high as the screw's. 45 degrees take 1/√2 of a length on the flank.
+        assert read["name"] == ("roller_addendum" if body == "roller" else "screw_addendum")
+        now = geometry[read["name"]] * 1e3
+        assert float(read["now"]) == pytest.approx(now, rel=6e-3)
+        wanted = now + expected["cut"] / np.sqrt(2)
+        assert float(read["wanted"]) == pytest.approx(wanted, rel=6e-3)
+        seen.add((side, body))
+    assert seen == {("screw", "screw"), ("screw", "roller"), ("nut", "nut"), ("nut", "roller")}
 
 
 def test_findings_name_capacity_loads_and_roots():

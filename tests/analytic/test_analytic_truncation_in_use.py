@@ -258,3 +258,20 @@ def test_fatigue_of_threads_that_share_unequally():
     # Whole ellipses would have another life.
     plain = _compute(without_addenda(one), ["rating_life"])["rating_life"]
     assert abs(found["rating_life"][0] / float(plain[0]) - 1) > 0.05
+
+
+def test_each_load_is_shared_as_its_own_size_makes_it():
+    """What is cut at the operating point does not depend on larger loads elsewhere in the cycle."""
+    low, high = 1.2e5, 2.4e5
+    names = ["contact_truncation", "contact_truncation_largest"]
+    alone = {load: _compute(_shared(load), names) for load in (low, high)}
+    found = _compute(_with_cycle(_shared(low), [high, 1e3], [1.0, 1.0]), names)
+    np.testing.assert_allclose(found[names[0]], alone[low][names[0]], rtol=1e-10)
+    np.testing.assert_allclose(found[names[1]], alone[high][names[0]], rtol=1e-10)
+    # Larger loads are shared more evenly: with the sharing of the larger one less would be cut.
+    shares = []
+    for load in (low, high):
+        sides = [np.asarray(x) for x in _distribution(_shared(load), jnp.asarray(load))]
+        shares.append(max(side.max() for side in sides) / load)
+    assert abs(shares[1] / shares[0] - 1) > 1e-3
+    assert float(found[names[0]][0]) > 0.01

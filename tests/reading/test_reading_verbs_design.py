@@ -1,5 +1,7 @@
 """Every key and line of the verbs of vibration and of design, against SI numbers."""
 
+import dataclasses
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ from prsm_jax.cli import _design, _modal, _vibrate
 from prsm_jax.mechanism import Constraint, DesignProblem, Objective, Variable
 from prsm_jax.modal import FAMILIES
 from prsm_jax.optimise import ConstraintReport, Design, Optimum, Run
+from prsm_jax.report import summarise_optimisation
 from prsm_jax.response import FrequencyResponse
 from prsm_jax.sensitivity import Sensitivity
 
@@ -193,6 +196,7 @@ def _table():
         parameters=("lead", "contact_angle"),
         quantity_units=("1", "Pa", "kg"),
         parameter_units=("m", "rad"),
+        dependents=((("pitch",), ("starts", "nut_radius")), ((), ("lead",))),
     )
 
 
@@ -212,8 +216,8 @@ def test_sensitivity(run, monkeypatch):
         "elasticity": [[0.021, -0.013], [0.11, -0.62], None],
         "parameter_values": [[0.01], [0.785]],
         "kinks": [],
-        "follows": {},
-        "stays": {},
+        "follows": {"lead": ["pitch"], "contact_angle": []},
+        "stays": {"lead": ["starts", "nut_radius"], "contact_angle": ["lead"]},
     }
     assert found["elasticity"][2] == [None, None]
     expected["elasticity"][2] = found["elasticity"][2]
@@ -222,6 +226,12 @@ def test_sensitivity(run, monkeypatch):
     found.pop("elasticity")
     assert_json(found, expected)
     _read_sensitivity(printed, table)
+    # What follows when a parameter moves, and what stays.
+    for words in (
+        "lead: pitch follow; starts, nut radius stay",
+        "contact_angle: nothing follow; lead stay",
+    ):
+        assert printed.row(words) == []
     printed.finish()
 
 
@@ -391,6 +401,34 @@ def test_optimise(run, monkeypatch, tmp_path):
     assert follows.startswith("lead: moves with it: pitch; stays: starts, roller radius, ")
     (follows,) = (cells[0] for cells in printed.lines if cells[0].startswith("contact_angle: "))
     assert "flank angle" in follows.partition("; stays: ")[0]
+
+
+def test_variables_beside_each_other_are_not_said_to_follow():
+    """The profile radius follows the contact angle, unless the same optimisation varies it."""
+    best = make_optimum(scenes.mechanism())
+    names = ("contact_angle", "roller_profile_radius")
+    problem = dataclasses.replace(
+        best.problem, variables=(Variable(names[0], 0.5, 1.0), Variable(names[1], 3e-3, 9e-3))
+    )
+    values = {names[0]: 0.785, names[1]: 5e-3}
+    best = dataclasses.replace(
+        best,
+        problem=problem,
+        start=dataclasses.replace(best.start, variables=values),
+        optimum=dataclasses.replace(best.optimum, variables=values),
+        variable_units={names[0]: "rad", names[1]: "m"},
+        bounds_active={},
+    )
+    (line,) = (one for one in str(best).splitlines() if one.startswith("contact_angle: "))
+    follows, _, stays = line.partition(" follow; ")
+    assert "flank angle" in follows
+    assert "roller profile radius" in stays
+    assert "roller profile radius" not in follows
+    angle, profile = summarise_optimisation(best).variables
+    assert "flank_angle" in angle.follows
+    assert "roller_profile_radius" in angle.stays
+    assert "roller_profile_radius" not in angle.follows
+    assert "contact_angle" in profile.stays
 
 
 def test_the_terminal_tells_the_state_of_a_locked_thread(run, monkeypatch):

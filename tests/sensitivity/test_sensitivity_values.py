@@ -10,7 +10,7 @@ import pytest
 import scenes
 
 import prsm_jax as prsm
-from prsm_jax.mechanism import find_parameters
+from prsm_jax.mechanism import find_parameters, follows_in_words
 from prsm_jax.sensitivity import sensitivity
 
 PARAMETERS = ("lead", "contact_angle", "roller_radius")
@@ -216,6 +216,19 @@ def test_what_follows_is_what_moves(given):
         assert moving - own == set(follows) & set(scale), name
         assert set(scale) - moving - own == set(stays) & set(scale), name
     assert thread.lead == one.stages[0].thread.lead
+
+
+def test_a_variable_beside_another_follows_nothing():
+    """The profile radius follows the roller's, unless the same design sets it too."""
+    one = mechanism()
+    alone = prsm.mechanism.what_follows(one, "roller_radius")
+    beside = prsm.mechanism.what_follows(one, "roller_radius", ("roller_profile_radius",))
+    assert set(alone[0]) - set(beside[0]) == {"roller_profile_radius"}
+    assert set(beside[1]) - set(alone[1]) == {"roller_profile_radius"}
+    words = follows_in_words(one, "roller_radius", ("roller_profile_radius",))
+    follow, _, stay = words.partition(" follow; ")
+    assert "roller profile radius" in stay
+    assert "roller profile radius" not in follow
 
 
 def test_a_default_follows_whoever_asks():
