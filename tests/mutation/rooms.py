@@ -60,6 +60,7 @@ _TESTS: tuple[tuple[str, str], ...] = (
         "report/modes analytic/distinct_frequencies",
     ),
     ("modal/_quartic", "analytic/secular analytic/vibration"),
+    ("modal/_arrowhead", "gradients/modes analytic/vibration analytic/distinct_frequencies"),
     ("modal/_secular", "analytic/secular analytic/vibration analytic/distinct_frequencies"),
     ("modal/_system", "analytic/vibration_system analytic/vibration analytic/unequal_rollers"),
     (
@@ -88,7 +89,10 @@ _TESTS: tuple[tuple[str, str], ...] = (
     ("dynamics/_body_forces", "analytic/newton analytic/screw_friction"),
     ("dynamics/_free_bodies", "analytic/newton analytic/screw_friction"),
     ("dynamics/_roller_balance", "analytic/newton analytic/single_faults"),
-    ("dynamics/_driven", "analytic/torque_carriers analytic/torque_drive"),
+    (
+        "dynamics/_driven",
+        "analytic/torque_carriers analytic/torque_drive analytic/torque_spin",
+    ),
     ("dynamics/_locking", "analytic/locking"),
     ("dynamics/_screw_friction", "analytic/screw_friction analytic/steady analytic/newton"),
     ("dynamics/_stick_slip", "analytic/torque_carriers analytic/torque_drive"),
@@ -124,6 +128,10 @@ _TESTS: tuple[tuple[str, str], ...] = (
     (
         "findings/_truncation",
         "analytic/truncation analytic/findings_numbers analytic/findings",
+    ),
+    (
+        "findings/_margin",
+        "sweep/test_sweep.py analytic/findings_numbers analytic/construction analytic/findings",
     ),
     ("findings/_sharing", "analytic/assumptions analytic/findings analytic/findings_numbers"),
     ("findings/_locking", "analytic/locking analytic/findings analytic/findings_numbers"),
