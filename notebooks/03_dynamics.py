@@ -118,7 +118,7 @@ report.power_flow_chart(report.energy_flow(mechanism, flight), "Energy of the wh
 
 # %% [markdown]
 # ## A torque instead of a speed: stick and slip
-# Now the motor gives a torque that swings, and the motion of the screw follows. Where friction holds it
+# Now the torque of the motor swings, and the screw's motion follows. Where friction holds it
 # against torque and spring, it sticks; the beginning and the end of every phase are located as
 # events, so derivatives go through them.
 

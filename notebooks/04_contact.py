@@ -87,7 +87,7 @@ whole, cut = solve(stage, load), solve(low, load)
 for name, found in (("whole flank", whole), ("low crest", cut)):
     ratio = found.surface.max_pressure / found.hertz.max_pressure
     print(f"{name}: {found.surface.max_pressure / 1e6:.0f} MPa, {ratio:.3f} times Hertz")
-report.pressure_map({"whole flank": whole, "crest 0.08 mm above the nominal radius": cut})
+report.pressure_map({"whole flank": whole, "crest 0.08 mm high": cut})
 
 # %% [markdown]
 # ## Threads and rollers share the load

@@ -17,6 +17,7 @@ from ._analyse import steady_results, told
 from ._app import app
 from ._common import Common, plain
 from ._contact import contact_results
+from ._design import told_of_search
 from ._modal import modal_results
 from ._optimised import optimised_text
 from ._progress import clear, doing, expect_programs, tell
@@ -82,7 +83,7 @@ def demo(
     tell(table.text(terminal_width()))
 
     say(f"optimising from {problem.starts} starts")
-    best = optimise(mechanism)
+    best = optimise(mechanism, progress=told_of_search)
     tell(best.text(terminal_width()))
 
     text = optimised_text(file, mechanism, best)

@@ -79,7 +79,7 @@ def optimise(
     common.check_targets("out/optimise")
     mechanism = common.load(file)
     expect_programs("_values", "_derivatives")
-    best = run_optimise(mechanism, method=method, starts=starts, progress=_told)
+    best = run_optimise(mechanism, method=method, starts=starts, progress=told_of_search)
     path = None
     if best.feasible or keep_infeasible:
         folder = Path("out/optimise") if common.out is None else common.out
@@ -102,7 +102,8 @@ def optimise(
     return int(not best.converged)
 
 
-def _told(start: int, starts: int, iteration: int) -> None:
+def told_of_search(start: int, starts: int, iteration: int) -> None:
+    """How far an optimisation is, on the terminal."""
     doing(f"start {start} of {starts}, iteration {iteration}")
 
 

@@ -11,6 +11,22 @@ from ._style import INK, MUTED, SERIES, SMALL, Figure, drawn, page_figure
 _DASHES: tuple[str, ...] = ("-", "--", "-.", ":")
 
 
+def _parts(load: np.ndarray, deflection: np.ndarray, slope: np.ndarray) -> list[slice]:
+    """Points between which a curve of the stiffness is drawn: two parts if there is play.
+
+    Between the flanks no point carries load. There the nut travels farther than the stiffnesses at
+    the two smallest loads account for; without play it is at most 3/2 of it, as the contacts'
+    stiffness falls to 0.
+    """
+    if not load.min() < 0 < load.max():
+        return [slice(None)]
+    before, after = np.flatnonzero(load < 0)[-1], np.flatnonzero(load > 0)[0]
+    elastic = (load[after] - load[before]) / min(slope[before], slope[after])
+    if deflection[after] - deflection[before] > 2 * elastic:
+        return [slice(before + 1), slice(after, None)]
+    return [slice(None)]
+
+
 @drawn
 def force_deflection_chart(curves: Mapping[str, ForceDeflection]) -> Figure:
     """Draw force–deflection curves and, below them, the tangent stiffness over the load.
@@ -48,13 +64,8 @@ def force_deflection_chart(curves: Mapping[str, ForceDeflection]) -> Figure:
         reach = np.array([0.0, load[at]])
         tangent = deflection[at] + (reach - load[at]) / slope[at]
         above.plot(length(tangent), force(reach), color=colour, lw=0.6)
-        if load.min() < 0 < load.max():
-            before, after = np.flatnonzero(load < 0)[-1], np.flatnonzero(load > 0)[0]
-            # Between the two smallest loads the play is crossed; no point of it carries load.
-            below.plot(force(load[: before + 1]), stiffness(slope[: before + 1]), **style)
-            below.plot(force(load[after:]), stiffness(slope[after:]), **style)
-        else:
-            below.plot(force(load), stiffness(slope), **style)
+        for part in _parts(load, deflection, slope):
+            below.plot(force(load[part]), stiffness(slope[part]), **style)
         words = f"  {in_unit(slope[at], stiffness, 3)}"
         below.annotate(words, (force(load[at]), stiffness(slope[at])), va="center", fontsize=SMALL)
     above.axhline(0, color=INK, lw=0.6)

@@ -153,13 +153,13 @@ def distribution(
     )
 
 
-def curve(both: bool = True) -> ForceDeflection:
-    """Force over deflection, with play where the load changes its sign."""
+def curve(both: bool = True, play: float = 4e-5) -> ForceDeflection:
+    """Force over deflection, with play where the load changes its sign [m]."""
     load = jnp.asarray([-10e3, -1e3, 1e3, 12e3] if both else [1e3, 5e3, 12e3])
     points = len(load)
     return ForceDeflection(
         load,
-        jnp.sort(odds(points, scale=1e-5) * jnp.sign(load) * jnp.abs(load) / 1e4),
+        jnp.sort(odds(points, scale=1e-5) * load / 1e4) + jnp.sign(load) * play / 2,
         odds(points, scale=4e8),
         odds(points),
         jnp.ones(points, bool),
