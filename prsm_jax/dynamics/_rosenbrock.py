@@ -23,6 +23,8 @@ from jaxtyping import Array, Float, PyTree
 from ..numerics import solve_small
 
 _GAMMA = 0.25
+#: In place of no length; times are of order one.
+_NO_LENGTH = 1e-6
 _C = (0.0, 0.75, 0.21, 0.63, 1.0, 1.0)
 _D = (0.25, -0.5, -0.023504, -0.0362, 0.0, 0.0)
 _A = (
@@ -124,7 +126,9 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
 
     def step(self, terms, t0, t1, y0, args, solver_state, made_jump):
         flat, unflatten = ravel_pytree(y0)
-        length = t1 - t0
+        # In a batch those that have arrived take steps of no length. Their results are dropped, and
+        # must be numbers all the same: derivatives of what is dropped are multiplied by zero.
+        length = jnp.where(t1 == t0, _NO_LENGTH, t1 - t0)
 
         def rate(time, state):
             return ravel_pytree(terms.vf(time, unflatten(state), args))[0]
