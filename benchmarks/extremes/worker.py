@@ -11,7 +11,10 @@ import sys
 import traceback
 
 # Programs run a few thousand times: code that is not optimised compiles in a quarter of the time.
-_QUICK = "--xla_cpu_use_fusion_emitters=false --xla_backend_optimization_level=0"
+_QUICK = (
+    "--xla_cpu_use_fusion_emitters=false --xla_backend_optimization_level=0"
+    " --xla_cpu_parallel_codegen_split_count=1"
+)
 
 
 def _line(**content) -> None:
