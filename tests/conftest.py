@@ -64,7 +64,7 @@ gc.set_threshold(100_000, 20, 50)
 _MAPPED_REGIONS = 25_000
 #: Compiled programs fill a worker's memory long before; two workers share a machine [bytes].
 #: Between modules, and between the tests of one.
-_MEMORY, _MEMORY_INSIDE = 2 << 30, (5 << 30) // 2
+_MEMORY, _MEMORY_INSIDE = (3 << 30) // 2, 2 << 30
 #: No worker may ever have taken more [bytes]: the summary says so in red, and with
 #: PRSM_TEST_MEMORY=strict in the environment the session has failed.
 _MOST_MEMORY = 3 << 30
