@@ -25,10 +25,12 @@ _UNUSED = ("ipykernel", "jupytext", "nbclient")
 
 def _interpreter(wanted: str) -> str | None:
     """The path of a Python, named by its version (3.12) or its command."""
-    names = [f"python{wanted}", wanted] if wanted[0].isdigit() else [wanted]
+    is_version = wanted[0].isdigit()
+    names = [f"python{wanted}", wanted] if is_version else [wanted]
     found = [path for name in names if (path := shutil.which(name))]
-    versions = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
-    found += [str(path) for path in sorted(versions.glob(f"{wanted}.*/bin/python"))]
+    if is_version:
+        versions = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
+        found += [str(path) for path in sorted(versions.glob(f"{wanted}.*/bin/python"))]
     for path in found:
         # A shim of pyenv is there and fails.
         asked = subprocess.run([path, "-V"], capture_output=True, text=True, check=False)

@@ -1,5 +1,7 @@
 """What is read from `pyproject.toml` is what is tested with the lowest versions."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -40,3 +42,17 @@ def test_extras_are_followed_and_the_highest_of_several_bounds_counts():
 
 def test_the_core_paths_are_there():
     assert [path for path in TESTS if not (ROOT / path).is_file()] == []
+
+
+def test_a_python_that_is_not_there_is_named(tmp_path):
+    """By its path, or by its version."""
+    for absent in (str(tmp_path / "python"), "3.999"):
+        found = subprocess.run(
+            [sys.executable, "-m", "tests.versions", "lowest", absent],
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert found.stdout == f"NOT TESTED with Python {absent}: there is none on this machine\n"
+        assert (found.returncode, found.stderr) == (0, "")
