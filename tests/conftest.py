@@ -20,7 +20,7 @@ _FLAGS = os.environ.get("XLA_FLAGS", "")
 # And a program in one piece a fifth less than in pieces for cores that another worker has.
 _QUICK = (
     "--xla_cpu_use_fusion_emitters=false --xla_backend_optimization_level=0"
-    " --xla_cpu_parallel_codegen_split_count=1"
+    " --xla_cpu_parallel_codegen_split_count=1 --xla_cpu_opt_preset=FAST_COMPILE"
 )
 os.environ["XLA_FLAGS"] = f"{_FLAGS} {_QUICK}".strip()
 
