@@ -3,6 +3,7 @@
 Nothing here calls LAPACK, whose batched calls deadlock between threads of one process.
 """
 
+from ._apart import apart as apart
 from ._elimination import (
     Factors as Factors,
     factorise as factorise,

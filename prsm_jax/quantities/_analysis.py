@@ -37,6 +37,7 @@ from ..modal import (
     transverse_modes,
     vibration_system,
 )
+from ..numerics import apart
 from ..stiffness import ThreadStiffness, thread_stiffness
 from ..strength import (
     LoadSpectrum,
@@ -121,7 +122,7 @@ class Analysis:
     @cached_property
     def kinematics(self) -> tuple[StageKinematics, ...]:
         """Meshing and slip of every stage."""
-        return all_kinematics(self.mechanism)
+        return apart(all_kinematics)(self.mechanism)
 
     @cached_property
     def speed(self) -> Scalar:

@@ -1,0 +1,70 @@
+"""Parts of programs that are compiled by themselves: the same values and derivatives."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from scenes import array, example
+
+from prsm_jax.dynamics import all_kinematics
+from prsm_jax.numerics import apart
+
+
+class _Found(eqx.Module):
+    value: jax.Array
+    large: jax.Array
+    count: jax.Array
+    words: str
+
+
+def _function(x, name, *, offset=0.0):
+    value = jnp.sin(x) * x + offset
+    return _Found(value, value > 0.5, jnp.sum(value > 0), f"{name} of {x.shape[0]}")
+
+
+def _value(x):
+    return apart(_function)(x, "a sum", offset=array(0.25)).value
+
+
+def test_values_flags_and_words_are_those_of_the_function():
+    x = jnp.linspace(-1.0, 2.0, 5)
+    expected = _function(x, "a sum")
+    found = eqx.filter_jit(apart(_function))(x, "a sum")
+    assert found.words == expected.words == "a sum of 5"
+    np.testing.assert_array_equal(found.large, expected.large)
+    assert (found.count, found.count.dtype) == (expected.count, expected.count.dtype)
+    np.testing.assert_allclose(found.value, expected.value, rtol=1e-15)
+
+
+def test_derivatives_are_those_of_the_function():
+    """Both modes, second derivatives, and batches, against closed forms."""
+    x = jnp.linspace(-1.0, 2.0, 5)
+    slope = jnp.diag(jnp.cos(x) * x + jnp.sin(x))
+    for jacobian in (jax.jacfwd, jax.jacrev):
+        np.testing.assert_allclose(jax.jit(jacobian(_value))(x), slope, rtol=1e-14, atol=1e-15)
+    second = jax.jit(jax.hessian(lambda x: jnp.sum(_value(x))))(x)
+    np.testing.assert_allclose(
+        second, jnp.diag(2 * jnp.cos(x) - jnp.sin(x) * x), rtol=1e-13, atol=1e-14
+    )
+    many = jnp.stack([x, 2 * x])
+    np.testing.assert_allclose(
+        jax.jit(jax.vmap(_value))(many), jnp.sin(many) * many + 0.25, rtol=1e-14
+    )
+
+
+def test_the_compiler_does_not_see_through():
+    """What it could fuse stays in a branch; outside a trace nothing is compiled."""
+    x = jnp.linspace(-1.0, 2.0, 5)
+    assert "conditional(" in jax.jit(_value).lower(x).compile().as_text()
+    seen = []
+    apart(lambda x: seen.append(isinstance(x, jax.core.Tracer)))(x)
+    assert seen == [False]
+
+
+def test_kinematics_of_a_mechanism():
+    mechanism = example("li2020_two_stage")
+    found = eqx.filter_jit(apart(all_kinematics))(mechanism)
+    expected = eqx.filter_jit(all_kinematics)(mechanism)
+    assert jax.tree.structure(found) == jax.tree.structure(expected)
+    for one, other in zip(jax.tree.leaves(found), jax.tree.leaves(expected), strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-14, atol=1e-16)
