@@ -158,8 +158,8 @@ def _edge_problem(side: str, instances, cells, reference_cells: int) -> Problem:
     forces = _forces(side, instances)
 
     def reference():
-        def largest(*given):
-            return pressures(*given, _EDGE_RADIUS)[1]
+        def largest(design, side, addenda, force, modulus, cells):
+            return pressures(design, side, addenda, force, modulus, cells, _EDGE_RADIUS)[1]
 
         return _reference(_AT_EDGE, side, instances, forces, largest, reference_cells)
 

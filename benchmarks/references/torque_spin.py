@@ -7,6 +7,7 @@ package's.
 """
 
 from math import atan2, cbrt, copysign, pi
+from typing import Any
 
 import numpy as np
 
@@ -86,9 +87,10 @@ class SpinningRollers:
         slip = np.cos(turn) * self.across + np.sin(turn) * self.along
         screw, carrier = self.speeds(turn)
         spin = self.numbers.normal[2] * (screw + self.more_starts * carrier)
-        return slip_and_spin(*(growth * semi), self.axes @ slip, spin, points)
+        major, minor = growth * semi
+        return slip_and_spin(major, minor, self.axes @ slip, spin, points)
 
-    def friction(self, turn: float, axial: float) -> tuple[float, np.ndarray, float]:
+    def friction(self, turn: float, axial: float) -> tuple[float, Any, float]:
         """Normal force [N], friction [N], and moment about the axis on the screw [N·m]."""
         friction, normal = self.numbers.friction, self.numbers.normal[2]
         weights = np.einsum("h,hkc->kc", np.exp(1j * self.harmonics * turn), self.table).real
@@ -127,7 +129,7 @@ class SpinningChain(TorqueChain):
         self.contacts, self.roller_masses, self.semi_axes = [], [], []
         geometries = with_resistance(mechanism.stages, all_kinematics(mechanism))
         for stage, geometry, numbers in zip(mechanism.stages, geometries, self.stages, strict=True):
-            resistance = geometry.resistance
+            resistance: Any = geometry.resistance
             ellipse = resistance.ellipse
             shape = ellipse.shape
             (minor, major), ways = np.linalg.eigh(
@@ -150,6 +152,7 @@ class SpinningChain(TorqueChain):
                     forces,
                 )
             )
+            assert stage.roller.mass is not None
             self.roller_masses.append(float(stage.roller.mass))
 
     def rollers(self, k, pushed, unit, acceleration) -> tuple[float, float]:
