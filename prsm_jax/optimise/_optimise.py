@@ -92,7 +92,8 @@ def optimise(
     )
     report = Reporter(evaluator, problem)
     initial = (present - evaluator.lower) / evaluator.width
-    positions = starting_positions(initial, count, problem.seed if seed is None else seed)
+    seed = problem.seed if seed is None else seed
+    positions = list(starting_positions(initial, count, seed))
     for position in positions:
         if evaluator.point(position).good:
             evaluator.scale_from(position)
@@ -135,7 +136,7 @@ def _number(value: float | Scalar | None) -> Scalar | None:
     return None if value is None else jnp.asarray(value, jnp.result_type(float))
 
 
-def _progress(positions: np.ndarray, progress: bool):
+def _progress(positions: list[np.ndarray], progress: bool):
     if not progress:
         return positions
     try:

@@ -22,6 +22,9 @@ _EXTRAS = ("all", "test")
 #: Of the extra `test`, what the tests of the core paths do not use.
 _UNUSED = ("ipykernel", "jupytext", "nbclient")
 
+#: Warnings of other packages' old versions are not ours to mend.
+_WARNINGS = ("-W", "default", "-W", "ignore::DeprecationWarning")
+
 
 def _interpreter(wanted: str) -> str | None:
     """The path of a Python, named by its version (3.12) or its command."""
@@ -69,8 +72,7 @@ def _run(kind: str, python: str) -> bool:
     began = time.monotonic()
     inner = _environment(kind, python)
     installed = time.monotonic()
-    # Warnings of other packages' old versions are not ours to mend.
-    command = [str(inner), "-m", "pytest", "-q", "-p", "no:cacheprovider", "-W", "default"]
+    command = [str(inner), "-m", "pytest", "-q", "-p", "no:cacheprovider", *_WARNINGS]
     command += ["-o", "addopts=--strict-markers", "--disable-warnings", *TESTS]
     environment = os.environ | {"PYTHONPATH": str(_ROOT), "PYTHONDONTWRITEBYTECODE": "1"}
     passed = subprocess.run(command, cwd=_ROOT, env=environment, check=False).returncode == 0
