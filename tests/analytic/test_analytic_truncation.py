@@ -359,10 +359,10 @@ def test_findings_name_the_end_and_both_sides_of_the_threshold():
 
 
 _PASSES = re.compile(
-    r"on the (?P<side>\w+) side passes the crest of the (?P<body>\w+) "
-    r"from (?P<onset>[\d.]+) kN on; "
-    r"beyond lie (?P<share>[\d.]+)% of its half-extent \((?P<cut>[\d.]+) of (?P<half>[\d.]+) mm, "
-    r"(?P<lost>[\d.]+)% of its load\) at the operating load of (?P<load>[\d.]+) kN.*"
+    r"above (?P<onset>[\d.]+) kN the contact ellipse on the (?P<side>\w+) side "
+    r"passes the crest of the (?P<body>\w+): "
+    r"at the operating load of (?P<load>[\d.]+) kN by (?P<cut>[\d.]+) of (?P<half>[\d.]+) mm "
+    r"\((?P<share>[\d.]+)% of its half-extent, (?P<lost>[\d.]+)% of its load\).*"
     r"raise stage.thread.(?P<name>\w+) from (?P<now>[\d.]+) to (?P<wanted>[\d.]+) mm"
 )
 

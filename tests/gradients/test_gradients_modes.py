@@ -126,7 +126,10 @@ def test_members_part_along_a_direction(path):
 
 
 def test_a_dense_eigensolver_fails_where_this_does_not():
-    """Why: JAX's own derivatives are wrong or not finite at the same point."""
+    """Why: JAX's own derivatives are wrong or not finite at the same point.
+
+    They divide by the gaps of equal frequencies: zero, or what rounding leaves of them.
+    """
 
     def plain(t):
         stiffness, mass = dense_matrices(_system_at(t, "stiffness"))
@@ -135,7 +138,7 @@ def test_a_dense_eigensolver_fails_where_this_does_not():
         return jnp.sqrt(values), vectors[0] ** 2
 
     frequencies, energy = jax.jit(jax.jacfwd(plain))(array(0.0))
-    assert not np.all(np.isfinite(energy))
+    assert not np.all(np.abs(energy) < 1e6)
     ours = directional_derivatives(functools.partial(_system_at, path="stiffness"))
     # Single members of the clusters: not what they do on either side.
     assert np.max(np.abs(frequencies / (2 * np.pi) - ours.forward)) > 100
