@@ -228,8 +228,8 @@ def test_sensitivity(run, monkeypatch):
     _read_sensitivity(printed, table)
     # What follows when a parameter moves, and what stays.
     for words in (
-        "lead: pitch follow; starts, nut radius stay",
-        "contact_angle: nothing follow; lead stay",
+        "lead: moves with it: pitch; stays: starts, nut radius",
+        "contact_angle: moves with it: nothing; stays: lead",
     ):
         assert printed.row(words) == []
     printed.finish()
@@ -420,7 +420,7 @@ def test_variables_beside_each_other_are_not_said_to_follow():
         bounds_active={},
     )
     (line,) = (one for one in str(best).splitlines() if one.startswith("contact_angle: "))
-    follows, _, stays = line.partition(" follow; ")
+    follows, _, stays = line.partition("; stays: ")
     assert "flank angle" in follows
     assert "roller profile radius" in stays
     assert "roller profile radius" not in follows
