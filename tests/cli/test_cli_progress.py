@@ -118,8 +118,8 @@ def test_on_a_terminal_and_in_a_pipe(tmp_path):
         assert re.fullmatch(r"prsm steady: .+ \(\d+ s\)", one), one
         assert len(one) < 80
     every = "\n".join(shown)
-    assert "compiling 1 of 2 programs: " in every
-    assert "checking the design" in every or "compiling 2 of 2 programs: " in every
+    # A step of less than a second may not be seen.
+    assert re.search(r"compiling [12] of 2 programs: (tracing|lowering|machine code) ", every)
 
 
 #: Constants that XLA folds for seconds, of which it warns by the alarm of slow compilations.
