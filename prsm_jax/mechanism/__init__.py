@@ -24,7 +24,11 @@ from ._design_problem import (
     Variable as Variable,
 )
 from ._fields import Scalar as Scalar, as_scalar as as_scalar
-from ._follows import follows_in_words as follows_in_words, what_follows as what_follows
+from ._follows import (
+    dependents_in_words as dependents_in_words,
+    follows_in_words as follows_in_words,
+    what_follows as what_follows,
+)
 from ._friction import (
     CoulombFriction as CoulombFriction,
     Friction as Friction,

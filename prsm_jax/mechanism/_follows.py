@@ -1,6 +1,6 @@
 """What moves with a number of the thread when it is set by name, and what stays as it was."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from ._mechanism import Mechanism, Stage
 from ._parameters import find_parameters
@@ -90,10 +90,15 @@ def what_follows(
 def follows_in_words(mechanism: Mechanism, name: str, frozen: Iterable[str] = ()) -> str:
     """The same as a sentence, or nothing where there is nothing to say."""
     follows, stays = what_follows(mechanism, name, frozen)
+    return dependents_in_words(name, follows, stays)
+
+
+def dependents_in_words(name: str, follows: Sequence[str], stays: Sequence[str]) -> str:
+    """What follows a number and what stays as a sentence, or nothing if neither is known."""
     if not (follows or stays):
         return ""
 
-    def listed(names: tuple[str, ...]) -> str:
+    def listed(names: Sequence[str]) -> str:
         return ", ".join(names).replace("_", " ") or "nothing"
 
     return f"{name}: moves with it: {listed(follows)}; stays: {listed(stays)}"

@@ -10,6 +10,7 @@ from jaxtyping import Array, Bool, Float
 
 from .._display_units import display_unit, state_without_efficiency
 from .._text_table import NOT_DEFINED, TextTable
+from ..mechanism import dependents_in_words
 from ._kinks import differ
 
 
@@ -176,13 +177,9 @@ def _kink_lines(table: Sensitivity) -> list[str]:
 
 def _dependent_lines(table: Sensitivity) -> list[str]:
     """What follows each parameter, and what stays."""
-    lines = []
-    for name, (follows, stays) in zip(table.parameters, table.dependents, strict=False):
-        if follows or stays:
-            moved = ", ".join(follows).replace("_", " ") or "nothing"
-            kept = ", ".join(stays).replace("_", " ") or "nothing"
-            lines.append(f"{name}: moves with it: {moved}; stays: {kept}")
-    return lines
+    pairs = zip(table.parameters, table.dependents, strict=False)
+    lines = (dependents_in_words(name, *both) for name, both in pairs)
+    return [line for line in lines if line]
 
 
 def _tables(table: Sensitivity) -> tuple[TextTable, TextTable]:
