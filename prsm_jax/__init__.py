@@ -6,6 +6,7 @@ sensitivity, optimise, sweep → report. `validation` compares with published nu
 command line; `numerics`, at the ground, is the small linear algebra that several of them use.
 """
 
+from . import _forked as _forked  # what is forked later cannot calculate
 from ._errors import (
     FileError as FileError,
     MissingDataError as MissingDataError,

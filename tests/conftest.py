@@ -3,6 +3,7 @@
 import contextlib
 import ctypes
 import gc
+import importlib.metadata
 import os
 import sys
 import tempfile
@@ -18,10 +19,13 @@ _hook = jaxtyping.install_import_hook("prsm_jax", "beartype.beartype")
 # also computed with the settings that users have, which are those of benchmarks and of notebooks.
 _FLAGS = os.environ.get("XLA_FLAGS", "")
 # And a program in one piece a fifth less than in pieces for cores that another worker has.
-_QUICK = (
-    "--xla_cpu_use_fusion_emitters=false --xla_backend_optimization_level=0"
-    " --xla_cpu_parallel_codegen_split_count=1 --xla_cpu_opt_preset=FAST_COMPILE"
-)
+_QUICK = "--xla_backend_optimization_level=0 --xla_cpu_parallel_codegen_split_count=1"
+# A flag that the compiler does not know ends the process without a word.
+_JAXLIB = tuple(int(part) for part in importlib.metadata.version("jaxlib").split(".")[:2])
+if _JAXLIB >= (0, 10):
+    _QUICK += " --xla_cpu_opt_preset=FAST_COMPILE"
+if _JAXLIB <= (0, 10):
+    _QUICK += " --xla_cpu_use_fusion_emitters=false"
 os.environ["XLA_FLAGS"] = f"{_FLAGS} {_QUICK}".strip()
 
 # As in the command line: diffrax's checks of sample times give NaN. What raises from inside a

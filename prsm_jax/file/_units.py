@@ -8,6 +8,7 @@ a speed in rad/s is an error instead of a factor of 2π.
 import functools
 import re
 from fractions import Fraction
+from typing import Any
 
 import pint
 
@@ -104,7 +105,9 @@ _KINDS = {
 
 
 @functools.cache
-def _registry() -> pint.UnitRegistry:
+def _registry() -> Any:
+    # Not `pint.UnitRegistry`: its parameters' bounds are names that exist for type checkers only,
+    # and what checks types while the program runs looks them up.
     # pint's annotations know neither an empty registry nor exact numbers, both documented.
     registry = pint.UnitRegistry(None, non_int_type=Fraction)  # type: ignore[arg-type]
     registry.load_definitions(_DEFINITIONS.strip().splitlines())

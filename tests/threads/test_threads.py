@@ -46,19 +46,3 @@ def test_eight_threads_for_ten_seconds():
 @pytest.mark.slow
 def test_eight_threads_for_a_minute():
     _at_once(60)
-
-
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
-def test_forked_before_anything_is_calculated():
-    """A process that is forked before JAX runs calculates as any other."""
-    code = (
-        "import os, prsm_jax as prsm\n"
-        "child = os.fork()\n"
-        "if child: raise SystemExit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))\n"
-        "print(float(prsm.modal(prsm.load('wu2022')).frequencies[-1]) > 1e3, flush=True)\n"
-        "os._exit(0)\n"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False
-    )
-    assert (done.returncode, done.stdout) == (0, "True\n"), done.stderr

@@ -15,4 +15,5 @@ TESTS = (
     "tests/sweep/test_sweep_stores.py",
     "tests/report/test_report_write.py",
     "tests/cli/test_cli_targets.py",
+    "tests/threads/test_threads_fork.py",
 )
