@@ -277,7 +277,6 @@ def histories(
         }
 
     found = jax.vmap(at)(history)
-    found = jax.vmap(at)(history)
     finite = _finite_samples(times, found)
     deflections: Any = found.pop("bristle_deflection")
     per_stage = (
