@@ -360,7 +360,8 @@ def _bristles() -> Mechanism:
         static_coefficient=0.08,
         stribeck_speed=1e-2,
         bristle_stiffness=1e7,
-        bristle_damping=1e2,
+        # Times the slip of 2 m/s at the start, small beside the coefficient: larger ones jam.
+        bristle_damping=1e-3,
         viscous_coefficient=0.0,
     )
     stages = tuple(

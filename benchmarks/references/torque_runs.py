@@ -179,9 +179,9 @@ class TorqueChain:
         return found[0], found[1]
 
     def ratios(self, time, angle, sense, speed, carriers) -> np.ndarray:
-        """Ratios that carriers at rest keep to a screw that moves: ω̇ = ζ Ω̇, by iteration.
+        """Ratios in which carriers at rest settle beside a screw that moves: ω̇ = ζ Ω̇, by iteration.
 
-        Those of carriers that coast are theirs.
+        Those of carriers that coast are theirs. A balance that repels is none they settle in.
         """
         from scipy.optimize import fsolve
 
@@ -194,6 +194,13 @@ class TorqueChain:
             missed = found / (1 + abs(turning)) - ratios * turning / (1 + abs(turning))
             return np.where(rests, missed, ratios - carriers / small)
 
+        def attracts(ratios):
+            # The deviation of a carrier from its ratio grows at the rate `left` over the speed.
+            steps = 1e-6 * np.eye(len(ratios))[rests]
+            slopes = [(left(ratios + step) - left(ratios - step)) / 2e-6 for step in steps]
+            own = np.array(slopes).reshape(-1, len(ratios))[:, rests] * sense
+            return np.all(np.linalg.eigvals(own).real < 0)
+
         free = np.array(
             [
                 (s.screw[0] * s.drive[0] + s.screw[1] * s.drive[1])
@@ -204,7 +211,7 @@ class TorqueChain:
         start = np.where(rests, free, carriers / small)
         found = fsolve(left, start, xtol=1e-13, full_output=True)[0]
         # A screw that is braked harder than friction can brake the carriers has no such ratio.
-        return found if np.max(np.abs(left(found))) < 1e-9 else start
+        return found if np.max(np.abs(left(found))) < 1e-9 and attracts(found) else start
 
     def run(
         self,

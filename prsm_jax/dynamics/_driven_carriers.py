@@ -22,6 +22,7 @@ from .._guards import above_or_nan
 from .._physics import physics
 from .._root import find_root
 from ..mechanism import Scalar
+from ..numerics import solve_small
 from ._carrier_balance import steady_motion
 from ._chain import StageState, chain_forces
 from ._contact_losses import has_contact_losses
@@ -265,7 +266,10 @@ def leaving(
     """Tangents at which carriers in step keep their ratio to a screw that turns, and whether found.
 
     From rest they leave in this ratio at once: until the speeds grow, directions of slip alone
-    decide, and every other ratio settles in no time.
+    decide, and every other ratio settles in no time. It has to attract. Of a screw that is braked
+    there is always a second balance, with carriers that turn against it: they would leave that one
+    at once, whichever way. Where friction cannot brake the carriers as hard as the screw is braked
+    it is the only one.
     """
     applied, scale = problem.scenario.torque_at(time), problem.torque_scale
     unit = scale / problem.total_inertia
@@ -282,7 +286,23 @@ def leaving(
     count = len(problem.kinematics)
     start = jnp.concatenate([jnp.zeros_like(speed)[None], first_unknowns(problem)])
     unknowns, found = find_roots(residual, start, tolerance=_accuracy(speed), max_steps=40)
-    return unknowns[1 : 1 + count], found
+    return unknowns[1 : 1 + count], found & _attracts(residual, unknowns, count)
+
+
+def _attracts(residual, unknowns: Float[Array, " unknowns"], count: int) -> Bool[Array, ""]:
+    """Whether carriers return to a balance: what they are out of it grows with each tangent.
+
+    The acceleration of the screw, and shares of normal forces, follow the tangents at once. Each
+    carrier's own derivative decides: those of the others come by the friction of splines and thrust
+    bearings alone.
+    """
+    slopes = jax.jacfwd(residual)(jax.lax.stop_gradient(unknowns))
+    own, size = slice(1, 1 + count), unknowns.size
+    others = jnp.asarray([0, *range(1 + count, size)])
+    followed = slopes[others][:, others], slopes[others][:, own]
+    effect = jax.vmap(solve_small(followed[0]), in_axes=-1, out_axes=-1)(followed[1])
+    reduced = slopes[own, own] - slopes[own][:, others] @ effect
+    return jnp.all(jnp.diagonal(reduced) > 0)
 
 
 @eqx.filter_jit

@@ -130,6 +130,8 @@ class _Law(eqx.Module):
         in_step = jnp.where((mode == STICKING) | (first & moves & ~found), none, in_step)
         values = jnp.where(coasts, kept[2:], in_step)
         label = {"mode": mode, "coasts": coasts, "sign": jnp.sign(turning)}
+        # From rest the screw is not braked, and there is one.
+        label["lost"] = (mode != STICKING) & ~moves & ~found
         if any(resists_turning(problem)):
             over = turning_over(problem, slip_geometry(problem).ratio(in_step))
             # Carriers that begin to turn do so with the screw.

@@ -109,7 +109,9 @@ class TorqueScenario(eqx.Module):
     load: Scalar | Profile | LoadOfMotion | Callable = driven("N", "load on the last nut")
     #: [s]
     duration: Scalar = number("s", "length of the simulation")
-    #: Screw speed at the start [rad/s].
+    #: Screw speed at the start [rad/s]. The carriers start in the ratio in which they settle beside
+    #: a screw that turns as this one; in that of rolling where they settle in none, because it is
+    #: braked harder than friction in the threads can brake them.
     initial_speed: Scalar = number("rad/s", "screw speed at the start", default=0.0)
     #: Position of the nut at the start [m].
     initial_position: Scalar = number("m", "position of the nut at the start", default=0.0)
