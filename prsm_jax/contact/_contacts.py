@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 
 from .._errors import MissingDataError
-from ..mechanism import Mechanism, Scalar
+from ..mechanism import Mechanism, Scalar, of_one_design
 from ._hertz import HertzMethod
 from ._thread_contact import StageContact, stage_contact
 
@@ -23,6 +23,7 @@ def load_of(mechanism: Mechanism, load: float | Scalar | None) -> Scalar:
     return jnp.asarray(load, mechanism.stages[0].thread.lead.dtype)
 
 
+@of_one_design
 def thread_contacts(
     mechanism: Mechanism,
     load: float | Scalar | None = None,

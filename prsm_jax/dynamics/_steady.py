@@ -2,16 +2,16 @@
 
 import dataclasses
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from .._batches import AbstractResult, listed
 from .._errors import MissingDataError
 from .._guards import above_or_nan
 from .._physics import physics
 from ..geometry import dimensions_possible, rollers_fit
-from ..mechanism import Mechanism, Scalar
+from ..mechanism import Mechanism, Scalar, of_one_design
 from ._carrier_balance import balanced_carrier_ratio
 from ._chain import StageState, chain_forces
 from ._contact_losses import with_resistance
@@ -63,7 +63,7 @@ def steady_meaning(name: str) -> str:
     return _MEANINGS[STEADY_RESULTS.index(name)]
 
 
-class SteadyState(eqx.Module):
+class SteadyState(AbstractResult):
     """Steady operating point of a mechanism; arrays run over the stages.
 
     `efficiency` is output over input power: of the nut when the screw drives, of the screw when
@@ -105,16 +105,24 @@ class SteadyState(eqx.Module):
     code: Int[Array, ""] | None = None
 
     @property
+    def batch_shape(self) -> tuple[int, ...]:
+        """Axes of the batch that this steady state is of; empty for a single design."""
+        return self.efficiency.shape
+
+    @property
+    @listed
     def result(self) -> str:
         """What `code` means, and what to do about it."""
         return _MEANINGS[0 if self.code is None else int(self.code)]
 
     @property
+    @listed
     def result_name(self) -> str:
         """`result` as one name: `successful`, `self_locking`, `jammed`, …"""
         return STEADY_RESULTS[0 if self.code is None else int(self.code)]
 
     @property
+    @listed
     def has_efficiency(self) -> bool:
         """Whether `efficiency` is one: a locked or jammed thread has none."""
         return self.code is None or int(self.code) in (0, _OVERLAPPING)
@@ -185,6 +193,7 @@ def all_kinematics(mechanism: Mechanism) -> tuple[StageKinematics, ...]:
     return tuple(stage_kinematics(stage) for stage in mechanism.stages)
 
 
+@of_one_design
 @physics("steady_state")
 def steady_state(
     mechanism: Mechanism,

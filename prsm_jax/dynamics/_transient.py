@@ -5,7 +5,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._errors import PrsmError
-from ..mechanism import Mechanism, TorqueScenario, check_scenario
+from ..mechanism import Mechanism, TorqueScenario, check_scenario, of_one_design
 from ._automatic import chosen_method
 from ._bristle_transient import bristle_history
 from ._bristles import has_bristles
@@ -32,6 +32,7 @@ from ._transient_result import (
 )
 
 
+@of_one_design
 def simulate(
     mechanism: Mechanism,
     scenario: Scenario | TorqueScenario | None = None,

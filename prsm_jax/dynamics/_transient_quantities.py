@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from .._batches import mapped
 from .._errors import UnknownNameError, closest
 from .._guards import above_or_nan
 from ..mechanism import Scalar
@@ -49,7 +50,7 @@ def peak(history: Float[Array, "*batch times"]) -> Float[Array, "*batch"]:
 
 
 def settling_time(
-    time: Float[Array, " times"],
+    time: Float[Array, "*#batch times"],
     history: Float[Array, "*batch times"],
     band: float | Scalar = 0.02,
     end: Float[Array, "*batch"] | None = None,
@@ -63,7 +64,7 @@ def settling_time(
 
     **Arguments:**
 
-    - `time`: sample times [s].
+    - `time`: sample times [s]; one row for all histories, or one for each.
     - `history`: samples, along the last axis.
     - `band`: half the width of the band, relative to the end value.
     - `end`: the end value; default the last sample.
@@ -86,7 +87,8 @@ def settling_time(
         return jnp.take_along_axis(values, index + offset, axis=-1)[..., 0]
 
     outer, inner, limit = at(distance, 0), at(distance, 1), allowed[..., 0]
-    start, stop = time[index[..., 0]], time[index[..., 0] + 1]
+    time = jnp.broadcast_to(time, history.shape)
+    start, stop = at(time, 0), at(time, 1)
     # Only values that a crossing has, the others having no logarithm; and where the next sample is
     # at the end exactly, a straight line.
     decays = crosses & (inner > 0) & (limit > 0)
@@ -96,13 +98,13 @@ def settling_time(
     fallen = jnp.where(crosses, outer - inner, 1.0)
     straight = jnp.where(crosses, outer - limit, 0.0) / fallen
     share = jnp.where(decays, jnp.log(high / between) / jnp.log(high / low), straight)
-    found = jnp.where(last < 0, time[0], time[-1])
+    found = jnp.where(last < 0, time[..., 0], time[..., -1])
     found = jnp.where(jnp.isnan(jnp.sum(distance, axis=-1)), jnp.nan, found)
     return jnp.where(crosses, start + share * (stop - start), found), crosses
 
 
 def integral(
-    time: Float[Array, " times"], history: Float[Array, "*batch times"]
+    time: Float[Array, "*#batch times"], history: Float[Array, "*batch times"]
 ) -> Float[Array, "*batch"]:
     """Integral of a history over its time, by Simpson's rule and a cubic for a last odd interval.
 
@@ -110,11 +112,11 @@ def integral(
 
     **Arguments:**
 
-    - `time`: sample times [s].
+    - `time`: sample times [s]; one row for all histories, or one for each.
     - `history`: samples, along the last axis.
     """
     intervals = history.shape[-1] - 1
-    step = time[1] - time[0]
+    step = time[..., 1] - time[..., 0]
     if intervals == 1:
         return step * (history[..., 0] + history[..., 1]) / 2
     if intervals == 2:
@@ -132,6 +134,7 @@ def integral(
     return total
 
 
+@mapped
 def energy(run: Transient, of: str = "drive") -> Scalar:
     """Energy over the time of a transient [J].
 
@@ -160,6 +163,7 @@ def _power(run: Transient, of: str) -> Float[Array, " times"]:
     return run.losses[of]
 
 
+@mapped
 def mean_efficiency(run: Transient) -> Scalar:
     """Energy out over energy in, of the whole time; each where power flows that way.
 

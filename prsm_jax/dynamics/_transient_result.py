@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from .._batches import AbstractResult, listed
 from ..geometry import dimensions_possible, rollers_fit
 from ..mechanism import Mechanism, Scalar, body_inertia, body_mass
 from ._chain import StageState
@@ -50,7 +51,7 @@ CANNOT_BE_BUILT, MEANS_NOTHING = 9, 11
 _OVERLAPPING, _IMPOSSIBLE, _NOT_FINITE, _NO_DURATION = 9, 10, 11, 12
 
 
-class SolverReport(eqx.Module):
+class SolverReport(AbstractResult):
     """How the integration went."""
 
     steps: Int[Array, ""]
@@ -65,6 +66,12 @@ class SolverReport(eqx.Module):
     time_constant: Scalar | None = None
 
     @property
+    def batch_shape(self) -> tuple[int, ...]:
+        """Axes of the batch that this report is of; empty for a single design."""
+        return self.code.shape
+
+    @property
+    @listed
     def result(self) -> str:
         """What `code` means, and what to do about it."""
         return _MEANINGS[int(self.code)]
@@ -104,7 +111,7 @@ class Phase(eqx.Module):
     mode: Float[Array, " phases"]
 
 
-class Transient(eqx.Module):
+class Transient(AbstractResult):
     """Time histories; stage × time where a stage is concerned."""
 
     time: Float[Array, " times"]
@@ -148,6 +155,11 @@ class Transient(eqx.Module):
     sticking: Bool[Array, " times"] | None = None
     #: Stretches of turning and sticking, where the torque is prescribed.
     phases: Phase | None = None
+
+    @property
+    def batch_shape(self) -> tuple[int, ...]:
+        """Axes of the batch that these histories are of; empty for a single design."""
+        return self.time.shape[:-1]
 
 
 def _kinetic_power(mechanism: Mechanism, carrier_speed, acceleration, speed, screw_acceleration):

@@ -6,7 +6,7 @@ from jaxtyping import Array, Bool, Float
 
 from .._physics import physics
 from .._root import find_root_of
-from ..mechanism import Scalar, Thread
+from ..mechanism import Scalar, Thread, of_one_design
 from ._curvature import RelativeCurvature, relative_curvature
 from ._flanks import (
     FlankGeometry,
@@ -138,6 +138,7 @@ def _unit_normal(slope: Slope, sign: float) -> Float[Array, "3"]:
     return jnp.stack([x * scale, y * scale, -scale])
 
 
+@of_one_design
 @physics("meshing")
 def mesh(thread: Thread) -> Meshing:
     """Contact points, normals and relative curvatures of one roller with screw and nut.

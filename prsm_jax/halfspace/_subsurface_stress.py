@@ -3,11 +3,11 @@
 import functools
 import operator
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from .._batches import AbstractResult, mapped
 from .._physics import physics
 from ..contact import von_mises_stress
 from ..mechanism import Scalar
@@ -19,7 +19,7 @@ from ._rectangle_stress import pressure_stress, shear_stress
 _FULL = ((0, 3, 5), (3, 1, 4), (5, 4, 2))
 
 
-class SubsurfaceStress(eqx.Module):
+class SubsurfaceStress(AbstractResult):
     """Stress tensor below the cells' centres at some depths; tension is positive."""
 
     grid: Grid
@@ -29,11 +29,18 @@ class SubsurfaceStress(eqx.Module):
     tensor: Float[Array, "depths nx ny 3 3"]
 
     @property
+    def batch_shape(self) -> tuple[int, ...]:
+        """Axes of the batch that these stresses are of; empty for a single design."""
+        return self.depths.shape[:-1]
+
+    @property
+    @mapped
     def von_mises(self) -> Float[Array, "depths nx ny"]:
         """Reduced stress after von Mises [Pa]."""
         return von_mises_stress(self.tensor)
 
     @property
+    @mapped
     def max_von_mises(self) -> tuple[Scalar, Scalar]:
         """Largest von Mises stress of all points [Pa] and its depth [m].
 

@@ -8,9 +8,10 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from .._batches import AbstractResult, mapped
 from ..contact import StageContact, load_of
 from ..geometry import Meshing
-from ..mechanism import Mechanism, Scalar, Stage
+from ..mechanism import Mechanism, Scalar, Stage, of_one_design
 from ._chains import (
     Chains,
     Control,
@@ -27,7 +28,7 @@ from ._stage_chains import UNITS, StageChains, sharing_of, stage_chains, with_un
 from ._unloaded import ElasticDeflection, elastic_deflection
 
 
-class LoadDistribution(eqx.Module):
+class LoadDistribution(AbstractResult):
     """How a stage shares an axial load among its threads and rollers.
 
     Threads count from the end of the nut where the screw's force enters. A positive load presses
@@ -53,25 +54,35 @@ class LoadDistribution(eqx.Module):
     rollers: tuple[tuple[int, ...], ...] = eqx.field(static=True)
 
     @property
+    def batch_shape(self) -> tuple[int, ...]:
+        """Axes of the batch that this distribution is of; empty for a single design."""
+        return self.deflection.shape
+
+    @property
+    @mapped
     def elastic(self) -> ElasticDeflection:
         """What the load itself does to `deflection`: without preload, play and errors."""
         return elastic_deflection(self.chains, self.load, self.deflection)
 
     @property
+    @mapped
     def secant_stiffness(self) -> Scalar:
         """Load over the travel that it causes (see `elastic`) [N/m]; 0 without load."""
         return self.elastic.secant_stiffness
 
     @property
+    @mapped
     def max_pressure(self) -> Scalar:
         """Largest Hertz pressure of all threads on both sides [Pa]."""
         return jnp.maximum(jnp.max(self.screw.max_pressure), jnp.max(self.nut.max_pressure))
 
     @property
+    @mapped
     def stored_energy(self) -> Scalar:
         """Elastic energy in contacts, teeth and shafts [J]."""
         return stored_energy(self.chains, self.equilibrium.state, self.load)
 
+    @mapped
     def worst_thread(self, side: Literal["screw", "nut"]) -> tuple[Array, Array]:
         """Class (from 0) and thread (from 1) with the largest pressure on a side."""
         pressure = getattr(self, side).max_pressure
@@ -260,6 +271,7 @@ def stage_load_distributions(
     return [jax.tree.map(lambda leaf, k=k: leaf[k], found) for k in range(len(loads))]
 
 
+@of_one_design
 def load_distribution(
     mechanism: Mechanism, load: float | Scalar | None = None, *, stage: int = 1
 ) -> LoadDistribution:

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jax.typing import ArrayLike
 from jaxtyping import Array, Bool, Float
 
-from ..mechanism import Mechanism, Stage
+from ..mechanism import Mechanism, Stage, of_one_design
 from ._chains import Control
 from ._distribution import balanced, stage_at
 from ._stage_chains import sharing_of, stage_chains
@@ -29,6 +29,7 @@ class ForceDeflection(eqx.Module):
     converged: Bool[Array, " points"]
 
 
+@of_one_design
 def force_deflection(
     mechanism: Mechanism,
     loads: ArrayLike | Sequence[float] | None = None,

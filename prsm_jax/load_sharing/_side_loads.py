@@ -2,10 +2,10 @@
 
 from typing import Literal
 
-import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from .._batches import AbstractResult, mapped
 from .._guards import above_or_nan
 from ..mechanism import Scalar
 from ._chains import Flanks, Loads
@@ -16,7 +16,7 @@ from ._stage_chains import StageChains
 _NOTHING = {True: 1e-9, False: 1e-3}
 
 
-class SideLoads(eqx.Module):
+class SideLoads(AbstractResult):
     """Loads between rollers and screw, or rollers and nut; a row for each class of rollers."""
 
     #: Axial load on the flanks that a positive load presses [N].
@@ -36,17 +36,25 @@ class SideLoads(eqx.Module):
     tangent: Float[Array, " classes"] | None = None
 
     @property
+    def batch_shape(self) -> tuple[int, ...]:
+        """Axes of the batch that these loads are of; empty for a single design."""
+        return self.weight.shape[:-1]
+
+    @property
+    @mapped
     def thread_load(self) -> Float[Array, "classes threads"]:
         """Axial load on each thread, on whichever flank [N]."""
         return self.forward if self.reverse is None else self.forward + self.reverse
 
     @property
+    @mapped
     def roller_load(self) -> Float[Array, " classes"]:
         """Axial load that one roller of each class carries [N]."""
         net = self.forward if self.reverse is None else self.forward - self.reverse
         return jnp.sum(net, axis=1)
 
     @property
+    @mapped
     def roller_stiffness(self) -> Scalar:
         """Axial secant stiffness of one roller of the first class [N/m].
 
@@ -56,22 +64,26 @@ class SideLoads(eqx.Module):
         return self.stiffness[0]
 
     @property
+    @mapped
     def roller_tangent_stiffness(self) -> Scalar:
         """As `roller_stiffness`, but tangent [N/m]."""
         assert self.tangent is not None
         return self.tangent[0]
 
     @property
+    @mapped
     def thread_sharing_factor(self) -> Scalar:
         """Largest load of a thread over the mean of all; 1 without load."""
         return self._ratio(jnp.max(self.thread_load), self._mean_thread_load)
 
     @property
+    @mapped
     def _mean_thread_load(self) -> Scalar:
         load = self.thread_load
         return jnp.sum(self.weight[:, None] * load) / (jnp.sum(self.weight) * load.shape[1])
 
     @property
+    @mapped
     def loaded(self) -> Bool[Array, ""]:
         """Whether the threads bear more than rounding."""
         return above_or_nan(self._mean_thread_load, self._nothing)
@@ -84,6 +96,7 @@ class SideLoads(eqx.Module):
         return _NOTHING[self.weight.dtype == jnp.float64] * self.force_unit
 
     @property
+    @mapped
     def roller_sharing_factor(self) -> Scalar:
         """Largest load of a roller over the mean of all; 1 without load."""
         load = self.roller_load

@@ -83,6 +83,7 @@ from ._mechanism import (
     OperatingPoint as OperatingPoint,
     Stage as Stage,
 )
+from ._one_design import check_one_design as check_one_design, of_one_design as of_one_design
 from ._parameters import (
     DESIGN_VARIABLES as DESIGN_VARIABLES,
     DesignVariable as DesignVariable,

@@ -118,6 +118,26 @@ class DutyCycle(eqx.Module):
             check_finite("DutyCycle", f"give the {name} of each phase in {unit}", **values)
 
 
+class Title(str):
+    """A text that tells no program apart from another.
+
+    Static parts of a pytree are compared wherever pytrees are stacked and compiled programs are
+    looked up. All titles are equal there: a new one neither compiles anew nor keeps designs from
+    being stacked. With an ordinary string it compares by its letters.
+    """
+
+    __slots__ = ()
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Title) or str.__eq__(self, other) is True
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
+    def __hash__(self) -> int:
+        return hash(Title)
+
+
 class Mechanism(eqx.Module):
     """A planetary roller screw mechanism of one or several stages.
 
@@ -128,7 +148,7 @@ class Mechanism(eqx.Module):
     stages: tuple[Stage, ...]
     operating_point: OperatingPoint | None = None
     duty_cycle: DutyCycle | None = None
-    title: str = choice("a name for reports", default="")
+    title: str = choice("a name for reports", default="", converter=Title)
     design_problem: DesignProblem | None = choice("the [optimise] table of the file", default=None)
     #: What `simulate` does unless it is told otherwise.
     scenario: Scenario | TorqueScenario | None = None

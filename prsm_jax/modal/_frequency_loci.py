@@ -12,7 +12,7 @@ from jaxtyping import Array, Bool, Float
 from ..contact import StageContact, load_of
 from ..geometry import mesh
 from ..load_sharing import LoadDistribution
-from ..mechanism import Mechanism, Scalar, find_parameters, set_parameter
+from ..mechanism import Mechanism, Scalar, find_parameters, of_one_design, set_parameter
 from ..stiffness import loaded_threads, thread_stiffness
 from ._dense import stage_modes
 from ._families import FAMILIES, family_shares
@@ -132,6 +132,7 @@ def _all_points(mechanism: Mechanism, values: Array, parameter: str, stage: int,
 _one_point = eqx.filter_jit(_point)
 
 
+@of_one_design
 def frequency_loci(
     mechanism: Mechanism,
     parameter: str,

@@ -4,13 +4,14 @@ import jax.numpy as jnp
 
 from .._physics import physics
 from ..contact import load_of
-from ..mechanism import Mechanism, Scalar
+from ..mechanism import Mechanism, Scalar, of_one_design
 from ..stiffness import loaded_threads, thread_stiffness
 from ._dense import stage_modes
 from ._modes import Modes
 from ._system import vibration_system
 
 
+@of_one_design
 @physics("modal")
 def modal(
     mechanism: Mechanism,

@@ -6,6 +6,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from .._batches import AbstractResult, listed, mapped
 from ._energy import kinetic_energies, shares, strain_energies
 from ._families import FAMILIES, family_shares
 from ._spring_modes import clusters
@@ -32,7 +33,7 @@ class ModeGroup(eqx.Module):
     shapes: Float[Array, "coordinates modes multiplicity"] | None = None
 
 
-class Modes(eqx.Module):
+class Modes(AbstractResult):
     """Natural frequencies of one stage, and on request its mode shapes.
 
     `frequencies` lists all degrees of freedom in ascending order, repeated roots repeated;
@@ -49,11 +50,17 @@ class Modes(eqx.Module):
     system: VibrationSystem | None = None
     network: SpringNetwork | None = None
 
+    @property
+    def batch_shape(self) -> tuple[int, ...]:
+        """Axes of the batch that these modes are of; empty for a single design."""
+        return self.groups[0].frequencies.shape[:-1]
+
     def _repeated(self) -> Float[Array, " degrees"]:
         return jnp.concatenate([jnp.repeat(g.frequencies, g.multiplicity) for g in self.groups])
 
     @property
-    def frequencies(self) -> Float[Array, " degrees"]:
+    @mapped
+    def frequencies(self) -> Float[Array, "*batch degrees"]:
         """All natural frequencies, ascending, repeated roots repeated [Hz].
 
         Where one of them is NaN so are all, for its place in the order is not known.
@@ -75,7 +82,8 @@ class Modes(eqx.Module):
         return self._asked()[1].coordinates
 
     @property
-    def shapes(self) -> Float[Array, "coordinates degrees"]:
+    @mapped
+    def shapes(self) -> Float[Array, "*batch coordinates degrees"]:
         """Mass-normalised mode shapes, one column for each entry of `frequencies` [1/√kg].
 
         Rotations are displacements u = r θ on the nominal circle. The shapes of a repeated root
@@ -110,6 +118,7 @@ class Modes(eqx.Module):
         order = jnp.argsort(self._repeated(), stable=True)
         return {name: jnp.concatenate([row[name] for row in found])[order] for name in found[0]}
 
+    @mapped
     def kinetic_energy_shares(self, *, each_roller: bool = False) -> dict[str, Array]:
         """Share of the kinetic energy in each body, for each entry of `frequencies`.
 
@@ -123,6 +132,7 @@ class Modes(eqx.Module):
             lambda shapes: kinetic_energies(network, shapes, each_roller=each_roller)
         )
 
+    @mapped
     def strain_energy_shares(self, *, each_spring: bool = False) -> dict[str, Array]:
         """Share of the strain energy in each kind of spring, for each entry of `frequencies`.
 
@@ -158,6 +168,7 @@ class Modes(eqx.Module):
         return jnp.argmax(shares, axis=0).tolist()
 
     @property
+    @listed
     def families(self) -> tuple[str, ...]:
         """Family of each entry of `frequencies`: rigid, carrier, torsional, transverse, roller.
 
@@ -166,11 +177,13 @@ class Modes(eqx.Module):
         return tuple(family for _, family, _ in self._labels())
 
     @property
+    @listed
     def multiplicities(self) -> tuple[int, ...]:
         """Multiplicity by symmetry of each entry of `frequencies`; 1 where there is none."""
         return tuple(multiplicity for _, _, multiplicity in self._labels())
 
     @property
+    @listed
     def distinct(self) -> tuple[int, ...]:
         """Where each distinct root first stands in `frequencies`, repeated ones counted once."""
         places, at, times = [], 0, self.multiplicities

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Int
 
 from .._errors import MissingDataError, UnknownNameError, closest
-from ..mechanism import Mechanism, Scalar
+from ..mechanism import Mechanism, Scalar, of_one_design
 from ._analysis import Analysis, SharedLoad
 from ._assumptions import known_assumption, sentences
 from ._reasons import REASONS, code_of
@@ -107,6 +107,7 @@ def assumptions(mechanism: Mechanism, quantities: Iterable[str] | None = None) -
     return sentences(mechanism, dict.fromkeys(declared))
 
 
+@of_one_design
 def compute(
     mechanism: Mechanism,
     quantities: Iterable[str],
@@ -130,6 +131,7 @@ def compute(
     return evaluate(Analysis(mechanism, speed, load), quantities)
 
 
+@of_one_design
 def compute_checked(
     mechanism: Mechanism,
     quantities: Iterable[str],
@@ -148,6 +150,7 @@ def compute_checked(
     return values, analysis.valid & _finite(values)
 
 
+@of_one_design
 def compute_coded(
     mechanism: Mechanism,
     quantities: Iterable[str],

@@ -8,8 +8,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from .._batches import AbstractResult, mapped
 from .._physics import physics
-from ..mechanism import Mechanism, Scalar
+from ..mechanism import Mechanism, Scalar, of_one_design
 from ..modal import Modes, stage_modes
 from ._orders import (
     ExcitationOrder,
@@ -45,7 +46,7 @@ class Crossing:
         return self.speed * 30 / np.pi
 
 
-class Campbell(eqx.Module):
+class Campbell(AbstractResult):
     """Natural frequencies of one stage and the orders that may excite them.
 
     The frequencies do not change with the speed: rollers and screw turn too slowly for gyroscopic
@@ -61,6 +62,12 @@ class Campbell(eqx.Module):
     symmetric: bool = eqx.field(static=True)
 
     @property
+    def batch_shape(self) -> tuple[int, ...]:
+        """Axes of the batch that this diagram is of; empty for a single design."""
+        return self.carrier_ratio.shape
+
+    @property
+    @mapped
     def critical_speeds(self) -> Float[Array, "orders harmonics degrees"]:
         """Screw speeds at which harmonics of orders meet the natural frequencies [rad/s].
 
@@ -128,6 +135,7 @@ class Campbell(eqx.Module):
         return tuple(sorted(found, key=lambda one: one.speed))
 
 
+@of_one_design
 @physics("campbell")
 def campbell(
     mechanism: Mechanism,

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Complex, Float
 
-from ..mechanism import Mechanism, Scalar
+from ..mechanism import Mechanism, Scalar, of_one_design
 from ..modal import VibrationSystem, spring_network
 from ._dissipation import LAWS, AnyDamping
 from ._receptance import Solver, infinite, receptance_matrix
@@ -87,6 +87,7 @@ def apart_by_symmetry(system: VibrationSystem, first: str, second: str) -> bool:
     return not alike
 
 
+@of_one_design
 def frequency_response(
     mechanism: Mechanism,
     excitation: str,

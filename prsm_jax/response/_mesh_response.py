@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Complex, Float
 
 from .._physics import physics
-from ..mechanism import Mechanism, Scalar
+from ..mechanism import Mechanism, Scalar, of_one_design
 from ..modal import Coordinate, Spring, SpringNetwork, VibrationSystem, spring_network
 from ._dissipation import AnyDamping
 from ._orders import (
@@ -152,6 +152,7 @@ def excited_response(
     )
 
 
+@of_one_design
 def mesh_response(
     mechanism: Mechanism,
     speed: Float[Array | np.ndarray, " speeds"] | Sequence[float],

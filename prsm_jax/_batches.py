@@ -1,0 +1,72 @@
+"""Results of one design and of a batch of them: the same properties for both.
+
+`jax.vmap` of a public function gives a result whose arrays all have the axes of the batch in front.
+What a result derives from its arrays is written for one design, and mapped here over those axes.
+"""
+
+import abc
+import functools
+from collections.abc import Callable
+from typing import Any, Concatenate, ParamSpec, TypeVar
+
+import equinox as eqx
+import jax
+import numpy as np
+
+_Given = ParamSpec("_Given")
+_Found = TypeVar("_Found")
+_Own = TypeVar("_Own", bound="AbstractResult")
+
+
+class AbstractResult(eqx.Module):
+    """What an analysis returns: for one design, or under `jax.vmap` for a batch of them."""
+
+    @property
+    @abc.abstractmethod
+    def batch_shape(self) -> tuple[int, ...]:
+        """Axes of the batch that this result is of; empty for a single design."""
+
+
+def mapped(
+    method: Callable[Concatenate[_Own, _Given], _Found],
+) -> Callable[Concatenate[_Own, _Given], _Found]:
+    """A method or property of one design that returns arrays, mapped over a batch of them."""
+
+    @functools.wraps(method)
+    def run(result: _Own, /, *args: _Given.args, **kwargs: _Given.kwargs) -> _Found:
+        def of_one(one: _Own) -> _Found:
+            return method(one, *args, **kwargs)
+
+        call: Callable[[_Own], _Found] = of_one
+        for _ in result.batch_shape:
+            call = jax.vmap(call)
+        return call(result)
+
+    return run
+
+
+def listed(
+    method: Callable[Concatenate[_Own, _Given], Any],
+) -> Callable[Concatenate[_Own, _Given], Any]:
+    """A method or property of one design that returns words or Python numbers.
+
+    For a batch it gives a NumPy array of them, whose first axes are those of the batch.
+    """
+
+    @functools.wraps(method)
+    def run(result: _Own, /, *args: _Given.args, **kwargs: _Given.kwargs) -> Any:
+        shape = result.batch_shape
+        if not shape:
+            return method(result, *args, **kwargs)
+        numbers, rest = eqx.partition(result, eqx.is_array)
+        numbers = jax.device_get(numbers)
+        found = [
+            method(_one(numbers, rest, index), *args, **kwargs) for index in np.ndindex(*shape)
+        ]
+        return np.reshape(np.asarray(found), shape + np.shape(found[0]))
+
+    return run
+
+
+def _one(numbers, rest, index: tuple[int, ...]):
+    return eqx.combine(jax.tree.map(lambda array: array[index], numbers), rest)

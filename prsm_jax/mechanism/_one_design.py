@@ -1,0 +1,92 @@
+"""What a public function takes: one design, whose numbers are scalars."""
+
+import dataclasses
+import functools
+import types
+import typing
+from collections.abc import Callable, Iterator
+from typing import Any, ParamSpec, TypeVar
+
+import equinox as eqx
+import jax
+import numpy as np
+
+_Given = ParamSpec("_Given")
+_Found = TypeVar("_Found")
+
+
+@functools.cache
+def _axes_of(kind: type) -> dict[str, int | None]:
+    """Of each field of a module that is an array its number of axes; `None` of all others."""
+    hints = typing.get_type_hints(kind)
+    found: dict[str, int | None] = {}
+    for field in dataclasses.fields(kind):
+        if field.metadata.get("static", False):
+            continue
+        hint = hints[field.name]
+        union = typing.get_origin(hint) in (typing.Union, types.UnionType)
+        among = typing.get_args(hint) if union else (hint,)
+        words = [getattr(one, "dim_str", None) for one in among]
+        declared = [w.split() for w in words if w is not None]
+        fixed = len(declared) == 1 and not any("*" in w or "..." in w for w in declared[0])
+        found[field.name] = len(declared[0]) if fixed else None
+    return found
+
+
+def _declared(module: eqx.Module, path: str) -> Iterator[tuple[int, int, str]]:
+    """Leaf, number of axes and path of every array of a module whose leaves are their places."""
+    for name, axes in _axes_of(type(module)).items():
+        for at, one in _items(getattr(module, name), f"{path}{name}"):
+            if isinstance(one, eqx.Module):
+                yield from _declared(one, f"{at}.")
+            elif axes is not None and isinstance(one, int):
+                yield one, axes, at
+
+
+def _items(value: Any, path: str) -> Iterator[tuple[str, Any]]:
+    if isinstance(value, tuple | list):
+        for index, one in enumerate(value):
+            yield f"{path}[{index}]", one
+    else:
+        yield path, value
+
+
+@functools.lru_cache(maxsize=256)
+def _axes(structure: jax.tree_util.PyTreeDef) -> tuple[tuple[int, int, str], ...]:
+    # Walking through the modules takes ten times as long as listing their leaves.
+    return tuple(_declared(jax.tree.unflatten(structure, range(structure.num_leaves)), ""))
+
+
+def check_one_design(module: eqx.Module, where: str) -> None:
+    """Refuse a batch of designs where one is wanted.
+
+    **Arguments:**
+
+    - `module`: a mechanism or a part of one.
+    - `where`: the name of the function that was given it.
+
+    **Raises:** `ValueError`, naming the first number that has more axes than it may.
+    """
+    leaves, structure = jax.tree.flatten(module)
+    for place, axes, path in _axes(structure):
+        if np.ndim(leaves[place]) > axes:
+            kind = type(module).__name__.lower()
+            raise ValueError(
+                f"{where}: {path} has the shape {np.shape(leaves[place])}, so this is a batch of "
+                f"designs, and {where} takes one {kind}; map it over the batch: "
+                f"jax.vmap(prsm.{where})({kind})"
+            )
+
+
+def of_one_design(function: Callable[_Given, _Found]) -> Callable[_Given, _Found]:
+    """A public function whose first argument, a mechanism or a part, must not be a batch."""
+    name = getattr(function, "__name__", "this function")
+
+    @functools.wraps(function)
+    def run(*args: _Given.args, **kwargs: _Given.kwargs) -> _Found:
+        module = args[0] if args else next(iter(kwargs.values()), None)
+        if isinstance(module, eqx.Module):
+            check_one_design(module, name)
+        return function(*args, **kwargs)
+
+    return run

@@ -1,0 +1,129 @@
+"""Results of `jax.vmap` are those of the designs one by one, in every property."""
+
+import dataclasses
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import prsm_jax as prsm
+from prsm_jax.mechanism import get_parameter, set_parameters
+
+SCALES = np.array([0.99, 1.0, 1.02])
+
+
+def _designs(name: str):
+    """Three designs of an example, one by one and as a batch."""
+    mechanism = prsm.load(name)
+    value = get_parameter(mechanism, "lead")
+    one_by_one = [set_parameters(mechanism, {"lead": value * scale}) for scale in SCALES]
+    return one_by_one, jax.tree.map(lambda *leaves: jnp.stack(leaves), *one_by_one)
+
+
+def _agree(batched, each, rtol=1e-12):
+    one_by_one = [jax.tree.leaves(one) for one in each]
+    leaves = jax.tree.leaves(batched)
+    assert leaves
+    for place, leaf in enumerate(leaves):
+        expected = np.stack([np.asarray(one[place]) for one in one_by_one])
+        assert np.shape(leaf) == expected.shape
+        if expected.dtype.kind in "US":
+            assert (np.asarray(leaf) == expected).all()
+        else:
+            # The least: rounding of shares that are zero by symmetry.
+            np.testing.assert_allclose(leaf, expected, rtol=rtol, atol=1e-13 * abs(expected).max())
+
+
+def _read(result, names):
+    found = {}
+    for name in names:
+        value = getattr(result, name)
+        value = value() if callable(value) else value
+        found[name] = np.asarray(value) if isinstance(value, tuple | str | bool) else value
+    return found
+
+
+def _compare(function, name, properties):
+    each, batch = _designs(name)
+    results = eqx.filter_jit(jax.vmap(function))(batch)
+    one = eqx.filter_jit(function)
+    _agree(_read(results, properties), [_read(one(m), properties) for m in each])
+    assert results.batch_shape == (3,)
+    assert one(each[0]).batch_shape == ()
+
+
+def test_modes():
+    properties = ("frequencies", "families", "multiplicities", "distinct")
+    energies = ("kinetic_energy_shares", "strain_energy_shares")
+    _compare(lambda m: prsm.modal(m, shapes=True), "wu2022", properties + energies)
+
+
+def test_steady_states():
+    properties = ("efficiency", "result", "result_name", "has_efficiency", "computed")
+    _compare(prsm.steady_state, "li2020_two_stage", properties)
+
+
+def test_transients():
+    each, batch = _designs("li2020_two_stage")
+    program = eqx.filter_jit(lambda m: prsm.simulate(m, throw=False))
+    runs, one = eqx.filter_jit(jax.vmap(program))(batch), [program(m) for m in each]
+    _agree(_read(runs.solver, ["result"]), [_read(run.solver, ["result"]) for run in one])
+    for read in (
+        prsm.mean_efficiency,
+        lambda run: prsm.energy(run, "loss"),
+        lambda run: prsm.integral(run.time, run.drive_torque),
+        lambda run: prsm.settling_time(run.time, run.drive_torque)[0],
+    ):
+        _agree(read(runs), [read(run) for run in one])
+
+
+def test_load_distributions():
+    properties = ("secant_stiffness", "max_pressure", "stored_energy")
+    _compare(prsm.load_distribution, "actuator_load_sharing", properties)
+    _, batch = _designs("actuator_load_sharing")
+    found = eqx.filter_jit(jax.vmap(prsm.load_distribution))(batch)
+    each = [jax.tree.map(lambda leaf, at=at: leaf[at], found) for at in range(3)]
+    names = ("thread_load", "roller_load", "thread_sharing_factor", "roller_sharing_factor")
+    for side in ("screw", "nut"):
+        whole = _read(getattr(found, side), names)
+        _agree(whole, [_read(getattr(one, side), names) for one in each])
+
+
+def test_two_axes_of_a_batch():
+    _, batch = _designs("wu2022")
+    pairs = jax.tree.map(lambda leaf: jnp.stack([leaf, leaf[::-1]]), batch)
+    found = eqx.filter_jit(jax.vmap(jax.vmap(prsm.modal)))(pairs)
+    assert found.batch_shape == (2, 3)
+    assert found.frequencies.shape == (2, 3, 17)
+    np.testing.assert_array_equal(found.frequencies[1, ::-1], found.frequencies[0])
+    assert found.families.shape == (2, 3, 17)
+
+
+@pytest.mark.parametrize("name", ["modal", "steady_state", "simulate", "thread_contacts", "check"])
+def test_a_batch_without_vmap_is_refused(name, unchecked):
+    _, batch = _designs("li2020_two_stage")
+    with pytest.raises(ValueError, match=rf"stages\[0\].*shape \(3,\).*jax\.vmap\(prsm\.{name}\)"):
+        getattr(prsm, name)(batch)
+    with pytest.raises(ValueError, match="batch of designs"):
+        getattr(prsm, name)(mechanism=batch)
+
+
+def test_a_title_compiles_nothing_anew_and_lets_designs_be_stacked():
+    first = prsm.load("wu2022")
+    second = dataclasses.replace(first, title="another")
+    traced = []
+
+    @jax.jit
+    def lead(mechanism):
+        traced.append(1)
+        return get_parameter(mechanism, "lead")
+
+    lead(first), lead(second)
+    assert len(traced) == 1
+    stacked = jax.tree.map(lambda *leaves: jnp.stack(leaves), first, second)
+    assert get_parameter(stacked, "lead").shape == (2,)
+    assert second.title == "another"
+    assert str(first.title) != str(second.title)
+    assert prsm.loads(prsm.dumps(second)).title == "another"
