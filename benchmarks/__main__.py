@@ -1,6 +1,7 @@
 """`python -m benchmarks [case …] [--quick | --smoke] [--out DIR]`, or `--list`.
 
-`python -m benchmarks extremes` is the matrix of extremes, with options of its own (`--help`).
+`python -m benchmarks extremes` is the matrix of extremes, with options of its own (`--help`), and
+`python -m benchmarks load` the growth of run time and memory with the size of what is asked.
 """
 
 import argparse
@@ -76,6 +77,10 @@ def main(argv: list[str] | None = None) -> int:
         from .extremes.command import main as extremes
 
         return extremes(given[1:])
+    if given[:1] == ["load"]:
+        from .load.command import main as load
+
+        return load(given[1:])
     arguments = _arguments(argv)
     share_cores()
     chosen = arguments.cases or case_names()

@@ -36,7 +36,7 @@ def _processor() -> str:
     return platform.processor() or platform.machine()
 
 
-def _machine() -> dict[str, Any]:
+def machine() -> dict[str, Any]:
     """The machine without anything that names it: no host, no user, no paths."""
     affinity = getattr(os, "sched_getaffinity", None)
     return {
@@ -47,14 +47,15 @@ def _machine() -> dict[str, Any]:
     }
 
 
-def _versions() -> dict[str, str]:
-    versions = {"python": platform.python_version()}
+def versions() -> dict[str, str]:
+    """Of Python and of the packages that matter."""
+    found = {"python": platform.python_version()}
     for package in _PACKAGES:
         try:
-            versions[package] = importlib.metadata.version(package)
+            found[package] = importlib.metadata.version(package)
         except importlib.metadata.PackageNotFoundError:
             continue
-    return versions
+    return found
 
 
 def _setting(row: Measurement) -> dict[str, Any] | None:
@@ -158,8 +159,8 @@ def document(case: Case, measured: Measured, *, quick: bool) -> dict[str, Any]:
         "description": case.description,
         "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
         "quick": quick,
-        "machine": _machine(),
-        "versions": _versions(),
+        "machine": machine(),
+        "versions": versions(),
         "problems": [
             {
                 "name": problem.name,

@@ -73,7 +73,8 @@ def _run(kind: str, python: str) -> bool:
     inner = _environment(kind, python)
     installed = time.monotonic()
     command = [str(inner), "-m", "pytest", "-q", "-p", "no:cacheprovider", *_WARNINGS]
-    command += ["-o", "addopts=--strict-markers", "--disable-warnings", *TESTS]
+    command += ["-o", "addopts=--strict-markers", "--disable-warnings", "--durations=8"]
+    command += ["-n", os.environ.get("WORKERS", "2"), "--dist", "worksteal", *TESTS]
     environment = os.environ | {"PYTHONPATH": str(_ROOT), "PYTHONDONTWRITEBYTECODE": "1"}
     passed = subprocess.run(command, cwd=_ROOT, env=environment, check=False).returncode == 0
     print(f"({installed - began:.0f} s to install, {time.monotonic() - installed:.0f} s to test)")

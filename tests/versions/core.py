@@ -1,16 +1,22 @@
-"""Tests of the core paths: reading, contact, modes, motion, derivatives, design, sweep, report."""
+"""Tests of the core paths: reading, contact, modes, motion, derivatives, design, sweep, report.
+
+Files, or single tests of a file where the rest takes long and uses no other package.
+"""
 
 TESTS = (
     "tests/file/test_file_examples.py",
     "tests/file/test_file_units.py",
     "tests/file/test_file_edit.py",
     "tests/analytic/test_analytic_hertz.py",
-    "tests/analytic/test_analytic_meshing.py",
-    "tests/analytic/test_analytic_modes.py",
-    "tests/analytic/test_analytic_steady.py",
-    "tests/analytic/test_analytic_settling.py",
-    "tests/optimise/test_optimise_analytic.py",
-    "tests/sensitivity/test_sensitivity_values.py",
+    "tests/analytic/test_analytic_modes.py::test_both_paths_agree",
+    "tests/analytic/test_analytic_modes.py::test_rollers_that_differ",
+    "tests/analytic/test_analytic_steady.py::test_exact_efficiency",
+    "tests/analytic/test_analytic_steady.py::test_power_balance_of_random_mechanisms",
+    "tests/analytic/test_analytic_settling.py::test_closed_form_against_scipy",
+    "tests/analytic/test_analytic_settling.py::test_closed_form_and_integration_agree",
+    "tests/optimise/test_optimise_analytic.py::test_minimum_at_a_bound",
+    "tests/optimise/test_optimise_analytic.py::test_constrained_bowl_and_its_price",
+    "tests/sensitivity/test_sensitivity_values.py::test_gradients_against_central_differences",
     "tests/sweep/test_sweep.py",
     "tests/sweep/test_sweep_stores.py",
     "tests/report/test_report_write.py",

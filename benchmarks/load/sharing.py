@@ -1,0 +1,71 @@
+"""Load sharing among many threads and rollers, and whether what is found is a balance."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from prsm_jax.load_sharing import Chains, Flanks, equilibrium, with_units
+
+#: Load on one thread contact [N].
+_EACH = 60.0
+#: δ = b f^{2/3} + c f of a thread contact with its teeth, and segments of screw, roller and nut.
+_HERTZ, _TOOTH = 1.5e-7, 5e-9
+_SEGMENTS = (3e-11, 2.4e-10, 0.75e-11)
+
+
+def _imbalance(first, second, gap, load: float) -> float:
+    """Largest force and displacement that do not fit, over those of a mean thread.
+
+    Loads of both sides (roller × thread) belong to a balance if every roller is pressed as hard by
+    the screw as by the nut, if all together carry the load, and if the shafts that they compress
+    leave between neighbouring threads just the difference of their approaches.
+    """
+    screw, roller, nut = _SEGMENTS
+    # A real shaft is shared by all rollers: its compliance counts for the sum.
+    forces = [first.sum(1) - second.sum(1), np.array([first.sum(), second.sum()]) - load]
+    wrong = max(float(np.max(np.abs(force))) for force in forces) / _EACH
+    below = np.cumsum(first.sum(0))[:-1]
+    of_screw = screw * (load - below)
+    of_roller = roller * np.cumsum(first - second, axis=1)[:, :-1]
+    of_nut = -nut * (second.sum() - np.cumsum(second.sum(0))[:-1])
+    for loads, shaft in ((first, of_screw - of_roller), (second, of_roller - of_nut)):
+        approach = _HERTZ * loads ** (2 / 3) + _TOOTH * loads + gap
+        open_ = np.diff(approach, axis=1) + shaft
+        pressed = (loads[:, 1:] > 0) & (loads[:, :-1] > 0)
+        mean = _HERTZ * _EACH ** (2 / 3)
+        wrong = max(wrong, float(np.max(np.abs(np.where(pressed, open_, 0.0)))) / mean)
+    return wrong
+
+
+def sharing(threads: int):
+    """A nut with `threads` threads on 0.6 times as many rollers, all unlike.
+
+    **Returns:** the call, the error of what it gives, and the number of contacts of a side.
+    """
+    rollers = round(0.6 * threads)
+    load = _EACH * threads * rollers
+    gap = np.random.default_rng(60).normal(size=(rollers, threads)) * 2e-7
+
+    @jax.jit
+    def solve(load, gap) -> Any:
+        ones = jnp.ones((rollers, 1))
+        flanks = Flanks(gap, None, _HERTZ * ones, _TOOTH * ones)
+        screw, roller, nut = (jnp.full((threads - 1,), value) for value in _SEGMENTS)
+        unit = jnp.ones(())
+        bare = Chains(jnp.ones(rollers), flanks, flanks, screw, roller, nut, unit, unit, 0 * unit)
+        chains = with_units(bare, load=load)
+        found = equilibrium(chains, load, tolerance=1e-12)
+        first, _ = chains.screw.loads(found.state.screw_approach, 0.0)
+        between = found.state.approach - found.state.screw_approach
+        second, _ = chains.nut.loads(between, 0.0)
+        return first, second, found.result, found.steps
+
+    inputs = jnp.asarray(load), jnp.asarray(gap)
+
+    def error(found) -> float:
+        first, second, result, _ = (np.asarray(x) for x in found)
+        return float("nan") if int(result) else _imbalance(first, second, gap, load)
+
+    return lambda: solve(*inputs), error, threads * rollers

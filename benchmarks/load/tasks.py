@@ -1,0 +1,217 @@
+"""What grows: the tasks, their sizes, and for each size a check against something known."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+import prsm_jax as prsm
+from prsm_jax.mechanism import set_parameters
+from prsm_jax.sweep import map_in_chunks
+
+from ..references.designs_of_two_stages import base
+from .sharing import sharing
+
+
+@dataclass(frozen=True)
+class Work:
+    """One size of a task.
+
+    - `call`: does it once; jitted.
+    - `error`: the largest relative error of what `call` gave, by an independent way.
+    - `count`: how much there is to do, in the task's unit.
+    """
+
+    call: Callable[[], Any]
+    error: Callable[[Any], float]
+    count: int
+
+
+@dataclass(frozen=True)
+class Task:
+    """Something that is asked in several sizes.
+
+    - `unit`: what is counted.
+    - `build`: the work of one size.
+    - `sizes`: from small to large; those of `--quick` and `--smoke` are the first of them.
+    - `check`: what the error is measured against.
+    """
+
+    title: str
+    unit: str
+    build: Callable[[int], Work]
+    sizes: tuple[int, ...]
+    check: str
+
+
+#: Up, a plateau, down, and a dwell: 0.36 s, and in it samples that no bend of the speed hits.
+_CYCLE = prsm.TrapezoidalProfile(*map(jnp.asarray, (200.0, 0.03, 0.24, 0.03, 0.06)))
+_PERIOD, _SAMPLES = 0.36, 13
+#: A pattern of speeds and loads, one point a second, that a recorded day repeats [s].
+_PATTERN = 600
+
+
+def _apart(found: Any, period: np.ndarray, count: int) -> float:
+    """Largest difference between every period and one alone, over the largest value.
+
+    The first sample of a period stands where the speed bends, on either side of it.
+    """
+    rows = np.asarray(found)[: count * len(period)].reshape(count, len(period))
+    return float(np.max(np.abs(rows - period)[:, 1:]) / np.max(np.abs(period)))
+
+
+def _reversals(method: Any, steps: int, width: float) -> Callable[[int], Work]:
+    """Strokes forth and back; `steps` may be taken in each, friction reverses over `width`."""
+
+    def build(size: int) -> Work:
+        two = base(width)
+
+        def scenario(strokes: int) -> prsm.Scenario:
+            profile = prsm.SequenceProfile((_CYCLE,), repeats=strokes, reversing=True)
+            duration = jnp.asarray(strokes * _PERIOD)
+            return prsm.Scenario(
+                profile, jnp.asarray(7e3), duration, samples=strokes * _SAMPLES + 1
+            )
+
+        def run(given: prsm.Scenario, allowed: int):
+            found = prsm.simulate(
+                two, given, method=method, gradient="forward", max_steps=allowed, throw=False
+            )
+            return found.drive_torque, found.solver.code
+
+        solve: Any = eqx.filter_jit(run)
+        long = scenario(size)
+
+        def error(found) -> float:
+            # Forth and back once, and once more: the first begins at rest.
+            short, code = solve(scenario(4), 4 * steps)
+            pair = np.asarray(short)[2 * _SAMPLES : 4 * _SAMPLES]
+            if int(code) or int(found[1]):
+                return np.nan
+            return _apart(found[0][2 * _SAMPLES :], pair, size // 2 - 1)
+
+        return Work(lambda: solve(long, size * steps), error, size)
+
+    return build
+
+
+def _day(hours: int) -> Work:
+    """A recorded mission: tables of speed and load with a point every second."""
+    two = prsm.load("li2020_two_stage")
+    random = np.random.default_rng(24)
+    patterns = 6 * hours
+    speed = random.uniform(-150.0, 150.0, _PATTERN)
+    load = random.uniform(2e3, 8e3, _PATTERN)
+
+    def scenario(times: int) -> prsm.Scenario:
+        seconds = jnp.arange(times * _PATTERN + 1.0)
+
+        def repeated(values: np.ndarray) -> prsm.TableProfile:
+            closed = np.append(np.tile(values, times), values[0])
+            return prsm.TableProfile(seconds, jnp.asarray(closed), "linear")
+
+        duration = jnp.asarray(float(times * _PATTERN))
+        samples = 3 * times * _PATTERN + 1
+        return prsm.Scenario(repeated(speed), repeated(load), duration, samples=samples)
+
+    def run(given: prsm.Scenario):
+        found = prsm.simulate(two, given, method="quasi_steady", throw=False)
+        return found.drive_torque, found.solver.code
+
+    solve: Any = eqx.filter_jit(run)
+    long = scenario(patterns)
+
+    def error(found) -> float:
+        short, code = solve(scenario(1))
+        period = np.asarray(short)[:-1].reshape(_PATTERN, 3)
+        if int(code) or int(found[1]):
+            return np.nan
+        rows = np.asarray(found[0])[:-1].reshape(patterns, _PATTERN, 3)
+        # Every third sample stands where the tables bend.
+        difference = np.abs(rows - period)[:, :, 1:]
+        return float(np.max(difference) / np.max(np.abs(period)))
+
+    return Work(lambda: solve(long), error, hours)
+
+
+_VARIABLES = ("lead", "contact_angle", "roller_radius")
+_QUANTITIES = ("efficiency", "max_pressure", "mass")
+
+
+def _gradients(size: int) -> Work:
+    """Three quantities of many designs and their derivatives by three dimensions."""
+    actuator = prsm.load("actuator")
+    start = np.array([float(np.ravel(prsm.get_parameter(actuator, n))[0]) for n in _VARIABLES])
+    factors = np.random.default_rng(5).uniform(0.95, 1.05, (3, size))
+    columns = [jnp.asarray(column) for column in start[:, None] * factors]
+
+    def values(numbers):
+        moved = set_parameters(actuator, dict(zip(_VARIABLES, numbers, strict=True)))
+        found = prsm.compute(moved, list(_QUANTITIES))
+        return [jnp.ravel(found[name])[0] for name in _QUANTITIES]
+
+    def slopes(numbers):
+        return values(numbers), jax.jacfwd(values)(numbers)
+
+    solve: Any = jax.jit(lambda designs: map_in_chunks(slopes, designs, chunk=1000))
+    checked = min(size, 20)
+    plain: Any = jax.jit(jax.vmap(values))
+
+    def error(found) -> float:
+        few = [column[:checked] for column in columns]
+        worst = 0.0
+        for index, column in enumerate(few):
+            ends = []
+            for part in (1e-3, -1e-3, 2e-3, -2e-3):
+                moved = [*few[:index], column * (1 + part), *few[index + 1 :]]
+                ends.append(np.asarray(plain(moved)))
+            by_difference = (8 * (ends[0] - ends[1]) - (ends[2] - ends[3])) / 12e-3
+            ours = np.asarray([row[index][:checked] * column for row in found[1]])
+            scale = np.abs(np.asarray(plain(few)))
+            worst = max(worst, float(np.max(np.abs(ours - by_difference) / scale)))
+        return worst
+
+    return Work(lambda: solve(columns), error, size)
+
+
+TASKS = {
+    "reversals_balance": Task(
+        "reversals, quasi-steady balance",
+        "reversal",
+        _reversals("quasi_steady", 1, 0.0),
+        (10, 100, 1000, 10_000),
+        "one stroke forth and back by itself",
+    ),
+    "reversals_integrated": Task(
+        "reversals, RODASP, friction regularised over 1 mm/s",
+        "reversal",
+        _reversals("rosenbrock", 500, 1e-3),
+        (10, 100, 1000, 10_000),
+        "one stroke forth and back by itself",
+    ),
+    "mission": Task(
+        "recorded mission, a point every second",
+        "hour",
+        _day,
+        (1, 3, 8, 24),
+        "its pattern of ten minutes by itself",
+    ),
+    "gradients": Task(
+        "designs with nine derivatives each",
+        "design",
+        _gradients,
+        (100, 1000, 10_000, 100_000),
+        "extrapolated central differences, 20 designs",
+    ),
+    "sharing": Task(
+        "load sharing, threads × unlike rollers",
+        "thread contact",
+        lambda size: Work(*sharing(size)),
+        (10, 25, 50, 100),
+        "balance and compatibility of all threads in NumPy",
+    ),
+}
