@@ -19,14 +19,13 @@ Gradient = Literal["reverse", "forward", "both"]
 
 def solver_of(method: Method, rtol: float, atol: float, autonomous: bool, *, compact: bool = False):
     import diffrax
-    import optimistix
 
     if method == "explicit":
         return diffrax.Tsit5()
     if method == "implicit":
-        # Not diffrax's default root finder: its chord iterations stall here and the step size
-        # collapses.
-        return diffrax.Kvaerno5(root_finder=optimistix.Newton(rtol=rtol, atol=atol))
+        from ._kvaerno import Kvaerno
+
+        return Kvaerno(rtol, atol)
     if method == "rosenbrock":
         from ._rosenbrock import Rodasp
 

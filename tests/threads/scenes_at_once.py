@@ -68,6 +68,7 @@ def scenes():
         "load sharing": (sharing, load[:4]),
         "frequency response": (response, stiffness[:8]),
         "rosenbrock": (run("rosenbrock"), load),
+        "implicit": (run("implicit"), load),
     }
 
 

@@ -101,7 +101,7 @@ def test_one_sided_slopes():
     assert not _called(slopes, jnp.asarray(0.0))
 
 
-@pytest.mark.parametrize("method", ["auto", "closed_form", "explicit", "rosenbrock"])
+@pytest.mark.parametrize("method", ["auto", "closed_form", "explicit", "implicit", "rosenbrock"])
 def test_transients_and_their_derivatives(method):
     two = example("li2020_two_stage")
 

@@ -1,0 +1,135 @@
+"""Kvaerno's implicit method of order 5(4), its stages by Newton's iteration in plain JAX.
+
+The tableau is diffrax's. Its own stages call LAPACK, and their derivatives do whatever solver the
+root finder is given; batched calls of that from several Python threads wait for each other for
+ever. Here all systems are solved by elimination with partial pivoting and a step of refinement:
+carriers a million times heavier than others leave few digits without it.
+
+A. Kværnø, Singly diagonally implicit Runge–Kutta methods with an explicit first stage, BIT 44
+(2004). Imports diffrax, so it is itself imported only where something is integrated.
+"""
+
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+import diffrax
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.flatten_util import ravel_pytree
+
+from ..numerics import solver
+
+_TABLEAU: Any = diffrax.Kvaerno5.tableau
+_STAGES = 7
+_GAMMA = float(_TABLEAU.a_diagonal[1])
+_MOST_ITERATIONS = 10
+#: What an iteration may still change, over the tolerance of a step; the next would square it.
+_SETTLED = 1e-2
+
+
+def _padded(rows) -> np.ndarray:
+    table = np.zeros((_STAGES - 1, _STAGES))
+    for index, row in enumerate(rows):
+        table[index, : len(row)] = row
+    return table
+
+
+_WEIGHTS, _PREDICTED = _padded(_TABLEAU.a_lower), _padded(_TABLEAU.a_predictor)
+
+
+def _refined(matrix):
+    """A function that solves with a matrix; what rounding left over is solved for once more."""
+    solve = solver(matrix)
+
+    def solved(right):
+        first = solve(right)
+        return first + solve(right - jnp.dot(matrix, first))
+
+    return solved
+
+
+class Kvaerno(diffrax.AbstractAdaptiveSolver):
+    """Kvaerno 5(4): A-L-stable, stiffly accurate, dense output of order 3.
+
+    A stage whose iteration does not settle makes the error of its step infinite, so that the step
+    is taken again, shorter.
+    """
+
+    #: Tolerances of a step.
+    rtol: float
+    atol: float
+
+    term_structure: ClassVar = diffrax.AbstractTerm
+    interpolation_cls: ClassVar[Callable[..., Any]] = (
+        diffrax.ThirdOrderHermitePolynomialInterpolation
+    )
+
+    def order(self, terms) -> int:
+        return 5
+
+    def init(self, terms, t0, t1, y0, args) -> None:
+        return None
+
+    def func(self, terms, t0, y0, args):
+        return terms.vf(t0, y0, args)
+
+    def _stage(self, rate, length, time, known, guess):
+        """k with `k = f(t, known + γ h k)`, and whether it was found."""
+
+        def residual(k):
+            return k - rate(time, known + _GAMMA * length * k)
+
+        def search(function, start):
+            def advance(carry):
+                k, _, count = carry
+                change = _refined(jax.jacfwd(function)(k))(function(k))
+                k = k - change
+                allowed = self.atol + self.rtol * jnp.abs(known + _GAMMA * length * k)
+                small = jnp.abs(_GAMMA * length * change) <= _SETTLED * allowed
+                return k, jnp.all(small), count + 1
+
+            def goes_on(carry):
+                _, settled, count = carry
+                return jnp.logical_not(settled) & (count < _MOST_ITERATIONS)
+
+            first = (start, jnp.asarray(False), jnp.asarray(0))
+            k, settled, _ = jax.lax.while_loop(goes_on, advance, first)
+            return k, settled.astype(start.dtype)
+
+        def solve_linear(linear, right):
+            identity = jnp.eye(len(right), dtype=right.dtype)
+            return _refined(jax.vmap(linear, out_axes=1)(identity))(right)
+
+        return jax.lax.custom_root(residual, guess, search, solve_linear, has_aux=True)
+
+    def step(self, terms, t0, t1, y0, args, solver_state, made_jump):
+        flat, unflatten = ravel_pytree(y0)
+        length = t1 - t0
+
+        def rate(time, state):
+            return ravel_pytree(terms.vf(time, unflatten(state), args))[0]
+
+        def stage(carry, row):
+            slopes, index, found = carry
+            weights, predicted, share = row
+            # The end itself, without rounding: what jumps there has not jumped yet.
+            time = jnp.where(share == 1, t1, t0 + share * length)
+            known = flat + length * (weights @ slopes)
+            guess = jax.lax.stop_gradient(predicted @ slopes)
+            slope, settled = self._stage(rate, length, time, known, guess)
+            return (slopes.at[index].set(slope), index + 1, found & (settled > 0.5)), None
+
+        slopes = jnp.zeros((_STAGES, flat.size), flat.dtype).at[0].set(rate(t0, flat))
+        rows = tuple(jnp.asarray(x, flat.dtype) for x in (_WEIGHTS, _PREDICTED, _TABLEAU.c))
+        (slopes, _, found), _ = jax.lax.scan(stage, (slopes, 1, jnp.asarray(True)), rows)
+        end = unflatten(flat + length * (jnp.asarray(_TABLEAU.b_sol, flat.dtype) @ slopes))
+        error = length * (jnp.asarray(_TABLEAU.b_error, flat.dtype) @ slopes)
+        error = unflatten(jnp.where(found, jnp.abs(error), jnp.inf))
+        increments = length * slopes
+        k0, k1 = unflatten(increments[0]), unflatten(increments[-1])
+        dense = {"y0": y0, "y1": end, "k0": k0, "k1": k1}
+        return end, error, dense, None, diffrax.RESULTS.successful
+
+
+__all__ = ["Kvaerno"]
