@@ -17,8 +17,8 @@ HertzMethod: TypeAlias = Literal[
 ]
 
 
-#: Cube of a semi-axis below which there is no contact [m³]: the cube root ends at 1e-70.
-_LEAST_CUBE = 1e-69
+#: Cube of a semi-axis below which there is no contact [m³]: the cube root ends at 1e-142.
+_LEAST_CUBE = 1e-140
 
 
 class HertzContact(eqx.Module):
@@ -56,14 +56,18 @@ def anisotropy_of(total: Scalar, difference_squared: Scalar) -> Scalar:
 
 @jax.custom_jvp
 def _inverse_cube_root(cube: Scalar) -> Scalar:
-    """1/∛ of a number above 1e-70: a power in single precision and one step of third order.
+    """1/∛ of a number above 1e-142: a power in single precision and one step of third order.
 
     A third of the run time of `jnp.cbrt` and a quotient. Small numbers (the cube of a semi-axis in
-    metres) are scaled into single precision; those below 1e-70 give something finite.
+    metres) are scaled into single precision; those below 1e-142 give something finite.
     """
-    scale = jnp.where(cube < 2.0**-100, 2.0**120, 1.0).astype(cube.dtype)
+    scale, shrink = jnp.ones_like(cube), jnp.ones_like(cube)
+    # Single precision ends before it needs more than the first.
+    double = cube.dtype == jnp.float64
+    for below, power in ((-100, 40), (-220, 80), (-340, 120))[: 3 if double else 1]:
+        scale = jnp.where(cube < 2.0**below, 2.0 ** (3 * power), scale)
+        shrink = jnp.where(cube < 2.0**below, 2.0**power, shrink)
     single = jnp.maximum((cube * scale).astype(jnp.float32), jnp.finfo(jnp.float32).tiny)
-    shrink = jnp.where(cube < 2.0**-100, 2.0**40, 1.0).astype(cube.dtype)
     root = jnp.exp(jnp.log(single) * (-1 / 3)).astype(cube.dtype) * shrink
     excess = 1 - cube * root**3
     return root * (1 + excess * (1 / 3 + excess * (2 / 9)))
@@ -92,8 +96,8 @@ def hertz_contact(
 
     **Arguments:**
 
-    - `force`: normal force F [N]; at or below zero, or so small that the ellipse is a billionth of
-      an atom, there is no contact and all results are 0.
+    - `force`: normal force F [N]; at or below zero, or so small that the ellipse is shorter than
+      1e-46 m, there is no contact and all results are 0.
     - `total`: A + B [1/m]; results are NaN where it or E* is not above 0 and finite.
     - `difference_squared`: (B − A)² [1/m²].
     - `modulus`: contact modulus E* [Pa].

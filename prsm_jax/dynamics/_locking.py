@@ -19,7 +19,7 @@ from .._root import find_root
 from ..mechanism import Friction, Mechanism, Scalar, ViscousFriction
 from ._carrier_balance import unit_slip
 from ._kinematics import StageKinematics, travel_per_turn
-from ._steady import steady_state
+from ._steady import SteadyState, some_load, steady_state
 from ._thread_friction import slip_direction, thread_friction
 
 #: What grows with friction in the laws of a stage.
@@ -113,7 +113,7 @@ def self_locking_margin(
     - `speed`, `load`: at which friction is evaluated [rad/s, N].
 
     **Returns:** the margin, and whether the factor was found (it is not where some friction does
-    not grow enough to hold).
+    not grow enough to hold, or where with so much of it the carriers are out of balance).
     """
     if len(mechanism.stages) == 1 and _proportional_to_force(mechanism.stages[0].friction):
         friction, geometry = mechanism.stages[0].friction, kinematics[0]
@@ -121,17 +121,23 @@ def self_locking_margin(
         ratio = _effective_coefficient(law, geometry, speed) / locking_coefficient(geometry)
         return 1 - ratio, jnp.asarray(True)
     kinematics = tuple(dataclasses.replace(k, resistance=None) for k in kinematics)
-    load, speed = jnp.abs(load), jnp.abs(speed)
+    load, speed = some_load(jnp.abs(load)), jnp.abs(speed)
     frictionless = load * travel_per_turn(mechanism.stages, len(mechanism.stages))
+
+    def driven_back(logarithm: Scalar) -> SteadyState:
+        moved = _scaled(mechanism, jnp.exp(logarithm))
+        return steady_state(moved, -speed, load, kinematics, onset=-1.0)
 
     def holding(logarithm: Scalar) -> Scalar:
         """Torque that the load still has at the screw, relative to that without friction."""
-        moved = _scaled(mechanism, jnp.exp(logarithm))
-        return steady_state(moved, -speed, load, kinematics).drive_torque / frictionless
+        return driven_back(logarithm).drive_torque / frictionless
 
     # Torque against friction is nearly a hyperbola, 1 − s μ/μ_lock over 1 + s μ/μ_jam.
     now = holding(jnp.zeros_like(load))
     start = jnp.log(jnp.clip(1 / jnp.clip(1 - now, 1e-3, 1e3), 1e-2, 1e2))
-    logarithm, found = find_root(holding, start, tolerance=1e-12, max_steps=40)
+    accuracy = 1e-12 if start.dtype == jnp.float64 else 1e-5
+    logarithm, found = find_root(holding, start, tolerance=accuracy, max_steps=40)
+    # Thread friction may not suffice to drive carriers whose losses have grown as well.
+    found = found & driven_back(logarithm).computed
     none = jax.lax.stop_gradient(now) >= 1
     return jnp.where(none, 1.0, 1 - jnp.exp(-logarithm)), found | none

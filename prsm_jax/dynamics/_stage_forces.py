@@ -136,7 +136,9 @@ def stage_forces(
         nut_contact_force=nut_force,
         screw_moment=screw_moment,
         nut_moment=nut_moment,
-        axial_on_screw=-flank * count * on_roller[2],
+        # By the balance itself: close to jamming the product of a large force and the little that
+        # is left of it to carry has no digits in its derivatives.
+        axial_on_screw=flank * axial_force,
         torque_on_screw=flank * torque,
         carrier_drive=flank * drive,
         rubbing=rub,

@@ -193,6 +193,12 @@ def all_kinematics(mechanism: Mechanism) -> tuple[StageKinematics, ...]:
     return tuple(stage_kinematics(stage) for stage in mechanism.stages)
 
 
+def some_load(load: Scalar) -> Scalar:
+    """The load, or where there is none a load that nothing but ratios notices [N]."""
+    none = (load == 0) | (jnp.abs(load) < _LEAST_LOAD)
+    return load + jnp.where(none, _NO_LOAD, 0.0).astype(load.dtype)
+
+
 @of_one_design
 @physics("steady_state")
 def steady_state(
@@ -200,6 +206,8 @@ def steady_state(
     speed: float | Scalar | None = None,
     load: float | Scalar | None = None,
     kinematics: tuple[StageKinematics, ...] | None = None,
+    *,
+    onset: float | Scalar = 1.0,
 ) -> SteadyState:
     """Steady state at a prescribed screw speed and load, in closed form.
 
@@ -217,6 +225,8 @@ def steady_state(
       of the operating point.
     - `load`: axial load on the last nut [N]. Default: that of the operating point.
     - `kinematics`: kinematics of the stages, if known already.
+    - `onset`: which motion is about to begin at standstill: 1, the screw drives; −1, the load
+      drives it back.
 
     **Raises:** `MissingDataError` if speed, load, or data for a modelled loss are not given.
     """
@@ -224,11 +234,9 @@ def steady_state(
     if kinematics is None:
         kinematics = all_kinematics(mechanism)
     kinematics = with_resistance(mechanism.stages, kinematics)
-    none = (load == 0) | (jnp.abs(load) < _LEAST_LOAD)
-    load = load + jnp.where(none, _NO_LOAD, 0.0).astype(load.dtype)
-    # At standstill of the motion about to begin: with the screw driving.
-    onset = jnp.where(load < 0, -1.0, 1.0).astype(load.dtype)
-    sense = jnp.where(speed == 0, onset, jnp.sign(speed))
+    load = some_load(load)
+    beginning = jnp.where(load < 0, -onset, onset).astype(load.dtype)
+    sense = jnp.where(speed == 0, beginning, jnp.sign(speed))
     sense = jax.lax.stop_gradient(sense)
 
     states, ratios, code = _steady_states(mechanism, kinematics, speed, sense, load)

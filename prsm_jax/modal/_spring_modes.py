@@ -51,10 +51,29 @@ def clusters(eigenvalues: Float[Array, " modes"]) -> Bool[Array, "modes modes"]:
     return number[:, None] == number[None, :]
 
 
-def _projected_change(stiffness, rows, vectors, stiffness_change, rows_change):
+def _stretches(stiffness, rows, vectors, values):
+    """Elongation of every spring in every mode, with its digits in stiff springs too.
+
+    A stiff spring stretches by next to nothing in a soft mode, and `G v` leaves the rounding of v
+    of it, of which the stiffness makes a large force. But the forces are in balance,
+    `Gᴴ k G v = λ v`, and what they lack of it tells how much of stiffer modes there is in v: δ of
+    `A δ = A v − λ v`.
+    """
+    stretch = rows @ vectors
+    missing = rows.conj().T @ (stiffness[:, None].astype(rows.dtype) * stretch)
+    missing = missing - vectors * values[None, :].astype(rows.dtype)
+    stiffer = values[:, None] > jnp.maximum(values, _ZERO * jnp.max(values))[None, :]
+    divisor = jnp.where(stiffer, values[:, None], 1.0).astype(rows.dtype)
+    share = vectors.conj().T @ missing / divisor
+    error = vectors @ jnp.where(stiffer, share, jnp.zeros_like(share))
+    # Zero but for rounding, and so are its derivatives.
+    return stretch - jax.lax.stop_gradient(rows @ error)
+
+
+def _projected_change(stiffness, rows, vectors, values, stiffness_change, rows_change):
     """Vᴴ dA V for A = Gᴴ k G, as sums over springs."""
     dtype = rows.dtype
-    stretch = rows @ vectors
+    stretch = _stretches(stiffness, rows, vectors, values)
     moved = stretch.conj().T @ (stiffness[:, None].astype(dtype) * (rows_change @ vectors))
     change = stretch.conj().T @ (stiffness_change[:, None].astype(dtype) * stretch)
     return change + moved + moved.conj().T
@@ -88,10 +107,10 @@ def _turn(blocks, change):
 
 
 def _halved(root, change):
-    """Y with `root Y + Y root = change`; 0 where the root is."""
+    """Y with `root Y + Y root = change`; 0 where the root is, but for rounding."""
     values = _diagonal(root)
     total = values[None, :] + values[:, None]
-    held = above_or_nan(total)
+    held = above_or_nan(total, jax.lax.stop_gradient(_ZERO**0.5 * jnp.max(values)))
     divisor = jnp.where(held, total, 1.0).astype(change.dtype)
 
     def divided(matrix):
@@ -114,8 +133,9 @@ def _modes(stiffness, rows):
 def _modes_jvp(primals, tangents):
     (stiffness, rows), (stiffness_change, rows_change) = primals, tangents
     blocks, vectors = _modes(stiffness, rows)
-    projected = _projected_change(stiffness, rows, vectors, stiffness_change, rows_change)
-    together = clusters(_diagonal(blocks))
+    values = _diagonal(blocks)
+    projected = _projected_change(stiffness, rows, vectors, values, stiffness_change, rows_change)
+    together = clusters(values)
     within = jnp.where(together, projected, jnp.zeros_like(projected))
     return (blocks, vectors), (within, vectors @ _turn(blocks, projected))
 
@@ -190,7 +210,7 @@ def directional_slopes(
     )
     blocks, vectors = _modes(stiffness, rows)
     values = _diagonal(blocks)
-    projected = _projected_change(stiffness, rows, vectors, stiffness_change, rows_change)
+    projected = _projected_change(stiffness, rows, vectors, values, stiffness_change, rows_change)
     together = clusters(values)
     inside = jnp.where(together, projected, jnp.zeros_like(projected))
     # One eigenproblem for all clusters, each scaled to a norm of one.

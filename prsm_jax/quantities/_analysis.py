@@ -135,12 +135,16 @@ class Analysis:
                     "[operating_point] speed"
                 )
             speed = self.mechanism.operating_point.speed
-        return jnp.asarray(speed, self.mechanism.stages[0].thread.lead.dtype)
+        speed = jnp.asarray(speed, self.mechanism.stages[0].thread.lead.dtype)
+        self.require(jnp.isfinite(speed))
+        return speed
 
     @cached_property
     def signed_load(self) -> Scalar:
         """Axial load: given, or that of the operating point [N]."""
-        return load_of(self.mechanism, self._load)
+        load = load_of(self.mechanism, self._load)
+        self.require(jnp.isfinite(load))
+        return load
 
     @cached_property
     def load(self) -> Scalar:
@@ -167,10 +171,14 @@ class Analysis:
     @cached_property
     def _both_senses(self) -> SteadyState:
         """Driving and driven in one program, half as long as two."""
-        speeds = jnp.abs(self.speed) * jnp.asarray([1.0, -1.0], self.speed.dtype)
-        return jax.vmap(
-            lambda turning: steady_state(self.mechanism, turning, self.load, self.kinematics)
-        )(speeds)
+        speed = jnp.abs(self.speed)
+
+        def turning(sense: Scalar) -> SteadyState:
+            # Both directions of motion begin at standstill, too.
+            given = sense * speed, self.load, self.kinematics
+            return steady_state(self.mechanism, *given, onset=sense)
+
+        return jax.vmap(turning)(jnp.asarray([1.0, -1.0], speed.dtype))
 
     @cached_property
     def contacts(self) -> tuple[StageContact, ...]:
@@ -217,14 +225,18 @@ class Analysis:
         """
         if self._asked:
             return constant_load(self.speed, self.signed_load)
-        return spectrum_of(self.mechanism)
+        spectrum = spectrum_of(self.mechanism)
+        self.require(spectrum.possible)
+        return spectrum
 
     @cached_property
     def demand(self) -> tuple[Scalar, Scalar]:
         """Largest magnitudes of speed and load, of spectrum and operating point [rad/s, N]."""
         if self._asked:
             return jnp.abs(self.speed), self.load
-        return largest_demand(self.mechanism, self.spectrum)
+        speed, load = largest_demand(self.mechanism, self.spectrum)
+        self.require(jnp.isfinite(speed) & jnp.isfinite(load))
+        return speed, load
 
     @cached_property
     def stress_peaks(self) -> dict[str, dict[AxisMeasure, StressPeak]]:

@@ -5,6 +5,7 @@ import jax.numpy as jnp
 
 from .._errors import MissingDataError
 from ..dynamics import free_carrier_ratio, has_contact_losses, steady_state, travel_per_turn
+from ..strength import load_spectrum
 from ._analysis import Analysis
 from ._catalogue import quantity
 
@@ -154,7 +155,7 @@ def duty_efficiency(analysis: Analysis):
     phases = jax.vmap(
         lambda speed, load: steady_state(analysis.mechanism, speed, load, kinematics)
     )(duty.speed, duty.load)
-    analysis.require(phases.computed.all())
+    analysis.require(phases.computed.all() & load_spectrum(duty).possible)
     output = jnp.sum(phases.output_power * duty.duration)
     return output / jnp.sum(phases.input_power * duty.duration)
 

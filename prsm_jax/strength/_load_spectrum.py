@@ -5,7 +5,7 @@ from typing import Protocol, runtime_checkable
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from .._errors import MissingDataError
 from .._guards import above_or_nan
@@ -22,6 +22,13 @@ class LoadSpectrum(eqx.Module):
     turned_angle: Float[Array, " phases"]
     #: [s]
     duration: Float[Array, " phases"]
+
+    @property
+    def possible(self) -> Bool[Array, ""]:
+        """Whether some phase lasts, none less than no time, and every number is finite."""
+        numbers = jnp.abs(self.load) + self.turned_angle + self.duration
+        lasts = jnp.all(self.duration >= 0) & (jnp.sum(self.duration) > 0)
+        return lasts & jnp.all(jnp.isfinite(numbers))
 
     @property
     def weights(self) -> Float[Array, " phases"]:

@@ -84,7 +84,7 @@ def flank_contact(edge: bool = True) -> FlankContact:
         number(9e-8), number(20), number(1e-9), number(0),
     )  # fmt: skip
     gap = FlankGap(zero, crest > 0, crest if edge else None, None)
-    plane = TangentPlane(*(jnp.ones(3),) * 4)
+    plane = TangentPlane(*(jnp.ones(3),) * 5)
     return FlankContact(surface, gap, plane, hertz(), number(1.4))
 
 

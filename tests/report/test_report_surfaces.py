@@ -46,7 +46,7 @@ def _contact() -> FlankContact:
         number(major), number(minor), number(peak), number(4e-6), *(number(1.0),) * 3
     )
     flanks = FlankGap(zero, edge > 0, edge, None)
-    plane = TangentPlane(*(jnp.ones(3),) * 4)
+    plane = TangentPlane(*(jnp.ones(3),) * 5)
     return FlankContact(surface, flanks, plane, hertz, number(1.4))
 
 
