@@ -12,24 +12,18 @@ from .cells import Cell
 from .differences import STEPS, Slope, slopes
 from .numbers import changed, numbers_of, split
 from .rows import Row, admitted
+from .single import judge_single
+from .slopes import first_of, slope_cell
 from .structures import Structure
 
-#: Relative difference up to which a derivative agrees with one by differences.
-_SLOPE_TOLERANCE = 1e-6
 #: Forward and reverse derivatives are the same sums in another order.
 _TRANSPOSE_TOLERANCE = 1e-8
-#: A derivative below this share of its value, per relative change of a number, cannot be measured.
-_UNMEASURABLE = 1e-9
 _EPSILON = 2.3e-16
 #: Where differences disagree they are taken again, closer by these factors: rigid threads part
 #: within a femtometre, and wider steps see nothing of what holds at the point itself.
 _CLOSER = (4.0**-6, 4.0**-9, 4.0**-12, 4.0**-14, 4.0**-16)
 #: How well closer differences have to agree, relative; rounding leaves them so much.
 _CLOSE_AGREEMENT = 1e-3
-#: Frequencies nearer than this to each other cross within the steps of the differences.
-_NEARLY_REPEATED = 1e-4
-#: Nearer than this they are one root to the package, whose members share a derivative.
-_REPEATED = 1e-11
 
 
 class Programs:
@@ -151,10 +145,12 @@ class Verdicts:
         if not np.isfinite(value).all():
             documented = name in self.structure.infinite and not np.isnan(value).any()
             if not documented or impossible:
-                return Cell("not_finite", None, f"{_first(value)}")
+                return Cell("not_finite", None, f"{first_of(value)}")
             return Cell("agrees", 0.0, "documented to be ∞")
         if impossible:
-            return Cell("accepted", None, f"{_first(value)}, ordinarily {_first(self.base[name])}")
+            return Cell(
+                "accepted", None, f"{first_of(value)}, ordinarily {first_of(self.base[name])}"
+            )
         if expected is None:
             return Cell("finite")
         reference, own = expected
@@ -163,7 +159,7 @@ class Verdicts:
         error = _relative(value, np.asarray(reference, float), self.least)
         if error <= max(self.structure.tolerance, own):
             return Cell("agrees", error)
-        return Cell("wrong_value", error, f"{_first(value)} for {_first(reference)}")
+        return Cell("wrong_value", error, f"{first_of(value)} for {first_of(reference)}")
 
     # Derivatives -------------------------------------------------------------------------------
 
@@ -250,53 +246,13 @@ class Verdicts:
             return
         for name, slope in self.compiled.forward(self.leaves, direction).items():
             if self.usable[name] and not np.isfinite(slope).all():
-                cells[name] = Cell("not_finite", None, f"by a number that is 0: {_first(slope)}")
+                cells[name] = Cell("not_finite", None, f"by a number that is 0: {first_of(slope)}")
 
     def _slope(self, name: str, given: np.ndarray, measured: Slope | None) -> Cell:
-        if not np.isfinite(given).all():
-            return Cell("not_finite", None, _first(given))
-        if measured is None:
-            return Cell("open", None, "no stretch without a refusal")
-        tolerance = max(_SLOPE_TOLERANCE, 10 * self.structure.tolerance * self.structure.slow)
-        value = np.abs(self.found[name])
-        scale = np.maximum(np.abs(given), np.abs(measured.value))
-        # Below that, and below what rounding does to the largest component, nothing is measured.
-        least = 1.0 if self.structure.histories else 1e-8
-        floor = _UNMEASURABLE * np.maximum(value, least * np.max(value, initial=0.0))
-        if self.structure.histories:
-            scale = np.maximum(scale, np.max(scale, initial=0.0))
-        difference = np.abs(given - measured.value)
-        allowed = tolerance * scale + 10 * measured.error + 1.05 * measured.jump + floor
-        error = float(np.max(difference / np.maximum(scale, floor + 1e-300), initial=0.0))
-        if np.any(difference > allowed) and name.endswith("frequencies"):
-            cell = self._of_roots(self.found[name], given, measured, allowed)
-            if cell is not None:
-                return cell
-        if np.any(difference > allowed):
-            worst = int(np.argmax(difference / allowed))
-            seen = f"{np.ravel(given)[worst]:.10g} for {np.ravel(measured.value)[worst]:.10g}"
-            return Cell("wrong_gradient", error, f"{seen} ± {np.ravel(measured.error)[worst]:.1g}")
-        vague = measured.error + measured.jump > np.maximum(1e-2 * scale, floor)
-        if np.any(vague):
-            return Cell("open", error, "kink" if np.any(measured.jump > 0) else "rounding")
-        return Cell("agrees", error)
-
-    def _of_roots(self, values, given, measured: Slope, allowed) -> Cell | None:
-        """Frequencies next to each other by the mean of their derivatives, which has no kink.
-
-        A member of a repeated root has no derivative where the root parts, and a sorted list of
-        members that cross within a step cannot measure one.
-        """
-        for closeness, status in ((_REPEATED, "agrees"), (_NEARLY_REPEATED, "open")):
-            parted = np.diff(values) > closeness * values[1:]
-            group = np.concatenate([[0], np.cumsum(parted)])
-            if group[-1] + 1 == len(values):
-                continue
-            size = np.bincount(group)
-            difference = abs(np.bincount(group, given) - np.bincount(group, measured.value))
-            if np.all(difference <= np.bincount(group, allowed)):
-                return Cell(status, float(np.max(difference / size)), "mean of a repeated root")
-        return None
+        one = self.structure
+        tolerance = 10 * one.tolerance * one.slow
+        spectrum = name.endswith("frequencies")
+        return slope_cell(self.found[name], given, measured, tolerance, one.histories, spectrum)
 
     def _reverse_cells(self, forward, tangents, direction, random) -> dict[str, Cell]:
         if not tangents:
@@ -379,16 +335,12 @@ def _worse(one: Cell | None, other: Cell) -> Cell:
     return max((one, other), key=lambda cell: _ORDER.index(cell.status))
 
 
-def _first(values) -> str:
-    flat = np.ravel(np.asarray(values, float))
-    bad = flat[~np.isfinite(flat)]
-    return f"{(bad if bad.size else flat)[0]:.6g}" if flat.size else "nothing"
-
-
 def judge(
     compiled: Programs, row: Row, base: dict[str, np.ndarray], seed: int
 ) -> tuple[dict[str, tuple[Cell, ...]], float]:
     """The cells of a row, value, forward and reverse for each column, and the seconds it took."""
+    if row.precision == "float32":
+        return judge_single(compiled, row, seed)
     begin = time.perf_counter()
     verdicts = Verdicts(compiled, row, base)
     absent = Cell("absent")

@@ -6,7 +6,15 @@ from prsm_jax.mechanism import CoulombFriction, Mechanism
 
 from .chain import Contact
 from .numbers import Change, numbers_of, split
-from .rows import COMBINATIONS, SEED, Row, combinations, singles, spoiled
+from .rows import (
+    COMBINATIONS,
+    SEED,
+    Row,
+    combinations,
+    in_single_precision,
+    singles,
+    spoiled,
+)
 from .structures import Structure
 
 #: Share of the combinations that a slow structure gets.
@@ -58,7 +66,9 @@ def rows_of(one: Structure, *, count: int = COMBINATIONS, seed: int = SEED) -> l
 
     alone = [row for row in singles() if concerns(row)]
     mixed = [row for row in combinations(count, seed)[:own] if concerns(row)]
-    return [*alone, *_limits(one), *mixed, *spoiled(numbers)]
+    # In float32 the ordinary numbers only: ratios beyond 1e7 are beyond its digits.
+    short = in_single_precision(alone[:1])
+    return [*alone, *short, *_limits(one), *mixed, *spoiled(numbers)]
 
 
 def reduced_rows(one: Structure, *, seed: int = SEED) -> list[Row]:

@@ -19,6 +19,7 @@ class Row:
 
     - `group`: `single`, `combination` or `number`.
     - `number`, `offered`: the leaf that a row of the group `number` spoils, and by what.
+    - `precision`: `float64`, or `float32` where the program runs in single precision.
     """
 
     name: str
@@ -26,6 +27,7 @@ class Row:
     changes: tuple[Change, ...]
     number: str = ""
     offered: str = ""
+    precision: str = "float64"
 
     def as_json(self) -> dict:
         """What a file needs to know of it."""
@@ -176,6 +178,14 @@ def singles() -> list[Row]:
             label = _label(name, changes)
             found.setdefault(label, Row(label, "single", changes))
     return list(found.values())
+
+
+def in_single_precision(rows: list[Row]) -> list[Row]:
+    """The same rows, computed in float32."""
+    return [
+        dataclasses.replace(row, name=f"{row.name}, in float32", precision="float32")
+        for row in rows
+    ]
 
 
 #: Ranges of the combinations: pattern, how, and the ends; log-uniform where both are positive.

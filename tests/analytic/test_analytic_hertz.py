@@ -242,11 +242,13 @@ def test_what_touches_in_no_ellipse_gives_no_number(force, total, difference, mo
 
 
 def test_forces_below_the_range_of_the_cube_root_are_none():
-    """A semi-axis of 1e-24 m is that of no body; without this it is 0 and its stiffness is not."""
+    """A semi-axis of 1e-48 m is that of no body; without this it is 0 and its stiffness is not."""
     given = array(320.0), array(160.0**2), array(115e9)
-    least, slope = jax.jvp(lambda f: hertz_contact(f, *given), (array(1e-60),), (array(1.0),))
+    least, slope = jax.jvp(lambda f: hertz_contact(f, *given), (array(1e-132),), (array(1.0),))
     assert all(leaf == 0 or name == 7 for name, leaf in enumerate(jax.tree.leaves(slope), 1))
     assert float(least.semi_major) == float(least.stiffness) == 0
-    larger = _hertz(array(1e-50), *given)
     whole = _hertz(array(60.0), *given)
-    assert larger.stiffness / whole.stiffness == pytest.approx((1e-50 / 60) ** (1 / 3), rel=1e-13)
+    for force in (1e-20, 1e-50, 1e-80, 1e-110, 1e-120):
+        larger = _hertz(array(force), *given)
+        share = (force / 60) ** (1 / 3)
+        assert larger.stiffness / whole.stiffness == pytest.approx(share, rel=1e-13)
