@@ -155,9 +155,13 @@ def duty_efficiency(analysis: Analysis):
     phases = jax.vmap(
         lambda speed, load: steady_state(analysis.mechanism, speed, load, kinematics)
     )(duty.speed, duty.load)
-    analysis.require(phases.computed.all() & load_spectrum(duty).possible)
-    output = jnp.sum(phases.output_power * duty.duration)
-    return output / jnp.sum(phases.input_power * duty.duration)
+    output, given = (
+        jnp.sum(power * duty.duration) for power in (phases.output_power, phases.input_power)
+    )
+    # A cycle at standstill takes no energy, and has no efficiency.
+    moves = given != 0
+    analysis.require(phases.computed.all() & load_spectrum(duty).possible & moves)
+    return output / jnp.where(moves, given, 1.0)
 
 
 def _duty(analysis: Analysis):
