@@ -21,7 +21,7 @@ STATUSES = {
     "refused": Status("r", "refused by name: a result code, or one error", False, "#8fb4d9"),
     "finite": Status("f", "finite and flagged as valid; no reference is known", False, "#e4e7b2"),
     "open": Status(
-        "u", "finite; the differences are too uncertain to confirm or refute it", False, "#efe3a0"
+        "u", "finite; the differences are too uncertain to confirm or refute it", False, "#e8b84a"
     ),
     "not_finite": Status("n", "NaN or infinity with a flag that says valid", True, "#d7191c"),
     "wrong_value": Status("w", "a wrong number with a flag that says valid", True, "#8c1eb4"),

@@ -167,7 +167,8 @@ def _page_of(arguments: argparse.Namespace) -> int:
 
     found = [json.loads(path.read_text(encoding="utf-8")) for path in arguments.page]
     tables = [table_of(data) for one in found for data in one["tables"]]
-    arguments.seed, arguments.rows = found[0]["seed"], found[0]["combinations"]
+    arguments.seed = found[0]["seed"]
+    arguments.rows = max(one["combinations"] for one in found)
     folder = Path("docs") if arguments.docs is None else arguments.docs
     for written in write_page(tables, folder, arguments, sum(one["seconds"] for one in found)):
         print(written)

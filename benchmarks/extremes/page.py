@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ..harness._atomic import written_whole
 from .cells import KINDS, STATUSES, Table, is_bad, total
-from .picture import write_pictures
+from .picture import GROUPS, write_pictures
 from .structures import structure
 
 _HEAD = """\
@@ -35,9 +35,21 @@ largest value |
 | derivatives, forward | extrapolated differences along random directions, with their own error | \
 1e-6 and ten times that error |
 | derivatives, reverse | forward derivatives along the same direction | 1e-8 |
+| float32, one row for each structure | float64 at the same rounded numbers | values 1e-3, \
+derivatives 1e-2, and a hundred times what a change of all numbers by 1.2e-7 does |
 
 What has no reference is said to be finite, no more. A derivative is open where differences cannot
-tell: at kinks, and where rounding is larger than a hundredth of it.
+tell: at kinks, and where rounding is larger than a hundredth of it. Where they disagree they are
+taken again over steps down to 1e-12. A member of a repeated frequency is compared by the mean over
+its root, which is what has a derivative.
+
+Float32 is judged at the ordinary numbers of each structure only. Seven digits do not hold
+stiffnesses a million times apart, and no result code says so: extremes are for float64.
+
+## Before
+
+The same matrix, of nine structures, at the commit 3d12be5: 65,389 cells, 2,047 bad. Its ten
+structures of one stage with 60 combinations, at the commit 5da1ae1: 97,196 cells, 301 bad.
 
 """
 
@@ -58,14 +70,22 @@ def _colours() -> list[str]:
 
 def _counts(tables: list[Table]) -> list[str]:
     names = [name for name in STATUSES if name != "absent"]
-    head = ["structure", "rows", "columns", *(name.replace("_", " ") for name in names)]
+    head = [
+        "structure",
+        "rows",
+        "combinations",
+        "columns",
+        *(name.replace("_", " ") for name in names),
+    ]
     lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
     for table in tables:
         counts = table.counts()
-        row = [structure(table.structure).title, str(len(table.rows)), str(len(table.columns))]
+        mixed = sum(row["group"] == "combination" for row in table.rows)
+        numbers = len(table.rows), mixed, len(table.columns)
+        row = [structure(table.structure).title, *map(str, numbers)]
         lines.append("| " + " | ".join(row + [str(counts[name]) for name in names]) + " |")
     counts = total(tables)
-    row = ["**all**", str(sum(len(t.rows) for t in tables)), ""]
+    row = ["**all**", str(sum(len(t.rows) for t in tables)), "", ""]
     lines.append("| " + " | ".join(row + [str(counts[name]) for name in names]) + " |")
     return lines
 
@@ -111,8 +131,9 @@ def write_page(tables: list[Table], folder: Path, arguments, seconds: float) -> 
     cells = sum(counts.values())
     lines = [_HEAD, "## This run", ""]
     lines.append(
-        f"Seed {arguments.seed}, {arguments.rows} combinations: {cells} cells, {bad} bad, in "
-        f"{seconds / 60:.0f} minutes on two cores."
+        f"Seed {arguments.seed}, up to {arguments.rows} combinations, {len(tables)} structures: "
+        f"{cells:,} cells, {bad:,} bad, in {seconds / 60:.0f} minutes of a busy machine of two "
+        f"cores."
     )
     lines += ["", *_colours(), "", *_counts(tables), "", "## Faults", "", *_faults(tables), ""]
     lines += ["## Largest errors of cells that agree", "", *_largest(tables), ""]
@@ -124,7 +145,7 @@ def write_page(tables: list[Table], folder: Path, arguments, seconds: float) -> 
     ]
     for name, group, path in pictures:
         relative = path.relative_to(folder).as_posix()
-        lines += [f"![{structure(name).title}, {group} rows]({relative})", ""]
+        lines += [f"![{structure(name).title}: {GROUPS[group]}]({relative})", ""]
     page = folder / "extremes.md"
     with written_whole(page) as temporary:
         temporary.write_text("\n".join(lines), encoding="utf-8")

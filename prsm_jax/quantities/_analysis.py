@@ -136,14 +136,15 @@ class Analysis:
                 )
             speed = self.mechanism.operating_point.speed
         speed = jnp.asarray(speed, self.mechanism.stages[0].thread.lead.dtype)
-        self.require(jnp.isfinite(speed))
+        # NaN is told by the values themselves; a quotient by infinity is 0.
+        self.require(jnp.logical_not(jnp.isinf(speed)))
         return speed
 
     @cached_property
     def signed_load(self) -> Scalar:
         """Axial load: given, or that of the operating point [N]."""
         load = load_of(self.mechanism, self._load)
-        self.require(jnp.isfinite(load))
+        self.require(jnp.logical_not(jnp.isinf(load)))
         return load
 
     @cached_property
@@ -235,7 +236,7 @@ class Analysis:
         if self._asked:
             return jnp.abs(self.speed), self.load
         speed, load = largest_demand(self.mechanism, self.spectrum)
-        self.require(jnp.isfinite(speed) & jnp.isfinite(load))
+        self.require(jnp.logical_not(jnp.isinf(speed) | jnp.isinf(load)))
         return speed, load
 
     @cached_property
