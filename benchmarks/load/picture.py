@@ -7,8 +7,8 @@ import numpy as np
 
 from ..harness import written_whole
 
-_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00")
-_MARKERS = "osD^v"
+_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#000000")
+_MARKERS = "osD^vP"
 #: Errors below are drawn here: a value that agrees to the last bit has no place on a log axis.
 _FLOOR = 1e-17
 
@@ -38,15 +38,18 @@ def draw(tasks: list[dict[str, Any]], path: Path) -> Path:
     lines = []
     for index, task in enumerate(tasks):
         rows = task["sizes"]
-        style: Any = {"color": _COLOURS[index % 5], "marker": _MARKERS[index % 5], "lw": 1.3}
+        style: Any = {"color": _COLOURS[index % 6], "marker": _MARKERS[index % 6], "lw": 1.3}
         share = np.array([row["count"] for row in rows]) / rows[-1]["count"]
         times = np.array([row["best_s"] for row in rows])
         lines += by_time.plot(share, times, label=_label(task), **style)
         memory = [np.nan if row["run_bytes"] is None else row["run_bytes"] / 1e6 for row in rows]
-        by_memory.plot(share, memory, **style)
+        if np.isfinite(memory).any():
+            by_memory.plot(share, memory, **style)
         errors = np.array([np.nan if row["error"] is None else row["error"] for row in rows])
-        by_error.plot(times, np.maximum(errors, _FLOOR), **style)
-    for axes in (by_time, by_memory, by_error):
+        if np.isfinite(errors).any():
+            by_error.plot(times, np.maximum(errors, _FLOOR), **style)
+    panels = [axes for axes in (by_time, by_memory, by_error) if axes.lines]
+    for axes in panels:
         axes.set(xscale="log", yscale="log")
         axes.grid(which="major", color="0.85", linewidth=0.8)
         axes.set_axisbelow(True)
@@ -54,6 +57,8 @@ def draw(tasks: list[dict[str, Any]], path: Path) -> Path:
         axes.set(xlabel="size over the largest size [1]", ylabel=name)
         low, high = axes.get_ylim()
         ends = np.array(axes.get_xlim())
+        if axes not in panels:  # nothing was measured
+            continue
         # Parallel to these is linear.
         for start in np.geomspace(low, high, 4)[1:]:
             axes.plot(ends, start * ends / ends[-1], color="0.6", ls=":", lw=0.9, zorder=0)

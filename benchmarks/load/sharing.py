@@ -39,12 +39,11 @@ def _imbalance(first, second, gap, load: float) -> float:
     return wrong
 
 
-def sharing(threads: int):
-    """A nut with `threads` threads on 0.6 times as many rollers, all unlike.
+def sharing(threads: int, rollers: int):
+    """A nut with so many threads on so many rollers, all unlike.
 
     **Returns:** the call, the error of what it gives, and the number of contacts of a side.
     """
-    rollers = round(0.6 * threads)
     load = _EACH * threads * rollers
     gap = np.random.default_rng(60).normal(size=(rollers, threads)) * 2e-7
 
@@ -58,7 +57,7 @@ def sharing(threads: int):
         chains = with_units(bare, load=load)
         found = equilibrium(chains, load, tolerance=1e-12)
         first, _ = chains.screw.loads(found.state.screw_approach, 0.0)
-        between = found.state.approach - found.state.screw_approach
+        between = found.state.approach[None] - found.state.screw_approach
         second, _ = chains.nut.loads(between, 0.0)
         return first, second, found.result, found.steps
 

@@ -207,10 +207,17 @@ TASKS = {
         (100, 1000, 10_000, 100_000),
         "extrapolated central differences, 20 designs",
     ),
-    "sharing": Task(
-        "load sharing, threads × unlike rollers",
+    "sharing_threads": Task(
+        "load sharing, threads of 6 unlike rollers",
         "thread contact",
-        lambda size: Work(*sharing(size)),
+        lambda threads: Work(*sharing(threads, 6)),
+        (10, 30, 100, 300),
+        "balance and compatibility of all threads in NumPy",
+    ),
+    "sharing": Task(
+        "load sharing, threads × 0.6 as many unlike rollers",
+        "thread contact",
+        lambda threads: Work(*sharing(threads, round(0.6 * threads))),
         (10, 25, 50, 100),
         "balance and compatibility of all threads in NumPy",
     ),

@@ -8,9 +8,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from scenes import array
+from scenes import array, example
 from sharing_scenes import HERTZ, SEGMENT, TOOTH, chains, equilibrium, loads_of
 
+import prsm_jax as prsm
 from prsm_jax.load_sharing import equilibrium as solve, with_units
 
 _ERRORS = np.random.default_rng(8).normal(size=(1, 12)) * 2e-6
@@ -102,3 +103,19 @@ def test_loose_teeth_without_load():
 def test_a_load_that_is_not_a_number_is_told():
     found = equilibrium(chains(1, load=500.0), array(np.nan))
     assert int(found.result) == 2
+
+
+def test_bodies_too_stiff_for_a_balance_are_no_zero():
+    """Loads hang on errors of the pitch that no body gives way to; what is found carries them."""
+    shared = example("actuator_load_sharing")
+    names = ["largest_thread_load", "axial_deflection"]
+    equal = None
+    for modulus in (2.1e11, 2.1e15, 2.1e16):
+        stiff = prsm.set_parameter(shared, "material.youngs_modulus", modulus)
+        found = {k: np.ravel(v)[0] for k, v in prsm.compute(stiff, names).items()}
+        missing = [np.isnan(value) for value in found.values()]
+        assert all(missing) or not any(missing)
+        equal = found["largest_thread_load"] if equal is None else equal
+        # Fewer threads carry the same load the stiffer they are.
+        assert all(missing) or found["largest_thread_load"] >= equal > 0
+        assert all(missing) or min(found.values()) > 0

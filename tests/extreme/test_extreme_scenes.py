@@ -13,6 +13,7 @@ from every_number import numbers_of
 from scenes import array, example
 
 import prsm_jax as prsm
+from prsm_jax.dynamics._solvers import NAMES
 from prsm_jax.halfspace import RESULTS, flank_contact
 from prsm_jax.mechanism import (
     DutyCycle,
@@ -35,8 +36,18 @@ def test_a_duration_that_is_none_is_refused(scenario, duration):
         scenario(100.0, 7e3, duration)
     # As `jax.tree` and `eqx.tree_at` set it: past the construction, but not past `simulate`.
     past = eqx.tree_at(lambda s: s.duration, scenario(100.0, 7e3, 1e-3), array(duration))
-    with pytest.raises(ValueError, match=r"Scenario: duration is .*; it must be"):
-        prsm.simulate(scenes.mechanism(), past)
+    for method in ("auto", *NAMES):
+        with pytest.raises(ValueError, match=r"Scenario: duration is .*; it must be"):
+            prsm.simulate(scenes.mechanism(), past, method=method)
+
+
+@pytest.mark.parametrize("method", ["auto", *NAMES])
+def test_a_speed_without_end_is_refused_by_every_method(method):
+    """Set past the construction, and found before anything is integrated."""
+    for scenario, what in ((Scenario, "speed"), (TorqueScenario, "torque")):
+        past = eqx.tree_at(lambda s, n=what: getattr(s, n), scenario(1.0, 7e3, 1e-3), array(np.inf))
+        with pytest.raises(ValueError, match=rf"Scenario: {what} is inf"):
+            prsm.simulate(scenes.mechanism(), past, method=method)
 
 
 @pytest.mark.parametrize("value", _NOT_FINITE)
