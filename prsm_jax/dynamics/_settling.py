@@ -82,6 +82,25 @@ def _inverse_path_jvp(primals, tangents):
     return x, (value_dot + x * share_dot) / (_path(x)[1] - share)
 
 
+def _path_ahead(x: Scalar, step: Scalar) -> tuple[Scalar, Scalar]:
+    """P(x + step) − P(x), to rounding of itself, and P′(x + step)."""
+    slip = jnp.exp(jnp.minimum(x, 150.0))
+    root, there = jnp.sqrt(1 + slip**2), _path(x + step)[1]
+    longer = slip**2 * jnp.expm1(2 * step) / (root + there)
+    return longer + step - jnp.log1p(longer / (1 + root)), there
+
+
+def _step_to(x: Scalar, end: Scalar, share: Scalar, moved: Scalar) -> tuple[Scalar, Scalar]:
+    """The step from x at which P − share · x has fallen by `moved`, and what P has changed by.
+
+    A short step is lost in the rounding of its end: one step of Newton on the difference itself.
+    """
+    near = end - x
+    change, slope = _path_ahead(x, near)
+    step = near - (change - share * near + moved) / (slope - share)
+    return step, _path_ahead(x, step)[0]
+
+
 def _settled_stage(
     stage: Stage,
     reduced: ReducedStage,
@@ -108,37 +127,34 @@ def _settled_stage(
     share = jnp.where(share >= 1, 0.0, share)
 
     excess = (reduced.along - initial_ratio * drive) / across
-    way = jnp.sign(excess)
-    slips = excess != 0
-    start = jnp.log(jnp.where(slips, jnp.abs(excess), 1.0))
+    # Without slip along d to begin with, that of any tiny one.
+    start = jnp.log(jnp.where(excess == 0, 1e-30, jnp.abs(excess)))
     first, first_root = _path(start)
     # H has moved by d² μ ∫|F_a| dt / (I |Ω| q), counted in units of n.
     force = jnp.abs(axial_force)
     moved = drive**2 * coefficient * force * time / (inertia * size * across * normal)
-    x = inverse_path(first - share * start - moved, share)
-    last, _ = _path(x)
-    slip, begun = way * jnp.exp(x), way * jnp.exp(start)
-    slip, begun = jnp.where(slips, slip, 0.0), jnp.where(slips, begun, 0.0)
-    # Exactly what it was, before anything has happened.
+    end = inverse_path(first - share * start - moved, share)
+    step, change = _step_to(start, end, share, moved)
+    slip, lost = excess * jnp.exp(step), -excess * jnp.expm1(step)
+    # From the beginning while little of the slip is lost, exactly what it was before anything has
+    # happened; from the end later.
     swept = above_or_nan(moved)
-    ratio = jnp.where(swept, (reduced.along - slip * across) / drive, initial_ratio)
+    early = initial_ratio + jnp.where(swept, lost, 0.0) * across / drive
+    ratio = jnp.where(step > -0.5, early, (reduced.along - slip * across) / drive)
 
     # Mean of √(1 + S²) F/(n √(1 + S²) − k), and so on, over the impulse: dI = −dH/…, so the
     # brackets cancel.
     spread = (reduced.contact_radius**2 - reduced.along**2) / across
     per_slip = coefficient * sense
-    over = jnp.where(swept & slips, moved, 1.0) * normal
-    swept_moment = flank * reduced.normal_moment * (first - last) + per_slip * (
-        spread * (start - x) + reduced.along * (begun - slip)
+    over = jnp.where(swept, moved, 1.0) * normal
+    swept_moment = per_slip * (reduced.along * lost - spread * step) - (
+        flank * reduced.normal_moment * change
     )
     still_moment = flank * reduced.normal_moment * first_root + per_slip * (
-        spread + reduced.along * begun
+        spread + reduced.along * excess
     )
-    still_root = jnp.where(slips, first_root, 1.0)
-    still_moment = jnp.where(
-        slips, still_moment, flank * reduced.normal_moment + per_slip * spread
-    ) / ((still_root - share) * normal)
-    mean = jnp.where(swept & slips, swept_moment / over, still_moment)
+    still_moment = still_moment / ((first_root - share) * normal)
+    mean = jnp.where(swept, swept_moment / over, still_moment)
     return ratio, -mean * force, carries
 
 
