@@ -200,6 +200,19 @@ def test_what_does_not_move_and_what_has_settled():
     assert jnp.all(jnp.isfinite(runs))
 
 
+def test_next_to_no_load_moves_carriers_in_proportion():
+    """Carriers at rest, at loads of 1e-9 and 1e-12 N: what they have reached, to rounding."""
+    loads = array([1e-9, 1e-12])
+    runs, code = _settle(COULOMB, 100.0 * jnp.ones(2), loads, jnp.zeros(2), "closed_form")
+    assert not code.any()
+    # Of the last stage, whose nut carries nothing else.
+    per_load = np.asarray(runs)[:, -1, 1:] / np.asarray(loads)[:, None]
+    assert np.all(per_load > 0)
+    np.testing.assert_allclose(per_load[1], per_load[0], rtol=1e-10)
+    # And in proportion to the time: the direction of slip has hardly changed.
+    np.testing.assert_allclose(per_load[0], per_load[0, 0] * np.arange(1, 21), rtol=1e-9)
+
+
 def test_a_torque_that_changes_its_sign_is_seen():
     """Near self-locking a driven screw first has to be pushed, then holds back."""
     ends, coefficients = [], jnp.linspace(0.02, 0.4, 20)
