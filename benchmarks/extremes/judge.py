@@ -13,7 +13,7 @@ from .differences import STEPS, Slope, slopes
 from .numbers import changed, numbers_of, split
 from .rows import Row, admitted
 from .single import judge_single
-from .slopes import first_of, slope_cell
+from .slopes import STATE_TOLERANCE, first_of, slope_cell, with_choice_of_steps
 from .structures import Structure
 
 #: Forward and reverse derivatives are the same sums in another order.
@@ -209,7 +209,7 @@ class Verdicts:
             for name in self.found:
                 if self.usable[name]:
                     cell = self._slope(name, given[name], measured[name])
-                    if cell.status == "wrong_gradient":
+                    if cell.status == "wrong_gradient" and not self.structure.stepping:
                         for factor in _CLOSER:
                             if factor not in closer:
                                 closer[factor] = self._measured(own, wobble, factor)
@@ -234,7 +234,19 @@ class Verdicts:
         steps = STEPS[:6] if self.structure.slow else STEPS
         steps = steps if shrink == 1.0 else STEPS[:3]
         with np.errstate(all="ignore"):
-            return slopes(at, wanted, wobble, tuple(shrink * step for step in steps))
+            found = slopes(at, wanted, wobble, tuple(shrink * step for step in steps))
+        if self.structure.stepping:
+            found = {name: with_choice_of_steps(slope) for name, slope in found.items()}
+        return found | self._exactly(direction)
+
+    def _exactly(self, direction) -> dict[str, Slope | None]:
+        """Derivatives of the same values found without steps, where they are."""
+        if not self.structure.twin:
+            return {}
+        twin = Verdicts(programs(self.structure.twin), self.row, self.base)
+        twin.usable = {name: code == 0 and self.usable[name] for name, code in twin.codes.items()}
+        measured = twin._measured(direction, twin._wobble(np.random.default_rng(15)))
+        return {name: slope for name, slope in measured.items() if slope is not None}
 
     def _at_zero(self, cells: dict[str, Cell], random) -> None:
         """Derivatives by numbers that are 0 have to be finite too."""
@@ -251,8 +263,20 @@ class Verdicts:
     def _slope(self, name: str, given: np.ndarray, measured: Slope | None) -> Cell:
         one = self.structure
         tolerance = 10 * one.tolerance * one.slow
+        if one.slope_tolerance is not None:
+            tolerance = one.slope_tolerance
         spectrum = name.endswith("frequencies")
-        return slope_cell(self.found[name], given, measured, tolerance, one.histories, spectrum)
+        state = one.stepping and name == "carrier_ratio"
+        return slope_cell(
+            self.found[name],
+            given,
+            measured,
+            tolerance,
+            one.histories,
+            spectrum,
+            one.stepping,
+            STATE_TOLERANCE if state else 0.0,
+        )
 
     def _reverse_cells(self, forward, tangents, direction, random) -> dict[str, Cell]:
         if not tangents:

@@ -33,6 +33,7 @@ def integrated(
     *,
     args: Any = None,
     autonomous: bool = False,
+    longest: Scalar | None = None,
 ) -> tuple[Any, SolverReport]:
     """Integrate a scaled equation of motion from 0 to `end`.
 
@@ -46,6 +47,7 @@ def integrated(
     - `settings`: solver, tolerances and kind of derivative; the method `"auto"` is RODASP.
     - `args`: handed on to `rate`.
     - `autonomous`: whether `rate` does not look at the time.
+    - `longest`: the longest scaled step, if there is one.
 
     **Returns:** the states, with samples first, and how it went.
 
@@ -64,7 +66,7 @@ def integrated(
         y0=start,
         args=args,
         saveat=diffrax.SaveAt(ts=jnp.linspace(0.0, 1.0, samples, dtype=end.dtype) * end),
-        stepsize_controller=controller_of(rtol, atol, breaks, end),
+        stepsize_controller=controller_of(rtol, atol, breaks, end, longest),
         adjoint=adjoint_of(settings.gradient),
         max_steps=settings.max_steps,
         throw=False,
