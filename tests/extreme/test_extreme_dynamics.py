@@ -15,6 +15,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+import scenes
 from scenes import array, example, simulate
 from scipy.integrate import solve_ivp
 
@@ -413,3 +414,24 @@ def test_nothing_that_drives_the_carriers(coefficient, load, method):
     assert int(run.solver.code) == 0
     np.testing.assert_allclose(run.carrier_ratio, 0.1, rtol=1e-12)
     assert all(np.all(np.isfinite(leaf)) for leaf in jax.tree.leaves(run))
+
+
+def test_explicit_steps_of_carriers_at_rest_stay_stable():
+    """Settled carriers depend on no friction; through steps that are too long a derivative grows.
+
+    By 4e-6 a unit of the coefficient in 100 time constants, and by ten times that in ten times as
+    many, where the exact one is below 1e-20.
+    """
+
+    def settled(coefficient):
+        one = prsm.set_parameter(
+            scenes.mechanism(), "stage.friction.thread.coefficient", coefficient
+        )
+        scene = prsm.Scenario(100.0, 7e3, 2e-3, samples=5)
+        run = prsm.simulate(one, scene, method="explicit", gradient="forward", throw=False)
+        return run.carrier_ratio[0, 1:], run.solver.code
+
+    ratios, slopes, code = jax.jvp(settled, (array(0.3),), (array(1.0),), has_aux=True)
+    assert int(code) == 0
+    np.testing.assert_allclose(ratios, ratios[-1], rtol=1e-9)
+    np.testing.assert_allclose(slopes, 0.0, atol=1e-10)
