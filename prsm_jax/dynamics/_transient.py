@@ -86,6 +86,8 @@ def simulate(
     - `rtol`, `atol`: tolerances on the carrier ratio, of the steps. Between the large steps of the
       implicit method the samples are interpolated to third order: at the default their largest
       error is about 1e-6 while the carriers still accelerate (`benchmarks`, case transient).
+      Derivatives are those of the steps taken: at the default within about 1e-5 of the exact ones
+      (`"implicit"` 1e-4; more where parts of them cancel), and by a hundredth of that at 1e-10.
     - `max_steps`: steps allowed; running out of them is reported in `solver`, never hidden.
     - `throw`: raise if the solver fails. Inside a trace nothing is raised and the result code in
       `solver.code` tells.
