@@ -58,10 +58,11 @@ _PATTERN = 600
 def _apart(found: Any, period: np.ndarray, count: int) -> float:
     """Largest difference between every period and one alone, over the largest value.
 
-    The first sample of a period stands where the speed bends, on either side of it.
+    The first sample of a stroke stands where the speed bends, on either side of it.
     """
     rows = np.asarray(found)[: count * len(period)].reshape(count, len(period))
-    return float(np.max(np.abs(rows - period)[:, 1:]) / np.max(np.abs(period)))
+    between = np.arange(len(period)) % _SAMPLES != 0
+    return float(np.max(np.abs(rows - period)[:, between]) / np.max(np.abs(period)))
 
 
 def _reversals(method: Any, steps: int, width: float) -> Callable[[int], Work]:
