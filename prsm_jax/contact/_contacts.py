@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 
 from .._errors import MissingDataError
+from .._one_program import one_program
 from ..mechanism import Mechanism, Scalar, of_one_design
 from ._hertz import HertzMethod
 from ._thread_contact import StageContact, stage_contact
@@ -24,6 +25,7 @@ def load_of(mechanism: Mechanism, load: float | Scalar | None) -> Scalar:
 
 
 @of_one_design
+@one_program
 def thread_contacts(
     mechanism: Mechanism,
     load: float | Scalar | None = None,

@@ -9,6 +9,7 @@ from jaxtyping import Array, Bool, Float, Int
 from .._batches import AbstractResult, listed
 from .._errors import MissingDataError
 from .._guards import above_or_nan
+from .._one_program import one_program
 from .._physics import physics
 from ..geometry import dimensions_possible, rollers_fit
 from ..mechanism import Mechanism, Scalar, of_one_design
@@ -200,6 +201,7 @@ def some_load(load: Scalar) -> Scalar:
 
 
 @of_one_design
+@one_program
 @physics("steady_state")
 def steady_state(
     mechanism: Mechanism,

@@ -4,6 +4,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from .._one_program import one_program
 from .._physics import physics
 from .._root import find_root_of
 from ..mechanism import Scalar, Thread, of_one_design
@@ -139,6 +140,7 @@ def _unit_normal(slope: Slope, sign: float) -> Float[Array, "3"]:
 
 
 @of_one_design
+@one_program
 @physics("meshing")
 def mesh(thread: Thread) -> Meshing:
     """Contact points, normals and relative curvatures of one roller with screw and nut.

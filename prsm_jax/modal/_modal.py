@@ -2,6 +2,7 @@
 
 import jax.numpy as jnp
 
+from .._one_program import one_program
 from .._physics import physics
 from ..contact import load_of
 from ..mechanism import Mechanism, Scalar, of_one_design
@@ -12,6 +13,7 @@ from ._system import vibration_system
 
 
 @of_one_design
+@one_program
 @physics("modal")
 def modal(
     mechanism: Mechanism,

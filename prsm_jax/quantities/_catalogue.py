@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Int
 
 from .._errors import MissingDataError, UnknownNameError, closest
+from .._one_program import one_program
 from ..mechanism import Mechanism, Scalar, of_one_design
 from ._analysis import Analysis, SharedLoad
 from ._assumptions import known_assumption, sentences
@@ -128,7 +129,8 @@ def compute(
     **Raises:** `UnknownNameError` for an unknown name; `MissingDataError`, naming the quantity,
     where the mechanism lacks data for it.
     """
-    return evaluate(Analysis(mechanism, speed, load), quantities)
+    wanted = _wanted(quantities)
+    return _named(wanted, _values(mechanism, wanted, speed, load))
 
 
 @of_one_design
@@ -145,9 +147,9 @@ def compute_checked(
     below found nothing, where the values may look harmless all the same; and where a value is NaN
     or infinite. It speaks only for what the quantities needed.
     """
-    analysis = Analysis(mechanism, speed, load)
-    values = evaluate(analysis, quantities)
-    return values, analysis.valid & _finite(values)
+    wanted = _wanted(quantities)
+    values, valid = _checked_values(mechanism, wanted, speed, load)
+    return _named(wanted, values), valid
 
 
 @of_one_design
@@ -162,14 +164,48 @@ def compute_coded(
 
     0 where they can; a value that is not finite has a code of its own.
     """
-    return evaluate_coded(Analysis(mechanism, speed, load), quantities)
+    wanted = _wanted(quantities)
+    values, code = _coded_values(mechanism, wanted, speed, load)
+    return _named(wanted, values), code
+
+
+def _wanted(quantities: Iterable[str]) -> tuple[Quantity, ...]:
+    # What is compiled is kept by the quantities themselves: a name may be defined anew.
+    return tuple(find_quantity(name) for name in quantities)
+
+
+def _named(wanted: tuple[Quantity, ...], values: tuple[Array, ...]) -> dict[str, Array]:
+    # In the order asked for, which a compiled program does not keep in a dictionary.
+    return {quantity.name: value for quantity, value in zip(wanted, values, strict=True)}
+
+
+@one_program
+def _values(mechanism: Mechanism, wanted: tuple[Quantity, ...], speed, load):
+    return tuple(_evaluated(Analysis(mechanism, speed, load), wanted).values())
+
+
+@one_program
+def _checked_values(mechanism: Mechanism, wanted: tuple[Quantity, ...], speed, load):
+    analysis = Analysis(mechanism, speed, load)
+    values = _evaluated(analysis, wanted)
+    return tuple(values.values()), analysis.valid & _finite(values)
+
+
+@one_program
+def _coded_values(mechanism: Mechanism, wanted: tuple[Quantity, ...], speed, load):
+    analysis = Analysis(mechanism, speed, load)
+    values, code = _coded(analysis, _evaluated(analysis, wanted))
+    return tuple(values.values()), code
 
 
 def evaluate_coded(
     analysis: Analysis, quantities: Iterable[str]
 ) -> tuple[dict[str, Array], Int[Array, ""]]:
     """As `compute_coded`, of an analysis of which more is asked."""
-    values = evaluate(analysis, quantities)
+    return _coded(analysis, evaluate(analysis, quantities))
+
+
+def _coded(analysis: Analysis, values: dict[str, Array]) -> tuple[dict[str, Array], Int[Array, ""]]:
     code = code_of(analysis)
     return values, jnp.where((code == 0) & ~_finite(values), REASONS.index("not_finite"), code)
 
@@ -188,7 +224,11 @@ def evaluate(analysis: Analysis, quantities: Iterable[str]) -> dict[str, Array]:
 
     **Raises:** as `compute`.
     """
-    values, wanted = {}, [find_quantity(name) for name in quantities]
+    return _evaluated(analysis, _wanted(quantities))
+
+
+def _evaluated(analysis: Analysis, wanted: Iterable[Quantity]) -> dict[str, Array]:
+    values = {}
     analysis.expect(load for found in wanted for load in found.shares)
     for found in wanted:
         name = found.name
