@@ -10,7 +10,6 @@ from typing import Any, ParamSpec, TypeVar
 import equinox as eqx
 import jax
 import numpy as np
-from jax.tree_util import PyTreeDef
 
 _Given = ParamSpec("_Given")
 _Found = TypeVar("_Found")
@@ -53,7 +52,7 @@ def _items(value: Any, path: str) -> Iterator[tuple[str, Any]]:
 
 
 @functools.lru_cache(maxsize=256)
-def _axes(structure: PyTreeDef) -> tuple[tuple[int, int, str], ...]:
+def _axes(structure: Any) -> tuple[tuple[int, int, str], ...]:
     # Walking through the modules takes ten times as long as listing their leaves.
     return tuple(_declared(jax.tree.unflatten(structure, range(structure.num_leaves)), ""))
 
