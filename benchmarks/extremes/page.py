@@ -136,7 +136,13 @@ def write_page(tables: list[Table], folder: Path, arguments, seconds: float) -> 
         f"cores."
     )
     lines += ["", *_colours(), "", *_counts(tables), "", "## Faults", "", *_faults(tables), ""]
-    lines += ["## Largest errors of cells that agree", "", *_largest(tables), ""]
+    lines += ["## Largest errors of cells that agree", ""]
+    lines += [
+        "Large ones stand where a change of all numbers by 1e-13 does as much, as next to jamming, "
+        "or where the value is 0 but for rounding.",
+        "",
+    ]
+    lines += [*_largest(tables), ""]
     lines += [
         "## Pictures",
         "",

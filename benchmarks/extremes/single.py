@@ -79,17 +79,18 @@ def judge_single(compiled, row, seed: int) -> tuple[dict[str, tuple[Cell, ...]],
                 forward = Cell("not_finite", None, "in float32")
             weights = {n: np.ones_like(v) if n == name else 0 * slope[n] for n, v in found.items()}
             gradient = short.reverse(leaves, weights)
-            reverse = _transposed(gradient, direction, slope[name], floor)
+            rounding = floor + _TIMES * float(np.sum(slope_spread[name]))
+            reverse = _transposed(gradient, direction, slope[name], rounding)
         cells[name] = own, forward, reverse
     return cells, time.perf_counter() - begin
 
 
-def _transposed(gradient, direction, slope, floor: float) -> Cell:
+def _transposed(gradient, direction, slope, rounding: float) -> Cell:
     if not all(np.isfinite(g).all() for g in gradient):
         return Cell("not_finite", None, "in float32")
     terms = [g * d for g, d in zip(gradient, direction, strict=True)]
-    size = sum(float(np.sum(abs(term))) for term in terms) + floor
+    size = sum(float(np.sum(abs(term))) for term in terms)
     missing = abs(sum(float(np.sum(term)) for term in terms) - float(np.sum(slope)))
-    error = missing / size if missing > 0 else 0.0
-    agrees = error <= _TOLERANCE["slope"]
+    agrees = missing <= _TOLERANCE["slope"] * size + rounding
+    error = missing / (size + rounding) if missing > 0 else 0.0
     return Cell("agrees" if agrees else "wrong_gradient", error, "reverse differs from forward")
