@@ -9,7 +9,7 @@ from typing import Any
 
 import jax.numpy as jnp
 
-from prsm_jax.quantities import Analysis, _catalogue
+from prsm_jax.quantities import Analysis, evaluate_checked, find_quantity
 
 
 class _Record:
@@ -93,18 +93,14 @@ for _name, _member in vars(Analysis).items():
 
 def flagged_quantities(mechanism, names):
     """Values of quantities by name, and for each whether `compute_checked` says it can be used."""
-    wanted = [_catalogue.find_quantity(name) for name in names]
+    wanted = [find_quantity(name) for name in names]
     scope = {
         "store": _Store(),
         "loads": tuple(dict.fromkeys(load for one in wanted for load in one.shares)),
     }
     own = type("Shared", (_Shared,), scope)
-    values, flags, original = {}, {}, _catalogue.Analysis
-    _catalogue.Analysis = own  # type: ignore[misc]
-    try:
-        for name in names:
-            found, flag = _catalogue.compute_checked(mechanism, [name])
-            values[name], flags[name] = found[name], flag
-    finally:
-        _catalogue.Analysis = original  # type: ignore[misc]
+    values, flags = {}, {}
+    for name in names:
+        found, flag = evaluate_checked(own(mechanism), [name])
+        values[name], flags[name] = found[name], flag
     return values, {name: jnp.where(flag, 0, 1) for name, flag in flags.items()}

@@ -33,6 +33,7 @@ from ._catalogue import (
     compute_checked as compute_checked,
     compute_coded as compute_coded,
     evaluate as evaluate,
+    evaluate_checked as evaluate_checked,
     evaluate_coded as evaluate_coded,
     find_quantity as find_quantity,
     quantity as quantity,

@@ -186,9 +186,8 @@ def _values(mechanism: Mechanism, wanted: tuple[Quantity, ...], speed, load):
 
 @one_program
 def _checked_values(mechanism: Mechanism, wanted: tuple[Quantity, ...], speed, load):
-    analysis = Analysis(mechanism, speed, load)
-    values = _evaluated(analysis, wanted)
-    return tuple(values.values()), analysis.valid & _finite(values)
+    values, valid = _checked(Analysis(mechanism, speed, load), wanted)
+    return tuple(values.values()), valid
 
 
 @one_program
@@ -196,6 +195,20 @@ def _coded_values(mechanism: Mechanism, wanted: tuple[Quantity, ...], speed, loa
     analysis = Analysis(mechanism, speed, load)
     values, code = _coded(analysis, _evaluated(analysis, wanted))
     return tuple(values.values()), code
+
+
+def evaluate_checked(
+    analysis: Analysis, quantities: Iterable[str]
+) -> tuple[dict[str, Array], Bool[Array, ""]]:
+    """As `compute_checked`, of an analysis of which more is asked."""
+    return _checked(analysis, _wanted(quantities))
+
+
+def _checked(
+    analysis: Analysis, wanted: Iterable[Quantity]
+) -> tuple[dict[str, Array], Bool[Array, ""]]:
+    values = _evaluated(analysis, wanted)
+    return values, analysis.valid & _finite(values)
 
 
 def evaluate_coded(
@@ -298,6 +311,7 @@ __all__ = [
     "compute_checked",
     "compute_coded",
     "evaluate",
+    "evaluate_checked",
     "evaluate_coded",
     "find_quantity",
     "quantity",
