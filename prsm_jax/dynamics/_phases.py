@@ -40,8 +40,7 @@ class PhaseLaws(NamedTuple):
     pytree of arrays, with the mode of the phase under `"mode"`.
     """
 
-    #: (share, kept) to the label of the phase that begins, and its first state. A label may say
-    #: under `"lost"` that no such state was found.
+    #: (share, kept) to the label of the phase that begins, and its first state.
     begin: Callable[[Scalar, Array], tuple[Any, Array]]
     #: (share, state, label) to the rate of the state.
     rate: Callable[[Scalar, Array, Any], Array]
@@ -62,7 +61,7 @@ class Phases(NamedTuple):
     count: Int[Array, ""]
     steps: Int[Array, ""]
     rejected: Int[Array, ""]
-    #: 0 success, 1 out of steps, 4 no first state of a phase, 5 out of phases.
+    #: 0 success, 1 out of steps, 5 out of phases.
     code: Int[Array, ""]
 
 
@@ -197,8 +196,6 @@ def follow_phases(
         kept = jnp.where(done, kept, laws.end(last, label, ended))
         failed = jnp.logical_not(ended | finished | done)
         code = jnp.where(failed & (code == 0), 1, code)
-        if "lost" in label:
-            code = jnp.where(label["lost"] & ~done & (code == 0), 4, code)
         used = jnp.where(done, 0, 1)
         steps = steps + used * stats["num_accepted_steps"]
         rejected = rejected + used * stats["num_rejected_steps"]

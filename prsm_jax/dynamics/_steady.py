@@ -104,6 +104,8 @@ class SteadyState(AbstractResult):
     valid: Bool[Array, ""]
     #: 0 when all is well; see `result`.
     code: Int[Array, ""] | None = None
+    #: Whether the threads mesh and all forces balance, whatever else `code` names.
+    solved: Bool[Array, ""] | None = None
 
     @property
     def batch_shape(self) -> tuple[int, ...]:
@@ -135,7 +137,8 @@ class SteadyState(AbstractResult):
             return self.valid
         known = jnp.isfinite(self.drive_torque) & jnp.isfinite(self.efficiency)
         known = known & jnp.isfinite(self.carrier_ratio + self.contact_force).all(axis=-1)
-        return known & ((self.code <= 1) | (self.code >= _IMPOSSIBLE))
+        solved = (self.code <= 1) | (self.code >= _IMPOSSIBLE)
+        return known & (solved if self.solved is None else solved & self.solved)
 
 
 def _steady_states(
@@ -144,8 +147,11 @@ def _steady_states(
     speed: Scalar,
     sense: Scalar,
     load: Scalar,
-) -> tuple[tuple[StageState, ...], list[Scalar], Int[Array, ""]]:
-    """States and carrier ratios of all stages, and a code for what is wrong with them."""
+) -> tuple[tuple[StageState, ...], list[Scalar], Int[Array, ""], Bool[Array, ""]]:
+    """States and carrier ratios of all stages, a code for what is wrong, and whether they balance.
+
+    The code names an impossible dimension first, and would hide that nothing balances.
+    """
     ratios: list[Scalar] = []
     balanced = pushed = jnp.asarray(True)
     meshed = jnp.stack([k.meshing.converged for k in kinematics]).all()
@@ -164,13 +170,14 @@ def _steady_states(
         # Past the limit of jamming the axial balance asks for a pulling contact.
         pushed = pushed & above_or_nan(state.forces.contact_force)
     code = jnp.where(meshed, jnp.where(pushed, jnp.where(balanced, 0, 3), 2), 4)
+    solved = code == 0
     stages = mechanism.stages
     fit = jnp.stack([rollers_fit(stage) for stage in stages]).all()
     possible = jnp.stack([dimensions_possible(stage) for stage in stages]).all()
     code = jnp.where((code == 0) & ~fit, _OVERLAPPING, code)
     # First of all: with a lead below 0 the rest may look harmless.
     code = jnp.where(possible, code, _IMPOSSIBLE)
-    return states, ratios[::-1], code
+    return states, ratios[::-1], code, solved
 
 
 def _operating_point(mechanism: Mechanism, speed, load) -> tuple[Scalar, Scalar]:
@@ -241,7 +248,7 @@ def steady_state(
     sense = jnp.where(speed == 0, beginning, jnp.sign(speed))
     sense = jax.lax.stop_gradient(sense)
 
-    states, ratios, code = _steady_states(mechanism, kinematics, speed, sense, load)
+    states, ratios, code, solved = _steady_states(mechanism, kinematics, speed, sense, load)
     torque = states[0].screw.drive_torque
     travel = travel_per_turn(mechanism.stages, len(mechanism.stages))
     lost = losses(mechanism, kinematics, states, speed)
@@ -283,6 +290,7 @@ def steady_state(
         output_power=jnp.where(forward, load_power, -drive_power),
         power_balance_residual=jnp.abs(imbalance) / jnp.where(gross > 0, gross, 1.0),
         valid=code == 0,
+        solved=solved,
         code=jnp.where((code == 0) & ~forward & (useful / driving < 0), 1, code),
     )
     return _marked(found)

@@ -125,13 +125,12 @@ class _Law(eqx.Module):
         moves = speed != 0
         ratios = turning / jnp.where(moves, speed, 1.0)
         in_step = jnp.where(moves & ~first, slip_geometry(problem).tangent(ratios), onset)
-        # A screw that is braked harder than friction can brake the carriers has no such ratio: they
-        # then begin in that of rolling.
-        in_step = jnp.where((mode == STICKING) | (first & moves & ~found), none, in_step)
+        # A screw that is braked harder than friction can brake the carriers has no such ratio, nor
+        # has one that leaves rest while its load passes through zero, without friction: they then
+        # begin in that of rolling, and from rest settle in no time.
+        in_step = jnp.where((mode == STICKING) | ((first | ~moves) & ~found), none, in_step)
         values = jnp.where(coasts, kept[2:], in_step)
         label = {"mode": mode, "coasts": coasts, "sign": jnp.sign(turning)}
-        # From rest the screw is not braked, and there is one.
-        label["lost"] = (mode != STICKING) & ~moves & ~found
         if any(resists_turning(problem)):
             over = turning_over(problem, slip_geometry(problem).ratio(in_step))
             # Carriers that begin to turn do so with the screw.

@@ -86,3 +86,25 @@ def test_a_locking_limit_beyond_the_balance_of_the_carriers_is_not_found():
     value, found = margin(_mechanism(1e-6, SpinFriction(0.05)))
     assert not bool(found)
     assert np.isfinite(float(value))
+
+
+def test_an_impossible_number_does_not_hide_that_nothing_balances():
+    """Rolling losses far past what the threads can drive, by a loss factor that no steel has."""
+    (stage,) = equal_shares("actuator").stages
+    friction = dataclasses.replace(
+        stage.friction, thread=CoulombFriction(1e-4), spin=SpinFriction(0.06)
+    )
+    mechanism = dataclasses.replace(
+        equal_shares("actuator"), stages=(dataclasses.replace(stage, friction=friction),)
+    )
+    found = steady_state(
+        eqx.tree_at(
+            lambda m: m.stages[0].friction.rolling_hysteresis.loss_factor,
+            mechanism,
+            array(2.0),
+        )
+    )
+    assert found.result_name == "impossible_dimension"
+    assert not bool(found.solved)
+    assert not bool(found.computed)
+    assert bool(steady_state(mechanism).computed)
