@@ -68,7 +68,7 @@ gc.set_threshold(100_000, 20, 50)
 _MAPPED_REGIONS = 25_000
 #: Compiled programs fill a worker's memory long before; two workers share a machine [bytes].
 #: Between modules, and between the tests of one.
-_MEMORY, _MEMORY_INSIDE = (3 << 30) // 2, 2 << 30
+_MEMORY, _MEMORY_INSIDE = (3 << 30) // 2, (7 << 30) // 4
 #: No worker may ever have taken more [bytes], or the session has failed, and the summary says so in
 #: red; only that with PRSM_TEST_MEMORY=told in the environment.
 _MOST_MEMORY = 3 << 30

@@ -1,6 +1,6 @@
 """The mechanism: stages, operating point and duty cycle, as one frozen pytree in SI units."""
 
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import equinox as eqx
 from jaxtyping import Array, Float
@@ -118,24 +118,34 @@ class DutyCycle(eqx.Module):
             check_finite("DutyCycle", f"give the {name} of each phase in {unit}", **values)
 
 
-class Title(str):
-    """A text that tells no program apart from another.
+class _Kept:
+    """A title as a mechanism keeps it: all are equal, so none tells programs apart."""
 
-    Static parts of a pytree are compared wherever pytrees are stacked and compiled programs are
-    looked up. All titles are equal there: a new one neither compiles anew nor keeps designs from
-    being stacked. With an ordinary string it compares by its letters.
-    """
+    __slots__ = ("text",)
 
-    __slots__ = ()
+    def __init__(self, text: str):
+        self.text = text
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Title) or str.__eq__(self, other) is True
-
-    def __ne__(self, other: object) -> bool:
-        return not self == other
+        return isinstance(other, _Kept)
 
     def __hash__(self) -> int:
-        return hash(Title)
+        return hash(_Kept)
+
+
+class _Title:
+    """The field `title`: a plain string to users, no part of the structure that JAX compares.
+
+    Static parts of a pytree are compared wherever pytrees are stacked and compiled programs are
+    looked up; a new title must neither compile anew nor keep designs from being stacked.
+    """
+
+    def __get__(self, mechanism: Any, owner: type) -> Any:
+        return self if mechanism is None else vars(mechanism)["title"].text
+
+    def __set__(self, mechanism: Any, text: Any) -> None:
+        # JAX puts back what it took out of another mechanism.
+        vars(mechanism)["title"] = text if isinstance(text, _Kept) else _Kept(text)
 
 
 class Mechanism(eqx.Module):
@@ -148,7 +158,7 @@ class Mechanism(eqx.Module):
     stages: tuple[Stage, ...]
     operating_point: OperatingPoint | None = None
     duty_cycle: DutyCycle | None = None
-    title: str = choice("a name for reports", default="", converter=Title)
+    title: str = choice("a name for reports", default="")
     design_problem: DesignProblem | None = choice("the [optimise] table of the file", default=None)
     #: What `simulate` does unless it is told otherwise.
     scenario: Scenario | TorqueScenario | None = None
@@ -162,3 +172,7 @@ class Mechanism(eqx.Module):
                 "stage 1 has friction.spline, but the first screw does not move axially; "
                 "remove it, or give it to the stage whose screw slides in a spline"
             )
+
+
+# After the class is made: in it the name would be taken for the default.
+Mechanism.title = _Title()  # type: ignore[assignment]

@@ -92,7 +92,7 @@ def test_an_impossible_number_does_not_hide_that_nothing_balances():
     """Rolling losses far past what the threads can drive, by a loss factor that no steel has."""
     (stage,) = equal_shares("actuator").stages
     friction = dataclasses.replace(
-        stage.friction, thread=CoulombFriction(1e-4), spin=SpinFriction(0.06)
+        stage.friction, thread=CoulombFriction(1e-3), spin=SpinFriction(0.06)
     )
     mechanism = dataclasses.replace(
         equal_shares("actuator"), stages=(dataclasses.replace(stage, friction=friction),)

@@ -234,4 +234,4 @@ def test_any_mechanism_survives_exactly(identical, mechanism):
     again = file.loads(file.dumps(mechanism))
     assert identical(mechanism, again)
     assert again.design_problem == mechanism.design_problem
-    assert str(again.title) == str(mechanism.title)
+    assert again.title == mechanism.title
