@@ -15,7 +15,7 @@ def efficiency_text(state: SteadyState) -> str:
     What stands for the efficiency of a thread that locks or jams is a number without meaning.
     """
     if not state.has_efficiency:
-        name = state.result_name
+        name: str = state.result_name
         return _STATES.get(name, name.replace("_", " "))
     return share_text(state.efficiency)
 
