@@ -10,8 +10,11 @@ that jumps, which is an event as well.
 
 In step, the tangent of the slip settles at a rate inversely proportional to the speed of the screw,
 without bound as it stops: it ends in the ratio in which screw and carriers come to rest together.
-Below a speed of `_SLOWEST` the rate is kept where it is, also past the end of the phase. What that
-changes is of the second order in that speed, and the motion stays smooth.
+Below a speed of `_SLOWEST` the rate is kept where it is. What that changes is of the second order
+in that speed. Past the end of the phase the rate falls again as it grew before, so that a long step
+across standstill meets no rate much larger than at its beginning. With the largest rate kept there,
+every stage of such a step multiplied what carriers were out of balance: values in exact balance
+passed the error control, and their derivatives, with errors by rounding only, were wrong.
 """
 
 import equinox as eqx
@@ -147,7 +150,7 @@ class _Law(eqx.Module):
         now = driven(problem, share * end, self.angle(state), speed, mode, carriers)
         geometry = slip_geometry(problem)
         ratio = geometry.ratio(carriers.tangent)
-        slowest = mode * jnp.maximum(mode * state[1], _SLOWEST) * scale
+        slowest = mode * jnp.maximum(jnp.abs(state[1]), _SLOWEST) * scale
         slowest = jnp.where(turns, slowest, 1.0)
         settling = (ratio * now.acceleration - now.carriers) / slowest
         settling = settling * (geometry.drive / geometry.across) * end

@@ -173,3 +173,40 @@ def test_torque_driven_screw_with_quasi_steady_carriers():
     """The same where the screw alone is a state."""
     chosen_anew, slopes = _compare(quasi_steady=True, rtol=3e-6)
     np.testing.assert_allclose(chosen_anew, slopes, rtol=5e-5)
+
+
+@jax.jit
+def _reversal(scale, friction, torque, speed):
+    """When a screw that its load turns back stops, its derivative by `scale`, code and steps."""
+
+    def integrated(scale):
+        one = prsm.load("li2020_two_stage")
+        one = prsm.mechanism.Mechanism(one.stages[:1], one.operating_point)
+        one = prsm.set_parameter(one, "friction.thread.coefficient", friction * scale)
+        scenario = prsm.TorqueScenario(
+            torque, 7e3 * scale, array(5e-3), initial_speed=speed, samples=3, most_phases=2
+        )
+        settings = Settings("rosenbrock", "forward", 1e-8, 1e-10, 256)
+        times = jnp.linspace(0.0, 5e-3, 3)
+        found = follow_carriers(torque_problem(one, scenario), times, settings).found
+        return found.phases.end[0], (found.code, found.steps)
+
+    return jax.jvp(integrated, (scale,), (jnp.ones_like(scale),), has_aux=True)
+
+
+def test_derivative_of_the_time_of_a_reversal():
+    """By friction and load, against differences, where one long step passes standstill.
+
+    Carriers are in balance all the time. Rounding in the derivative of their slip was multiplied in
+    such a step: the derivative was 0.3 s or -31 s, by how it was compiled, in place of -32 µs.
+    """
+    gentle, quick = (0.0114, 3.0, 3.0), (0.02, 7.5, 30.0)
+    _, slope, (code, _) = _reversal(array(1.0), *map(array, gentle))
+    above, below = (_reversal(array(x), *map(array, gentle))[0] for x in (1.001, 0.999))
+    assert int(code) == 0
+    # Truncation of the difference is 1e-6 of it, and the error of the times 1e-5.
+    assert slope == pytest.approx(float(above - below) / 2e-3, rel=1e-4)
+    # Speeds are linear in time before and after: 20 steps were taken, most of them at standstill.
+    _, _, (code, steps) = _reversal(array(1.0), *map(array, quick))
+    assert int(code) == 0
+    assert int(steps) <= 6
