@@ -128,5 +128,5 @@ def test_the_place_of_the_largest_stress_under_friction_moves_as_differences_say
     find = jax.jit(place)
     expected = np.asarray(8 * (find(at + step) - find(at - step)) - find(at + 2 * step))
     expected = (expected + np.asarray(find(at - 2 * step))) / (12 * step)
-    for found in (jax.jacfwd(place)(at), jax.jacrev(place)(at)):
+    for found in (jax.jit(jax.jacfwd(place))(at), jax.jit(jax.jacrev(place))(at)):
         np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-8)
