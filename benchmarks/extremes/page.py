@@ -7,7 +7,7 @@ from pathlib import Path
 from ..harness._atomic import written_whole
 from .cells import KINDS, STATUSES, Table, is_bad, total
 from .picture import GROUPS, write_pictures
-from .structures import structure
+from .structures import STRUCTURES, structure
 
 _HEAD = """\
 # The matrix of extremes
@@ -135,6 +135,9 @@ def write_page(tables: list[Table], folder: Path, arguments, seconds: float) -> 
         f"{cells:,} cells, {bad:,} bad, in {seconds / 60:.0f} minutes of a busy machine of two "
         f"cores."
     )
+    absent = [name for name in STRUCTURES if name not in {table.structure for table in tables}]
+    if absent:
+        lines += ["", f"Not in this run: {', '.join(absent).replace('_', ' ')}."]
     lines += ["", *_colours(), "", *_counts(tables), "", "## Faults", "", *_faults(tables), ""]
     lines += ["## Largest errors of cells that agree", ""]
     lines += [
