@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import prsm_jax as prsm
+from prsm_jax._one_program import one_program
 from prsm_jax.mechanism import get_parameter, set_parameters
 
 SCALES = np.array([0.99, 1.0, 1.02])
@@ -128,3 +129,30 @@ def test_a_title_compiles_nothing_anew_and_lets_designs_be_stacked():
     assert first.title != second.title
     assert len({first.title: 1, second.title: 2}) == 2
     assert prsm.loads(prsm.dumps(second)).title == "another"
+
+
+def test_a_new_number_compiles_nothing_anew():
+    """Python's floats and NumPy's arrays are numbers, as arguments and inside a mechanism."""
+    traced = []
+
+    @one_program
+    def torque(mechanism, load):
+        traced.append(1)
+        return load * get_parameter(mechanism, "lead")
+
+    mechanism = prsm.load("wu2022")
+    for load in (1.0, 2.0, np.float64(3.0), np.asarray(4.0), jnp.asarray(5.0)):
+        assert float(torque(mechanism, load)) == pytest.approx(float(load) * 10e-3, rel=1e-15)
+    for lead in (9e-3, 11e-3):
+        moved = eqx.tree_at(lambda m: m.stages[0].thread.lead, mechanism, lead)
+        assert float(torque(moved, 1.0)) == pytest.approx(lead, rel=1e-15)
+    assert len(traced) == 1
+
+
+def test_quantities_come_in_the_order_asked_for():
+    mechanism = prsm.load("wu2022")
+    names = ["lowest_torsional_frequency", "carrier_ratio", "lowest_frequency"]
+    names = [name for name in names if name in prsm.available_quantities(mechanism)]
+    assert len(names) > 1
+    assert list(prsm.compute(mechanism, names)) == names
+    assert list(prsm.compute(mechanism, names[::-1])) == names[::-1]
