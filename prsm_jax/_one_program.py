@@ -37,4 +37,7 @@ def _traceable(value):
         return jnp.asarray(value, jnp.result_type(float))
     if isinstance(value, np.ndarray | np.floating):
         return jnp.asarray(value)
+    # An array of JAX that was made of a Python number has a weak type, which is another program.
+    if isinstance(value, jax.Array) and value.weak_type:
+        return jax.lax.convert_element_type(value, value.dtype)
     return value
