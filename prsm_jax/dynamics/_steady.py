@@ -22,7 +22,7 @@ from ._power import losses
 from ._roller_balance import roller_support_forces
 from ._stage_forces import Motion
 
-#: A load so small that nothing but ratios notices it: the efficiency without load is its limit.
+#: Too small to change anything but ratios: the efficiency without load is its limit [N].
 _NO_LOAD = 1e-30
 #: Below this one is taken for none: its square is no number any more [N].
 _LEAST_LOAD = 1e-100
@@ -202,7 +202,7 @@ def all_kinematics(mechanism: Mechanism) -> tuple[StageKinematics, ...]:
 
 
 def some_load(load: Scalar) -> Scalar:
-    """The load, or where there is none a load that nothing but ratios notices [N]."""
+    """The load, or where there is none one that is too small to change anything but ratios [N]."""
     none = (load == 0) | (jnp.abs(load) < _LEAST_LOAD)
     return load + jnp.where(none, _NO_LOAD, 0.0).astype(load.dtype)
 

@@ -171,7 +171,7 @@ def compute_coded(
 
 def _wanted(quantities: Iterable[str]) -> tuple[Quantity, ...]:
     # What is compiled is kept by the quantities themselves: a name may be defined anew.
-    return tuple(find_quantity(name) for name in quantities)
+    return tuple(dict.fromkeys(find_quantity(name) for name in quantities))
 
 
 def _named(wanted: tuple[Quantity, ...], values: tuple[Array, ...]) -> dict[str, Array]:

@@ -156,3 +156,5 @@ def test_quantities_come_in_the_order_asked_for():
     assert len(names) > 1
     assert list(prsm.compute(mechanism, names)) == names
     assert list(prsm.compute(mechanism, names[::-1])) == names[::-1]
+    # A name that is given twice is evaluated once.
+    assert list(prsm.compute(mechanism, [*names, names[0]])) == names
