@@ -132,6 +132,10 @@ class _Kept:
     def __hash__(self) -> int:
         return hash(_Kept)
 
+    # The written structure of a mechanism is part of the name of a stored program.
+    def __repr__(self) -> str:
+        return "title"
+
 
 class _Title:
     """The field `title`: a plain string to users, no part of the structure that JAX compares.
