@@ -75,7 +75,7 @@ def demo(
 
     expect_programs(
         *("_sensitivity", "_values", "_derivatives", "_contacts", "modal", "steady_state"),
-        *("_scene", "simulate", "_strengths", "force_deflection", "load_distribution"),
+        *("_transient", "_strengths", "force_deflection", "load_distribution"),
         *("contact_results", "_numbers"),
     )
     say("differentiating: exact sensitivities to " + ", ".join(v.name for v in problem.variables))

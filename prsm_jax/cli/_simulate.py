@@ -11,9 +11,7 @@ from cyclopts import Parameter
 
 from ..dynamics import (
     Method,
-    Scenario,
     Transient,
-    choose_method,
     default_scenario,
     energy,
     integral,
@@ -37,25 +35,15 @@ def _transient(
     scenario = default_scenario(mechanism)
     if samples is not None:
         scenario = dataclasses.replace(scenario, samples=samples)
-    # It is an argument of its own: twice it would be traced twice.
-    mechanism = dataclasses.replace(mechanism, scenario=None)
-    if method == "auto" and isinstance(scenario, Scenario):
-        # Out here, where numbers are known, and not in the compiled program.
-        method = choose_method(mechanism, scenario, rtol=rtol).method
-    return _simulate(
+    return run_transient(
         mechanism,
         scenario,
         method=method,
-        # Nothing is differentiated; the loop of forward mode stops when it is done.
-        gradient="forward",
         rtol=rtol,
         atol=atol,
         max_steps=steps,
         throw=False,
     )
-
-
-_simulate = eqx.filter_jit(run_transient)
 
 
 def transient_results(run: Transient) -> dict[str, Any]:
@@ -165,7 +153,7 @@ def simulate(
 ) -> int:
     """Time histories of the file's [scenario]; without one, after a step to the operating point."""
     mechanism = common.load(file)
-    expect_programs(*(["_scene"] if method == "auto" else []), "simulate", "_numbers")
+    expect_programs("_transient", "_numbers")
     run = _transient(mechanism, method, samples, rtol, atol, max_steps)
     results = transient_results(run)
     pictures: tuple[Path, ...] = ()

@@ -2,16 +2,15 @@
 
 from typing import NamedTuple
 
-import equinox as eqx
-import jax
 import jax.numpy as jnp
-from jax.core import Tracer
 from jaxtyping import Array, Float
 
+from .._one_program import is_known, one_program_where_possible, traceable
 from ..mechanism import CoulombFriction, Mechanism, StribeckFriction, TorqueScenario
 from ._bristles import has_bristles
 from ._carrier_motion import Problem, carrier_problem
 from ._contact_losses import with_resistance
+from ._kinematics import StageKinematics
 from ._loads import bound_scenario
 from ._quasi_steady import quasi_steady_history
 from ._scenario import Scenario
@@ -63,31 +62,47 @@ def choose_method(
     """
     if isinstance(scenario, TorqueScenario):
         return MethodChoice("rosenbrock", "torque prescribed: screw and carriers are states")
-    problem = _scene(mechanism, bound_scenario(mechanism, scenario))
-    times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=problem.inertia.dtype)
-    return chosen_method(problem, times * scenario.duration, rtol)
+    scene = traceable((mechanism, scenario, None))
+    return chosen_method(*scene, rtol, is_known((*scene, rtol)))
 
 
-@eqx.filter_jit
-def _scene(mechanism: Mechanism, scenario: Scenario) -> Problem:
-    # Compiled as a whole: one operation after the other takes many times as long.
-    kinematics = with_resistance(mechanism.stages, all_kinematics(mechanism))
-    return carrier_problem(mechanism, kinematics, scenario)
+def scene_problem(
+    mechanism: Mechanism, scenario: Scenario, kinematics: tuple[StageKinematics, ...] | None
+) -> Problem:
+    """What the methods for a prescribed speed need."""
+    scenario = bound_scenario(mechanism, scenario)
+    if kinematics is None:
+        kinematics = all_kinematics(mechanism)
+    return carrier_problem(mechanism, with_resistance(mechanism.stages, kinematics), scenario)
 
 
-def chosen_method(problem: Problem, times: Float[Array, " times"], rtol: float) -> MethodChoice:
-    """As `choose_method`, for a problem and its sample times."""
-    mechanism, scenario = problem.mechanism, problem.scenario
-    known = not any(isinstance(x, Tracer) for x in jax.tree.leaves((problem, times, rtol)))
+def chosen_method(
+    mechanism: Mechanism,
+    scenario: Scenario,
+    kinematics: tuple[StageKinematics, ...] | None,
+    rtol: float,
+    known: bool,
+    *,
+    settling: bool = False,
+) -> MethodChoice:
+    """As `choose_method`.
+
+    **Arguments:**
+
+    - `mechanism`, `scenario`, `kinematics`, `rtol`: as those of `simulate`.
+    - `known`: whether numbers may be looked at.
+    - `settling`: take the closed form without looking whether it holds; its code will say so.
+    """
+    scene = (mechanism, scenario, kinematics)
     if settles_in_closed_form(mechanism, scenario):
-        if not known or int(_settling_code(problem, times)) == 0:
+        if settling or not known or int(_settling_code(*scene)) == 0:
             return MethodChoice("closed_form", "constant speed and load, Coulomb friction")
         return MethodChoice("rosenbrock", "a torque or a load changes its sign while settling")
     if has_bristles(mechanism):
         return MethodChoice("rosenbrock", "bristles are stiff")
     if known and (callable(scenario.speed) or callable(scenario.load)):
-        code, error, lag, reverses = (jnp.asarray(x).item() for x in _quasi_steady(problem, times))
-        unseen = lag < _UNSEEN * (times[1] - times[0]).item()
+        code, error, lag, reverses, step = (jnp.asarray(x).item() for x in _quasi_steady(*scene))
+        unseen = lag < _UNSEEN * step
         if code == 0 and unseen and error < _ACCEPTED * rtol:
             return MethodChoice(
                 "quasi_steady",
@@ -106,14 +121,25 @@ def _jumps(mechanism: Mechanism) -> bool:
     return any(isinstance(law, CoulombFriction | StribeckFriction) for law in laws)
 
 
-@eqx.filter_jit
-def _settling_code(problem: Problem, times):
-    return settling_history(problem.reduced, problem.scenario, times)[1].code
+def sample_times(problem: Problem) -> Float[Array, " times"]:
+    """Those of a scene, both ends included [s]."""
+    scenario = problem.scenario
+    times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=problem.inertia.dtype)
+    return times * scenario.duration
 
 
-@eqx.filter_jit
-def _quasi_steady(problem: Problem, times):
+@one_program_where_possible
+def _settling_code(mechanism, scenario, kinematics):
+    problem = scene_problem(mechanism, scenario, kinematics)
+    return settling_history(problem.reduced, problem.scenario, sample_times(problem))[1].code
+
+
+@one_program_where_possible
+def _quasi_steady(mechanism, scenario, kinematics):
+    problem = scene_problem(mechanism, scenario, kinematics)
+    times = sample_times(problem)
     history, report = quasi_steady_history(problem, times)
     speed = history.screw_speed
     reverses = jnp.any(speed[1:] * speed[:-1] <= 0)
-    return report.code, report.error_estimate, report.time_constant, reverses
+    found = (report.code, report.error_estimate, report.time_constant, reverses)
+    return *found, times[1] - times[0]

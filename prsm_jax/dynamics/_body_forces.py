@@ -6,6 +6,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from .._guards import above_or_nan
+from .._one_program import one_program
 from ..mechanism import Mechanism, Scalar
 from ._contact_losses import with_resistance
 from ._free_bodies import (
@@ -117,6 +118,7 @@ def _length(vector):
     return jnp.where(some, jnp.sqrt(jnp.where(some, square, 1.0)), 0.0)
 
 
+@one_program
 def body_forces(
     mechanism: Mechanism,
     run: Transient | SteadyState | Instant,

@@ -1,25 +1,25 @@
 """Transients with diffrax: the carriers on their way to the steady state."""
 
+import dataclasses
+
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from .._errors import PrsmError
+from .._one_program import is_known, one_program_where_possible, traceable
 from ..mechanism import Mechanism, Scalar, TorqueScenario, check_scenario, of_one_design
-from ._automatic import chosen_method
+from ._automatic import chosen_method, sample_times, scene_problem
 from ._bristle_transient import bristle_history
 from ._bristles import has_bristles
-from ._carrier_motion import Problem, carrier_problem, scaled_rate, states_at
-from ._contact_losses import with_resistance
+from ._carrier_motion import Problem, scaled_rate, states_at
 from ._integration import Settings, integrated
 from ._kinematics import StageKinematics, free_carrier_ratio
-from ._loads import bound_scenario
 from ._quasi_steady import quasi_steady_history
 from ._scenario import Scenario, default_scenario
 from ._settling import settling_history
 from ._smooth_torque import has_smooth_threads, smooth_torque_history
 from ._solvers import Gradient, Method, is_concrete
-from ._steady import all_kinematics
 from ._torque_transient import torque_history
 from ._transient_result import (
     CANNOT_BE_BUILT,
@@ -103,30 +103,46 @@ def simulate(
     if scenario is None:
         scenario = default_scenario(mechanism)
     check_scenario(scenario)
+    # The scenario is an argument of its own: twice it would be traced twice.
+    mechanism = dataclasses.replace(mechanism, scenario=None)
+    scene = mechanism, scenario, kinematics = traceable((mechanism, scenario, kinematics))
+    known = is_known((*scene, rtol, atol))
+    if known and gradient == "both" and not any(map(callable, jax.tree.leaves(scene))):
+        # Nothing is differentiated; the loop of forward mode stops when it is done.
+        settings = settings._replace(gradient="forward")
+    if method == "auto" and isinstance(scenario, Scenario):
+        chosen = chosen_method(mechanism, scenario, kinematics, rtol, known, settling=True).method
+        settings = settings._replace(method=chosen)
+    run, code = _transient(*scene, settings)
+    if settings.method != method and known and settings.method == "closed_form" and int(code) != 0:
+        run, _ = _transient(*scene, settings._replace(method="rosenbrock"))
+    return _checked(run, throw)
+
+
+@one_program_where_possible
+def _transient(
+    mechanism: Mechanism,
+    scenario: Scenario | TorqueScenario,
+    kinematics: tuple[StageKinematics, ...] | None,
+    settings: Settings,
+) -> tuple[Transient, Int[Array, ""]]:
+    """A transient by a method that is chosen already, and how the method itself went."""
     if isinstance(scenario, TorqueScenario):
         follow = smooth_torque_history if has_smooth_threads(mechanism) else torque_history
         found = follow(mechanism, scenario, settings)
-        return _checked(found, throw)
-    scenario = bound_scenario(mechanism, scenario)
-    if kinematics is None:
-        kinematics = all_kinematics(mechanism)
-    kinematics = with_resistance(mechanism.stages, kinematics)
-    problem = carrier_problem(mechanism, kinematics, scenario)
-    times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=problem.inertia.dtype)
-    times = times * scenario.duration
-    if method == "auto":
-        method = chosen_method(problem, times, rtol).method
-        settings = settings._replace(method=method)
-    if method == "quasi_steady":
+        return found, found.solver.code
+    problem = scene_problem(mechanism, scenario, kinematics)
+    times = sample_times(problem)
+    if settings.method == "quasi_steady":
         history, report = quasi_steady_history(problem, times)
-    elif method == "closed_form":
-        speeds, report = settling_history(problem.reduced, scenario, times)
+    elif settings.method == "closed_form":
+        speeds, report = settling_history(problem.reduced, problem.scenario, times)
         history = evaluated(problem, times, speeds)
     elif has_bristles(mechanism):
         history, report = bristle_history(problem, times, settings)
     else:
         history, report = _integrated(problem, times, settings)
-    return _checked(histories(mechanism, kinematics, times, history, report), throw)
+    return histories(mechanism, problem.kinematics, times, history, report), report.code
 
 
 def _checked(run: Transient, throw: bool) -> Transient:

@@ -11,10 +11,12 @@ from jaxtyping import Array, Bool, Float
 from .._batches import mapped
 from .._errors import UnknownNameError, closest
 from .._guards import above_or_nan
+from .._one_program import one_program
 from ..mechanism import Scalar
 from ._transient_result import Transient
 
 
+@one_program
 def peak(history: Float[Array, "*batch times"]) -> Float[Array, "*batch"]:
     """Largest value of a history: the vertex of the parabola through the largest sample.
 
@@ -49,6 +51,7 @@ def peak(history: Float[Array, "*batch times"]) -> Float[Array, "*batch"]:
     return jnp.where(curved, here - rise, at_sample)
 
 
+@one_program
 def settling_time(
     time: Float[Array, "*#batch times"],
     history: Float[Array, "*batch times"],
@@ -103,6 +106,7 @@ def settling_time(
     return jnp.where(crosses, start + share * (stop - start), found), crosses
 
 
+@one_program
 def integral(
     time: Float[Array, "*#batch times"], history: Float[Array, "*batch times"]
 ) -> Float[Array, "*batch"]:
@@ -134,6 +138,7 @@ def integral(
     return total
 
 
+@one_program
 @mapped
 def energy(run: Transient, of: str = "drive") -> Scalar:
     """Energy over the time of a transient [J].
@@ -163,6 +168,7 @@ def _power(run: Transient, of: str) -> Float[Array, " times"]:
     return run.losses[of]
 
 
+@one_program
 @mapped
 def mean_efficiency(run: Transient) -> Scalar:
     """Energy out over energy in, of the whole time; each where power flows that way.

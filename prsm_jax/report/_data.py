@@ -12,12 +12,8 @@ from .._errors import MissingDataError, PrsmError
 from .._plain_text import short_heading, short_label
 from ..contact import StageContact, load_of, stage_contact
 from ..dynamics import (
-    Method,
-    Scenario,
     SteadyState,
     Transient,
-    choose_method,
-    default_scenario,
     simulate,
     steady_state,
 )
@@ -103,7 +99,6 @@ class ReportData:
 _meshings = eqx.filter_jit(lambda mechanism: tuple(mesh(s.thread) for s in mechanism.stages))
 _modal = eqx.filter_jit(modal)
 _steady = eqx.filter_jit(steady_state)
-_simulate = eqx.filter_jit(simulate)
 
 #: What the section on strength tells, where the file has the data.
 STRENGTH = (
@@ -261,12 +256,7 @@ def _steady_states(mechanism: Mechanism) -> tuple[SteadyState, SteadyState, Stea
 
 
 def _history(mechanism: Mechanism) -> Transient | None:
-    scenario = default_scenario(mechanism)
-    method: Method = "auto"
-    if isinstance(scenario, Scenario):
-        # Out here, where numbers are known, and not in the compiled program.
-        method = choose_method(mechanism, scenario).method
-    run = _simulate(mechanism, scenario, method=method, throw=False)
+    run = simulate(mechanism, throw=False)
     if int(run.solver.code) != 0:
         raise PrsmError(f"the simulation has no valid result: {run.solver.result}")
     return run
