@@ -12,6 +12,14 @@ Real = Float[Array, "*batch"]
 
 #: Below this m = 1 − κ² derivatives of the integrals are those of their series.
 _NEARLY_CIRCULAR = 0.01
+#: Below this m the derivative of D is its series: what the difference B − (1 − m) D loses grows
+#: with 1/m, and with another 1/m in each further derivative.
+_DIFFERENCES_CANCEL = 0.1
+#: 2 dD/dm in powers of m, from D = π/2 Σ c² (2n + 2)/(2n + 1) mⁿ with c = (2n + 1)!!/(2n + 2)!!.
+_D_SERIES_SLOPES = tuple(
+    math.pi * (math.comb(2 * n + 2, n + 1) / 4 ** (n + 1)) ** 2 * (2 * n + 2) / (2 * n + 1) * n
+    for n in range(1, 18)
+)
 
 
 def antoine_log_axis_ratio(log_curvature_ratio: Real) -> Real:
@@ -29,8 +37,9 @@ def antoine_log_axis_ratio(log_curvature_ratio: Real) -> Real:
     return -2 / 3 * log_curvature_ratio * (numerator / denominator)
 
 
+@jax.custom_jvp
 def _ellipse(anisotropy: Real) -> tuple[Real, Real, Real]:
-    """κ, K and E: one step of Halley from the closed form, and one evaluation of B and D for all.
+    """κ, B and D: one step of Halley from the closed form, and one evaluation of B and D for all.
 
     The closed form is 6e-6 off up to B/A = 1e4 and Halley's convergence cubic, so one step reaches
     rounding, and the integrals there follow by Taylor's series. With x = log κ and m₁ = κ²:
@@ -69,35 +78,39 @@ def _ellipse(anisotropy: Real) -> tuple[Real, Real, Real]:
     axis_ratio = jnp.minimum(axis_ratio * (1 + step + step**2 / 2), 1.0)
     b = b + step * (first_b + step / 2 * second_b)
     d = d + step * (first_d + step / 2 * second_d)
-    return axis_ratio, b + d, b + axis_ratio**2 * d
+    return axis_ratio, b, d
 
 
-@jax.custom_jvp
+@_ellipse.defjvp
+def _ellipse_jvp(primals, tangents):
+    """By the derivative of the root, not of the step: algebra in κ, B and D, to any order.
+
+    With x = log κ: the root of `log(κ² D/B) = log((1 − τ)/(1 + τ))`, and K' = −B.
+    """
+    (anisotropy,), (tangent,) = primals, tangents
+    axis_ratio, b, d = _ellipse(anisotropy)
+    square, parameter = axis_ratio**2, (1 - axis_ratio) * (1 + axis_ratio)
+    elongated = parameter > _DIFFERENCES_CANCEL
+    far = jnp.where(elongated, parameter, 1.0)
+    near = jnp.where(elongated, 0.0, parameter)
+    moves_d = jnp.where(elongated, -(b - square * d) / far, _slope_of_d(near))
+    target_slope = -2 / ((1 - anisotropy) * (1 + anisotropy))
+    change = target_slope / (3 + moves_d * (b + d) / (b * d)) * tangent
+    return (axis_ratio, b, d), (axis_ratio * change, -(b + moves_d) * change, moves_d * change)
+
+
+def _slope_of_d(parameter: Real) -> Real:
+    """dD/d(log κ) = −2 (1 − m) dD/dm by D's series in m = 1 − κ²."""
+    total = jnp.zeros_like(parameter)
+    for coefficient in reversed(_D_SERIES_SLOPES):
+        total = coefficient + parameter * total
+    return (parameter - 1) * total
+
+
 def contact_ellipse(anisotropy: Real) -> tuple[Real, Real, Real]:
     """κ, K(1 − κ²) and E(1 − κ²) of the contact ellipse; see `axis_ratio_of`."""
-    return _ellipse(anisotropy)
-
-
-@contact_ellipse.defjvp
-def _contact_ellipse_jvp(primals, tangents):
-    """By the derivative of the root, not of the step; with x = log κ as the inner unknown."""
-    (anisotropy,), (tangent,) = primals, tangents
-    axis_ratio, first, second = contact_ellipse(anisotropy)
-    logarithm = jnp.log(axis_ratio)
-
-    def integrals(logarithm):
-        return integrals_of_square(jnp.exp(2 * logarithm), logarithm)
-
-    (b, d), (moves_b, moves_d) = jax.jvp(integrals, (logarithm,), (jnp.ones_like(logarithm),))
-    # A/B = κ² D/B, and log(A/B) = log((1 − τ)/(1 + τ)).
-    target_slope = -2 / ((1 - anisotropy) * (1 + anisotropy))
-    change = target_slope / (2 + moves_d / d - moves_b / b) * tangent
-    second_moves = moves_b + axis_ratio**2 * (2 * d + moves_d)
-    return (axis_ratio, first, second), (
-        axis_ratio * change,
-        (moves_b + moves_d) * change,
-        second_moves * change,
-    )
+    axis_ratio, b, d = _ellipse(anisotropy)
+    return axis_ratio, b + d, b + axis_ratio**2 * d
 
 
 def axis_ratio_of(anisotropy: Real) -> Real:
