@@ -6,7 +6,10 @@ sensitivity, optimise, sweep → report. `validation` compares with published nu
 command line; `numerics`, at the ground, is the small linear algebra that several of them use.
 """
 
-from . import _forked as _forked  # what is forked later cannot calculate
+from . import (
+    _forked as _forked,  # what is forked later cannot calculate
+    _own_process as _own_process,  # before JAX, which takes seconds
+)
 from ._errors import (
     FileError as FileError,
     MissingDataError as MissingDataError,
@@ -14,7 +17,7 @@ from ._errors import (
     PrsmError as PrsmError,
     UnknownNameError as UnknownNameError,
 )
-from ._interrupt import end_on_signals as end_on_signals  # before JAX, which takes seconds
+from ._interrupt import end_on_signals as end_on_signals
 from ._physics import traced_physics as traced_physics
 from ._precision import to_precision as to_precision  # first: it enables float64
 from ._version import __version__ as __version__

@@ -5,17 +5,14 @@ program is one instruction of minutes. What reaches the process at any time is t
 signal in a socket, which a thread waits for; it removes what is half written and ends the process,
 without the interpreter's shutdown, which would wait for the compiler or crash in it.
 
-Importing JAX takes seconds, too, so this module is the first that the package imports, and where
-the process is the command line it acts at once.
+Importing JAX takes seconds, too, so the package imports this module before it.
 """
 
 import os
 import signal
 import socket
-import sys
 import threading
 from collections.abc import Callable
-from pathlib import Path
 
 from ._files import end_process
 
@@ -95,19 +92,3 @@ def _end(number: int) -> None:
         if _complete.is_set():
             os._exit(128 + number)
         end_process(128 + number)
-
-
-def _is_command_line() -> bool:
-    """Whether this process was started as `prsm` or `python -m prsm_jax`."""
-    name = Path(sys.argv[0]).stem if sys.argv else ""
-    return name == "prsm" or (name == "-m" and "prsm_jax" in sys.orig_argv)
-
-
-if _is_command_line():
-    end_on_signals()
-    # Read where equinox is imported. Sample times that cannot be give NaN, no exception from inside
-    # a program: JAX does not keep a program that calls Python for the next run.
-    os.environ.setdefault("EQX_ON_ERROR", "nan")
-    # Read where JAX is imported. XLA logs an alarm ("Very slow compile?") when a compilation takes
-    # minutes, which the line of progress shows anyway; what fails is an exception all the same.
-    os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")

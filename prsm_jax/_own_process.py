@@ -1,0 +1,38 @@
+"""What a process that is `prsm` itself sets before JAX is imported; no other process is touched."""
+
+import importlib.metadata
+import os
+import sys
+from pathlib import Path
+
+from ._interrupt import end_on_signals
+
+
+def _is_command_line() -> bool:
+    """Whether this process was started as `prsm` or `python -m prsm_jax`."""
+    name = Path(sys.argv[0]).stem if sys.argv else ""
+    return name == "prsm" or (name == "-m" and "prsm_jax" in sys.orig_argv)
+
+
+def _compiler_flags() -> str:
+    """Flags of XLA's CPU compiler for programs that run once or a few times.
+
+    Its older code generator for fused loops compiles in two thirds of the time, and what it makes
+    runs as fast here (sweeps, optimisations). JAX 0.10 is the last that is known to have it; a flag
+    that the compiler does not know would end the process.
+    """
+    version = importlib.metadata.version("jaxlib").split(".")[:2]
+    known = tuple(int(part) for part in version) <= (0, 10)
+    return "--xla_cpu_use_fusion_emitters=false" if known else ""
+
+
+if _is_command_line():
+    end_on_signals()
+    # Read where equinox is imported. Sample times that cannot be give NaN, no exception from inside
+    # a program: JAX does not keep a program that calls Python for the next run.
+    os.environ.setdefault("EQX_ON_ERROR", "nan")
+    # Read where JAX is imported. XLA logs an alarm ("Very slow compile?") when a compilation takes
+    # minutes, which the line of progress shows anyway; what fails is an exception all the same.
+    os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
+    # The last of two flags counts: the user's.
+    os.environ["XLA_FLAGS"] = f"{_compiler_flags()} {os.environ.get('XLA_FLAGS', '')}".strip()

@@ -1,0 +1,36 @@
+"""What a process that is `prsm` itself sets for its compiler, and no other process."""
+
+import os
+import subprocess
+import sys
+
+_PROCESS = """
+import sys
+sys.argv = [{name!r}]
+import prsm_jax, os
+print(os.environ.get("XLA_FLAGS"))
+"""
+
+
+def _flags(name: str, given: str | None) -> str:
+    environment = {key: value for key, value in os.environ.items() if key != "XLA_FLAGS"}
+    if given is not None:
+        environment["XLA_FLAGS"] = given
+    said = subprocess.run(
+        [sys.executable, "-c", _PROCESS.format(name=name)],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return said.stdout.strip()
+
+
+def test_the_flags_of_the_user_come_last():
+    given = "--xla_cpu_use_fusion_emitters=true"
+    flags = _flags("/somewhere/bin/prsm", given).split()
+    assert flags == ["--xla_cpu_use_fusion_emitters=false", given]
+
+
+def test_a_program_that_imports_the_package_keeps_its_compiler():
+    assert _flags("study.py", None) == "None"
