@@ -6,13 +6,14 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._one_program import is_known, one_program_where_possible, traceable
+from .._stretches import over_samples
 from ..mechanism import CoulombFriction, Mechanism, StribeckFriction, TorqueScenario
 from ._bristles import has_bristles
 from ._carrier_motion import Problem, carrier_problem
 from ._contact_losses import with_resistance
 from ._kinematics import StageKinematics
 from ._loads import bound_scenario
-from ._quasi_steady import quasi_steady_history
+from ._quasi_steady import quasi_steady_at, quasi_steady_report
 from ._scenario import Scenario
 from ._settling import settles_in_closed_form, settling_history
 from ._solvers import Method
@@ -138,8 +139,14 @@ def _settling_code(mechanism, scenario, kinematics):
 def _quasi_steady(mechanism, scenario, kinematics):
     problem = scene_problem(mechanism, scenario, kinematics)
     times = sample_times(problem)
-    history, report = quasi_steady_history(problem, times)
-    speed = history.screw_speed
+    balanced_at = quasi_steady_at(problem)
+
+    def at(time):
+        history, neglected = balanced_at(time)
+        return history.screw_speed, neglected
+
+    speed, neglected = over_samples(at, times)
+    report = quasi_steady_report(neglected)
     reverses = jnp.any(speed[1:] * speed[:-1] <= 0)
     found = (report.code, report.error_estimate, report.time_constant, reverses)
     return *found, times[1] - times[0]

@@ -5,6 +5,9 @@ of seconds need not resolve that. What is left is a balance at every instant, in
 still have their inertia: they accelerate as the screw makes them.
 """
 
+from collections.abc import Callable
+from typing import NamedTuple
+
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
@@ -19,7 +22,7 @@ from ._kinematics import StageKinematics
 from ._scenario import Scenario
 from ._solvers import NAMES
 from ._stage_forces import Motion
-from ._transient_result import CarrierHistory, SolverReport, prescribed
+from ._transient_result import CarrierHistory, SolverReport, prescribed_at
 
 #: Of the carrier ratio: what carriers may stay behind their balance, and be wrong by.
 _LARGEST_SHIFT, _LARGEST_ERROR = 0.03, 1.0
@@ -126,10 +129,19 @@ def _followed(problem: Problem, time: Scalar):
     return lag * drift, (ratios, lag, valid)
 
 
-def quasi_steady_history(
-    problem: Problem, times: Float[Array, " times"]
-) -> tuple[CarrierHistory, SolverReport]:
-    """Carriers that follow their balance at every time, with an estimate of what that neglects.
+class Neglected(NamedTuple):
+    """Of the balance at one time: whether there is one, and what it leaves out."""
+
+    #: Whether friction drives the carriers, and every contact pushes.
+    valid: Bool[Array, ""]
+    #: Time constants in which the carriers settle [s].
+    lag: Float[Array, " stages"]
+    #: Estimate of the error of the carrier ratios.
+    left: Float[Array, " stages"]
+
+
+def quasi_steady_at(problem: Problem) -> Callable[[Scalar], tuple[CarrierHistory, Neglected]]:
+    """A function that finds carriers which follow their balance, and what that neglects.
 
     The carriers stay behind the balance by a first-order shift, which is taken off. What is left
     is of second order; the estimate is the shift of that shift.
@@ -137,11 +149,12 @@ def quasi_steady_history(
     **Arguments:**
 
     - `problem`: mechanism, scenario and inertias.
-    - `times`: [s].
+
+    **Returns:** a function of a time [s].
     """
     scenario, inertia = problem.scenario, problem.inertia
 
-    def at(time):
+    def at(time: Scalar) -> tuple[CarrierHistory, Neglected]:
         if callable(scenario.speed) or callable(scenario.load):
             shift, change, found = jax.jvp(
                 lambda t: _followed(problem, t), (time,), (jnp.ones_like(time),), has_aux=True
@@ -157,13 +170,19 @@ def quasi_steady_history(
         # Past the locking limit the axial balance asks for a pulling contact.
         pushed = jnp.stack([state.forces.contact_force >= 0 for state in states]).all()
         drives = jnp.stack([state.forces.carrier_drive for state in states])
-        speed = scenario.speed_at(time)
+        motion = prescribed_at(scenario, time)
+        history = CarrierHistory(*motion, ratios * motion[0], states, drives / inertia)
         left = jnp.minimum(jnp.abs(change) * lag, _LARGEST_ERROR)
-        return ratios * speed, states, drives / inertia, valid & pushed, lag, left
+        return history, Neglected(valid & pushed, lag, left)
 
-    speeds, states, accelerations, valid, lag, left = jax.vmap(at)(times)
+    return at
+
+
+def quasi_steady_report(neglected: Neglected) -> SolverReport:
+    """How the balance went at all times, which are the first axis."""
+    valid, lag, left = neglected
     none = jnp.zeros((), int)
-    report = SolverReport(
+    return SolverReport(
         steps=none,
         rejected=none,
         code=jnp.where(jnp.all(valid), none, 4),
@@ -171,5 +190,3 @@ def quasi_steady_history(
         error_estimate=jax.lax.stop_gradient(jnp.max(left)),
         time_constant=jax.lax.stop_gradient(jnp.max(lag)),
     )
-    history = CarrierHistory(*prescribed(scenario, times), speeds, states, accelerations)
-    return history, report

@@ -8,6 +8,7 @@ from jaxtyping import Array, Float, Int
 
 from .._errors import PrsmError
 from .._one_program import is_known, one_program_where_possible, traceable
+from .._stretches import over_samples
 from ..mechanism import Mechanism, Scalar, TorqueScenario, check_scenario, of_one_design
 from ._automatic import chosen_method, sample_times, scene_problem
 from ._bristle_transient import bristle_history
@@ -15,7 +16,7 @@ from ._bristles import has_bristles
 from ._carrier_motion import Problem, scaled_rate, states_at
 from ._integration import Settings, integrated
 from ._kinematics import StageKinematics, free_carrier_ratio
-from ._quasi_steady import quasi_steady_history
+from ._quasi_steady import quasi_steady_at, quasi_steady_report
 from ._scenario import Scenario, default_scenario
 from ._settling import settling_history
 from ._smooth_torque import has_smooth_threads, smooth_torque_history
@@ -28,7 +29,9 @@ from ._transient_result import (
     SolverReport,
     Transient,
     histories,
-    prescribed,
+    prescribed_at,
+    rows_of,
+    transient_of,
 )
 
 #: Steps of Tsitouras's method over the time constant: a share of 0.39 of a deviation is left by
@@ -133,16 +136,28 @@ def _transient(
         return found, found.solver.code
     problem = scene_problem(mechanism, scenario, kinematics)
     times = sample_times(problem)
-    if settings.method == "quasi_steady":
-        history, report = quasi_steady_history(problem, times)
-    elif settings.method == "closed_form":
-        speeds, report = settling_history(problem.reduced, problem.scenario, times)
-        history = evaluated(problem, times, speeds)
-    elif has_bristles(mechanism):
+    if has_bristles(mechanism) and settings.method not in ("quasi_steady", "closed_form"):
         history, report = bristle_history(problem, times, settings)
+        return histories(mechanism, problem.kinematics, times, history, report), report.code
+    # One pass from the state at a time to what is kept of it: all states of a long scene at once
+    # would take more memory than its result, and be fetched from there.
+    rows_at = rows_of(mechanism, problem.kinematics)
+    if settings.method == "quasi_steady":
+        balanced_at = quasi_steady_at(problem)
+
+        def balanced(time):
+            history, neglected = balanced_at(time)
+            return rows_at(history), neglected
+
+        rows, neglected = over_samples(balanced, times)
+        report = quasi_steady_report(neglected)
     else:
-        history, report = _integrated(problem, times, settings)
-    return histories(mechanism, problem.kinematics, times, history, report), report.code
+        if settings.method == "closed_form":
+            speeds, report = settling_history(problem.reduced, problem.scenario, times)
+        else:
+            speeds, report = _integrated(problem, times, settings)
+        rows = over_samples(lambda time, w: rows_at(evaluated(problem, time, w)), times, speeds)
+    return transient_of(mechanism, problem.kinematics, times, rows, report), report.code
 
 
 def _checked(run: Transient, throw: bool) -> Transient:
@@ -156,8 +171,8 @@ def _checked(run: Transient, throw: bool) -> Transient:
 
 def _integrated(
     problem: Problem, times: Float[Array, " times"], settings: Settings
-) -> tuple[CarrierHistory, SolverReport]:
-    """The carriers' equation of motion, integrated."""
+) -> tuple[Float[Array, "times stages"], SolverReport]:
+    """Carrier speeds from their equation of motion, integrated [rad/s]."""
     scenario = problem.scenario
     start = scenario.initial_carrier_ratio * scenario.speed_at(times[0]) / problem.speed_scale
     constant = not (callable(scenario.speed) or callable(scenario.load))
@@ -172,7 +187,7 @@ def _integrated(
         autonomous=constant,
         longest=_longest_stable(problem) if constant and settings.method == "explicit" else None,
     )
-    return evaluated(problem, times, ratio * problem.speed_scale), report
+    return ratio * problem.speed_scale, report
 
 
 def _longest_stable(problem: Problem) -> Scalar:
@@ -190,15 +205,12 @@ def _longest_stable(problem: Problem) -> Scalar:
     return jnp.where(settles, _STABLE / jnp.where(settles, fastest, 1.0), jnp.inf)
 
 
-def evaluated(problem: Problem, times: Float[Array, " times"], carrier_speed) -> CarrierHistory:
-    """Forces and accelerations of all stages at the sample times."""
+def evaluated(
+    problem: Problem, time: Scalar, carrier_speed: Float[Array, " stages"]
+) -> CarrierHistory:
+    """Forces and accelerations of all stages at one time."""
     scenario = problem.scenario
-
-    def at(time, speeds):
-        return states_at(problem.mechanism, problem.kinematics, scenario, time, speeds)
-
-    states = jax.vmap(at)(times, carrier_speed)
-    drives = jnp.stack([state.forces.carrier_drive for state in states], axis=-1)
-    motion = prescribed(scenario, times)
-    accelerations = drives / problem.inertia[None, :]
-    return CarrierHistory(*motion, carrier_speed, states, accelerations)
+    states = states_at(problem.mechanism, problem.kinematics, scenario, time, carrier_speed)
+    drives = jnp.stack([state.forces.carrier_drive for state in states])
+    motion = prescribed_at(scenario, time)
+    return CarrierHistory(*motion, carrier_speed, states, drives / problem.inertia)

@@ -1,6 +1,7 @@
 """Time histories of a transient."""
 
 import dataclasses
+from collections.abc import Callable
 from typing import Any
 
 import equinox as eqx
@@ -9,6 +10,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from .._batches import AbstractResult, listed
+from .._stretches import over_samples
 from ..geometry import dimensions_possible, rollers_fit
 from ..mechanism import Mechanism, Scalar, body_inertia, body_mass
 from ._chain import StageState
@@ -75,6 +77,11 @@ class SolverReport(AbstractResult):
     def result(self) -> str:
         """What `code` means, and what to do about it."""
         return _MEANINGS[int(self.code)]
+
+
+def prescribed_at(scenario: Scenario, time: Scalar) -> tuple[Scalar, Scalar | None, Scalar]:
+    """Screw speed, acceleration (or `None`) and load of a scenario at one time."""
+    return *scenario.motion_at(time), scenario.load_at(time)
 
 
 def prescribed(scenario: Scenario, times: Float[Array, " times"]):
@@ -198,13 +205,10 @@ def _relative(residual: Scalar, scale: Scalar) -> Scalar:
     return jnp.abs(residual) / jnp.where(scale > 0, scale, 1.0)
 
 
-def _finite_samples(times: Float[Array, " times"], rows: dict[str, Any]) -> Bool[Array, " times"]:
-    """Whether everything is finite at each time; times run along the first axis of every row."""
+def _finite(row: dict[str, Any]) -> Bool[Array, ""]:
+    """Whether everything at one time is finite."""
     # 0 times what is NaN or infinite is NaN.
-    total = 0.0 * times
-    for row in jax.tree.leaves(rows):
-        total = total + jnp.sum(0.0 * row.reshape(len(times), -1), axis=1)
-    return jnp.isfinite(total)
+    return jnp.isfinite(sum(jnp.sum(0.0 * value) for value in jax.tree.leaves(row)))
 
 
 def code_of_finite(code: Int[Array, ""], finite: Bool[Array, " times"]) -> Int[Array, ""]:
@@ -216,17 +220,17 @@ def code_of_finite(code: Int[Array, ""], finite: Bool[Array, " times"]) -> Int[A
     return jnp.where(~finite[0] | ((code == 0) & ~finite.all()), _NOT_FINITE, code)
 
 
-def histories(
-    mechanism: Mechanism,
-    kinematics: tuple[StageKinematics, ...],
-    times: Float[Array, " times"],
-    history: CarrierHistory,
-    report: SolverReport,
-) -> Transient:
-    """Turn states at the sample times into the histories that users ask for."""
+def rows_of(
+    mechanism: Mechanism, kinematics: tuple[StageKinematics, ...]
+) -> Callable[[CarrierHistory], dict[str, Any]]:
+    """A function that turns the state at one time into what a `Transient` has of that time.
+
+    Apart from `transient_of`, so that states, which are many numbers, need not be kept for all
+    times.
+    """
     travel = travel_per_turn(mechanism.stages, len(mechanism.stages))
 
-    def at(one: CarrierHistory):
+    def at(one: CarrierHistory) -> dict[str, Any]:
         speed, screw_acceleration, load = one.screw_speed, one.screw_acceleration, one.load
         carriers, instant, acceleration = one.carrier_speed, one.states, one.acceleration
         torque = instant[0].screw.drive_torque
@@ -248,12 +252,17 @@ def histories(
         useful = jnp.where(driving, load * travel, torque)
         spent = jnp.where(driving, torque, load * travel)
         moving = speed != 0
-        return {
+        forces = jnp.stack([s.forces.contact_force for s in instant])
+        row = {
             "screw_speed": speed,
+            "screw_acceleration": screw_acceleration,
+            "load": load,
+            "carrier_speed": carriers,
+            "carrier_acceleration": acceleration,
             "carrier_ratio": jnp.where(moving, carriers / jnp.where(moving, speed, 1.0), 0.0),
             "efficiency": jnp.where(spent != 0, useful / jnp.where(spent != 0, spent, 1.0), 0.0),
             "drive_torque": torque,
-            "contact_force": jnp.stack([s.forces.contact_force for s in instant]),
+            "contact_force": forces,
             "screw_roller_axial_force": jnp.stack(
                 [
                     -s.forces.contact_force * k.meshing.screw.normal[2]
@@ -287,11 +296,39 @@ def histories(
             "bristle_power": stored,
             "load_power": load_power,
         }
+        # Here, where the row is at hand: whoever keeps one history need not hold all of them.
+        return {**row, "finite": _finite(row), "pulled": jnp.any(forces < 0)}
 
-    found = jax.vmap(at)(history)
-    finite = _finite_samples(times, found)
+    return at
+
+
+def histories(
+    mechanism: Mechanism,
+    kinematics: tuple[StageKinematics, ...],
+    times: Float[Array, " times"],
+    history: CarrierHistory,
+    report: SolverReport,
+) -> Transient:
+    """Turn states at the sample times into the histories that users ask for."""
+    rows = over_samples(rows_of(mechanism, kinematics), history)
+    return transient_of(mechanism, kinematics, times, rows, report)
+
+
+def transient_of(
+    mechanism: Mechanism,
+    kinematics: tuple[StageKinematics, ...],
+    times: Float[Array, " times"],
+    found: dict[str, Any],
+    report: SolverReport,
+) -> Transient:
+    """The histories that users ask for, from what `rows_of` gives, with times first."""
+    found = dict(found)
+    finite = found.pop("finite") & jnp.isfinite(times)
+    pulled = jnp.any(found.pop("pulled"))
     deflections: Any = found.pop("bristle_deflection")
     per_stage = (
+        "carrier_speed",
+        "carrier_acceleration",
         "carrier_ratio",
         "contact_force",
         "screw_roller_axial_force",
@@ -306,8 +343,8 @@ def histories(
         name: jnp.moveaxis(row, 1, 0) if name in per_stage else row for name, row in found.items()
     }
     # The steps may have run out, or the rollers be at rest, before a sample shows it.
-    margin = jamming_margin(mechanism, kinematics, jnp.max(jnp.abs(history.screw_speed)))
-    jammed = jnp.any(rows["contact_force"] < 0) | ((report.code != 0) & (margin <= 0))
+    margin = jamming_margin(mechanism, kinematics, jnp.max(jnp.abs(found["screw_speed"])))
+    jammed = pulled | ((report.code != 0) & (margin <= 0))
     code = jnp.where(jammed, _JAMMED, report.code)
     code = code_of_finite(code, finite)
     fit = jnp.stack([rollers_fit(stage) for stage in mechanism.stages]).all()
@@ -317,11 +354,7 @@ def histories(
     code = jnp.where((times[-1] > 0) & jnp.isfinite(times[-1]), code, _NO_DURATION)
     return Transient(
         time=times,
-        screw_acceleration=history.screw_acceleration,
-        load=history.load,
         bristle_deflection=None if deflections is None else jnp.moveaxis(deflections, 1, 0),
-        carrier_speed=history.carrier_speed.T,
-        carrier_acceleration=history.acceleration.T,
         solver=dataclasses.replace(report, code=code),
         **rows,
     )
