@@ -96,16 +96,16 @@ def prescribed(scenario: Scenario, times: Float[Array, " times"]):
 
 
 class CarrierHistory(eqx.Module):
-    """What a method of `simulate` finds; all else follows."""
+    """What a method of `simulate` finds, at one time or at all of them; all else follows."""
 
     #: Ω [rad/s] and Ω̇ [rad/s²]; `None` for a constant speed, which leaves masses untraced.
-    screw_speed: Float[Array, " times"]
-    screw_acceleration: Float[Array, " times"] | None
+    screw_speed: Float[Array, "*times"]
+    screw_acceleration: Float[Array, "*times"] | None
     #: Load on the last nut [N].
-    load: Float[Array, " times"]
-    carrier_speed: Float[Array, "times stages"]
+    load: Float[Array, "*times"]
+    carrier_speed: Float[Array, "*times stages"]
     states: tuple[StageState, ...]
-    acceleration: Float[Array, "times stages"]
+    acceleration: Float[Array, "*times stages"]
 
 
 class Phase(eqx.Module):

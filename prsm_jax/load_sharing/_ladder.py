@@ -9,6 +9,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float
 
 from ._chains import Chains, Control, State, Teeth
@@ -259,21 +260,40 @@ def solve_linear(
     if not columns:
         return plain
     # What couples to everything at once: a small dense system after the elimination.
+    if len(columns) > _LARGEST:
+        extra = _bordered(columns, own, wanted, plain, responses)
+        return _without(plain, responses, extra, control)
     matrix = [[-_inner_product(one, other) for other in responses] for one in columns]
     for index, value in enumerate(own):
         matrix[index][index] = matrix[index][index] + value
     vector = [
         value - _inner_product(one, plain) for value, one in zip(wanted, columns, strict=True)
     ]
-    if len(columns) <= _LARGEST:
-        extra: list[Any] = _Numbers.solve(matrix, vector)
-    else:
-        square = jnp.stack([jnp.stack(row) for row in matrix])
-        extra = list(gauss_jordan(square, jnp.stack(vector)[:, None])[:, 0])
+    return _without(plain, responses, _Numbers.solve(matrix, vector), control)
+
+
+def _bordered(
+    columns: list[State], own: list[Any], wanted: list[Any], plain: State, responses: list[State]
+) -> list[Any]:
+    """The dense system of many columns by products of matrices: a product for each pair of them
+    would be a program that grows with their square."""
+    border = jnp.stack([_flat(one) for one in columns])
+    found = jnp.stack([_flat(one) for one in responses])
+    square = jnp.diag(jnp.stack(own)) - border @ found.T
+    vector = jnp.stack(wanted) - border @ _flat(plain)
+    return list(gauss_jordan(square, vector[:, None])[:, 0])
+
+
+def _flat(state: State) -> Float[Array, " unknowns"]:
+    return ravel_pytree(bare(state))[0]
+
+
+def _without(plain: State, responses: list[State], extra: list[Any], control: Control) -> State:
+    """The response less those to what couples to everything, which is then known."""
     moved = bare(plain)
     for share, response in zip(extra, responses, strict=True):
         moved = jax.tree.map(lambda a, b, c=share: a - c * b, moved, bare(response))
-    wedges = len(columns) - (control != "load")
+    wedges = len(extra) - (control != "load")
     return State(
         moved.screw_approach,
         moved.approach,

@@ -20,6 +20,10 @@ from jaxtyping import Array, Float
 
 Column = Float[Array, "size rights batch"]
 
+#: Up to here what is done row by row is written out; beyond, the program would grow with the
+#: number of rollers, and the time to compile it faster still.
+_WRITTEN_OUT = 16
+
 
 class Ladder(NamedTuple):
     """Springs and right-hand sides thread by thread; all with the batch as their last axis."""
@@ -36,8 +40,18 @@ class Ladder(NamedTuple):
 
 
 def _times(matrix, column: Column) -> Column:
+    if len(column) > _WRITTEN_OUT:
+
+        def add(k, total):
+            return total + _row(matrix, k, 1)[:, None] * _row(column, k)[None]
+
+        return jax.lax.fori_loop(0, len(column), add, jnp.zeros_like(column))
     terms = [matrix[:, k, None] * column[k][None] for k in range(matrix.shape[1])]
     return sum(terms[1:], terms[0])
+
+
+def _row(matrix, k, axis: int = 0):
+    return jax.lax.dynamic_index_in_dim(matrix, k, axis, keepdims=False)
 
 
 def _thread(screw, nut):
@@ -60,11 +74,8 @@ def _series(matrix, carried: Column, mesh: Column, gamma, segment):
     rows, columns = jnp.arange(2 * size)[:, None, None], jnp.arange(whole.shape[1])[None, :, None]
 
     def port(j, whole):
-        row = jax.lax.dynamic_index_in_dim(whole, j, 0, keepdims=False)
-        column = jax.lax.dynamic_index_in_dim(whole, j, 1, keepdims=False)
-        compliance = jax.lax.dynamic_index_in_dim(gamma, j, 0, keepdims=False)
-        gap = jax.lax.dynamic_index_in_dim(opened, j, 0, keepdims=False)
-        own = jax.lax.dynamic_index_in_dim(row, j, 0, keepdims=False)
+        row, column = _row(whole, j), _row(whole, j, 1)
+        compliance, gap, own = _row(gamma, j), _row(opened, j), _row(row, j)
         divisor = 1 / (1 + compliance * own)
         taken = divisor[None] * (compliance[None] * row + gap)
         # What would be a difference of two like numbers in the port's own row and column.
@@ -86,9 +97,16 @@ def gauss_jordan(matrix, column):
     size = matrix.shape[0]
     whole = jnp.concatenate([matrix, column], axis=1)
     rows = jnp.arange(size).reshape((-1, *(1,) * (whole.ndim - 1)))
+
+    def pivot(k, whole):
+        row = _row(whole, k)
+        row = row / _row(row, k)[None]
+        return jnp.where(rows == k, row[None], whole - _row(whole, k, 1)[:, None] * row[None])
+
+    if size > _WRITTEN_OUT:
+        return jax.lax.fori_loop(0, size, pivot, whole)[:, size:]
     for k in range(size):
-        row = whole[k] / whole[k, k][None]
-        whole = jnp.where(rows == k, row[None], whole - whole[:, k, None] * row[None])
+        whole = pivot(k, whole)
     return whole[:, size:]
 
 
