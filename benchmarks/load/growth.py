@@ -7,8 +7,6 @@ import numpy as np
 #: Growth is fitted to sizes up to so many times smaller than the largest: below, what a call costs
 #: whatever its size hides it.
 _RANGE = 150.0
-#: Memory of the largest size that is less than this is what the process does anyway [bytes].
-LEAST_MEMORY = 20e6
 
 
 def exponent(sizes: Sequence[float], values: Sequence[float | None]) -> float | None:
@@ -24,11 +22,7 @@ def exponent(sizes: Sequence[float], values: Sequence[float | None]) -> float | 
 
 
 def of_rows(rows: Sequence[dict]) -> dict[str, float | None]:
-    """Exponents of run time and of memory; `None` for memory that does not rise above the rest."""
-    sizes = [row["count"] for row in rows]
-    memory = [row["run_bytes"] for row in rows]
-    grows = memory[-1] is not None and memory[-1] > LEAST_MEMORY
-    return {
-        "time": exponent(sizes, [row["best_s"] for row in rows]),
-        "memory": exponent(sizes, memory) if grows else None,
-    }
+    """Powers of the size with which operations, processor time and memory grow."""
+    sizes = [row["size"] for row in rows]
+    keys = {"operations": "operations", "time": "processor_s", "memory": "run_bytes"}
+    return {name: exponent(sizes, [row[key] for row in rows]) for name, key in keys.items()}

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-import jax
+import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
@@ -42,12 +42,12 @@ def _imbalance(first, second, gap, load: float) -> float:
 def sharing(threads: int, rollers: int):
     """A nut with so many threads on so many rollers, all unlike.
 
-    **Returns:** the call, the error of what it gives, and the number of contacts of a side.
+    **Returns:** the compiled function, its arguments, and the error of what it gives.
     """
     load = _EACH * threads * rollers
     gap = np.random.default_rng(60).normal(size=(rollers, threads)) * 2e-7
 
-    @jax.jit
+    @eqx.filter_jit
     def solve(load, gap) -> Any:
         ones = jnp.ones((rollers, 1))
         flanks = Flanks(gap, None, _HERTZ * ones, _TOOTH * ones)
@@ -67,4 +67,4 @@ def sharing(threads: int, rollers: int):
         first, second, result, _ = (np.asarray(x) for x in found)
         return float("nan") if int(result) else _imbalance(first, second, gap, load)
 
-    return lambda: solve(*inputs), error, threads * rollers
+    return solve, inputs, error

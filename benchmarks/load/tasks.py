@@ -1,5 +1,6 @@
 """What grows: the tasks, their sizes, and for each size a check against something known."""
 
+import functools
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -21,14 +22,15 @@ from .sharing import sharing
 class Work:
     """One size of a task.
 
-    - `call`: does it once; jitted.
-    - `error`: the largest relative error of what `call` gave, by an independent way.
-    - `count`: how much there is to do, in the task's unit.
+    - `function`: what does it, compiled by `eqx.filter_jit`, and its `arguments`.
+    - `error`: the largest relative error of what the function gave, by an independent way.
+    - `steps`: how many steps that took, where there are steps.
     """
 
-    call: Callable[[], Any]
+    function: Any
+    arguments: tuple[Any, ...]
     error: Callable[[Any], float]
-    count: int
+    steps: Callable[[Any], int] | None = None
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,8 @@ class Task:
     - `build`: the work of one size.
     - `sizes`: from small to large; those of `--quick` and `--smoke` are the first of them.
     - `check`: what the error is measured against.
+    - `expected`: power of the size with which the number of operations grows.
+    - `why`: where that power comes from.
     """
 
     title: str
@@ -46,6 +50,8 @@ class Task:
     build: Callable[[int], Work]
     sizes: tuple[int, ...]
     check: str
+    expected: float
+    why: str
 
 
 #: Up, a plateau, down, and a dwell: 0.36 s, and in it samples that no bend of the speed hits.
@@ -82,20 +88,21 @@ def _reversals(method: Any, steps: int, width: float) -> Callable[[int], Work]:
             found = prsm.simulate(
                 two, given, method=method, gradient="forward", max_steps=allowed, throw=False
             )
-            return found.drive_torque, found.solver.code
+            return found.drive_torque, found.solver.code, found.solver.steps
 
         solve: Any = eqx.filter_jit(run)
         long = scenario(size)
 
         def error(found) -> float:
             # Forth and back once, and once more: the first begins at rest.
-            short, code = solve(scenario(4), 4 * steps)
+            short, code, _ = solve(scenario(4), 4 * steps)
             pair = np.asarray(short)[2 * _SAMPLES : 4 * _SAMPLES]
             if int(code) or int(found[1]):
                 return np.nan
             return _apart(found[0][2 * _SAMPLES :], pair, size // 2 - 1)
 
-        return Work(lambda: solve(long, size * steps), error, size)
+        taken = (lambda found: int(found[2])) if method == "rosenbrock" else None
+        return Work(solve, (long, size * steps), error, taken)
 
     return build
 
@@ -136,14 +143,14 @@ def _day(hours: int) -> Work:
         difference = np.abs(rows - period)[:, :, 1:]
         return float(np.max(difference) / np.max(np.abs(period)))
 
-    return Work(lambda: solve(long), error, hours)
+    return Work(solve, (long,), error)
 
 
 _VARIABLES = ("lead", "contact_angle", "roller_radius")
 _QUANTITIES = ("efficiency", "max_pressure", "mass")
 
 
-def _gradients(size: int) -> Work:
+def _gradients(derivative: Callable, size: int) -> Work:
     """Three quantities of many designs and their derivatives by three dimensions."""
     actuator = prsm.load("actuator")
     start = np.array([float(np.ravel(prsm.get_parameter(actuator, n))[0]) for n in _VARIABLES])
@@ -156,9 +163,9 @@ def _gradients(size: int) -> Work:
         return [jnp.ravel(found[name])[0] for name in _QUANTITIES]
 
     def slopes(numbers):
-        return values(numbers), jax.jacfwd(values)(numbers)
+        return values(numbers), derivative(values)(numbers)
 
-    solve: Any = jax.jit(lambda designs: map_in_chunks(slopes, designs, chunk=1000))
+    solve: Any = eqx.filter_jit(lambda designs: map_in_chunks(slopes, designs, chunk=1000))
     checked = min(size, 20)
     plain: Any = jax.jit(jax.vmap(values))
 
@@ -176,7 +183,18 @@ def _gradients(size: int) -> Work:
             worst = max(worst, float(np.max(np.abs(ours - by_difference) / scale)))
         return worst
 
-    return Work(lambda: solve(columns), error, size)
+    return Work(solve, (columns,), error)
+
+
+def _sharing(threads: int, rollers: int) -> Work:
+    solve, arguments, error = sharing(threads, rollers)
+    return Work(solve, arguments, error, lambda found: int(found[3]))
+
+
+_SAMPLES_ALONE = "each sample is balanced by itself, 1,024 at a time"
+_IN_CHUNKS = "each design is computed by itself, 1,000 at a time"
+_BY_DIFFERENCES = "extrapolated central differences, 20 designs"
+_BALANCE = "balance and compatibility of all threads in NumPy"
 
 
 TASKS = {
@@ -184,15 +202,20 @@ TASKS = {
         "reversals, quasi-steady balance",
         "reversal",
         _reversals("quasi_steady", 1, 0.0),
-        (10, 100, 1000, 10_000),
+        (100, 1000, 10_000),
         "one stroke forth and back by itself",
+        1.0,
+        f"{_SAMPLES_ALONE}; a repeated sequence is found by one division",
     ),
     "reversals_integrated": Task(
         "reversals, RODASP, friction regularised over 1 mm/s",
         "reversal",
         _reversals("rosenbrock", 500, 1e-3),
-        (10, 100, 1000, 10_000),
+        (100, 1000, 10_000),
         "one stroke forth and back by itself",
+        1.0,
+        "every reversal takes as many steps as the one before; a step looks for the next break "
+        "by halving, log size",
     ),
     "mission": Task(
         "recorded mission, a point every second",
@@ -200,26 +223,45 @@ TASKS = {
         _day,
         (1, 3, 8, 24),
         "its pattern of ten minutes by itself",
+        1.0,
+        f"{_SAMPLES_ALONE}; a sample looks for its place in the tables by halving, log size",
     ),
-    "gradients": Task(
-        "designs with nine derivatives each",
+    "gradients_forward": Task(
+        "designs with nine derivatives each, forward",
         "design",
-        _gradients,
-        (100, 1000, 10_000, 100_000),
-        "extrapolated central differences, 20 designs",
+        functools.partial(_gradients, jax.jacfwd),
+        (1000, 10_000, 100_000),
+        _BY_DIFFERENCES,
+        1.0,
+        _IN_CHUNKS,
+    ),
+    "gradients_reverse": Task(
+        "designs with nine derivatives each, reverse",
+        "design",
+        functools.partial(_gradients, jax.jacrev),
+        (10_000, 100_000),
+        _BY_DIFFERENCES,
+        1.0,
+        f"{_IN_CHUNKS}; what reverse mode keeps is that of one thousand",
     ),
     "sharing_threads": Task(
         "load sharing, threads of 6 unlike rollers",
-        "thread contact",
-        lambda threads: Work(*sharing(threads, 6)),
+        "thread",
+        lambda threads: _sharing(threads, 6),
         (10, 30, 100, 300),
-        "balance and compatibility of all threads in NumPy",
+        _BALANCE,
+        1.0,
+        "the equations of neighbouring threads alone are coupled, so elimination is one pass; "
+        "Newton takes a few steps more where the load is less even",
     ),
-    "sharing": Task(
-        "load sharing, threads × 0.6 as many unlike rollers",
-        "thread contact",
-        lambda threads: Work(*sharing(threads, round(0.6 * threads))),
-        (10, 25, 50, 100),
-        "balance and compatibility of all threads in NumPy",
+    "sharing_rollers": Task(
+        "load sharing, unlike rollers on 100 threads",
+        "roller",
+        lambda rollers: _sharing(100, rollers),
+        (7, 15, 30, 60),
+        _BALANCE,
+        3.0,
+        "screw and nut couple all rollers of a thread, so each thread is the elimination of a "
+        "full matrix of as many rows as rollers, and one",
     ),
 }

@@ -1,7 +1,9 @@
 """One size of one task in a process of its own: `python -m benchmarks.load.worker TASK SIZE`.
 
-Prints one JSON object. Run times are those of compiled programs. Memory is what the process has at
-most while it calculates, over what it had before; with the programs and all modules it is the peak.
+Prints one JSON object. Run times are those of compiled programs, by the clock and by the processor
+(all threads together), which other work on the machine lengthens less. Memory is what XLA reserves
+for results and intermediate numbers, beside the arguments; the peak is that of the process, with
+programs and all modules.
 """
 
 import argparse
@@ -9,30 +11,14 @@ import gc
 import json
 import sys
 import time
-from pathlib import Path
 
 import jax
 
+from .counted import counted
 from .tasks import TASKS
 
-_STATUS, _FORGET = Path("/proc/self/status"), Path("/proc/self/clear_refs")
-
-
-def _status(key: str) -> int | None:
-    """A line of the kernel's account of this process [bytes]; `None` where it keeps none."""
-    try:
-        lines = _STATUS.read_text(encoding="ascii").splitlines()
-    except OSError:
-        return None
-    return next((1024 * int(line.split()[1]) for line in lines if line.startswith(key)), None)
-
-
-def _forget_peak() -> bool:
-    try:
-        _FORGET.write_text("5", encoding="ascii")
-    except OSError:
-        return False
-    return True
+#: A first sample that takes longer is the only one [s].
+_LONG = 15.0
 
 
 def _peak() -> int | None:
@@ -45,38 +31,41 @@ def _peak() -> int | None:
 
 
 def measure(name: str, size: int, seconds: float) -> dict:
-    """Times, memory and error of one size.
+    """Times, operations, memory and error of one size.
 
     **Arguments:**
 
     - `name`, `size`: of the task.
-    - `seconds`: time to spend on samples; at least two are taken.
+    - `seconds`: time to spend on samples; at least two are taken unless one takes long.
     """
     work = TASKS[name].build(size)
+    program = counted(work.function, *work.arguments)
     begin = time.perf_counter()
-    found = jax.block_until_ready(work.call())
-    first = time.perf_counter() - begin
-    error = work.error(found)
-    del found
+    compiled = work.function.lower(*work.arguments).compile()
+    compiling = time.perf_counter() - begin
+    account = compiled.compiled.memory_analysis()
     gc.collect()
-    before, told = _status("VmRSS"), _forget_peak()
-    times = []
-    while len(times) < 2 or sum(times) < seconds:
-        begin = time.perf_counter()
-        jax.block_until_ready(work.call())
-        times.append(time.perf_counter() - begin)
-    highest = _status("VmHWM")
-    taken = highest - before if told and highest is not None and before is not None else None
+    walls, processor, found = [], [], None
+    while len(walls) < 2 or sum(walls) < seconds:
+        begin, used = time.perf_counter(), time.process_time()
+        found = jax.block_until_ready(compiled(*work.arguments))
+        processor.append(time.process_time() - used)
+        walls.append(time.perf_counter() - begin)
+        if walls[0] > _LONG:
+            break
     return {
         "task": name,
         "size": size,
-        "count": work.count,
-        "first_call_s": first,
-        "best_s": min(times),
-        "samples": len(times),
-        "error": error,
-        "run_bytes": taken,
+        "compile_s": compiling,
+        "best_s": min(walls),
+        "processor_s": min(processor),
+        "samples": len(walls),
+        "steps": None if work.steps is None else work.steps(found),
+        "operations": program.operations,
+        "equations": program.equations,
+        "run_bytes": account.temp_size_in_bytes + account.output_size_in_bytes,
         "peak_bytes": _peak(),
+        "error": work.error(found),
     }
 
 

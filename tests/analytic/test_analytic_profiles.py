@@ -334,3 +334,23 @@ def test_sequences_that_are_too_deep_or_too_long():
         _nested(17)
     with pytest.raises(ValueError, match="run through 10000000 times; at most 1000000"):
         _nested(7, repeats=10)
+
+
+def test_a_long_table_is_the_same_alone_and_in_a_batch():
+    """Past 128 points a time is sought by halving, in a batch by another program."""
+    random = np.random.default_rng(14)
+    points = np.cumsum(random.uniform(0.1, 1.0, 300)) - 0.5
+    values = random.normal(size=300)
+    times = np.concatenate([points[[0, 1, 150, 298, 299]], np.linspace(-1.0, points[-1] + 1, 20)])
+    profile = TableProfile(points, values, "linear")
+    expected = np.interp(times, points, values)
+    one = jax.jit(jax.value_and_grad(lambda time: profile(time)))
+    alone = np.array([one(array(time)) for time in times])
+    batch = np.array(jax.jit(jax.vmap(one))(array(times))).T
+    np.testing.assert_allclose(alone[:, 0], expected, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(batch, alone, rtol=0, atol=1e-13)
+    # And with a table for each of the batch.
+    tables = array(np.stack([points, points + 0.01]))
+    shifted = jax.vmap(lambda own: TableProfile(own, profile.values, "linear")(array(20.0)))(tables)
+    twice = [np.interp(20.0, own, values) for own in np.asarray(tables)]
+    np.testing.assert_allclose(shifted, twice, rtol=0, atol=1e-13)

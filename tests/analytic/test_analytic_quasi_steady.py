@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -18,6 +19,7 @@ from scenes import (
 )
 
 import prsm_jax as prsm
+from prsm_jax import _stretches
 from prsm_jax.mechanism import (
     CoulombFriction,
     Friction,
@@ -64,6 +66,24 @@ def test_through_reversals():
     assert np.max(run.newton_residual) < 1e-12
     forward = np.asarray(run.screw_speed) > 1e-10
     assert np.all(np.asarray(run.drive_torque)[forward] > 0)
+
+
+def test_a_long_scene_is_computed_in_stretches(monkeypatch):
+    """The program of a scene longer than one stretch, here three of 27, gives the same numbers."""
+    two, scenario = example("li2020_two_stage"), _swing(0.0, 100.0)
+    whole = simulate(two, scenario, method="quasi_steady")
+    monkeypatch.setattr(_stretches, "LONGEST", 30)
+    # Compiled by itself: the function of the scenes has the program of one stretch already.
+    program = eqx.filter_jit(
+        lambda scenario: prsm.simulate(two, scenario, method="quasi_steady", throw=False)
+    ).lower(scenario)
+    assert "while" in program.as_text()
+    found = program.compile()(scenario)
+    assert jax.tree.structure(found) == jax.tree.structure(whole)
+    for ours, plain in zip(jax.tree.leaves(found), jax.tree.leaves(whole), strict=True):
+        largest = np.max(np.abs(np.asarray(plain, float)), initial=0.0)
+        # Rounding: programs of other shapes add in another order.
+        np.testing.assert_allclose(ours, plain, rtol=0, atol=1e-12 * max(largest, 1e-3))
 
 
 def test_constant_speed_is_the_steady_state():

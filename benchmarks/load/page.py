@@ -1,0 +1,135 @@
+"""`docs/load.md`: what grows how, from its own run."""
+
+from pathlib import Path
+from typing import Any
+
+from ..harness import written_whole
+from .picture import draw
+
+_HEAD = """\
+# Growth with size
+
+This page is written by `python -m benchmarks load --docs docs`. It does not change by hand.
+
+Each row asks the same thing in several sizes. The **power** is p in `size^p`, by least squares over
+the sizes down to 1/150 of the largest; 1 is linear. **Operations** are the numbers that the program
+computes, counted in what JAX traces; they are the same on every machine. A loop that ends by a
+condition counts one trip. **Run time** is that of the compiled program by the clock, the best of
+several. **Processor time** is that of all threads of the process, which other work on the machine
+lengthens less; its power is the one in the first table. **Memory** is what XLA reserves for results
+and intermediate numbers. The **peak** is that of the whole process, with Python, JAX and compiler.
+"""
+
+_BEFORE = """\
+## What was not linear
+
+At the commit ecd1f5c, on the same machine:
+
+| what | before | now |
+|---|---|---|
+| mission of 24 hours, memory | 219 MB | see below |
+| mission of 24 hours, run time | 0.78 s | see below |
+| 10,000 reversals in balance, memory | 121 MB | see below |
+| load sharing of 20 unlike rollers with play, tracing and compiling | 30 s | 10 s |
+| the same, of 60: equations of the program | 51,313 | 4,616 |
+
+* All samples of a scene were computed at once, and about a hundred numbers of each were kept until
+  the end. Up to some thousand samples these fit the cache and are written where memory is in use
+  already. Beyond, each number comes from main memory, and each page of 4 kB is new to the process,
+  which costs 4.5 µs here: 26,154 pages for 10,000 reversals. Time grew as size to the 1.4 and 1.8,
+  though operations grew linearly. Now 1,024 samples are computed from beginning to end before the
+  next 1,024, and histories that are not returned are not kept.
+* The halvings that find a time in a table of more than 128 points were written out. XLA computed
+  the first of them again for each that followed. In a batch they are a loop now: 24 ns a sample in
+  place of 200.
+* A table computed the slopes of all its intervals; a sample now computes those of its own.
+* With many unlike rollers, elimination was written out row by row, and with play one product for
+  each pair of rollers. The program grew with the square of the number of rollers.
+"""
+
+
+def row_of(cells: list[str]) -> str:
+    """A line of a Markdown table."""
+    return "| " + " | ".join(cells) + " |"
+
+
+def _bytes(value: float | None) -> str:
+    return "" if value is None else f"{value / 1e6:.3g} MB"
+
+
+def _power(value: float | None) -> str:
+    return "" if value is None else f"{value:.2f}"
+
+
+def _error(value: float | None) -> str:
+    return "not finite" if value is None else f"{value:.1e}"
+
+
+def _growth(tasks: list[dict[str, Any]]) -> list[str]:
+    names = ["task", "largest", "operations", "expected", "processor time", "memory", "why"]
+    lines = [row_of(names), row_of(["---"] * len(names))]
+    for task in tasks:
+        powers = task["exponents"]
+        cells = [task["title"], f"{task['sizes'][-1]['size']:,} {task['unit']}s"]
+        cells += [_power(powers["operations"]), f"{task['expected']:.0f}", _power(powers["time"])]
+        lines.append(row_of([*cells, _power(powers["memory"]), task["why"]]))
+    return lines
+
+
+def _sizes(tasks: list[dict[str, Any]]) -> list[str]:
+    names = ["task", "size", "run time", "processor time", "operations", "steps", "memory"]
+    names += ["peak", "compiling", "error", "error against"]
+    lines = [row_of(names), row_of(["---"] * len(names))]
+    for task in tasks:
+        for row in task["sizes"]:
+            cells = [task["title"], f"{row['size']:,}", f"{row['best_s']:.3g} s"]
+            cells += [f"{row['processor_s']:.3g} s", f"{row['operations']:.3g}"]
+            cells += ["" if row["steps"] is None else f"{row['steps']:,}"]
+            cells += [_bytes(row["run_bytes"]), _bytes(row["peak_bytes"])]
+            cells += [f"{row['compile_s']:.3g} s", _error(row["error"]), task["check"]]
+            lines.append(row_of(cells))
+    return lines
+
+
+def tables(tasks: list[dict[str, Any]]) -> str:
+    """The measurements as Markdown: powers of growth first, then every size."""
+    return "\n".join([*_growth(tasks), "", *_sizes(tasks), ""])
+
+
+def write_page(document: dict[str, Any], folder: Path) -> list[Path]:
+    """Write the page and its picture.
+
+    **Arguments:**
+
+    - `document`: what `load.json` has.
+    - `folder`: that of the documentation.
+
+    **Returns:** their paths.
+    """
+    tasks, machine = document["tasks"], document["machine"]
+    picture = folder / "images" / "load.png"
+    picture.parent.mkdir(parents=True, exist_ok=True)
+    draw(tasks, picture)
+    lines = [_HEAD, "## Powers of growth", "", *_growth(tasks), ""]
+    lines += [
+        "The memory of a small scene is that of one stretch of 1,024 samples, and of few designs "
+        "that of one chunk of 1,000, so memory grows slower than the size until results outweigh "
+        "it.",
+        "",
+        "![Run time and memory over size](images/load.png)",
+        "",
+        "## Every size",
+        "",
+        f"On {machine['cores']} cores of a busy machine ({machine['processor']}), "
+        f"{document['date'][:10]}, in {document['seconds'] / 60:.0f} minutes. Steps are those of "
+        "Newton's method or of the integration. Reversals and missions return one history, the "
+        "drive torque, and the result code.",
+        "",
+        *_sizes(tasks),
+        "",
+        _BEFORE,
+    ]
+    page = folder / "load.md"
+    with written_whole(page) as temporary:
+        temporary.write_text("\n".join(lines), encoding="utf-8")
+    return [page, picture]
