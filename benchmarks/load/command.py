@@ -30,7 +30,9 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
         "--out", type=Path, default=Path("out/benchmarks"), help="folder for the results"
     )
     parser.add_argument("--docs", type=Path, default=None, help="folder for the page and picture")
-    parser.add_argument("--page", type=Path, metavar="JSON", help="only the page, from this file")
+    parser.add_argument(
+        "--page", type=Path, nargs="+", metavar="JSON", help="only the page, from these files"
+    )
     parser.add_argument("--list", action="store_true", help="name the tasks and stop")
     given = parser.parse_args(argv)
     unknown = sorted(set(given.tasks) - set(TASKS))
@@ -61,8 +63,8 @@ def main(argv: list[str] | None = None) -> int:
     """Entry point; the exit status is 1 where a result is not finite or a code says it failed."""
     given = _arguments(argv)
     if given.page is not None:
-        document = json.loads(given.page.read_text(encoding="utf-8"))
-        _said(write_page(document, given.docs or given.out))
+        parts = [json.loads(path.read_text(encoding="utf-8")) for path in given.page]
+        _said(write_page(_joined(parts), given.docs or given.out))
         return 0
     begin, tasks = time.perf_counter(), []
     for name in given.tasks or TASKS:
@@ -101,6 +103,13 @@ def main(argv: list[str] | None = None) -> int:
     if given.docs is not None:
         _said(write_page(document, given.docs))
     return int(any(not math.isfinite(row["error"]) for task in tasks for row in task["sizes"]))
+
+
+def _joined(parts: list[dict[str, Any]]) -> dict[str, Any]:
+    """Runs of some tasks each as one, in the order of all tasks; a later file wins."""
+    found = {task["name"]: task for part in parts for task in part["tasks"]}
+    tasks = [found[name] for name in TASKS if name in found]
+    return {**parts[-1], "tasks": tasks, "seconds": sum(part["seconds"] for part in parts)}
 
 
 def _said(paths: list[Path]) -> None:

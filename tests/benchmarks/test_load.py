@@ -122,12 +122,12 @@ def test_the_program_of_rollers_with_play_is_linear_in_their_number():
     def equations(rollers):
         flanks = Flanks(*jnp.full((2, rollers, 5), 1e-6), *jnp.full((2, rollers, 1), 1e-8))
         unit = jnp.ones(())
-        segments = [jnp.full(4, 1e-10)] * 3
-        bare = Chains(jnp.ones(rollers), flanks, flanks, *segments, unit, unit, unit)
+        shaft = jnp.full(4, 1e-10)
+        bare = Chains(jnp.ones(rollers), flanks, flanks, shaft, shaft, shaft, unit, unit, unit)
         chains = with_units(bare, load=100.0 * unit)
         return counted(eqx.filter_jit(equilibrium), chains, 100.0 * unit).equations
 
-    first, second, third = (equations(rollers) for rollers in (20, 30, 40))
+    first, second, third = (equations(rollers) for rollers in (17, 20, 23))
     assert third - second == second - first
 
 
