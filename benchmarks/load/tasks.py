@@ -214,8 +214,8 @@ TASKS = {
         (100, 1000, 10_000),
         "one stroke forth and back by itself",
         1.0,
-        "every reversal takes as many steps as the one before; a step looks for the next break "
-        "by halving, log size",
+        "every reversal takes as many steps as the one before; operations are counted with one "
+        "step, so they are those of the samples",
     ),
     "mission": Task(
         "recorded mission, a point every second",

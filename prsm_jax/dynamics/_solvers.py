@@ -15,6 +15,8 @@ NAMES = {
     "quasi_steady": "quasi-steady balance",
 }
 Gradient = Literal["reverse", "forward", "both"]
+#: Up to so many breaks a step looks at all of them at once.
+_MANY_BREAKS = 256
 
 
 def solver_of(method: Method, rtol: float, atol: float, autonomous: bool, *, compact: bool = False):
@@ -60,7 +62,12 @@ def controller_of(
     # Those at the ends are no breaks: out of the way with them.
     inside = (breaks > 0) & (breaks < end)
     jumps = jnp.sort(jnp.where(inside, breaks, 2 * end))
-    return diffrax.ClipStepSizeController(controller, jump_ts=jax.lax.stop_gradient(jumps))
+    jumps = jax.lax.stop_gradient(jumps)
+    if breaks.size > _MANY_BREAKS:
+        from ._many_breaks import ManyBreaks
+
+        return ManyBreaks(controller, jump_ts=jumps)  # pyright: ignore[reportCallIssue]
+    return diffrax.ClipStepSizeController(controller, jump_ts=jumps)
 
 
 def adjoint_of(gradient: Gradient):

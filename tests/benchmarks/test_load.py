@@ -2,7 +2,9 @@
 
 import json
 import re
+from typing import Any
 
+import diffrax
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -191,3 +193,41 @@ def test_numbers_of_the_page_stand_under_their_headings(tmp_path):
         **{"operations": "7e+06", "steps": "11", "memory": "13 MB", "peak": "1.7e+03 MB"},
         **{"compiling": "19 s", "error": "not finite", "error against": "c"},
     }
+
+
+def _solve(controller):
+    """y' = ±1 − y, whose sign changes at each of three breaks, one of them given twice."""
+    return diffrax.diffeqsolve(
+        diffrax.ODETerm(lambda t, y, args: jnp.sign(jnp.sin(np.pi * t)) - y),
+        diffrax.Tsit5(),
+        *(jnp.asarray(0.0), jnp.asarray(3.5), None, jnp.asarray(0.5)),
+        stepsize_controller=controller,
+        saveat=diffrax.SaveAt(steps=True),
+        max_steps=256,
+    )
+
+
+def test_steps_look_at_their_own_breaks_and_are_the_same():
+    from prsm_jax.dynamics._many_breaks import ManyBreaks
+
+    inner = diffrax.PIDController(rtol=1e-6, atol=1e-8)
+    breaks = jnp.asarray([1.0, 2.0, 2.0, 3.0, 7.0, 7.0])
+    ours: Any = ManyBreaks(inner, jump_ts=breaks)  # pyright: ignore[reportCallIssue]
+    found, plain = _solve(ours), _solve(diffrax.ClipStepSizeController(inner, jump_ts=breaks))
+    np.testing.assert_array_equal(found.ts, plain.ts)
+    np.testing.assert_array_equal(found.ys, plain.ys)
+    assert found.stats["num_rejected_steps"] == plain.stats["num_rejected_steps"]
+
+    def work(kind, count):
+        one, zero = jnp.asarray(1.0), jnp.asarray(0.0)
+        controller = kind(inner, jump_ts=jnp.linspace(2.0, 3.0, count))
+        term = diffrax.ODETerm(lambda t, y, args: -y)
+        _, state = controller.init(term, zero, one, one, one, None, lambda *_: one, 5)
+
+        def step(state):
+            return controller.adapt_step_size(zero, one, one, one, None, 1e-9 * one, 5, state)[:4]
+
+        return counted(step, state).operations
+
+    assert work(ManyBreaks, 3000) == work(ManyBreaks, 300)
+    assert work(diffrax.ClipStepSizeController, 3000) > work(ManyBreaks, 3000)

@@ -1,0 +1,61 @@
+"""Steps that end at breaks of which there are many.
+
+`diffrax.ClipStepSizeController` compares the start of every step with all breaks. Where the number
+of steps grows with that of the breaks, as in strokes forth and back, time then grows with its
+square. The breaks are in order, and its state knows which is next.
+
+Imports diffrax, so it is itself imported only where something is integrated.
+"""
+
+import dataclasses
+from typing import Any
+
+import diffrax
+import equinox.internal as eqxi
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+
+class ManyBreaks(diffrax.ClipStepSizeController):
+    """As the class above with `jump_ts` alone, but each step looks at its own two breaks."""
+
+    def adapt_step_size(
+        self, t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
+    ):
+        """The next step: from past a break that was reached, and to the next one at most."""
+        keep, start, end, jumped, inner, result = self.controller.adapt_step_size(
+            t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state.inner_state
+        )
+        jump_info: Any = controller_state.jump_info
+        index, breaks = jump_info
+        # The step began behind one break and was not to pass the next.
+        near = jnp.stack([_break(breaks, index - 1), _break(breaks, index)])
+        after = eqxi.nextafter(start)
+        before_one, at_one = jnp.any(after == near), jnp.any(start == near)
+        # Past a break from before it, and from on it: the side that it belongs to is not known.
+        start = jnp.where(before_one, eqxi.nextafter(after), start)
+        start = jnp.where(at_one, after, start)
+        end = jnp.maximum(eqxi.nextafter(start), end)
+        index = _next_break(breaks, start, index)
+        end = jnp.minimum(eqxi.prevbefore(_break(breaks, index)), end)
+        state = dataclasses.replace(controller_state, jump_info=(index, breaks), inner_state=inner)
+        return keep, start, end, jumped | before_one | at_one, state, result
+
+
+def _break(breaks: Float[Array, " breaks"], index: Int[Array, ""]) -> Float[Array, ""]:
+    """A break by its number; infinity beyond both ends."""
+    inside = (index >= 0) & (index < breaks.size)
+    return jnp.where(inside, breaks[jnp.clip(index, 0, breaks.size - 1)], jnp.inf)
+
+
+def _next_break(breaks, time, index):
+    """The first break behind a time, from one that is not behind it by much."""
+
+    def on(i):
+        return (i < breaks.size) & (_break(breaks, i) <= time)
+
+    return jax.lax.while_loop(on, lambda i: i + 1, index)
+
+
+__all__ = ["ManyBreaks"]
