@@ -49,7 +49,7 @@ for side in ("screw", "nut"):
     print(f"{side}: {hertz.max_pressure / 1e6:.0f} MPa, approach {hertz.approach * 1e6:.2f} µm")
 
 # %%
-modes = eqx.filter_jit(prsm.modal)(mechanism)
+modes = prsm.modal(mechanism)
 report.frequency_chart({"actuator": modes})
 
 # %% [markdown]
@@ -58,7 +58,7 @@ report.frequency_chart({"actuator": modes})
 # rounding.
 
 # %%
-steady = eqx.filter_jit(prsm.steady_state)(mechanism)
+steady = prsm.steady_state(mechanism)
 print(f"efficiency {steady.efficiency:.4f}, torque {steady.drive_torque:.2f} N·m")
 for name, power in steady.losses.items():
     print(f"  {name}: {power:.2f} W")
@@ -70,7 +70,7 @@ assert steady.power_balance_residual < 1e-12
 # The screw starts at full speed while the rollers stand still; the carriers catch up.
 
 # %%
-run = eqx.filter_jit(lambda m: prsm.simulate(m, gradient="reverse", throw=False))(mechanism)
+run = prsm.simulate(mechanism, throw=False)
 print(run.solver.name, "-", int(run.solver.steps), "steps:", run.solver.result)
 report.transient_chart(run)
 

@@ -62,11 +62,8 @@ def equal_shares(name):
     return dataclasses.replace(mechanism, stages=stages)
 
 
-mesh = eqx.filter_jit(prsm.mesh)
-modal = eqx.filter_jit(prsm.modal)
+mesh, modal = prsm.mesh, prsm.modal
 stage_contact = eqx.filter_jit(_stage_contact)
-_steady = eqx.filter_jit(prsm.steady_state)
-_simulate = eqx.filter_jit(functools.partial(prsm.simulate, throw=False))
 
 
 class Swing(eqx.Module):
@@ -86,9 +83,9 @@ def array(value):
 
 
 def steady_state(mechanism, speed=None, load=None):
-    """Compiled `prsm.steady_state` at a speed and a load, or at the operating point."""
+    """`prsm.steady_state` at a speed and a load, or at the operating point."""
     point = mechanism.operating_point
-    return _steady(
+    return prsm.steady_state(
         mechanism,
         array(point.speed if speed is None else speed),
         array(point.load if load is None else load),
@@ -96,8 +93,8 @@ def steady_state(mechanism, speed=None, load=None):
 
 
 def simulate(mechanism, scenario=None, **options):
-    """Compiled `prsm.simulate`; the caller looks at `solver.code`."""
-    return _simulate(mechanism, scenario, **options)
+    """`prsm.simulate`; the caller looks at `solver.code`."""
+    return prsm.simulate(mechanism, scenario, throw=False, **options)
 
 
 def thread(roller_radius=4e-3, lead=10e-3, contact_angle=np.pi / 4, starts=5.0, **more):

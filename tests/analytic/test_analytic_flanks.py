@@ -153,19 +153,16 @@ def test_derivatives_of_a_transient_through_no_load():
     """Forward, reverse and finite differences of what comes after two changes of flanks."""
     one = mechanism(stage())
 
-    @jax.jit
-    def everything(amplitude):
-        def evaluate(value):
-            load = eqx.tree_at(lambda s: s.load.amplitude, _scenario(1.0, 500.0), value)
-            run = prsm.simulate(one, load, method="rosenbrock", rtol=1e-9, atol=1e-11, throw=False)
-            return run.drive_torque[70] + run.drive_torque[30]
+    def evaluate(value):
+        load = eqx.tree_at(lambda s: s.load.amplitude, _scenario(1.0, 500.0), value)
+        run = prsm.simulate(one, load, method="rosenbrock", rtol=1e-9, atol=1e-11, throw=False)
+        return run.drive_torque[70] + run.drive_torque[30]
 
-        step = 1e-5 * amplitude
-        difference = (evaluate(amplitude + step) - evaluate(amplitude - step)) / (2 * step)
-        _, forward = jax.jvp(evaluate, (amplitude,), (jnp.ones_like(amplitude),))
-        return difference, forward, jax.grad(evaluate)(amplitude)
-
-    difference, forward, reverse = map(float, everything(array(3000.0)))
+    at = array(3000.0)
+    pushed = jax.jit(lambda value: jax.jvp(evaluate, (value,), (jnp.ones_like(value),)))
+    above, below = (float(pushed(at * (1 + way * 1e-5))[0]) for way in (1, -1))
+    difference = (above - below) / (2e-5 * float(at))
+    forward, reverse = float(pushed(at)[1]), float(jax.jit(jax.grad(evaluate))(at))
     # The steps of both are the same, their sums are not.
     assert reverse == pytest.approx(forward, rel=1e-7)
     assert forward == pytest.approx(difference, rel=1e-4)
