@@ -9,11 +9,14 @@ from .._physics import physics
 from ..mechanism import Mechanism, Scalar
 from ._chain import StageState, chain_forces
 from ._contact_losses import with_resistance
-from ._kinematics import StageKinematics
+from ._kinematics import StageKinematics, free_carrier_ratio, turning_range
 from ._reduced_chain import ReducedChain, reduced_chain, reduced_rates
 from ._scenario import Scenario
 from ._sliding_motion import sense_of, sliding_motion
 from ._stage_forces import Motion, carrier_inertia
+
+#: Errors count more where friction turns within less than this share of the ratio, inverted.
+_TURNS = 10.0
 
 
 class Problem(eqx.Module):
@@ -97,3 +100,17 @@ def carrier_problem(
     # Scales shape the grid of steps, not the solution: nothing is differentiated through them.
     found = (jax.lax.stop_gradient(speed), jax.lax.stop_gradient(shortest))
     return eqx.tree_at(lambda p: (p.speed_scale, p.time_scale), problem, found)
+
+
+def error_weight(problem: Problem):
+    """A function of (scaled time, ω/Ω₀), by whose values errors of ω/Ω₀ count more; see there."""
+    rolling = jnp.stack([free_carrier_ratio(k) for k in problem.kinematics])
+    turning = jnp.stack([turning_range(k) for k in problem.kinematics])
+
+    def weight(time, ratio):
+        speed = problem.scenario.speed_at(time * problem.time_scale) / problem.speed_scale
+        rest = jnp.abs(rolling * speed)
+        near = jnp.abs(ratio - rolling * speed) + turning * jnp.abs(speed)
+        return jnp.maximum(1.0, rest / (_TURNS * jnp.where(near > 0, near, jnp.inf)))
+
+    return weight

@@ -13,6 +13,10 @@ from ._solvers import NAMES, Gradient, Method, adjoint_of, code_of, controller_o
 from ._transient_result import SolverReport
 
 
+#: Roundings of a number in the least relative tolerance.
+_ROUNDINGS = 10
+
+
 class Settings(NamedTuple):
     """How `simulate` integrates; see there."""
 
@@ -21,6 +25,16 @@ class Settings(NamedTuple):
     rtol: float
     atol: float
     max_steps: int
+
+    def within(self, dtype) -> "Settings":
+        """The same with tolerances that numbers of this precision can meet.
+
+        An error below their rounding is rounding itself, and so is a choice of steps by it: there
+        are then more of them than needed, and reverse mode, which takes some again, ends elsewhere.
+        """
+        rounding = float(jnp.finfo(dtype).eps)
+        rtol, atol = max(self.rtol, _ROUNDINGS * rounding), max(self.atol, rounding)
+        return self._replace(rtol=rtol, atol=atol)
 
 
 def integrated(
@@ -34,6 +48,7 @@ def integrated(
     args: Any = None,
     autonomous: bool = False,
     longest: Scalar | None = None,
+    weight: Any = None,
 ) -> tuple[Any, SolverReport]:
     """Integrate a scaled equation of motion from 0 to `end`.
 
@@ -48,6 +63,7 @@ def integrated(
     - `args`: handed on to `rate`.
     - `autonomous`: whether `rate` does not look at the time.
     - `longest`: the longest scaled step, if there is one.
+    - `weight`: function of (time, state), by whose values errors of the states count more.
 
     **Returns:** the states, with samples first, and how it went.
 
@@ -66,7 +82,7 @@ def integrated(
         y0=start,
         args=args,
         saveat=diffrax.SaveAt(ts=jnp.linspace(0.0, 1.0, samples, dtype=end.dtype) * end),
-        stepsize_controller=controller_of(rtol, atol, breaks, end, longest),
+        stepsize_controller=controller_of(rtol, atol, breaks, end, longest, weight),
         adjoint=adjoint_of(settings.gradient),
         max_steps=settings.max_steps,
         throw=False,

@@ -77,6 +77,17 @@ def free_carrier_ratio(kinematics: StageKinematics) -> Scalar:
     return kinematics.slip_per_screw[:2] @ drive / (drive @ drive)
 
 
+def turning_range(kinematics: StageKinematics) -> Scalar:
+    """Range of carrier ratios ω/Ω about ζ∞ within which the slip turns from along d to across it.
+
+    It is the slip across d, `√(((v₀ × d)/|d|)² + (L/2π)²)` per radian, over |d|.
+    """
+    drive = kinematics.drive
+    square = drive @ drive
+    across = kinematics.crossing**2 / square + kinematics.slip_per_screw[2] ** 2
+    return jnp.sqrt(across / square)
+
+
 def ideal_carrier_ratio(thread: Thread) -> Scalar:
     """Carrier ratio of rolling without slip on the nominal circles, r_s / (2 a)."""
     return thread.screw_radius / (2 * thread.centre_distance)

@@ -17,6 +17,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.flatten_util import ravel_pytree
+from jaxtyping import Array, Float, PyTree
 
 from ..numerics import solver
 
@@ -26,6 +27,8 @@ _GAMMA = float(_TABLEAU.a_diagonal[1])
 _MOST_ITERATIONS = 10
 #: What an iteration may still change, over the tolerance of a step; the next would square it.
 _SETTLED = 1e-2
+#: What it may change in any case, over the rounding of a state.
+_ROUNDINGS = 4
 
 
 def _padded(rows) -> np.ndarray:
@@ -36,6 +39,59 @@ def _padded(rows) -> np.ndarray:
 
 
 _WEIGHTS, _PREDICTED = _padded(_TABLEAU.a_lower), _padded(_TABLEAU.a_predictor)
+
+
+def _dense_weights() -> np.ndarray:
+    """Weights of the stages by powers of the share θ of a step: row j is that of θ^(j + 1).
+
+    The second stage is of lower order and has none. Those of the others integrate quartics exactly,
+    which is order 4 (slopes are known to third order), and keep their sum finite for a state that
+    decays within the step: there the slopes grow with `h λ`, and a cubic through both ends is off
+    by 0.13 `h λ` of what is left of it at the start; this is off by 6.6 of it. At θ = 1 they are
+    those of the method.
+    """
+    known = np.array([0, 2, 3, 4, 5, 6])
+    times = np.concatenate([[0.0], _TABLEAU.c])
+    table = _WEIGHTS.copy()
+    table[:, 1:] += _GAMMA * np.eye(_STAGES - 1)
+    # Slopes over `h λ` as it grows: the states of the stages then vanish.
+    growing = np.concatenate([[1.0], -np.linalg.solve(table[:, 1:], table[:, 0])])
+    powers = np.vander(times[known], 5, increasing=True).T
+    integrals = np.concatenate([np.diag(1 / np.arange(1.0, 6.0)), np.zeros((1, 5))])
+    weights = np.zeros((5, _STAGES))
+    weights[:, known] = np.linalg.solve(np.vstack([powers, growing[known]]), integrals).T
+    return weights
+
+
+_DENSE = _dense_weights()
+
+
+class KvaernoInterpolation(diffrax.AbstractLocalInterpolation):
+    """Between two steps: `y₀ + s (c₁ + s (c₂ + …))`, locally of order 5."""
+
+    t0: Float[Array, ""]
+    t1: Float[Array, ""]
+    y0: PyTree
+    y1: PyTree
+    #: c₁ to c₅ along the first axis.
+    powers: PyTree
+
+    def evaluate(self, t0, t1=None, left: bool = True):
+        """The solution at `t0`, or its increment from `t0` to `t1`."""
+        if t1 is not None:
+            return jax.tree.map(lambda b, a: b - a, self.evaluate(t1), self.evaluate(t0))
+        length = self.t1 - self.t0
+        # A step of no length, as diffrax makes before the first one.
+        share = jnp.where(length > 0, (t0 - self.t0) / jnp.where(length > 0, length, 1.0), 0.0)
+
+        def at(y0, y1, powers):
+            total = powers[-1]
+            for power in powers[-2::-1]:
+                total = power + share * total
+            # The end itself, without the rounding of the weights.
+            return jnp.where(share == 1, y1, y0 + share * total)
+
+        return jax.tree.map(at, self.y0, self.y1, self.powers)
 
 
 def _refined(matrix):
@@ -50,7 +106,7 @@ def _refined(matrix):
 
 
 class Kvaerno(diffrax.AbstractAdaptiveSolver):
-    """Kvaerno 5(4): A-L-stable, stiffly accurate, dense output of order 3.
+    """Kvaerno 5(4): A-L-stable, stiffly accurate, dense output of order 4.
 
     A stage whose iteration does not settle makes the error of its step infinite, so that the step
     is taken again, shorter.
@@ -61,9 +117,7 @@ class Kvaerno(diffrax.AbstractAdaptiveSolver):
     atol: float
 
     term_structure: ClassVar = diffrax.AbstractTerm
-    interpolation_cls: ClassVar[Callable[..., Any]] = (
-        diffrax.ThirdOrderHermitePolynomialInterpolation
-    )
+    interpolation_cls: ClassVar[Callable[..., KvaernoInterpolation]] = KvaernoInterpolation
 
     def order(self, terms) -> int:
         return 5
@@ -85,8 +139,10 @@ class Kvaerno(diffrax.AbstractAdaptiveSolver):
                 k, _, count = carry
                 change = _refined(jax.jacfwd(function)(k))(function(k))
                 k = k - change
-                allowed = self.atol + self.rtol * jnp.abs(known + _GAMMA * length * k)
-                small = jnp.abs(_GAMMA * length * change) <= _SETTLED * allowed
+                size = jnp.abs(known + _GAMMA * length * k)
+                allowed = _SETTLED * (self.atol + self.rtol * size)
+                allowed = jnp.maximum(allowed, _ROUNDINGS * jnp.finfo(k.dtype).eps * size)
+                small = jnp.abs(_GAMMA * length * change) <= allowed
                 return k, jnp.all(small), count + 1
 
             def goes_on(carry):
@@ -126,10 +182,9 @@ class Kvaerno(diffrax.AbstractAdaptiveSolver):
         end = unflatten(flat + length * (jnp.asarray(_TABLEAU.b_sol, flat.dtype) @ slopes))
         error = length * (jnp.asarray(_TABLEAU.b_error, flat.dtype) @ slopes)
         error = unflatten(jnp.where(found, jnp.abs(error), jnp.inf))
-        increments = length * slopes
-        k0, k1 = unflatten(increments[0]), unflatten(increments[-1])
-        dense = {"y0": y0, "y1": end, "k0": k0, "k1": k1}
+        powers = jax.vmap(unflatten)(length * (jnp.asarray(_DENSE, flat.dtype) @ slopes))
+        dense = {"y0": y0, "y1": end, "powers": powers}
         return end, error, dense, None, diffrax.RESULTS.successful
 
 
-__all__ = ["Kvaerno"]
+__all__ = ["Kvaerno", "KvaernoInterpolation"]

@@ -69,7 +69,11 @@ def _event(margin: Callable[[Scalar, Array, Any], Scalar], root_finder: Any) -> 
     """The margin falls through zero; without a root finder the step is not cut."""
     import diffrax
 
-    return diffrax.Event(lambda t, y, args, **_: margin(t, y, args), root_finder, direction=False)
+    def at(t, y, args, **_):
+        # Where an event has not happened diffrax takes 0.0, of the precision that is set.
+        return margin(t, y, args).astype(jnp.result_type(float))
+
+    return diffrax.Event(at, root_finder, direction=False)
 
 
 def _chosen_steps(

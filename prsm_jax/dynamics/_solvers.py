@@ -1,10 +1,15 @@
 """Solvers for transients, and what their result codes mean."""
 
-from typing import Literal
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
+
+if TYPE_CHECKING:
+    from ._weighed_errors import Weight
 
 Method = Literal["auto", "closed_form", "implicit", "explicit", "rosenbrock", "quasi_steady"]
 NAMES = {
@@ -41,6 +46,7 @@ def controller_of(
     breaks: Float[Array, " breaks"],
     end: Float[Array, ""],
     longest: Float[Array, ""] | None = None,
+    weight: Weight | None = None,
 ):
     """Steps by tolerance, ending where speed or load jump or bend.
 
@@ -53,10 +59,15 @@ def controller_of(
     - `breaks`: times of jumps and bends, in the units of the integration.
     - `end`: the end of the integration.
     - `longest`: the longest step, if there is one.
+    - `weight`: (time, state) to the factors by which errors of the states count more.
     """
     import diffrax
 
     controller = diffrax.PIDController(rtol=rtol, atol=atol, dtmax=longest)
+    if weight is not None:
+        from ._weighed_errors import Weighed
+
+        controller = Weighed(controller, weight)
     if breaks.size == 0:
         return controller
     # Those at the ends are no breaks: out of the way with them.

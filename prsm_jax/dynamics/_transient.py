@@ -13,7 +13,7 @@ from ..mechanism import Mechanism, Scalar, TorqueScenario, check_scenario, of_on
 from ._automatic import chosen_method, sample_times, scene_problem
 from ._bristle_transient import bristle_history
 from ._bristles import has_bristles
-from ._carrier_motion import Problem, scaled_rate, states_at
+from ._carrier_motion import Problem, error_weight, scaled_rate, states_at
 from ._integration import Settings, integrated
 from ._kinematics import StageKinematics, free_carrier_ratio
 from ._quasi_steady import quasi_steady_at, quasi_steady_report
@@ -130,6 +130,7 @@ def _transient(
     settings: Settings,
 ) -> tuple[Transient, Int[Array, ""]]:
     """A transient by a method that is chosen already, and how the method itself went."""
+    settings = settings.within(jnp.result_type(scenario.duration))
     if isinstance(scenario, TorqueScenario):
         follow = smooth_torque_history if has_smooth_threads(mechanism) else torque_history
         found = follow(mechanism, scenario, settings)
@@ -186,6 +187,7 @@ def _integrated(
         args=problem,
         autonomous=constant,
         longest=_longest_stable(problem) if constant and settings.method == "explicit" else None,
+        weight=error_weight(problem),
     )
     return ratio * problem.speed_scale, report
 

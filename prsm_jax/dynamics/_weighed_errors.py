@@ -1,0 +1,49 @@
+"""Errors of steps weighed by what they do to forces, where carriers come close to rolling.
+
+Friction in a thread turns from along the carrier's motion to across it within a range of carrier
+ratios, `q/|d|`, that falls with the lead: 0.04 at an ordinary one, 1e-5 at a lead of a micrometre.
+An error of 1e-8 of the ratio is then one of 1e-3 of the friction, and derivatives, which are much
+larger before the turn than behind it, lose more. There an error counts by its share of that range.
+
+Imports diffrax, so it is itself imported only where something is integrated.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import diffrax
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..mechanism import Scalar
+
+Weight = Callable[[Scalar, Float[Array, " states"]], Float[Array, " states"]]
+
+
+class Weighed(diffrax.AbstractStepSizeController):
+    """Another controller, told errors that are multiplied by a weight at the end of the step."""
+
+    controller: Any
+    #: (time, state) to the weight of the error of each state.
+    weight: Weight
+
+    def wrap(self, direction):
+        """As the controller that is wrapped."""
+        return Weighed(self.controller.wrap(direction), self.weight)
+
+    def init(self, terms, t0, t1, y0, dt0, args, func, error_order):
+        """As the controller that is wrapped."""
+        return self.controller.init(terms, t0, t1, y0, dt0, args, func, error_order)
+
+    def adapt_step_size(
+        self, t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
+    ):
+        """As the controller that is wrapped."""
+        weight = jax.lax.stop_gradient(self.weight(t1, y1_candidate))
+        return self.controller.adapt_step_size(
+            t0, t1, y0, y1_candidate, args, y_error * weight, error_order, controller_state
+        )
+
+
+__all__ = ["Weighed", "Weight"]
