@@ -12,6 +12,8 @@ from prsm_jax.mechanism import ANY, Limit, limit_of
 
 #: Stiffnesses may be negative in Python: published models are (`prsm_jax.check` finds them).
 _FREE_UNITS = ("N/m",)
+#: A screw may be braked; other torques are drags.
+_FREE = ("scenario.torque",)
 
 
 class Number(NamedTuple):
@@ -51,7 +53,8 @@ def numbers_of(tree: Any) -> tuple[Number, ...]:
     found = []
     for path, _ in jax.tree_util.tree_leaves_with_path(eqx.filter(tree, eqx.is_inexact_array)):
         name, unit = _name(path), _unit(tree, path)
-        limit = ANY if unit in _FREE_UNITS else limit_of(name.rpartition(".")[2], unit)
+        free = unit in _FREE_UNITS or name in _FREE
+        limit = ANY if free else limit_of(name.rpartition(".")[2], unit)
         found.append(Number(name, unit, limit))
     return tuple(found)
 

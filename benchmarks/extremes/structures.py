@@ -383,10 +383,8 @@ def transient(method: str) -> Structure:
         return _runs(method, f"transient of two stages, {method}", _swinging(), method)
     steps = {}
     if method != "closed_form":
-        # Errors beside the exact derivative: 1.5e-5 of it at the most in a few scenes, and 1e-4
-        # where samples are interpolated to third order between the large steps of Kvaerno's method.
-        tolerance = 3e-4 if method == "implicit" else 5e-5
-        steps = {"stepping": True, "twin": "closed_form", "slope_tolerance": tolerance}
+        # Errors beside the exact derivative: 2e-5 of it at the most in a few scenes.
+        steps = {"stepping": True, "twin": "closed_form", "slope_tolerance": 5e-5}
     return _runs(
         method,
         f"transient of two stages, {method}",

@@ -13,6 +13,7 @@ from ._kinematics import StageKinematics, free_carrier_ratio, turning_range
 from ._reduced_chain import ReducedChain, reduced_chain, reduced_rates
 from ._scenario import Scenario
 from ._sliding_motion import sense_of, sliding_motion
+from ._solvers import still
 from ._stage_forces import Motion, carrier_inertia
 
 #: Errors count more where friction turns within less than this share of the ratio, inverted.
@@ -102,15 +103,29 @@ def carrier_problem(
     return eqx.tree_at(lambda p: (p.speed_scale, p.time_scale), problem, found)
 
 
-def error_weight(problem: Problem):
-    """A function of (scaled time, ω/Ω₀), by whose values errors of ω/Ω₀ count more; see there."""
+class ErrorWeight(eqx.Module):
+    """By what errors of ω/Ω₀ count more: they do where friction turns within a narrow range."""
+
+    scenario: Scenario
+    speed_scale: Scalar
+    time_scale: Scalar
+    #: Carrier ratios of rolling, and how far around them friction turns.
+    rolling: Float[Array, " stages"]
+    turning: Float[Array, " stages"]
+
+    def __call__(self, time: Scalar, ratio: Float[Array, " stages"]) -> Float[Array, " stages"]:
+        """The factor for each stage at a scaled time and state; 1 at an ordinary lead."""
+        speed = self.scenario.speed_at(time * self.time_scale) / self.speed_scale
+        near = jnp.abs(ratio - self.rolling * speed) + self.turning * jnp.abs(speed)
+        near = jnp.where(near > 0, near, jnp.inf)
+        return jnp.maximum(1.0, jnp.abs(self.rolling * speed) / (_TURNS * near))
+
+
+def error_weight(problem: Problem) -> ErrorWeight:
+    """The weight of errors of a scene; nothing is differentiated through it."""
     rolling = jnp.stack([free_carrier_ratio(k) for k in problem.kinematics])
     turning = jnp.stack([turning_range(k) for k in problem.kinematics])
-
-    def weight(time, ratio):
-        speed = problem.scenario.speed_at(time * problem.time_scale) / problem.speed_scale
-        rest = jnp.abs(rolling * speed)
-        near = jnp.abs(ratio - rolling * speed) + turning * jnp.abs(speed)
-        return jnp.maximum(1.0, rest / (_TURNS * jnp.where(near > 0, near, jnp.inf)))
-
-    return weight
+    weight = ErrorWeight(
+        problem.scenario, problem.speed_scale, problem.time_scale, rolling, turning
+    )
+    return still(weight)

@@ -3,15 +3,26 @@
 States and time come scaled to order one, so that the tolerances mean the same in every scene.
 """
 
+import functools
 from typing import Any, NamedTuple
 
+import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..mechanism import Scalar
-from ._solvers import NAMES, Gradient, Method, adjoint_of, code_of, controller_of, solver_of
+from ._solvers import (
+    NAMES,
+    Gradient,
+    Method,
+    adjoint_of,
+    code_of,
+    controller_of,
+    is_short,
+    solver_of,
+    still,
+)
 from ._transient_result import SolverReport
-
 
 #: Roundings of a number in the least relative tolerance.
 _ROUNDINGS = 10
@@ -73,24 +84,45 @@ def integrated(
 
     method = "rosenbrock" if settings.method == "auto" else settings.method
     rtol, atol = settings.rtol, settings.atol
-    solution = diffrax.diffeqsolve(
-        diffrax.ODETerm(rate),
-        solver_of(method, rtol, atol, autonomous),  # pyright: ignore[reportArgumentType]
+    controller = controller_of(rtol, atol, breaks, end, longest, weight)
+    integrate = functools.partial(
+        diffrax.diffeqsolve,
+        solver=solver_of(method, rtol, atol, autonomous),
         t0=jnp.zeros_like(end),
-        t1=end,
         dt0=None,
-        y0=start,
-        args=args,
-        saveat=diffrax.SaveAt(ts=jnp.linspace(0.0, 1.0, samples, dtype=end.dtype) * end),
-        stepsize_controller=controller_of(rtol, atol, breaks, end, longest, weight),
-        adjoint=adjoint_of(settings.gradient),
         max_steps=settings.max_steps,
         throw=False,
     )
+    chosen = None
+    if is_short(end.dtype):
+        from ._recorded_steps import Again, Recording
+
+        rate = eqx.filter_closure_convert(rate, jnp.zeros_like(end), start, args)
+        chosen = integrate(
+            diffrax.ODETerm(still(rate)),
+            t1=still(end),
+            y0=still(start),
+            args=still(args),
+            saveat=diffrax.SaveAt(t1=True, controller_state=True),
+            stepsize_controller=Recording(still(controller), settings.max_steps),
+            adjoint=adjoint_of("forward"),
+        )
+        controller = Again(still(chosen.controller_state)[1])
+    solution = integrate(
+        diffrax.ODETerm(rate),
+        t1=end,
+        y0=start,
+        args=args,
+        saveat=diffrax.SaveAt(ts=jnp.linspace(0.0, 1.0, samples, dtype=end.dtype) * end),
+        stepsize_controller=controller,
+        adjoint=adjoint_of(settings.gradient),
+    )
+    # Taken again, steps do not run out where they did.
+    went = solution if chosen is None else chosen
     report = SolverReport(
-        steps=solution.stats["num_accepted_steps"],
-        rejected=solution.stats["num_rejected_steps"],
-        code=code_of(solution.result),
+        steps=went.stats["num_accepted_steps"],
+        rejected=went.stats["num_rejected_steps"],
+        code=code_of(went.result),
         name=NAMES[method],
     )
     return solution.ys, report

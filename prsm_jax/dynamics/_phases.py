@@ -17,7 +17,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..mechanism import Scalar
 from ._integration import Settings
-from ._solvers import adjoint_of, controller_of
+from ._solvers import adjoint_of, controller_of, is_short, still
 from ._transient_result import Phase
 
 #: Events are located to this share of the duration.
@@ -90,11 +90,6 @@ def _chosen_steps(
 
     from ._recorded_steps import Recording
 
-    def still(tree):
-        return jax.tree.map(
-            lambda x: jax.lax.stop_gradient(x) if eqx.is_inexact_array(x) else x, tree
-        )
-
     rate, margin = (
         eqx.filter_closure_convert(law, start, state, label) for law in (laws.rate, laws.margin)
     )
@@ -158,7 +153,7 @@ def follow_phases(
         )
         rate: Any = laws.rate
         chosen = None
-        if settings.gradient == "reverse":
+        if settings.gradient == "reverse" or is_short(dtype):
             rate, chosen = _chosen_steps(laws, integrate, controller, settings, start, state, label)
             controller = Again(chosen.controller_state[1])
         solution = integrate(

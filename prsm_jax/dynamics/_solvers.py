@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 if TYPE_CHECKING:
-    from ._weighed_errors import Weight
+    from ._step_control import Weight
 
 Method = Literal["auto", "closed_form", "implicit", "explicit", "rosenbrock", "quasi_steady"]
 NAMES = {
@@ -63,10 +64,10 @@ def controller_of(
     """
     import diffrax
 
-    controller = diffrax.PIDController(rtol=rtol, atol=atol, dtmax=longest)
-    if weight is not None:
-        from ._weighed_errors import Weighed
+    from ._step_control import Rounded, Weighed
 
+    controller = Rounded(diffrax.PIDController(rtol=rtol, atol=atol, dtmax=longest))
+    if weight is not None:
         controller = Weighed(controller, weight)
     if breaks.size == 0:
         return controller
@@ -95,6 +96,20 @@ def adjoint_of(gradient: Gradient):
     if gradient not in adjoints:
         raise ValueError(f"gradient is {gradient!r}; choose one of {', '.join(adjoints)}")
     return adjoints[gradient]()
+
+
+def still(tree: Any) -> Any:
+    """The same pytree, as constants to derivatives."""
+    return jax.tree.map(lambda x: jax.lax.stop_gradient(x) if eqx.is_inexact_array(x) else x, tree)
+
+
+def is_short(dtype) -> bool:
+    """Whether numbers are of less than double precision.
+
+    Errors of steps are then close to rounding, and steps taken again in reverse mode would differ
+    from those before, whatever their lengths are rounded to: they are chosen beforehand.
+    """
+    return jnp.finfo(dtype).bits < 64
 
 
 def is_concrete(array: Array) -> bool:

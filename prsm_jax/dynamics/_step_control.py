@@ -1,9 +1,14 @@
-"""Errors of steps weighed by what they do to forces, where carriers come close to rolling.
+"""What is added to diffrax's choice of steps: weights of errors, and lengths of few digits.
 
 Friction in a thread turns from along the carrier's motion to across it within a range of carrier
 ratios, `q/|d|`, that falls with the lead: 0.04 at an ordinary one, 1e-5 at a lead of a micrometre.
 An error of 1e-8 of the ratio is then one of 1e-3 of the friction, and derivatives, which are much
 larger before the turn than behind it, lose more. There an error counts by its share of that range.
+
+Reverse mode takes steps again, in a program that is compiled differently. Where lengths follow from
+errors to the last digit, its steps differ by rounding, which stiff states amplify, and after the
+same number of them it ends elsewhere; derivatives were then wrong by any factor. Lengths of seven
+binary digits are the same in both.
 
 Imports diffrax, so it is itself imported only where something is integrated.
 """
@@ -46,4 +51,34 @@ class Weighed(diffrax.AbstractStepSizeController):
         )
 
 
-__all__ = ["Weighed", "Weight"]
+class Rounded(diffrax.AbstractStepSizeController):
+    """Another controller, with lengths of steps rounded to seven binary digits."""
+
+    controller: Any
+
+    def wrap(self, direction):
+        """As the controller that is wrapped."""
+        return Rounded(self.controller.wrap(direction))
+
+    def init(self, terms, t0, t1, y0, dt0, args, func, error_order):
+        """As the controller that is wrapped, but for the length."""
+        end, state = self.controller.init(terms, t0, t1, y0, dt0, args, func, error_order)
+        return t0 + _rounded(end - t0), state
+
+    def adapt_step_size(
+        self, t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
+    ):
+        """As the controller that is wrapped, but for the length."""
+        keep, start, end, jump, state, result = self.controller.adapt_step_size(
+            t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
+        )
+        return keep, start, start + _rounded(end - start), jump, state, result
+
+
+def _rounded(length: Scalar) -> Scalar:
+    length = jax.lax.stop_gradient(length)
+    # A bit more, for ten times a rounded length may lie just between two of them.
+    return jax.lax.reduce_precision(length * 1.001, jnp.finfo(length.dtype).nexp, 6)
+
+
+__all__ = ["Rounded", "Weighed", "Weight"]
