@@ -182,7 +182,8 @@ class Kvaerno(diffrax.AbstractAdaptiveSolver):
         end = unflatten(flat + length * (jnp.asarray(_TABLEAU.b_sol, flat.dtype) @ slopes))
         error = length * (jnp.asarray(_TABLEAU.b_error, flat.dtype) @ slopes)
         error = unflatten(jnp.where(found, jnp.abs(error), jnp.inf))
-        powers = jax.vmap(unflatten)(length * (jnp.asarray(_DENSE, flat.dtype) @ slopes))
+        powers: Any = length * (jnp.asarray(_DENSE, flat.dtype) @ slopes)
+        powers = jax.vmap(unflatten)(powers)
         dense = {"y0": y0, "y1": end, "powers": powers}
         return end, error, dense, None, diffrax.RESULTS.successful
 

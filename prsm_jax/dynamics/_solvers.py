@@ -66,7 +66,7 @@ def controller_of(
 
     from ._step_control import Rounded, Weighed
 
-    controller = Rounded(diffrax.PIDController(rtol=rtol, atol=atol, dtmax=longest))
+    controller: Any = Rounded(diffrax.PIDController(rtol=rtol, atol=atol, dtmax=longest))
     if weight is not None:
         controller = Weighed(controller, weight)
     if breaks.size == 0:

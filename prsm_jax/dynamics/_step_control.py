@@ -42,10 +42,10 @@ class Weighed(diffrax.AbstractStepSizeController):
         return self.controller.init(terms, t0, t1, y0, dt0, args, func, error_order)
 
     def adapt_step_size(
-        self, t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
+        self, t0, t1, y0, y1_candidate, args, y_error: Any, error_order, controller_state
     ):
         """As the controller that is wrapped."""
-        weight = jax.lax.stop_gradient(self.weight(t1, y1_candidate))
+        weight = jax.lax.stop_gradient(self.weight(jnp.asarray(t1), y1_candidate))
         return self.controller.adapt_step_size(
             t0, t1, y0, y1_candidate, args, y_error * weight, error_order, controller_state
         )

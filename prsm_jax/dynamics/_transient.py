@@ -86,11 +86,11 @@ def simulate(
       memory for long scenes, and for tolerances below 1e-10) or `"forward"` (for few parameters).
       Under a prescribed torque `"reverse"` integrates twice, to choose the steps and to take them,
       and agrees with forward mode to the tolerance; reverse mode through `"both"` to about 1e-5.
-    - `rtol`, `atol`: tolerances on the carrier ratio, of the steps. Between the large steps of the
-      implicit method the samples are interpolated to third order: at the default their largest
-      error is about 1e-6 while the carriers still accelerate (`benchmarks`, case transient).
-      Derivatives are those of the steps taken: at the default within about 1e-5 of the exact ones
-      (`"implicit"` 1e-4; more where parts of them cancel), and by a hundredth of that at 1e-10.
+    - `rtol`, `atol`: tolerances on the carrier ratio, of the steps; at least ten and one roundings
+      of the numbers (1e-6 and 1e-7 in float32). Where a small lead lets friction turn within a
+      narrow range of ratios, errors are held to that share of it. Derivatives are those of the
+      steps taken: at the default within about 2e-5 of the exact ones (more where parts of them
+      cancel), and by a hundredth of that at 1e-10.
     - `max_steps`: steps allowed; running out of them is reported in `solver`, never hidden.
     - `throw`: raise if the solver fails. Inside a trace nothing is raised and the result code in
       `solver.code` tells.

@@ -27,9 +27,8 @@ from prsm_jax.mechanism import SequenceProfile, TrapezoidalProfile
 INTEGRATORS = ("implicit", "rosenbrock")
 #: And at constant speed and load the closed form, which `auto` chooses.
 METHODS = (*INTEGRATORS, "auto")
-#: Largest error of a carrier ratio, over that of steady turning. Steps are held to 1e-8; between
-#: the large ones of the implicit method samples are interpolated to third order only. The closed
-#: form is exact, and what is left is the reference's.
+#: Largest error of a carrier ratio, over that of steady turning. Steps are held to 1e-8, samples
+#: between them are interpolated. The closed form is exact, and what is left is the reference's.
 BOUND = {"implicit": 2e-6, "rosenbrock": 1e-6, "auto": 1e-8}
 
 _kinematics = eqx.filter_jit(stage_kinematics)
