@@ -88,7 +88,10 @@ def test_in_single_precision_reverse_takes_the_steps_that_forward_took():
 def _of_lead(lead: float):
     mechanism = structures._chain(1)
     mechanism = prsm.set_parameter(mechanism, "lead", lead)
-    return dataclasses.replace(mechanism, scenario=prsm.Scenario(100.0, 7e3, 2e-4, samples=41))
+    return dataclasses.replace(
+        mechanism,
+        scenario=prsm.Scenario(jnp.asarray(100.0), jnp.asarray(7e3), jnp.asarray(2e-4), samples=41),
+    )
 
 
 @pytest.mark.parametrize("method", ["implicit", "rosenbrock"])
