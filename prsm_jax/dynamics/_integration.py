@@ -43,8 +43,16 @@ class Settings(NamedTuple):
         An error below their rounding is rounding itself, and so is a choice of steps by it: there
         are then more of them than needed, and reverse mode, which takes some again, ends elsewhere.
         """
+        if not is_short(dtype):
+            return self
         rounding = float(jnp.finfo(dtype).eps)
-        rtol, atol = max(self.rtol, _ROUNDINGS * rounding), max(self.atol, rounding)
+
+        def at_least(given, least: float):
+            if isinstance(given, float):
+                return max(given, least)
+            return jnp.maximum(jnp.asarray(given, dtype), jnp.asarray(least, dtype))
+
+        rtol, atol = at_least(self.rtol, _ROUNDINGS * rounding), at_least(self.atol, rounding)
         return self._replace(rtol=rtol, atol=atol)
 
 

@@ -86,8 +86,8 @@ def simulate(
       memory for long scenes, and for tolerances below 1e-10) or `"forward"` (for few parameters).
       Under a prescribed torque `"reverse"` integrates twice, to choose the steps and to take them,
       and agrees with forward mode to the tolerance; reverse mode through `"both"` to about 1e-5.
-    - `rtol`, `atol`: tolerances on the carrier ratio, of the steps; at least ten and one roundings
-      of the numbers (1e-6 and 1e-7 in float32). Where a small lead lets friction turn within a
+    - `rtol`, `atol`: tolerances on the carrier ratio, of the steps; in float32 at least 1e-6 and
+      1e-7. Where a small lead lets friction turn within a
       narrow range of ratios, errors are held to that share of it. Derivatives are those of the
       steps taken: at the default within about 2e-5 of the exact ones (more where parts of them
       cancel), and by a hundredth of that at 1e-10.
