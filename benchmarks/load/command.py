@@ -66,7 +66,7 @@ def main(argv: list[str] | None = None) -> int:
         parts = [json.loads(path.read_text(encoding="utf-8")) for path in given.page]
         _said(write_page(_joined(parts), given.docs or given.out))
         return 0
-    begin, tasks = time.perf_counter(), []
+    begin, tasks, document = time.perf_counter(), [], {}
     for name in given.tasks or TASKS:
         task = TASKS[name]
         if given.list:
@@ -87,22 +87,27 @@ def main(argv: list[str] | None = None) -> int:
             }
         )
         print(f"{name}: {tasks[-1]['exponents']}", flush=True)
+        # After each task: a run that is stopped keeps those that are done.
+        document = _document(tasks, time.perf_counter() - begin, given.quick or given.smoke)
+        _write(document, given.out)
     if given.list:
         return 0
     print(tables(tasks))
-    document = {
+    if given.docs is not None:
+        _said(write_page(document, given.docs))
+    return int(any(not math.isfinite(row["error"]) for task in tasks for row in task["sizes"]))
+
+
+def _document(tasks: list[dict[str, Any]], seconds: float, quick: bool) -> dict[str, Any]:
+    return {
         "schema": 2,
         "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
-        "seconds": time.perf_counter() - begin,
-        "quick": given.quick or given.smoke,
+        "seconds": seconds,
+        "quick": quick,
         "machine": machine(),
         "versions": versions(),
         "tasks": tasks,
     }
-    _write(document, given.out)
-    if given.docs is not None:
-        _said(write_page(document, given.docs))
-    return int(any(not math.isfinite(row["error"]) for task in tasks for row in task["sizes"]))
 
 
 def _joined(parts: list[dict[str, Any]]) -> dict[str, Any]:

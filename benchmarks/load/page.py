@@ -5,6 +5,7 @@ from typing import Any
 
 from ..harness import written_whole
 from .picture import draw
+from .tasks import TASKS
 
 _HEAD = """\
 # Growth with size
@@ -95,6 +96,12 @@ def _sizes(tasks: list[dict[str, Any]]) -> list[str]:
     return lines
 
 
+def _left_out(tasks: list[dict[str, Any]]) -> list[str]:
+    run = {task["title"] for task in tasks}
+    missing = [task.title for task in TASKS.values() if task.title not in run]
+    return [f"Not in this run: {'; '.join(missing)}.", ""] if missing else []
+
+
 def tables(tasks: list[dict[str, Any]]) -> str:
     """The measurements as Markdown: powers of growth first, then every size."""
     return "\n".join([*_growth(tasks), "", *_sizes(tasks), ""])
@@ -131,6 +138,7 @@ def write_page(document: dict[str, Any], folder: Path) -> list[Path]:
         "",
         *_sizes(tasks),
         "",
+        *_left_out(tasks),
         _BEFORE,
     ]
     page = folder / "load.md"
