@@ -262,6 +262,6 @@ TASKS = {
         _BALANCE,
         3.0,
         "screw and nut couple all rollers of a thread, so each thread is the elimination of a "
-        "full matrix of as many rows as rollers, and one",
+        "full matrix of as many rows as rollers, and one; few rollers are below the cube",
     ),
 }
