@@ -383,8 +383,10 @@ def transient(method: str) -> Structure:
         return _runs(method, f"transient of two stages, {method}", _swinging(), method)
     steps = {}
     if method != "closed_form":
-        # Errors beside the exact derivative: 2e-5 of it at the most in a few scenes.
-        steps = {"stepping": True, "twin": "closed_form", "slope_tolerance": 5e-5}
+        # Errors beside the exact derivative: 1.5e-5 of it at the most in a few scenes; 2.1e-4 (40
+        # starts) between the large steps of Kvaerno's method, a tenth of that at rtol 1e-10.
+        tolerance = 3e-4 if method == "implicit" else 5e-5
+        steps = {"stepping": True, "twin": "closed_form", "slope_tolerance": tolerance}
     return _runs(
         method,
         f"transient of two stages, {method}",

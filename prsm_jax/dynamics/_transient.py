@@ -87,10 +87,10 @@ def simulate(
       Under a prescribed torque `"reverse"` integrates twice, to choose the steps and to take them,
       and agrees with forward mode to the tolerance; reverse mode through `"both"` to about 1e-5.
     - `rtol`, `atol`: tolerances on the carrier ratio, of the steps; in float32 at least 1e-6 and
-      1e-7. Where a small lead lets friction turn within a
-      narrow range of ratios, errors are held to that share of it. Derivatives are those of the
-      steps taken: at the default within about 2e-5 of the exact ones (more where parts of them
-      cancel), and by a hundredth of that at 1e-10.
+      1e-7. Where a small lead lets friction turn within a narrow range of ratios, errors are held
+      to that share of it. Derivatives are those of the steps taken: at the default within about
+      2e-5 of the exact ones (`"implicit"` 1e-4; more where parts of them cancel), and by a
+      hundredth of that at 1e-10.
     - `max_steps`: steps allowed; running out of them is reported in `solver`, never hidden.
     - `throw`: raise if the solver fails. Inside a trace nothing is raised and the result code in
       `solver.code` tells.
