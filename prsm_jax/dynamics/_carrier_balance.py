@@ -9,12 +9,11 @@ from jaxtyping import Array, Bool, Float
 from .._errors import MissingDataError
 from .._guards import above_or_nan
 from .._physics import physics
-from .._root import find_root
 from ..mechanism import Scalar, Stage
 from ._contact_losses import has_contact_losses, resisting_moments
 from ._kinematics import StageKinematics, free_carrier_ratio
 from ._rubbing import ScrewContact, Slip, rubbing_of, screw_contact
-from ._small_newton import find_roots
+from ._small_newton import find_roots_and
 from ._stage_forces import Motion
 from ._thread_friction import slip_direction
 
@@ -23,28 +22,39 @@ from ._thread_friction import slip_direction
 _LARGEST_SHARE = 0.9
 
 
-def unit_slip(
-    kinematics: StageKinematics, ratio: Scalar | None = None, lag: Scalar | None = None
-) -> Float[Array, "3"]:
-    """Slip per radian of screw turn at a carrier ratio ζ [m/rad].
+class SlipPerTurn(NamedTuple):
+    """Slip per radian of screw turn, by its parts along d and across it.
 
-    Its part along d and that across it, `(ζ∞ − ζ) d + (v₀ × d) d⊥/|d|²`. The difference `v₀ − ζ d`
-    itself is noise at small leads, where the contact moves by millimetres per radian and slips by
-    nanometres.
-
-    **Arguments:**
-
-    - `kinematics`: of the stage.
-    - `ratio`: carrier ratio ζ; that of a carrier which nothing resists if absent.
-    - `lag`: ζ∞ − ζ, where it is known better than by subtraction.
+    `(ζ∞ − ζ) d + (v₀ × d) d⊥/|d|²`: the difference `v₀ − ζ d` itself is noise at small leads, where
+    the contact moves by millimetres per radian and slips by nanometres.
     """
-    drive, slip = kinematics.drive, kinematics.slip_per_screw
-    in_plane = kinematics.crossing / (drive @ drive) * jnp.stack([drive[1], -drive[0]])
-    if lag is None and ratio is not None:
-        lag = free_carrier_ratio(kinematics) - ratio
-    if lag is not None:
-        in_plane = in_plane + lag * drive
-    return jnp.concatenate([in_plane, slip[2:]])
+
+    #: ∂/∂ω of the velocity of the roller's contact point, d [m/rad].
+    drive: Float[Array, "2"]
+    #: The part across d [m/rad].
+    across: Float[Array, "2"]
+    #: Axial part [m/rad].
+    axial: Float[Array, "1"]
+    #: ζ∞, the carrier ratio where nothing resists.
+    free_ratio: Scalar
+
+    def at(self, lag: Scalar | None) -> Float[Array, "3"]:
+        """Slip at ζ = ζ∞ − lag; `None` is no lag [m/rad]."""
+        in_plane = self.across if lag is None else self.across + lag * self.drive
+        return jnp.concatenate([in_plane, self.axial])
+
+
+def slip_per_turn(kinematics: StageKinematics) -> SlipPerTurn:
+    """The parts of the slip per radian of screw turn."""
+    drive = kinematics.drive
+    across = kinematics.crossing / (drive @ drive) * jnp.stack([drive[1], -drive[0]])
+    return SlipPerTurn(drive, across, kinematics.slip_per_screw[2:], free_carrier_ratio(kinematics))
+
+
+def free_slip(kinematics: StageKinematics, speed: Scalar, sense: Scalar) -> Slip:
+    """Slip where nothing resists the carrier; its direction has no part along d."""
+    turn = slip_per_turn(kinematics).at(None)
+    return Slip(speed * turn, sense * slip_direction(turn))
 
 
 def steady_motion(
@@ -55,25 +65,41 @@ def steady_motion(
     axial_acceleration: Scalar | None = None,
     share: Scalar | None = None,
     contact: ScrewContact | None = None,
-    lag: Scalar | None = None,
+    slip: Slip | None = None,
 ) -> Motion:
     """Motion at a carrier ratio; at standstill with the directions of that about to begin.
 
-    With the share of the normal force that carries, or all of the screw side, where that is known;
-    `lag` is as in `unit_slip`.
+    With the slip, the share of the normal force that carries, or all of the screw side, where that
+    is known.
     """
-    turn = unit_slip(kinematics, ratio, lag)
+    if slip is None:
+        turns = slip_per_turn(kinematics)
+        turn = turns.at(turns.free_ratio - ratio)
+        slip = Slip(speed * turn, sense * slip_direction(turn))
     return Motion(
         screw_speed=speed,
         carrier_speed=speed * ratio,
-        slip=speed * turn,
-        direction=sense * slip_direction(turn),
+        slip=slip.velocity,
+        direction=slip.direction,
         screw_sense=sense,
         nut_sense=sense,
         axial_acceleration=axial_acceleration,
         share=share,
         contact=contact,
     )
+
+
+class CarrierPoint(NamedTuple):
+    """What an assumed carrier speed means; the motion where `residual` vanishes."""
+
+    #: Carrier ratio ω/Ω.
+    ratio: Scalar
+    slip: Slip
+    contact: ScrewContact
+    #: Zero in balance, and of order one.
+    residual: Scalar
+    #: Whether friction can drive the carrier.
+    suffices: Bool[Array, ""]
 
 
 class CarrierBalance(eqx.Module):
@@ -96,6 +122,10 @@ class CarrierBalance(eqx.Module):
     speed: Scalar
     axial_force: Scalar
     inertia_per_ratio: Scalar | None
+    #: What does not change with the carrier ratio, evaluated outside the search.
+    turns: SlipPerTurn
+    #: (ζ∞ − ζ)/t.
+    lag_per_tangent: Scalar
 
     def __check_init__(self):
         if self.stage.friction is None or self.stage.friction.thread is None:
@@ -104,43 +134,35 @@ class CarrierBalance(eqx.Module):
                 "drive them; give [stage.friction.thread]"
             )
 
-    def lag(self, tangent: Scalar) -> Scalar:
-        """By how much the carrier ratio at `t` is below that of a carrier which nothing resists."""
-        drive, slip = self.kinematics.drive, self.kinematics.slip_per_screw
-        square = drive @ drive
-        across = jnp.sqrt(self.kinematics.crossing**2 + slip[2] ** 2 * square)
-        return tangent * across / square
-
-    def ratio(self, tangent: Scalar) -> Scalar:
-        """Carrier ratio ω/Ω at `t`."""
-        return free_carrier_ratio(self.kinematics) - self.lag(tangent)
-
-    def contact(self, tangent: Scalar, share: Scalar | None = None) -> ScrewContact:
-        """The screw side at `t`, and where slip and spin are one at a share that carries."""
+    def at(self, tangent: Scalar, share: Scalar | None = None) -> CarrierPoint:
+        """Everything at `t`; where slip and spin are one, at a share that carries."""
         stage, kinematics = self.stage, self.kinematics
-        turn = unit_slip(kinematics, lag=self.lag(tangent))
-        slip = Slip(self.speed * turn, self.sense * slip_direction(turn))
+        lag = tangent * self.lag_per_tangent
+        ratio, turn = self.turns.free_ratio - lag, self.turns.at(lag)
+        direction = self.sense * slip_direction(turn)
         axial = self.axial_force / stage.present_roller_count
-        return screw_contact(stage, kinematics, slip, axial, share=share)
+        slip = Slip(self.speed * turn, direction)
+        contact = screw_contact(stage, kinematics, slip, axial, share=share)
+        needed, suffices = self._drive_share(ratio, direction, contact)
+        residual = tangent - jnp.sqrt(1 + tangent**2) * needed
+        return CarrierPoint(ratio, slip, contact, residual, suffices)
 
     def _drive_share(
-        self, tangent: Scalar, contact: ScrewContact
+        self, ratio: Scalar, direction: Float[Array, "3"], contact: ScrewContact
     ) -> tuple[Scalar, Bool[Array, ""]]:
         """Resistance over the largest drive that friction has; and whether there is enough."""
         stage, kinematics, friction_of = self.stage, self.kinematics, self.stage.friction
         assert friction_of is not None
-        ratio, count = self.ratio(tangent), stage.present_roller_count
-        direction = self.sense * slip_direction(unit_slip(kinematics, lag=self.lag(tangent)))
         force, per_force, constant, rub, _ = contact
         normal = kinematics.meshing.screw.normal
         friction = force * per_force + constant
-        resisting = jnp.zeros_like(tangent)
+        resisting = jnp.zeros_like(ratio)
         if has_contact_losses(friction_of):
             nut_force = -(force * normal + friction)[2] / kinematics.meshing.nut.normal[2]
             screw, nut = resisting_moments(stage, kinematics, force, nut_force, rub)
             resisting = kinematics.relative_spin_ratio * self.sense * (screw.total + nut.total)
         if self.inertia_per_ratio is not None:
-            resisting = resisting + self.inertia_per_ratio * ratio / count
+            resisting = resisting + self.inertia_per_ratio * ratio / stage.present_roller_count
         square = jnp.sum(friction**2)
         rubs = above_or_nan(square)
         length = jnp.where(rubs, jnp.sqrt(jnp.where(rubs, square, 1.0)), 0.0)
@@ -161,13 +183,22 @@ class CarrierBalance(eqx.Module):
         limit = _LARGEST_SHARE * jnp.sign(resisting)
         return jnp.where(suffices, share - aside, limit), jnp.asarray(True)
 
-    def residual(self, tangent: Scalar, contact: ScrewContact) -> Scalar:
-        """Zero in balance, and of order one."""
-        return tangent - jnp.sqrt(1 + tangent**2) * self._drive_share(tangent, contact)[0]
 
-    def suffices(self, tangent: Scalar, contact: ScrewContact) -> Bool[Array, ""]:
-        """Whether friction can drive the carrier."""
-        return self._drive_share(tangent, contact)[1]
+def carrier_balance(
+    stage: Stage,
+    kinematics: StageKinematics,
+    sense: Scalar,
+    speed: Scalar,
+    axial_force: Scalar,
+    inertia_per_ratio: Scalar | None,
+) -> CarrierBalance:
+    """The balance of one stage's carrier; arguments as in `balanced_carrier_ratio`."""
+    drive, turns = kinematics.drive, slip_per_turn(kinematics)
+    square = drive @ drive
+    across = jnp.sqrt(kinematics.crossing**2 + kinematics.slip_per_screw[2] ** 2 * square)
+    return CarrierBalance(
+        stage, kinematics, sense, speed, axial_force, inertia_per_ratio, turns, across / square
+    )
 
 
 class BalancedCarrier(NamedTuple):
@@ -175,10 +206,10 @@ class BalancedCarrier(NamedTuple):
 
     ratio: Scalar
     found: Bool[Array, ""]
-    #: The screw side, where it was found with the ratio.
+    #: Slip and screw side, where they were found with the ratio; `None` of a carrier which nothing
+    #: resists.
+    slip: Slip | None = None
     contact: ScrewContact | None = None
-    #: By how much the ratio is below that of a carrier which nothing resists; `None` if that is it.
-    lag: Scalar | None = None
 
     def motion(
         self,
@@ -187,16 +218,15 @@ class BalancedCarrier(NamedTuple):
         sense: Scalar,
         axial_acceleration: Scalar | None = None,
     ) -> Motion:
-        """Motion in balance."""
-        lag = jnp.zeros_like(self.ratio) if self.lag is None else self.lag
+        """Motion in balance, at the speed and in the sense that it was found for."""
         return steady_motion(
             kinematics,
             self.ratio,
             speed,
             sense,
             axial_acceleration,
+            slip=self.slip or free_slip(kinematics, speed, sense),
             contact=self.contact,
-            lag=lag,
         )
 
 
@@ -226,38 +256,27 @@ def balanced_carrier_ratio(
     """
     if not has_contact_losses(stage.friction) and inertia_per_ratio is None:
         return BalancedCarrier(free_carrier_ratio(kinematics), jnp.asarray(True))
-    balance = CarrierBalance(stage, kinematics, sense, speed, axial_force, inertia_per_ratio)
+    balance = carrier_balance(stage, kinematics, sense, speed, axial_force, inertia_per_ratio)
     return _balanced(balance)
 
 
 @physics("carrier_balance")
 def _balanced(balance: CarrierBalance) -> BalancedCarrier:
+    """Carrier, and where slip and spin are one the normal force, at once.
+
+    A root within a root would be a large program.
+    """
     start = jnp.zeros_like(balance.axial_force)
-    if rubbing_of(balance.stage, balance.kinematics) is not None:
-        return _balanced_with_force(balance, start)
-
-    # A plain function: JAX wants to hash it, and a method carries arrays.
-    def residual(tangent: Scalar) -> Scalar:
-        return balance.residual(tangent, balance.contact(tangent))
-
-    accuracy = 1e-13 if start.dtype == jnp.float64 else 1e-5
-    tangent, found = find_root(residual, start, tolerance=accuracy, max_steps=20)
-    found = found & balance.suffices(tangent, balance.contact(tangent))
-    return BalancedCarrier(balance.ratio(tangent), found, lag=balance.lag(tangent))
-
-
-def _balanced_with_force(balance: CarrierBalance, start: Scalar) -> BalancedCarrier:
-    """Carrier and normal force at once: a root within a root would be a large program."""
+    shared = rubbing_of(balance.stage, balance.kinematics) is not None
 
     def residuals(unknowns):
-        tangent, share = unknowns[0], unknowns[1]
-        contact = balance.contact(tangent, share)
-        assert contact.missed is not None
-        return jnp.stack([balance.residual(tangent, contact), contact.missed])
+        point = balance.at(unknowns[0], unknowns[1] if shared else None)
+        missed = [] if point.contact.missed is None else [point.contact.missed]
+        return jnp.stack([point.residual, *missed]), point
 
-    begin = jnp.stack([start, -balance.kinematics.meshing.screw.normal[2]])
+    shares = [-balance.kinematics.meshing.screw.normal[2]] if shared else []
     accuracy = 1e-10 if start.dtype == jnp.float64 else 1e-4
-    (tangent, share), found = find_roots(residuals, begin, tolerance=accuracy, max_steps=30)
-    contact = balance.contact(tangent, share)
-    found = found & balance.suffices(tangent, contact)
-    return BalancedCarrier(balance.ratio(tangent), found, contact, balance.lag(tangent))
+    _, found, point = find_roots_and(
+        residuals, jnp.stack([start, *shares]), tolerance=accuracy, max_steps=30
+    )
+    return BalancedCarrier(point.ratio, found & point.suffices, point.slip, point.contact)

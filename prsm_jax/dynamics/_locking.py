@@ -17,7 +17,7 @@ from jaxtyping import Array, Bool
 from .._physics import physics
 from .._root import find_root
 from ..mechanism import Friction, Mechanism, Scalar, ViscousFriction
-from ._carrier_balance import unit_slip
+from ._carrier_balance import slip_per_turn
 from ._kinematics import StageKinematics, travel_per_turn
 from ._steady import SteadyState, some_load, steady_state
 from ._thread_friction import slip_direction, thread_friction
@@ -28,7 +28,7 @@ _STRENGTHS = ("coefficient", "static_coefficient", "viscous_coefficient", "loss_
 
 def _unit(kinematics: StageKinematics):
     """Direction of the slip of rollers that turn freely, the screw driving."""
-    return slip_direction(unit_slip(kinematics))
+    return slip_direction(slip_per_turn(kinematics).at(None))
 
 
 def jamming_coefficient(kinematics: StageKinematics) -> Scalar:
@@ -60,7 +60,7 @@ def _proportional_to_force(friction: Friction | None) -> bool:
 
 def _effective_coefficient(law, kinematics: StageKinematics, speed: Scalar) -> Scalar:
     """Friction per normal force at the slip of a screw speed."""
-    turn = unit_slip(kinematics)
+    turn = slip_per_turn(kinematics).at(None)
     per_force, _ = thread_friction(law, jnp.abs(speed) * turn, slip_direction(turn))
     return per_force @ slip_direction(turn)
 

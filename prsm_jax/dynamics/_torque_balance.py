@@ -15,7 +15,7 @@ from jaxtyping import Array, Bool, Float
 
 from .._physics import physics
 from ..mechanism import Mechanism, Scalar, TorqueScenario
-from ._carrier_balance import CarrierBalance, steady_motion
+from ._carrier_balance import carrier_balance, steady_motion
 from ._chain import StageState, chain_forces
 from ._contact_losses import has_contact_losses, with_resistance
 from ._kinematics import StageKinematics, travel_per_turn
@@ -113,13 +113,18 @@ def instant(
         stage, geometry = mechanism.stages[index], kinematics[index]
         own_speed, own_sense = flank * motion.speed, flank * sense
         per_ratio = problem.inertia[index] * (flank * motion.acceleration)
-        balance = CarrierBalance(stage, geometry, own_sense, own_speed, axial_force, per_ratio)
-        tangent = unknowns[index]
-        ratio, contact = balance.ratio(tangent), balance.contact(tangent, shares.get(index))
-        ratios.append(ratio)
-        residuals.append(balance.residual(tangent, contact))
+        balance = carrier_balance(stage, geometry, own_sense, own_speed, axial_force, per_ratio)
+        point = balance.at(unknowns[index], shares.get(index))
+        ratios.append(point.ratio)
+        residuals.append(point.residual)
         return steady_motion(
-            geometry, ratio, own_speed, own_sense, axial_acceleration, contact=contact
+            geometry,
+            point.ratio,
+            own_speed,
+            own_sense,
+            axial_acceleration,
+            slip=point.slip,
+            contact=point.contact,
         )
 
     states = chain_forces(

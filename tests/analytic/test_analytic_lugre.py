@@ -10,7 +10,7 @@ from scenes import array, mechanism, stage, steady_state, thread
 import prsm_jax as prsm
 from prsm_jax.dynamics import free_carrier_ratio, stage_kinematics
 from prsm_jax.dynamics._bristles import bristle_friction
-from prsm_jax.dynamics._carrier_balance import unit_slip
+from prsm_jax.dynamics._carrier_balance import slip_per_turn
 from prsm_jax.dynamics._thread_friction import thread_friction
 from prsm_jax.mechanism import (
     CoulombFriction,
@@ -102,7 +102,10 @@ def test_before_slip_the_contact_is_a_spring():
     ratio = free_carrier_ratio(geometry)
     run = _run(one, _scenario(amplitude, frequency, 0.2, float(ratio)))
     angle = amplitude * np.sin(2 * np.pi * frequency * run.time) / (2 * np.pi * frequency)
-    turn, normal = unit_slip(geometry, ratio), geometry.meshing.screw.normal
+    turn, normal = (
+        (turns := slip_per_turn(geometry)).at(turns.free_ratio - ratio),
+        geometry.meshing.screw.normal,
+    )
     held = 1e5 * angle * float(turn[2])
     assert 1e-4 < np.max(held) < 1e-2
     # F = F_a / (|n_z| − σ₀ z_z)

@@ -6,8 +6,8 @@ import pytest
 from scenes import array, mechanism, stage, thread
 
 import prsm_jax as prsm
-from prsm_jax.dynamics import free_carrier_ratio, locking_coefficient, stage_kinematics
-from prsm_jax.dynamics._carrier_balance import unit_slip
+from prsm_jax.dynamics import locking_coefficient, stage_kinematics
+from prsm_jax.dynamics._carrier_balance import slip_per_turn
 from prsm_jax.mechanism import Friction, RegularisedCoulombFriction
 
 FRICTION, LOAD = 0.7, 300.0
@@ -34,7 +34,7 @@ def test_a_held_load_creeps_in_proportion_to_the_width():
     """
     geometry = stage_kinematics(_one(1e-3).stages[0])
     share = float(locking_coefficient(geometry)) / FRICTION
-    per_turn = float(np.linalg.norm(unit_slip(geometry, free_carrier_ratio(geometry))))
+    per_turn = float(np.linalg.norm(slip_per_turn(geometry).at(None)))
     for width in (1e-2, 1e-3, 1e-4, 1e-5):
         run = _held(_one(width))
         assert int(run.solver.code) == 0
