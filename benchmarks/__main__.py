@@ -1,7 +1,8 @@
 """`python -m benchmarks [case …] [--quick | --smoke] [--out DIR]`, or `--list`.
 
 `python -m benchmarks extremes` is the matrix of extremes, with options of its own (`--help`), and
-`python -m benchmarks load` the growth of run time and memory with the size of what is asked.
+`python -m benchmarks load` the growth of run time and memory with the size of what is asked, and
+`python -m benchmarks joint` what derivatives of several quantities together cost.
 """
 
 import argparse
@@ -81,6 +82,10 @@ def main(argv: list[str] | None = None) -> int:
         from .load.command import main as load
 
         return load(given[1:])
+    if given[:1] == ["joint"]:
+        from .joint.command import main as joint
+
+        return joint(given[1:])
     arguments = _arguments(argv)
     share_cores()
     chosen = arguments.cases or case_names()

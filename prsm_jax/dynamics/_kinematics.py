@@ -17,13 +17,22 @@ class StageKinematics(eqx.Module):
 
     thread: Thread
     meshing: Meshing
-    #: ∂v/∂Ω of the slip of the screw over the roller [m/rad].
-    slip_per_screw: Float[Array, "3"]
-    #: ∂/∂ω of the velocity of the roller's contact point, in the transverse plane [m/rad].
-    drive: Float[Array, "2"]
+    #: Parts of `slip_per_screw` and `drive`: plain numbers, as in `ThreadContact`.
+    slip_parts: tuple[Scalar, Scalar, Scalar]
+    drive_parts: tuple[Scalar, Scalar]
     #: Contact ellipses and moments that resist the turning of a roller at a normal force of 1 N
     #: (`_contact_losses.ContactResistance`); `None` until they are needed.
     resistance: eqx.Module | None = None
+
+    @property
+    def slip_per_screw(self) -> Float[Array, "*batch 3"]:
+        """∂v/∂Ω of the slip of the screw over the roller [m/rad]."""
+        return jnp.stack(self.slip_parts, axis=-1)
+
+    @property
+    def drive(self) -> Float[Array, "*batch 2"]:
+        """∂/∂ω of the velocity of the roller's contact point, in the transverse plane [m/rad]."""
+        return jnp.stack(self.drive_parts, axis=-1)
 
     @property
     def crossing(self) -> Scalar:
@@ -48,14 +57,15 @@ def stage_kinematics(stage: Stage) -> StageKinematics:
     meshing = mesh(thread)
     side, starts = meshing.screw, thread.starts
     screw_angle, roller_angle = side.contact_angle_position, side.roller_angle_position
-    screw = side.contact_radius * jnp.stack([-jnp.sin(screw_angle), jnp.cos(screw_angle)])
-    roller = side.roller_contact_radius * jnp.stack([jnp.sin(roller_angle), jnp.cos(roller_angle)])
-    axial = thread.lead / (2 * jnp.pi)
+    screw_x = -side.contact_radius * jnp.sin(screw_angle)
+    screw_y = side.contact_radius * jnp.cos(screw_angle)
+    roller_x = side.roller_contact_radius * jnp.sin(roller_angle)
+    roller_y = side.roller_contact_radius * jnp.cos(roller_angle)
     return StageKinematics(
         thread=thread,
         meshing=meshing,
-        slip_per_screw=jnp.concatenate([screw, axial[None]]),
-        drive=screw + starts * roller,
+        slip_parts=(screw_x, screw_y, thread.lead / (2 * jnp.pi)),
+        drive_parts=(screw_x + starts * roller_x, screw_y + starts * roller_y),
     )
 
 

@@ -185,6 +185,22 @@ def nut_side_hessian(flanks: FlankGeometry, x: Scalar, y: Scalar) -> SymmetricTe
     return SymmetricTensor(roller.xx - nut.xx, roller.xy - nut.xy, roller.yy - nut.yy)
 
 
+def nut_contact_hessian(flanks: FlankGeometry) -> SymmetricTensor:
+    """`nut_side_hessian` where roller and nut touch [1/m].
+
+    That is on the line of centres at the nominal radii, where the arc of the roller has the slope
+    tan α and `f = ρ cos α`: an eighth of the operations, and of those of its derivatives.
+    """
+    nut = 1 / flanks.nut_radius
+    roller = 1 / (flanks.nut_radius - flanks.centre_distance)
+    square = 1 + flanks.slope**2
+    return SymmetricTensor(
+        square * jnp.sqrt(square) / flanks.profile_radius,
+        flanks.reduced_lead * nut**2 - flanks.roller_reduced_lead * roller**2,
+        flanks.slope * (roller - nut),
+    )
+
+
 def screw_side_heights(flanks: FlankGeometry, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
     """Axial heights of the loaded screw and roller flanks over the point (x, y) [m].
 

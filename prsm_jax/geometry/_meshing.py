@@ -14,7 +14,7 @@ from ._flanks import (
     Slope,
     flanks_of,
     helicoid_slope,
-    nut_side_hessian,
+    nut_contact_hessian,
     screw_side_gap,
     screw_side_hessian,
 )
@@ -34,9 +34,15 @@ class ThreadContact(eqx.Module):
     contact_angle_position: Scalar
     roller_contact_radius: Scalar
     roller_angle_position: Scalar
-    #: Unit normal at the contact, pointing into the roller [x, y, z].
-    normal: Float[Array, "3"]
+    #: Parts of `normal`: plain numbers, for XLA computes what makes an array anew for each of its
+    #: entries (six times the run time of a Hessian).
+    normal_parts: tuple[Scalar, Scalar, Scalar]
     curvature: RelativeCurvature
+
+    @property
+    def normal(self) -> Float[Array, "*batch 3"]:
+        """Unit normal at the contact, pointing into the roller [x, y, z]."""
+        return jnp.stack(self.normal_parts, axis=-1)
 
 
 class Meshing(eqx.Module):
@@ -132,11 +138,11 @@ def contact_point(flanks: FlankGeometry, slope: Scalar) -> tuple[ContactTriangle
     return triangle, along / 2, -aside * triangle.flatness / distance
 
 
-def _unit_normal(slope: Slope, sign: float) -> Float[Array, "3"]:
+def _unit_normal(slope: Slope, sign: float) -> tuple[Scalar, Scalar, Scalar]:
     """Unit vector along ±(∂z/∂x, ∂z/∂y, −1)."""
     x, y = slope
     scale = sign / jnp.sqrt(1 + x**2 + y**2)
-    return jnp.stack([x * scale, y * scale, -scale])
+    return x * scale, y * scale, -scale
 
 
 @of_one_design
@@ -177,20 +183,19 @@ def mesh(thread: Thread) -> Meshing:
         contact_angle_position=jnp.arctan2(y, x),
         roller_contact_radius=triangle.roller_radius,
         roller_angle_position=jnp.arctan2(y, distance - x),
-        normal=_unit_normal(slope, 1.0),
+        normal_parts=_unit_normal(slope, 1.0),
         curvature=relative_curvature(slope, screw_side_hessian(flanks, x, y)),
     )
 
     nut_slope = flanks.slope, flanks.reduced_lead / flanks.nut_radius
     on_line = jnp.zeros_like(distance)
-    nut_hessian = nut_side_hessian(flanks, flanks.nut_radius, on_line)
     nut = ThreadContact(
         contact_radius=flanks.nut_radius,
         contact_angle_position=on_line,
         roller_contact_radius=thread.roller_radius,
         roller_angle_position=on_line,
-        normal=_unit_normal(nut_slope, -1.0),
-        curvature=relative_curvature(nut_slope, nut_hessian),
+        normal_parts=_unit_normal(nut_slope, -1.0),
+        curvature=relative_curvature(nut_slope, nut_contact_hessian(flanks)),
     )
     # A root beyond the screw axis has no triangle, and where the gap has a saddle flanks intersect.
     bend = screw.curvature

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scenes import array
 
-from prsm_jax.dynamics._small_newton import find_roots
+from prsm_jax.dynamics._small_newton import find_roots, find_roots_and
 
 ROOT = np.sqrt([2.0, 3.0])
 
@@ -38,6 +38,31 @@ def test_derivatives_are_those_of_the_root():
 
     for transform in (jax.jacfwd, jax.jacrev):
         np.testing.assert_allclose(transform(root)(array(1.7)), ROOT, rtol=1e-12)
+
+
+def test_what_is_known_at_the_roots_has_derivatives_to_second_order():
+    """x = s √2 and y = s √3 by x² = 2 s², y² = 3 s²: s x y = √6 s³, in either mode."""
+
+    def product(size):
+        def residuals(unknowns):
+            x, y = unknowns[0] / size, unknowns[1] / size
+            known = {"product": size * unknowns[0] * unknowns[1], "large": unknowns[0] > 1}
+            return jnp.stack([x**2 - 2, y**2 - 3]), known
+
+        _, _, known = find_roots_and(
+            residuals, jnp.asarray([1.5, 2.0]) * size, tolerance=1e-10, max_steps=20
+        )
+        assert known["large"].dtype == bool
+        return known["product"]
+
+    forward, reverse = jax.jacfwd, jax.jacrev
+    size, third = array(1.7), 6**0.5
+    np.testing.assert_allclose(product(size), third * 1.7**3, rtol=1e-13)
+    for first in (forward, reverse):
+        np.testing.assert_allclose(first(product)(size), 3 * third * 1.7**2, rtol=1e-12)
+        for second in (forward, reverse):
+            found = second(first(product))(size)
+            np.testing.assert_allclose(found, 6 * third * 1.7, rtol=1e-12)
 
 
 def test_what_is_not_found_is_said_so():

@@ -66,7 +66,9 @@ def meshing() -> Meshing:
     sides = []
     for _ in range(2):
         curvature = RelativeCurvature(*odds(len(dataclasses.fields(RelativeCurvature))))
-        sides.append(ThreadContact(odd(0.01), odd(0.1), odd(4e-3), odd(0.2), odds(3), curvature))
+        sides.append(
+            ThreadContact(odd(0.01), odd(0.1), odd(4e-3), odd(0.2), tuple(odds(3)), curvature)
+        )
     return Meshing(*sides, odd(1e-5), number(True))
 
 

@@ -1,0 +1,1 @@
+"""Derivatives of several quantities together: what they cost beside the values, and how wrong."""
