@@ -96,14 +96,16 @@ def reference_jacobian(function: Callable[[jax.Array], jax.Array], centre: jax.A
     return (first[1] + (first[1] - first[0]) / 15).T
 
 
-def timed(functions: Mapping[str, Callable], designs: jax.Array, seconds: float):
+def timed(
+    functions: Mapping[str, Callable], designs: jax.Array, seconds: float
+) -> dict[str, Sample]:
     """Compile each function for a batch and sample them in turn; times are those of a design."""
-    compiled, rows = {}, {}
+    compiled, compiling = {}, {}
     for name, function in functions.items():
         lowered = jax.jit(jax.vmap(function)).lower(designs)
         wall, processor = time.perf_counter(), time.process_time()
         compiled[name] = lowered.compile()
-        rows[name] = [time.perf_counter() - wall, time.process_time() - processor]
+        compiling[name] = time.perf_counter() - wall, time.process_time() - processor
     found = {name: jax.block_until_ready(run(designs)) for name, run in compiled.items()}
     best = dict.fromkeys(compiled, np.inf)
     begin = time.perf_counter()
@@ -114,8 +116,10 @@ def timed(functions: Mapping[str, Callable], designs: jax.Array, seconds: float)
             best[name] = min(best[name], time.perf_counter() - start)
         if time.perf_counter() - begin > seconds:
             break
-    count = len(designs)
-    return {name: Sample(*rows[name], best[name] / count, found[name]) for name in compiled}
+    return {
+        name: Sample(wall, processor, best[name] / len(designs), found[name])
+        for name, (wall, processor) in compiling.items()
+    }
 
 
 def error_of(found: np.ndarray, expected: np.ndarray) -> float:
