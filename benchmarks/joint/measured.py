@@ -77,8 +77,8 @@ def central_differences(function: Callable[[jax.Array], jax.Array], size: int):
 
     def jacobian(numbers):
         steps = _STEP * jnp.diag(numbers)
-        values = jax.vmap(function)(jnp.concatenate([numbers + steps, numbers - steps]))
-        return (values[:size] - values[size:]).T / (2 * _STEP * numbers)
+        values = jax.vmap(function)(jnp.concatenate([numbers[None] + steps, numbers[None] - steps]))
+        return (values[:size] - values[size:]).T / (2 * _STEP * numbers)[None]
 
     return jacobian
 
@@ -88,7 +88,7 @@ def reference_jacobian(function: Callable[[jax.Array], jax.Array], centre: jax.A
     size = centre.size
     factors = _WIDE * np.array([1.0, 0.5, 0.25])
     steps = jnp.concatenate([factor * jnp.diag(centre) for factor in factors])
-    points = jnp.concatenate([centre + steps, centre - steps])
+    points = jnp.concatenate([centre[None] + steps, centre[None] - steps])
     values = np.asarray(jax.jit(jax.vmap(function))(points))
     differences = (values[: 3 * size] - values[3 * size :]).reshape(3, size, -1)
     slopes = differences / (2 * factors[:, None, None] * np.asarray(centre)[None, :, None])
