@@ -102,7 +102,10 @@ def _solved(evaluate, max_steps, constants, guess, tolerance):
 
     first = (guess, jnp.full((), jnp.inf, guess.dtype), 0)
     roots, size, _ = jax.lax.while_loop(goes_on, step, first)
-    known = evaluate(constants, roots)[1:]
+    # JAX wants a number and its derivative to be of a batch both, or neither. What is the same in a
+    # whole batch moves with the roots, which are not.
+    of_batch = size == size
+    known = [jnp.where(of_batch, leaf, leaf) for leaf in evaluate(constants, roots)[1:]]
     return roots, (size <= tolerance).astype(guess.dtype), known
 
 
