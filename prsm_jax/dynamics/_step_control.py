@@ -17,6 +17,7 @@ from collections.abc import Callable
 from typing import Any
 
 import diffrax
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -26,16 +27,46 @@ from ..mechanism import Scalar
 Weight = Callable[[Scalar, Float[Array, " states"]], Float[Array, " states"]]
 
 
-class Weighed(diffrax.AbstractStepSizeController):
-    """Another controller, told errors that are multiplied by a weight at the end of the step."""
+def _controller(wrapper: "_Around") -> Any:
+    return wrapper.controller
+
+
+class _Around(diffrax.AbstractAdaptiveStepSizeController):
+    """Another controller, whose tolerances are known by these names."""
 
     controller: Any
+
+    def __init__(self, controller: Any):
+        self.controller = controller
+
+    @property
+    def rtol(self):
+        """Relative tolerance of the controller that is wrapped."""
+        return self.controller.rtol
+
+    @property
+    def atol(self):
+        """Absolute tolerance of the controller that is wrapped."""
+        return self.controller.atol
+
+    @property
+    def norm(self):
+        """Norm of errors of the controller that is wrapped."""
+        return self.controller.norm
+
+
+class Weighed(_Around):
+    """Another controller, told errors that are multiplied by a weight at the end of the step."""
+
     #: (time, state) to the weight of the error of each state.
     weight: Weight
 
+    def __init__(self, controller: Any, weight: Weight):
+        self.controller, self.weight = controller, weight
+
     def wrap(self, direction):
         """As the controller that is wrapped."""
-        return Weighed(self.controller.wrap(direction), self.weight)
+        return eqx.tree_at(_controller, self, self.controller.wrap(direction))
 
     def init(self, terms, t0, t1, y0, dt0, args, func, error_order):
         """As the controller that is wrapped."""
@@ -51,14 +82,12 @@ class Weighed(diffrax.AbstractStepSizeController):
         )
 
 
-class Rounded(diffrax.AbstractStepSizeController):
+class Rounded(_Around):
     """Another controller, with lengths of steps rounded to seven binary digits."""
-
-    controller: Any
 
     def wrap(self, direction):
         """As the controller that is wrapped."""
-        return Rounded(self.controller.wrap(direction))
+        return eqx.tree_at(_controller, self, self.controller.wrap(direction))
 
     def init(self, terms, t0, t1, y0, dt0, args, func, error_order):
         """As the controller that is wrapped, but for the length."""
