@@ -36,9 +36,6 @@ class _Around(diffrax.AbstractAdaptiveStepSizeController):
 
     controller: Any
 
-    def __init__(self, controller: Any):
-        self.controller = controller
-
     @property
     def rtol(self):
         """Relative tolerance of the controller that is wrapped."""
@@ -84,6 +81,9 @@ class Weighed(_Around):
 
 class Rounded(_Around):
     """Another controller, with lengths of steps rounded to seven binary digits."""
+
+    def __init__(self, controller: Any):
+        self.controller = controller
 
     def wrap(self, direction):
         """As the controller that is wrapped."""
