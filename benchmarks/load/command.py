@@ -113,7 +113,11 @@ def _document(tasks: list[dict[str, Any]], seconds: float, quick: bool) -> dict[
 def _joined(parts: list[dict[str, Any]]) -> dict[str, Any]:
     """Runs of some tasks each as one, in the order of all tasks; a later file wins."""
     found = {task["name"]: task for part in parts for task in part["tasks"]}
-    tasks = [found[name] for name in TASKS if name in found]
+    tasks = [
+        {**found[name], "why": TASKS[name].why, "exponents": of_rows(found[name]["sizes"])}
+        for name in TASKS
+        if name in found
+    ]
     return {**parts[-1], "tasks": tasks, "seconds": sum(part["seconds"] for part in parts)}
 
 

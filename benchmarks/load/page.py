@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from ..harness import written_whole
+from .growth import finished
 from .picture import draw
 from .tasks import TASKS
 
@@ -71,11 +72,20 @@ def _error(value: float | None) -> str:
 
 
 def _growth(tasks: list[dict[str, Any]]) -> list[str]:
-    names = ["task", "largest", "operations", "expected", "processor time", "memory", "why"]
+    names = [
+        "task",
+        "largest that ended",
+        "operations",
+        "expected",
+        "processor time",
+        "memory",
+        "why",
+    ]
     lines = [row_of(names), row_of(["---"] * len(names))]
     for task in tasks:
         powers = task["exponents"]
-        cells = [task["title"], f"{task['sizes'][-1]['size']:,} {task['unit']}s"]
+        rows = finished(task["sizes"])
+        cells = [task["title"], f"{rows[-1]['size']:,} {task['unit']}s" if rows else "none"]
         cells += [_power(powers["operations"]), f"{task['expected']:.0f}", _power(powers["time"])]
         lines.append(row_of([*cells, _power(powers["memory"]), task["why"]]))
     return lines

@@ -6,13 +6,14 @@ from typing import Any
 import numpy as np
 
 from ..harness import written_whole
+from .growth import finished
 
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 _MARKERS = "osD^vPX"
 
 
 def _label(task: dict[str, Any]) -> str:
-    last, powers = task["sizes"][-1], task["exponents"]
+    last, powers = finished(task["sizes"])[-1], task["exponents"]
     text = f"{task['title']}: up to {last['size']:,} {task['unit']}s"
     if powers["time"] is not None:
         text += f"; time as size to the {powers['time']:.2f}"
@@ -32,7 +33,7 @@ def _slope(axes: Any) -> None:
 
 
 def draw(tasks: list[dict[str, Any]], path: Path) -> Path:
-    """Two panels as a PNG; sizes are shares of the largest one of a task.
+    """Two panels as a PNG; sizes are shares of the largest one of a task that came to an end.
 
     **Arguments:**
 
@@ -45,7 +46,9 @@ def draw(tasks: list[dict[str, Any]], path: Path) -> Path:
     by_time, by_memory = figure.subplots(1, 2)
     lines = []
     for index, task in enumerate(tasks):
-        rows = task["sizes"]
+        rows = finished(task["sizes"])
+        if not rows:
+            continue
         style: Any = {"color": _COLOURS[index % 7], "marker": _MARKERS[index % 7], "lw": 1.3}
         share = np.array([row["size"] for row in rows]) / rows[-1]["size"]
         times = [row["processor_s"] for row in rows]

@@ -96,7 +96,9 @@ class RodasInterpolation(diffrax.AbstractLocalInterpolation):
         rest = 1 - share
 
         def at(y0, y1, first, second):
-            return rest * y0 + share * (y1 + rest * (first + share * second))
+            inside = y0 + share * ((y1 - y0) + rest * (first + share * second))
+            # What rests has no rounding of weights in it, nor has the end itself.
+            return jnp.where(share == 1, y1, inside)
 
         return jax.tree.map(at, self.y0, self.y1, self.first, self.second)
 
