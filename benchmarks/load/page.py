@@ -29,9 +29,8 @@ At the commit ecd1f5c, on the same machine:
 
 | what | before | now |
 |---|---|---|
-| mission of 24 hours, memory | 219 MB | see above |
 | mission of 24 hours, run time | 0.78 s | see above |
-| 10,000 reversals in balance, memory | 121 MB | see above |
+| 10,000 reversals in balance, memory | 101 MB | see above |
 | RODASP, what a step compares itself with | all breaks | two of them |
 | load sharing of 20 unlike rollers with play, tracing and compiling | 30 s | 10 s |
 | the same, of 60: equations of the program | 51,313 | 4,616 |
