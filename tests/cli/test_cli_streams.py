@@ -125,4 +125,4 @@ def test_an_integrated_transient_is_kept_for_the_next_run(tmp_path, monkeypatch)
     command = "prsm simulate li2020_two_stage --method explicit --samples 3"
     status, _, err = shell(command, tmp_path, kept)
     assert (status, err) == (0, "")
-    assert list(kept.glob("jit_simulate-*"))
+    assert list(kept.glob("jit__transient-*"))

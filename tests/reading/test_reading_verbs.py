@@ -212,7 +212,7 @@ def test_steady(run, monkeypatch):
 def test_simulate(run, monkeypatch, to_and_fro):
     history = made.transient(to_and_fro=to_and_fro)
     history = dataclasses.replace(history, load_power=0.013 * history.load * history.screw_speed)
-    monkeypatch.setattr(_simulate, "_simulate", lambda *_, **__: history)
+    monkeypatch.setattr(_simulate, "run_transient", lambda *_, **__: history)
     found, printed = run("simulate", "li2020_two_stage", "--method", "closed_form")
     time, torque, speed = (
         np.asarray(x) for x in (history.time, history.drive_torque, history.screw_speed)
