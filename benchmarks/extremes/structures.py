@@ -384,7 +384,7 @@ def transient(method: str) -> Structure:
     steps = {}
     if method != "closed_form":
         # Errors beside the exact derivative: 1.5e-5 of it at the most in a few scenes; 2.1e-4 (40
-        # starts) between the large steps of Kvaerno's method, a tenth of that at rtol 1e-10.
+        # starts) by Kvaerno's method.
         tolerance = 3e-4 if method == "implicit" else 5e-5
         steps = {"stepping": True, "twin": "closed_form", "slope_tolerance": tolerance}
     return _runs(
