@@ -32,8 +32,8 @@ elliptic integrals, balance of forces, eigenvalues | 1e-9, or what a change of a
 | transients at constant speed | SciPy's Radau at 1e-9 on an own right-hand side | 2e-6 of the \
 largest value |
 | half-space | Hertz | 3 % on 24 × 24 cells, the error of the grid |
-| derivatives of transients whose method chooses its steps | differences of the closed form | 5e-5 of \
-the slope, implicit 3e-4: what steps at the default tolerance do |
+| derivatives of transients whose method chooses its steps | differences of the closed form \
+| 5e-5 of the slope, implicit 3e-4: what steps at the default tolerance do |
 | derivatives, forward | extrapolated differences along random directions, with their own error | \
 1e-6 and ten times that error |
 | derivatives, reverse | forward derivatives along the same direction | 1e-8 |
