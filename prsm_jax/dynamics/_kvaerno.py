@@ -17,9 +17,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.flatten_util import ravel_pytree
-from jaxtyping import Array, Float, PyTree
+from jaxtyping import PyTree
 
+from ..mechanism import Scalar
 from ..numerics import solver
+from ._dense_output import StepInterpolation
 
 _TABLEAU: Any = diffrax.Kvaerno5.tableau
 _STAGES = 7
@@ -66,24 +68,13 @@ def _dense_weights() -> np.ndarray:
 _DENSE = _dense_weights()
 
 
-class KvaernoInterpolation(diffrax.AbstractLocalInterpolation):
+class KvaernoInterpolation(StepInterpolation):
     """Between two steps: `y₀ + s (c₁ + s (c₂ + …))`, locally of order 5."""
 
-    t0: Float[Array, ""]
-    t1: Float[Array, ""]
-    y0: PyTree
-    y1: PyTree
     #: c₁ to c₅ along the first axis.
     powers: PyTree
 
-    def evaluate(self, t0, t1=None, left: bool = True):
-        """The solution at `t0`, or its increment from `t0` to `t1`."""
-        if t1 is not None:
-            return jax.tree.map(lambda b, a: b - a, self.evaluate(t1), self.evaluate(t0))
-        length = self.t1 - self.t0
-        # A step of no length, as diffrax makes before the first one.
-        share = jnp.where(length > 0, (t0 - self.t0) / jnp.where(length > 0, length, 1.0), 0.0)
-
+    def _at(self, share: Scalar) -> PyTree:
         def at(y0, y1, powers):
             total = powers[-1]
             for power in powers[-2::-1]:

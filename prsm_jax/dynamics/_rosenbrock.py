@@ -18,9 +18,11 @@ import diffrax
 import jax
 import jax.numpy as jnp
 from jax.flatten_util import ravel_pytree
-from jaxtyping import Array, Float, PyTree
+from jaxtyping import Array, PyTree
 
+from ..mechanism import Scalar
 from ..numerics import solve_small
+from ._dense_output import StepInterpolation
 
 _GAMMA = 0.25
 #: In place of no length; times are of order one.
@@ -76,23 +78,13 @@ def _combined(weights: tuple[float, ...], stages: list[Array]) -> Array:
     return total
 
 
-class RodasInterpolation(diffrax.AbstractLocalInterpolation):
+class RodasInterpolation(StepInterpolation):
     """Between two steps: `(1 − s) y₀ + s (y₁ + (1 − s)(p + s q))`, locally of order 3."""
 
-    t0: Float[Array, ""]
-    t1: Float[Array, ""]
-    y0: PyTree
-    y1: PyTree
     first: PyTree
     second: PyTree
 
-    def evaluate(self, t0, t1=None, left: bool = True):
-        """The solution at `t0`, or its increment from `t0` to `t1`."""
-        if t1 is not None:
-            return jax.tree.map(lambda b, a: b - a, self.evaluate(t1), self.evaluate(t0))
-        length = self.t1 - self.t0
-        # A step of no length, as diffrax makes before the first one.
-        share = jnp.where(length > 0, (t0 - self.t0) / jnp.where(length > 0, length, 1.0), 0.0)
+    def _at(self, share: Scalar) -> PyTree:
         rest = 1 - share
 
         def at(y0, y1, first, second):

@@ -1,0 +1,38 @@
+"""What the interpolations of our own solvers share: where within its step a time lies.
+
+Imports diffrax, so it is itself imported only where something is integrated.
+"""
+
+from abc import abstractmethod
+
+import diffrax
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, PyTree
+
+from ..mechanism import Scalar
+
+
+class StepInterpolation(diffrax.AbstractLocalInterpolation):
+    """States between the ends of one step."""
+
+    t0: Float[Array, ""]
+    t1: Float[Array, ""]
+    y0: PyTree
+    y1: PyTree
+
+    @abstractmethod
+    def _at(self, share: Scalar) -> PyTree:
+        """The solution at a share of the step, from 0 to 1."""
+
+    def evaluate(self, t0, t1=None, left: bool = True):
+        """The solution at `t0`, or its increment from `t0` to `t1`."""
+        if t1 is not None:
+            return jax.tree.map(lambda b, a: b - a, self.evaluate(t1), self.evaluate(t0))
+        length = self.t1 - self.t0
+        # A step of no length, as diffrax makes before the first one.
+        share = jnp.where(length > 0, (t0 - self.t0) / jnp.where(length > 0, length, 1.0), 0.0)
+        return self._at(share)
+
+
+__all__ = ["StepInterpolation"]
