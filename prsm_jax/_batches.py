@@ -6,7 +6,7 @@ What a result derives from its arrays is written for one design, and mapped here
 
 import abc
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
 import equinox as eqx
@@ -58,14 +58,38 @@ def listed(
         shape = result.batch_shape
         if not shape:
             return method(result, *args, **kwargs)
-        numbers, rest = eqx.partition(result, eqx.is_array)
-        numbers = jax.device_get(numbers)
-        found = [
-            method(_one(numbers, rest, index), *args, **kwargs) for index in np.ndindex(*shape)
-        ]
+        found = [method(one, *args, **kwargs) for _, one in _designs(result)]
         return np.reshape(np.asarray(found), shape + np.shape(found[0]))
 
     return run
+
+
+def each(
+    method: Callable[Concatenate[_Own, _Given], Any],
+) -> Callable[Concatenate[_Own, _Given], Any]:
+    """A method of one design that returns something of its own, as long as it happens to be.
+
+    For a batch it gives a NumPy array of objects, one for each design.
+    """
+
+    @functools.wraps(method)
+    def run(result: _Own, /, *args: _Given.args, **kwargs: _Given.kwargs) -> Any:
+        if not result.batch_shape:
+            return method(result, *args, **kwargs)
+        found = np.empty(result.batch_shape, object)
+        for index, one in _designs(result):
+            found[index] = method(one, *args, **kwargs)
+        return found
+
+    return run
+
+
+def _designs(result: _Own) -> Iterator[tuple[tuple[int, ...], _Own]]:
+    """Every design of a batch and its place."""
+    numbers, rest = eqx.partition(result, eqx.is_array)
+    numbers = jax.device_get(numbers)
+    for index in np.ndindex(*result.batch_shape):
+        yield index, _one(numbers, rest, index)
 
 
 def _one(numbers, rest, index: tuple[int, ...]):

@@ -7,7 +7,13 @@ from jaxtyping import Array, Float
 
 from .._one_program import is_known, one_program_where_possible, traceable
 from .._stretches import over_samples
-from ..mechanism import CoulombFriction, Mechanism, StribeckFriction, TorqueScenario
+from ..mechanism import (
+    CoulombFriction,
+    Mechanism,
+    StribeckFriction,
+    TorqueScenario,
+    of_one_design,
+)
 from ._bristles import has_bristles
 from ._carrier_motion import Problem, carrier_problem
 from ._contact_losses import with_resistance
@@ -33,6 +39,7 @@ class MethodChoice(NamedTuple):
     reason: str
 
 
+@of_one_design
 def choose_method(
     mechanism: Mechanism, scenario: Scenario | TorqueScenario, *, rtol: float = 1e-8
 ) -> MethodChoice:

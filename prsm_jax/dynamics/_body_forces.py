@@ -1,13 +1,16 @@
 """Forces on every part, in Newton's formulation."""
 
+import dataclasses
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from .._batches import AbstractResult, mapped
 from .._guards import above_or_nan
 from .._one_program import one_program
-from ..mechanism import Mechanism, Scalar
+from ..mechanism import Mechanism, Scalar, of_one_design
 from ._contact_losses import with_resistance
 from ._free_bodies import (
     PartMasses,
@@ -43,7 +46,7 @@ class Instant(eqx.Module):
     bristle_deflection: Float[Array, "*times stages 3"] | None = None
 
 
-class BodyForces(eqx.Module):
+class BodyForces(AbstractResult):
     """Forces on every part; arrays run over the stages, then over times, then over directions.
 
     Vectors are in the frame that turns with the stage's carrier: radial (from the screw's axis
@@ -90,13 +93,22 @@ class BodyForces(eqx.Module):
     anti_rotation_torque: Float[Array, "stages *times"]
     #: Whether the equations have a solution.
     solved: Bool[Array, "*times"]
+    #: Whether the arrays have an axis of times.
+    over_time: bool = eqx.field(static=True, default=False)
 
     @property
+    def batch_shape(self) -> tuple[int, ...]:
+        """Axes of the batch that these forces are of; empty for a single design."""
+        return self.solved.shape[:-1] if self.over_time else self.solved.shape
+
+    @property
+    @mapped
     def motor_torque(self) -> Float[Array, "*times"]:
         """Torque at the first screw [N·m]."""
         return self.drive_torque[0]
 
     @property
+    @mapped
     def housing_force(self) -> Float[Array, "*times"]:
         """Axial force on the housing through the first thrust bearing [N]."""
         return self.thrust_bearing_force[0]
@@ -118,6 +130,7 @@ def _length(vector):
     return jnp.where(some, jnp.sqrt(jnp.where(some, square, 1.0)), 0.0)
 
 
+@of_one_design
 @one_program
 def body_forces(
     mechanism: Mechanism,
@@ -170,7 +183,8 @@ def body_forces(
     )
     masses = _masses(mechanism, history, False)
     rows = jax.vmap(lambda one: _at(mechanism, kinematics, masses, one))(history)
-    return jax.tree.map(lambda row: jnp.moveaxis(row, 1, 0) if row.ndim > 1 else row, rows)
+    rows = jax.tree.map(lambda row: jnp.moveaxis(row, 1, 0) if row.ndim > 1 else row, rows)
+    return dataclasses.replace(rows, over_time=True)
 
 
 def _masses(mechanism: Mechanism, run: Instant, settled: bool) -> tuple[PartMasses, ...]:
@@ -272,4 +286,4 @@ def _at(
             }
         )
     columns = {name: jnp.stack([row[name] for row in rows]) for name in rows[0]}
-    return BodyForces(solved=solved, **columns)
+    return BodyForces(**columns, solved=solved, over_time=False)

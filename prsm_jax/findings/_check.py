@@ -5,7 +5,7 @@ import functools
 import equinox as eqx
 
 from ..geometry import Finding
-from ..mechanism import Mechanism, of_one_design
+from ..mechanism import Mechanism, of_one_known_design
 from ..quantities import Analysis
 from . import _fit, _locking, _preferred, _stiffness, _strength, _truncation
 from ._margin import Margin, evaluate_margins, findings_of, margins_of, source_count
@@ -43,7 +43,7 @@ def _plain(values: list) -> list[dict[str, float] | None]:
     ]
 
 
-@of_one_design
+@of_one_known_design
 def check(mechanism: Mechanism) -> tuple[Finding, ...]:
     """What an engineer should know about a mechanism before trusting its results, by name.
 

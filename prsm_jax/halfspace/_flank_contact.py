@@ -9,7 +9,7 @@ from jaxtyping import Array, Float
 
 from ..contact import HertzContact, contact_modulus, engaged_threads, hertz_contact
 from ..geometry import Meshing, dimensions_possible, mesh
-from ..mechanism import Scalar, Stage, material_of
+from ..mechanism import Scalar, Stage, material_of, of_one_design
 from ._flank_gap import FlankGap, TangentPlane, checked_side, flank_gap, tangent_plane
 from ._grid import grid_over
 from ._surface_contact import SurfaceContact, solve_contact, within_small_strains
@@ -54,6 +54,7 @@ def _hertz_force(
     return (jnp.maximum(approach, 0.0) / unit.approach) ** 1.5
 
 
+@of_one_design
 def flank_contact(
     stage: Stage,
     side: str,

@@ -90,13 +90,15 @@ class LoadDistribution(AbstractResult):
         threads = pressure.shape[1]
         return place // threads, place % threads + 1
 
-    def by_roller(
-        self, values: Float[Array, "classes *rest"]
-    ) -> tuple[tuple[int, ...], Float[Array, "rollers *rest"]]:
-        """Rows per class as rows per roller: the numbers of the rollers, and their rows."""
+    def by_roller(self, values: Float[Array, "..."]) -> tuple[tuple[int, ...], Float[Array, "..."]]:
+        """Rows per class as rows per roller: the numbers of the rollers, and their rows.
+
+        Axes of a batch, as in the values of this result, stay in front.
+        """
         owner = {n: index for index, numbers in enumerate(self.rollers) for n in numbers}
         numbers = tuple(sorted(owner))
-        return numbers, values[jnp.asarray([owner[n] for n in numbers])]
+        rows = jnp.asarray([owner[n] for n in numbers])
+        return numbers, jnp.take(values, rows, axis=len(self.batch_shape))
 
 
 def tangent_stiffness(chains: Chains, state: State) -> Scalar:

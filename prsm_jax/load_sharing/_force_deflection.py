@@ -8,13 +8,14 @@ import jax.numpy as jnp
 from jax.typing import ArrayLike
 from jaxtyping import Array, Bool, Float
 
+from .._batches import AbstractResult
 from ..mechanism import Mechanism, Stage, of_one_design
 from ._chains import Control
 from ._distribution import balanced, stage_at
 from ._stage_chains import sharing_of, stage_chains
 
 
-class ForceDeflection(eqx.Module):
+class ForceDeflection(AbstractResult):
     """Axial load over deflection of one stage, point by point."""
 
     #: [N]
@@ -27,6 +28,11 @@ class ForceDeflection(eqx.Module):
     #: Elastic energy stored in contacts, teeth and shafts [J].
     stored_energy: Float[Array, " points"]
     converged: Bool[Array, " points"]
+
+    @property
+    def batch_shape(self) -> tuple[int, ...]:
+        """Axes of the batch that this curve is of; empty for a single design."""
+        return self.converged.shape[:-1]
 
 
 @of_one_design

@@ -83,7 +83,11 @@ from ._mechanism import (
     OperatingPoint as OperatingPoint,
     Stage as Stage,
 )
-from ._one_design import check_one_design as check_one_design, of_one_design as of_one_design
+from ._one_design import (
+    check_one_design as check_one_design,
+    of_one_design as of_one_design,
+    of_one_known_design as of_one_known_design,
+)
 from ._parameters import (
     DESIGN_VARIABLES as DESIGN_VARIABLES,
     DesignVariable as DesignVariable,

@@ -57,13 +57,14 @@ def _axes(structure: Any) -> tuple[tuple[int, int, str], ...]:
     return tuple(_declared(jax.tree.unflatten(structure, range(structure.num_leaves)), ""))
 
 
-def check_one_design(module: eqx.Module, where: str) -> None:
+def check_one_design(module: eqx.Module, where: str, *, mappable: bool = True) -> None:
     """Refuse a batch of designs where one is wanted.
 
     **Arguments:**
 
     - `module`: a mechanism or a part of one.
     - `where`: the name of the function that was given it.
+    - `mappable`: whether that function can be mapped by `jax.vmap`.
 
     **Raises:** `ValueError`, naming the first number that has more axes than it may.
     """
@@ -71,22 +72,33 @@ def check_one_design(module: eqx.Module, where: str) -> None:
     for place, axes, path in _axes(structure):
         if np.ndim(leaves[place]) > axes:
             kind = type(module).__name__.lower()
+            remedy = "call it with each design, one after the other"
+            if mappable:
+                remedy = f"map it over the batch: jax.vmap(prsm.{where})({kind})"
             raise ValueError(
                 f"{where}: {path} has the shape {np.shape(leaves[place])}, so this is a batch of "
-                f"designs, and {where} takes one {kind}; map it over the batch: "
-                f"jax.vmap(prsm.{where})({kind})"
+                f"designs, and {where} takes one {kind}; {remedy}"
             )
 
 
 def of_one_design(function: Callable[_Given, _Found]) -> Callable[_Given, _Found]:
     """A public function whose first argument, a mechanism or a part, must not be a batch."""
+    return _with_door(function, mappable=True)
+
+
+def of_one_known_design(function: Callable[_Given, _Found]) -> Callable[_Given, _Found]:
+    """As `of_one_design`, of a function that looks at numbers: `jax.vmap` cannot map it."""
+    return _with_door(function, mappable=False)
+
+
+def _with_door(function: Callable[_Given, _Found], *, mappable: bool) -> Callable[_Given, _Found]:
     name = getattr(function, "__name__", "this function")
 
     @functools.wraps(function)
     def run(*args: _Given.args, **kwargs: _Given.kwargs) -> _Found:
         module = args[0] if args else next(iter(kwargs.values()), None)
         if isinstance(module, eqx.Module):
-            check_one_design(module, name)
+            check_one_design(module, name, mappable=mappable)
         return function(*args, **kwargs)
 
     return run

@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
+from .._batches import AbstractResult, each
 from ..contact import StageContact, load_of
 from ..geometry import mesh
 from ..load_sharing import LoadDistribution
@@ -38,7 +39,7 @@ class Veering:
     frequencies: tuple[float, float]
 
 
-class FrequencyLoci(eqx.Module):
+class FrequencyLoci(AbstractResult):
     """Natural frequencies of one stage as curves over a parameter.
 
     In a symmetric stage each family has its own curves: those of different families cross, those
@@ -63,9 +64,16 @@ class FrequencyLoci(eqx.Module):
     #: Whether only whole numbers are possible (the number of rollers).
     whole: bool = eqx.field(static=True)
 
+    @property
+    def batch_shape(self) -> tuple[int, ...]:
+        """Axes of the batch that these curves are of; empty for a single design."""
+        return self.valid.shape[:-1]
+
+    @each
     def veerings(self) -> tuple[Veering, ...]:
         """Where two neighbouring curves of one family come close and part again, closest first.
 
+        Of a batch an array of such tuples, one for each design.
         Not inside a trace. Both ends of the range must lie at least twice as far apart as the
         closest point; curves that coincide are repeated roots and do not count.
         """

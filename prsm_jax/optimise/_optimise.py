@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping
 import jax.numpy as jnp
 import numpy as np
 
-from ..mechanism import Constraint, DesignProblem, Mechanism, Scalar, Variable
+from ..mechanism import Constraint, DesignProblem, Mechanism, Scalar, Variable, of_one_known_design
 from ._evaluator import Evaluator
 from ._methods import BOUNDS_ONLY, find_search
 from ._optimum import Optimum
@@ -17,6 +17,7 @@ from ._starts import starting_positions
 _ITERATIONS = {"adam": 2000, "lbfgs": 500, "slsqp": 300, "trust-constr": 3000}
 
 
+@of_one_known_design
 def optimise(
     mechanism: Mechanism,
     variables: Mapping[str, tuple] | Iterable[Variable] | None = None,

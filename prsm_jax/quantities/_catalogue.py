@@ -252,6 +252,7 @@ def _evaluated(analysis: Analysis, wanted: Iterable[Quantity]) -> dict[str, Arra
     return values
 
 
+@of_one_design
 def available_quantities(
     mechanism: Mechanism,
     among: Iterable[str] | None = None,

@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from .._batches import AbstractResult, mapped
+from .._batches import AbstractResult, each, mapped
 from .._physics import physics
 from ..mechanism import Mechanism, Scalar, of_one_design
 from ..modal import Modes, stage_modes
@@ -79,19 +80,29 @@ class Campbell(AbstractResult):
         rate = jnp.abs(order[:, None, None]) * harmonic[None, :, None]
         return 2 * jnp.pi * self.modes.frequencies[None, None, :] / rate
 
-    def excited_family(self, order: ExcitationOrder, harmonic: int) -> str | None:
+    def excited_family(self, order: ExcitationOrder, harmonic: int) -> Any:
         """The family that a harmonic of an order excites; `None` if the stage is not symmetric.
 
-        Not inside a trace.
+        Not inside a trace. Of a batch an array of objects, one for each design.
         """
+        lobes = np.asarray(order.lobes)
+        if not lobes.shape:
+            return self._excited(harmonic * float(lobes))
+        found = np.empty(lobes.shape, object)
+        for index in np.ndindex(*lobes.shape):
+            found[index] = self._excited(harmonic * float(lobes[index]))
+        return found
+
+    def _excited(self, lobes: float) -> str | None:
         if not self.symmetric:
             return None
         try:
-            return phasing(harmonic * float(order.lobes), self.roller_count)
+            return phasing(lobes, self.roller_count)
         except ValueError:
             # A design with 80.3 teeth cannot be built, but it can be on the way of a search.
             return None
 
+    @each
     def crossings(
         self,
         max_speed: float | None = None,
@@ -100,6 +111,8 @@ class Campbell(AbstractResult):
         excited_only: bool = False,
     ) -> tuple[Crossing, ...]:
         """All crossings, ascending by speed, repeated roots once. Not inside a trace.
+
+        Of a batch an array of such tuples, one for each design.
 
         **Arguments:**
 

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Complex, Float
 
+from .._batches import AbstractResult
 from ..mechanism import Mechanism, Scalar, of_one_design
 from ..modal import VibrationSystem, spring_network
 from ._dissipation import LAWS, AnyDamping
@@ -24,7 +25,7 @@ KINDS: dict[Kind, tuple[int, str]] = {
 }
 
 
-class FrequencyResponse(eqx.Module):
+class FrequencyResponse(AbstractResult):
     """Complex amplitude at one degree of freedom per unit force at another.
 
     Forces on rotations are those on the nominal circle, torque over radius, as displacements are
@@ -42,24 +43,29 @@ class FrequencyResponse(eqx.Module):
     kind: Kind = eqx.field(static=True)
 
     @property
+    def batch_shape(self) -> tuple[int, ...]:
+        """Axes of the batch that this response is of; empty for a single design."""
+        return self.frequency.shape[:-1]
+
+    @property
     def unit(self) -> str:
         """SI unit of `value`."""
         return KINDS[self.kind][1]
 
     @property
-    def magnitude(self) -> Float[Array, " frequencies"]:
+    def magnitude(self) -> Float[Array, "*batch frequencies"]:
         """Absolute value; its derivative is 0 where nothing moves."""
         moves = self.value != 0
         size = jnp.abs(jnp.where(moves, self.value, jnp.ones_like(self.value)))
         return jnp.where(moves, size, 0.0)
 
     @property
-    def decibel(self) -> Float[Array, " frequencies"]:
+    def decibel(self) -> Float[Array, "*batch frequencies"]:
         """20 lg of the magnitude over one SI unit [dB re 1 m/N, for a receptance]."""
         return 20 * jnp.log10(self.magnitude)
 
     @property
-    def phase(self) -> Float[Array, " frequencies"]:
+    def phase(self) -> Float[Array, "*batch frequencies"]:
         """Phase of the response against the force, from −π to π [rad]."""
         # An undamped response is in phase or against it; which sign a zero has is no matter.
         turned = (self.value.imag != 0) & ~self.at_pole

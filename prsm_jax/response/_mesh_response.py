@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Complex, Float
 
+from .._batches import AbstractResult
 from .._physics import physics
 from ..mechanism import Mechanism, Scalar, of_one_design
 from ..modal import Coordinate, Spring, SpringNetwork, VibrationSystem, spring_network
@@ -23,7 +24,7 @@ from ._receptance import Solver, harmonic_response
 from ._stage import AsGiven, stage_damping, stage_of, stage_system
 
 
-class MeshResponse(eqx.Module):
+class MeshResponse(AbstractResult):
     """Steady vibration under one harmonic of an excitation in the contacts, by screw speed.
 
     Amplitudes are complex: the vibration is `Re(amplitude · e^{iωt})`. At a pole they are infinite.
@@ -41,14 +42,19 @@ class MeshResponse(eqx.Module):
     coordinates: tuple[Coordinate, ...] = eqx.field(static=True)
     springs: tuple[Spring, ...] = eqx.field(static=True)
 
-    def amplitude(self, coordinate: str) -> Float[Array, " speeds"]:
+    @property
+    def batch_shape(self) -> tuple[int, ...]:
+        """Axes of the batch that this response is of; empty for a single design."""
+        return self.speed.shape[:-1]
+
+    def amplitude(self, coordinate: str) -> Float[Array, "*batch speeds"]:
         """Amplitude of one coordinate, such as `"screw u"` [m].
 
         **Raises:** `ValueError` if there is none of that name.
         """
-        return _magnitude(self.displacement[:, _place(self.coordinates, coordinate)])
+        return _magnitude(self.displacement[..., _place(self.coordinates, coordinate)])
 
-    def force(self, spring: str) -> Float[Array, " speeds"]:
+    def force(self, spring: str) -> Float[Array, "*batch speeds"]:
         """Amplitude of the dynamic force of one spring, such as `"ring_roller 3"` [N].
 
         The name of a kind of spring, such as `"ring_roller"`, gives the largest of all rollers.
@@ -57,7 +63,7 @@ class MeshResponse(eqx.Module):
         """
         kind = [k for k, one in enumerate(self.springs) if one.name == spring]
         places = kind or [_place(self.springs, spring)]
-        return jnp.max(_magnitude(self.spring_force[:, jnp.asarray(places)]), axis=1)
+        return jnp.max(_magnitude(self.spring_force[..., jnp.asarray(places)]), axis=-1)
 
 
 def _place(known: tuple, name: str) -> int:

@@ -10,7 +10,7 @@ from jax.core import Tracer
 from jaxtyping import Array, Float
 
 from .._errors import MissingDataError
-from ..mechanism import Mechanism, Parameter, Scalar, find_parameters, what_follows
+from ..mechanism import Mechanism, Parameter, Scalar, find_parameters, of_one_design, what_follows
 from ..quantities import available_quantities, component_names, find_quantity
 from ._derivatives import Mode, jacobian
 from ._kinks import one_sided
@@ -31,6 +31,7 @@ DEFAULT_PARAMETERS = ("lead", "contact_angle", "roller_radius")
 _MODES = ("auto", "forward", "reverse")
 
 
+@of_one_design
 def sensitivity(
     mechanism: Mechanism,
     quantities: Iterable[str] | None = None,

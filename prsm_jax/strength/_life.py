@@ -6,7 +6,7 @@ from jaxtyping import Array, Float
 
 from .._guards import above_or_nan
 from .._physics import physics
-from ..mechanism import Scalar, Stage
+from ..mechanism import Scalar, Stage, of_one_design
 from ._contacts import preload_of
 from ._fatigue import WEIBULL_SLOPE
 from ._load_spectrum import LoadSpectrum, mean_load
@@ -37,6 +37,7 @@ def basic_life(capacity: Scalar, load: Scalar) -> Scalar:
     return jnp.where(loaded, 1e6 * jnp.where(loaded, share, 1.0) ** -3, jnp.inf)
 
 
+@of_one_design
 @physics("rating_life")
 def rating_life(
     stage: Stage,

@@ -9,7 +9,7 @@ import numpy as np
 
 from .._errors import MissingDataError, missing_extra
 from ..findings import source_count
-from ..mechanism import Mechanism, Scalar
+from ..mechanism import Mechanism, Scalar, of_one_known_design
 from ..quantities import REASONS, find_quantity
 from ._axes import Grid, grid_of
 from ._dataset import labelled
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 DEFAULT_CHUNK = 4096
 
 
+@of_one_known_design
 def sweep(
     mechanism: Mechanism,
     axes: Mapping[str, Iterable],

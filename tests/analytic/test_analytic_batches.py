@@ -1,4 +1,7 @@
-"""Results of `jax.vmap` are those of the designs one by one, in every property."""
+"""Batches of designs: functions of their results, two axes, titles, and what compiles anew.
+
+Properties of results and the doors of functions: test_analytic_batched_results.py.
+"""
 
 import dataclasses
 
@@ -46,26 +49,6 @@ def _read(result, names):
     return found
 
 
-def _compare(function, name, properties):
-    each, batch = _designs(name)
-    results = eqx.filter_jit(jax.vmap(function))(batch)
-    one = eqx.filter_jit(function)
-    _agree(_read(results, properties), [_read(one(m), properties) for m in each])
-    assert results.batch_shape == (3,)
-    assert one(each[0]).batch_shape == ()
-
-
-def test_modes():
-    properties = ("frequencies", "families", "multiplicities", "distinct")
-    energies = ("kinetic_energy_shares", "strain_energy_shares")
-    _compare(lambda m: prsm.modal(m, shapes=True), "wu2022", properties + energies)
-
-
-def test_steady_states():
-    properties = ("efficiency", "result", "result_name", "has_efficiency", "computed")
-    _compare(prsm.steady_state, "li2020_two_stage", properties)
-
-
 def test_transients():
     each, batch = _designs("li2020_two_stage")
     program = eqx.filter_jit(lambda m: prsm.simulate(m, throw=False))
@@ -80,18 +63,6 @@ def test_transients():
         _agree(read(runs), [read(run) for run in one])
 
 
-def test_load_distributions():
-    properties = ("secant_stiffness", "max_pressure", "stored_energy")
-    _compare(prsm.load_distribution, "actuator_load_sharing", properties)
-    _, batch = _designs("actuator_load_sharing")
-    found = eqx.filter_jit(jax.vmap(prsm.load_distribution))(batch)
-    each = [jax.tree.map(lambda leaf, at=at: leaf[at], found) for at in range(3)]
-    names = ("thread_load", "roller_load", "thread_sharing_factor", "roller_sharing_factor")
-    for side in ("screw", "nut"):
-        whole = _read(getattr(found, side), names)
-        _agree(whole, [_read(getattr(one, side), names) for one in each])
-
-
 def test_two_axes_of_a_batch():
     _, batch = _designs("wu2022")
     pairs = jax.tree.map(lambda leaf: jnp.stack([leaf, leaf[::-1]]), batch)
@@ -100,15 +71,6 @@ def test_two_axes_of_a_batch():
     assert found.frequencies.shape == (2, 3, 17)
     np.testing.assert_array_equal(found.frequencies[1, ::-1], found.frequencies[0])
     assert found.families.shape == (2, 3, 17)
-
-
-@pytest.mark.parametrize("name", ["modal", "steady_state", "simulate", "thread_contacts", "check"])
-def test_a_batch_without_vmap_is_refused(name, unchecked):
-    _, batch = _designs("li2020_two_stage")
-    with pytest.raises(ValueError, match=rf"stages\[0\].*shape \(3,\).*jax\.vmap\(prsm\.{name}\)"):
-        getattr(prsm, name)(batch)
-    with pytest.raises(ValueError, match="batch of designs"):
-        getattr(prsm, name)(mechanism=batch)
 
 
 def test_a_title_compiles_nothing_anew_and_lets_designs_be_stacked():

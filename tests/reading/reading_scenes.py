@@ -280,4 +280,5 @@ def body_forces(stages: int = 2, times: int = 81) -> BodyForces:
         else:
             given[field.name] = odds(stages, times, scale=300.0)
     given["solved"] = jnp.ones(times, bool)
+    given["over_time"] = True
     return BodyForces(**given)
