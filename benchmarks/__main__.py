@@ -16,7 +16,7 @@ from pathlib import Path
 import jax
 
 from .cases import case_names, find_case
-from .harness import FULL, QUICK, SMOKE, Case, Problem, draw, measure, write
+from .harness import FULL, QUICK, SMOKE, Case, Problem, draw, survivors, write
 
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
@@ -56,7 +56,7 @@ def run(case: Case, folder: Path, *, quick: bool, smoke: bool = False) -> None:
         start = time.perf_counter()
         if smoke:
             problem = _ends(problem)
-        rows = measure(problem, SMOKE if smoke else QUICK if quick else FULL)
+        problem, rows = survivors(problem, SMOKE if smoke else QUICK if quick else FULL)
         measured.append((problem, rows))
         chart = draw(problem, rows, folder / f"{case.name}-{problem.name}.png")
         print(f"{case.name}: {problem.title}: {time.perf_counter() - start:.1f} s, {chart}")

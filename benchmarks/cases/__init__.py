@@ -7,6 +7,7 @@ import importlib
 import inspect
 import pkgutil
 
+from ..defaults import with_defaults
 from ..harness import Case
 
 
@@ -23,4 +24,5 @@ def find_case(name: str, *, quick: bool, smoke: bool = False) -> Case:
     if name not in case_names():
         raise ValueError(f"there is no case {name!r}; choose from {', '.join(case_names())}")
     make = importlib.import_module(f"{__name__}.{name}").case
-    return make(quick, smoke) if "smoke" in inspect.signature(make).parameters else make(quick)
+    small = "smoke" in inspect.signature(make).parameters
+    return with_defaults(make(quick, smoke) if small else make(quick))

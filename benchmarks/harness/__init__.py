@@ -19,6 +19,7 @@ from .measure import (
     Measurement as Measurement,
     measure as measure,
     summarise as summarise,
+    survivors as survivors,
 )
 from .report import (
     SCHEMA as SCHEMA,

@@ -34,6 +34,7 @@ class Method:
       the jitted function here.
     - `settings`: tolerances, numbers of steps, batch sizes …; `(None,)` for a method without.
     - `kind`: `"method"` of this package, a cheap `"approximation"`, or a `"rival"` from outside.
+    - `defaults`: those of the settings that a user of this package gets without asking.
     """
 
     name: str
@@ -41,6 +42,7 @@ class Method:
     settings: Sequence[Any] = (None,)
     setting_name: str = ""
     kind: Kind = "method"
+    defaults: Sequence[Any] = ()
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 import copy
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -20,6 +21,15 @@ _COLOURS = (
     "#8c564b", "#9467bd",
 )  # fmt: skip
 _MARKERS = "osD^vPX<>*"
+#: Around what a user of the package gets without asking.
+_RING: dict[str, Any] = {
+    "linestyle": "none",
+    "marker": "o",
+    "markersize": 15,
+    "markerfacecolor": "none",
+    "markeredgecolor": "black",
+    "markeredgewidth": 1.4,
+}
 
 
 def _setting(value) -> str:
@@ -63,6 +73,10 @@ def _draw_method(axes, rows: Sequence[Measurement], quantity: str, index: int):
         linewidth=1.3,
         label=_label(rows),
     )
+    for time, row in zip(times, drawn, strict=True):
+        if row.default:
+            place = max(float(row.errors[quantity].maximum or 0.0), _FLOOR)
+            axes.plot([time], [place], **_RING)
     return line
 
 
@@ -119,6 +133,8 @@ def draw(problem: Problem, measured: Sequence[Measurement], path: Path) -> Path:
                 axis.set_minor_formatter(copy.copy(every_label))
                 axis.set_tick_params(which="minor", labelsize=8)
     panels[0].set_ylabel(f"relative error, largest (stroke: to the median) [1]\n{_whose(measured)}")
+    if any(row.default for row in measured):
+        lines.append(panels[0].plot([], [], label="ring: our default", **_RING)[0])
     figure.suptitle(problem.title, fontsize=12)
     figure.legend(handles=lines, loc="outside lower center", ncols=2, fontsize=9, frameon=False)
     with written_whole(path) as temporary:

@@ -4,13 +4,13 @@ import gc
 import math
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import jax
 import numpy as np
 
-from .case import Kind, Prepared, Problem, Reference
+from .case import Kind, Method, Prepared, Problem, Reference
 
 
 @dataclass(frozen=True)
@@ -66,6 +66,8 @@ class Measurement:
     ratio_range: tuple[float, float]
     errors: dict[str, ErrorSummary]
     note: str = ""
+    #: Whether this is what a user of the package gets without asking.
+    default: bool = False
     #: Every sample, for the ratios.
     times: list[float] = field(default_factory=list, repr=False)
 
@@ -106,12 +108,44 @@ def _timed(prepared: Prepared, calls: int) -> float:
     return (time.perf_counter() - start) / calls
 
 
-def measure(problem: Problem, budget: Budget) -> list[Measurement]:
+def survivors(problem: Problem, budget: Budget) -> tuple[Problem, list[Measurement]]:
+    """Measure a problem whose rivals may fail: what failed is left out of it, with the cause.
+
+    **Returns:** the problem with those methods that can be shown, and their measurements. Rivals
+    that failed at some or all of their settings are in `left_out`; where the baseline failed, the
+    first method that did not takes its place.
+
+    **Raises:** whatever a method of this package raises.
+    """
+    failed: dict[str, str] = {}
+    rows = measure(problem, budget, failed)
+    shown = {row.method for row in rows}
+    methods = [method for method in problem.methods if method.name in shown]
+    baseline = problem.baseline if problem.baseline in shown else methods[0].name
+    left_out = {**problem.left_out, **failed}
+    return replace(problem, methods=methods, baseline=baseline, left_out=left_out), rows
+
+
+def _cause(error: BaseException) -> str:
+    """Name and first sentence of an error, fit for a cell of a table."""
+    words = " ".join(str(error).split()).replace("|", "/")
+    return f"{type(error).__name__}: {words[:200]}" if words else type(error).__name__
+
+
+def measure(
+    problem: Problem, budget: Budget, failed: dict[str, str] | None = None
+) -> list[Measurement]:
     """Measure all methods of a problem at all their settings.
 
     The first call compiles and is reported apart. Then samples are taken in rounds, one of every
     method in each round and every second round backwards, so that whatever else the machine does
     falls on rivals alike. Ratios compare samples of the same round.
+
+    **Arguments:**
+
+    - `problem`, `budget`: what to measure, and for how long.
+    - `failed`: takes rivals that raise an error, by name and setting, with its cause; without it,
+      and for the methods of this package, the error goes to the caller.
 
     **Raises:** `ValueError` if a method gives other quantities than the reference.
     """
@@ -120,37 +154,20 @@ def measure(problem: Problem, budget: Budget) -> list[Measurement]:
     measured: list[Measurement] = []
     for method in problem.methods:
         for setting in method.settings:
-            prepared = method.prepare(setting)
-            start = time.perf_counter()
-            result = jax.block_until_ready(prepared.call())
-            first_call = time.perf_counter() - start
-            errors = _errors(prepared.read(result), reference, problem.name, method.name)
-            once = max(_timed(prepared, 1), 1e-9)
-            calls = max(1, math.ceil(budget.sample_seconds / once))
-            rounds = max(2, min(budget.rounds, int(budget.seconds / (once * calls))))
-            entries.append((prepared, calls, rounds))
-            measured.append(
-                Measurement(
-                    method=method.name,
-                    kind=method.kind,
-                    setting_name=method.setting_name,
-                    setting=setting,
-                    instances=prepared.instances,
-                    first_call=first_call,
-                    best=math.nan,
-                    median=math.nan,
-                    samples=0,
-                    speed_ratio=math.nan,
-                    ratio_range=(math.nan, math.nan),
-                    errors=errors,
-                    note=prepared.note(result),
-                )
-            )
-    _sample_in_rounds(entries, measured)
+            try:
+                entry, row = _first(problem, method, setting, reference, budget)
+            except Exception as error:
+                if failed is None or method.kind != "rival":
+                    raise
+                failed[_with_setting(method, setting)] = f"failed: {_cause(error)}"
+                continue
+            entries.append(entry)
+            measured.append(row)
+    entries, measured = _sample_in_rounds(entries, measured, failed)
     for row in measured:
         row.samples = len(row.times)
         row.best, row.median = min(row.times), float(np.median(row.times))
-    baselines = [row for row in measured if row.method == problem.baseline]
+    baselines = [row for row in measured if row.method == problem.baseline] or measured[:1]
     for row in measured:
         baseline = _counterpart(row, baselines)
         shared = zip(baseline.times, row.times, strict=False)
@@ -158,6 +175,45 @@ def measure(problem: Problem, budget: Budget) -> list[Measurement]:
         row.speed_ratio = float(np.median(ratios))
         row.ratio_range = (min(ratios), max(ratios))
     return measured
+
+
+def _with_setting(method: Method, setting: Any) -> str:
+    return method.name if setting is None else f"{method.name}, {method.setting_name} {setting}"
+
+
+def _first(
+    problem: Problem,
+    method: Method,
+    setting: Any,
+    reference: Mapping[str, Reference],
+    budget: Budget,
+) -> tuple[tuple[Prepared, int, int], Measurement]:
+    """The first calls of a method at one setting: its errors, and how often to repeat it."""
+    prepared = method.prepare(setting)
+    start = time.perf_counter()
+    result = jax.block_until_ready(prepared.call())
+    first_call = time.perf_counter() - start
+    errors = _errors(prepared.read(result), reference, problem.name, method.name)
+    once = max(_timed(prepared, 1), 1e-9)
+    calls = max(1, math.ceil(budget.sample_seconds / once))
+    rounds = max(2, min(budget.rounds, int(budget.seconds / (once * calls))))
+    row = Measurement(
+        method=method.name,
+        kind=method.kind,
+        setting_name=method.setting_name,
+        setting=setting,
+        instances=prepared.instances,
+        first_call=first_call,
+        best=math.nan,
+        median=math.nan,
+        samples=0,
+        speed_ratio=math.nan,
+        ratio_range=(math.nan, math.nan),
+        errors=errors,
+        note=prepared.note(result),
+        default=setting in method.defaults,
+    )
+    return (prepared, calls, rounds), row
 
 
 def _counterpart(row: Measurement, baselines: list[Measurement]) -> Measurement:
@@ -176,16 +232,30 @@ def _errors(values: Mapping[str, Any], reference: Mapping[str, Reference], probl
 
 
 def _sample_in_rounds(
-    entries: list[tuple[Prepared, int, int]], measured: list[Measurement]
-) -> None:
+    entries: list[tuple[Prepared, int, int]],
+    measured: list[Measurement],
+    failed: dict[str, str] | None,
+) -> tuple[list[tuple[Prepared, int, int]], list[Measurement]]:
+    """Take the samples; returns what has not failed meanwhile."""
+    broken: set[int] = set()
     collecting = gc.isenabled()
     gc.disable()
     try:
         for round_number in range(max(rounds for _, _, rounds in entries)):
             order = list(zip(entries, measured, strict=True))
             for (prepared, calls, rounds), row in order[:: -1 if round_number % 2 else 1]:
-                if round_number < rounds:
+                if round_number >= rounds or id(row) in broken:
+                    continue
+                try:
                     row.times.append(_timed(prepared, calls) / prepared.instances)
+                except Exception as error:
+                    if failed is None or row.kind != "rival":
+                        raise
+                    broken.add(id(row))
+                    place = "" if row.setting is None else f", {row.setting_name} {row.setting}"
+                    failed[row.method + place] = f"failed: {_cause(error)}"
     finally:
         if collecting:
             gc.enable()
+    kept = [pair for pair in zip(entries, measured, strict=True) if id(pair[1]) not in broken]
+    return [entry for entry, _ in kept], [row for _, row in kept]

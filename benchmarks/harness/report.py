@@ -69,6 +69,7 @@ def _result(row: Measurement, yardstick: float | None) -> dict[str, Any]:
     return share | {
         "method": row.method,
         "kind": row.kind,
+        "default": row.default,
         "setting": _setting(row),
         "instances": row.instances,
         "samples": row.samples,

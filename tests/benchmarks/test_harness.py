@@ -19,6 +19,7 @@ from benchmarks.harness import (
     document,
     measure,
     summarise,
+    survivors,
     table,
     write,
     written_whole,
@@ -143,6 +144,54 @@ def test_baseline_at_the_same_setting():
         assert row.speed_ratio == pytest.approx(np.median([a / b for a, b in pairs]))
 
 
+def _failing(at: int):
+    """A rival that raises in one of its calls: the first one, or one among the samples."""
+    calls = []
+
+    def call():
+        calls.append(1)
+        if len(calls) > at:
+            raise RuntimeError("CVODE flag -1 | too much work")
+        return np.full(1, np.pi)
+
+    return lambda _: Prepared(call, 1, lambda out: {"area": out})
+
+
+def _cannot_be_built(_):
+    raise ImportError("no compiler")
+
+
+def test_a_rival_that_fails_is_a_row_with_its_cause(tmp_path):
+    ours = Method("exact", _slow_first_call, defaults=(None,))
+    fails = [
+        Method("at once", _failing(0), kind="rival"),
+        Method("later", _failing(3), ("rtol", 1e-3), "rtol", kind="rival"),
+        Method("unbuilt", _cannot_be_built, kind="rival"),
+    ]
+    problem = _problem(methods=[ours, *fails], baseline="at once")
+    found, rows = survivors(problem, _BUDGET)
+    assert [row.method for row in rows] == ["exact"]
+    assert rows[0].default
+    assert rows[0].speed_ratio == 1.0
+    assert found.baseline == "exact"
+    assert dict(found.left_out) == {
+        "at once": "failed: RuntimeError: CVODE flag -1 / too much work",
+        "later, rtol rtol": "failed: RuntimeError: CVODE flag -1 / too much work",
+        "later, rtol 0.001": "failed: RuntimeError: CVODE flag -1 / too much work",
+        "unbuilt": "failed: ImportError: no compiler",
+    }
+    # The case goes on to its end, and each failure is a row of table and JSON.
+    run(Case("toy", "Circles", [problem, _problem(name="second")]), tmp_path, quick=True)
+    content = json.loads((tmp_path / "toy.json").read_text(encoding="utf-8"))
+    assert [one["name"] for one in content["problems"]] == ["area", "second"]
+    assert {one["method"] for one in content["problems"][0]["left_out"]} == set(found.left_out)
+    text = (tmp_path / "toy.md").read_text(encoding="utf-8")
+    assert "| later, rtol 0.001 (rival) |" in text
+    # A method of this package that fails is a fault.
+    with pytest.raises(RuntimeError, match="CVODE"):
+        survivors(_problem(methods=[Method("slow", _failing(0))], baseline="slow"), _BUDGET)
+
+
 def test_scale_replaces_the_value():
     reference = Reference(np.array([[0.0, 4.0], [1.0, 2.0]]), scale=np.array([[2.0], [8.0]]))
     # One row short: only the first instance counts. Errors 1/2 and 2/2.
@@ -188,6 +237,7 @@ def test_json_has_the_documented_keys(toy, tmp_path):
         assert set(result) == {
             "method",
             "kind",
+            "default",
             "setting",
             "instances",
             "samples",
