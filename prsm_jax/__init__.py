@@ -39,6 +39,7 @@ from .dynamics import (
     simulate as simulate,
     steady_state as steady_state,
 )
+from .explain import Explanation as Explanation, explain as explain
 from .file import (
     dump as dump,
     dumps as dumps,

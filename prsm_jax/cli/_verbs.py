@@ -5,6 +5,7 @@ from . import (
     _contact as _contact,
     _demo as _demo,
     _design as _design,
+    _explain as _explain,
     _lists as _lists,
     _modal as _modal,
     _simulate as _simulate,

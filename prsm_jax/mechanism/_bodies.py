@@ -1,6 +1,6 @@
 """The bodies of a stage: masses given, or dimensions from which they follow."""
 
-from ._fields import Scalar, choice, number, optional_number
+from ._fields import Scalar, choice, number, optional_number, part
 from ._within import Limited
 
 
@@ -43,8 +43,8 @@ class Screw(Limited):
     inertia: Scalar | None = optional_number("kg·m²", "moment of inertia about the axis")
     length: Scalar | None = optional_number("m", "length of the cylinder")
     bore_radius: Scalar | None = optional_number("m", "radius of a central bore")
-    material: Material | None = None
-    support: Support | None = None
+    material: Material | None = part("the body is of the material of its stage")
+    support: Support | None = part("the screw is free: no springs of its bearings")
 
 
 class Roller(Limited):
@@ -58,9 +58,9 @@ class Roller(Limited):
     inertia: Scalar | None = optional_number("kg·m²", "moment of inertia about its own axis")
     length: Scalar | None = optional_number("m", "length of the cylinder")
     bore_radius: Scalar | None = optional_number("m", "radius of a central bore")
-    material: Material | None = None
+    material: Material | None = part("the body is of the material of its stage")
     #: Pins of the roller in the carriers; when given, rollers move in translation too.
-    support: Support | None = None
+    support: Support | None = part("the rollers turn only: no translation on their pins")
 
     def __check_init__(self):
         if self.support is None:
@@ -86,8 +86,8 @@ class Nut(Limited):
     wall_thickness: Scalar | None = optional_number(
         "m", "wall outside the nominal thread radius; the outer radius follows"
     )
-    material: Material | None = None
-    support: Support | None = None
+    material: Material | None = part("the body is of the material of its stage")
+    support: Support | None = part("the nut is free: no springs to what holds it")
 
 
 class RingGear(Limited):
@@ -97,8 +97,8 @@ class RingGear(Limited):
     inertia: Scalar | None = optional_number("kg·m²", "moment of inertia about the axis")
     length: Scalar | None = optional_number("m", "axial width of the annulus")
     wall_thickness: Scalar | None = optional_number("m", "rim outside the pitch radius")
-    material: Material | None = None
-    support: Support | None = None
+    material: Material | None = part("the body is of the material of its stage")
+    support: Support | None = part("the ring gear is free: no springs to what holds it")
 
 
 class Carrier(Limited):
@@ -109,8 +109,8 @@ class Carrier(Limited):
     length: Scalar | None = optional_number("m", "axial thickness of one annulus")
     radial_width: Scalar | None = optional_number("m", "radial width of the annulus")
     count: int = choice("number of carriers in the stage (one at either end: 2)", default=2)
-    material: Material | None = None
-    support: Support | None = None
+    material: Material | None = part("the body is of the material of its stage")
+    support: Support | None = part("the carriers are free to turn")
 
 
 class Gear(Limited):

@@ -38,6 +38,14 @@ def optional_number(unit: str, description: str):
     )
 
 
+def part(without: str, **kwargs):
+    """A part of the physics that may be absent; `None` leaves it untraced.
+
+    `without` says what results miss then (`prsm_jax.explain`).
+    """
+    return eqx.field(default=None, metadata={"without": without}, **kwargs)
+
+
 def _number_or_function(value):
     return value if callable(value) else as_scalar(value)
 
@@ -72,10 +80,13 @@ def optional_numbers(unit: str, description: str):
     )
 
 
-def choice(description: str, *, implied: bool = False, **kwargs):
+def choice(description: str, *, implied: bool = False, without: str | None = None, **kwargs):
     """A static choice: part of the pytree's structure, never traced.
 
-    One that is `implied` is written to a file only where it is not the default.
+    One that is `implied` is written to a file only where it is not the default. One that may be
+    absent says what is missed then (`without`).
     """
     metadata = {"description": description, "implied": implied}
+    if without is not None:
+        metadata["without"] = without
     return eqx.field(static=True, metadata=metadata, **kwargs)

@@ -4,7 +4,7 @@ from typing import ClassVar, TypeAlias
 
 import equinox as eqx
 
-from ._fields import Scalar, number, optional_number
+from ._fields import Scalar, number, optional_number, part
 from ._screw_friction import Drag, SplineLaw, ThrustBearingLaw
 
 
@@ -101,9 +101,17 @@ class RollingHysteresis(eqx.Module):
 class Friction(eqx.Module):
     """All losses of one stage; `None` is not modelled and leaves no trace."""
 
-    thread: ThreadFriction | None = None
-    spin: SpinFriction | None = None
-    rolling_hysteresis: RollingHysteresis | None = None
-    spline: SplineLaw | None = None
-    thrust_bearing: ThrustBearingLaw | None = None
-    drag: Drag | None = None
+    thread: ThreadFriction | None = part(
+        "no sliding loss in the threads, and nothing that drives the carriers against losses"
+    )
+    spin: SpinFriction | None = part("no loss of contact ellipses that spin about their normal")
+    rolling_hysteresis: RollingHysteresis | None = part(
+        "no loss of rolling, so that carriers settle where geometry puts them"
+    )
+    spline: SplineLaw | None = part(
+        "no axial force and no loss in the spline of a screw that moves axially"
+    )
+    thrust_bearing: ThrustBearingLaw | None = part(
+        "no friction torque of the thrust bearing of the screw"
+    )
+    drag: Drag | None = part("no torque of seals and lubricant that does not depend on the load")

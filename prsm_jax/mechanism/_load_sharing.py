@@ -5,7 +5,7 @@ from typing import Literal, TypeAlias
 import equinox as eqx
 from jaxtyping import Array, Float
 
-from ._fields import Scalar, choice, number, optional_number, optional_numbers
+from ._fields import Scalar, choice, number, optional_number, optional_numbers, part
 
 Mounting: TypeAlias = Literal["same_end", "opposite_end"]
 MOUNTINGS: tuple[Mounting, ...] = ("same_end", "opposite_end")
@@ -82,8 +82,10 @@ class LoadSharing(eqx.Module):
         "end of the nut at which its force is taken, seen from where the screw's force enters",
         default="same_end",
     )
-    tooth: ThreadTooth | None = None
-    split_nut: SplitNut | None = None
+    tooth: ThreadTooth | None = part(
+        "teeth are rigid: only contacts and shafts give way, and loads are less even"
+    )
+    split_nut: SplitNut | None = part("one nut without preload")
     backlash: Scalar | None = optional_number(
         "m", "axial play of the nut between its flanks; below 0 for rollers that are too thick"
     )

@@ -9,7 +9,7 @@ from ._bodies import Carrier, Gear, GivenStiffness, Material, Nut, RingGear, Rol
 from ._checked import check_finite, check_not_negative
 from ._damping import Damping
 from ._design_problem import DesignProblem
-from ._fields import Scalar, as_scalar, choice, number, optional_number
+from ._fields import Scalar, as_scalar, choice, number, optional_number, part
 from ._friction import Friction
 from ._line_contact import LineContact
 from ._load_sharing import LoadSharing
@@ -47,16 +47,30 @@ class Stage(Limited):
     screw: Screw = Screw()
     roller: Roller = Roller()
     nut: Nut = Nut()
-    carrier: Carrier | None = None
-    ring_gear: RingGear | None = None
-    gear: Gear | None = None
-    material: Material | None = None
-    stiffness: GivenStiffness | None = None
-    friction: Friction | None = None
-    damping: Damping | None = None
-    line_contact: LineContact | None = None
-    load_sharing: LoadSharing | None = None
-    strength: Strength | None = None
+    carrier: Carrier | None = part("no carriers in vibration; transients need their inertia")
+    ring_gear: RingGear | None = part("no degrees of freedom of the ring gear in vibration")
+    gear: Gear | None = part(
+        "no force between the teeth of rollers and ring gear, and no mesh stiffness"
+    )
+    material: Material | None = part(
+        "contacts, masses and stiffnesses need a material of each body, or given values"
+    )
+    stiffness: GivenStiffness | None = part(
+        "thread and gear stiffnesses follow from contacts and teeth"
+    )
+    friction: Friction | None = part("no losses: efficiency 1")
+    damping: Damping | None = part(
+        "forced vibration is undamped: no finite response at a natural frequency"
+    )
+    line_contact: LineContact | None = part(
+        "no pressure of rollers of rings, which touch along a line"
+    )
+    load_sharing: LoadSharing | None = part(
+        "all engaged threads carry the same load: the most loaded thread is not known"
+    )
+    strength: Strength | None = part(
+        "no capacities, safety, life, buckling, critical speed of the shaft, or play"
+    )
     engaged_threads: Scalar | None = optional_number(
         "1", "threads of one roller that carry load, per side, z"
     )
@@ -68,7 +82,11 @@ class Stage(Limited):
         default="unstated",
         implied=True,
     )
-    unequal_roller: tuple[UnequalRoller, ...] = eqx.field(converter=tuple, default=())
+    unequal_roller: tuple[UnequalRoller, ...] = eqx.field(
+        converter=tuple,
+        default=(),
+        metadata={"without": "all rollers are equal, in their places, and there"},
+    )
 
     def __check_init__(self):
         if self.roller_count < 1:
@@ -160,12 +178,23 @@ class Mechanism(eqx.Module):
     """
 
     stages: tuple[Stage, ...]
-    operating_point: OperatingPoint | None = None
-    duty_cycle: DutyCycle | None = None
+    operating_point: OperatingPoint | None = part(
+        "speed and load have to be given to each analysis; a file has no results without"
+    )
+    duty_cycle: DutyCycle | None = part(
+        "no equivalent load and no damage of phases: life is that of the operating point"
+    )
     title: str = choice("a name for reports", default="")
-    design_problem: DesignProblem | None = choice("the [optimise] table of the file", default=None)
+    design_problem: DesignProblem | None = choice(
+        "the [optimise] table of the file",
+        default=None,
+        without="nothing says what to optimise, between which bounds and within which limits",
+    )
     #: What `simulate` does unless it is told otherwise.
-    scenario: Scenario | TorqueScenario | None = None
+    scenario: Scenario | TorqueScenario | None = part(
+        "transients are the settling after a step to the operating point: no mission, no torque "
+        "that drives"
+    )
 
     def __check_init__(self):
         if not self.stages:

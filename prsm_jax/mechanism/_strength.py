@@ -4,7 +4,7 @@ from typing import Literal, TypeAlias
 
 import equinox as eqx
 
-from ._fields import Scalar, choice, number, optional_number
+from ._fields import Scalar, choice, number, optional_number, part
 
 EndConditions: TypeAlias = Literal[
     "fixed_free", "supported_supported", "fixed_supported", "fixed_fixed"
@@ -124,5 +124,5 @@ class Strength(eqx.Module):
         "rad", "half of the angle through which the screw swings, where it does not turn on"
     )
     required_life: Scalar | None = optional_number("s", "life asked for, in operating time")
-    shaft: ScrewShaft | None = None
-    play: AxialPlay | None = None
+    shaft: ScrewShaft | None = part("no buckling, critical speed or DN value of the screw")
+    play: AxialPlay | None = part("no backlash or lost motion")

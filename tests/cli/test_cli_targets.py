@@ -12,6 +12,7 @@ from prsm_jax import file
 #: Every verb, with what it needs to run.
 VERBS = {
     "check": ["wu2022"],
+    "explain": ["wu2022"],
     "contact": ["wu2022"],
     "modal": ["wu2022"],
     "response": ["wu2022"],

@@ -38,7 +38,7 @@ LAYERS["quantities"] = set(LAYERS) - {"file"}
 LAYERS["findings"] = LAYERS["quantities"] | {"quantities"}
 _PHYSICS = LAYERS["quantities"] | {"quantities", "findings"}
 LAYERS["sensitivity"] = LAYERS["optimise"] = LAYERS["sweep"] = _PHYSICS
-LAYERS["validation"] = _PHYSICS | {"file"}
+LAYERS["validation"] = LAYERS["explain"] = _PHYSICS | {"file"}
 LAYERS["report"] = _PHYSICS | {"file", "sensitivity", "optimise", "sweep", "validation"}
 LAYERS["cli"] = set(LAYERS)
 #: Not imported with the package, but where they are used.

@@ -1,0 +1,54 @@
+"""The verb that says which optional parts a file carries: explain."""
+
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from ..explain import explain as run_explain
+from ._app import app
+from ._common import Common, emit, save_tables, words_of
+from ._progress import counted, doing
+from ._tables import prose, terminal_width
+
+_DEFAULT = Common()
+_WITHOUT = "Parts are told by the name of the field; --numbers lists optional numbers too.\n"
+
+
+@app.command
+def explain(
+    file: str,
+    *,
+    programs: Annotated[
+        str | None,
+        Parameter(help="steady_state, modes, transient, quantities, separated by commas."),
+    ] = None,
+    numbers: Annotated[
+        bool, Parameter(negative="", help="Optional numbers too, and what each of them costs.")
+    ] = False,
+    time: Annotated[
+        bool,
+        Parameter(negative="", help="Compile and run each program too: takes minutes."),
+    ] = False,
+    common: Common = _DEFAULT,
+) -> int:
+    """Which optional parts the file carries, which it leaves out and why, and what each costs.
+
+    A cost is that of the program with the part less that without it: equations in what JAX traces;
+    with --time also flops and bytes, memory, compiling and run time. --out writes explain.json and
+    explain.md.
+    """
+    mechanism = common.load(file)
+    doing("counting parts")
+    found = run_explain(
+        mechanism, programs=words_of(programs), numbers=numbers, time=time, progress=counted
+    )
+    results = found.to_dict()
+    tables = found.tables(numbers)
+    if common.out is not None:
+        results["files"] = save_tables(common.out, "explain", results, tables)
+
+    def text() -> str:
+        words = "\n".join(table.text(terminal_width()) for table in tables)
+        return words if numbers else words + "\n" + prose(_WITHOUT)
+
+    return int(not emit(common, results, text))

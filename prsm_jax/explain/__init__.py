@@ -1,0 +1,11 @@
+"""Which optional parts a mechanism carries, which it left out, and what each costs."""
+
+from ._account import PROGRAMS as PROGRAMS, Account as Account
+from ._explain import explain as explain
+from ._explanation import (
+    Cost as Cost,
+    Explanation as Explanation,
+    Part as Part,
+    Program as Program,
+)
+from ._places import Place as Place, places as places, without as without

@@ -1,0 +1,111 @@
+"""The entry: count programs with every part, and without each."""
+
+from collections.abc import Callable, Sequence
+
+from .._errors import UnknownNameError, closest
+from ..mechanism import Mechanism, check_one_design
+from ..quantities import assumptions, available_quantities
+from ._account import PROGRAMS, REFUSALS, Account, analysis_of, compiled, number_paths, traced
+from ._explanation import Cost, Explanation, Part, Program
+from ._places import Place, places, without
+
+_DEFAULT = ("steady_state", "modes")
+
+
+class _Counted:
+    """One program of the whole mechanism, and of the same without a part."""
+
+    def __init__(self, name: str, mechanism: Mechanism, time: bool):
+        self.analysis = analysis_of(name, mechanism)
+        self.time = time
+        self.whole, self.read = self._count(mechanism, None)
+
+    def _count(self, mechanism: Mechanism, same: Account | None) -> tuple[Account, frozenset]:
+        found, read = traced(self.analysis, mechanism)
+        if not self.time:
+            return found, read
+        # A program that is not another one is not compiled again.
+        if same is not None and found.equations == same.equations:
+            return same, read
+        return compiled(self.analysis, mechanism, found.equations), read
+
+    def cost(self, place: Place, rest: Mechanism, given: bool) -> Cost:
+        """Cost of the part at a place, whose absence leaves `rest`.
+
+        `given` says whether there are numbers in it: numbers that the program does not read cost
+        nothing.
+        """
+        depth = len(place.path)
+        if given and not any(path[:depth] == place.path for path in self.read):
+            return Cost(self.whole, self.whole)
+        try:
+            return Cost(self.whole, self._count(rest, self.whole)[0])
+        except REFUSALS as error:
+            return Cost(self.whole, None, str(error))
+
+
+def explain(
+    mechanism: Mechanism,
+    *,
+    programs: Sequence[str] | None = None,
+    numbers: bool = False,
+    time: bool = False,
+    progress: Callable[[int, int, str], None] | None = None,
+) -> Explanation:
+    """Say which optional parts a mechanism carries, which it left out, and what each costs.
+
+    The cost of a part is that of a program of the mechanism less that of the same without the part.
+    Programs are traced, which takes a fraction of a second each; with `time` they are compiled and
+    run, which takes seconds to minutes.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism.
+    - `programs`: analyses that are counted, from `steady_state`, `modes`, `transient` and
+      `quantities` (all that there are data for); default the first two, and with `time` the
+      transient too where there is a scenario.
+    - `numbers`: also count what each optional number costs.
+    - `time`: also compile and run: flops, bytes, memory, compiling and run time.
+    - `progress`: told how many parts of how many are counted, and what.
+
+    **Raises:** `UnknownNameError` for an unknown program.
+    """
+    check_one_design(mechanism, "explain")
+    if programs is None:
+        programs = (*_DEFAULT, *(("transient",) if time and mechanism.scenario else ()))
+    for name in programs:
+        if name not in PROGRAMS:
+            raise UnknownNameError(f"unknown program {name!r}; {closest(name, PROGRAMS)}")
+    counted: dict[str, _Counted] = {}
+    told = []
+    for name in programs:
+        try:
+            counted[name] = _Counted(name, mechanism, time)
+            told.append(Program(name, counted[name].whole))
+        except REFUSALS as error:
+            told.append(Program(name, None, str(error)))
+    found, everything = [], places(mechanism)
+    for done, place in enumerate(everything):
+        if progress is not None:
+            progress(done, len(everything), "parts")
+        found.append(_part(place, mechanism, counted, numbers))
+    return Explanation(mechanism.title, tuple(told), tuple(found))
+
+
+def _part(place: Place, mechanism: Mechanism, counted: dict[str, _Counted], numbers: bool) -> Part:
+    if not place.present or (place.kind == "number" and not numbers):
+        return Part(place, {})
+    try:
+        rest = without(mechanism, place)
+    except REFUSALS as error:
+        return Part(place, {n: Cost(c.whole, None, str(error)) for n, c in counted.items()})
+    before = assumptions(mechanism)
+    assumed = tuple(one for one in assumptions(rest) if one not in before)
+    depth = len(place.path)
+    given = any(path[:depth] == place.path for path in number_paths(mechanism))
+    costs = {name: one.cost(place, rest, given) for name, one in counted.items()}
+    lost: tuple[str, ...] = ()
+    if "quantities" in counted and costs["quantities"].absent is not counted["quantities"].whole:
+        left = set(available_quantities(rest))
+        lost = tuple(name for name in available_quantities(mechanism) if name not in left)
+    return Part(place, costs, assumed, lost)

@@ -1,0 +1,185 @@
+"""The places of a mechanism where an optional part may stand, found in its dataclasses.
+
+Nothing is listed by name: a field that may be `None` (or an empty tuple of tables) is a place, and
+what is missed without it stands in the metadata of the field.
+"""
+
+import dataclasses
+import types
+import typing
+from collections.abc import Iterator
+from typing import Any
+
+import equinox as eqx
+
+from ..file import law_names, module_classes, row_class
+from ..mechanism import Mechanism
+
+#: Tables whose name in the file is not that of the field, and those whose classes are told apart
+#: by their keys, not by a key `law`.
+_HEADERS = {"design_problem": "optimise"}
+_BY_KEYS = ("scenario",)
+_LISTS = ("duty_cycle",)
+
+
+@dataclasses.dataclass(frozen=True)
+class Place:
+    """One place for an optional part.
+
+    - `path`: fields and indices that lead to it from the mechanism.
+    - `name`: the same as in names of numbers, such as `stage.1.friction.spin`.
+    - `kind`: `table`, `number`, `list` (of tables) or `stage`.
+    - `present`: whether something stands there.
+    - `law`, `laws`: the law that stands there and those that may, where there are several.
+    - `meaning`: what the part is.
+    - `misses`: what results miss without it.
+    - `write`: what to write in the file to have it.
+    """
+
+    path: tuple[str | int, ...]
+    name: str
+    kind: str
+    present: bool
+    law: str | None
+    laws: tuple[str, ...]
+    meaning: str
+    misses: str
+    write: str
+
+
+def places(mechanism: Mechanism) -> tuple[Place, ...]:
+    """All places of a mechanism for optional parts, in the order of its fields.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism; only what it consists of counts, not its numbers.
+    """
+    found: list[Place] = []
+    for index, stage in enumerate(mechanism.stages):
+        if index:
+            found.append(_stage(index))
+        found += _inside(stage, ("stages", index), f"stage.{index + 1}", "stage")
+    if len(mechanism.stages) == 1:
+        found.append(dataclasses.replace(_stage(1), present=False))
+    rest = [one for one in _inside(mechanism, (), "", "") if one.path[0] != "stages"]
+    return (*found, *rest)
+
+
+def without(mechanism: Mechanism, place: Place) -> Mechanism:
+    """The same mechanism with nothing at a place.
+
+    **Raises:** `ValueError` if another part cannot be without it.
+    """
+    return _without(mechanism, place.path)
+
+
+def _without(value: Any, path: tuple[str | int, ...]) -> Any:
+    head, *rest = path
+    if isinstance(head, int):
+        if not rest:
+            return (*value[:head], *value[head + 1 :])
+        return (*value[:head], _without(value[head], tuple(rest)), *value[head + 1 :])
+    inner = getattr(value, head)
+    nothing = () if isinstance(inner, tuple) else None
+    changed = _without(inner, tuple(rest)) if rest else nothing
+    return dataclasses.replace(value, **{head: changed})
+
+
+def _stage(index: int) -> Place:
+    return Place(
+        ("stages", index),
+        f"stage.{index + 1}",
+        "stage",
+        True,
+        None,
+        (),
+        "One planetary roller screw more, driven by the nut before it",
+        "fewer stages: less travel for a turn, and other losses",
+        "[[stage]] with all that a stage needs",
+    )
+
+
+def _inside(module: Any, path: tuple[str | int, ...], name: str, header: str) -> Iterator[Place]:
+    hints = typing.get_type_hints(type(module))
+    for field in dataclasses.fields(module):
+        value, hint = getattr(module, field.name), hints[field.name]
+        here = (*path, field.name)
+        own = ".".join(filter(None, (name, field.name)))
+        below = ".".join(filter(None, (header, _HEADERS.get(field.name, field.name))))
+        if is_optional(field, hint):
+            yield _place(field, hint, value, here, own, header if _is_number(field) else below)
+        if isinstance(value, eqx.Module):
+            yield from _inside(value, here, own, below)
+        elif isinstance(value, tuple) and field.name != "stages":
+            for index, one in enumerate(value):
+                if isinstance(one, eqx.Module):
+                    number = getattr(one, "number", index + 1)
+                    yield from _inside(one, (*here, index), f"{own}.{number}", below)
+
+
+def is_optional(field: dataclasses.Field, hint: Any) -> bool:
+    """Whether a field of the mechanism may be left out."""
+    union = typing.get_origin(hint) in (typing.Union, types.UnionType)
+    may_be_none = union and type(None) in typing.get_args(hint)
+    return may_be_none or (row_class(hint) is not None and field.default == ())
+
+
+def _is_number(field: dataclasses.Field) -> bool:
+    return "unit" in field.metadata
+
+
+def _place(
+    field: dataclasses.Field, hint: Any, value: Any, path: tuple, name: str, header: str
+) -> Place:
+    present = bool(value) if isinstance(value, tuple) else value is not None
+    if _is_number(field):
+        unit = field.metadata["unit"]
+        key = field.name if unit == "1" else f"{field.name}, in {unit}"
+        text = field.metadata["description"]
+        return Place(
+            path, name, "number", present, None, (), text, f"nothing given: {text}",
+            f"[{header}] {key}",
+        )  # fmt: skip
+    misses = field.metadata["without"]
+    row = row_class(hint)
+    if row is not None:
+        return Place(
+            path, name, "list", present, None, (), _first(row), misses, f"[[{header}]]{_keys(row)}"
+        )
+    classes = module_classes(hint)
+    laws = law_names(classes) if len(classes) > 1 and field.name not in _BY_KEYS else {}
+    law = next((word for word, cls in laws.items() if cls is type(value)), None)
+    described = type(value) if present and len(classes) > 1 else None
+    meaning = (
+        _first(described)
+        if described is not None
+        else _first(classes[0])
+        if len(classes) == 1
+        else field.metadata.get("description") or _any_of(classes)
+    )
+    opening = f"[[{header}]]" if field.name in _LISTS else f"[{header}]"
+    if laws:
+        write = f"{opening} with law = " + ", ".join(f'"{w}"{_keys(c)}' for w, c in laws.items())
+    else:
+        write = opening + "; or".join(_keys(cls) for cls in classes)
+    return Place(path, name, "table", present, law, tuple(laws), meaning, misses, write)
+
+
+def _any_of(classes: tuple[type, ...]) -> str:
+    return "; or ".join(_first(cls) for cls in classes)
+
+
+def _first(cls: type) -> str:
+    """The first sentence of what a class says about itself."""
+    paragraph = " ".join((cls.__doc__ or "").strip().partition("\n\n")[0].split())
+    return paragraph.partition(": force")[0].rstrip(".")
+
+
+def _keys(cls: type) -> str:
+    """The keys that the table of a class cannot be without."""
+    needed = [
+        field.name
+        for field in dataclasses.fields(cls)
+        if field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
+    ]
+    return f" ({', '.join(needed)})" if needed else ""
