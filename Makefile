@@ -17,7 +17,7 @@ help:
 	@echo "make test       run all tests"
 	@echo "make versions   test the core paths with the lowest and the newest versions"
 	@echo "make lint       ruff and pyright"
-	@echo "make bench      error against run time, all cases, into out/bench/"
+	@echo "make bench      error against run time, all cases: out/bench/, and the page in docs/"
 	@echo "make docs       build the documentation into out/docs/"
 	@echo "make notebooks  rebuild the notebooks from their paired scripts"
 
@@ -56,7 +56,7 @@ lint: $(TEST_STAMP)
 	$(BIN)/pyright
 
 bench: $(TEST_STAMP)
-	$(BIN)/python -m benchmarks --out out/bench
+	$(BIN)/prsm bench --out out/bench --docs docs
 
 docs: | $(BIN)/python
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[all,docs]'

@@ -1,4 +1,4 @@
-"""`python -m benchmarks [case …] [--quick | --smoke] [--out DIR]`, or `--list`.
+"""`python -m benchmarks [case …] [--quick | --smoke] [--out DIR] [--docs DIR]`, or `--list`.
 
 `python -m benchmarks extremes` is the matrix of extremes, with options of its own (`--help`), and
 `python -m benchmarks load` the growth of run time and memory with the size of what is asked, and
@@ -32,8 +32,18 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--out", type=Path, default=Path("out/benchmarks"), help="folder for the results"
     )
+    parser.add_argument(
+        "--docs",
+        type=Path,
+        default=None,
+        help="folder for the page accuracy_and_speed.md, its JSON and its charts, of all cases "
+        "whose results are in --out",
+    )
+    parser.add_argument("--page", action="store_true", help="only the page: measure nothing")
     parser.add_argument("--list", action="store_true", help="name the cases and stop")
     arguments = parser.parse_args(argv)
+    if arguments.page and arguments.docs is None:
+        parser.error("--page needs --docs, the folder to write the page into")
     unknown = sorted(set(arguments.cases) - set(case_names()))
     if unknown:
         parser.error(f"unknown case {', '.join(unknown)}; choose from {', '.join(case_names())}")
@@ -87,6 +97,8 @@ def main(argv: list[str] | None = None) -> int:
 
         return joint(given[1:])
     arguments = _arguments(argv)
+    if arguments.page:
+        return _page(arguments)
     share_cores()
     chosen = arguments.cases or case_names()
     quick = arguments.quick or arguments.smoke
@@ -96,6 +108,20 @@ def main(argv: list[str] | None = None) -> int:
             print(f"{case.name:12} {case.description}")
         else:
             run(case, arguments.out, quick=quick, smoke=arguments.smoke)
+    if arguments.docs is not None and not arguments.list:
+        return _page(arguments)
+    return 0
+
+
+def _page(arguments: argparse.Namespace) -> int:
+    from .page.write import write_page
+
+    try:
+        written = write_page(arguments.out, arguments.docs)
+    except FileNotFoundError as error:
+        print(error, file=sys.stderr)
+        return 2
+    print(f"page: {', '.join(str(path) for path in written)}")
     return 0
 
 

@@ -47,7 +47,10 @@ def _jitted(method):
     return jax.jit(jax.vmap(solve, in_axes=(0, 0, 0, None)))
 
 
-def _ours(contacts: _Contacts, method: str, dtype) -> Method:
+def _ours(contacts: _Contacts, method: str, dtype, one: bool = False) -> Method:
+    if one:
+        contacts = _Contacts(*(column[:1] for column in contacts))
+
     def prepare(_):
         total = contacts.larger + contacts.smaller
         difference = contacts.larger - contacts.smaller
@@ -57,6 +60,7 @@ def _ours(contacts: _Contacts, method: str, dtype) -> Method:
         )
 
     name = method if dtype == jnp.float64 else f"{method}, float32"
+    name += ", one contact" if one else ""
     return Method(name, prepare, kind="method" if method == "exact" else "approximation")
 
 
@@ -140,6 +144,7 @@ def _problem(name: str, title: str, ratios: tuple[float, float], quick: bool) ->
             *(_ours(contacts, method, jnp.float64) for method in ("exact", *APPROXIMATIONS)),
             _ours(contacts, "exact", jnp.float32),
             _ours(contacts, "antoine", jnp.float32),
+            _ours(contacts, "exact", jnp.float64, one=True),
             _brentq(contacts, 200 if quick else 500),
             _elementwise(contacts),
         ],

@@ -45,11 +45,14 @@ def _weights(classes: int) -> np.ndarray:
 
 def _loads(load, gap, weights, tolerance):
     classes = len(weights)
-    hertz, tooth = (jnp.full((classes, 1), value) for value in (_HERTZ, _TOOTH))
+    dtype = load.dtype
+    hertz, tooth = (jnp.full((classes, 1), value, dtype) for value in (_HERTZ, _TOOTH))
     flanks = Flanks(gap, None, hertz, tooth)
-    screw, roller, nut = (jnp.full((_THREADS - 1,), value) for value in _SEGMENTS)
-    unit = jnp.ones(())
-    bare = Chains(jnp.asarray(weights), flanks, flanks, screw, roller, nut, unit, unit, 0 * unit)
+    screw, roller, nut = (jnp.full((_THREADS - 1,), value, dtype) for value in _SEGMENTS)
+    unit = jnp.ones((), dtype)
+    bare = Chains(
+        jnp.asarray(weights, dtype), flanks, flanks, screw, roller, nut, unit, unit, 0 * unit
+    )
     chains = with_units(bare, load=load)
     found = equilibrium(chains, load, tolerance=tolerance)
     forward, _ = chains.screw.loads(found.state.screw_approach, 0.0)
@@ -69,14 +72,19 @@ def _program(classes: int, tolerance: float, batch: int | None):
     return jax.jit(lambda load, gap: jax.lax.map(one, (load, gap), batch_size=batch))
 
 
-def _ours(instances: _Instances, classes: int, batch: int | None) -> Method:
+def _ours(
+    instances: _Instances, classes: int, batch: int | None, dtype: Any = jnp.float64
+) -> Method:
     def prepare(tolerance) -> Prepared:
         count = 1 if batch is None else len(instances.load)
-        inputs = jnp.asarray(instances.load[:count]), jnp.asarray(instances.gap[:count])
+        inputs = (jnp.asarray(x[:count], dtype) for x in (instances.load, instances.gap))
+        inputs = tuple(inputs)
         program = _program(classes, tolerance, batch)
         return Prepared(lambda: program(*inputs), count, lambda out: {_LABEL: out})
 
-    name = "one at a time" if batch is None else f"batch of {len(instances.load):,}"
+    name = "one at a time" if batch is None else "a batch"
+    if dtype == jnp.float32:
+        return Method(f"{name}, float32", prepare, (*_TOLERANCES[:1], 1e-5), "tolerance")
     return Method(name, prepare, _TOLERANCES, "tolerance")
 
 
@@ -230,6 +238,7 @@ def _problem(name: str, title: str, classes: int, batch: int, quick: bool) -> Pr
     methods = [
         _ours(instances, classes, chunk),
         _ours(instances, classes, None),
+        _ours(instances, classes, chunk, jnp.float32),
         _banded(instances, classes, 10 if quick else 50),
     ]
     if classes == 1:

@@ -28,15 +28,20 @@ def _named(radius, angle) -> dict[str, Any]:
 def _batched(
     name: str, designs: Designs, solve: Callable[..., object], *, first: Callable = lambda out: out,
     settings=(None,), setting_name: str = "", kind: Kind = "method", dtype=jnp.float64,
+    one: bool = False,
 ) -> Method:  # fmt: skip
     """A method that solves one thread, vmapped and jitted, with the setting traced."""
     jitted = jax.jit(lambda batch, *setting: jax.vmap(lambda t: solve(t, *setting))(batch))
 
     def prepare(setting):
         batch = threads(designs, dtype)
+        if one:
+            batch = jax.tree.map(lambda leaf: leaf[:1], batch)
         arguments = () if setting is None else (setting,)
         return Prepared(
-            lambda: jitted(batch, *arguments), len(designs.lead), lambda out: _named(*first(out))
+            lambda: jitted(batch, *arguments),
+            1 if one else len(designs.lead),
+            lambda out: _named(*first(out)),
         )
 
     return Method(name, prepare, settings, setting_name, kind)
@@ -190,6 +195,12 @@ def case(quick: bool) -> Case:
                 designs,
                 lambda t: _positions(mesh(t).screw),
                 dtype=jnp.float32,
+            ),
+            _batched(
+                "mesh, position only, one design",
+                designs,
+                lambda t: _positions(mesh(t).screw),
+                one=True,
             ),
             _batched(
                 "(x, y) form",

@@ -60,24 +60,37 @@ def _problem(
 ) -> Problem:
     mechanism = _mechanism()
 
-    def method(label: str, dtype) -> Method:
+    def method(label: str, dtype, batched: bool) -> Method:
         def prepare(_):
             base, inputs = to_precision(mechanism, dtype), jnp.asarray(designs, dtype)
-            jitted = jax.jit(jax.vmap(lambda design: solve(_moved(base, design))))
-            return Prepared(lambda: jitted(inputs), len(designs), lambda out: {quantity: out})
 
-        return Method(label, prepare)
+            def one(design):
+                return solve(_moved(base, design))
+
+            jitted = jax.jit(jax.vmap(one) if batched else one)
+            given = inputs if batched else inputs[0]
+
+            def read(out):
+                return {quantity: out if batched else np.asarray(out)[None]}
+
+            return Prepared(lambda: jitted(given), len(designs) if batched else 1, read)
+
+        return Method(f"{label}, {'a batch' if batched else 'one design'}", prepare)
 
     return Problem(
         name=name,
         title=f"{title}, float32 against float64",
         instance="design",
-        methods=[method("float64", jnp.float64), method("float32", jnp.float32)],
+        methods=[
+            method(label, dtype, batched)
+            for batched in (True, False)
+            for label, dtype in (("float64", jnp.float64), ("float32", jnp.float32))
+        ],
         reference=lambda: {
             quantity: Reference(np.array([expected(design) for design in designs[:compared]]))
         },
         reference_note=f"{reference_note}, {compared} designs",
-        baseline="float64",
+        baseline="float64, a batch",
     )
 
 

@@ -48,9 +48,16 @@ def _named(pressure, approach) -> dict[str, Any]:
     return dict(zip(_LABELS, (np.atleast_1d(pressure), np.atleast_1d(approach)), strict=True))
 
 
-def _ours(contacts: np.ndarray, name: str, tolerance: float, cells, together=False) -> Method:
-    axes = jnp.asarray(_semi_axes(contacts))
-    rows = jnp.asarray(contacts)
+def _ours(
+    contacts: np.ndarray,
+    name: str,
+    tolerance: float,
+    cells,
+    together=False,
+    dtype: Any = jnp.float64,
+) -> Method:
+    axes = jnp.asarray(_semi_axes(contacts), dtype)
+    rows = jnp.asarray(contacts, dtype)
 
     def prepare(count):
         def solve(row, half):
@@ -58,7 +65,7 @@ def _ours(contacts: np.ndarray, name: str, tolerance: float, cells, together=Fal
             x, y = grid.points
             gap = row[1] * x**2 + row[2] * y**2
             found = solve_contact(
-                grid, gap, jnp.asarray(_MODULUS), load=row[0], tolerance=tolerance
+                grid, gap, jnp.asarray(_MODULUS, dtype), load=row[0], tolerance=tolerance
             )
             return found.max_pressure, found.approach, found.iterations
 
@@ -141,6 +148,9 @@ def _problem(name: str, title: str, count: int, rivals: int, cells, target: floa
         _ours(contacts, "prsm_jax, tolerance 1e-4", 1e-4, cells),
         _ours(contacts, "prsm_jax, tolerance 1e-8", 1e-8, cells),
     ]
+    methods.append(
+        _ours(contacts, "prsm_jax, tolerance 1e-4, float32", 1e-4, cells, dtype=jnp.float32)
+    )
     if count > 1:
         methods.append(_ours(contacts, "prsm_jax, tolerance 1e-4, in lock step", 1e-4, cells, True))
     baseline, left_out = methods[1].name, {"tamaas": "the package tamaas is not installed"}

@@ -1,13 +1,13 @@
 """Transients: diffrax inside the package against SciPy's solvers, by tolerance."""
 
 import functools
-from typing import Literal
+from typing import Any, Literal
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from prsm_jax import Scenario, simulate
+from prsm_jax import Scenario, simulate, to_precision
 from prsm_jax.file import load
 
 from ..harness import Case, Method, Prepared, Problem, Reference
@@ -61,12 +61,12 @@ def _rival(name: str, chains, duration, solver, tolerances) -> Method:
 
 
 @functools.cache
-def _jitted(method: OurMethod, batched: bool, smooth: bool = False):
+def _jitted(method: OurMethod, batched: bool, smooth: bool = False, dtype: Any = jnp.float64):
     """`simulate` with speed, load, duration and tolerance traced: one compilation for all.
 
     With `smooth` friction is regularised, and its width stands in for the tolerance.
     """
-    coulomb = load(_MECHANISM)
+    coulomb = to_precision(load(_MECHANISM), dtype)
 
     def solve(speed, force, duration, rtol):
         mechanism = coulomb
@@ -92,10 +92,17 @@ def _jitted(method: OurMethod, batched: bool, smooth: bool = False):
     return jax.jit(lambda s, f, *rest: jax.tree.map(lambda x: x[None], solve(s[0], f[0], *rest)))
 
 
-def _ours(method: OurMethod, operations, duration, tolerances, smooth: bool = False) -> Method:
+def _ours(
+    method: OurMethod,
+    operations,
+    duration,
+    tolerances,
+    smooth: bool = False,
+    dtype: Any = jnp.float64,
+) -> Method:
     """The package's transient over a batch of operating points."""
-    speeds, loads = (jnp.asarray(column) for column in zip(*operations, strict=True))
-    jitted = _jitted(method, len(operations) > 1, smooth)
+    speeds, loads = (jnp.asarray(column, dtype) for column in zip(*operations, strict=True))
+    jitted = _jitted(method, len(operations) > 1, smooth, dtype)
 
     def prepare(rtol):
         def note(out):
@@ -103,13 +110,18 @@ def _ours(method: OurMethod, operations, duration, tolerances, smooth: bool = Fa
             few, many = int(steps.min()), int(steps.max())
             return f"{few} steps" if few == many else f"{few} to {many} steps"
 
-        given = 1e-8 if rtol is None else rtol
+        given = jnp.asarray(1e-8 if rtol is None else rtol, dtype)
         return Prepared(
-            lambda: jitted(speeds, loads, duration, given), len(operations), _named, note
+            lambda: jitted(speeds, loads, jnp.asarray(duration, dtype), given),
+            len(operations),
+            _named,
+            note,
         )
 
     name = "" if tolerances == (None,) else "width in m/s" if smooth else "rtol"
-    return Method(f"{method}, regularised" if smooth else method, prepare, tolerances, name)
+    label = f"{method}, regularised" if smooth else method
+    label += ", float32" if dtype == jnp.float32 else ""
+    return Method(label, prepare, tolerances, name)
 
 
 def _settle(quick: bool, count: int) -> Problem:
@@ -144,6 +156,8 @@ def _settle(quick: bool, count: int) -> Problem:
             _ours("rosenbrock", operations, duration, tolerances),
             _ours("implicit", operations, duration, tolerances),
             _ours("explicit", operations, duration, tolerances),
+            _ours("closed_form", operations, duration, (None,), dtype=jnp.float32),
+            _ours("rosenbrock", operations, duration, (1e-3, 1e-5), dtype=jnp.float32),
             *([_ours("rosenbrock", operations, duration, _WIDTHS, True)] if count == 1 else []),
             _rival("SciPy LSODA", some, duration, "LSODA", tolerances),
             _rival("SciPy Radau", some[:1], duration, "Radau", tolerances),

@@ -1,6 +1,7 @@
 """Largest Hertz pressure and efficiency of one stage in mpmath, from the exact flanks."""
 
 import mpmath
+import numpy as np
 
 from .hertz import hertz
 from .meshing import DIGITS, Design, MeshPoint, mesh_point
@@ -68,26 +69,55 @@ def largest_pressure(design: Design, axial_force, modulus) -> float:
 
 
 def forward_efficiency(design: Design, friction) -> float:
-    """Efficiency of one stage with Coulomb friction in its threads, screw driving.
+    """Efficiency of one stage with Coulomb friction in its threads, screw driving."""
+    with mpmath.workdps(DIGITS):
+        return float(_efficiency(design, friction))
+
+
+def efficiency_slopes(numbers, starts, friction) -> np.ndarray:
+    """Derivatives of that efficiency by lead, contact angle and roller radius.
+
+    By differences over a step that leaves 20 digits; the profile radius of the roller follows from
+    its radius and the contact angle.
+    """
+    with mpmath.workdps(DIGITS):
+        step = mpmath.mpf(10) ** (-DIGITS // 4)
+        slopes = []
+        for column in range(3):
+            ends = []
+            for sign in (1, -1):
+                lead, angle, radius = (
+                    mpmath.mpf(value) * (1 + sign * step * (place == column))
+                    for place, value in enumerate(map(float, numbers))
+                )
+                profile = radius / mpmath.cos(angle)
+                ends.append(_efficiency(Design(lead, starts, radius, angle, profile), friction))
+            slopes.append(
+                float((ends[0] - ends[1]) / (2 * step * mpmath.mpf(float(numbers[column]))))
+            )
+        return np.array(slopes)
+
+
+def _efficiency(design: Design, friction):
+    """As many digits as mpmath works with.
 
     `η = 1/(1 + 2π μ ‖v‖/(Ω L (1/Q − μ v_z/‖v‖)))`, `Q = √(1 + tan²α + tan²λ)` at the contact.
     """
-    with mpmath.workdps(DIGITS):
-        point, friction = mesh_point(design), mpmath.mpf(friction)
-        axial = mpmath.mpf(design.lead) / (2 * mpmath.pi)
-        flank = mpmath.pi / 2 - mpmath.mpf(design.contact_angle)
-        steepness = mpmath.tan(flank) ** 2 + (axial / point.screw_radius) ** 2
-        screw = (
-            -point.screw_radius * mpmath.sin(point.screw_angle),
-            point.screw_radius * mpmath.cos(point.screw_angle),
-        )
-        starts = mpmath.mpf(design.starts)
-        drive = (
-            screw[0] + starts * point.roller_radius * mpmath.sin(point.roller_angle),
-            screw[1] + starts * point.roller_radius * mpmath.cos(point.roller_angle),
-        )
-        ratio = (screw[0] * drive[0] + screw[1] * drive[1]) / (drive[0] ** 2 + drive[1] ** 2)
-        slip = (screw[0] - ratio * drive[0], screw[1] - ratio * drive[1], axial)
-        size = mpmath.sqrt(sum(component**2 for component in slip))
-        bracket = 1 / mpmath.sqrt(1 + steepness) - friction * axial / size
-        return float(1 / (1 + friction * size / (axial * bracket)))
+    point, friction = mesh_point(design), mpmath.mpf(friction)
+    axial = mpmath.mpf(design.lead) / (2 * mpmath.pi)
+    flank = mpmath.pi / 2 - mpmath.mpf(design.contact_angle)
+    steepness = mpmath.tan(flank) ** 2 + (axial / point.screw_radius) ** 2
+    screw = (
+        -point.screw_radius * mpmath.sin(point.screw_angle),
+        point.screw_radius * mpmath.cos(point.screw_angle),
+    )
+    starts = mpmath.mpf(design.starts)
+    drive = (
+        screw[0] + starts * point.roller_radius * mpmath.sin(point.roller_angle),
+        screw[1] + starts * point.roller_radius * mpmath.cos(point.roller_angle),
+    )
+    ratio = (screw[0] * drive[0] + screw[1] * drive[1]) / (drive[0] ** 2 + drive[1] ** 2)
+    slip = (screw[0] - ratio * drive[0], screw[1] - ratio * drive[1], axial)
+    size = mpmath.sqrt(sum(component**2 for component in slip))
+    bracket = 1 / mpmath.sqrt(1 + steepness) - friction * axial / size
+    return 1 / (1 + friction * size / (axial * bracket))

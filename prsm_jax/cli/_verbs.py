@@ -2,6 +2,7 @@
 
 from . import (
     _analyse as _analyse,
+    _bench as _bench,
     _contact as _contact,
     _demo as _demo,
     _design as _design,

@@ -1,0 +1,79 @@
+"""What to choose when, by case: words for an engineer; the numbers beside them are measured."""
+
+#: Order of the page, heading, and what to choose.
+CASES: dict[str, tuple[str, str]] = {
+    "hertz": (
+        "Hertz contact",
+        "Take `exact`, the default: a closed-form approximation saves next to nothing, and an "
+        "engineer has to know its range. `antoine` is as good as single precision for contacts "
+        "of roller screws. Call it for many contacts at once: a single call is mostly overhead of "
+        "Python and JAX.",
+    ),
+    "meshing": (
+        "Meshing",
+        "Take `prsm.mesh`. The closed forms are for starting values only. Where the position alone "
+        "is used, the compiler leaves normals and curvatures out by itself.",
+    ),
+    "frequencies": (
+        "Natural frequencies",
+        "Take `prsm.modal`: it uses symmetry where the mechanism has it. Map over some thousands "
+        "of designs at once, in chunks (`jax.lax.map` with `batch_size`) beyond that.",
+    ),
+    "many_designs": (
+        "Natural frequencies of very many designs",
+        "Take `distinct_frequencies` where each frequency is needed once, in chunks of one to four "
+        "thousand designs, and two devices where there are two cores.",
+    ),
+    "load_sharing": (
+        "Load distribution among threads and rollers",
+        "Take the default. A loose tolerance saves a few Newton steps of several, and costs "
+        "digits that a derivative needs. Batches in `jax.lax.map` with a `batch_size` of some "
+        "hundreds.",
+    ),
+    "rough_contact": (
+        "Contact of true surfaces (half-spaces)",
+        "The grid, not the tolerance, is the error: 64 × 64 cells for a per mille of the pressure, "
+        "128 × 128 (the default of `flank_contact`) for publication. A tolerance of 1e-4 is enough "
+        "for values, 1e-8 (the default) for derivatives.",
+    ),
+    "truncated_contact": (
+        "Ellipses cut by the crests of the threads",
+        "The closed laws (laminae, rounded edge) are for sweeps and optimisation; confirm the "
+        "final design by `flank_contact`.",
+    ),
+    "slip_and_spin": (
+        "Slip and spin in one ellipse",
+        "The rule with 32 points is the default and holds for any ellipse; 16 suffice up to "
+        "a/b = 5.",
+    ),
+    "transient": (
+        "Transients of one design",
+        'At constant speed and load `method="auto"` takes the closed form. Where it does not '
+        "apply, take RODASP (`rosenbrock`) at any tolerance; an explicit solver only for scenes "
+        "that are not stiff. Regularised friction is an approximation of the law, not of the "
+        "solution: its width sets the error.",
+    ),
+    "many_transients": (
+        "Transients of many designs",
+        "Map the closed form or the quasi-steady balance where they apply: pass "
+        "`method=prsm.choose_method(…).method`, because inside `vmap` no number is known and "
+        "RODASP is taken. Integrate only what has to be integrated, sorted by stiffness and in "
+        "chunks, since a batch takes as many steps as its slowest member.",
+    ),
+    "torque_runs": (
+        "Runs under a prescribed torque",
+        "Integrated carriers (the default) where the carriers matter; quasi-steady ones where "
+        "the error that they estimate themselves is small enough.",
+    ),
+    "gradients": (
+        "Derivatives",
+        "Take exact derivatives. Forward mode for a few parameters of several quantities, reverse "
+        "mode for one quantity of many parameters; `prsm.sensitivity` chooses. Differences cost as "
+        "much and never give more than about ten digits, at a step that has to be found.",
+    ),
+    "precision": (
+        "Single or double precision",
+        "Take double precision, the default. Single precision saves at most half of the time on a "
+        "processor, and eight digits are lost; for plots of millions of designs they may do.",
+    ),
+}
