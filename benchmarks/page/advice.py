@@ -17,7 +17,10 @@ CASES: dict[str, tuple[str, str]] = {
     "frequencies": (
         "Natural frequencies",
         "Take `prsm.modal`: it uses symmetry where the mechanism has it. Map over some thousands "
-        "of designs at once, in chunks (`jax.lax.map` with `batch_size`) beyond that.",
+        "of designs at once, in chunks (`jax.lax.map` with `batch_size`) beyond that. Without "
+        "symmetry the default (Jacobi) keeps the digits of small frequencies and is safe in "
+        "several threads; where the last three digits do not matter, values by LAPACK "
+        "through NumPy are faster.",
     ),
     "many_designs": (
         "Natural frequencies of very many designs",
@@ -69,7 +72,7 @@ CASES: dict[str, tuple[str, str]] = {
         "Derivatives",
         "Take exact derivatives. Forward mode for a few parameters of several quantities, reverse "
         "mode for one quantity of many parameters; `prsm.sensitivity` chooses. Differences cost as "
-        "much and never give more than about ten digits, at a step that has to be found.",
+        "much and never give more than eight to ten digits, at a step that has to be found.",
     ),
     "precision": (
         "Single or double precision",

@@ -37,9 +37,9 @@ def label_of(rows: list[dict[str, Any]]) -> str:
 def draw(problem: dict[str, Any], path: Path) -> Path | None:
     """Draw one problem; `None` where no row has an error.
 
-    Full markers are ours, hollow ones with dashed lines rivals; triangles that point right and
-    small markers do not differ in meaning. A ring is a default, a grey stair the front of ours in a
-    batch, a dotted one that of single calls.
+    Full markers are ours, hollow ones with dashed lines rivals. A ring is a default, a grey stair
+    the front of ours in a batch, a dotted one that of single calls. An error below 1e-17 stands
+    there.
     """
     from matplotlib.figure import Figure
     from matplotlib.ticker import LogLocator, NullFormatter
@@ -110,7 +110,7 @@ def draw(problem: dict[str, Any], path: Path) -> Path | None:
         axis.set_minor_formatter(NullFormatter())
     axes.set_xlabel(f"run time per {problem['instance']} [s]")
     axes.set_ylabel("largest relative error [1]")
-    axes.set_title(problem["title"], fontsize=11)
+    figure.suptitle(problem["title"], fontsize=11)
     axes.grid(which="major", color="0.88", linewidth=0.8)
     axes.set_axisbelow(True)
     figure.legend(handles=handles, loc="outside right upper", fontsize=8, frameon=False)

@@ -42,6 +42,8 @@ not in these times; see [](compile_time_and_batching.md).
 * The grey stair is the **front** of our own methods: none of ours is both faster (by more than
   {noise:.0%}, the noise of such times) and as accurate. Batches and single calls have a front each,
   for a batch costs less for each instance whatever is calculated.
+* In the tables the time is that of one instance in the way of calling that is fastest, mostly a
+  batch; a row holds up to the error of the row above it.
 * A rival that is not installed or failed is listed with the reason.
 """
 
@@ -90,7 +92,7 @@ def joined(folder: Path) -> dict[str, Any]:
 def _choices(problem: dict[str, Any]) -> list[str]:
     """For each error allowed the fastest of ours and of the rivals."""
     rows = problem["results"]
-    header = ["error allowed", "fastest of ours", "time", "fastest rival", "time", "ratio"]
+    header = ["error allowed", "fastest of ours", "time", "fastest rival", "time", "rival / ours"]
     lines = []
     before = None
     for limit in _LIMITS:
