@@ -10,7 +10,7 @@ DEMO_STAMP := $(VENV)/.installed-demo
 TEST_STAMP := $(VENV)/.installed-test
 WORKERS ?= 2
 
-.PHONY: help demo test versions lint bench docs notebooks clean
+.PHONY: help demo test versions lint bench guard docs notebooks clean
 
 help:
 	@echo "make demo       analyse and improve the actuator example into out/demo/"
@@ -18,6 +18,7 @@ help:
 	@echo "make versions   test the core paths with the lowest and the newest versions"
 	@echo "make lint       ruff and pyright"
 	@echo "make bench      error against run time, all cases: out/bench/, and the page in docs/"
+	@echo "make guard      compare errors and ratios of quick benchmarks with stored ones"
 	@echo "make docs       build the documentation into out/docs/"
 	@echo "make notebooks  rebuild the notebooks from their paired scripts"
 
@@ -57,6 +58,11 @@ lint: $(TEST_STAMP)
 
 bench: $(TEST_STAMP)
 	$(BIN)/prsm bench --out out/bench --docs docs
+
+# Exit status 1 where an error has grown tenfold or a ratio has halved; about two minutes.
+guard: $(TEST_STAMP)
+	$(BIN)/python -m benchmarks --quick --compare hertz meshing --out out/guard
+	$(BIN)/python -m benchmarks joint --quick
 
 docs: | $(BIN)/python
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[all,docs]'

@@ -3,18 +3,24 @@
 `python -m benchmarks extremes` is the matrix of extremes, with options of its own (`--help`), and
 `python -m benchmarks load` the growth of run time and memory with the size of what is asked, and
 `python -m benchmarks joint` what derivatives of several quantities together cost.
+
+`--quick --compare` compares errors and ratios with stored ones, and the exit status is 1 where one
+is worse; `--quick --store` renews what is stored.
 """
 
 import argparse
 import contextlib
+import json
 import os
 import sys
 import time
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import jax
 
+from . import guard
 from .cases import case_names, find_case
 from .harness import FULL, QUICK, SMOKE, Case, Problem, draw, survivors, write
 
@@ -41,9 +47,19 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     )
     parser.add_argument("--page", action="store_true", help="only the page: measure nothing")
     parser.add_argument("--list", action="store_true", help="name the cases and stop")
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument(
+        "--compare",
+        action="store_true",
+        help="with --quick: exit status 1 where an error is ten times the stored one or a speed "
+        "half of it; without names, every case that is stored",
+    )
+    what.add_argument("--store", action="store_true", help="with --quick: renew what is stored")
     arguments = parser.parse_args(argv)
     if arguments.page and arguments.docs is None:
         parser.error("--page needs --docs, the folder to write the page into")
+    if (arguments.compare or arguments.store) and not arguments.quick:
+        parser.error("stored numbers are those of the quick form: add --quick")
     unknown = sorted(set(arguments.cases) - set(case_names()))
     if unknown:
         parser.error(f"unknown case {', '.join(unknown)}; choose from {', '.join(case_names())}")
@@ -59,8 +75,8 @@ def _ends(problem: Problem) -> Problem:
     return replace(problem, methods=methods)
 
 
-def run(case: Case, folder: Path, *, quick: bool, smoke: bool = False) -> None:
-    """Measure one case and write its JSON, table and charts."""
+def run(case: Case, folder: Path, *, quick: bool, smoke: bool = False) -> dict[str, Any]:
+    """Measure one case and write its JSON, table and charts; returns what the JSON has."""
     measured = []
     for problem in case.problems:
         start = time.perf_counter()
@@ -72,6 +88,7 @@ def run(case: Case, folder: Path, *, quick: bool, smoke: bool = False) -> None:
         print(f"{case.name}: {problem.title}: {time.perf_counter() - start:.1f} s, {chart}")
     written = write(case, measured, folder, quick=quick)
     print(f"{case.name}: {', '.join(str(path) for path in written)}", flush=True)
+    return json.loads(written[0].read_text(encoding="utf-8"))
 
 
 def share_cores() -> None:
@@ -100,17 +117,25 @@ def main(argv: list[str] | None = None) -> int:
     if arguments.page:
         return _page(arguments)
     share_cores()
-    chosen = arguments.cases or case_names()
+    guarded = arguments.compare or arguments.store
+    chosen = arguments.cases or (stored_cases() if guarded else case_names())
     quick = arguments.quick or arguments.smoke
+    status = 0
     for name in chosen:
         case = find_case(name, quick=quick, smoke=arguments.smoke)
         if arguments.list:
             print(f"{case.name:12} {case.description}")
+        elif guarded:
+            status |= guard.guarded(
+                name,
+                lambda case=case: guard.numbers_of_case(run(case, arguments.out, quick=True)),
+                renew=arguments.store,
+            )
         else:
             run(case, arguments.out, quick=quick, smoke=arguments.smoke)
     if arguments.docs is not None and not arguments.list:
-        return _page(arguments)
-    return 0
+        status |= _page(arguments)
+    return status
 
 
 def _page(arguments: argparse.Namespace) -> int:
@@ -123,6 +148,11 @@ def _page(arguments: argparse.Namespace) -> int:
         return 2
     print(f"page: {', '.join(str(path) for path in written)}")
     return 0
+
+
+def stored_cases() -> list[str]:
+    """Cases that the guard has numbers of."""
+    return [name for name in case_names() if name in guard.read_stored()]
 
 
 if __name__ == "__main__":

@@ -7,30 +7,20 @@ from pathlib import Path
 from typing import Any
 
 import jax
-import numpy as np
 
+from ..guard import Numbers, guarded
 from ..harness import written_whole
 from ..harness.report import machine, versions
-from .measured import (
-    FOUR,
-    VARIABLES,
-    as_one,
-    central_differences,
-    designs_around,
-    error_of,
-    of_numbers,
-    quantity_names,
-    random_subsets,
-    reference_jacobian,
-    timed,
-)
+from .guard import LIMITS, numbers_of_joint
+from .measured import quantity_names, random_subsets
+from .page import tables, write_page
+from .rows import hessian, joint, joint_to_single
 
 #: What the toolkit is for: together, by lead, contact angle and roller radius.
 _THREE = ("efficiency", "max_pressure", "natural_frequencies")
 _SEED = 15
-#: Limits of the guard, far from noise: 58 and more than 400 s before the cure.
-_LARGEST_JOINT_RATIO = 6.0
-_LARGEST_HESSIAN_COMPILE = 200.0
+#: For how long the programs of a row are sampled in turn [s].
+_SECONDS, _QUICK_SECONDS = 1.0, 0.5
 
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
@@ -43,155 +33,100 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
         help="scalar quantities whose Hessian is compiled",
     )  # fmt: skip
     parser.add_argument(
-        "--quick", action="store_true", help="the guard: the three alone and one Hessian, limits"
+        "--quick",
+        action="store_true",
+        help="the guard: the three alone and one Hessian, compared with what is stored",
     )
+    parser.add_argument("--store", action="store_true", help="with --quick: renew what is stored")
     parser.add_argument("--out", type=Path, default=Path("out/benchmarks"), help="folder")
+    parser.add_argument(
+        "--resume", action="store_true", help="keep the rows that a run that was stopped has left"
+    )
+    parser.add_argument("--docs", type=Path, default=None, help="folder for the page and picture")
+    parser.add_argument(
+        "--page", type=Path, nargs="+", metavar="JSON", help="only the page, from these files"
+    )
     return parser.parse_args(argv)
 
 
-def joint(example: str, names: tuple[str, ...], count: int, seconds: float) -> dict[str, Any]:
-    """Value, Jacobians and differences of some quantities together, in one run."""
-    evaluate, centre = of_numbers(example, names)
-    together, designs = as_one(evaluate), designs_around(centre, count)
-    found = timed(
-        {
-            "value": evaluate,
-            "forward, as a dictionary": jax.jacfwd(evaluate),
-            "forward, concatenated": jax.jacfwd(together),
-            "central differences": central_differences(together, len(VARIABLES)),
-        },
-        designs,
-        seconds,
-    )
-    expected = reference_jacobian(together, designs[0])
-    value, *slopes = found.values()
-    dictionary, concatenated, differences = slopes
+def _begun(example: str, designs: int, kept: Path | None) -> dict[str, Any]:
+    """A document without rows, or with those of a run that was stopped.
+
+    **Raises:** `ValueError` if that run was of other designs.
+    """
+    if kept is not None and kept.exists():
+        document = json.loads(kept.read_text(encoding="utf-8"))
+        if (document["example"], document["designs"]) != (example, designs):
+            raise ValueError(
+                f"{kept} has {document['designs']} designs of {document['example']!r}, not "
+                f"{designs} of {example!r}: run without --resume, or with another --out"
+            )
+        return document
     return {
-        "quantities": list(names),
-        "microseconds": {name: 1e6 * sample.seconds for name, sample in found.items()},
-        "compile_s": {name: sample.compile_seconds for name, sample in found.items()},
-        "processor_s": {name: s.compile_processor_seconds for name, s in found.items()},
-        "over_value": {
-            "dictionary": dictionary.seconds / value.seconds,
-            "concatenated": concatenated.seconds / value.seconds,
-        },
-        "differences_over_forward": differences.seconds / concatenated.seconds,
-        "error_forward": error_of(np.asarray(concatenated.found[0]), expected),
-        "error_differences": error_of(np.asarray(differences.found[0]), expected),
-    }
-
-
-def hessian(example: str, name: str, count: int, seconds: float) -> dict[str, Any]:
-    """Hessian of a scalar quantity by four numbers, and its derivative in reverse mode."""
-    evaluate, centre = of_numbers(example, (name,), FOUR)
-
-    def scalar(numbers):
-        return evaluate(numbers)[name]
-
-    designs = designs_around(centre, count)
-    found = timed(
-        {
-            "value": scalar,
-            "reverse": jax.grad(scalar),
-            "forward over forward": jax.jacfwd(jax.jacfwd(scalar)),
-        },
-        designs,
-        seconds,
-    )
-    value, reverse, second = found.values()
-    expected = reference_jacobian(jax.jacfwd(scalar), designs[0])
-    return {
-        "quantity": name,
-        "compile_s": {key: sample.compile_seconds for key, sample in found.items()},
-        "processor_s": {key: s.compile_processor_seconds for key, s in found.items()},
-        "microseconds": {key: 1e6 * sample.seconds for key, sample in found.items()},
-        "reverse_over_value": reverse.seconds / value.seconds,
-        "hessian_over_value": second.seconds / value.seconds,
-        "error": error_of(np.asarray(second.found[0]), expected),
-    }
-
-
-def joint_to_single(example: str, names: tuple[str, ...], count: int, seconds: float) -> float:
-    """Time of one concatenated Jacobian over those of its parts one by one."""
-    evaluate, centre = of_numbers(example, names)
-    parts = {name: jax.jacfwd(as_one(of_numbers(example, (name,))[0])) for name in names}
-    found = timed(
-        {**parts, "together": jax.jacfwd(as_one(evaluate))}, designs_around(centre, count), seconds
-    )
-    return found["together"].seconds / sum(found[name].seconds for name in names)
-
-
-def tables(document: dict[str, Any]) -> str:
-    """The results as Markdown."""
-    lines = [
-        f"Designs of `{document['example']}`, {document['designs']} at once, by "
-        f"{', '.join(VARIABLES)}; times of a design.",
-        "",
-        "| quantities | value [µs] | Jacobian / value | concatenated / value "
-        "| differences / Jacobian | error | error of differences | compile [s] |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
-    lines += [
-        f"| {', '.join(row['quantities'])} | {row['microseconds']['value']:.2f} "
-        f"| {row['over_value']['dictionary']:.2f} | {row['over_value']['concatenated']:.2f} "
-        f"| {row['differences_over_forward']:.2f} | {row['error_forward']:.0e} "
-        f"| {row['error_differences']:.0e} | {row['compile_s']['forward, concatenated']:.1f} |"
-        for row in document["joint"]
-    ]
-    lines += [
-        "",
-        f"Second derivatives by {', '.join(FOUR)}.",
-        "",
-        "| quantity | value [µs] | reverse / value | Hessian / value | error | compile [s] |",
-        "|---|---|---|---|---|---|",
-    ]
-    lines += [
-        f"| {row['quantity']} | {row['microseconds']['value']:.2f} "
-        f"| {row['reverse_over_value']:.2f} | {row['hessian_over_value']:.1f} | {row['error']:.0e} "
-        f"| {row['compile_s']['forward over forward']:.1f} |"
-        for row in document["hessians"]
-    ]
-    return "\n".join(lines) + "\n"
-
-
-def main(argv: list[str] | None = None) -> int:
-    """Entry point; with `--quick` the exit status is 1 where a limit of the guard is passed."""
-    given = _arguments(argv)
-    seconds = 0.3 if given.quick else 1.0
-    subsets = [_THREE]
-    if not given.quick:
-        subsets += random_subsets(quantity_names(given.example), given.subsets, _SEED)
-    document: dict[str, Any] = {
-        "schema": 1,
+        "schema": 2,
         "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
         "machine": machine(),
         "versions": versions(),
-        "example": given.example,
-        "designs": given.designs,
+        "example": example,
+        "designs": designs,
         "joint": [],
         "hessians": [],
     }
-    for names in subsets:
-        document["joint"].append(joint(given.example, names, given.designs, seconds))
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Entry point; with `--quick` the exit status is 1 where the guard finds a number worse."""
+    given = _arguments(argv)
+    if given.page is not None:
+        parts = [json.loads(path.read_text(encoding="utf-8")) for path in given.page]
+        _said(write_page(parts, given.docs or given.out))
+        return 0
+    if given.quick:
+        return guarded(
+            f"joint {given.example}",
+            lambda: _quick(given.example, given.designs, given.hessians[0]),
+            LIMITS,
+            renew=given.store,
+        )
+    kept = given.out / f"joint-{given.example}.json"
+    document = _begun(given.example, given.designs, kept if given.resume else None)
+    subsets = [_THREE, *random_subsets(quantity_names(given.example), given.subsets, _SEED)]
+    done = {tuple(row["quantities"]) for row in document["joint"]}
+    for names in [one for one in subsets if one not in done]:
+        document["joint"].append(joint(given.example, names, given.designs, _SECONDS))
         print(f"joint: {', '.join(names)}: {document['joint'][-1]['over_value']}", flush=True)
-        _write(document, given.out)
+        _write(document, kept)
         jax.clear_caches()
-    for name in given.hessians[: 1 if given.quick else None]:
-        document["hessians"].append(hessian(given.example, name, given.designs, seconds))
-        _write(document, given.out)
+    done = {row["quantity"] for row in document["hessians"]}
+    for name in [one for one in given.hessians if one not in done]:
+        document["hessians"].append(hessian(given.example, name, given.designs, _SECONDS))
+        print(f"joint: Hessian of {name}: {document['hessians'][-1]['compile_s']}", flush=True)
+        _write(document, kept)
         jax.clear_caches()
     print(tables(document))
-    if not given.quick:
-        return 0
-    ratio = joint_to_single(given.example, _THREE, given.designs, seconds)
-    compiled = document["hessians"][0]["processor_s"]["forward over forward"]
-    print(f"together over one by one: {ratio:.2f} (limit {_LARGEST_JOINT_RATIO:g})")
-    print(f"processor time of compiling: {compiled:.0f} s (limit {_LARGEST_HESSIAN_COMPILE:g} s)")
-    return int(ratio > _LARGEST_JOINT_RATIO or compiled > _LARGEST_HESSIAN_COMPILE)
+    if given.docs is not None:
+        _said(write_page([document], given.docs))
+    return 0
 
 
-def _write(document: dict[str, Any], folder: Path) -> None:
-    with written_whole(folder / "joint.json") as temporary:
+def _quick(example: str, designs: int, of_hessian: str) -> Numbers:
+    """One measurement for the guard, printed."""
+    row = joint(example, _THREE, designs, _QUICK_SECONDS)
+    second = hessian(example, of_hessian, designs, _QUICK_SECONDS)
+    together = joint_to_single(example, _THREE, designs, _QUICK_SECONDS)
+    found = numbers_of_joint(row, second, together)
+    for name, value in {**found.errors, **found.ratios, **found.costs}.items():
+        print(f"{name}: {value:.3g}", flush=True)
+    jax.clear_caches()
+    return found
+
+
+def _said(paths: list[Path]) -> None:
+    print(f"joint: {', '.join(str(path) for path in paths)}")
+
+
+def _write(document: dict[str, Any], path: Path) -> None:
+    with written_whole(path) as temporary:
         temporary.write_text(json.dumps(document, indent=1, ensure_ascii=False), encoding="utf-8")
-    with written_whole(folder / "joint.md") as temporary:
+    with written_whole(path.with_suffix(".md")) as temporary:
         temporary.write_text(tables(document), encoding="utf-8")

@@ -72,6 +72,16 @@ def as_one(evaluate: Callable[[jax.Array], Mapping[str, jax.Array]]):
     return lambda numbers: jnp.concatenate([jnp.ravel(v) for v in evaluate(numbers).values()])
 
 
+def with_value(function: Callable[[jax.Array], Any]) -> Callable[[jax.Array], tuple[Any, Any]]:
+    """Jacobian in forward mode, and the value, which a user wants as well."""
+
+    def both(numbers):
+        value = function(numbers)
+        return value, value
+
+    return jax.jacfwd(both, has_aux=True)
+
+
 def central_differences(function: Callable[[jax.Array], jax.Array], size: int):
     """Jacobian by differences of the values at two points for each number, in one batch."""
 

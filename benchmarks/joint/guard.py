@@ -1,0 +1,42 @@
+"""What the guard of the joint derivatives compares, and its limits."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from ..guard import Numbers
+
+_TOGETHER = "Jacobian together over one by one"
+_HESSIAN = "Hessian: processor time of compiling [s]"
+
+#: Far from noise. With a concatenation that is computed anew for each of its elements the first
+#: three were 400, 400 and 58, and the Hessian did not compile within 400 s. The time of compiling
+#: is the only number here that is not a ratio of times of one run.
+LIMITS = {
+    "Jacobian over value, dictionary": 5.0,
+    "Jacobian over value, concatenated": 5.0,
+    _TOGETHER: 4.0,
+    "differences over Jacobian": 1.5,
+    "reverse over value": 6.0,
+    "Hessian over value": 60.0,
+    _HESSIAN: 150.0,
+}
+
+
+def numbers_of_joint(row: Mapping[str, Any], second: Mapping[str, Any], together: float) -> Numbers:
+    """The numbers of one subset, one Hessian, and the subset against its parts one by one."""
+    return Numbers(
+        errors={
+            "error of the Jacobian, dictionary": row["error_dictionary"],
+            "error of the Jacobian, concatenated": row["error_forward"],
+            "error of the Hessian": second["error"],
+        },
+        ratios={"differences over Jacobian": row["differences_over_forward"]},
+        costs={
+            "Jacobian over value, dictionary": row["over_value"]["dictionary"],
+            "Jacobian over value, concatenated": row["over_value"]["concatenated"],
+            _TOGETHER: together,
+            "reverse over value": second["reverse_over_value"],
+            "Hessian over value": second["hessian_over_value"],
+            _HESSIAN: second["processor_s"]["forward over forward"],
+        },
+    )

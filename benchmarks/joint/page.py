@@ -1,0 +1,153 @@
+"""The tables of joint derivatives, and `docs/joint_derivatives.md` from the runs' own JSON."""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ..harness import written_whole
+from .measured import FOUR, VARIABLES
+from .picture import draw
+
+_HEAD = """\
+# Derivatives of several quantities together
+
+This page is written by `python -m benchmarks joint --page FILES --docs docs`. It does not change
+by hand.
+
+Natural frequencies, efficiency and contact pressure are wanted together, with their derivatives.
+The first row of each table has these three, every other row a random subset of two to six
+quantities. All is computed for a batch of designs within a thousandth of the example, by one
+program under `jax.jit` and `jax.vmap`, with derivatives by {variables}:
+
+* the **value** alone;
+* **dictionary**: value and Jacobian, by `jax.jacfwd` of a function that returns a dictionary;
+* **concatenated**: the same of a function that concatenates the quantities to one array;
+* **differences**: central differences of the values.
+
+Run times are the best of samples that were taken in turn in one run, so ratios of them count.
+Errors are relative to the largest derivative of each number, at one design, against differences of
+sixth order. Those have an error of their own, 1e-12 to 1e-8: errors of Jacobians are no larger than
+what the tables say.
+"""
+
+_WHY = """\
+XLA for CPUs evaluates what a concatenation or a stack consumes anew for each of its elements.
+Before the cure, the Jacobian of the first row of the actuator took 724 µs a design when
+concatenated and 10 µs as a dictionary. Parts of the physics now run in branches of a condition
+(`numerics.apart`), into which XLA does not fuse what follows.
+
+A Jacobian by three numbers needs three derivatives of each operation beside the operation itself,
+and central differences six values. Where the value iterates, the derivative at the root does not,
+and the ratio is near 1; shear stresses below the surface are an example. The subsets that miss the
+goal are those whose value is a single pass of closed forms, a fraction of a microsecond: there a
+ratio of 4 is what counting operations leads to expect, and differences cost less than two
+Jacobians.
+"""
+
+
+def _goals(document: Mapping[str, Any]) -> list[str]:
+    """Lines that count how often each goal is met."""
+    rows, seconds = document["joint"], document["hessians"]
+    counted: list[tuple[str, Sequence[Any], Callable[[Any], bool]]] = [
+        ("dictionary at most 3 values", rows, lambda row: row["over_value"]["dictionary"] <= 3),
+        ("concatenated at most 3 values", rows, lambda row: row["over_value"]["concatenated"] <= 3),
+        (
+            "concatenated at most 1.5 times the dictionary",
+            rows,
+            lambda row: row["over_value"]["concatenated"] <= 1.5 * row["over_value"]["dictionary"],
+        ),
+        (
+            "differences at least 2 times the concatenated Jacobian",
+            rows,
+            lambda row: row["differences_over_forward"] >= 2,
+        ),
+        (
+            "error below a tenth of that of differences",
+            rows,
+            lambda row: row["error_forward"] < 0.1 * row["error_differences"],
+        ),
+        ("reverse mode at most 5 values", seconds, lambda row: row["reverse_over_value"] <= 5),
+        ("Hessian at most 40 values", seconds, lambda row: row["hessian_over_value"] <= 40),
+        (
+            "Hessian compiled within 15 s",
+            seconds,
+            lambda row: row["compile_s"]["forward over forward"] <= 15,
+        ),
+    ]
+    return [
+        f"| {name} | `{document['example']}` | {sum(map(met, of))} of {len(of)} |"
+        for name, of, met in counted
+    ]
+
+
+def tables(document: Mapping[str, Any]) -> str:
+    """The results of one example as Markdown."""
+    lines = [
+        f"Designs of `{document['example']}`, {document['designs']} at once, by "
+        f"{', '.join(VARIABLES)}; times of a design.",
+        "",
+        "| quantities | value [µs] | dictionary / value | concatenated / value "
+        "| differences / concatenated | error, dictionary | error, concatenated "
+        "| error, differences | compile [s] |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    lines += [
+        f"| {', '.join(row['quantities'])} | {row['microseconds']['value']:.2f} "
+        f"| {row['over_value']['dictionary']:.2f} | {row['over_value']['concatenated']:.2f} "
+        f"| {row['differences_over_forward']:.2f} | {row['error_dictionary']:.0e} "
+        f"| {row['error_forward']:.0e} | {row['error_differences']:.0e} "
+        f"| {row['compile_s']['forward, concatenated']:.1f} |"
+        for row in document["joint"]
+    ]
+    lines += [
+        "",
+        f"Second derivatives by {', '.join(FOUR)}.",
+        "",
+        "| quantity | value [µs] | reverse / value | Hessian / value | error | compile [s] "
+        "| processor time of compiling [s] |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    lines += [
+        f"| {row['quantity']} | {row['microseconds']['value']:.2f} "
+        f"| {row['reverse_over_value']:.2f} | {row['hessian_over_value']:.1f} | {row['error']:.0e} "
+        f"| {row['compile_s']['forward over forward']:.1f} "
+        f"| {row['processor_s']['forward over forward']:.1f} |"
+        for row in document["hessians"]
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def write_page(documents: Sequence[Mapping[str, Any]], folder: Path) -> list[Path]:
+    """Write the page and its picture.
+
+    **Arguments:**
+
+    - `documents`: what `joint-<example>.json` has, one of each example.
+    - `folder`: that of the documentation.
+
+    **Returns:** their paths.
+    """
+    picture = draw(documents, folder / "images" / "joint_derivatives.png")
+    machine = documents[0]["machine"]
+    lines = [_HEAD.format(variables=", ".join(name.replace("_", " ") for name in VARIABLES))]
+    lines += ["## Goals", "", "| goal | example | met |", "|---|---|---|"]
+    by_example = [_goals(document) for document in documents]
+    lines += [line for goal in zip(*by_example, strict=True) for line in goal]
+    lines += [
+        "",
+        "![Jacobians and differences over the value](images/joint_derivatives.png)",
+        "",
+        _WHY,
+    ]
+    for document in documents:
+        lines += [f"## `{document['example']}`", "", tables(document)]
+    lines += [
+        f"On {machine['cores']} cores of a busy machine ({machine['processor']}), "
+        f"{documents[0]['date'][:10]}. On a busy machine the seconds of compiling are too large.",
+        "",
+    ]
+    page = folder / "joint_derivatives.md"
+    with written_whole(page) as temporary:
+        temporary.write_text("\n".join(lines), encoding="utf-8")
+        temporary.chmod(0o644)
+    return [page, picture]
