@@ -8,9 +8,6 @@ from ..harness.report import machine
 from .compared import Numbers, compare, conservative, recurring
 from .stored import STORED, read_stored, store
 
-#: A number by the clock fails if it fails as often as this, one measurement after another.
-_MEASUREMENTS = 3
-
 
 def guarded(
     name: str,
@@ -18,6 +15,7 @@ def guarded(
     limits: Mapping[str, float] | None = None,
     *,
     renew: bool = False,
+    measurements: int = 3,
     path: Path = STORED,
 ) -> int:
     """Compare a benchmark with its stored numbers, or store them; prints what fails.
@@ -29,13 +27,14 @@ def guarded(
     - `name`: that of the benchmark in the file.
     - `measured`: measures it once.
     - `limits`: as in `compare`.
-    - `renew`: store the worst of three measurements and compare nothing.
+    - `renew`: store the worst of all measurements and compare nothing.
+    - `measurements`: a number by the clock fails if it fails in as many, one after another.
     - `path`: the file.
 
     **Returns:** exit status: 1 where a number fails or none is stored.
     """
     if renew:
-        store(name, conservative([measured() for _ in range(_MEASUREMENTS)]), path)
+        store(name, conservative([measured() for _ in range(measurements)]), path)
         print(f"{name}: stored in {path}")
         return 0
     known = read_stored(path)
@@ -45,7 +44,7 @@ def guarded(
     stored, cores = known[name]
     clock = machine()["cores"] >= cores
     failures = compare(stored, measured(), limits, clock=clock)
-    for _ in range(_MEASUREMENTS - 1):
+    for _ in range(measurements - 1):
         if not any(one.timed for one in failures):
             break
         failures = recurring(failures, compare(stored, measured(), limits))

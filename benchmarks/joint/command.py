@@ -87,6 +87,8 @@ def main(argv: list[str] | None = None) -> int:
             lambda: _quick(given.example, given.designs, given.hessians[0]),
             LIMITS,
             renew=given.store,
+            # The limits are far from noise, and a measurement takes minutes.
+            measurements=1 if given.store else 2,
         )
     kept = given.out / f"joint-{given.example}.json"
     document = _begun(given.example, given.designs, kept if given.resume else None)

@@ -26,6 +26,8 @@ class Sample(NamedTuple):
 
     compile_seconds: float
     compile_processor_seconds: float
+    #: Of the compiled program; the same on every machine with the same XLA.
+    instructions: int
     #: Best time of a design [s].
     seconds: float
     found: Any
@@ -110,12 +112,13 @@ def timed(
     functions: Mapping[str, Callable], designs: jax.Array, seconds: float
 ) -> dict[str, Sample]:
     """Compile each function for a batch and sample them in turn; times are those of a design."""
-    compiled, compiling = {}, {}
+    compiled, compiling, instructions = {}, {}, {}
     for name, function in functions.items():
         lowered = jax.jit(jax.vmap(function)).lower(designs)
         wall, processor = time.perf_counter(), time.process_time()
         compiled[name] = lowered.compile()
         compiling[name] = time.perf_counter() - wall, time.process_time() - processor
+        instructions[name] = compiled[name].as_text().count(" = ")
     found = {name: jax.block_until_ready(run(designs)) for name, run in compiled.items()}
     best = dict.fromkeys(compiled, np.inf)
     begin = time.perf_counter()
@@ -127,7 +130,7 @@ def timed(
         if time.perf_counter() - begin > seconds:
             break
     return {
-        name: Sample(wall, processor, best[name] / len(designs), found[name])
+        name: Sample(wall, processor, instructions[name], best[name] / len(designs), found[name])
         for name, (wall, processor) in compiling.items()
     }
 

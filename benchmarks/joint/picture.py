@@ -24,7 +24,7 @@ def ratios(document: Mapping[str, Any]) -> dict[str, list[float]]:
 
 
 def draw(documents: Sequence[Mapping[str, Any]], path: Path) -> Path:
-    """A panel for each example as a PNG.
+    """A panel for each example of which there are several subsets, as a PNG.
 
     **Arguments:**
 
@@ -34,7 +34,8 @@ def draw(documents: Sequence[Mapping[str, Any]], path: Path) -> Path:
     from matplotlib.figure import Figure
     from matplotlib.ticker import FixedLocator, NullLocator, ScalarFormatter
 
-    figure = Figure(figsize=(5.5 * len(documents), 4.6), dpi=110, layout="constrained")
+    documents = [one for one in documents if len(one["joint"]) > 1] or documents
+    figure = Figure(figsize=(max(8.0, 5.5 * len(documents)), 4.6), dpi=110, layout="constrained")
     panels = figure.subplots(1, len(documents), squeeze=False, sharey=True)[0]
     lines = []
     for axes, document in zip(panels, documents, strict=True):
@@ -45,7 +46,9 @@ def draw(documents: Sequence[Mapping[str, Any]], path: Path) -> Path:
             lines += axes.plot(places, values, marker, color=colour, label=name, markersize=5)
         lines.append(axes.axhline(_GOAL, color="0.4", ls="--", lw=1, label="three values"))
         axes.set(title=document["example"], yscale="log", xlabel="subset of quantities, sorted")
-        axes.yaxis.set_major_locator(FixedLocator([0.5, 1, 2, 3, 5, 10, 20, 50, 100]))
+        axes.yaxis.set_major_locator(
+            FixedLocator([0.5, 1, 1.5, 2, 3, 4, 6, 8, 10, 20, 50, 100, 500])
+        )
         axes.yaxis.set_major_formatter(ScalarFormatter())
         axes.yaxis.set_minor_locator(NullLocator())
         axes.grid(which="major", color="0.9", linewidth=0.8)

@@ -50,6 +50,7 @@ def joint(example: str, names: tuple[str, ...], count: int, seconds: float) -> d
         "microseconds": {name: 1e6 * sample.seconds for name, sample in found.items()},
         "compile_s": {name: sample.compile_seconds for name, sample in found.items()},
         "processor_s": {name: s.compile_processor_seconds for name, s in found.items()},
+        "instructions": {name: s.instructions for name, s in found.items()},
         "over_value": {
             "dictionary": dictionary.seconds / value.seconds,
             "concatenated": concatenated.seconds / value.seconds,
@@ -87,6 +88,7 @@ def hessian(example: str, name: str, count: int, seconds: float) -> dict[str, An
         "quantity": name,
         "compile_s": {key: sample.compile_seconds for key, sample in found.items()},
         "processor_s": {key: s.compile_processor_seconds for key, s in found.items()},
+        "instructions": {key: s.instructions for key, s in found.items()},
         "microseconds": {key: 1e6 * sample.seconds for key, sample in found.items()},
         "reverse_over_value": reverse.seconds / value.seconds,
         "hessian_over_value": second.seconds / value.seconds,

@@ -44,6 +44,7 @@ def test_programs_are_sampled_for_the_whole_batch():
     designs = jnp.asarray([[1.3, 0.7], [1.0, 2.0], [0.4, 0.1]])
     found = timed({"slopes": jax.jacfwd(as_one(_evaluate))}, designs, 0.0)["slopes"]
     assert found.seconds > 0
+    assert found.instructions > 5
     np.testing.assert_allclose(found.found[1], _jacobian(np.array([1.0, 2.0])), rtol=1e-14)
 
 
@@ -106,6 +107,8 @@ def test_the_table_has_the_numbers_of_the_document():
     row = "| efficiency, max_pressure | 1.23 | 2.50 | 2.75 | 3.25 | 1e-09 | 2e-09 | 8e-08 | 12.5 |"
     assert row in text
     assert "| efficiency | 0.50 | 1.50 | 21.0 | 4e-09 | 19.5 | 23.5 |" in text
+    assert "subsets measured: 2." in text
+    assert "Second derivatives" not in tables({**_document(), "hessians": []})
 
 
 def test_what_is_drawn_is_over_the_value_and_sorted():
