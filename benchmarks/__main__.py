@@ -2,7 +2,10 @@
 
 `python -m benchmarks extremes` is the matrix of extremes, with options of its own (`--help`), and
 `python -m benchmarks load` the growth of run time and memory with the size of what is asked, and
-`python -m benchmarks joint` what derivatives of several quantities together cost.
+`python -m benchmarks joint` what derivatives of several quantities together cost,
+`python -m benchmarks parts` what each optional part of each example costs,
+`python -m benchmarks programs` how long programs take to compile and to run, and
+`python -m benchmarks startup` the time from a command to its answer.
 
 `--quick --compare` compares errors and ratios with stored ones, and the exit status is 1 where one
 is worse; `--quick --store` renews what is stored.
@@ -113,6 +116,18 @@ def main(argv: list[str] | None = None) -> int:
         from .joint.command import main as joint
 
         return joint(given[1:])
+    if given[:1] == ["parts"]:
+        from .parts.command import main as parts
+
+        return parts(given[1:])
+    if given[:1] == ["programs"]:
+        from .programs.command import main as programs
+
+        return programs(given[1:])
+    if given[:1] == ["startup"]:
+        from .startup.command import main as startup
+
+        return startup(given[1:])
     arguments = _arguments(argv)
     if arguments.page:
         return _page(arguments)

@@ -1,0 +1,1 @@
+"""What each optional part of each example costs: `python -m benchmarks parts`."""

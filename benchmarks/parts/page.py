@@ -1,0 +1,100 @@
+"""`docs/parts.md`: what each optional part costs, from its own run."""
+
+from pathlib import Path
+from typing import Any
+
+from ..harness import written_whole
+from ..load.page import row_of
+
+_HEAD = """\
+# What each part costs
+
+This page is written by `python -m benchmarks parts --docs docs`. It does not change by hand.
+
+Of each example, each optional part that its file has: the program with the part and without it,
+both in the same process. **Equations** are those of the traced program that the numbers of the
+result need, loops once. **Flops** and **bytes** accessed are counted by XLA in the compiled
+program, loops once. **Memory** is what XLA reserves for results and intermediate numbers.
+**Compiling** is processor time, **run** the shortest run by the clock. A part that a program does
+not read has the same program without it; it is named beneath the table. Programs with the same
+number of equations are not compiled twice. `prsm explain FILE --time` does the same for a file of
+your own.
+"""
+_MEASURES = ("equations", "flops", "bytes", "memory_bytes", "compile_s", "run_s")
+
+
+def _cell(measure: str, value: float | None) -> str:
+    if value is None:
+        return ""
+    if measure == "compile_s":
+        return f"{value:.2f} s"
+    if measure == "run_s":
+        return f"{1e6 * value:.0f} µs"
+    if measure == "memory_bytes":
+        return f"{value / 1e3:.1f} kB"
+    return f"{value:,.0f}"
+
+
+def _of(example: dict[str, Any]) -> list[str]:
+    if example["error"]:
+        return [f"Not measured: {example['error']}.", ""]
+    heads = ["program", "without", "equations", "flops", "bytes", "memory", "compiling", "run"]
+    lines, unread, needed = [row_of(heads), row_of(["---"] * len(heads))], {}, {}
+    reasons = []
+    for program in example["programs"]:
+        name = program["name"]
+        if program["error"]:
+            reasons.append(f"No {name.replace('_', ' ')}: {program['error']}.")
+            continue
+        whole = [_cell(m, program[m]) for m in _MEASURES]
+        lines.append(row_of([name, "**nothing**", *whole]))
+        for part in example["parts"]:
+            cost = part["costs"][name]
+            if cost["needed"]:
+                needed.setdefault(name, []).append(part["name"])
+            elif cost["equations"] == 0:
+                unread.setdefault(name, []).append(part["name"])
+            else:
+                label = part["name"] + (f" ({part['law']})" if part["law"] else "")
+                cells = [_cell(m, cost[f"{m}_without"]) for m in _MEASURES]
+                lines.append(row_of([name, label, *cells]))
+    lines.append("")
+    for title, found in (("The same without", unread), ("Not possible without", needed)):
+        for name, parts in found.items():
+            lines += [f"{title}, {name.replace('_', ' ')}: {', '.join(parts)}.", ""]
+    return [*lines, *reasons, ""]
+
+
+def tables(examples: list[dict[str, Any]]) -> str:
+    """The measurements as Markdown, one table for an example."""
+    lines = []
+    for example in examples:
+        lines += [f"## {example['example']}", "", *_of(example)]
+    return "\n".join(lines)
+
+
+def write_page(document: dict[str, Any], folder: Path) -> Path:
+    """Write the page.
+
+    **Arguments:**
+
+    - `document`: what `parts.json` has.
+    - `folder`: that of the documentation.
+
+    **Returns:** its path.
+    """
+    machine, page = document["machine"], folder / "parts.md"
+    measured = (
+        f"On a busy machine of {_number(machine['cores'])} cores ({machine['processor']}), "
+        f"{document['date'][:10]}.\n"
+    )
+    with written_whole(page) as temporary:
+        temporary.write_text(
+            "\n".join([_HEAD, measured, tables(document["examples"])]).rstrip() + "\n",
+            encoding="utf-8",
+        )
+    return page
+
+
+def _number(cores: int) -> str:
+    return {1: "one", 2: "two", 4: "four"}.get(cores, str(cores))

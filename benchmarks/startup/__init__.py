@@ -1,0 +1,1 @@
+"""Time from a command to its answer, and where it goes: `python -m benchmarks startup`."""

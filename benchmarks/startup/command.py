@@ -1,0 +1,150 @@
+"""`python -m benchmarks startup`: time from command to answer, cold and warm; JSON, page."""
+
+import argparse
+import datetime
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+from ..harness import written_whole
+from ..harness.report import machine, versions
+from .child import ORDER
+from .page import tables, write_page
+
+_CHILD = Path(__file__).with_name("child.py")
+#: Each verb, without pictures.
+COMMANDS: dict[str, tuple[str, ...]] = {
+    "steady": ("steady", "wu2022"),
+    "modal": ("modal", "wu2022"),
+    "check": ("check", "wu2022"),
+    "contact": ("contact", "wu2022"),
+    "response": ("response", "wu2022", "--points", "200"),
+    "campbell": ("campbell", "wu2022"),
+    "simulate": ("simulate", "wu2022"),
+    "sensitivity": ("sensitivity", "wu2022"),
+    "explain": ("explain", "wu2022"),
+    "optimise": ("optimise", "actuator", "--starts", "1"),
+    "quantities": ("quantities",),
+    "example": ("example", "wu2022"),
+}
+_IMPORT = "import jax, diffrax"
+#: A command that takes longer is given up [s].
+_LIMIT = 300.0
+
+
+def _arguments(argv: list[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks startup", description=__doc__)
+    parser.add_argument("verbs", nargs="*", help=f"which verbs, of {', '.join(COMMANDS)}")
+    parser.add_argument("--rounds", type=int, default=3, help="warm runs of each")
+    parser.add_argument("--add", action="store_true", help="keep other verbs of an earlier run")
+    parser.add_argument(
+        "--out", type=Path, default=Path("out/benchmarks"), help="folder for the results"
+    )
+    parser.add_argument("--docs", type=Path, default=None, help="folder for the page")
+    parser.add_argument("--page", type=Path, metavar="JSON", help="only the page, from this file")
+    given = parser.parse_args(argv)
+    unknown = sorted(set(given.verbs) - set(COMMANDS))
+    if unknown:
+        parser.error(f"unknown verb {', '.join(unknown)}; choose from {', '.join(COMMANDS)}")
+    return given
+
+
+def _run(words: list[str], folder: Path | None) -> tuple[float, float, float, int]:
+    """When it began, wall and processor seconds of a process, and its status."""
+    environment = {**os.environ, "PRSM_JAX_CACHE": "" if folder is None else str(folder)}
+    before = os.times()
+    started, begin = time.time(), time.perf_counter()
+    done = subprocess.run(
+        [sys.executable, *words],
+        env=environment,
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        timeout=_LIMIT,
+        check=False,
+        cwd=None if folder is None else folder.parent,
+    )
+    wall, after = time.perf_counter() - begin, os.times()
+    used = after.children_user + after.children_system
+    processor = used - before.children_user - before.children_system
+    return started, wall, processor, done.returncode
+
+
+def command_row(words: tuple[str, ...], folder: Path) -> dict[str, Any]:
+    """One run of a command: wall and processor seconds, and where the wall seconds went.
+
+    **Arguments:**
+
+    - `words`: after `prsm`.
+    - `folder`: of the stored programs.
+    """
+    report = folder.parent / "report.json"
+    report.unlink(missing_ok=True)
+    started, wall, processor, status = _run([str(_CHILD), str(report), *words], folder)
+    told = json.loads(report.read_text(encoding="utf-8"))
+    interpreter = told["began"] - started
+    parts = {f"{name}_s": told[name] for name in ORDER}
+    return {
+        "wall_s": wall,
+        "processor_s": processor,
+        "status": status,
+        "interpreter_s": interpreter,
+        **parts,
+        "rest_s": wall - interpreter - sum(parts.values()),
+    }
+
+
+def _verb(name: str, rounds: int) -> dict[str, Any]:
+    """A verb cold, then warm, each warm run beside one of the imports alone."""
+    words, row = COMMANDS[name], {"verb": name, "command": " ".join(COMMANDS[name])}
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place) / "programs"
+        folder.mkdir()
+        try:
+            row["cold"] = command_row(words, folder)
+            warm, alone = [], []
+            for _ in range(rounds):
+                _, wall, processor, _ = _run(["-c", _IMPORT], None)
+                alone.append({"wall_s": wall, "processor_s": processor})
+                warm.append(command_row(words, folder))
+        except subprocess.TimeoutExpired:
+            return {**row, "error": f"not done in {_LIMIT:g} s"}
+    best = min(warm, key=lambda one: one["processor_s"])
+    imports = min(alone, key=lambda one: one["processor_s"])
+    ratio = best["processor_s"] / imports["processor_s"]
+    return {**row, "warm": best, "imports": imports, "over_imports": ratio, "error": None}
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Entry point; the exit status is 1 where a command did not end."""
+    given = _arguments(argv)
+    if given.page is not None:
+        document = json.loads(given.page.read_text(encoding="utf-8"))
+        print(f"startup: {write_page(document, given.docs or given.out)}")
+        return 0
+    path = given.out / "startup.json"
+    rows: dict[str, Any] = {}
+    if given.add and path.exists():
+        rows = {r["verb"]: r for r in json.loads(path.read_text(encoding="utf-8"))["verbs"]}
+    document: dict[str, Any] = {}
+    for name in given.verbs or COMMANDS:
+        rows[name] = _verb(name, given.rounds)
+        print(f"{name}: {rows[name].get('over_imports')}", flush=True)
+        document = {
+            "schema": 1,
+            "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+            "machine": machine(),
+            "versions": versions(),
+            "verbs": [rows[name] for name in COMMANDS if name in rows],
+        }
+        with written_whole(path) as temporary:
+            text = json.dumps(document, indent=1, ensure_ascii=False)
+            temporary.write_text(text, encoding="utf-8")
+    print(tables(document["verbs"]))
+    if given.docs is not None:
+        print(f"startup: {write_page(document, given.docs)}")
+    return int(any(row["error"] for row in document["verbs"]))

@@ -1,0 +1,61 @@
+"""`docs/startup.md`: from command to answer, from its own run."""
+
+from pathlib import Path
+from typing import Any
+
+from ..harness import written_whole
+from ..load.page import row_of
+
+_HEAD = """\
+# From command to answer
+
+This page is written by `python -m benchmarks startup --docs docs`. It does not change by hand.
+
+Each verb runs in a process of its own, without pictures: **cold** with an empty folder of stored
+programs, **warm** with what the run before left there. **Processor** seconds are those of all
+threads; other work on the machine lengthens them less than **wall** seconds. Wall seconds are
+divided: starting the interpreter, imports, tracing, lowering, compiling (warm: reading what is
+stored), and the rest, which is reading the file, running, printing and the end of the process.
+**Over imports** is the processor time of the warm run over that of `import jax, diffrax` alone,
+which runs in turn with it.
+"""
+_PARTS = ("wall", "processor", "interpreter", "imports", "tracing", "lowering", "compiling", "rest")
+
+
+def tables(verbs: list[dict[str, Any]]) -> str:
+    """The measurements as Markdown."""
+    heads = ["command", "", *(f"{part} [s]" for part in _PARTS), "over imports"]
+    lines = [row_of(heads), row_of(["---"] * len(heads))]
+    for row in verbs:
+        if row["error"]:
+            lines.append(row_of([row["command"], row["error"], *[""] * (len(heads) - 2)]))
+            continue
+        for kind in ("cold", "warm"):
+            cells = [f"{row[kind][f'{part}_s']:.2f}" for part in _PARTS]
+            ratio = f"{row['over_imports']:.2f}" if kind == "warm" else ""
+            lines.append(row_of([f"`prsm {row['command']}`", kind, *cells, ratio]))
+    return "\n".join([*lines, ""])
+
+
+def write_page(document: dict[str, Any], folder: Path) -> Path:
+    """Write the page.
+
+    **Arguments:**
+
+    - `document`: what `startup.json` has.
+    - `folder`: that of the documentation.
+
+    **Returns:** its path.
+    """
+    machine, page = document["machine"], folder / "startup.md"
+    cores = {1: "one core", 2: "two cores"}.get(machine["cores"], f"{machine['cores']} cores")
+    alone = [row["imports"]["processor_s"] for row in document["verbs"] if not row["error"]]
+    measured = (
+        f"On a busy machine of {cores} ({machine['processor']}), {document['date'][:10]}. "
+        f"`import jax, diffrax` alone took {min(alone):.2f} to {max(alone):.2f} s of processor.\n"
+    )
+    with written_whole(page) as temporary:
+        temporary.write_text(
+            "\n".join([_HEAD, measured, tables(document["verbs"])]), encoding="utf-8"
+        )
+    return page
