@@ -16,9 +16,10 @@ from cyclopts import Parameter
 
 from .._files import make_folder, whole_file
 from .._plain_text import markdown
-from ..findings import check
+from ..findings import check, check_from, check_margins, source_count
 from ..geometry import Finding
 from ..mechanism import Mechanism, get_parameter
+from ._programs import run_stored, runs_one_verb
 from ._progress import clear, doing, expect_programs
 from ._tables import TextTable, terminal_width
 from ._targets import check_folder, check_json
@@ -75,14 +76,19 @@ class Common(Output):
         self.check_targets()
         mechanism = load(source)
         # Every verb that analyses a mechanism ends with `checked`.
-        expect_programs("check_margins")
+        expect_programs("call" if runs_one_verb() else "check_margins")
         return apply_settings(mechanism, self.settings) if self.settings else mechanism
 
 
 def checked(mechanism: Mechanism) -> tuple[Finding, ...]:
     """What `check` finds; the terminal says so, since its program takes long to compile."""
     doing("checking the design")
-    return check(mechanism)
+    if not runs_one_verb():
+        return check(mechanism)
+    # A source of margins that is added asks for another program.
+    name = f"check_margins {source_count()}"
+    values = run_stored(name, check_margins, mechanism, announced=True)
+    return check_from(mechanism, values)
 
 
 def plain(value: Any) -> Any:

@@ -4,14 +4,13 @@ import json
 import sys
 import time
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import equinox as eqx
 from cyclopts import Parameter
 
 from ..optimise import optimise
 from ..quantities import assumptions
-from ..report import ReportData
 from ..sensitivity import sensitivity
 from ._analyse import steady_results, told
 from ._app import app
@@ -24,12 +23,15 @@ from ._progress import clear, doing, expect_programs, tell
 from ._simulate import transient_results
 from ._tables import terminal_width
 
+if TYPE_CHECKING:
+    from ..report import ReportData
+
 _DEFAULT = Common()
 # Searching for the largest stress is slow step by step.
 _contact_results = eqx.filter_jit(contact_results)
 
 
-def _all_results(data: ReportData) -> dict[str, Any]:
+def _all_results(data: "ReportData") -> dict[str, Any]:
     """What the verbs contact, modal, steady and simulate give, as far as it was analysed."""
     results: dict[str, Any] = {}
     if data.meshings is not None and data.contacts is not None:

@@ -34,9 +34,30 @@ def _key(name: str, leaves: list, structure: Any) -> str:
     return hashlib.sha256(repr(parts).encode()).hexdigest()
 
 
+_one_verb = False
+
+
+def run_one_verb() -> None:
+    """Say that this process runs one verb and ends: no program is called a second time."""
+    global _one_verb
+    _one_verb = True
+
+
+def runs_one_verb() -> bool:
+    """Whether this process runs one verb and ends, so that stored programs serve it better.
+
+    A process that goes on keeps the programs that it has traced itself.
+    """
+    return _one_verb
+
+
 def run_stored(
-    name: str, function: Callable[[Mechanism], dict[str, Any]], mechanism: Mechanism
-) -> dict[str, Any]:
+    name: str,
+    function: Callable[[Mechanism], Any],
+    mechanism: Mechanism,
+    *,
+    announced: bool = False,
+) -> Any:
     """Evaluate `function(mechanism)` compiled, keeping the lowered program for the next run.
 
     **Arguments:**
@@ -45,8 +66,10 @@ def run_stored(
     - `function`: a pure function of the mechanism to a dictionary of arrays (dictionaries and
       lists inside are fine).
     - `mechanism`: the mechanism.
+    - `announced`: whether the line of progress counts on it already.
     """
-    expect_programs("call")
+    if not announced:
+        expect_programs("call")
     folder = jax.config.jax_compilation_cache_dir  # type: ignore[attr-defined]
     try:
         import flatbuffers  # noqa: F401

@@ -5,6 +5,8 @@ Does it fit together, can it be made, does it last, and do its numbers make sens
 
 from ._check import (
     check as check,
+    check_from as check_from,
+    check_margins as check_margins,
     margin_findings as margin_findings,
     stiffness_findings as stiffness_findings,
     strength_findings as strength_findings,

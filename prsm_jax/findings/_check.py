@@ -5,7 +5,7 @@ import functools
 import equinox as eqx
 
 from ..geometry import Finding
-from ..mechanism import Mechanism, of_one_known_design
+from ..mechanism import Mechanism, Scalar, of_one_known_design
 from ..quantities import Analysis
 from . import _fit, _locking, _preferred, _stiffness, _strength, _truncation
 from ._margin import Margin, evaluate_margins, findings_of, margins_of, source_count
@@ -19,10 +19,12 @@ DECLARED_IN = (_fit, _preferred, _stiffness, _locking, _strength, _truncation)
 @functools.cache
 def _compiled(_sources: int):
     # A source that is added later asks for another program.
-    def check_margins(mechanism: Mechanism):
-        return evaluate_margins(Analysis(mechanism))
-
     return eqx.filter_jit(check_margins)
+
+
+def check_margins(mechanism: Mechanism) -> list[dict[str, Scalar] | None]:
+    """Values of all margins: what `check` computes, as a pure function for a program of its own."""
+    return evaluate_margins(Analysis(mechanism))
 
 
 def margin_findings(mechanism: Mechanism) -> tuple[tuple[Margin, Finding], ...]:
@@ -63,13 +65,24 @@ def check(mechanism: Mechanism) -> tuple[Finding, ...]:
 
     **Returns:** the findings, stage by stage.
     """
-    values = _plain(_compiled(source_count())(mechanism))
-    found = [finding for _, finding in findings_of(mechanism, values)]
+    return check_from(mechanism, _compiled(source_count())(mechanism))
+
+
+def check_from(mechanism: Mechanism, values: list[dict[str, Scalar] | None]) -> tuple[Finding, ...]:
+    """As `check`, from values of its margins that are known already.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism, with concrete numbers.
+    - `values`: what `check_margins` gives.
+    """
+    known = _plain(values)
+    found = [finding for _, finding in findings_of(mechanism, known)]
     found += mass_findings(mechanism)
     found += _stiffness.shaft_findings(mechanism)
     plays = {
         margin.stage: numbers["value"]
-        for margin, numbers in zip(margins_of(mechanism), values, strict=True)
+        for margin, numbers in zip(margins_of(mechanism), known, strict=True)
         if margin.name == "backlash" and numbers is not None
     }
     found += _strength.agreements(mechanism, plays)
