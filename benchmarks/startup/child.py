@@ -15,7 +15,7 @@ import time
 _BEGAN = time.time()
 _COMPILED, _LOWERED, _IMPORTED, _TRACED = "compiling", "lowering", "imports", "tracing"
 #: Of two intervals that overlap the earlier of these names counts.
-ORDER = (_COMPILED, _LOWERED, _IMPORTED, _TRACED)
+ORDER: tuple[str, ...] = (_COMPILED, _LOWERED, _IMPORTED, _TRACED)
 _EVENTS = {
     "/jax/core/compile/jaxpr_trace_duration": _TRACED,
     "/jax/core/compile/jaxpr_to_mlir_module_duration": _LOWERED,
@@ -37,7 +37,8 @@ def divided(intervals: list[tuple[float, float, str]]) -> dict[str, float]:
         + [(end, -1, kind) for _, end, kind in intervals],
         key=lambda change: change[0],
     )
-    running, at = dict.fromkeys(ORDER, 0), 0
+    running: dict[str, int] = dict.fromkeys(ORDER, 0)
+    at = 0
     for now, then in itertools.pairwise(moments):
         while at < len(changes) and changes[at][0] <= now:
             running[changes[at][2]] += changes[at][1]

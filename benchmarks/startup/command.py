@@ -100,7 +100,8 @@ def command_row(words: tuple[str, ...], folder: Path) -> dict[str, Any]:
 
 def _verb(name: str, rounds: int) -> dict[str, Any]:
     """A verb cold, then warm, each warm run beside one of the imports alone."""
-    words, row = COMMANDS[name], {"verb": name, "command": " ".join(COMMANDS[name])}
+    words = COMMANDS[name]
+    row: dict[str, Any] = {"verb": name, "command": " ".join(words)}
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place) / "programs"
         folder.mkdir()

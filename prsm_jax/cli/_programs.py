@@ -1,18 +1,24 @@
-"""Traced programs kept between runs, so that a warm start only has to import JAX.
+"""Compiled programs kept between runs, so that a warm start only has to import JAX.
 
 JAX's own cache saves compiling but not tracing and lowering, which for a steady state take as long
-as importing JAX. Here the lowered program is kept as well, under a key that changes with anything
-it depends on: the mechanism's structure, this package's files, JAX and the platform.
+as importing JAX. Here the compiled program is kept under a key that is known without tracing, and
+changes with anything that it depends on: the mechanism's structure, this package's files, JAX, its
+flags, and the processor.
 """
 
 import contextlib
 import hashlib
-from collections.abc import Callable
+import os
+import pickle
+import platform
+from collections.abc import Callable, Iterator
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import equinox as eqx
 import jax
+from jax.experimental import serialize_executable
 
 from .._files import whole_file
 from ..mechanism import Mechanism
@@ -28,9 +34,19 @@ def _fingerprint() -> str:
     return repr(stats)
 
 
+def _processor() -> str:
+    """What machine code may rely on: kind of processor, and its instructions where known."""
+    told = []
+    with contextlib.suppress(OSError), open("/proc/cpuinfo", encoding="utf-8") as file:
+        told = [next(line for line in file if line.startswith(("flags", "Features")))]
+    return repr((platform.machine(), platform.processor(), told))
+
+
 def _key(name: str, leaves: list, structure: Any) -> str:
     shapes = [(leaf.shape, str(leaf.dtype)) for leaf in leaves]
-    parts = (name, jax.__version__, jax.default_backend(), shapes, str(structure), _fingerprint())
+    made_by = (jax.__version__, version("jaxlib"), jax.default_backend())
+    flags = os.environ.get("XLA_FLAGS", ""), os.environ.get("EQX_ON_ERROR", "")
+    parts = (name, made_by, flags, _processor(), shapes, str(structure), _fingerprint())
     return hashlib.sha256(repr(parts).encode()).hexdigest()
 
 
@@ -58,7 +74,7 @@ def run_stored(
     *,
     announced: bool = False,
 ) -> Any:
-    """Evaluate `function(mechanism)` compiled, keeping the lowered program for the next run.
+    """Evaluate `function(mechanism)` compiled, keeping the program for the next run.
 
     **Arguments:**
 
@@ -71,27 +87,38 @@ def run_stored(
     if not announced:
         expect_programs("call")
     folder = jax.config.jax_compilation_cache_dir  # type: ignore[attr-defined]
-    try:
-        import flatbuffers  # noqa: F401
-        from jax import export
-    except ModuleNotFoundError:
-        folder = None
     if not folder:
         return eqx.filter_jit(function)(mechanism)
-
     leaves, structure = jax.tree.flatten(mechanism)
     path = Path(folder) / "programs" / _key(name, leaves, structure)
-    exported = None
-    # A program that was changed, or from a JAX that cannot read it, is simply made again.
+    # A program that was changed, or that this JAX cannot run, is simply made again.
+    with contextlib.suppress(Exception):
+        kept = serialize_executable.deserialize_and_load(*pickle.loads(_read(path)))
+        return jax.block_until_ready(kept(*leaves))
+
+    def call(*numbers):
+        return function(jax.tree.unflatten(structure, numbers))
+
+    with _not_in_the_cache_of_jax():
+        program = jax.jit(call).lower(*leaves).compile()
+    with contextlib.suppress(Exception):
+        _write(path, pickle.dumps(serialize_executable.serialize(program)))
+    return program(*leaves)
+
+
+@contextlib.contextmanager
+def _not_in_the_cache_of_jax() -> Iterator[None]:
+    """Compile without leaving anything in JAX's own folder.
+
+    A program that was read from there lacks some of its functions when it is written again.
+    """
+    name = "jax_persistent_cache_min_compile_time_secs"
+    before = getattr(jax.config, name)
+    jax.config.update(name, float("inf"))
     try:
-        exported = export.deserialize(bytearray(_read(path)))
-    except Exception:
-        exported = None
-    if exported is None:
-        program = jax.jit(lambda *numbers: function(jax.tree.unflatten(structure, numbers)))
-        exported = export.export(program)(*leaves)
-        _write(path, bytes(exported.serialize()))
-    return jax.jit(exported.call)(*leaves)
+        yield
+    finally:
+        jax.config.update(name, before)
 
 
 def _write(path: Path, data: bytes) -> None:

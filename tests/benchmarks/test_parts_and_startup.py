@@ -2,10 +2,15 @@
 
 import json
 
+import numpy as np
 import pytest
 
+import prsm_jax as prsm
 from benchmarks.parts import page as parts_page
 from benchmarks.parts.command import main as parts
+from benchmarks.programs import page as programs_page
+from benchmarks.programs.command import measured
+from benchmarks.programs.functions import VARIABLES, program
 from benchmarks.startup import page as startup_page
 from benchmarks.startup.child import divided
 from benchmarks.startup.command import COMMANDS
@@ -96,3 +101,62 @@ def test_startup_cells_and_verbs(tmp_path):
     text = startup_page.write_page(document, tmp_path).read_text()
     assert "On a busy machine of two cores (x), 2026-01-02." in text
     assert {"steady", "modal", "simulate", "sensitivity", "optimise", "check"} <= set(COMMANDS)
+
+
+def _row(**changes):
+    row = {
+        "example": "wu2022", "function": "modal", "kind": "value", "batch": 1,
+        "equations": 2042, "trace_s": 0.5, "lower_s": 0.25, "compile_s": 3.0, "flops": 4045.0,
+        "run_s": 49e-6, "finite": True, "error": None,
+    }  # fmt: skip
+    return row | changes
+
+
+def test_program_cells_and_ratios(tmp_path):
+    failed = _row(kind="hessian", error="not done in 9 s")
+    lines = programs_page.tables([_row(), failed, _row(finite=False)]).splitlines()
+    begin = "| wu2022 | modal | value | 1 | 2,042 | 0.50 s | 0.25 s | 3.00 s | 4.04e+03 | 49 µs"
+    assert lines[2] == f"{begin} |"
+    assert lines[3].startswith("| wu2022 | modal | hessian | 1 | not done in 9 s |")
+    assert lines[4] == f"{begin} (not finite) |"
+    old = {"programs": [_row(compile_s=6.0, equations=4084, run_s=98e-6), failed]}
+    text = programs_page.compared({"programs": [_row(), failed]}, old)
+    assert "| wu2022 modal value 1 | 0.50 | 0.50 | 1.00 | 0.50 |" in text
+    assert "All compile times: 3.0 s over 6.0 s." in text
+    document = {"machine": {"cores": 2, "processor": "x"}, "date": "2026-01-02T", **old}
+    page = programs_page.write_page(document, tmp_path).read_text()
+    assert "On a busy machine of two cores (x), 2026-01-02." in page
+    assert "li2020_two_stage steady_state" in page.partition("Not in this run: ")[2]
+
+
+@pytest.mark.slow
+def test_a_program_and_one_that_there_is_not():
+    row = measured("li2020_two_stage", "max_pressure", "value", 1, 200.0)
+    assert row["error"] is None
+    assert row["equations"] > 10
+    assert row["finite"]
+    assert row["run_s"] > 0
+    row = measured("li2020_two_stage", "rating_life", "value", 1, 200.0)
+    assert row["equations"] is None
+    assert "quantity 'rating_life'" in row["error"]
+
+
+def test_programs_are_derivatives_of_what_they_say():
+    from prsm_jax.mechanism import set_parameters
+
+    one = prsm.load("li2020_two_stage")
+    slope, numbers = program("li2020_two_stage", "max_pressure", "gradient", 1)
+    batch, many = program("li2020_two_stage", "max_pressure", "value", 100)
+    assert many.shape == (100, 3)
+
+    def value(moved):
+        return prsm.compute(
+            set_parameters(one, dict(zip(VARIABLES, moved, strict=True))), ["max_pressure"]
+        )["max_pressure"]
+
+    step = np.array([1e-5, 0, 0]) * numbers
+    difference = (value(numbers + step) - value(numbers - step)) / (2 * step[0])
+    assert slope(numbers)[0] == pytest.approx(float(difference), rel=1e-6)
+    assert batch(many)[0][3] == pytest.approx(float(value(many[3])), rel=1e-12)
+    with pytest.raises(ValueError, match="no scalar"):
+        program("wu2022", "check", "hessian", 1)

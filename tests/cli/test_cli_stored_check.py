@@ -11,7 +11,7 @@ from prsm_jax.cli import _common, _programs
 @pytest.fixture
 def one_verb(monkeypatch, tmp_path):
     """As in a process of its own, with an empty folder of stored programs."""
-    before = jax.config.jax_compilation_cache_dir
+    before = getattr(jax.config, "jax_compilation_cache_dir")  # noqa: B009
     monkeypatch.setattr(_programs, "_one_verb", True)
     jax.config.update("jax_compilation_cache_dir", str(tmp_path))
     yield tmp_path / "programs"

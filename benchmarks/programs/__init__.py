@@ -1,0 +1,1 @@
+"""How long programs take to compile and to run: `python -m benchmarks programs`."""

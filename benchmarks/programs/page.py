@@ -1,0 +1,89 @@
+"""`docs/programs.md`: compile and run times of programs, from their own run."""
+
+from pathlib import Path
+from typing import Any
+
+from ..harness import written_whole
+from ..load.page import row_of
+from .functions import EXAMPLES, FUNCTIONS
+
+_HEAD = """\
+# Compiling
+
+This page is written by `python -m benchmarks programs --docs docs`. It does not change by hand.
+
+Each row is a program in a process of its own, by lead, contact angle and roller radius of the first
+stage: the value of a function, the gradient of a scalar of its result in reverse mode (of a
+function without one the Jacobian of all its numbers, forward), and the Hessian of the scalar; for
+one design, and for 100 at once under `jax.vmap`. **Equations** are those of the traced program,
+loops once. **Tracing**, **lowering** and **compiling** are processor time; **run** is the shortest
+by the clock, of one design. A program that fails or takes too long is a row with its reason.
+"""
+_RATIOS = ("equations", "compile_s", "flops", "run_s")
+
+
+def tables(rows: list[dict[str, Any]]) -> str:
+    """The measurements as Markdown."""
+    heads = ["example", "function", "", "designs", "equations", "tracing", "lowering", "compiling"]
+    heads += ["flops", "run"]
+    lines = [row_of(heads), row_of(["---"] * len(heads))]
+    for row in rows:
+        cells = [row["example"], row["function"], row["kind"], str(row["batch"])]
+        if row["error"]:
+            lines.append(row_of([*cells, row["error"].replace("|", "\\|"), *[""] * 5]))
+            continue
+        cells += [f"{row['equations']:,}"]
+        cells += [f"{row[key]:.2f} s" for key in ("trace_s", "lower_s", "compile_s")]
+        flops = "" if row["flops"] is None else f"{row['flops']:.3g}"
+        run = f"{1e6 * row['run_s']:.3g} µs" + ("" if row["finite"] else " (not finite)")
+        lines.append(row_of([*cells, flops, run]))
+    return "\n".join([*lines, ""])
+
+
+def compared(new: dict[str, Any], old: dict[str, Any]) -> str:
+    """Ratios of a run to an older one, program by program, and of all compile times together."""
+
+    def by_key(document):
+        keys = ("example", "function", "kind", "batch")
+        return {tuple(r[k] for k in keys): r for r in document["programs"] if not r["error"]}
+
+    before, after = by_key(old), by_key(new)
+    both = [key for key in after if key in before]
+    heads = ["program", *_RATIOS]
+    lines = ["New over old:", "", row_of(heads), row_of(["---"] * len(heads))]
+    for key in both:
+        pairs = [(after[key][name], before[key][name]) for name in _RATIOS]
+        ratios = [f"{a / b:.2f}" if a and b else "" for a, b in pairs]
+        lines.append(row_of([" ".join(map(str, key)), *ratios]))
+    sums = [sum(rows[key]["compile_s"] for key in both) for rows in (after, before)]
+    if sums[1]:
+        lines += ["", f"All compile times: {sums[0]:.1f} s over {sums[1]:.1f} s."]
+    return "\n".join([*lines, ""])
+
+
+def _missing(rows: list[dict[str, Any]]) -> str:
+    run = {(row["example"], row["function"]) for row in rows}
+    lacking = [f"{e} {f}" for e in EXAMPLES for f in FUNCTIONS if (e, f) not in run]
+    return f"Not in this run: {', '.join(lacking)}.\n" if lacking else ""
+
+
+def write_page(document: dict[str, Any], folder: Path) -> Path:
+    """Write the page.
+
+    **Arguments:**
+
+    - `document`: what `programs.json` has.
+    - `folder`: that of the documentation.
+
+    **Returns:** its path.
+    """
+    machine, rows = document["machine"], document["programs"]
+    cores = {1: "one core", 2: "two cores"}.get(machine["cores"], f"{machine['cores']} cores")
+    measured = f"On a busy machine of {cores} ({machine['processor']}), {document['date'][:10]}.\n"
+    longest = sorted((r for r in rows if not r["error"]), key=lambda r: -r["compile_s"])[:10]
+    parts = [_HEAD, measured, "## The longest to compile\n", tables(longest), "## All\n"]
+    page = folder / "programs.md"
+    with written_whole(page) as temporary:
+        text = "\n".join([*parts, tables(rows), _missing(rows)]).rstrip() + "\n"
+        temporary.write_text(text, encoding="utf-8")
+    return page
