@@ -15,10 +15,10 @@ Of each example, each optional part that its file has: the program with the part
 both in the same process. **Equations** are those of the traced program that the numbers of the
 result need, loops once. **Flops** and **bytes** accessed are counted by XLA in the compiled
 program, loops once. **Memory** is what XLA reserves for results and intermediate numbers.
-**Compiling** is processor time, **run** the shortest run by the clock. A part that a program does
-not read has the same program without it; it is named beneath the table. Programs with the same
-number of equations are not compiled twice. `prsm explain FILE --time` does the same for a file of
-your own.
+**Compiling** is processor time, **run** the shortest run by the clock. A part whose absence leaves
+the number of equations as it is, since the program does not read it or has a 0 in its place, is
+named beneath the table. Programs with the same number of equations are not compiled twice.
+`prsm explain FILE --time` does the same for a file of your own.
 """
 _MEASURES = ("equations", "flops", "bytes", "memory_bytes", "compile_s", "run_s")
 
