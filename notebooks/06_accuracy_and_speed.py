@@ -52,18 +52,25 @@ for (case, problem), row in rows:
 
 
 # %%
+COLOURS = [f"C{index}" for index in (0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1)]
+MARKERS = "osD^vPX<>*hd"
+
+
 def chart(case, problem):
     """Largest error over run time, one marker for each setting; a ring is a default."""
     found = problems[case, problem]
     figure = Figure(figsize=(8.5, 4.2), layout="constrained")
     axes = figure.subplots()
-    for name in dict.fromkeys(row["method"] for row in found["results"]):
+    names = dict.fromkeys(row["method"] for row in found["results"])
+    for name, colour, marker in zip(names, COLOURS, MARKERS, strict=False):
         rows = [r for r in found["results"] if r["method"] == name and r["largest_error"]]
         rival = any(row["kind"] == "rival" for row in rows)
         axes.plot(
             [row["best_s"] for row in rows],
             [row["largest_error"] for row in rows],
-            "o--" if rival else "o-",
+            color=colour,
+            marker=marker,
+            linestyle="--" if rival else "-",
             fillstyle="none" if rival else "full",
             label=name + (" (rival)" if rival else ""),
         )

@@ -62,9 +62,9 @@ class Size:
 _FULL = Size(
     10_000, 100, 2000, 9984, 96, 50, 1.0, _TOLERANCES, _TOLERANCES[2:5], (1e-4, 1e-6, 1e-8)
 )
-_SMALL = Size(200, 50, 100, 192, 24, 5, 1.0, _QUICK, _QUICK, (1e-6,))
+_SMALL = Size(200, 50, 100, 192, 24, 5, 1.0, _QUICK, (*_QUICK, 1e-8), (1e-6,))
 #: Whether everything runs: one reversal, and as many designs as chunks need.
-_LEAST = Size(8, 4, 4, 8, 4, 1, 0.11, _QUICK, _QUICK, (1e-6,))
+_LEAST = Size(8, 4, 4, 8, 4, 1, 0.11, _QUICK, (*_QUICK, 1e-8), (1e-6,))
 
 
 class Scene:

@@ -141,18 +141,24 @@ def case(quick: bool) -> Case:
         [
             _problem(
                 "screws",
-                "a/b 1 to 1.5, ω a/v 0.05 to 0.5 (screw side)",
+                "Slip and spin, a/b 1 to 1.5, ω a/v 0.05 to 0.5 (screw side)",
                 (1.0, 1.5),
                 (0.05, 0.5),
                 quick,
             ),
             _problem(
                 "flanks",
-                "a/b 1 to 5, ω a/v 0.01 to 100",
+                "Slip and spin, a/b 1 to 5, ω a/v 0.01 to 100",
                 (1.0, 5.0),
                 (0.01, 100.0),
                 quick,
             ),
-            _problem("wide", "a/b 1 to 50, ω a/v 0.01 to 100", (1.0, 50.0), (0.01, 100.0), quick),
+            _problem(
+                "wide",
+                "Slip and spin, a/b 1 to 50, ω a/v 0.01 to 100",
+                (1.0, 50.0),
+                (0.01, 100.0),
+                quick,
+            ),
         ],
     )

@@ -35,9 +35,9 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "rough_contact": (
         "Contact of true surfaces (half-spaces)",
-        "The grid, not the tolerance, is the error: 64 × 64 cells for a per mille of the pressure, "
-        "128 × 128 (the default of `flank_contact`) for publication. A tolerance of 1e-4 is enough "
-        "for values, 1e-8 (the default) for derivatives.",
+        "The grid, not the tolerance, is the error of values: twice as many cells along a side cut "
+        "it to a quarter. 32 × 32 cells give a design its pressure to a per mille; `flank_contact` "
+        "has 128 × 128. A tolerance of 1e-4 is enough for values.",
     ),
     "truncated_contact": (
         "Ellipses cut by the crests of the threads",
@@ -76,7 +76,29 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "precision": (
         "Single or double precision",
-        "Take double precision, the default. Single precision saves at most half of the time on a "
-        "processor, and eight digits are lost; for plots of millions of designs they may do.",
+        "Take double precision, the default. In a batch on a processor single precision takes "
+        "between a third and all of its time, and eight digits are lost; for maps of millions of "
+        "designs those that are left may do.",
     ),
+}
+
+#: Why a default is what it is although something else is faster on a chart, by case and method.
+REASONS: dict[tuple[str, str], str] = {
+    ("many_designs", "distinct"): "Two devices have to be asked for before JAX starts.",
+    ("rough_contact", "prsm_jax, tolerance 1e-8"): (
+        "The error left is that of the grid, which single precision and a loose tolerance do not "
+        "change; on a finer grid they do."
+    ),
+    (
+        "slip_and_spin",
+        "rule",
+    ): "The default has to hold for long ellipses too: see the next charts.",
+    ("many_transients", "RODASP"): (
+        "Inside `vmap` no number is known, so that RODASP is taken; pass what `prsm.choose_method` "
+        "gives outside."
+    ),
+    (
+        "many_transients",
+        "RODASP, at once",
+    ): "How to cut a batch into chunks is for the user to say.",
 }

@@ -30,8 +30,8 @@ def is_ours(row: Row) -> bool:
 def dominating(row: Row, rows: Sequence[Row]) -> Row | None:
     """The fastest row of ours that is faster than this one and as accurate; `None` on the front.
 
-    Single calls compare with single calls, batches with batches. A row without an error is
-    nowhere on the front.
+    Faster by more than the noise, or as fast and twice as accurate. Single calls compare with
+    single calls, batches with batches. A row without an error is nowhere on the front.
     """
     error = error_of(row)
     better = []
@@ -41,8 +41,9 @@ def dominating(row: Row, rows: Sequence[Row]) -> Row | None:
             continue
         if is_single(other) != is_single(row):
             continue
-        faster = other["best_s"] < (1 - NOISE) * row["best_s"]
-        if error is None or (faster and theirs <= error):
+        faster = other["best_s"] < (1 - NOISE) * row["best_s"] and theirs <= (error or 0.0)
+        better_too = other["best_s"] <= row["best_s"] and theirs < (error or 0.0) / 2
+        if error is None or faster or better_too:
             better.append(other)
     return min(better, key=lambda one: one["best_s"]) if better else None
 

@@ -48,7 +48,7 @@ def draw(problem: dict[str, Any], path: Path) -> Path | None:
     if not rows:
         return None
     names = list(dict.fromkeys(row["method"] for row in rows))
-    figure = Figure(figsize=(9.0, max(4.2, 1.4 + 0.24 * len(names))), dpi=100, layout="constrained")
+    figure = Figure(figsize=(8.0, 4.4 + 0.1 * len(names)), dpi=100, layout="constrained")
     axes = figure.subplots()
     handles = []
     for index, name in enumerate(names):
@@ -113,7 +113,7 @@ def draw(problem: dict[str, Any], path: Path) -> Path | None:
     figure.suptitle(problem["title"], fontsize=11)
     axes.grid(which="major", color="0.88", linewidth=0.8)
     axes.set_axisbelow(True)
-    figure.legend(handles=handles, loc="outside right upper", fontsize=8, frameon=False)
+    figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize=8, frameon=False)
     with written_whole(path) as temporary:
         figure.savefig(temporary)
     return path

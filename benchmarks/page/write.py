@@ -6,7 +6,7 @@ from typing import Any
 
 from ..cases import case_names
 from ..harness import written_whole
-from .advice import CASES
+from .advice import CASES, REASONS
 from .front import (
     NOISE,
     dominating,
@@ -39,9 +39,10 @@ not in these times; see [](compile_time_and_batching.md).
 * Full markers are methods of this package, hollow ones with dashed lines are rivals from outside,
   in their best form.
 * A **ring** is a default: what a user gets without asking.
-* The grey stair is the **front** of our own methods: none of ours is both faster (by more than
-  {noise:.0%}, the noise of such times) and as accurate. Batches and single calls have a front each,
-  for a batch costs less for each instance whatever is calculated.
+* The grey stair is the **front** of our own methods: none of ours is faster (by more than
+  {noise:.0%}, the noise of such times) and as accurate, or as fast and twice as accurate.
+  Batches and single calls have a front each, for a batch costs less for each instance whatever is
+  calculated.
 * In the tables the time is that of one instance in the way of calling that is fastest, mostly a
   batch; a row holds up to the error of the row above it.
 * A rival that is not installed or failed is listed with the reason.
@@ -112,7 +113,7 @@ def _choices(problem: dict[str, Any]) -> list[str]:
     return [_row(header), _row(["---"] * len(header)), *lines, ""] if lines else []
 
 
-def _verdicts(problem: dict[str, Any]) -> list[str]:
+def _verdicts(case: str, problem: dict[str, Any]) -> list[str]:
     """Of every default whether it lies on the front, and what beats it."""
     rows, lines = problem["results"], []
     for row in rows:
@@ -130,7 +131,8 @@ def _verdicts(problem: dict[str, Any]) -> list[str]:
         else:
             lines.append(
                 f"{what}**not on the front**; {setting_text(better)} takes "
-                f"{time_text(better['best_s'])} at {error_of(better):.1e}."
+                f"{time_text(better['best_s'])} at {error_of(better):.1e}. "
+                + REASONS.get((case, row["method"]), "")
             )
     return lines or ["* None of these is a default."]
 
@@ -141,7 +143,7 @@ def _problem(case: dict[str, Any], problem: dict[str, Any], folder: Path) -> lis
     lines = [f"### {problem['title']}", ""]
     if drawn is not None:
         lines += [f"![{problem['title']}: error over run time](images/{name})", ""]
-    lines += [f"Reference: {problem['reference']}.", "", *_verdicts(problem), ""]
+    lines += [f"Reference: {problem['reference']}.", "", *_verdicts(case["case"], problem), ""]
     lines += _choices(problem)
     if problem["left_out"]:
         for one in problem["left_out"]:

@@ -45,6 +45,9 @@ def test_the_front_is_of_ours_and_of_one_kind_of_call():
     assert better["method"] == "as good"
     # Twice as fast and as good would beat it.
     assert not on_front(_ROWS[0], [*_ROWS, _row("faster", 1e-6, 1e-15)])
+    # As fast, and half the error.
+    assert not on_front(_ROWS[1], [*_ROWS, _row("better", 1e-6, 4e-4)])
+    assert on_front(_ROWS[1], [*_ROWS, _row("alike", 1e-6, 6e-4)])
     assert error_of(_ROWS[-1]) is None
 
 
