@@ -191,7 +191,7 @@ def test_numbers_of_joint_derivatives_have_their_limits():
 
 def test_the_file_has_the_cases_and_every_cost_a_limit():
     known = guard.read_stored()
-    assert {"hertz", "meshing", "frequencies", "load_sharing"} <= set(known)
+    assert {"hertz", "meshing", "frequencies", "load_sharing", "transient"} <= set(known)
     numbers, _ = known["joint actuator"]
     assert set(numbers.costs) <= set(LIMITS)
     assert compare(numbers, numbers, LIMITS) == []
