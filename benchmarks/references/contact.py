@@ -77,15 +77,15 @@ def forward_efficiency(design: Design, friction) -> float:
 def efficiency_slopes(numbers, starts, friction) -> np.ndarray:
     """Derivatives of that efficiency by lead, contact angle and roller radius.
 
-    By differences over a step that leaves 20 digits; the profile radius of the roller follows from
-    its radius and the contact angle.
+    By differences of fourth order, good to 1e-15; the profile radius of the roller follows from its
+    radius and the contact angle.
     """
     with mpmath.workdps(DIGITS):
-        step = mpmath.mpf(10) ** (-DIGITS // 4)
+        step = mpmath.mpf(10) ** -4
         slopes = []
         for column in range(3):
             ends = []
-            for sign in (1, -1):
+            for sign in (1, -1, 2, -2):
                 lead, angle, radius = (
                     mpmath.mpf(value) * (1 + sign * step * (place == column))
                     for place, value in enumerate(map(float, numbers))
@@ -93,7 +93,10 @@ def efficiency_slopes(numbers, starts, friction) -> np.ndarray:
                 profile = radius / mpmath.cos(angle)
                 ends.append(_efficiency(Design(lead, starts, radius, angle, profile), friction))
             slopes.append(
-                float((ends[0] - ends[1]) / (2 * step * mpmath.mpf(float(numbers[column]))))
+                float(
+                    (8 * (ends[0] - ends[1]) - ends[2] + ends[3])
+                    / (12 * step * mpmath.mpf(float(numbers[column])))
+                )
             )
         return np.array(slopes)
 
