@@ -67,6 +67,7 @@ def _problem(
     designs: np.ndarray,
     exact: Callable[[np.ndarray], np.ndarray],
     compared: int,
+    least: bool = False,
 ) -> Problem:
     def method(label_of: str, differentiate: Callable, kind: Kind = "method", settings=(None,)):
         def one_or_many(batched: bool) -> Method:
@@ -113,16 +114,15 @@ def _problem(
         # A derivative that is small beside the others of the same parameter is judged by those.
         return {label: Reference(rows, scale=np.abs(rows).max(axis=1, keepdims=True))}
 
+    methods = [*method("forward", jax.jacfwd(values))]
+    if not least:
+        methods += method("reverse", jax.jacrev(values))
+        methods += method("differences", _differences(values), "approximation", _STEPS)
     return Problem(
         name=name,
         title=title,
         instance="design",
-        methods=[
-            *method("forward", jax.jacfwd(values)),
-            *method("reverse", jax.jacrev(values)),
-            *method("differences", _differences(values), "approximation", _STEPS),
-            scipy(),
-        ],
+        methods=[*methods, scipy()],
         reference=reference,
         reference_note=f"equations written apart in mpmath at {DIGITS} digits and more, "
         f"{compared} designs",
@@ -130,8 +130,8 @@ def _problem(
     )
 
 
-def case(quick: bool) -> Case:
-    """The case of this module."""
+def case(quick: bool, smoke: bool = False) -> Case:
+    """The case of this module; with `smoke` only forward mode where programs are large."""
     count, compared = (200, 2) if quick else (2_000, 8)
     mechanism, bare = load("actuator"), load("wu2022")
     # The reference has equal contacts.
@@ -154,6 +154,7 @@ def case(quick: bool) -> Case:
                 around,
                 lambda row: frequency_slopes(*row),
                 compared,
+                least=smoke,
             ),
             _problem(
                 "efficiency",

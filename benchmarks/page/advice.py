@@ -71,8 +71,9 @@ CASES: dict[str, tuple[str, str]] = {
     "gradients": (
         "Derivatives",
         "Take exact derivatives. Forward mode for a few parameters of several quantities, reverse "
-        "mode for one quantity of many parameters; `prsm.sensitivity` chooses. Differences cost as "
-        "much and never give more than eight to ten digits, at a step that has to be found.",
+        "mode for one quantity of many parameters; `prsm.sensitivity` chooses. In a batch central "
+        "differences cost as much or more; they never give more than seven to nine digits, at a step "
+        "that has to be found. A single call of them can be faster.",
     ),
     "precision": (
         "Single or double precision",
