@@ -72,8 +72,8 @@ CASES: dict[str, tuple[str, str]] = {
         "Derivatives",
         "Take exact derivatives. Forward mode for a few parameters of several quantities, reverse "
         "mode for one quantity of many parameters; `prsm.sensitivity` chooses. In a batch central "
-        "differences cost as much or more; they never give more than seven to nine digits, at a step "
-        "that has to be found. A single call of them can be faster.",
+        "differences cost as much or more; they never give more than seven to nine digits, at a "
+        "step that has to be found. A single call of them can be faster.",
     ),
     "precision": (
         "Single or double precision",
