@@ -59,10 +59,10 @@ lint: $(TEST_STAMP)
 bench: $(TEST_STAMP)
 	$(BIN)/prsm bench --out out/bench --docs docs
 
-# Exit status 1 where an error has grown tenfold or a ratio has halved; about two minutes.
+# Exit status 1 where an error has grown tenfold or a ratio has halved.
 guard: $(TEST_STAMP)
 	$(BIN)/python -m benchmarks --quick --compare hertz meshing --out out/guard
-	$(BIN)/python -m benchmarks joint --quick
+	$(BIN)/python -m benchmarks joint --quick --example wu2022
 
 docs: | $(BIN)/python
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[all,docs]'

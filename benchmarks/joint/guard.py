@@ -19,7 +19,7 @@ LIMITS = {
     _TOGETHER: 4.0,
     "differences over Jacobian": 1.5,
     "reverse over value": 6.0,
-    "Hessian over value": 60.0,
+    "Hessian over value": 150.0,
     _COMPILING: 400.0,
     _INSTRUCTIONS: 250e3,
 }
