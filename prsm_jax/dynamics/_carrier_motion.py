@@ -3,6 +3,7 @@
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from .._physics import physics
@@ -18,6 +19,8 @@ from ._stage_forces import Motion, carrier_inertia
 
 #: Errors count more where friction turns within less than this share of the ratio, inverted.
 _TURNS = 10.0
+#: Its multiples, without their whole parts, lie evenly between 0 and 1 and never repeat.
+_GOLDEN = (5**0.5 - 1) / 2
 
 
 class Problem(eqx.Module):
@@ -85,7 +88,7 @@ def carrier_problem(
     state there.
     """
     inertia = jnp.stack([carrier_inertia(stage) for stage in mechanism.stages])
-    times = jnp.linspace(0.0, 1.0, 9, dtype=scenario.duration.dtype) * scenario.duration
+    times = _times_of_scales(scenario)
     speeds = jnp.abs(jax.vmap(scenario.speed_at)(times))
     fastest = jnp.argmax(speeds)
     speed = jnp.where(speeds[fastest] > 0, speeds[fastest], 1.0)
@@ -101,6 +104,18 @@ def carrier_problem(
     # Scales shape the grid of steps, not the solution: nothing is differentiated through them.
     found = (jax.lax.stop_gradient(speed), jax.lax.stop_gradient(shortest))
     return eqx.tree_at(lambda p: (p.speed_scale, p.time_scale), problem, found)
+
+
+def _times_of_scales(scenario: Scenario) -> Float[Array, " times"]:
+    """Times at which the fastest speed of a scene is looked for [s].
+
+    Equal intervals may all hit the standstills of a periodic speed. Intervals of the golden ratio
+    are in step with no period, and between bends a speed is largest at one of them.
+    """
+    dtype, duration = scenario.duration.dtype, scenario.duration
+    equal = jnp.linspace(0.0, 1.0, 9, dtype=dtype) * duration
+    uneven = jnp.asarray(np.modf(np.arange(1, 17) * _GOLDEN)[0], dtype) * duration
+    return jnp.concatenate([equal, uneven, jnp.clip(scenario.break_times, 0.0, duration)])
 
 
 class ErrorWeight(eqx.Module):
