@@ -3,12 +3,12 @@
 States and time come scaled to order one, so that the tolerances mean the same in every scene.
 """
 
-import functools
 from typing import Any, NamedTuple
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from ..mechanism import Scalar
 from ._solvers import (
@@ -16,6 +16,7 @@ from ._solvers import (
     Gradient,
     Method,
     adjoint_of,
+    breaks_inside,
     code_of,
     controller_of,
     is_short,
@@ -88,49 +89,114 @@ def integrated(
 
     **Raises:** `ValueError` for a method that does not integrate, or an unknown gradient.
     """
+    method = "rosenbrock" if settings.method == "auto" else settings.method
+    settings = settings._replace(method=method)
+    scene = _Scene(breaks, longest, weight, settings.rtol, settings.atol)
+    static = _Static(method, settings.gradient, settings.max_steps, samples, autonomous)
+    adjoint_of(settings.gradient)
+    if settings.gradient == "forward" and not is_short(end.dtype):
+        solution = _solved(rate, start, end, args, scene, static)
+    else:
+        rate = eqx.filter_closure_convert(rate, jnp.zeros_like(end), start, args)
+        solution = _solved_twice(rate, start, end, args, still(scene), static=static)
+    report = SolverReport(
+        steps=solution.steps, rejected=solution.rejected, code=solution.code, name=NAMES[method]
+    )
+    return solution.states, report
+
+
+class _Scene(NamedTuple):
+    """What an integration rests on that is not differentiated."""
+
+    breaks: Float[Array, " breaks"]
+    longest: Scalar | None
+    weight: Any
+    rtol: Any
+    atol: Any
+
+
+class _Static(NamedTuple):
+    """What is known in Python of an integration."""
+
+    method: Method
+    gradient: Gradient
+    max_steps: int
+    samples: int
+    autonomous: bool
+
+
+class _Solution(NamedTuple):
+    """States at the sample times, and how it went."""
+
+    states: Any
+    steps: Int[Array, ""]
+    rejected: Int[Array, ""]
+    code: Int[Array, ""]
+
+
+def _solved(rate, start, end, args, scene: _Scene, static: _Static, *, record=False, again=None):
+    """One integration: by steps of its own choice, or by those of a record.
+
+    With `record`, the steps that it took come as well.
+    """
     import diffrax
 
-    method = "rosenbrock" if settings.method == "auto" else settings.method
-    rtol, atol = settings.rtol, settings.atol
-    controller = controller_of(rtol, atol, breaks, end, longest, weight)
-    integrate = functools.partial(
-        diffrax.diffeqsolve,
-        solver=solver_of(method, rtol, atol, autonomous),
-        t0=jnp.zeros_like(end),
-        dt0=None,
-        max_steps=settings.max_steps,
-        throw=False,
-    )
-    chosen = None
-    if is_short(end.dtype):
-        from ._recorded_steps import Again, Recording
-
-        rate = eqx.filter_closure_convert(rate, jnp.zeros_like(end), start, args)
-        chosen = integrate(
-            diffrax.ODETerm(still(rate)),
-            t1=still(end),
-            y0=still(start),
-            args=still(args),
-            saveat=diffrax.SaveAt(t1=True, controller_state=True),
-            stepsize_controller=Recording(still(controller), settings.max_steps),
-            adjoint=adjoint_of("forward"),
+    if again is None:
+        controller = controller_of(
+            scene.rtol, scene.atol, scene.breaks, end, scene.longest, scene.weight
         )
-        controller = Again(still(chosen.controller_state)[1])
-    solution = integrate(
+        adjoint = adjoint_of("forward")
+    else:
+        from ._recorded_steps import Again
+
+        controller, adjoint = Again(again), adjoint_of(static.gradient)
+    if record:
+        kept = diffrax.SaveAt(steps=True, fn=lambda time, state, args: time)
+    else:
+        times = jnp.linspace(0.0, 1.0, static.samples, dtype=end.dtype) * end
+        kept = diffrax.SaveAt(ts=times)
+    found = diffrax.diffeqsolve(
         diffrax.ODETerm(rate),
+        solver_of(static.method, scene.rtol, scene.atol, static.autonomous),
+        t0=jnp.zeros_like(end),
         t1=end,
+        dt0=None,
         y0=start,
         args=args,
-        saveat=diffrax.SaveAt(ts=jnp.linspace(0.0, 1.0, samples, dtype=end.dtype) * end),
+        saveat=kept,
         stepsize_controller=controller,
-        adjoint=adjoint_of(settings.gradient),
+        adjoint=adjoint,
+        max_steps=static.max_steps,
+        throw=False,
     )
+    counts = found.stats["num_accepted_steps"], found.stats["num_rejected_steps"]
+    solution = _Solution(found.ys, *counts, code_of(found.result))
+    return (solution, found.ts) if record else solution
+
+
+@eqx.filter_custom_jvp
+def _solved_twice(rate, start, end, args, scene, *, static):
+    """Values by steps as they are chosen; derivatives by the same steps, taken again.
+
+    Steps that are chosen again, in a program that is compiled differently, differ by rounding, and
+    reverse mode would end elsewhere.
+    """
+    return _solved(rate, start, end, args, scene, static)
+
+
+@_solved_twice.def_jvp
+def _solved_twice_jvp(primals, tangents, *, static):
+    from ._recorded_steps import steps_between
+
+    *given, scene = primals
+    chosen, starts = _solved(*still(tuple(given)), scene, static, record=True)
+    breaks = breaks_inside(scene.breaks, still(given[2]))
+    steps = still(steps_between(starts, chosen.steps, breaks))
+
+    def again(rate, start, end, args):
+        return _solved(rate, start, end, args, scene, static, again=steps).states
+
+    states, slopes = eqx.filter_jvp(again, tuple(given), tuple(tangents[:-1]))
+    none = jax.tree.map(lambda _: None, chosen)
     # Taken again, steps do not run out where they did.
-    went = solution if chosen is None else chosen
-    report = SolverReport(
-        steps=went.stats["num_accepted_steps"],
-        rejected=went.stats["num_rejected_steps"],
-        code=code_of(went.result),
-        name=NAMES[method],
-    )
-    return solution.ys, report
+    return chosen._replace(states=states), none._replace(states=slopes)

@@ -13,9 +13,14 @@ from typing import Any
 
 import diffrax
 import equinox as eqx
+import equinox.internal as eqxi
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
+
+
+#: A step past a break begins so many roundings behind it at most.
+_NEXT = 4
 
 
 class Steps(eqx.Module):
@@ -24,6 +29,32 @@ class Steps(eqx.Module):
     start: Float[Array, " most"]
     end: Float[Array, " most"]
     count: Int[Array, ""]
+
+
+def steps_between(
+    starts: Float[Array, " most"], count: Int[Array, ""], breaks: Float[Array, " breaks"]
+) -> Steps:
+    """Steps by the times from which they went on.
+
+    A record in the state of the controller is written anew by every step of a batch; what diffrax
+    saves at steps is not.
+
+    **Arguments:**
+
+    - `starts`: the start of each step but the first, which is 0, and the end of the last.
+    - `count`: how many there are.
+    - `breaks`: in order. A step that ends at one ends before it, and the next begins behind it.
+    """
+    ends = starts
+    if breaks.size:
+        before = jnp.searchsorted(breaks, starts, side="right") - 1
+        last = breaks[jnp.maximum(before, 0)]
+        near = (before >= 0) & (starts - last <= _NEXT * jnp.finfo(starts.dtype).eps * last)
+        ends = jnp.where(near, eqxi.prevbefore(last), starts)
+    taken = jnp.arange(starts.size) < count
+    first = jnp.concatenate([jnp.zeros_like(starts[:1]), starts[:-1]])
+    none = jnp.inf
+    return Steps(jnp.where(taken, first, none), jnp.where(taken, ends, none), count)
 
 
 class Recording(diffrax.AbstractStepSizeController):

@@ -71,15 +71,20 @@ def controller_of(
         controller = Weighed(controller, weight)
     if breaks.size == 0:
         return controller
-    # Those at the ends are no breaks: out of the way with them.
-    inside = (breaks > 0) & (breaks < end)
-    jumps = jnp.sort(jnp.where(inside, breaks, 2 * end))
-    jumps = jax.lax.stop_gradient(jumps)
+    jumps = breaks_inside(breaks, end)
     if breaks.size > _MANY_BREAKS:
         from ._many_breaks import ManyBreaks
 
         return ManyBreaks(controller, jump_ts=jumps)  # pyright: ignore[reportCallIssue]
     return diffrax.ClipStepSizeController(controller, jump_ts=jumps)
+
+
+def breaks_inside(
+    breaks: Float[Array, " breaks"], end: Float[Array, ""]
+) -> Float[Array, " breaks"]:
+    """Breaks in their order; those that are not between 0 and `end` lie behind it."""
+    inside = (breaks > 0) & (breaks < end)
+    return jax.lax.stop_gradient(jnp.sort(jnp.where(inside, breaks, 2 * end)))
 
 
 def adjoint_of(gradient: Gradient):
