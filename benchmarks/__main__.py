@@ -1,11 +1,14 @@
 """`python -m benchmarks [case …] [--quick | --smoke] [--out DIR] [--docs DIR]`, or `--list`.
 
-`python -m benchmarks extremes` is the matrix of extremes, with options of its own (`--help`), and
-`python -m benchmarks load` the growth of run time and memory with the size of what is asked, and
-`python -m benchmarks joint` what derivatives of several quantities together cost,
-`python -m benchmarks parts` what each optional part of each example costs,
-`python -m benchmarks programs` how long programs take to compile and to run, and
-`python -m benchmarks startup` the time from a command to its answer.
+Each of these is a command with options of its own (`--help`):
+
+* `python -m benchmarks extremes`: the matrix of extremes;
+* `… load`: growth of run time and memory with the size of what is asked;
+* `… joint`: what derivatives of several quantities together cost;
+* `… parts`: what each optional part of each example costs;
+* `… programs`: how long programs take to compile and to run;
+* `… startup`: the time from a command to its answer;
+* `… devices`: designs a second on each device that JAX sees.
 
 `--quick --compare` compares errors and ratios with stored ones, and the exit status is 1 where one
 is worse; `--quick --store` renews what is stored.
@@ -13,6 +16,7 @@ is worse; `--quick --store` renews what is stored.
 
 import argparse
 import contextlib
+import importlib
 import json
 import os
 import sys
@@ -26,6 +30,9 @@ import jax
 from . import guard
 from .cases import case_names, find_case
 from .harness import FULL, QUICK, SMOKE, Case, Problem, draw, survivors, write
+
+#: Folders with a `command` of their own.
+_COMMANDS = ("extremes", "load", "joint", "parts", "programs", "startup", "devices")
 
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
@@ -104,30 +111,9 @@ def share_cores() -> None:
 def main(argv: list[str] | None = None) -> int:
     """Entry point; returns the exit status."""
     given = sys.argv[1:] if argv is None else argv
-    if given[:1] == ["extremes"]:
-        from .extremes.command import main as extremes
-
-        return extremes(given[1:])
-    if given[:1] == ["load"]:
-        from .load.command import main as load
-
-        return load(given[1:])
-    if given[:1] == ["joint"]:
-        from .joint.command import main as joint
-
-        return joint(given[1:])
-    if given[:1] == ["parts"]:
-        from .parts.command import main as parts
-
-        return parts(given[1:])
-    if given[:1] == ["programs"]:
-        from .programs.command import main as programs
-
-        return programs(given[1:])
-    if given[:1] == ["startup"]:
-        from .startup.command import main as startup
-
-        return startup(given[1:])
+    if given and given[0] in _COMMANDS:
+        command = importlib.import_module(f".{given[0]}.command", __package__)
+        return command.main(given[1:])
     arguments = _arguments(argv)
     if arguments.page:
         return _page(arguments)

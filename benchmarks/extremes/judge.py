@@ -335,9 +335,13 @@ class Verdicts:
         scale += 1e-6 * terms
         # Nor does a derivative count that is next to nothing beside its value.
         scale += 1e-4 * sum(float(np.sum(np.abs(weights[n] * self.found[n]))) for n in names)
-        # And both rest on numbers that are rounded.
-        scale += 1e10 * sum(float(np.sum(np.abs(weights[n] * self.wobble[n]))) for n in names)
+        # And both rest on numbers that are rounded, efficiencies on parts of order one.
+        scale += 1e10 * sum(float(np.sum(np.abs(weights[n] * self._rounding(n)))) for n in names)
         return abs(left - right) / scale if scale > 0 else None
+
+    def _rounding(self, name: str) -> np.ndarray:
+        least = _EPSILON if name == "efficiency" else 0.0
+        return np.maximum(self.wobble[name], least)
 
     def _transposed(self, weights, tangents, direction, names) -> float | None:
         """How far reverse is from forward, all columns at once; `None` where it has to be told."""

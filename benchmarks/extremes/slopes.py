@@ -15,8 +15,9 @@ _UNMEASURABLE = 1e-9
 _NEARLY_REPEATED = 1e-4
 #: Nearer than this they are one root to the package, whose members share a derivative.
 _REPEATED = 1e-11
-#: Steps are chosen by an absolute tolerance too, of 1e-10 on carrier ratios.
-STATE_TOLERANCE = 1e-10
+#: Steps are chosen by an absolute tolerance too, of 1e-10 on carrier ratios, and errors of several
+#: steps add up.
+STATE_TOLERANCE = 3e-10
 #: Differences of a method that chooses its steps are those of the choice as well. Where the exact
 #: derivative is known they miss it by up to 4e-4 of it, and derivatives at fixed steps by less.
 _CHOICE = 5e-5

@@ -90,12 +90,12 @@ def integrated(
     **Raises:** `ValueError` for a method that does not integrate, or an unknown gradient.
     """
     method = "rosenbrock" if settings.method == "auto" else settings.method
-    settings = settings._replace(method=method)
     scene = _Scene(breaks, longest, weight, settings.rtol, settings.atol)
     static = _Static(method, settings.gradient, settings.max_steps, samples, autonomous)
+    # An unknown gradient is refused before anything is traced.
     adjoint_of(settings.gradient)
     if settings.gradient == "forward" and not is_short(end.dtype):
-        solution = _solved(rate, start, end, args, scene, static)
+        solution, _ = _solved(rate, start, end, args, scene, static)
     else:
         rate = eqx.filter_closure_convert(rate, jnp.zeros_like(end), start, args)
         solution = _solved_twice(rate, start, end, args, still(scene), static=static)
@@ -134,10 +134,13 @@ class _Solution(NamedTuple):
     code: Int[Array, ""]
 
 
-def _solved(rate, start, end, args, scene: _Scene, static: _Static, *, record=False, again=None):
+def _solved(
+    rate, start, end, args, scene: _Scene, static: _Static, *, record=False, again=None
+) -> tuple[_Solution, Any]:
     """One integration: by steps of its own choice, or by those of a record.
 
-    With `record`, the steps that it took come as well.
+    Beside its states come their times; with `record`, in place of the samples, of all steps those
+    from which the next one went on.
     """
     import diffrax
 
@@ -171,7 +174,8 @@ def _solved(rate, start, end, args, scene: _Scene, static: _Static, *, record=Fa
     )
     counts = found.stats["num_accepted_steps"], found.stats["num_rejected_steps"]
     solution = _Solution(found.ys, *counts, code_of(found.result))
-    return (solution, found.ts) if record else solution
+    assert found.ts is not None
+    return solution, found.ts
 
 
 @eqx.filter_custom_jvp
@@ -181,22 +185,25 @@ def _solved_twice(rate, start, end, args, scene, *, static):
     Steps that are chosen again, in a program that is compiled differently, differ by rounding, and
     reverse mode would end elsewhere.
     """
-    return _solved(rate, start, end, args, scene, static)
+    return _solved(rate, start, end, args, scene, static)[0]
 
 
 @_solved_twice.def_jvp
 def _solved_twice_jvp(primals, tangents, *, static):
     from ._recorded_steps import steps_between
 
-    *given, scene = primals
-    chosen, starts = _solved(*still(tuple(given)), scene, static, record=True)
-    breaks = breaks_inside(scene.breaks, still(given[2]))
+    rate, start, end, args, scene = primals
+    chosen, starts = _solved(
+        still(rate), still(start), still(end), still(args), scene, static, record=True
+    )
+    breaks = breaks_inside(scene.breaks, still(end))
     steps = still(steps_between(starts, chosen.steps, breaks))
 
     def again(rate, start, end, args):
-        return _solved(rate, start, end, args, scene, static, again=steps).states
+        return _solved(rate, start, end, args, scene, static, again=steps)[0].states
 
-    states, slopes = eqx.filter_jvp(again, tuple(given), tuple(tangents[:-1]))
+    given = rate, start, end, args
+    states, slopes = eqx.filter_jvp(again, given, tuple(tangents[:-1]))
     none = jax.tree.map(lambda _: None, chosen)
     # Taken again, steps do not run out where they did.
     return chosen._replace(states=states), none._replace(states=slopes)

@@ -18,7 +18,6 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-
 #: A step past a break begins so many roundings behind it at most.
 _NEXT = 4
 

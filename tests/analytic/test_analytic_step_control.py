@@ -11,6 +11,7 @@ import pytest
 
 import prsm_jax as prsm
 from benchmarks.extremes import structures
+from prsm_jax.dynamics._automatic import scene_problem
 from prsm_jax.dynamics._integration import Settings, integrated
 from prsm_jax.dynamics._kvaerno import Kvaerno
 
@@ -83,6 +84,56 @@ def test_in_single_precision_reverse_takes_the_steps_that_forward_took():
     assert int(code) == 0
     assert np.isfinite(float(value))
     assert float(reverse) == pytest.approx(float(forward), rel=2e-5, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    "speed",
+    [
+        # Eight strokes in eight intervals: at the ends of all of them the screw stands still.
+        prsm.SequenceProfile(
+            (prsm.TrapezoidalProfile(*map(jnp.asarray, (200.0, 0.03, 0.24, 0.03, 0.06))),),
+            repeats=8,
+            reversing=True,
+        ),
+        # Four periods in eight intervals: sine of whole multiples of π.
+        prsm.SineProfile(amplitude=200.0, frequency=4 / 2.88, mean=0.0),
+    ],
+    ids=["strokes", "sine"],
+)
+def test_scales_of_a_speed_that_is_zero_at_equal_intervals(speed):
+    """They were 1 rad/s and the whole duration: 1.6 times as many steps, or 1e15 of a state."""
+    two = structures._chain(2)
+    scenario = prsm.Scenario(speed, jnp.asarray(7e3), jnp.asarray(2.88), samples=11)
+    problem = scene_problem(two, scenario, None)
+    assert 0.9 * 200.0 < float(problem.speed_scale) <= 200.0
+    assert float(problem.time_scale) < 1e-3
+
+
+def test_derivatives_take_the_steps_of_the_values():
+    """A drive with bends: steps of the record are those taken, and both modes one derivative."""
+    ramps = prsm.TableProfile(jnp.asarray([0.0, 2e-4, 3e-4]), jnp.asarray([0.0, 100.0, 50.0]))
+    scenario = prsm.Scenario(ramps, jnp.asarray(7e3), jnp.asarray(3e-4), samples=7)
+    mechanism = dataclasses.replace(structures._swinging(), scenario=scenario)
+
+    def last(factor, gradient):
+        moved = prsm.set_parameter(mechanism, "scenario.load", 7e3 * factor)
+        run = prsm.simulate(moved, method="rosenbrock", gradient=gradient, throw=False)
+        return run.carrier_ratio[0, -1], run.solver.steps
+
+    one = jnp.asarray(1.0)
+
+    @jax.jit
+    def of_all(one):
+        value, steps = last(one, "both")
+        slope, counted = jax.jacfwd(lambda f: last(f, "both"), has_aux=True)(one)
+        reverse = jax.grad(lambda f: last(f, "both")[0])(one)
+        directly = jax.jacfwd(lambda f: last(f, "forward")[0])(one)
+        return value, steps, slope, counted, reverse, directly
+
+    _, steps, slope, counted, reverse, directly = of_all(one)
+    assert int(steps) == int(counted) > 20
+    assert float(reverse) == pytest.approx(float(slope), rel=1e-9)
+    assert float(directly) == pytest.approx(float(slope), rel=1e-6)
 
 
 def _of_lead(lead: float):
