@@ -61,6 +61,8 @@ class Table:
     rows: list[dict] = field(default_factory=list)
     cells: dict[str, dict[str, tuple[Cell, ...]]] = field(default_factory=dict)
     seconds: dict[str, float] = field(default_factory=dict)
+    #: Whether the process came as far as the first row that is not here.
+    ended: bool = True
 
     def counts(self, column: str | None = None, group: str | None = None) -> Counter:
         """How many cells have each status; of one column or group of rows if asked."""
@@ -132,6 +134,21 @@ def table_of(data: dict) -> Table:
             cells[column] = tuple(three)
         table.cells[row["name"]] = cells
     return table
+
+
+def joined(tables: list[Table]) -> list[Table]:
+    """Parts of one structure as one table, in the order of their first parts."""
+    whole: dict[str, Table] = {}
+    for table in tables:
+        if table.structure not in whole:
+            whole[table.structure] = table
+            continue
+        first = whole[table.structure]
+        first.columns = first.columns or table.columns
+        first.rows.extend(table.rows)
+        first.cells.update(table.cells)
+        first.seconds.update(table.seconds)
+    return list(whole.values())
 
 
 def _rounded(error: float | None) -> float | None:

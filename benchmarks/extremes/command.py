@@ -13,7 +13,7 @@ from collections import Counter
 from pathlib import Path
 
 from ..harness._atomic import written_whole
-from .cells import STATUSES, Cell, Table, is_bad, table_of, total
+from .cells import STATUSES, Cell, Table, is_bad, joined, table_of, total
 from .rows import COMBINATIONS, SEED
 
 #: A row that takes longer is said to hang; compiling is in the first one [s].
@@ -27,6 +27,9 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--docs", type=Path, default=None, help="folder for the page and pictures")
     parser.add_argument("--rows", type=int, default=COMBINATIONS, help="random combinations")
     parser.add_argument("--seed", type=int, default=SEED, help="seed of the combinations")
+    parser.add_argument(
+        "--part", default="1/1", metavar="K/N", help="every N-th row only, from the K-th"
+    )
     parser.add_argument("--jobs", type=int, default=2, help="processes at a time")
     parser.add_argument(
         "--page", type=Path, nargs="+", metavar="JSON", help="only the page, from these files"
@@ -49,7 +52,7 @@ class _Worker:
             [
                 *(sys.executable, "-m", "benchmarks.extremes.worker", name),
                 *("--rows", str(arguments.rows), "--seed", str(arguments.seed)),
-                *("--skip", str(skip)),
+                *("--skip", str(skip), "--part", arguments.part),
             ],
             stdout=subprocess.PIPE,
             text=True,
@@ -108,6 +111,7 @@ def run_structure(name: str, arguments: argparse.Namespace) -> Table:
             break
         if row is None:
             print(f"{name}: {fault.detail}, before its first row", flush=True)
+            table.ended = False
             break
         print(f"{name}: {row['name']}: {fault.detail}", flush=True)
         absent = Cell("absent")
@@ -166,7 +170,7 @@ def _page_of(arguments: argparse.Namespace) -> int:
     from .page import write_page
 
     found = [json.loads(path.read_text(encoding="utf-8")) for path in arguments.page]
-    tables = [table_of(data) for one in found for data in one["tables"]]
+    tables = joined([table_of(data) for one in found for data in one["tables"]])
     arguments.seed = found[0]["seed"]
     arguments.rows = max(one["combinations"] for one in found)
     folder = Path("docs") if arguments.docs is None else arguments.docs
@@ -220,4 +224,4 @@ def main(argv: list[str] | None = None) -> int:
 
         for written in write_page(ordered, arguments.docs, arguments, seconds):
             print(written)
-    return 1 if any(table.bad() for table in ordered) else 0
+    return 1 if any(table.bad() or not table.ended for table in ordered) else 0

@@ -10,9 +10,11 @@ import os
 import sys
 import traceback
 
+from prsm_jax._own_process import compiler_flags
+
 # Programs run a few thousand times: code that is not optimised compiles in a quarter of the time.
 _QUICK = (
-    "--xla_cpu_use_fusion_emitters=false --xla_backend_optimization_level=0"
+    f"{compiler_flags()} --xla_backend_optimization_level=0"
     " --xla_cpu_parallel_codegen_split_count=1"
 )
 
@@ -29,6 +31,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--rows", type=int, default=300)
     parser.add_argument("--seed", type=int, default=14)
     parser.add_argument("--skip", type=int, default=0, help="rows that are done already")
+    parser.add_argument("--part", default="1/1", help="every N-th row only, from the K-th: K/N")
     arguments = parser.parse_args(argv)
     os.environ["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} {_QUICK}".strip()
 
@@ -38,7 +41,8 @@ def main(argv: list[str] | None = None) -> int:
 
     one = structure(arguments.structure)
     columns = columns_of(one)
-    rows = rows_of(one, count=arguments.rows, seed=arguments.seed)
+    first, step = map(int, arguments.part.split("/"))
+    rows = rows_of(one, count=arguments.rows, seed=arguments.seed)[first - 1 :: step]
     _line(columns=columns, count=len(rows), numbers=len(programs(one.name).numbers))
     compiled = programs(one.name)
     base, _ = compiled.values(compiled.leaves)

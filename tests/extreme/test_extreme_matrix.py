@@ -7,8 +7,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from benchmarks.extremes import structures
-from benchmarks.extremes.cells import Table, is_bad
+from benchmarks.extremes import command, structures
+from benchmarks.extremes.cells import Cell, Table, is_bad, joined
 from benchmarks.extremes.judge import Programs, judge
 from benchmarks.extremes.plan import reduced_rows, rows_of
 from benchmarks.extremes.structures import Ellipse, Structure, columns_of, structure
@@ -126,3 +126,24 @@ def test_the_bare_contact_is_hertz():
     values, codes = structures.hertz().outputs(ellipse)
     assert float(values["max_pressure"]) == float(found.max_pressure)
     assert int(codes["max_pressure"]) == 0
+
+
+def test_parts_of_a_structure_make_one_table():
+    """Rows and cells of both parts; other structures stay apart."""
+
+    def part(structure, *names):
+        rows = [{"name": name, "group": "single", "changes": []} for name in names]
+        cell = Cell("agrees", 0.0)
+        return Table(structure, ("x",), rows, {name: {"x": (cell,) * 3} for name in names})
+
+    first, other = joined([part("a", "one"), part("b", "two"), part("a", "three", "four")])
+    assert [row["name"] for row in first.rows] == ["one", "three", "four"]
+    assert first.counts()["agrees"] == 9
+    assert other.structure == "b"
+
+
+def test_a_process_without_a_row_is_a_fault(monkeypatch, tmp_path, capsys):
+    """It printed "0 cells, 0 bad" and the exit status was 0."""
+    monkeypatch.setenv("XLA_FLAGS", "--no_such_flag_of_the_compiler=true")
+    assert command.main(["hertz", "--rows", "1", "--out", str(tmp_path)]) == 1
+    assert "before its first row" in capsys.readouterr().out
