@@ -14,7 +14,7 @@ def _is_command_line() -> bool:
     return name == "prsm" or (name == "-m" and "prsm_jax" in sys.orig_argv)
 
 
-def compiler_flags() -> str:
+def _compiler_flags() -> str:
     """Flags of XLA's CPU compiler for programs that run once or a few times.
 
     Its older code generator for fused loops compiles in two thirds of the time, and what it makes
@@ -35,4 +35,4 @@ if _is_command_line():
     # minutes, which the line of progress shows anyway; what fails is an exception all the same.
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
     # The last of two flags counts: the user's.
-    os.environ["XLA_FLAGS"] = f"{compiler_flags()} {os.environ.get('XLA_FLAGS', '')}".strip()
+    os.environ["XLA_FLAGS"] = f"{_compiler_flags()} {os.environ.get('XLA_FLAGS', '')}".strip()

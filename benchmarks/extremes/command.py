@@ -58,9 +58,10 @@ class _Worker:
             text=True,
         )
         self.lines: queue.Queue = queue.Queue()
-        threading.Thread(
+        self.reader = threading.Thread(
             target=_reader, args=(self.process.stdout, self.lines), daemon=True
-        ).start()
+        )
+        self.reader.start()
 
     def next(self, limit: float) -> dict | None:
         """The next line; `None` at the end of the process.
@@ -74,6 +75,9 @@ class _Worker:
         """End the process."""
         self.process.kill()
         self.process.wait()
+        self.reader.join()
+        assert self.process.stdout is not None
+        self.process.stdout.close()
 
 
 def run_structure(name: str, arguments: argparse.Namespace) -> Table:

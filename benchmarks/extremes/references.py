@@ -25,6 +25,10 @@ _BACKWARD = 1e-13
 Given = Mapping[str, np.ndarray]
 Expected = dict[str, tuple[np.ndarray, float]]
 
+#: What mpmath raises where there is no solution; to 1.3, a complex
+#: number in place of a real one is an `AttributeError`.
+_UNSOLVABLE = (ValueError, ZeroDivisionError, NoConvergence, TypeError, AttributeError)
+
 
 def _conditioned(function: Callable[[dict[str, list]], dict], given: Given) -> Expected:
     """Values at the numbers, and how far a small change of them moves the values."""
@@ -38,7 +42,7 @@ def _conditioned(function: Callable[[dict[str, list]], dict], given: Given) -> E
                 for k, v in exact.items()
             }
             beside = function(moved)
-        except (ValueError, ZeroDivisionError, NoConvergence, TypeError) as error:
+        except _UNSOLVABLE as error:
             raise NoReference(str(error)) from error
     found: Expected = {}
     for name, value in middle.items():
@@ -92,7 +96,7 @@ def unequal(structure, given: Given) -> Expected:
         try:
             numbers = StageNumbers(part, exact)
             found = modes_of(numbers)
-        except (ValueError, ZeroDivisionError, NoConvergence, TypeError) as error:
+        except _UNSOLVABLE as error:
             raise NoReference(str(error)) from error
     return {"natural_frequencies": (np.array([float(x) for x in found]), 1e-11)}
 
@@ -111,7 +115,7 @@ def settling(structure, given: Given) -> Expected:
         try:
             whole = Chain(structure.base, exact, scenario=True)
             floats = whole.in_floats()
-        except (ValueError, ZeroDivisionError, NoConvergence, TypeError) as error:
+        except _UNSOLVABLE as error:
             raise NoReference(str(error)) from error
     duration = float(given["scenario.duration"])
     start = float(given["scenario.initial_carrier_ratio"])

@@ -10,13 +10,8 @@ import os
 import sys
 import traceback
 
-from prsm_jax._own_process import compiler_flags
-
 # Programs run a few thousand times: code that is not optimised compiles in a quarter of the time.
-_QUICK = (
-    f"{compiler_flags()} --xla_backend_optimization_level=0"
-    " --xla_cpu_parallel_codegen_split_count=1"
-)
+_QUICK = "--xla_backend_optimization_level=0 --xla_cpu_parallel_codegen_split_count=1"
 
 
 def _line(**content) -> None:
