@@ -5,6 +5,7 @@ the relative error that a backward stable algorithm may make: what a relative ch
 by 1e-13 does.
 """
 
+import contextlib
 from collections.abc import Callable, Mapping
 
 import mpmath
@@ -25,9 +26,19 @@ _BACKWARD = 1e-13
 Given = Mapping[str, np.ndarray]
 Expected = dict[str, tuple[np.ndarray, float]]
 
-#: What mpmath raises where there is no solution; to 1.3, a complex
-#: number in place of a real one is an `AttributeError`.
-_UNSOLVABLE = (ValueError, ZeroDivisionError, NoConvergence, TypeError, AttributeError)
+
+@contextlib.contextmanager
+def _solvable():
+    """**Raises:** `NoReference` for what mpmath raises where there is no solution."""
+    try:
+        yield
+    except (ValueError, ZeroDivisionError, NoConvergence, TypeError) as error:
+        raise NoReference(str(error)) from error
+    except AttributeError as error:
+        # mpmath to 1.3 where a real number was expected and a complex one came.
+        if "_mpf_" not in str(error):
+            raise
+        raise NoReference("a complex number") from error
 
 
 def _conditioned(function: Callable[[dict[str, list]], dict], given: Given) -> Expected:
@@ -35,15 +46,13 @@ def _conditioned(function: Callable[[dict[str, list]], dict], given: Given) -> E
     random = np.random.default_rng(50)
     with mpmath.workdps(DIGITS):
         exact = {k: [mpf(float(x)) for x in np.ravel(v)] for k, v in given.items()}
-        try:
+        with _solvable():
             middle = function(exact)
             moved = {
                 k: [x * (1 + mpf(_BACKWARD) * int(random.choice([-1, 1]))) for x in v]
                 for k, v in exact.items()
             }
             beside = function(moved)
-        except _UNSOLVABLE as error:
-            raise NoReference(str(error)) from error
     found: Expected = {}
     for name, value in middle.items():
         here = np.array([float(x) for x in _list(value)])
@@ -93,11 +102,9 @@ def unequal(structure, given: Given) -> Expected:
     part = structure.base.stages[0]
     with mpmath.workdps(40):
         exact = {k: [mpf(float(x)) for x in np.ravel(v)] for k, v in given.items()}
-        try:
+        with _solvable():
             numbers = StageNumbers(part, exact)
             found = modes_of(numbers)
-        except _UNSOLVABLE as error:
-            raise NoReference(str(error)) from error
     return {"natural_frequencies": (np.array([float(x) for x in found]), 1e-11)}
 
 
@@ -112,11 +119,9 @@ def settling(structure, given: Given) -> Expected:
 
     with mpmath.workdps(30):
         exact = {k: [mpf(float(x)) for x in np.ravel(v)] for k, v in given.items()}
-        try:
+        with _solvable():
             whole = Chain(structure.base, exact, scenario=True)
             floats = whole.in_floats()
-        except _UNSOLVABLE as error:
-            raise NoReference(str(error)) from error
     duration = float(given["scenario.duration"])
     start = float(given["scenario.initial_carrier_ratio"])
     samples = structure.base.scenario.samples
