@@ -84,7 +84,8 @@ def breaks_inside(
 ) -> Float[Array, " breaks"]:
     """Breaks in their order; those that are not between 0 and `end` lie behind it."""
     inside = (breaks > 0) & (breaks < end)
-    return jax.lax.stop_gradient(jnp.sort(jnp.where(inside, breaks, 2 * end)))
+    jumps = jnp.sort(jnp.where(inside, breaks, 2 * end))
+    return jax.lax.stop_gradient(jumps)
 
 
 def adjoint_of(gradient: Gradient):

@@ -84,6 +84,8 @@ def simulate(
       stiff scenes), or `"implicit"` (Kvaerno 5/4 with Newton, any stiffness, the reference).
     - `gradient`: `"both"` (either mode through one program), `"reverse"` (checkpointed, bounded
       memory for long scenes, and for tolerances below 1e-10) or `"forward"` (for few parameters).
+      With the first two, derivatives are those of steps that a first integration chose and a
+      second one takes again; values are those of the first, and cost no more than it does.
       Under a prescribed torque `"reverse"` integrates twice, to choose the steps and to take them,
       and agrees with forward mode to the tolerance; reverse mode through `"both"` to about 1e-5.
     - `rtol`, `atol`: tolerances on the carrier ratio, of the steps; in float32 at least 1e-6 and
