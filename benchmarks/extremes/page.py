@@ -53,6 +53,17 @@ stiffnesses a million times apart, and no result code says so: extremes are for 
 The same matrix, of nine structures, at the commit 3d12be5: 65,389 cells, 2,047 bad. Its ten
 structures of one stage with 60 combinations, at the commit 5da1ae1: 97,196 cells, 301 bad.
 
+## What was mended after this run
+
+Of the ten bad cells below, seven were reverse derivatives of integrated transients, at a lead of
+1e-6 m and next to the jamming limit. Reverse mode chose its steps again, and rounding chose others.
+Now the steps of a first integration are taken again, and reverse differs from forward by 5e-09 at
+most. One was an efficiency of 0 whose derivative is rounding of numbers of order one, and two were
+a carrier ratio of 2e-10, as large as the absolute tolerance of the steps: there the matrix asked
+for more than double precision and the tolerance give. At the commit 8bdfda7 five structures were
+run again: implicit, rosenbrock, explicit, bristles, torque_quasi_steady; none of 17,482 cells is
+bad (with JAX 0.11.2; 24 rows of the first three with 0.10.2).
+
 """
 
 

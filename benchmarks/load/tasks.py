@@ -214,8 +214,7 @@ TASKS = {
         (100, 1000, 10_000),
         "one stroke forth and back by itself",
         1.0,
-        "a reversal should take as many steps as the one before, but takes 199 of 100 and 331 of "
-        "1,000, and 10,000 do not end within the steps allowed: not linear, and open. Operations "
+        "a reversal takes as many steps as the one before; a step looks at two breaks. Operations "
         "are counted with one step, so they are those of the samples",
     ),
     "mission": Task(
