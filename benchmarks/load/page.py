@@ -47,9 +47,9 @@ At the commit ecd1f5c, on the same machine:
 * Every step of an integration was compared with all breaks of speed and load, of which a reversal
   has five. Beyond 256 breaks it now looks at the break before it and the next; steps and results
   are the same to the last bit.
-* Scales of a scene came from nine equal intervals. Strokes whose number is a multiple of eight stand
-  still at the ends of all of them, so the scale of speed was 1 rad/s and that of time the whole
-  duration: 331 steps a reversal in place of 199, and 10,000 reversals did not end.
+* Scales of a scene came from nine equal intervals. Strokes whose number is a multiple of eight
+  stand still at the ends of all of them, so the scale of speed was 1 rad/s and that of time the
+  whole duration: 331 steps a reversal in place of 199, and 10,000 reversals did not end.
 * A table computed the slopes of all its intervals; a sample now computes those of its own.
 * With many unlike rollers, elimination was written out row by row, and with play one product for
   each pair of rollers. The program grew with the square of the number of rollers.
