@@ -64,13 +64,10 @@ def test_derivatives_against_differences(method):
     np.testing.assert_allclose(forward, differences, rtol=1e-6, atol=2e-7)
     if method == "rosenbrock":
         np.testing.assert_allclose(reverse, differences, rtol=1e-6, atol=2e-7)
-        # The two modes are two programs. Where rounding makes them take different steps, each
-        # derivative carries its own error, some tens of the solver's tolerance.
-        np.testing.assert_allclose(forward, reverse, rtol=5e-8, atol=1e-9)
-        # Alone, each reverse derivative is a program of its own, compiled differently.
-        alone = eqx.filter_jit(jax.grad(lambda changes: evaluate(changes)[2]))(jnp.zeros(3))
-        np.testing.assert_allclose(alone, forward[2], rtol=5e-8, atol=1e-9)
-        # So is that with checkpoints: 80 times the solver's tolerance were seen.
+        # Both modes take the steps of one first integration.
+        np.testing.assert_allclose(forward, reverse, rtol=1e-11, atol=1e-13)
+        # With checkpoints it is a program of its own, which may choose other steps: 80 times the
+        # tolerance of the solver were seen.
         alone = eqx.filter_jit(jax.grad(lambda changes: evaluate(changes, "reverse")[2]))
         np.testing.assert_allclose(alone(jnp.zeros(3)), forward[2], rtol=2e-7, atol=1e-9)
     # Still far from the end, so that the solver mattered.
