@@ -91,8 +91,9 @@ def test_signals_at_random_times(verb, tmp_path):
             taken = time.monotonic() - began
         finally:
             process.kill()
-        if process.returncode == 0:
-            # It was done before, or the signal came while Python itself was ending.
+        if process.returncode in (0, -number):
+            # It was done before, or the signal came while Python itself was ending, where it takes
+            # its handlers away: the signal then ends a process whose result is written.
             assert (err, bool(list(folder.iterdir()))) == ("", True)
         else:
             assert (process.returncode, err) == (128 + number, _MESSAGES[number] + "\n")
