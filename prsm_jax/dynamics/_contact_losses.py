@@ -31,6 +31,7 @@ from ..contact import (
 )
 from ..geometry import RelativeCurvature
 from ..mechanism import Friction, RollingHysteresis, Scalar, SpinFriction, Stage
+from ..numerics import apart
 from ._kinematics import StageKinematics
 from ._rubbing import Rubbing, RubbingEllipse, rubbed_moment, rubbing_ellipse
 
@@ -175,7 +176,7 @@ def with_resistance(
 ) -> tuple[StageKinematics, ...]:
     """Kinematics that hold the coefficients of the contact losses, where they are modelled."""
     return tuple(
-        dataclasses.replace(geometry, resistance=contact_resistance(stage, geometry))
+        dataclasses.replace(geometry, resistance=apart(contact_resistance)(stage, geometry))
         if has_contact_losses(stage.friction) and geometry.resistance is None
         else geometry
         for stage, geometry in zip(stages, kinematics, strict=True)

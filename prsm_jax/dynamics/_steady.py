@@ -13,6 +13,7 @@ from .._one_program import one_program
 from .._physics import physics
 from ..geometry import dimensions_possible, rollers_fit
 from ..mechanism import Mechanism, Scalar, of_one_design
+from ..numerics import apart
 from ._carrier_balance import balanced_carrier_ratio
 from ._chain import StageState, chain_forces
 from ._contact_losses import with_resistance
@@ -153,6 +154,8 @@ def _steady_states(
     The code names an impossible dimension first, and would hide that nothing balances.
     """
     ratios: list[Scalar] = []
+    # What follows the balance would compute it anew for each of its numbers.
+    balanced_apart = apart(balanced_carrier_ratio)
     balanced = pushed = jnp.asarray(True)
     meshed = jnp.stack([k.meshing.converged for k in kinematics]).all()
 
@@ -160,7 +163,7 @@ def _steady_states(
         nonlocal balanced
         stage, geometry = mechanism.stages[index], kinematics[index]
         own_speed, own_sense = flank * speed, flank * sense
-        balance = balanced_carrier_ratio(stage, geometry, own_sense, own_speed, axial_force)
+        balance = balanced_apart(stage, geometry, own_sense, own_speed, axial_force)
         balanced = balanced & balance.found
         ratios.append(balance.ratio)
         return balance.motion(geometry, own_speed, own_sense)
