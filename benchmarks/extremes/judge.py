@@ -105,6 +105,8 @@ class Verdicts:
         self.leaves, self.places = changed(compiled.leaves, compiled.numbers, row.changes)
         self.found, self.codes = compiled.values(self.leaves)
         self.usable: dict[str, bool] = {}
+        #: What rounding does to forward derivatives, where that was looked at.
+        self.slope_wobble: dict[str, np.ndarray] = {}
         #: Entries below this share of the largest are measured by that share of it.
         self.least = 1.0 if self.structure.histories else 1e-14
 
@@ -171,15 +173,27 @@ class Verdicts:
             for leaf, number in zip(self.leaves, self.compiled.numbers, strict=True)
         ]
 
+    def _slope_wobble(self, direction, tangents) -> dict[str, np.ndarray]:
+        """How far a relative change of all numbers by an epsilon moves forward derivatives."""
+        random = np.random.default_rng(16)
+        worst = {name: np.zeros_like(tangent) for name, tangent in tangents.items()}
+        for _ in range(2):
+            for name, slope in self.compiled.forward(self._rounded(random), direction).items():
+                change = np.abs(slope - tangents[name])
+                worst[name] = np.fmax(worst[name], np.where(np.isfinite(change), change, 0.0))
+        return worst
+
+    def _rounded(self, random) -> list[np.ndarray]:
+        """All numbers, each an epsilon larger or smaller."""
+        return [
+            leaf * (1 + _EPSILON * random.choice([-1.0, 1.0], leaf.shape)) for leaf in self.leaves
+        ]
+
     def _wobble(self, random) -> dict[str, np.ndarray]:
         """How far a relative change of all numbers by an epsilon moves the values."""
         worst = {name: np.zeros_like(value) for name, value in self.found.items()}
         for _ in range(2):
-            moved = [
-                leaf * (1 + _EPSILON * random.choice([-1.0, 1.0], leaf.shape))
-                for leaf in self.leaves
-            ]
-            values, _ = self.compiled.values(moved)
+            values, _ = self.compiled.values(self._rounded(random))
             for name, value in values.items():
                 change = np.abs(value - self.found[name])
                 worst[name] = np.fmax(worst[name], np.where(np.isfinite(change), change, 0.0))
@@ -290,7 +304,8 @@ class Verdicts:
         together = self._transposed(weights, tangents, direction, good)
         if together is not None and len(good) == len(forward):
             return {name: Cell(forward[name].status, together) for name in good}
-        # One at a time: whose derivative it is.
+        # One at a time: whose derivative it is, and whether rounding can have done it.
+        self.slope_wobble = self._slope_wobble(direction, tangents)
         for name in forward:
             alone = {
                 other: w if other == name else np.zeros_like(w) for other, w in weights.items()
@@ -335,13 +350,20 @@ class Verdicts:
         scale += 1e-6 * terms
         # Nor does a derivative count that is next to nothing beside its value.
         scale += 1e-4 * sum(float(np.sum(np.abs(weights[n] * self.found[n]))) for n in names)
-        # And both rest on numbers that are rounded, efficiencies on parts of order one.
+        # And both rest on numbers that are rounded.
         scale += 1e10 * sum(float(np.sum(np.abs(weights[n] * self._rounding(n)))) for n in names)
         return abs(left - right) / scale if scale > 0 else None
 
     def _rounding(self, name: str) -> np.ndarray:
-        least = _EPSILON if name == "efficiency" else 0.0
-        return np.maximum(self.wobble[name], least)
+        """What rounding does to a value, and to its derivatives where that was looked at.
+
+        That is at least what it does to the ordinary value: a force of 0 is a difference of forces.
+        All columns together are not given that, or a derivative that is nothing would hide others.
+        """
+        if not self.slope_wobble:
+            return self.wobble[name]
+        least = _EPSILON * np.abs(np.nan_to_num(self.base[name], posinf=0.0, neginf=0.0))
+        return np.maximum(np.maximum(self.wobble[name], self.slope_wobble[name]), least)
 
     def _transposed(self, weights, tangents, direction, names) -> float | None:
         """How far reverse is from forward, all columns at once; `None` where it has to be told."""
