@@ -7,6 +7,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._batches import AbstractResult, listed, mapped
+from .._one_program import one_program
 from ._energy import kinetic_energies, shares, strain_energies
 from ._families import FAMILIES, family_shares
 from ._spring_modes import clusters
@@ -33,6 +34,16 @@ class ModeGroup(eqx.Module):
     shapes: Float[Array, "coordinates modes multiplicity"] | None = None
 
 
+def _repeated(groups: tuple[ModeGroup, ...]) -> Float[Array, " degrees"]:
+    return jnp.concatenate([jnp.repeat(g.frequencies, g.multiplicity) for g in groups])
+
+
+@one_program
+def _ascending(groups: tuple[ModeGroup, ...]) -> Float[Array, " degrees"]:
+    ascending = jnp.sort(_repeated(groups))
+    return jnp.where(jnp.isnan(ascending[-1]), jnp.nan, ascending)
+
+
 class Modes(AbstractResult):
     """Natural frequencies of one stage, and on request its mode shapes.
 
@@ -56,7 +67,7 @@ class Modes(AbstractResult):
         return self.groups[0].frequencies.shape[:-1]
 
     def _repeated(self) -> Float[Array, " degrees"]:
-        return jnp.concatenate([jnp.repeat(g.frequencies, g.multiplicity) for g in self.groups])
+        return _repeated(self.groups)
 
     @property
     @mapped
@@ -65,8 +76,7 @@ class Modes(AbstractResult):
 
         Where one of them is NaN so are all, for its place in the order is not known.
         """
-        ascending = jnp.sort(self._repeated())
-        return jnp.where(jnp.isnan(ascending[-1]), jnp.nan, ascending)
+        return _ascending(self.groups)
 
     def _asked(self) -> tuple[VibrationSystem, SpringNetwork]:
         if self.system is None or self.network is None:

@@ -18,12 +18,16 @@ from prsm_jax._one_program import one_program
 from tests.scenes import array, mechanism, stage
 
 _COMPILED = "/jax/core/compile/backend_compile_duration"
+_TRACED = "/jax/core/compile/jaxpr_trace_duration"
 _counted: list[str] = []
+_traced: list[str] = []
 
 
 def _heard(event, duration, **about):
     if event == _COMPILED:
         _counted.append(str(about.get("fun_name")))
+    if event == _TRACED:
+        _traced.append(str(about.get("fun_name")))
 
 
 jax.monitoring.register_event_duration_secs_listener(_heard)
@@ -162,3 +166,72 @@ def test_gradient_by_a_number_that_no_argument_shows():
     # Carriers follow the speed nearly linearly: what is left is rounding over the change.
     np.testing.assert_allclose(exact, (sides[0] - sides[1]) / (2 * change), rtol=1e-7)
     assert exact != 0
+
+
+def _efficiency(one):
+    return prsm.steady_state(one).efficiency
+
+
+def _highest(one):
+    return prsm.modal(one).frequencies[-1]
+
+
+def _pressure(one):
+    return prsm.compute(one, ["max_pressure"])["max_pressure"]
+
+
+@pytest.mark.parametrize("function", [_efficiency, _highest, _pressure])
+def test_a_second_call_traces_and_compiles_nothing(function):
+    """As a user writes them, each time with a new function to differentiate."""
+    vibrating = prsm.load("wu2022")
+
+    def both(one):
+        return function(one), jax.grad(lambda other: function(other))(one)
+
+    value, slope = jax.block_until_ready(both(vibrating))
+    before = len(_traced)
+    with compilations() as made:
+        other, again = jax.block_until_ready(both(vibrating))
+    assert made == []
+    assert _traced[before:] == []
+    assert float(other) == float(value)
+    assert jax.tree.all(jax.tree.map(np.array_equal, slope, again))
+    # The same derivative where it is part of the program of a user.
+    whole = jax.jit(jax.grad(function))(vibrating)
+    scale = [float(jnp.abs(leaf).max()) for leaf in jax.tree.leaves(whole)]
+    for exact, found, size in zip(*map(jax.tree.leaves, (whole, slope)), scale, strict=True):
+        np.testing.assert_allclose(found, exact, rtol=1e-11, atol=1e-14 * size)
+
+
+def test_reverse_mode_outside_of_a_program_keeps_its_arguments_only():
+    numbers = len(jax.tree.leaves(ONE))
+    _, pull = jax.vjp(lambda one: prsm.steady_state(one).efficiency, ONE)
+    assert len(jax.tree.leaves(pull)) <= numbers
+    # In the program of a user nothing is calculated twice.
+    whole = str(jax.make_jaxpr(jax.grad(_efficiency))(ONE))
+    assert "checkpoint" not in whole
+    assert "remat" not in whole
+
+
+def test_every_way_to_differentiate_outside_of_a_program():
+    lead = prsm.get_parameter(ONE, "stage.1.lead")
+
+    def travel(lead):
+        found = prsm.mesh(prsm.set_parameter(ONE, "stage.1.lead", lead).stages[0].thread)
+        return jnp.sin(found.screw.contact_radius * 1e3)
+
+    change = 1e-4 * lead
+    first = (travel(lead + change) - travel(lead - change)) / (2 * change)
+    ways = {
+        "forward": jax.jvp(travel, (lead,), (jnp.ones_like(lead),))[1],
+        "linear": jax.linearize(travel, lead)[1](jnp.ones_like(lead)),
+        "reverse": jax.grad(travel)(lead),
+        "mapped": jax.vmap(jax.grad(travel))(jnp.stack([lead, 2 * lead]))[0],
+    }
+    for name, found in ways.items():
+        np.testing.assert_allclose(found, first, rtol=1e-6, err_msg=name)
+        np.testing.assert_allclose(found, ways["forward"], rtol=1e-12, err_msg=name)
+    second = (jax.grad(travel)(lead + change) - jax.grad(travel)(lead - change)) / (2 * change)
+    for twice in (jax.hessian(travel), jax.grad(jax.grad(travel))):
+        np.testing.assert_allclose(twice(lead), second, rtol=1e-5)
+    assert abs(float(second)) > 0
