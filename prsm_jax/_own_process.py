@@ -14,16 +14,31 @@ def _is_command_line() -> bool:
     return name == "prsm" or (name == "-m" and "prsm_jax" in sys.orig_argv)
 
 
+#: Verbs whose programs run once or a few times, each in milliseconds.
+_BRIEF_VERBS = frozenset(
+    ("campbell", "check", "contact", "explain", "modal", "response", "sensitivity", "steady")
+)
+
+
 def _compiler_flags() -> str:
     """Flags of XLA's CPU compiler for programs that run once or a few times.
 
     Its older code generator for fused loops compiles in two thirds of the time, and what it makes
     runs as fast here (sweeps, optimisations). JAX 0.10 is the last that is known to have it; a flag
     that the compiler does not know would end the process.
+
+    Of verbs that analyse one design a program runs for a millisecond and compiles for seconds: code
+    that is not optimised, in one piece, is there in half to three quarters of the time, running
+    included. Sweeps, searches and transients keep code that is.
     """
+    flags = []
     version = importlib.metadata.version("jaxlib").split(".")[:2]
-    known = tuple(int(part) for part in version) <= (0, 10)
-    return "--xla_cpu_use_fusion_emitters=false" if known else ""
+    if tuple(int(part) for part in version) <= (0, 10):
+        flags.append("--xla_cpu_use_fusion_emitters=false")
+    if sys.argv[1:] and sys.argv[1] in _BRIEF_VERBS:
+        flags.append("--xla_backend_optimization_level=0")
+        flags.append("--xla_cpu_parallel_codegen_split_count=1")
+    return " ".join(flags)
 
 
 if _is_command_line():

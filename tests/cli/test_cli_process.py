@@ -4,20 +4,22 @@ import os
 import subprocess
 import sys
 
+import pytest
+
 _PROCESS = """
 import sys
-sys.argv = [{name!r}]
+sys.argv = {words!r}
 import prsm_jax, os
 print(os.environ.get("XLA_FLAGS"))
 """
 
 
-def _flags(name: str, given: str | None) -> str:
+def _flags(name: str, given: str | None, *words: str) -> str:
     environment = {key: value for key, value in os.environ.items() if key != "XLA_FLAGS"}
     if given is not None:
         environment["XLA_FLAGS"] = given
     said = subprocess.run(
-        [sys.executable, "-c", _PROCESS.format(name=name)],
+        [sys.executable, "-c", _PROCESS.format(words=[name, *words])],
         env=environment,
         capture_output=True,
         text=True,
@@ -30,6 +32,14 @@ def test_the_flags_of_the_user_come_last():
     given = "--xla_cpu_use_fusion_emitters=true"
     flags = _flags("/somewhere/bin/prsm", given).split()
     assert flags == ["--xla_cpu_use_fusion_emitters=false", given]
+
+
+@pytest.mark.parametrize("verb", ["steady", "modal", "contact", "simulate", "sweep", "optimise"])
+def test_what_runs_once_is_not_optimised(verb):
+    flags = _flags("/somewhere/bin/prsm", None, verb, "wu2022").split()
+    brief = verb in ("steady", "modal", "contact")
+    assert ("--xla_backend_optimization_level=0" in flags) == brief
+    assert _flags("study.py", None, verb) == "None"
 
 
 def test_a_program_that_imports_the_package_keeps_its_compiler():
