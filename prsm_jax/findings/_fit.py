@@ -9,6 +9,7 @@ from ..geometry import (
     bore_margins,
     carrier_clearance,
     dimension_margins,
+    dimension_names,
     roller_clearance,
 )
 from ..mechanism import Mechanism, Scalar, Stage
@@ -55,7 +56,7 @@ def _clearance(
 @margin_source
 def _dimensions(mechanism: Mechanism, index: int) -> Iterator[Margin]:
     """Numbers of the thread outside of what a file may say."""
-    for name in dimension_margins(mechanism.stages[index].thread):
+    for name in dimension_names(mechanism.stages[index].thread):
 
         def given(analysis: Analysis, name=name) -> dict[str, Scalar]:
             return {"given": getattr(analysis.mechanism.stages[index].thread, name)}
@@ -306,7 +307,8 @@ def assembly_notes(mechanism: Mechanism) -> Iterator[Finding]:
         gear = stage.gear
         if gear is None or gear.roller_teeth is None:
             continue
-        roller, ring = float(gear.roller_teeth), float(gear.roller_teeth * stage.thread.starts)
+        roller = float(gear.roller_teeth)
+        ring = roller * float(stage.thread.starts)
         if not (is_whole(roller) and is_whole(ring)):
             continue
         step = round(ring) % stage.roller_count

@@ -6,6 +6,7 @@ from ._checks import (
     bore_margins as bore_margins,
     carrier_clearance as carrier_clearance,
     dimension_margins as dimension_margins,
+    dimension_names as dimension_names,
     dimensions_possible as dimensions_possible,
     roller_clearance as roller_clearance,
     roller_major_radius as roller_major_radius,

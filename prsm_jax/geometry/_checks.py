@@ -60,6 +60,12 @@ def carrier_clearance(stage: Stage) -> Scalar:
     return gap if thread.screw_addendum is None else gap - thread.screw_addendum
 
 
+def dimension_names(thread: Thread) -> tuple[str, ...]:
+    """Names of the numbers that `dimension_margins` gives, by structure; nothing is traced."""
+    last = () if thread.roller_profile_radius is None else ("roller_profile_radius",)
+    return ("lead", "starts", "roller_radius", "contact_angle", *last)
+
+
 def dimension_margins(thread: Thread) -> dict[str, Scalar]:
     """How far each number of the thread is inside its physical range, by name; 0 at its end.
 

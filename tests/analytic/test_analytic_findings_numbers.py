@@ -2,6 +2,8 @@
 
 import dataclasses
 
+import equinox as eqx
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from scenes import STEEL, example, stage, thread
@@ -9,6 +11,7 @@ from scenes import STEEL, example, stage, thread
 import prsm_jax as prsm
 from prsm_jax import file
 from prsm_jax.findings import mass_findings, stiffness_findings
+from prsm_jax.geometry import dimension_margins, dimension_names
 from prsm_jax.mechanism import (
     Carrier,
     GivenStiffness,
@@ -233,3 +236,14 @@ def test_findings_come_stage_by_stage():
     found = prsm.check(prsm.Mechanism((worse, bad)))
     assert [f.stage for f in found] == sorted(f.stage for f in found)
     assert {(f.name, f.stage) for f in found} >= {("inertia", 1), ("roller_clearance", 2)}
+
+
+@pytest.mark.parametrize("name", ["wu2022", "lisowski2014"])
+def test_names_of_dimensions_are_those_of_their_margins(name):
+    given = prsm.load(name).stages[0].thread
+    other = eqx.tree_at(
+        lambda t: t.roller_profile_radius, given, jnp.asarray(0.01), is_leaf=lambda x: x is None
+    )
+    without = eqx.tree_at(lambda t: t.roller_profile_radius, other, None)
+    for one in (other, without):
+        assert dimension_names(one) == tuple(dimension_margins(one))
