@@ -15,8 +15,10 @@ from ..mechanism import Mechanism, Scalar
 from ._bristles import breakaway_deflection, bristle_rate, bristles_of, in_tangent_plane
 from ._carrier_motion import Problem
 from ._chain import StageState, chain_forces
+from ._driven_rate import DrivenRate
 from ._integration import Settings, integrated
 from ._kinematics import StageKinematics
+from ._scenario import Drive, Scenario, drive_at
 from ._sliding_motion import sense_of, sliding_motion
 from ._stage_forces import Motion
 from ._transient_result import CarrierHistory, SolverReport, prescribed
@@ -78,6 +80,11 @@ def deflection_scales(mechanism: Mechanism) -> tuple[Scalar, ...]:
     return tuple(jax.lax.stop_gradient(jnp.where(size > 0, size, 1.0)) for size in sizes)
 
 
+def _scaled_drive(time: Scalar, scene: tuple[Scenario, Scalar]) -> Drive:
+    scenario, time_scale = scene
+    return drive_at(scenario, time * time_scale)
+
+
 def bristle_history(
     problem: Problem, times: Float[Array, " times"], settings: Settings
 ) -> tuple[CarrierHistory, SolverReport]:
@@ -92,16 +99,16 @@ def bristle_history(
         bent = tuple(z * size for z, size in zip(scaled.deflection, sizes, strict=True))
         return BristleState(scaled.carrier_speed * problem.speed_scale, bent)
 
-    def instant(time: Scalar, state: BristleState):
-        speed, acceleration = scenario.motion_at(time)
+    def instant(drive: Drive, state: BristleState):
+        speed, acceleration, load = drive
         states, rates = states_with_bristles(
-            mechanism, kinematics, state, speed, scenario.load_at(time), acceleration
+            mechanism, kinematics, state, speed, load, acceleration
         )
         drives = jnp.stack([one.forces.carrier_drive for one in states])
         return states, BristleState(drives / problem.inertia, rates)
 
-    def rate(scaled_time, scaled, _):
-        _, found = instant(scaled_time * problem.time_scale, physical(scaled))
+    def rate(drive, scaled, _):
+        _, found = instant(drive, physical(scaled))
         bent = tuple(
             z * (problem.time_scale / size) for z, size in zip(found.deflection, sizes, strict=True)
         )
@@ -112,16 +119,18 @@ def bristle_history(
         first * jnp.ones_like(problem.inertia), tuple(jnp.zeros(2, times.dtype) for _ in sizes)
     )
     found, report = integrated(
-        rate,
+        DrivenRate(_scaled_drive, rate),
         start,
         scenario.duration / problem.time_scale,
         scenario.break_times / problem.time_scale,
         scenario.samples,
         settings,
+        args=(scenario, problem.time_scale),
         autonomous=not (callable(scenario.speed) or callable(scenario.load)),
     )
     sampled = jax.vmap(physical)(found)
-    states, rates = jax.vmap(instant)(times, sampled)
+    drives = jax.vmap(lambda time: drive_at(scenario, time))(times)
+    states, rates = jax.vmap(instant)(drives, sampled)
     motion = prescribed(scenario, times)
     history = CarrierHistory(*motion, sampled.carrier_speed, states, rates.carrier_speed)
     return history, report

@@ -10,9 +10,10 @@ from .._physics import physics
 from ..mechanism import Mechanism, Scalar
 from ._chain import StageState, chain_forces
 from ._contact_losses import with_resistance
+from ._driven_rate import DrivenRate
 from ._kinematics import StageKinematics, free_carrier_ratio, turning_range
 from ._reduced_chain import ReducedChain, reduced_chain, reduced_rates
-from ._scenario import Scenario
+from ._scenario import Drive, Scenario, drive_at, drive_once
 from ._sliding_motion import sense_of, sliding_motion
 from ._solvers import still
 from ._stage_forces import Motion, carrier_inertia
@@ -51,32 +52,49 @@ def states_at(
     - `time`: [s].
     - `carrier_speed`: ω of every stage [rad/s].
     """
+    return driven_states(mechanism, kinematics, drive_at(scenario, time), carrier_speed)
+
+
+def driven_states(
+    mechanism: Mechanism,
+    kinematics: tuple[StageKinematics, ...],
+    drive: Drive,
+    carrier_speed: Float[Array, " stages"],
+) -> tuple[StageState, ...]:
+    """The same from what drives at that instant."""
     kinematics = with_resistance(mechanism.stages, kinematics)
-    speed, acceleration = scenario.motion_at(time)
+    speed, acceleration, load = drive
 
     def motion_of(index: int, flank: Scalar, _, axial_acceleration) -> Motion:
         own_speed, carrier = flank * speed, flank * carrier_speed[index]
         return sliding_motion(kinematics[index], own_speed, carrier, axial_acceleration)
 
-    sense, load = sense_of(speed), scenario.load_at(time)
+    sense = sense_of(speed)
     return chain_forces(mechanism, kinematics, motion_of, speed, sense, load, acceleration)
 
 
-def carrier_acceleration(problem: Problem, time: Scalar, carrier_speed) -> Float[Array, " stages"]:
+def carrier_acceleration(
+    problem: Problem, drive: Drive, carrier_speed: Float[Array, " stages"]
+) -> Float[Array, " stages"]:
     """ω̇ of every stage [rad/s²]."""
     if problem.reduced is not None:
-        speed, acceleration = problem.scenario.motion_at(time)
-        load = problem.scenario.load_at(time)
-        return reduced_rates(problem.reduced, speed, acceleration, load, carrier_speed)
-    states = states_at(problem.mechanism, problem.kinematics, problem.scenario, time, carrier_speed)
+        return reduced_rates(problem.reduced, *drive, carrier_speed)
+    states = driven_states(problem.mechanism, problem.kinematics, drive, carrier_speed)
     return jnp.stack([state.forces.carrier_drive for state in states]) / problem.inertia
 
 
+def _scaled_drive(time: Scalar, problem: Problem) -> Drive:
+    return drive_at(problem.scenario, time * problem.time_scale)
+
+
 @physics("carrier_dynamics")
-def scaled_rate(time, ratio, problem: Problem):
-    """d(ω/Ω₀)/d(t/τ): both state and time of order one, so that one tolerance fits every scene."""
-    rate = carrier_acceleration(problem, time * problem.time_scale, ratio * problem.speed_scale)
+def _scaled_rate(drive: Drive, ratio: Float[Array, " stages"], problem: Problem):
+    rate = carrier_acceleration(problem, drive, ratio * problem.speed_scale)
     return rate * problem.time_scale / problem.speed_scale
+
+
+#: d(ω/Ω₀)/d(t/τ): both state and time of order one, so that one tolerance fits every scene.
+scaled_rate = DrivenRate(_scaled_drive, _scaled_rate)
 
 
 def carrier_problem(
@@ -96,8 +114,9 @@ def carrier_problem(
     one = jnp.ones_like(speed)
     problem = Problem(mechanism, kinematics, scenario, inertia, speed, one, reduced)
     # Away from the exact steady state, where a friction law might have its kink.
-    carrier = 0.3 * scenario.speed_at(times[fastest]) * jnp.ones_like(inertia)
-    slopes = jax.jacfwd(lambda w: carrier_acceleration(problem, times[fastest], w))(carrier)
+    drive = drive_at(scenario, times[fastest])
+    carrier = 0.3 * drive.speed * jnp.ones_like(inertia)
+    slopes = jax.jacfwd(lambda w: carrier_acceleration(problem, drive, w))(carrier)
     fastest_rate = jnp.max(jnp.abs(jnp.diagonal(slopes)))
     decays = fastest_rate * scenario.duration > 1.0
     shortest = jnp.where(decays, 1 / jnp.where(decays, fastest_rate, 1.0), scenario.duration)
@@ -130,7 +149,7 @@ class ErrorWeight(eqx.Module):
 
     def __call__(self, time: Scalar, ratio: Float[Array, " stages"]) -> Float[Array, " stages"]:
         """The factor for each stage at a scaled time and state; 1 at an ordinary lead."""
-        speed = self.scenario.speed_at(time * self.time_scale) / self.speed_scale
+        speed = drive_once(self.scenario, time * self.time_scale).speed / self.speed_scale
         near = jnp.abs(ratio - self.rolling * speed) + self.turning * jnp.abs(speed)
         near = jnp.where(near > 0, near, jnp.inf)
         return jnp.maximum(1.0, jnp.abs(self.rolling * speed) / (_TURNS * near))

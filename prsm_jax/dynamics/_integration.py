@@ -11,6 +11,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from ..mechanism import Scalar
+from ._driven_rate import DrivenRate
 from ._solvers import (
     NAMES,
     Gradient,
@@ -74,7 +75,7 @@ def integrated(
 
     **Arguments:**
 
-    - `rate`: function of (time, state, args).
+    - `rate`: function of (time, state, args), best a `DrivenRate`.
     - `start`: state at time 0.
     - `end`: scaled duration.
     - `breaks`: scaled times at which the drive jumps or bends.
@@ -90,6 +91,8 @@ def integrated(
     **Raises:** `ValueError` for a method that does not integrate, or an unknown gradient.
     """
     method = "rosenbrock" if settings.method == "auto" else settings.method
+    if autonomous and isinstance(rate, DrivenRate):
+        rate = rate.directly
     scene = _Scene(breaks, longest, weight, settings.rtol, settings.atol)
     static = _Static(method, settings.gradient, settings.max_steps, samples, autonomous)
     # An unknown gradient is refused before anything is traced.
@@ -97,7 +100,11 @@ def integrated(
     if settings.gradient == "forward" and not is_short(end.dtype):
         solution, _ = _solved(rate, start, end, args, scene, static)
     else:
-        rate = eqx.filter_closure_convert(rate, jnp.zeros_like(end), start, args)
+        example = jnp.zeros_like(end), start, args
+        if isinstance(rate, DrivenRate):
+            rate = rate.closed(*example)
+        else:
+            rate = eqx.filter_closure_convert(rate, *example)
         solution = _solved_twice(rate, start, end, args, still(scene), static=static)
     report = SolverReport(
         steps=solution.steps, rejected=solution.rejected, code=solution.code, name=NAMES[method]

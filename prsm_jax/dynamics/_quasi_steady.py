@@ -19,10 +19,10 @@ from ._carrier_balance import balanced_carrier_ratio, steady_motion
 from ._carrier_motion import Problem, carrier_acceleration
 from ._chain import StageState, chain_forces
 from ._kinematics import StageKinematics
-from ._scenario import Scenario
+from ._scenario import Scenario, drive_once
 from ._solvers import NAMES
 from ._stage_forces import Motion
-from ._transient_result import CarrierHistory, SolverReport, prescribed_at
+from ._transient_result import CarrierHistory, SolverReport
 
 #: Of the carrier ratio: what carriers may stay behind their balance, and be wrong by.
 _LARGEST_SHIFT, _LARGEST_ERROR = 0.03, 1.0
@@ -58,7 +58,7 @@ def quasi_steady_states(
 
     **Returns:** the states, the carrier ratios, and whether friction can drive every carrier.
     """
-    speed, acceleration = scenario.motion_at(time)
+    speed, acceleration, load = drive_once(scenario, time)
     sense = sense_of(speed, acceleration)
     ratios: list[Scalar] = []
     valid = jnp.asarray(True)
@@ -74,7 +74,6 @@ def quasi_steady_states(
         ratios.append(balance.ratio)
         return balance.motion(kinematics[index], own_speed, own_sense, axial_acceleration)
 
-    load = scenario.load_at(time)
     states = chain_forces(mechanism, kinematics, motion_of, speed, sense, load, acceleration)
     for state in states:
         # Past the locking limit the axial balance asks for a pulling contact.
@@ -87,7 +86,7 @@ def states_at_ratios(
 ) -> tuple[StageState, ...]:
     """Forces of all stages at given carrier ratios, which make sense at standstill too."""
     mechanism, kinematics, scenario = problem.mechanism, problem.kinematics, problem.scenario
-    speed, acceleration = scenario.motion_at(time)
+    speed, acceleration, load = drive_once(scenario, time)
     sense = sense_of(speed, acceleration)
 
     def motion_of(index: int, flank: Scalar, _, axial_acceleration) -> Motion:
@@ -96,7 +95,6 @@ def states_at_ratios(
             kinematics[index], ratios[index], own_speed, own_sense, axial_acceleration
         )
 
-    load = scenario.load_at(time)
     return chain_forces(mechanism, kinematics, motion_of, speed, sense, load, acceleration)
 
 
@@ -120,8 +118,9 @@ def _followed(problem: Problem, time: Scalar):
     else:
         ratios, valid = balanced(time)
         drift = jnp.zeros_like(ratios)
-    speed = scenario.speed_at(time)
-    slopes = jax.jacfwd(lambda w: carrier_acceleration(problem, time, w))(ratios * speed)
+    drive = drive_once(scenario, time)
+    speed = drive.speed
+    slopes = jax.jacfwd(lambda w: carrier_acceleration(problem, drive, w))(ratios * speed)
     rates = jnp.abs(jnp.diagonal(slopes))
     # Standstill: carriers follow at once.
     moving = above_or_nan(rates) & (speed != 0)
@@ -170,7 +169,7 @@ def quasi_steady_at(problem: Problem) -> Callable[[Scalar], tuple[CarrierHistory
         # Past the locking limit the axial balance asks for a pulling contact.
         pushed = jnp.stack([state.forces.contact_force >= 0 for state in states]).all()
         drives = jnp.stack([state.forces.carrier_drive for state in states])
-        motion = prescribed_at(scenario, time)
+        motion = drive_once(scenario, time)
         history = CarrierHistory(*motion, ratios * motion[0], states, drives / inertia)
         left = jnp.minimum(jnp.abs(change) * lag, _LARGEST_ERROR)
         return history, Neglected(valid & pushed, lag, left)

@@ -23,6 +23,7 @@ from jaxtyping import Array, PyTree
 from ..mechanism import Scalar
 from ..numerics import solve_small
 from ._dense_output import StepInterpolation
+from ._driven_rate import DrivenRate
 
 _GAMMA = 0.25
 #: In place of no length; times are of order one.
@@ -130,14 +131,13 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
         if self.compact:
             end, stages = self._looped(rate, t0, length, flat)
             return self._step(y0, unflatten, end, stages)
+        at_stage, slope = self._rates(terms, rate, t0, length, flat, unflatten, args)
         identity = jnp.eye(flat.size, dtype=flat.dtype)
-        here, slope = rate(t0, flat), None
+        here = at_stage(0, flat)
         jacobian = jax.vmap(
-            lambda direction: jax.jvp(lambda y: rate(t0, y), (flat,), (direction,))[1],
+            lambda direction: jax.jvp(lambda y: at_stage(0, y), (flat,), (direction,))[1],
             out_axes=-1,
         )(identity)
-        if not self.autonomous:
-            slope = jax.jvp(lambda t: rate(t, flat), (t0,), (jnp.ones_like(t0),))[1]
         matrix = identity / (_GAMMA * length) - jacobian
         solve = solve_small(matrix)
 
@@ -148,12 +148,30 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
                 right = here
             else:
                 point = flat + _combined(_A[index], stages) if index < 5 else point + stages[4]
-                right = rate(t0 + _C[index] * length, point)
+                right = at_stage(index, point)
                 right = right + _combined(_E[index], stages) / length
             if slope is not None and _D[index] != 0:
                 right = right + length * _D[index] * slope
             stages.append(solve(right))
         return self._step(y0, unflatten, point + stages[5], stages)
+
+    def _rates(self, terms, rate, t0, length, flat, unflatten, args):
+        """Function of (stage, state) to the rate, and its derivative by time at the start."""
+        # diffrax wraps what it is given, to integrate backwards too.
+        field = getattr(terms, "term", terms).vector_field
+        if not isinstance(field, DrivenRate):
+            slope = None
+            if not self.autonomous:
+                slope = jax.jvp(lambda t: rate(t, flat), (t0,), (jnp.ones_like(t0),))[1]
+            return lambda index, state: rate(t0 + _C[index] * length, state), slope
+        # The last two stages are of the same time.
+        drives, change = field.drives_at(t0 + jnp.asarray(_C[:-1], t0.dtype) * length, args)
+
+        def driven(drive, state):
+            return ravel_pytree(field.rate(drive, unflatten(state), args))[0]
+
+        slope = jax.jvp(lambda drive: driven(drive, flat), (drives[0],), (change,))[1]
+        return lambda index, state: driven(drives[min(index, len(drives) - 1)], state), slope
 
     def _looped(self, rate, t0, length, flat):
         """End of the step and the stages, by a loop over them."""

@@ -1,7 +1,37 @@
-"""The scenario of a mechanism that is simulated without one."""
+"""The scenario of a mechanism that is simulated without one, and how scenarios drive."""
+
+from typing import NamedTuple
 
 from .._errors import MissingDataError
-from ..mechanism import Mechanism, Scenario as Scenario, TorqueScenario
+from ..mechanism import Mechanism, Scalar, Scenario as Scenario, TorqueScenario
+from ..numerics import apart
+
+
+class Drive(NamedTuple):
+    """How a scene drives and loads a mechanism at one time."""
+
+    #: Screw speed [rad/s].
+    speed: Scalar
+    #: Its derivative [rad/s²], unless the speed is constant.
+    acceleration: Scalar | None
+    #: Load on the last nut [N].
+    load: Scalar
+
+
+def drive_at(scenario: Scenario, time: Scalar) -> Drive:
+    """Speed, acceleration and load of a scene at a time [s]."""
+    return Drive(*scenario.motion_at(time), scenario.load_at(time))
+
+
+def drive_once(scenario: Scenario, time: Scalar) -> Drive:
+    """The same, computed once for all that follows from it.
+
+    What follows would otherwise be fused with it: a step in which a sine drives the screw had 141
+    sines and cosines in place of 13.
+    """
+    if callable(scenario.speed) or callable(scenario.load):
+        return apart(drive_at)(scenario, time)
+    return drive_at(scenario, time)
 
 
 def default_scenario(mechanism: Mechanism) -> Scenario | TorqueScenario:

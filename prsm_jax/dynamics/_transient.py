@@ -13,11 +13,11 @@ from ..mechanism import Mechanism, Scalar, TorqueScenario, check_scenario, of_on
 from ._automatic import chosen_method, sample_times, scene_problem
 from ._bristle_transient import bristle_history
 from ._bristles import has_bristles
-from ._carrier_motion import Problem, error_weight, scaled_rate, states_at
+from ._carrier_motion import Problem, driven_states, error_weight, scaled_rate
 from ._integration import Settings, integrated
 from ._kinematics import StageKinematics, free_carrier_ratio
 from ._quasi_steady import quasi_steady_at, quasi_steady_report
-from ._scenario import Scenario, default_scenario
+from ._scenario import Scenario, default_scenario, drive_once
 from ._settling import settling_history
 from ._smooth_torque import has_smooth_threads, smooth_torque_history
 from ._solvers import Gradient, Method, is_concrete
@@ -29,7 +29,6 @@ from ._transient_result import (
     SolverReport,
     Transient,
     histories,
-    prescribed_at,
     rows_of,
     transient_of,
 )
@@ -203,7 +202,7 @@ def _longest_stable(problem: Problem) -> Scalar:
     none = jnp.zeros_like(problem.speed_scale)
     free = jnp.stack([free_carrier_ratio(k) for k in problem.kinematics])
     settled = free * problem.scenario.speed_at(none) / problem.speed_scale
-    slopes = jax.jacfwd(lambda ratio: scaled_rate(none, ratio, problem))(settled)
+    slopes = jax.jacfwd(lambda ratio: scaled_rate.directly(none, ratio, problem))(settled)
     fastest = jax.lax.stop_gradient(jnp.max(jnp.abs(jnp.diagonal(slopes))))
     settles = fastest > 0
     return jnp.where(settles, _STABLE / jnp.where(settles, fastest, 1.0), jnp.inf)
@@ -213,8 +212,7 @@ def evaluated(
     problem: Problem, time: Scalar, carrier_speed: Float[Array, " stages"]
 ) -> CarrierHistory:
     """Forces and accelerations of all stages at one time."""
-    scenario = problem.scenario
-    states = states_at(problem.mechanism, problem.kinematics, scenario, time, carrier_speed)
+    motion = drive_once(problem.scenario, time)
+    states = driven_states(problem.mechanism, problem.kinematics, motion, carrier_speed)
     drives = jnp.stack([state.forces.carrier_drive for state in states])
-    motion = prescribed_at(scenario, time)
     return CarrierHistory(*motion, carrier_speed, states, drives / problem.inertia)

@@ -79,11 +79,6 @@ class SolverReport(AbstractResult):
         return _MEANINGS[int(self.code)]
 
 
-def prescribed_at(scenario: Scenario, time: Scalar) -> tuple[Scalar, Scalar | None, Scalar]:
-    """Screw speed, acceleration (or `None`) and load of a scenario at one time."""
-    return *scenario.motion_at(time), scenario.load_at(time)
-
-
 def prescribed(scenario: Scenario, times: Float[Array, " times"]):
     """Screw speed, acceleration (or `None`) and load of a scenario at all times."""
     load = jax.vmap(scenario.load_at)(times) if callable(scenario.load) else None
