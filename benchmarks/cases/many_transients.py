@@ -1,6 +1,8 @@
 """Many designs' transients at equal achieved error: compiled rivals, derivatives, lock step."""
 
+import concurrent.futures
 import functools
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -40,6 +42,7 @@ _TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 _QUICK = (1e-4, 1e-6)
 #: Rivals that take packages of their own.
 _LSODA = "numbalsoda LSODA, all cores"
+_THREADS = "RODASP, a thread for each core"
 _CASADI = "CasADi {}, interpreted, mapped on all cores"
 
 
@@ -153,9 +156,19 @@ def _steps(out):
 
 
 def _ours(
-    scene: Scene, name: str, method: Any, settings: Sequence, chunk: int = 0, order=None, **options
+    scene: Scene,
+    name: str,
+    method: Any,
+    settings: Sequence,
+    chunk: int = 0,
+    order=None,
+    threads: int = 0,
+    **options,
 ) -> Method:
-    """A method of the package; with `chunk`, that many designs at once, in a certain order."""
+    """A method of the package; with `chunk`, that many designs at once, in a certain order.
+
+    With `threads`, chunks run in as many threads of Python, as the rivals' loops do.
+    """
     batched: Any = jax.vmap(_solver(scene, method, **options), in_axes=(0, 0, 0, 0, None))
     rows = np.arange(len(scene.designs.speed)) if order is None else order
     inputs = jax.tree.map(
@@ -164,7 +177,19 @@ def _ours(
     )
     back = np.argsort(rows)
     jitted: Any
-    if chunk:
+    if threads:
+        jitted = jax.jit(batched)
+        pool = concurrent.futures.ThreadPoolExecutor(threads)
+        parts = [
+            jax.tree.map(lambda x, k=k: x[k : k + chunk], inputs)
+            for k in range(0, len(rows), chunk)
+        ]
+
+        def call(rtol):
+            running = [pool.submit(jitted, *part, rtol) for part in parts]
+            found = [jax.block_until_ready(one.result()) for one in running]
+            return jax.tree.map(lambda *x: np.concatenate(x), *found)
+    elif chunk:
         parts = jax.tree.map(lambda x: x.reshape(-1, chunk, *x.shape[1:]), inputs)
         jitted = jax.jit(
             lambda given, rtol: jax.tree.map(
@@ -298,9 +323,11 @@ def _mission(size: Size, width: float) -> Problem:
         friction = f"Coulomb friction regularised over {1e3 * width:g} mm/s"
     # In chunks, because the samples of a whole batch, rewritten at every step, outgrow the cache.
     chunk, order = size.missions // (5 if size is _SMALL else 2), np.arange(count)
+    cores = len(os.sched_getaffinity(0))
     ours = [
         _ours(scene, "quasi-steady balance", "quasi_steady", (None,)),
         _ours(scene, "RODASP", "rosenbrock", settings, chunk, order),
+        _ours(scene, _THREADS, "rosenbrock", settings, -(-count // cores), order, cores),
     ]
     return Problem(
         name="mission_smooth" if width else "mission",
