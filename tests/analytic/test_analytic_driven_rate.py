@@ -7,6 +7,7 @@ import pytest
 
 from prsm_jax.dynamics._driven_rate import DrivenRate
 from prsm_jax.dynamics._integration import Settings, integrated
+from prsm_jax.dynamics._solvers import Method
 
 
 def _drive(time, frequency):
@@ -25,7 +26,7 @@ def _at_once(time, state, frequency):
     return _rate(_drive(time, frequency), state, frequency)
 
 
-def _states(rate, gradient, method="rosenbrock"):
+def _states(rate, gradient, method: Method = "rosenbrock"):
     settings = Settings(method, gradient, 1e-7, 1e-9, 4096)
 
     def states(frequency):
@@ -65,7 +66,7 @@ def test_sines_are_not_computed_anew_for_what_follows_from_them():
 
     def sines(rate):
         states = jax.jit(jax.vmap(_states(rate, "forward")))
-        text = states.lower(jnp.linspace(2.0, 3.0, 3)).compile().as_text()
+        text = str(states.lower(jnp.linspace(2.0, 3.0, 3)).compile().as_text())
         return text.count(" sine(") + text.count(" cosine(")
 
     split, whole = sines(DrivenRate(_drive, _rate)), sines(_at_once)
