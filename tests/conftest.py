@@ -28,6 +28,20 @@ if _JAXLIB <= (0, 10):
     _QUICK += " --xla_cpu_use_fusion_emitters=false"
 os.environ["XLA_FLAGS"] = f"{_FLAGS} {_QUICK}".strip()
 
+# Source lines of every operation are carried through all passes of the compiler: a twentieth of
+# its time. Errors of a trace name their lines all the same.
+os.environ.setdefault("JAX_TRACEBACK_IN_LOCATIONS_LIMIT", "0")
+
+# Processes that tests start take memory in large pieces too; see `_take_memory_in_large_pieces`.
+_TRIM_THRESHOLD, _TOP_PAD = 256 << 20, 64 << 20
+os.environ.setdefault("MALLOC_TRIM_THRESHOLD_", str(_TRIM_THRESHOLD))
+os.environ.setdefault("MALLOC_TOP_PAD_", str(_TOP_PAD))
+# And look for cycles as rarely as this one.
+_STARTED = str(Path(__file__).parent / "started")
+_PATHS = os.environ.get("PYTHONPATH", "").split(os.pathsep)
+if _STARTED not in _PATHS:
+    os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [*_PATHS, _STARTED]))
+
 # As in the command line: diffrax's checks of sample times give NaN. What raises from inside a
 # program calls Python, and JAX does not keep such a program for the next run.
 os.environ.setdefault("EQX_ON_ERROR", "nan")
@@ -83,8 +97,8 @@ def _take_memory_in_large_pieces() -> None:
     with contextlib.suppress(OSError, AttributeError):
         library = ctypes.CDLL("libc.so.6")
         trim_threshold, top_pad = -1, -2
-        library.mallopt(trim_threshold, 256 << 20)
-        library.mallopt(top_pad, 64 << 20)
+        library.mallopt(trim_threshold, _TRIM_THRESHOLD)
+        library.mallopt(top_pad, _TOP_PAD)
 
 
 _take_memory_in_large_pieces()

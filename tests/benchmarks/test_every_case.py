@@ -13,6 +13,7 @@ import pytest
 from benchmarks.cases import case_names, many_transients
 
 ROOT = Path(__file__).parents[2]
+_PATHS = [str(ROOT), os.environ["PYTHONPATH"]]
 #: A second run of the tests finds the programs of the first.
 _KEPT = {
     "JAX_COMPILATION_CACHE_DIR": str(jax.config.jax_compilation_cache_dir),
@@ -32,7 +33,7 @@ def run(tmp_path_factory):
                 [sys.executable, "-m", "benchmarks", name, "--smoke", "--out", str(folder)],
                 check=True,
                 cwd=ROOT,
-                env=os.environ | {"PYTHONPATH": str(ROOT)} | _KEPT,
+                env=os.environ | {"PYTHONPATH": os.pathsep.join(_PATHS)} | _KEPT,
                 capture_output=True,
             )
             found = json.loads((folder / f"{name}.json").read_text(encoding="utf-8"))
