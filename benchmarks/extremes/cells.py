@@ -137,7 +137,10 @@ def table_of(data: dict) -> Table:
 
 
 def joined(tables: list[Table]) -> list[Table]:
-    """Parts of one structure as one table, in the order of their first parts."""
+    """Parts of one structure as one table, in the order of their first parts.
+
+    A row that was run again stands where it stood, with its last cells.
+    """
     whole: dict[str, Table] = {}
     for table in tables:
         if table.structure not in whole:
@@ -145,7 +148,8 @@ def joined(tables: list[Table]) -> list[Table]:
             continue
         first = whole[table.structure]
         first.columns = first.columns or table.columns
-        first.rows.extend(table.rows)
+        there = {row["name"] for row in first.rows}
+        first.rows.extend(row for row in table.rows if row["name"] not in there)
         first.cells.update(table.cells)
         first.seconds.update(table.seconds)
     return list(whole.values())

@@ -30,6 +30,9 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--part", default="1/1", metavar="K/N", help="every N-th row only, from the K-th"
     )
+    parser.add_argument(
+        "--row", action="append", default=[], metavar="NAME", help="this row only; may be repeated"
+    )
     parser.add_argument("--jobs", type=int, default=2, help="processes at a time")
     parser.add_argument(
         "--page", type=Path, nargs="+", metavar="JSON", help="only the page, from these files"
@@ -53,6 +56,7 @@ class _Worker:
                 *(sys.executable, "-m", "benchmarks.extremes.worker", name),
                 *("--rows", str(arguments.rows), "--seed", str(arguments.seed)),
                 *("--skip", str(skip), "--part", arguments.part),
+                *(part for row in arguments.row for part in ("--row", row)),
             ],
             stdout=subprocess.PIPE,
             text=True,

@@ -27,6 +27,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=14)
     parser.add_argument("--skip", type=int, default=0, help="rows that are done already")
     parser.add_argument("--part", default="1/1", help="every N-th row only, from the K-th: K/N")
+    parser.add_argument("--row", action="append", default=[], help="this row only")
     arguments = parser.parse_args(argv)
     os.environ["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} {_QUICK}".strip()
 
@@ -38,6 +39,11 @@ def main(argv: list[str] | None = None) -> int:
     columns = columns_of(one)
     first, step = map(int, arguments.part.split("/"))
     rows = rows_of(one, count=arguments.rows, seed=arguments.seed)[first - 1 :: step]
+    if arguments.row:
+        unknown = set(arguments.row) - {row.name for row in rows}
+        if unknown:
+            parser.error(f"{one.name} has no row {', '.join(map(repr, sorted(unknown)))}")
+        rows = [row for row in rows if row.name in arguments.row]
     _line(columns=columns, count=len(rows), numbers=len(programs(one.name).numbers))
     compiled = programs(one.name)
     base, _ = compiled.values(compiled.leaves)

@@ -131,14 +131,18 @@ def test_the_bare_contact_is_hertz():
 def test_parts_of_a_structure_make_one_table():
     """Rows and cells of both parts; other structures stay apart."""
 
-    def part(structure, *names):
+    def part(structure, *names, status="agrees"):
         rows = [{"name": name, "group": "single", "changes": []} for name in names]
-        cell = Cell("agrees", 0.0)
+        cell = Cell(status, 0.0)
         return Table(structure, ("x",), rows, {name: {"x": (cell,) * 3} for name in names})
 
     first, other = joined([part("a", "one"), part("b", "two"), part("a", "three", "four")])
     assert [row["name"] for row in first.rows] == ["one", "three", "four"]
     assert first.counts()["agrees"] == 9
+    # A row that was run again replaces the former one.
+    (again,) = joined([part("a", "one", "two"), part("a", "one", status="refused")])
+    assert [row["name"] for row in again.rows] == ["one", "two"]
+    assert again.counts() == {"agrees": 3, "refused": 3}
     assert other.structure == "b"
 
 
