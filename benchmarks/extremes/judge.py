@@ -289,8 +289,12 @@ class Verdicts:
             one.histories,
             spectrum,
             one.stepping,
-            STATE_TOLERANCE if state else 0.0,
+            max(STATE_TOLERANCE if state else 0.0, 10 * np.max(self._ordinary(name), initial=0.0)),
         )
+
+    def _ordinary(self, name: str) -> np.ndarray:
+        """Rounding of the ordinary value: a force of 0 is a difference of forces."""
+        return _EPSILON * np.abs(np.nan_to_num(self.base[name], posinf=0.0, neginf=0.0))
 
     def _reverse_cells(self, forward, tangents, direction, random) -> dict[str, Cell]:
         if not tangents:
@@ -357,13 +361,13 @@ class Verdicts:
     def _rounding(self, name: str) -> np.ndarray:
         """What rounding does to a value, and to its derivatives where that was looked at.
 
-        That is at least what it does to the ordinary value: a force of 0 is a difference of forces.
-        All columns together are not given that, or a derivative that is nothing would hide others.
+        That is at least what it does to the ordinary value. All columns together are not given
+        that, or a derivative that is nothing would hide others.
         """
         if not self.slope_wobble:
             return self.wobble[name]
-        least = _EPSILON * np.abs(np.nan_to_num(self.base[name], posinf=0.0, neginf=0.0))
-        return np.maximum(np.maximum(self.wobble[name], self.slope_wobble[name]), least)
+        least = np.maximum(self.wobble[name], self._ordinary(name))
+        return np.maximum(least, self.slope_wobble[name])
 
     def _transposed(self, weights, tangents, direction, names) -> float | None:
         """How far reverse is from forward, all columns at once; `None` where it has to be told."""
