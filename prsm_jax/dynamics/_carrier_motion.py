@@ -93,8 +93,14 @@ def _scaled_rate(drive: Drive, ratio: Float[Array, " stages"], problem: Problem)
     return rate * problem.time_scale / problem.speed_scale
 
 
+def _scaled_speed(drive: Drive, problem: Problem) -> tuple[Scalar, Scalar]:
+    """Speed of the screw and its rate, which the carriers follow."""
+    rate = jnp.zeros_like(drive.speed) if drive.acceleration is None else drive.acceleration
+    return drive.speed / problem.speed_scale, rate * problem.time_scale / problem.speed_scale
+
+
 #: d(ω/Ω₀)/d(t/τ): both state and time of order one, so that one tolerance fits every scene.
-scaled_rate = DrivenRate(_scaled_drive, _scaled_rate)
+scaled_rate = DrivenRate(_scaled_drive, _scaled_rate, _scaled_speed)
 
 
 def carrier_problem(

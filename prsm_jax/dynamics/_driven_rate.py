@@ -21,10 +21,13 @@ class DrivenRate(eqx.Module):
 
     - `drive`: function of (time, args) to a pytree of numbers; it uses no other traced values.
     - `rate`: function of (what drives, state, args) to the rate of the state.
+    - `leader`: function of (what drives, args) to a number that all states follow nearly in
+      proportion, and its rate; `None` if there is none.
     """
 
     drive: Callable[[Scalar, Any], Any]
     rate: Callable[[Any, Any, Any], Any]
+    leader: Callable[[Any, Any], tuple[Scalar, Scalar]] | None = None
 
     def __call__(self, time: Scalar, state: Any, args: Any) -> Any:
         """The rate at one time."""
@@ -40,9 +43,11 @@ class DrivenRate(eqx.Module):
         **Arguments:** examples of what it is called with.
         """
         drives = eqx.filter_eval_shape(self.drive, time, args)
+        leader = self.leader
         return DrivenRate(
             eqx.filter_closure_convert(self.drive, time, args),
             eqx.filter_closure_convert(self.rate, drives, state, args),
+            None if leader is None else eqx.filter_closure_convert(leader, drives, args),
         )
 
     def drives_at(self, times: Float[Array, " times"], args: Any) -> tuple[list[Any], Any]:

@@ -12,13 +12,13 @@ Imports diffrax, so it is itself imported only where something is integrated.
 """
 
 from collections.abc import Callable
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import diffrax
 import jax
 import jax.numpy as jnp
 from jax.flatten_util import ravel_pytree
-from jaxtyping import Array, PyTree
+from jaxtyping import Array, Float, PyTree
 
 from ..mechanism import Scalar
 from ..numerics import solve_small
@@ -28,6 +28,8 @@ from ._driven_rate import DrivenRate
 _GAMMA = 0.25
 #: In place of no length; times are of order one.
 _NO_LENGTH = 1e-6
+#: A leader below this share of its scale leads nothing.
+_NO_LEADER = 1e-6
 _C = (0.0, 0.75, 0.21, 0.63, 1.0, 1.0)
 _D = (0.25, -0.5, -0.023504, -0.0362, 0.0, 0.0)
 _A = (
@@ -96,6 +98,49 @@ class RodasInterpolation(StepInterpolation):
         return jax.tree.map(at, self.y0, self.y1, self.first, self.second)
 
 
+class _Led(NamedTuple):
+    """What states do in a step if they follow a leader in proportion: `c P(s)`, s from 0 to 1.
+
+    P is the cubic with the values and rates of the leader at both ends of the step, in the form in
+    which the method interpolates.
+    """
+
+    length: Scalar
+    #: c (P(1) − P(0)), and the two other coefficients.
+    whole: Float[Array, " states"]
+    first: Float[Array, " states"]
+    second: Float[Array, " states"]
+
+    def moved(self, share: float) -> Float[Array, " states"]:
+        """`c (P(s) − P(0))`."""
+        return share * (self.whole + (1 - share) * (self.first + share * self.second))
+
+    def rate(self, share: float) -> Float[Array, " states"]:
+        """Its derivative by time."""
+        bent = (1 - 2 * share) * (self.first + share * self.second)
+        return (self.whole + bent + share * (1 - share) * self.second) / self.length
+
+    def second_rate_at_start(self) -> Float[Array, " states"]:
+        """Its second derivative by time at the start of the step."""
+        return 2 * (self.second - self.first) / self.length**2
+
+
+def _led(state, length, start, rate_at_start, end, rate_at_end) -> _Led:
+    """What the state does in a step if it keeps its proportion to a leader.
+
+    **Arguments:**
+
+    - `state`, `length`: at the start of the step, and how long that is.
+    - `start`, `rate_at_start`, `end`, `rate_at_end`: of the leader.
+    """
+    moves = jnp.abs(start) > _NO_LEADER
+    share = jnp.where(moves, jnp.clip(state / jnp.where(moves, start, 1.0), -1.0, 1.0), 0.0)
+    whole = end - start
+    first = length * rate_at_start - whole
+    second = 2 * whole - length * (rate_at_end + rate_at_start)
+    return _Led(length, share * whole, share * first, share * second)
+
+
 class Rodasp(diffrax.AbstractAdaptiveSolver):
     """RODASP, order 4 with an embedded one of order 3, for stiff problems with few states.
 
@@ -131,7 +176,7 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
         if self.compact:
             end, stages = self._looped(rate, t0, length, flat)
             return self._step(y0, unflatten, end, stages)
-        at_stage, slope = self._rates(terms, rate, t0, length, flat, unflatten, args)
+        at_stage, slope, led = self._rates(terms, rate, t0, length, flat, unflatten, args)
         identity = jnp.eye(flat.size, dtype=flat.dtype)
         here = at_stage(0, flat)
         jacobian = jax.vmap(
@@ -140,6 +185,8 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
         )(identity)
         matrix = identity / (_GAMMA * length) - jacobian
         solve = solve_small(matrix)
+        if led is not None:
+            slope = slope + jacobian @ led.rate(0.0) - led.second_rate_at_start()
 
         stages: list[Array] = []
         point = flat
@@ -148,22 +195,24 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
                 right = here
             else:
                 point = flat + _combined(_A[index], stages) if index < 5 else point + stages[4]
-                right = at_stage(index, point)
+                right = at_stage(index, point if led is None else point + led.moved(_C[index]))
                 right = right + _combined(_E[index], stages) / length
+            if led is not None:
+                right = right - led.rate(_C[index])
             if slope is not None and _D[index] != 0:
                 right = right + length * _D[index] * slope
             stages.append(solve(right))
-        return self._step(y0, unflatten, point + stages[5], stages)
+        return self._step(y0, unflatten, point + stages[5], stages, led)
 
     def _rates(self, terms, rate, t0, length, flat, unflatten, args):
-        """Function of (stage, state) to the rate, and its derivative by time at the start."""
+        """Function of (stage, state) to the rate, its derivative by time, and what leads."""
         # diffrax wraps what it is given, to integrate backwards too.
         field = getattr(terms, "term", terms).vector_field
         if not isinstance(field, DrivenRate):
             slope = None
             if not self.autonomous:
                 slope = jax.jvp(lambda t: rate(t, flat), (t0,), (jnp.ones_like(t0),))[1]
-            return lambda index, state: rate(t0 + _C[index] * length, state), slope
+            return lambda index, state: rate(t0 + _C[index] * length, state), slope, None
         # The last two stages are of the same time.
         drives, change = field.drives_at(t0 + jnp.asarray(_C[:-1], t0.dtype) * length, args)
 
@@ -171,7 +220,12 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
             return ravel_pytree(field.rate(drive, unflatten(state), args))[0]
 
         slope = jax.jvp(lambda drive: driven(drive, flat), (drives[0],), (change,))[1]
-        return lambda index, state: driven(drives[min(index, len(drives) - 1)], state), slope
+        led = None
+        if field.leader is not None:
+            ends = [field.leader(drives[end], args) for end in (0, -1)]
+            led = _led(flat, length, *ends[0], *ends[1])
+        last = len(drives) - 1
+        return lambda index, state: driven(drives[min(index, last)], state), slope, led
 
     def _looped(self, rate, t0, length, flat):
         """End of the step and the stages, by a loop over them."""
@@ -200,12 +254,15 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
         return points[5] + stages[5], list(stages)
 
     @staticmethod
-    def _step(y0, unflatten, end, stages):
+    def _step(y0, unflatten, end, stages, led=None):
+        first, second = _combined(_DENSE[0], stages[:4]), _combined(_DENSE[1], stages[:5])
+        if led is not None:
+            end, first, second = end + led.moved(1.0), first + led.first, second + led.second
         dense = {
             "y0": y0,
             "y1": unflatten(end),
-            "first": unflatten(_combined(_DENSE[0], stages[:4])),
-            "second": unflatten(_combined(_DENSE[1], stages[:5])),
+            "first": unflatten(first),
+            "second": unflatten(second),
         }
         error = unflatten(stages[5])
         return unflatten(end), error, dense, None, diffrax.RESULTS.successful
