@@ -1,5 +1,7 @@
 """The carriers' equation of motion, and the scales on which it plays."""
 
+from typing import Any
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -7,7 +9,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._physics import physics
-from ..mechanism import Mechanism, Scalar
+from ..mechanism import Mechanism, RegularisedCoulombFriction, Scalar, ViscousFriction
 from ._chain import StageState, chain_forces
 from ._contact_losses import with_resistance
 from ._driven_rate import DrivenRate
@@ -18,6 +20,8 @@ from ._sliding_motion import sense_of, sliding_motion
 from ._solvers import still
 from ._stage_forces import Motion, carrier_inertia
 
+#: Thread friction without a jump at standstill.
+_SMOOTH = (RegularisedCoulombFriction, ViscousFriction, type(None))
 #: Errors count more where friction turns within less than this share of the ratio, inverted.
 _TURNS = 10.0
 #: Its multiples, without their whole parts, lie evenly between 0 and 1 and never repeat.
@@ -169,3 +173,37 @@ def error_weight(problem: Problem) -> ErrorWeight:
         problem.scenario, problem.speed_scale, problem.time_scale, rolling, turning
     )
     return still(weight)
+
+
+class Remaining(eqx.Module):
+    """The time to the next standstill of the screw, by its speed and acceleration."""
+
+    scenario: Scenario
+    speed_scale: Scalar
+    time_scale: Scalar
+    #: Share of the largest speed below which nothing is left.
+    least: Scalar
+
+    def __call__(self, time: Scalar) -> Scalar:
+        """Scaled time that is left from a scaled time on; infinity if the screw gets faster."""
+        speed, acceleration, _ = drive_once(self.scenario, time * self.time_scale)
+        assert acceleration is not None
+        slows = (speed * acceleration < 0) & (jnp.abs(speed) > self.least * self.speed_scale)
+        left = -speed / jnp.where(slows, acceleration, 1.0)
+        return jnp.where(slows, left / self.time_scale, jnp.inf)
+
+
+def remaining_time(problem: Problem, atol: Any) -> Remaining | None:
+    """The time to the next standstill, where friction jumps there; else `None`.
+
+    **Arguments:**
+
+    - `problem`: the scene.
+    - `atol`: absolute tolerance of the carrier ratios; the last step is of a speed of ten of it.
+    """
+    laws = [stage.friction.thread for stage in problem.mechanism.stages if stage.friction]
+    if not callable(problem.scenario.speed) or all(isinstance(law, _SMOOTH) for law in laws):
+        return None
+    least = jnp.asarray(10 * atol, problem.speed_scale.dtype)
+    found = Remaining(problem.scenario, problem.speed_scale, problem.time_scale, least)
+    return still(found)

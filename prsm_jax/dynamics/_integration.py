@@ -70,6 +70,7 @@ def integrated(
     autonomous: bool = False,
     longest: Scalar | None = None,
     weight: Any = None,
+    remaining: Any = None,
 ) -> tuple[Any, SolverReport]:
     """Integrate a scaled equation of motion from 0 to `end`.
 
@@ -85,6 +86,7 @@ def integrated(
     - `autonomous`: whether `rate` does not look at the time.
     - `longest`: the longest scaled step, if there is one.
     - `weight`: function of (time, state), by whose values errors of the states count more.
+    - `remaining`: function of the time to the time that is left to the next standstill.
 
     **Returns:** the states, with samples first, and how it went.
 
@@ -93,7 +95,7 @@ def integrated(
     method = "rosenbrock" if settings.method == "auto" else settings.method
     if autonomous and isinstance(rate, DrivenRate):
         rate = rate.directly
-    scene = _Scene(breaks, longest, weight, settings.rtol, settings.atol)
+    scene = _Scene(breaks, longest, weight, remaining, settings.rtol, settings.atol)
     static = _Static(method, settings.gradient, settings.max_steps, samples, autonomous)
     # An unknown gradient is refused before anything is traced.
     adjoint_of(settings.gradient)
@@ -118,6 +120,7 @@ class _Scene(NamedTuple):
     breaks: Float[Array, " breaks"]
     longest: Scalar | None
     weight: Any
+    remaining: Any
     rtol: Any
     atol: Any
 
@@ -153,7 +156,13 @@ def _solved(
 
     if again is None:
         controller = controller_of(
-            scene.rtol, scene.atol, scene.breaks, end, scene.longest, scene.weight
+            scene.rtol,
+            scene.atol,
+            scene.breaks,
+            end,
+            scene.longest,
+            scene.weight,
+            scene.remaining,
         )
         adjoint = adjoint_of("forward")
     else:

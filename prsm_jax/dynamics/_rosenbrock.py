@@ -8,6 +8,12 @@ carriers follow a screw whose speed changes: G. Steinebach, Order-reduction of R
 and method of lines applications, preprint 1741, TH Darmstadt (1995). There the first RODAS takes
 ten to seventy times as many steps.
 
+Carriers turn nearly in proportion to the screw, and are stiff: what they follow limits the steps,
+although they hardly deviate from it. So a step integrates what is left of a state when a part in
+proportion to its leader is taken off, `u = y − c P(t)`, c being their ratio at the start of the
+step and P the cubic through the leader. For any c and P that is the same equation of motion. A
+screw that swings takes 2 to 3 times fewer steps, 6 times fewer at tight tolerances.
+
 Imports diffrax, so it is itself imported only where something is integrated.
 """
 
@@ -31,6 +37,8 @@ _NO_LENGTH = 1e-6
 #: A leader below this share of its scale leads nothing.
 _NO_LEADER = 1e-6
 _C = (0.0, 0.75, 0.21, 0.63, 1.0, 1.0)
+#: The stage whose time is nearest to the middle of the step.
+_INSIDE = 3
 _D = (0.25, -0.5, -0.023504, -0.0362, 0.0, 0.0)
 _A = (
     (),
@@ -98,7 +106,7 @@ class RodasInterpolation(StepInterpolation):
         return jax.tree.map(at, self.y0, self.y1, self.first, self.second)
 
 
-class _Led(NamedTuple):
+class _Following(NamedTuple):
     """What states do in a step if they follow a leader in proportion: `c P(s)`, s from 0 to 1.
 
     P is the cubic with the values and rates of the leader at both ends of the step, in the form in
@@ -107,38 +115,45 @@ class _Led(NamedTuple):
 
     length: Scalar
     #: c (P(1) − P(0)), and the two other coefficients.
-    whole: Float[Array, " states"]
-    first: Float[Array, " states"]
-    second: Float[Array, " states"]
+    whole: Float[Array, "*states"]
+    first: Float[Array, "*states"]
+    second: Float[Array, "*states"]
+    #: By how much the leader differs from P inside the step, at most, times c.
+    left: Float[Array, "*states"]
 
-    def moved(self, share: float) -> Float[Array, " states"]:
+    def moved(self, share: float) -> Float[Array, "*states"]:
         """`c (P(s) − P(0))`."""
         return share * (self.whole + (1 - share) * (self.first + share * self.second))
 
-    def rate(self, share: float) -> Float[Array, " states"]:
+    def rate(self, share: float) -> Float[Array, "*states"]:
         """Its derivative by time."""
         bent = (1 - 2 * share) * (self.first + share * self.second)
         return (self.whole + bent + share * (1 - share) * self.second) / self.length
 
-    def second_rate_at_start(self) -> Float[Array, " states"]:
+    def second_rate_at_start(self) -> Float[Array, "*states"]:
         """Its second derivative by time at the start of the step."""
         return 2 * (self.second - self.first) / self.length**2
 
 
-def _led(state, length, start, rate_at_start, end, rate_at_end) -> _Led:
+def _following(state, length, start, inside, end) -> _Following:
     """What the state does in a step if it keeps its proportion to a leader.
 
     **Arguments:**
 
     - `state`, `length`: at the start of the step, and how long that is.
-    - `start`, `rate_at_start`, `end`, `rate_at_end`: of the leader.
+    - `start`, `inside`, `end`: the leader and its rate at the start, at the share `_INSIDE` of the
+      step and at its end.
     """
-    moves = jnp.abs(start) > _NO_LEADER
-    share = jnp.where(moves, jnp.clip(state / jnp.where(moves, start, 1.0), -1.0, 1.0), 0.0)
-    whole = end - start
-    first = length * rate_at_start - whole
-    second = 2 * whole - length * (rate_at_end + rate_at_start)
-    return _Led(length, share * whole, share * first, share * second)
+    moves = jnp.abs(start[0]) > _NO_LEADER
+    share = jnp.where(moves, jnp.clip(state / jnp.where(moves, start[0], 1.0), -1.0, 1.0), 0.0)
+    whole = end[0] - start[0]
+    first = length * start[1] - whole
+    second = 2 * whole - length * (start[1] + end[1])
+    cubic = _Following(length, whole, first, second, whole)
+    left = inside[0] - start[0] - cubic.moved(_C[_INSIDE])
+    # It grows as s² (1 − s)² from both ends.
+    left = left / (4 * _C[_INSIDE] * (1 - _C[_INSIDE])) ** 2
+    return _Following(length, share * whole, share * first, share * second, share * left)
 
 
 class Rodasp(diffrax.AbstractAdaptiveSolver):
@@ -176,7 +191,7 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
         if self.compact:
             end, stages = self._looped(rate, t0, length, flat)
             return self._step(y0, unflatten, end, stages)
-        at_stage, slope, led = self._rates(terms, rate, t0, length, flat, unflatten, args)
+        at_stage, slope, following = self._rates(terms, rate, t0, length, flat, unflatten, args)
         identity = jnp.eye(flat.size, dtype=flat.dtype)
         here = at_stage(0, flat)
         jacobian = jax.vmap(
@@ -185,8 +200,8 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
         )(identity)
         matrix = identity / (_GAMMA * length) - jacobian
         solve = solve_small(matrix)
-        if led is not None:
-            slope = slope + jacobian @ led.rate(0.0) - led.second_rate_at_start()
+        if following is not None:
+            slope = slope + jacobian @ following.rate(0.0) - following.second_rate_at_start()
 
         stages: list[Array] = []
         point = flat
@@ -195,14 +210,16 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
                 right = here
             else:
                 point = flat + _combined(_A[index], stages) if index < 5 else point + stages[4]
-                right = at_stage(index, point if led is None else point + led.moved(_C[index]))
+                right = at_stage(
+                    index, point if following is None else point + following.moved(_C[index])
+                )
                 right = right + _combined(_E[index], stages) / length
-            if led is not None:
-                right = right - led.rate(_C[index])
+            if following is not None:
+                right = right - following.rate(_C[index])
             if slope is not None and _D[index] != 0:
                 right = right + length * _D[index] * slope
             stages.append(solve(right))
-        return self._step(y0, unflatten, point + stages[5], stages, led)
+        return self._step(y0, unflatten, point + stages[5], stages, following)
 
     def _rates(self, terms, rate, t0, length, flat, unflatten, args):
         """Function of (stage, state) to the rate, its derivative by time, and what leads."""
@@ -220,12 +237,12 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
             return ravel_pytree(field.rate(drive, unflatten(state), args))[0]
 
         slope = jax.jvp(lambda drive: driven(drive, flat), (drives[0],), (change,))[1]
-        led = None
+        following = None
         if field.leader is not None:
-            ends = [field.leader(drives[end], args) for end in (0, -1)]
-            led = _led(flat, length, *ends[0], *ends[1])
+            leaders = [field.leader(drives[stage], args) for stage in (0, _INSIDE, -1)]
+            following = _following(flat, length, *leaders)
         last = len(drives) - 1
-        return lambda index, state: driven(drives[min(index, last)], state), slope, led
+        return lambda index, state: driven(drives[min(index, last)], state), slope, following
 
     def _looped(self, rate, t0, length, flat):
         """End of the step and the stages, by a loop over them."""
@@ -254,18 +271,25 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
         return points[5] + stages[5], list(stages)
 
     @staticmethod
-    def _step(y0, unflatten, end, stages, led=None):
+    def _step(y0, unflatten, end, stages, following=None):
         first, second = _combined(_DENSE[0], stages[:4]), _combined(_DENSE[1], stages[:5])
-        if led is not None:
-            end, first, second = end + led.moved(1.0), first + led.first, second + led.second
+        if following is not None:
+            end, first, second = (
+                end + following.moved(1.0),
+                first + following.first,
+                second + following.second,
+            )
         dense = {
             "y0": y0,
             "y1": unflatten(end),
             "first": unflatten(first),
             "second": unflatten(second),
         }
-        error = unflatten(stages[5])
-        return unflatten(end), error, dense, None, diffrax.RESULTS.successful
+        error = stages[5]
+        if following is not None:
+            # States that follow at once are right at both ends of a step of any length.
+            error = jnp.abs(error) + jnp.abs(following.left)
+        return unflatten(end), unflatten(error), dense, None, diffrax.RESULTS.successful
 
 
 __all__ = ["RodasInterpolation", "Rodasp"]

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Literal
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
+
+from ..mechanism import Scalar
 
 if TYPE_CHECKING:
     from ._step_control import Weight
@@ -48,6 +51,7 @@ def controller_of(
     end: Float[Array, ""],
     longest: Float[Array, ""] | None = None,
     weight: Weight | None = None,
+    remaining: Callable[[Scalar], Scalar] | None = None,
 ):
     """Steps by tolerance, ending where speed or load jump or bend.
 
@@ -61,12 +65,16 @@ def controller_of(
     - `end`: the end of the integration.
     - `longest`: the longest step, if there is one.
     - `weight`: (time, state) to the factors by which errors of the states count more.
+    - `remaining`: time to the time that is left to the next standstill, or infinity.
     """
     import diffrax
 
-    from ._step_control import Rounded, Weighed
+    from ._step_control import Approaching, Rounded, Weighed
 
-    controller: Any = Rounded(diffrax.PIDController(rtol=rtol, atol=atol, dtmax=longest))
+    controller: Any = diffrax.PIDController(rtol=rtol, atol=atol, dtmax=longest)
+    if remaining is not None:
+        controller = Approaching(controller, remaining)
+    controller = Rounded(controller)
     if weight is not None:
         controller = Weighed(controller, weight)
     if breaks.size == 0:

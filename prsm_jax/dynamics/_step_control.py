@@ -1,4 +1,4 @@
-"""What is added to diffrax's choice of steps: weights of errors, and lengths of few digits.
+"""What is added to diffrax's choice of steps: weights of errors, lengths of few digits, reversals.
 
 Friction in a thread turns from along the carrier's motion to across it within a range of carrier
 ratios, `q/|d|`, that falls with the lead: 0.04 at an ordinary one, 1e-5 at a lead of a micrometre.
@@ -9,6 +9,8 @@ Reverse mode takes steps again, in a program that is compiled differently. Where
 errors to the last digit, its steps differ by rounding, which stiff states amplify, and after the
 same number of them it ends elsewhere; derivatives were then wrong by any factor. Lengths of seven
 binary digits are the same in both.
+
+Where the screw reverses, Coulomb friction jumps. Steps that end before it need not be rejected.
 
 Imports diffrax, so it is itself imported only where something is integrated.
 """
@@ -23,6 +25,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..mechanism import Scalar
+
+#: Share of the time to a standstill that a step may take.
+_OF_THE_REST = 0.35
 
 Weight = Callable[[Scalar, Float[Array, " states"]], Float[Array, " states"]]
 
@@ -79,6 +84,38 @@ class Weighed(_Around):
         )
 
 
+class Approaching(_Around):
+    """Another controller, whose steps end before a standstill that the screw comes to.
+
+    Friction turns round there within no time, so a step across it is rejected until it is next to
+    nothing; each step on the way there was tried across first.
+    """
+
+    #: Time to the time that is left to the next standstill.
+    remaining: Callable[[Scalar], Scalar]
+
+    def __init__(self, controller: Any, remaining: Callable[[Scalar], Scalar]):
+        self.controller, self.remaining = controller, remaining
+
+    def wrap(self, direction):
+        """As the controller that is wrapped."""
+        return eqx.tree_at(_controller, self, self.controller.wrap(direction))
+
+    def init(self, terms, t0, t1, y0, dt0, args, func, error_order):
+        """As the controller that is wrapped."""
+        return self.controller.init(terms, t0, t1, y0, dt0, args, func, error_order)
+
+    def adapt_step_size(
+        self, t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
+    ):
+        """As the controller that is wrapped, but for the length."""
+        keep, start, end, jump, state, result = self.controller.adapt_step_size(
+            t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
+        )
+        longest = _OF_THE_REST * jax.lax.stop_gradient(self.remaining(start))
+        return keep, start, jnp.minimum(end, start + longest), jump, state, result
+
+
 class Rounded(_Around):
     """Another controller, with lengths of steps rounded to seven binary digits."""
 
@@ -110,4 +147,4 @@ def _rounded(length: Scalar) -> Scalar:
     return jax.lax.reduce_precision(length * 1.001, jnp.finfo(length.dtype).nexp, 6)
 
 
-__all__ = ["Rounded", "Weighed", "Weight"]
+__all__ = ["Approaching", "Rounded", "Weighed", "Weight"]

@@ -13,7 +13,7 @@ from ..mechanism import Mechanism, Scalar, TorqueScenario, check_scenario, of_on
 from ._automatic import chosen_method, sample_times, scene_problem
 from ._bristle_transient import bristle_history
 from ._bristles import has_bristles
-from ._carrier_motion import Problem, driven_states, error_weight, scaled_rate
+from ._carrier_motion import Problem, driven_states, error_weight, remaining_time, scaled_rate
 from ._integration import Settings, integrated
 from ._kinematics import StageKinematics, free_carrier_ratio
 from ._quasi_steady import quasi_steady_at, quasi_steady_report
@@ -189,6 +189,7 @@ def _integrated(
         autonomous=constant,
         longest=_longest_stable(problem) if constant and settings.method == "explicit" else None,
         weight=error_weight(problem),
+        remaining=remaining_time(problem, settings.atol),
     )
     return ratio * problem.speed_scale, report
 
