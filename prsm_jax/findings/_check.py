@@ -8,7 +8,7 @@ from ..geometry import Finding
 from ..mechanism import Mechanism, Scalar, of_one_known_design
 from ..quantities import Analysis
 from . import _fit, _locking, _preferred, _stiffness, _strength, _truncation
-from ._margin import Margin, evaluate_margins, findings_of, margins_of, source_count
+from ._margin import Margin, evaluate_margins, findings_of, margins_of, sources
 from ._masses import mass_findings
 from ._sharing import sharing_findings
 
@@ -17,8 +17,8 @@ DECLARED_IN = (_fit, _preferred, _stiffness, _locking, _strength, _truncation)
 
 
 @functools.cache
-def _compiled(_sources: int):
-    # A source that is added later asks for another program.
+def _compiled(_sources: tuple):
+    # Other sources, even as many, ask for another program.
     return eqx.filter_jit(check_margins)
 
 
@@ -34,7 +34,7 @@ def margin_findings(mechanism: Mechanism) -> tuple[tuple[Margin, Finding], ...]:
 
     - `mechanism`: the mechanism, with concrete numbers.
     """
-    values = _plain(_compiled(source_count())(mechanism))
+    values = _plain(_compiled(sources())(mechanism))
     return tuple(findings_of(mechanism, values))
 
 
@@ -65,7 +65,7 @@ def check(mechanism: Mechanism) -> tuple[Finding, ...]:
 
     **Returns:** the findings, stage by stage.
     """
-    return check_from(mechanism, _compiled(source_count())(mechanism))
+    return check_from(mechanism, _compiled(sources())(mechanism))
 
 
 def check_from(mechanism: Mechanism, values: list[dict[str, Scalar] | None]) -> tuple[Finding, ...]:

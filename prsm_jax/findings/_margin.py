@@ -94,6 +94,11 @@ def margin_source(source: Source) -> Source:
     return source
 
 
+def sources() -> tuple[Source, ...]:
+    """All sources; a program that evaluates their margins is theirs alone."""
+    return tuple(_SOURCES)
+
+
 def source_count() -> int:
     """How many sources there are; a program that evaluates margins is made for one number."""
     return len(_SOURCES)

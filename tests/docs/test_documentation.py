@@ -23,9 +23,10 @@ def _pages_with(language):
 @pytest.mark.parametrize("page", _pages_with("python"))
 def test_python_blocks_run(page, capsys):
     # One page is one session: later blocks use what earlier ones made.
+    from prsm_jax.findings import _margin
     from prsm_jax.quantities import _catalogue
 
-    known = dict(_catalogue._CATALOGUE)
+    known, sources = dict(_catalogue._CATALOGUE), list(_margin._SOURCES)
     namespace: dict = {"__name__": "documentation", "__package__": None}
     try:
         for block in blocks(page, "python"):
@@ -33,6 +34,7 @@ def test_python_blocks_run(page, capsys):
     finally:
         _catalogue._CATALOGUE.clear()
         _catalogue._CATALOGUE.update(known)
+        _margin._SOURCES[:] = sources
     assert capsys.readouterr().out
 
 
