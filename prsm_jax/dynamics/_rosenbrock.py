@@ -12,7 +12,7 @@ Carriers turn nearly in proportion to the screw, and are stiff: what they follow
 although they hardly deviate from it. So a step integrates what is left of a state when a part in
 proportion to its leader is taken off, `u = y − c P(t)`, c being their ratio at the start of the
 step and P the cubic through the leader. For any c and P that is the same equation of motion. A
-screw that swings takes 2 to 3 times fewer steps, 6 times fewer at tight tolerances.
+screw that swings takes 1.6 times fewer steps at a tolerance of 1e-5, and 3 times fewer at 1e-7.
 
 Imports diffrax, so it is itself imported only where something is integrated.
 """
