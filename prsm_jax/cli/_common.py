@@ -16,7 +16,7 @@ from cyclopts import Parameter
 
 from .._files import make_folder, whole_file
 from .._plain_text import markdown
-from ..findings import check, check_from, check_margins, source_count
+from ..findings import check, check_from, check_margins, sources
 from ..geometry import Finding
 from ..mechanism import Mechanism, get_parameter
 from ._programs import run_stored, runs_one_verb
@@ -86,7 +86,7 @@ def checked(mechanism: Mechanism) -> tuple[Finding, ...]:
     if not runs_one_verb():
         return check(mechanism)
     # A source of margins that is added asks for another program.
-    name = f"check_margins {source_count()}"
+    name = f"check_margins {len(sources())}"
     values = run_stored(name, check_margins, mechanism, announced=True)
     return check_from(mechanism, values)
 

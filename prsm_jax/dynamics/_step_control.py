@@ -37,7 +37,7 @@ def _controller(wrapper: "_Around") -> Any:
 
 
 class _Around(diffrax.AbstractAdaptiveStepSizeController):
-    """Another controller, whose tolerances are known by these names."""
+    """Another controller, which does what is not said to be otherwise."""
 
     controller: Any
 
@@ -56,6 +56,14 @@ class _Around(diffrax.AbstractAdaptiveStepSizeController):
         """Norm of errors of the controller that is wrapped."""
         return self.controller.norm
 
+    def wrap(self, direction):
+        """As the controller that is wrapped."""
+        return eqx.tree_at(_controller, self, self.controller.wrap(direction))
+
+    def init(self, terms, t0, t1, y0, dt0, args, func, error_order):
+        """As the controller that is wrapped."""
+        return self.controller.init(terms, t0, t1, y0, dt0, args, func, error_order)
+
 
 class Weighed(_Around):
     """Another controller, told errors that are multiplied by a weight at the end of the step."""
@@ -65,14 +73,6 @@ class Weighed(_Around):
 
     def __init__(self, controller: Any, weight: Weight):
         self.controller, self.weight = controller, weight
-
-    def wrap(self, direction):
-        """As the controller that is wrapped."""
-        return eqx.tree_at(_controller, self, self.controller.wrap(direction))
-
-    def init(self, terms, t0, t1, y0, dt0, args, func, error_order):
-        """As the controller that is wrapped."""
-        return self.controller.init(terms, t0, t1, y0, dt0, args, func, error_order)
 
     def adapt_step_size(
         self, t0, t1, y0, y1_candidate, args, y_error: Any, error_order, controller_state
@@ -97,14 +97,6 @@ class Approaching(_Around):
     def __init__(self, controller: Any, remaining: Callable[[Scalar], Scalar]):
         self.controller, self.remaining = controller, remaining
 
-    def wrap(self, direction):
-        """As the controller that is wrapped."""
-        return eqx.tree_at(_controller, self, self.controller.wrap(direction))
-
-    def init(self, terms, t0, t1, y0, dt0, args, func, error_order):
-        """As the controller that is wrapped."""
-        return self.controller.init(terms, t0, t1, y0, dt0, args, func, error_order)
-
     def adapt_step_size(
         self, t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
     ):
@@ -121,10 +113,6 @@ class Rounded(_Around):
 
     def __init__(self, controller: Any):
         self.controller = controller
-
-    def wrap(self, direction):
-        """As the controller that is wrapped."""
-        return eqx.tree_at(_controller, self, self.controller.wrap(direction))
 
     def init(self, terms, t0, t1, y0, dt0, args, func, error_order):
         """As the controller that is wrapped, but for the length."""

@@ -20,7 +20,7 @@ from ._margin import (
     margin_source as margin_source,
     margins_of as margins_of,
     shared_loads as shared_loads,
-    source_count as source_count,
+    sources as sources,
 )
 from ._masses import mass_findings as mass_findings
 from ._sharing import sharing_findings as sharing_findings

@@ -99,11 +99,6 @@ def sources() -> tuple[Source, ...]:
     return tuple(_SOURCES)
 
 
-def source_count() -> int:
-    """How many sources there are; a program that evaluates margins is made for one number."""
-    return len(_SOURCES)
-
-
 def margins_of(mechanism: Mechanism) -> tuple[Margin, ...]:
     """The margins that a mechanism of this structure has, stage by stage."""
     return tuple(

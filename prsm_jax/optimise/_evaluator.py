@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..findings import Margin, evaluate_margins, margins_of, shared_loads, source_count
+from ..findings import Margin, evaluate_margins, margins_of, shared_loads, sources
 from ..mechanism import DesignProblem, Mechanism, Scalar, set_parameters
 from ..quantities import Analysis, component_names, compute, find_quantity
 from ._margin_rows import (
@@ -164,8 +164,8 @@ class Evaluator:
             mechanism,
             names,
             self.quantities,
-            # A source of margins that is added later asks for another program.
-            source_count() if margins else 0,
+            # Other sources of margins ask for another program.
+            sources() if margins else None,
             jnp.asarray(self.lower),
             jnp.asarray(self.width),
             speed,

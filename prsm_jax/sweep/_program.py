@@ -20,7 +20,7 @@ def evaluate_chunk(
     chunk: int,
     speed: Scalar | None,
     load: Scalar | None,
-    sources: int,
+    sources: tuple | None,
 ) -> tuple[dict[str, Array], Int[Array, " chunk"], Int[Array, " chunk"]]:
     """Quantities of `chunk` neighbouring designs of a grid, the last axis running fastest.
 
@@ -35,7 +35,7 @@ def evaluate_chunk(
     - `start`: number of the first design.
     - `chunk`: how many.
     - `speed`, `load`: operating point, or `None` for that of the mechanism.
-    - `sources`: how many sources of margins there are, whose errors to look for; 0 for none.
+    - `sources`: the sources of margins, whose errors to look for; `None` for none.
 
     **Returns:** the quantities, with the designs in front; a code, 0 for a design that can be
     used (see `prsm_jax.quantities.REASONS`), the others being NaN throughout; and the first error

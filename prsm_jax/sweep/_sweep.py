@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from .._errors import MissingDataError, missing_extra
-from ..findings import source_count
+from ..findings import sources
 from ..mechanism import Mechanism, Scalar, of_one_known_design
 from ..quantities import REASONS, find_quantity
 from ._axes import Grid, grid_of
@@ -94,8 +94,8 @@ def sweep(
         for name, value in (("speed", speed), ("load", load))
     }
     with _progress_bar(grid.points, progress) as bar:
-        sources = source_count() if findings else 0
-        values, codes = _evaluate(mechanism, grid, names, point, chunk, sources, bar)
+        given = sources() if findings else None
+        values, codes = _evaluate(mechanism, grid, names, point, chunk, given, bar)
     dataset = labelled(mechanism, grid, values, codes, point)
     if store is not None:
         from ._store import write_store
@@ -110,7 +110,7 @@ def _evaluate(
     names: tuple[str, ...],
     point: dict,
     chunk: int,
-    sources: int,
+    sources: tuple | None,
     bar,
 ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
     """All quantities over the grid, and codes of each design: why it failed, which error it has."""
