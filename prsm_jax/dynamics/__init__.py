@@ -29,7 +29,6 @@ from ._locking import (
     self_locking_margin as self_locking_margin,
 )
 from ._scenario import default_scenario as default_scenario
-from ._solvers import Gradient as Gradient, Method as Method
 from ._stage_forces import axial_inertia as axial_inertia, carrier_inertia as carrier_inertia
 from ._steady import (
     STEADY_RESULTS as STEADY_RESULTS,
@@ -47,3 +46,4 @@ from ._transient_quantities import (
     settling_time as settling_time,
 )
 from ._transient_result import Phase as Phase, SolverReport as SolverReport, Transient as Transient
+from .solvers import Gradient as Gradient, Method as Method

@@ -22,8 +22,8 @@ from ._loads import bound_scenario
 from ._quasi_steady import quasi_steady_at, quasi_steady_report
 from ._scenario import Scenario
 from ._settling import settles_in_closed_form, settling_history
-from ._solvers import Method
 from ._steady import all_kinematics
+from .solvers import Method
 
 #: Carriers that settle within this share of the time between two samples are not seen settling:
 #: after so many time constants nothing is left of where they began, to rounding.

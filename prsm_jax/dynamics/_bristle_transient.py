@@ -15,13 +15,13 @@ from ..mechanism import Mechanism, Scalar
 from ._bristles import breakaway_deflection, bristle_rate, bristles_of, in_tangent_plane
 from ._carrier_motion import Problem
 from ._chain import StageState, chain_forces
-from ._driven_rate import DrivenRate
 from ._integration import Settings, integrated
 from ._kinematics import StageKinematics
 from ._scenario import Drive, Scenario, drive_at
 from ._sliding_motion import sense_of, sliding_motion
 from ._stage_forces import Motion
 from ._transient_result import CarrierHistory, SolverReport, prescribed
+from .solvers import DrivenRate
 
 
 class BristleState(eqx.Module):

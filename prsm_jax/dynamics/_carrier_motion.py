@@ -12,13 +12,12 @@ from .._physics import physics
 from ..mechanism import Mechanism, RegularisedCoulombFriction, Scalar, ViscousFriction
 from ._chain import StageState, chain_forces
 from ._contact_losses import with_resistance
-from ._driven_rate import DrivenRate
 from ._kinematics import StageKinematics, free_carrier_ratio, turning_range
 from ._reduced_chain import ReducedChain, reduced_chain, reduced_rates
 from ._scenario import Drive, Scenario, drive_at, drive_once
 from ._sliding_motion import sense_of, sliding_motion
-from ._solvers import still
 from ._stage_forces import Motion, carrier_inertia
+from .solvers import DrivenRate, still
 
 #: Thread friction without a jump at standstill.
 _SMOOTH = (RegularisedCoulombFriction, ViscousFriction, type(None))

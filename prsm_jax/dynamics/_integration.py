@@ -11,9 +11,10 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from ..mechanism import Scalar
-from ._driven_rate import DrivenRate
-from ._solvers import (
+from ._transient_result import SolverReport
+from .solvers import (
     NAMES,
+    DrivenRate,
     Gradient,
     Method,
     adjoint_of,
@@ -24,7 +25,6 @@ from ._solvers import (
     solver_of,
     still,
 )
-from ._transient_result import SolverReport
 
 #: Roundings of a number in the least relative tolerance.
 _ROUNDINGS = 10
@@ -166,7 +166,7 @@ def _solved(
         )
         adjoint = adjoint_of("forward")
     else:
-        from ._recorded_steps import Again
+        from .solvers._recorded_steps import Again
 
         controller, adjoint = Again(again), adjoint_of(static.gradient)
     if record:
@@ -206,7 +206,7 @@ def _solved_twice(rate, start, end, args, scene, *, static):
 
 @_solved_twice.def_jvp
 def _solved_twice_jvp(primals, tangents, *, static):
-    from ._recorded_steps import steps_between
+    from .solvers._recorded_steps import steps_between
 
     rate, start, end, args, scene = primals
     chosen, starts = _solved(

@@ -17,8 +17,8 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..mechanism import Scalar
 from ._integration import Settings
-from ._solvers import adjoint_of, controller_of, is_short, still
 from ._transient_result import Phase
+from .solvers import adjoint_of, controller_of, is_short, still
 
 #: Events are located to this share of the duration.
 EVENT = 1e-10
@@ -88,7 +88,7 @@ def _chosen_steps(
     """The rate, traced, and one phase without derivatives, with a record of its steps."""
     import diffrax
 
-    from ._recorded_steps import Recording
+    from .solvers._recorded_steps import Recording
 
     rate, margin = (
         eqx.filter_closure_convert(law, start, state, label) for law in (laws.rate, laws.margin)
@@ -129,7 +129,7 @@ def follow_phases(
     import diffrax
     import optimistix
 
-    from ._recorded_steps import Again
+    from .solvers._recorded_steps import Again
 
     end, grid = times[-1], times / times[-1]
     dtype = times.dtype

@@ -20,9 +20,9 @@ from ._carrier_motion import Problem, carrier_acceleration
 from ._chain import StageState, chain_forces
 from ._kinematics import StageKinematics
 from ._scenario import Scenario, drive_once
-from ._solvers import NAMES
 from ._stage_forces import Motion
 from ._transient_result import CarrierHistory, SolverReport
+from .solvers import NAMES
 
 #: Of the carrier ratio: what carriers may stay behind their balance, and be wrong by.
 _LARGEST_SHIFT, _LARGEST_ERROR = 0.03, 1.0

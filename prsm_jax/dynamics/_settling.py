@@ -24,8 +24,8 @@ from ..mechanism import CoulombFriction, Mechanism, Scalar, Stage
 from ._reduced_chain import ReducedChain, screw_of
 from ._reduced_stage import ReducedForces, ReducedStage, is_reducible, reduced_forces
 from ._scenario import Scenario
-from ._solvers import NAMES
 from ._transient_result import SolverReport
+from .solvers import NAMES
 
 
 def settles_in_closed_form(mechanism: Mechanism, scenario: Scenario) -> bool:

@@ -35,10 +35,10 @@ from ._driven_carriers import (
 )
 from ._integration import Settings
 from ._phases import EVENT, PhaseLaws, Phases, before, follow_phases
-from ._solvers import solver_of
 from ._torque_balance import FORWARD, STICKING, TorqueProblem
 from ._torque_drive import STEPS_PER_SAMPLE, held, next_mode
 from ._transient_result import Phase
+from .solvers import solver_of
 
 #: Carriers that turn faster than this many times the screw coast. They are in step again below
 #: `_BACK`, and in between at the start of a phase by `_MIDDLE`.

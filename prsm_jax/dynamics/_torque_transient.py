@@ -10,7 +10,6 @@ from ._driven_carriers import driven, onsets, resists_turning, slip_geometry
 from ._integration import Settings
 from ._kinematics import travel_per_turn
 from ._neglected_lag import neglected
-from ._solvers import NAMES
 from ._stick_slip import follow_carriers
 from ._torque_balance import (
     BACKWARD,
@@ -33,6 +32,7 @@ from ._transient_result import (
     code_of_finite,
     histories,
 )
+from .solvers import NAMES
 
 
 def torque_history(mechanism: Mechanism, scenario: TorqueScenario, settings: Settings) -> Transient:

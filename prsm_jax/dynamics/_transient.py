@@ -20,7 +20,6 @@ from ._quasi_steady import quasi_steady_at, quasi_steady_report
 from ._scenario import Scenario, default_scenario, drive_once
 from ._settling import settling_history
 from ._smooth_torque import has_smooth_threads, smooth_torque_history
-from ._solvers import Gradient, Method, is_concrete
 from ._torque_transient import torque_history
 from ._transient_result import (
     CANNOT_BE_BUILT,
@@ -32,6 +31,7 @@ from ._transient_result import (
     rows_of,
     transient_of,
 )
+from .solvers import Gradient, Method, is_concrete
 
 #: Steps of Tsitouras's method over the time constant: a share of 0.39 of a deviation is left by
 #: one, and past 3.5 it grows.

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 import prsm_jax as prsm
-from prsm_jax.dynamics._driven_rate import DrivenRate
 from prsm_jax.dynamics._integration import Settings, integrated
-from prsm_jax.dynamics._solvers import Method
+from prsm_jax.dynamics.solvers import DrivenRate, Method
 
 
 def _drive(time, frequency):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scenes import array
 
-from prsm_jax.dynamics._rosenbrock import Rodasp
+from prsm_jax.dynamics.solvers._rosenbrock import Rodasp
 from prsm_jax.numerics import solve_small
 
 TIMES = np.linspace(0.0, 2.0, 41)

@@ -13,7 +13,7 @@ import prsm_jax as prsm
 from benchmarks.extremes import structures
 from prsm_jax.dynamics._automatic import scene_problem
 from prsm_jax.dynamics._integration import Settings, integrated
-from prsm_jax.dynamics._kvaerno import Kvaerno
+from prsm_jax.dynamics.solvers._kvaerno import Kvaerno
 
 
 @eqx.filter_jit

@@ -212,7 +212,7 @@ def _solve(controller):
 
 
 def test_steps_look_at_their_own_breaks_and_are_the_same():
-    from prsm_jax.dynamics._many_breaks import ManyBreaks
+    from prsm_jax.dynamics.solvers._many_breaks import ManyBreaks
 
     inner = diffrax.PIDController(rtol=1e-6, atol=1e-8)
     breaks = jnp.asarray([1.0, 2.0, 2.0, 3.0, 7.0, 7.0])

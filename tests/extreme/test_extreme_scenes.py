@@ -13,7 +13,7 @@ from every_number import numbers_of
 from scenes import array, example
 
 import prsm_jax as prsm
-from prsm_jax.dynamics._solvers import NAMES
+from prsm_jax.dynamics.solvers import NAMES
 from prsm_jax.halfspace import RESULTS, flank_contact
 from prsm_jax.mechanism import (
     DutyCycle,

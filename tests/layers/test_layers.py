@@ -226,3 +226,15 @@ def test_every_module_says_what_it_is():
         if not ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))
     ]
     assert not missing
+
+
+def test_solvers_know_no_mechanism():
+    """The room inside dynamics uses what lies below dynamics, and its own files."""
+    room = ("dynamics", "solvers")
+    wrong = [
+        f"{path.name} imports {'.'.join(inner)}"
+        for path in (ROOT / "dynamics" / "solvers").glob("*.py")
+        for inner in _imports(path)
+        if inner[:2] != room and inner[0] not in ("mechanism", "numerics")
+    ]
+    assert not wrong

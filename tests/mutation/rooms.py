@@ -71,7 +71,7 @@ _TESTS: tuple[tuple[str, str], ...] = (
     ("dynamics/_settling", "analytic/settling"),
     ("dynamics/_chain", "analytic/settling analytic/steady analytic/newton"),
     ("dynamics/_reduced", "analytic/settling analytic/steady"),
-    ("dynamics/_rosenbrock", "analytic/rosenbrock"),
+    ("dynamics/solvers/_rosenbrock", "analytic/rosenbrock"),
     ("dynamics/_small", "analytic/small_newton analytic/rosenbrock analytic/steady"),
     ("dynamics/_quasi", "analytic/quasi_steady"),
     ("dynamics/_neglected", "analytic/torque_carriers analytic/quasi_steady"),

@@ -12,8 +12,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..mechanism import Scalar
-from ..numerics import apart
+from ...mechanism import Scalar
+from ...numerics import apart
 
 
 class DrivenRate(eqx.Module):

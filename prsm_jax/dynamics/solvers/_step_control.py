@@ -24,7 +24,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..mechanism import Scalar
+from ...mechanism import Scalar
 
 #: Share of the time to a standstill that a step may take.
 _OF_THE_REST = 0.35

@@ -26,8 +26,8 @@ import jax.numpy as jnp
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float, PyTree
 
-from ..mechanism import Scalar
-from ..numerics import solve_small
+from ...mechanism import Scalar
+from ...numerics import solve_small
 from ._dense_output import StepInterpolation
 from ._driven_rate import DrivenRate
 

@@ -19,8 +19,8 @@ import numpy as np
 from jax.flatten_util import ravel_pytree
 from jaxtyping import PyTree
 
-from ..mechanism import Scalar
-from ..numerics import solver
+from ...mechanism import Scalar
+from ...numerics import solver
 from ._dense_output import StepInterpolation
 
 _TABLEAU: Any = diffrax.Kvaerno5.tableau

@@ -1,0 +1,19 @@
+"""Solvers and the choice of steps, as far as diffrax does not have them; they know no mechanism.
+
+What imports diffrax is imported only where something is integrated: it is not named here.
+"""
+
+from ._driven_rate import DrivenRate as DrivenRate
+from ._methods import (
+    NAMES as NAMES,
+    Gradient as Gradient,
+    Method as Method,
+    adjoint_of as adjoint_of,
+    breaks_inside as breaks_inside,
+    code_of as code_of,
+    controller_of as controller_of,
+    is_concrete as is_concrete,
+    is_short as is_short,
+    solver_of as solver_of,
+    still as still,
+)
