@@ -397,6 +397,19 @@ def transient(method: str) -> Structure:
     )
 
 
+def reversing() -> Structure:
+    """The screw swings through standstill, and carriers that follow it are integrated."""
+    two = _swinging()
+    speed = SineProfile(amplitude=100.0, frequency=200.0, mean=20.0)
+    return _runs(
+        "reversing",
+        "transient of two stages through reversals, rosenbrock",
+        dataclasses.replace(two, scenario=dataclasses.replace(two.scenario, speed=speed)),
+        "rosenbrock",
+        stepping=True,
+    )
+
+
 def torque(method: str) -> Structure:
     return _runs(
         f"torque_{method}",
@@ -502,6 +515,7 @@ _MAKERS: dict[str, Callable[[], Structure]] = {
     "rosenbrock": functools.partial(transient, "rosenbrock"),
     "implicit": functools.partial(transient, "implicit"),
     "explicit": functools.partial(transient, "explicit"),
+    "reversing": reversing,
     "torque_rosenbrock": functools.partial(torque, "rosenbrock"),
     "torque_quasi_steady": functools.partial(torque, "quasi_steady"),
     "bristles": bristles,
