@@ -1,14 +1,12 @@
 """All findings of a mechanism together."""
 
-import functools
-
 import equinox as eqx
 
 from ..geometry import Finding
 from ..mechanism import Mechanism, Scalar, of_one_known_design
 from ..quantities import Analysis
 from . import _fit, _locking, _preferred, _stiffness, _strength, _truncation
-from ._margin import Margin, evaluate_margins, findings_of, margins_of, sources
+from ._margin import Margin, Source, evaluate_margins, findings_of, margins_of, sources
 from ._masses import mass_findings
 from ._sharing import sharing_findings
 
@@ -16,15 +14,15 @@ from ._sharing import sharing_findings
 DECLARED_IN = (_fit, _preferred, _stiffness, _locking, _strength, _truncation)
 
 
-@functools.cache
-def _compiled(_sources: tuple):
-    # Other sources, even as many, ask for another program.
-    return eqx.filter_jit(check_margins)
-
-
 def check_margins(mechanism: Mechanism) -> list[dict[str, Scalar] | None]:
     """Values of all margins: what `check` computes, as a pure function for a program of its own."""
     return evaluate_margins(Analysis(mechanism))
+
+
+@eqx.filter_jit
+def _margins_by(_sources: tuple[Source, ...], mechanism: Mechanism):
+    # Other sources, even as many, are another static argument, and so another program.
+    return check_margins(mechanism)
 
 
 def margin_findings(mechanism: Mechanism) -> tuple[tuple[Margin, Finding], ...]:
@@ -34,7 +32,7 @@ def margin_findings(mechanism: Mechanism) -> tuple[tuple[Margin, Finding], ...]:
 
     - `mechanism`: the mechanism, with concrete numbers.
     """
-    values = _plain(_compiled(sources())(mechanism))
+    values = _plain(_margins_by(sources(), mechanism))
     return tuple(findings_of(mechanism, values))
 
 
@@ -65,7 +63,7 @@ def check(mechanism: Mechanism) -> tuple[Finding, ...]:
 
     **Returns:** the findings, stage by stage.
     """
-    return check_from(mechanism, _compiled(sources())(mechanism))
+    return check_from(mechanism, _margins_by(sources(), mechanism))
 
 
 def check_from(mechanism: Mechanism, values: list[dict[str, Scalar] | None]) -> tuple[Finding, ...]:

@@ -7,6 +7,7 @@ from scenes import array, example, stage, thread
 
 import prsm_jax as prsm
 from prsm_jax import file
+from prsm_jax.findings import Margin, _margin
 from prsm_jax.geometry import roller_clearance
 from prsm_jax.mechanism import (
     AxialPlay,
@@ -21,6 +22,25 @@ from prsm_jax.mechanism import (
 
 def _findings(one):
     return {finding.name: finding for finding in prsm.check(prsm.Mechanism((one,)))}
+
+
+def test_another_source_is_another_program(monkeypatch):
+    """One source in place of another: there are as many as before, and other margins."""
+
+    def source(*names):
+        def margins(mechanism, index):
+            for name in names:
+                value = lambda analysis: -analysis.mechanism.stages[index].thread.lead  # noqa: E731
+                yield Margin(name, index + 1, value, (("warning", 0.0),), lambda _: "too long")
+
+        return margins
+
+    known = list(_margin._SOURCES)
+    for names in (("one",), ("two", "three")):
+        monkeypatch.setattr(_margin, "_SOURCES", [*known, source(*names)])
+        found = _findings(stage(sharing="equal"))
+        assert set(names) <= set(found)
+        assert not ({"one", "two", "three"} - set(names)) & set(found)
 
 
 def test_sound_mechanism_has_only_the_note_on_tooth_thickness():
