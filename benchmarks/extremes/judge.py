@@ -19,6 +19,8 @@ from .structures import Structure
 #: Forward and reverse derivatives are the same sums in another order.
 _TRANSPOSE_TOLERANCE = 1e-8
 _EPSILON = 2.3e-16
+#: Columns that are 0 where parts cancel: power in and lost, forces of both threads.
+_DIFFERENCES = frozenset(("efficiency", "ring_gear_force", "carrier_ratio"))
 #: Where differences disagree they are taken again, closer by these factors: rigid threads part
 #: within a femtometre, and wider steps see nothing of what holds at the point itself.
 _CLOSER = (4.0**-6, 4.0**-9, 4.0**-12, 4.0**-14, 4.0**-16)
@@ -293,8 +295,9 @@ class Verdicts:
         )
 
     def _ordinary(self, name: str) -> np.ndarray:
-        """Rounding of the ordinary value: a force of 0 is a difference of forces."""
-        return _EPSILON * np.abs(np.nan_to_num(self.base[name], posinf=0.0, neginf=0.0))
+        """Rounding of the ordinary value, where a small one is a difference of parts as large."""
+        size = np.abs(np.nan_to_num(self.base[name], posinf=0.0, neginf=0.0))
+        return _EPSILON * size if name in _DIFFERENCES else np.zeros_like(size)
 
     def _reverse_cells(self, forward, tangents, direction, random) -> dict[str, Cell]:
         if not tangents:
@@ -361,8 +364,8 @@ class Verdicts:
     def _rounding(self, name: str) -> np.ndarray:
         """What rounding does to a value, and to its derivatives where that was looked at.
 
-        That is at least what it does to the ordinary value. All columns together are not given
-        that, or a derivative that is nothing would hide others.
+        Of a difference that is at least what it does to the ordinary value. All columns together
+        are not given that, or a derivative that is nothing would hide others.
         """
         if not self.slope_wobble:
             return self.wobble[name]

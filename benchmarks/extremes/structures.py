@@ -400,7 +400,7 @@ def transient(method: str) -> Structure:
 def reversing() -> Structure:
     """The screw swings through standstill, and carriers that follow it are integrated."""
     two = _swinging()
-    speed = SineProfile(amplitude=100.0, frequency=200.0, mean=20.0)
+    speed = SineProfile(amplitude=100.0, frequency=500.0, mean=20.0)
     return _runs(
         "reversing",
         "transient of two stages through reversals, rosenbrock",
