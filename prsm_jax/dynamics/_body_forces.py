@@ -11,6 +11,7 @@ from .._batches import AbstractResult, mapped
 from .._guards import above_or_nan
 from .._one_program import one_program
 from ..mechanism import Mechanism, Scalar, of_one_design
+from ..numerics import sum_few
 from ._contact_losses import with_resistance
 from ._free_bodies import (
     PartMasses,
@@ -125,7 +126,7 @@ class BodyForces(AbstractResult):
 
 
 def _length(vector):
-    square = jnp.sum(vector**2, axis=-1)
+    square = sum_few(vector**2)
     some = above_or_nan(square)
     return jnp.where(some, jnp.sqrt(jnp.where(some, square, 1.0)), 0.0)
 

@@ -12,6 +12,7 @@ from jaxtyping import Array, Float
 from .._guards import above_or_nan
 from .._physics import physics
 from ..mechanism import LuGreFriction, Mechanism, Scalar, Stage
+from ..numerics import dot_few, sum_few
 from ._kinematics import StageKinematics
 from ._thread_friction import stribeck_coefficient
 
@@ -37,7 +38,7 @@ def in_tangent_plane(
 ) -> Float[Array, "3"]:
     """The vector of the contact's tangent plane that has this transverse part."""
     normal = kinematics.meshing.screw.normal
-    axial = -(normal[:2] @ transverse) / normal[2]
+    axial = -dot_few(normal[:2], transverse) / normal[2]
     return jnp.concatenate([transverse, axial[None]])
 
 
@@ -70,7 +71,7 @@ def bristle_rate(
 
 
 def _length(vector: Float[Array, "3"]) -> Scalar:
-    square = jnp.sum(vector**2)
+    square = sum_few(vector**2)
     some = above_or_nan(square)
     return jnp.where(some, jnp.sqrt(jnp.where(some, square, 1.0)), 0.0)
 
@@ -93,7 +94,7 @@ def bristle_friction(
     """
     damping = law.bristle_damping
     if law.damping_speed is not None:
-        damping = damping * jnp.exp(-jnp.sum(slip**2) / law.damping_speed**2)
+        damping = damping * jnp.exp(-sum_few(slip**2) / law.damping_speed**2)
     rate = bristle_rate(law, slip, deflection, held, mean_speed)
     force = law.bristle_stiffness * deflection + damping * rate
     if law.viscous_coefficient is None:
@@ -111,5 +112,5 @@ def bristle_power(
     """
     law = bristles_of(stage)
     assert law is not None
-    bending = deflection @ bristle_rate(law, slip, deflection, held, mean_speed)
+    bending = dot_few(deflection, bristle_rate(law, slip, deflection, held, mean_speed))
     return stage.present_roller_count * contact_force * law.bristle_stiffness * bending

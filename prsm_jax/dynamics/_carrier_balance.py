@@ -10,6 +10,7 @@ from .._errors import MissingDataError
 from .._guards import above_or_nan
 from .._physics import physics
 from ..mechanism import Scalar, Stage
+from ..numerics import dot_few, sum_few
 from ._contact_losses import has_contact_losses, resisting_moments
 from ._kinematics import StageKinematics, free_carrier_ratio
 from ._rubbing import ScrewContact, Slip, rubbing_of, screw_contact
@@ -47,7 +48,7 @@ class SlipPerTurn(NamedTuple):
 def slip_per_turn(kinematics: StageKinematics) -> SlipPerTurn:
     """The parts of the slip per radian of screw turn."""
     drive = kinematics.drive
-    across = kinematics.crossing / (drive @ drive) * jnp.stack([drive[1], -drive[0]])
+    across = kinematics.crossing / dot_few(drive, drive) * jnp.stack([drive[1], -drive[0]])
     return SlipPerTurn(drive, across, kinematics.slip_per_screw[2:], free_carrier_ratio(kinematics))
 
 
@@ -163,10 +164,10 @@ class CarrierBalance(eqx.Module):
             resisting = kinematics.relative_spin_ratio * self.sense * (screw.total + nut.total)
         if self.inertia_per_ratio is not None:
             resisting = resisting + self.inertia_per_ratio * ratio / stage.present_roller_count
-        square = jnp.sum(friction**2)
+        square = sum_few(friction**2)
         rubs = above_or_nan(square)
         length = jnp.where(rubs, jnp.sqrt(jnp.where(rubs, square, 1.0)), 0.0)
-        reach = jnp.sqrt(kinematics.drive @ kinematics.drive)
+        reach = jnp.sqrt(dot_few(kinematics.drive, kinematics.drive))
         largest = length * reach
         # The tangent counts the slip at positive speed; friction turns with the sense.
         resisting = self.sense * resisting
@@ -174,7 +175,9 @@ class CarrierBalance(eqx.Module):
         if rub is not None:
             # Across an ellipse that spins, friction is not quite parallel to the slip.
             leaning = friction / jnp.where(rubs, length, 1.0) - direction
-            aside = jnp.where(rubs, self.sense * (leaning[:2] @ kinematics.drive) / reach, 0.0)
+            aside = jnp.where(
+                rubs, self.sense * dot_few(leaning[:2], kinematics.drive) / reach, 0.0
+            )
         if self.inertia_per_ratio is None:
             share = jnp.where(rubs, resisting / jnp.where(rubs, largest, 1.0), 0.0)
             return share - aside, rubs | (resisting == 0)
@@ -194,7 +197,7 @@ def carrier_balance(
 ) -> CarrierBalance:
     """The balance of one stage's carrier; arguments as in `balanced_carrier_ratio`."""
     drive, turns = kinematics.drive, slip_per_turn(kinematics)
-    square = drive @ drive
+    square = dot_few(drive, drive)
     across = jnp.sqrt(kinematics.crossing**2 + kinematics.slip_per_screw[2] ** 2 * square)
     return CarrierBalance(
         stage, kinematics, sense, speed, axial_force, inertia_per_ratio, turns, across / square

@@ -93,7 +93,7 @@ def _scaled_drive(time: Scalar, problem: Problem) -> Drive:
 @physics("carrier_dynamics")
 def _scaled_rate(drive: Drive, ratio: Float[Array, " stages"], problem: Problem):
     rate = carrier_acceleration(problem, drive, ratio * problem.speed_scale)
-    return rate * problem.time_scale / problem.speed_scale
+    return rate * (problem.time_scale / problem.speed_scale)
 
 
 def _scaled_speed(drive: Drive, problem: Problem) -> tuple[Scalar, Scalar]:

@@ -52,22 +52,19 @@ def _coupled_frictions(torque, force, per_force, per_torque):
     """Solve M = torque + per_force |F|, F = force + per_torque |M|.
 
     Spline friction follows the drive torque, bearing friction the axial force, and each changes
-    the other. For per_force·per_torque < 1 (always, for real friction coefficients) the solution
-    is unique; it is linear once the two signs are known, so the four cases are tried in turn.
+    the other. For |per_force·per_torque| < 1 (always, for real friction coefficients) the solution
+    is unique, and linear once both signs are known. The equation's left side less its right one
+    grows with M, so its value at M = 0 tells the sign of M, and likewise for F.
     """
-    candidates = []
-    for torque_sign in (1.0, -1.0):
-        for force_sign in (1.0, -1.0):
-            gain = per_force * per_torque * torque_sign * force_sign
-            moment = (torque + per_force * force_sign * force) / (1 - gain)
-            axial = force + per_torque * torque_sign * moment
-            consistent = (moment * torque_sign >= 0) & (axial * force_sign >= 0)
-            candidates.append((consistent, moment, axial))
-    _, moment, axial = candidates[-1]
-    for consistent, candidate_moment, candidate_axial in candidates[-2::-1]:
-        moment = jnp.where(consistent, candidate_moment, moment)
-        axial = jnp.where(consistent, candidate_axial, axial)
-    return moment, axial
+
+    def sign(value):
+        return jnp.where(value < 0, -1.0, 1.0).astype(value.dtype)
+
+    torque_sign = sign(torque + per_force * jnp.abs(force))
+    force_sign = sign(force + per_torque * jnp.abs(torque))
+    per_force, per_torque = per_force * force_sign, per_torque * torque_sign
+    moment = (torque + per_force * force) / (1 - per_force * per_torque)
+    return moment, force + per_torque * moment
 
 
 def screw_forces(

@@ -22,7 +22,7 @@ from .._guards import above_or_nan
 from .._physics import physics
 from .._root import find_root
 from ..mechanism import Scalar
-from ..numerics import solve_small
+from ..numerics import solve_small, sum_few
 from ._carrier_balance import steady_motion
 from ._chain import StageState, chain_forces
 from ._contact_losses import has_contact_losses
@@ -238,7 +238,7 @@ def _out_of_balance(
     geometry = slip_geometry(problem)
     needed = problem.inertia * geometry.ratio(carriers.tangent) * acceleration
     left = sense * (_drives(states) - needed)
-    square = jnp.stack([jnp.sum(state.forces.friction**2) for state in states])
+    square = jnp.stack([sum_few(state.forces.friction**2) for state in states])
     rubs = above_or_nan(square)
     friction = jnp.where(rubs, jnp.sqrt(jnp.where(rubs, square, 1.0)), 0.0)
     count = jnp.stack([stage.present_roller_count for stage in problem.mechanism.stages])

@@ -6,6 +6,7 @@ from jaxtyping import Array, Float
 
 from ..geometry import Meshing, mesh
 from ..mechanism import Scalar, Stage, Thread
+from ..numerics import dot_few
 
 
 class StageKinematics(eqx.Module):
@@ -84,7 +85,7 @@ def free_carrier_ratio(kinematics: StageKinematics) -> Scalar:
     decides, not friction or load.
     """
     drive = kinematics.drive
-    return kinematics.slip_per_screw[:2] @ drive / (drive @ drive)
+    return dot_few(kinematics.slip_per_screw[:2], drive) / dot_few(drive, drive)
 
 
 def turning_range(kinematics: StageKinematics) -> Scalar:
@@ -93,7 +94,7 @@ def turning_range(kinematics: StageKinematics) -> Scalar:
     It is the slip across d, `√(((v₀ × d)/|d|)² + (L/2π)²)` per radian, over |d|.
     """
     drive = kinematics.drive
-    square = drive @ drive
+    square = dot_few(drive, drive)
     across = kinematics.crossing**2 / square + kinematics.slip_per_screw[2] ** 2
     return jnp.sqrt(across / square)
 

@@ -8,6 +8,7 @@ them, μ → cot α and μ → tan α.
 """
 
 import dataclasses
+import functools
 
 import equinox as eqx
 import jax
@@ -17,6 +18,7 @@ from jaxtyping import Array, Bool
 from .._physics import physics
 from .._root import find_root
 from ..mechanism import Friction, Mechanism, Scalar, ViscousFriction
+from ..numerics import dot_few
 from ._carrier_balance import slip_per_turn
 from ._kinematics import StageKinematics, travel_per_turn
 from ._steady import SteadyState, some_load, steady_state
@@ -45,7 +47,7 @@ def locking_coefficient(kinematics: StageKinematics) -> Scalar:
     side, direction = kinematics.meshing.screw, _unit(kinematics)
     angle = side.contact_angle_position
     tangent = jnp.stack([-jnp.sin(angle), jnp.cos(angle)])
-    return (side.normal[:2] @ tangent) / (direction[:2] @ tangent)
+    return dot_few(side.normal[:2], tangent) / dot_few(direction[:2], tangent)
 
 
 def _proportional_to_force(friction: Friction | None) -> bool:
@@ -62,7 +64,7 @@ def _effective_coefficient(law, kinematics: StageKinematics, speed: Scalar) -> S
     """Friction per normal force at the slip of a screw speed."""
     turn = slip_per_turn(kinematics).at(None)
     per_force, _ = thread_friction(law, jnp.abs(speed) * turn, slip_direction(turn))
-    return per_force @ slip_direction(turn)
+    return dot_few(per_force, slip_direction(turn))
 
 
 @physics("jamming")
@@ -83,7 +85,7 @@ def jamming_margin(
         law = None if stage.friction is None else stage.friction.thread
         friction = _effective_coefficient(law, geometry, speed)
         margins.append(1 - friction / jamming_coefficient(geometry))
-    return jnp.min(jnp.stack(margins))
+    return functools.reduce(jnp.minimum, margins)
 
 
 def _scaled(mechanism: Mechanism, factor: Scalar) -> Mechanism:

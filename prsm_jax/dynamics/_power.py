@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 
 from ..mechanism import Mechanism, Scalar, Stage
+from ..numerics import dot_few
 from ._bristles import bristle_power
 from ._chain import StageState
 from ._kinematics import StageKinematics
@@ -56,7 +57,7 @@ def losses(
         if friction is None:
             continue
         if friction.thread is not None:
-            sliding = count * forces.friction @ motion.slip
+            sliding = count * dot_few(forces.friction, motion.slip)
             if motion.deflection is not None:
                 # What bends the bristles is not lost yet.
                 sliding = sliding - stage_bristle_power(stage, state)

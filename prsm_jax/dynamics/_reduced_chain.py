@@ -89,7 +89,7 @@ def reduced_rates(
         forces = reduced_forces(
             stage, chain.stages[index], speed, carrier_speed[index], axial_force
         )
-        rates.append(forces.carrier_drive / chain.inertia[index])
+        rates.append(forces.carrier_drive * (1 / chain.inertia[index]))
         if index > 0:
             next_screw = screw_of(chain.mechanism, index, forces, speed, next_screw, acceleration)
             nut_load = next_screw.support_force

@@ -9,11 +9,13 @@ not.
 from typing import NamedTuple
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 
 from .._guards import above_or_nan
 from .._physics import physics
 from ..mechanism import Scalar, Stage
+from ..numerics import dot_few
 from ._contact_losses import has_contact_losses
 from ._kinematics import StageKinematics
 from ._thread_friction import thread_friction
@@ -57,15 +59,15 @@ def is_reducible(stage: Stage) -> bool:
 def reduced_stage(kinematics: StageKinematics) -> ReducedStage:
     """Collect the scalars of a stage."""
     drive, slip, screw = kinematics.drive, kinematics.slip_per_screw, kinematics.meshing.screw
-    length = jnp.sqrt(drive @ drive)
+    length = jnp.sqrt(dot_few(drive, drive))
     across = kinematics.crossing / length
     return ReducedStage(
-        along=slip[:2] @ drive / length,
+        along=dot_few(slip[:2], drive) / length,
         across=jnp.sqrt(across**2 + slip[2] ** 2),
         axial=slip[2],
         drive=length,
         contact_radius=screw.contact_radius,
-        normal_moment=slip[:2] @ screw.normal[:2],
+        normal_moment=dot_few(slip[:2], screw.normal[:2]),
         normal_axial=-screw.normal[2],
     )
 
@@ -87,14 +89,16 @@ def reduced_forces(
     along = speed * reduced.along - carrier_speed * reduced.drive
     square = along**2 + (speed * reduced.across) ** 2
     slips = above_or_nan(square)
-    slip_speed = jnp.where(slips, jnp.sqrt(jnp.where(slips, square, 1.0)), 0.0)
+    # A step costs by its divisions and roots: one root, one division, and what XLA takes out of
+    # loops, as the one by the number of rollers.
+    share = jnp.where(slips, jax.lax.rsqrt(jnp.where(slips, square, 1.0)), 0.0)
+    slip_speed = square * share
     per_force, constant = thread_friction(law, slip_speed[None], jnp.ones_like(slip_speed)[None])
     # Friction per slip speed: it is parallel to the slip.
-    share = jnp.where(slips, 1 / jnp.where(slips, slip_speed, 1.0), 0.0)
     per_force, constant = per_force[0] * share, constant[0] * share
 
     axial_slip = speed * reduced.axial
-    left = axial_force / count + constant * axial_slip
+    left = axial_force * (1 / count) + constant * axial_slip
     # Seen from its other end, a stage that is pushed the other way turns the other way.
     flank = jnp.where(left < 0, -1.0, 1.0).astype(left.dtype)
     force = flank * left / (reduced.normal_axial - per_force * flank * axial_slip)

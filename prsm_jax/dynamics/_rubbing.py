@@ -30,6 +30,7 @@ from ..mechanism import (
     StribeckFriction,
     ThreadFriction,
 )
+from ..numerics import dot_few, sum_few
 from ._bristles import bristle_friction
 from ._flank import force_free_coefficient
 from ._kinematics import StageKinematics
@@ -96,7 +97,7 @@ def spin_per_slip(kinematics: StageKinematics, direction: Float[Array, "3"]) -> 
     """
     drive, slip = kinematics.drive, kinematics.slip_per_screw
     screw = direction[2] / slip[2]
-    carrier = (screw * slip[:2] - direction[:2]) @ drive / (drive @ drive)
+    carrier = dot_few(screw * slip[:2] - direction[:2], drive) / dot_few(drive, drive)
     return screw + kinematics.relative_spin_ratio * carrier
 
 
@@ -120,12 +121,12 @@ def rubbing(
     - `force`: normal force of one roller [N].
     """
     direction = slip.direction
-    speed, held = (_root(jnp.sqrt, jnp.sum(vector**2)) for vector in slip)
+    speed, held = (_root(jnp.sqrt, sum_few(vector**2)) for vector in slip)
     growth, along = _root(jnp.cbrt, jnp.abs(force)), jnp.abs(ellipse.normal_axial)
     turning = spin_per_slip(kinematics, direction)
     # An ellipse that is twice as large spins as if twice as fast: its shape stays that at 1 N.
     spin = ellipse.normal_axial * turning * growth
-    rolling, across = direction @ ellipse.rolling, direction @ ellipse.across
+    rolling, across = dot_few(direction, ellipse.rolling), dot_few(direction, ellipse.across)
     found = slip_and_spin(ellipse.shape, (rolling, across), spin, _ORDER)
     first, second = found.force
     size = ellipse.shape.first + ellipse.shape.second

@@ -10,7 +10,7 @@ from jax.custom_derivatives import SymbolicZero
 from jax.extend.core import ClosedJaxpr, jaxpr_as_fun
 from jaxtyping import Array, Bool, Float
 
-from ..numerics import solve_small
+from ..numerics import max_few, solve_small
 
 _Known = TypeVar("_Known")
 
@@ -94,7 +94,7 @@ def _solved(evaluate, max_steps, constants, guess, tolerance):
         unknowns, _, count = carry
         value, linear = jax.linearize(lambda x: evaluate(constants, x)[0], unknowns)
         change = solve_small(jax.vmap(linear, out_axes=-1)(identity))(value)
-        size = jnp.max(jnp.abs(change) / (1 + jnp.abs(unknowns)))
+        size = max_few(jnp.abs(change) / (1 + jnp.abs(unknowns)))
         return unknowns - change, size, count + 1
 
     def goes_on(carry):

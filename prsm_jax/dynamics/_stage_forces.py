@@ -16,6 +16,7 @@ from ..mechanism import (
     mean_roller_inertia,
     mean_roller_mass,
 )
+from ..numerics import dot_few
 from ._contact_losses import ResistingMoment, has_contact_losses, resisting_moments
 from ._kinematics import StageKinematics
 from ._rubbing import Rubbing, ScrewContact, Slip, screw_contact
@@ -121,8 +122,8 @@ def stage_forces(
     screw_moment = nut_moment = None
     radius, angle = screw_side.contact_radius, screw_side.contact_angle_position
     arm = radius * jnp.stack([-jnp.sin(angle), jnp.cos(angle)])
-    torque = -count * arm @ on_roller[:2]
-    drive = count * friction[:2] @ kinematics.drive
+    torque = -count * dot_few(arm, on_roller[:2])
+    drive = count * dot_few(friction[:2], kinematics.drive)
     if has_contact_losses(stage.friction):
         screw_moment, nut_moment = resisting_moments(stage, kinematics, force, nut_force, rub)
         on_screw_side = count * motion.screw_sense * screw_moment.total

@@ -13,7 +13,7 @@ from .._one_program import one_program
 from .._physics import physics
 from ..geometry import dimensions_possible, rollers_fit
 from ..mechanism import Mechanism, Scalar, of_one_design
-from ..numerics import apart
+from ..numerics import apart, sum_few
 from ._carrier_balance import balanced_carrier_ratio
 from ._chain import StageState, chain_forces
 from ._contact_losses import with_resistance
@@ -304,13 +304,13 @@ def _marked(state: SteadyState) -> SteadyState:
     assert state.code is not None
     numbers = [x for x in jax.tree.leaves(state) if jnp.issubdtype(x.dtype, jnp.inexact)]
     # 0 times what is NaN or infinite is NaN.
-    finite = jnp.isfinite(sum(jnp.sum(0.0 * x) for x in numbers))
+    finite = jnp.isfinite(sum(sum_few(0.0 * jnp.ravel(x)) for x in numbers))
     unexplained = (state.code <= _JAMMED) & ~finite
     code = jnp.where(unexplained, _NOT_FINITE, state.code)
     return dataclasses.replace(state, valid=state.valid & finite, code=code)
 
 
 def _length(vector: Float[Array, "3"]) -> Scalar:
-    square = jnp.sum(vector**2)
+    square = sum_few(vector**2)
     some = above_or_nan(square)
     return jnp.where(some, jnp.sqrt(jnp.where(some, square, 1.0)), 0.0)

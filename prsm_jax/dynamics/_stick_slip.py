@@ -24,6 +24,7 @@ from jaxtyping import Array, Bool, Float
 
 from .._errors import MissingDataError
 from ..mechanism import Scalar
+from ..numerics import min_few
 from ._driven_carriers import (
     Carriers,
     driven,
@@ -176,8 +177,8 @@ class _Law(eqx.Module):
             left = jnp.where(ways.nut < 0, _TURNED - over.nut, jnp.inf)
             in_step = jnp.minimum(in_step, jnp.minimum(left, ways.screw * over.screw + _TURNED))
         alike = jnp.where(coasts, faster, in_step)
-        turning = jnp.minimum(mode * state[1] + _PAST, jnp.min(alike))
-        return jnp.where(mode == STICKING, jnp.minimum(hold, jnp.min(onward)), turning)
+        turning = jnp.minimum(mode * state[1] + _PAST, min_few(alike))
+        return jnp.where(mode == STICKING, jnp.minimum(hold, min_few(onward)), turning)
 
     def turning(self, state: Array, label) -> Array:
         """Carrier speeds over the scale."""

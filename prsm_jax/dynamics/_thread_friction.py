@@ -20,11 +20,12 @@ from ..mechanism import (
     ThreadFriction,
     ViscousFriction,
 )
+from ..numerics import sum_few
 
 
 def slip_direction(slip: Float[Array, "3"]) -> Float[Array, "3"]:
     """Unit vector along the slip; zero, with zero derivative, where nothing slips."""
-    square = jnp.sum(slip**2)
+    square = sum_few(slip**2)
     slipping = above_or_nan(square)
     length = jnp.sqrt(jnp.where(slipping, square, 1.0))
     return jnp.where(slipping, slip / length, 0.0)
@@ -67,7 +68,7 @@ def _viscous(law: ViscousFriction, slip, direction):
 @thread_friction.register
 @physics("regularised_coulomb_friction")
 def _regularised(law: RegularisedCoulombFriction, slip, direction):
-    smooth = slip / jnp.sqrt(jnp.sum(slip**2) + law.width**2)
+    smooth = slip / jnp.sqrt(sum_few(slip**2) + law.width**2)
     return law.coefficient * smooth, jnp.zeros_like(slip)
 
 
@@ -75,7 +76,7 @@ def stribeck_coefficient(
     law: StribeckFriction | LuGreFriction, slip: Float[Array, " axes"]
 ) -> Scalar:
     """Friction coefficient between a static and a sliding one, `μ + (μ_s − μ) e^{−(v/v_S)²}`."""
-    share = jnp.sum(slip**2) / law.stribeck_speed**2
+    share = sum_few(slip**2) / law.stribeck_speed**2
     return law.coefficient + (law.static_coefficient - law.coefficient) * jnp.exp(-share)
 
 

@@ -1,6 +1,7 @@
 """Time histories of a transient."""
 
 import dataclasses
+import functools
 from collections.abc import Callable
 from typing import Any
 
@@ -13,6 +14,7 @@ from .._batches import AbstractResult, listed
 from .._stretches import over_samples
 from ..geometry import dimensions_possible, rollers_fit
 from ..mechanism import Mechanism, Scalar, body_inertia, body_mass
+from ..numerics import any_few, sum_few
 from ._chain import StageState
 from ._flank import turned
 from ._kinematics import StageKinematics, travel_per_turn
@@ -203,7 +205,7 @@ def _relative(residual: Scalar, scale: Scalar) -> Scalar:
 def _finite(row: dict[str, Any]) -> Bool[Array, ""]:
     """Whether everything at one time is finite."""
     # 0 times what is NaN or infinite is NaN.
-    return jnp.isfinite(sum(jnp.sum(0.0 * value) for value in jax.tree.leaves(row)))
+    return jnp.isfinite(sum(sum_few(0.0 * jnp.ravel(value)) for value in jax.tree.leaves(row)))
 
 
 def code_of_finite(code: Int[Array, ""], finite: Bool[Array, " times"]) -> Int[Array, ""]:
@@ -238,7 +240,7 @@ def rows_of(
         lost = losses(mechanism, kinematics, instant, speed)
         kinetic = _kinetic_power(mechanism, carriers, acceleration, speed, screw_acceleration)
         drive_power, load_power = torque * speed, load * travel * speed
-        gross = jnp.max(jnp.abs(jnp.stack([drive_power, load_power, kinetic])))
+        gross = functools.reduce(jnp.maximum, map(jnp.abs, (drive_power, load_power, kinetic)))
         imbalance = drive_power - load_power - sum(lost.values()) - kinetic
         stored = stored_power(mechanism, instant)
         if stored is not None:
@@ -292,7 +294,7 @@ def rows_of(
             "load_power": load_power,
         }
         # Here, where the row is at hand: whoever keeps one history need not hold all of them.
-        return {**row, "finite": _finite(row), "pulled": jnp.any(forces < 0)}
+        return {**row, "finite": _finite(row), "pulled": any_few(forces < 0)}
 
     return at
 

@@ -12,6 +12,14 @@ from ._elimination import (
     substitute as substitute,
     substitute_transposed as substitute_transposed,
 )
+from ._few import (
+    all_few as all_few,
+    any_few as any_few,
+    dot_few as dot_few,
+    max_few as max_few,
+    min_few as min_few,
+    sum_few as sum_few,
+)
 from ._jacobi import (
     hermitian_eigenvalues as hermitian_eigenvalues,
     singular_values as singular_values,

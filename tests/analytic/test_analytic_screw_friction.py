@@ -1,9 +1,12 @@
 """Friction laws of splines, thrust bearings and drag, against closed forms."""
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
+from hypothesis import given, strategies
 from scenes import mechanism, stage, steady_state, thread
 
+from prsm_jax.dynamics._chain import _coupled_frictions
 from prsm_jax.mechanism import (
     CoulombFriction,
     Drag,
@@ -118,3 +121,17 @@ def test_drag_with_a_width_turns_round_smoothly():
     assert at[1] == 0.0
     assert at[2] == pytest.approx(0.1 * 1e-3**2 / 2.0, rel=1e-6)
     assert at[3] == pytest.approx(20.0, rel=1e-4)
+
+
+_LOADS, _SENSES = strategies.floats(-1e4, 1e4), strategies.sampled_from([-1.0, 1.0])
+
+
+@given(_LOADS, _LOADS, strategies.floats(0.0, 0.9), strategies.floats(0.0, 0.9), _SENSES)
+def test_frictions_that_follow_each_other(torque, force, bearing, spline, sense):
+    """Against iteration, which converges as the product of both coefficients is below 1."""
+    per_force, per_torque = bearing * sense, spline * sense
+    moment, axial = torque, force
+    for _ in range(300):
+        moment, axial = torque + per_force * abs(axial), force + per_torque * abs(moment)
+    found = _coupled_frictions(*jnp.array([torque, force, per_force, per_torque]))
+    np.testing.assert_allclose(found, (moment, axial), rtol=1e-10, atol=1e-9)

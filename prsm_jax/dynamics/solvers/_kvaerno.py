@@ -20,7 +20,7 @@ from jax.flatten_util import ravel_pytree
 from jaxtyping import PyTree
 
 from ...mechanism import Scalar
-from ...numerics import solver
+from ...numerics import all_few, dot_few, solver
 from ._dense_output import StepInterpolation
 
 _TABLEAU: Any = diffrax.Kvaerno5.tableau
@@ -91,7 +91,7 @@ def _refined(matrix):
 
     def solved(right):
         first = solve(right)
-        return first + solve(right - jnp.dot(matrix, first))
+        return first + solve(right - dot_few(matrix, first))
 
     return solved
 
@@ -134,7 +134,7 @@ class Kvaerno(diffrax.AbstractAdaptiveSolver):
                 allowed = _SETTLED * (self.atol + self.rtol * size)
                 allowed = jnp.maximum(allowed, _ROUNDINGS * jnp.finfo(k.dtype).eps * size)
                 small = jnp.abs(_GAMMA * length * change) <= allowed
-                return k, jnp.all(small), count + 1
+                return k, all_few(small), count + 1
 
             def goes_on(carry):
                 _, settled, count = carry

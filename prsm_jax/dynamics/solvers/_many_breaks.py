@@ -16,6 +16,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
+from ...numerics import any_few
+
 
 class ManyBreaks(diffrax.ClipStepSizeController):
     """As the class above with `jump_ts` alone, but each step looks at its own two breaks."""
@@ -32,7 +34,7 @@ class ManyBreaks(diffrax.ClipStepSizeController):
         # The step began behind one break and was not to pass the next.
         near = jnp.stack([_break(breaks, index - 1), _break(breaks, index)])
         after = eqxi.nextafter(start)
-        before_one, at_one = jnp.any(after == near), jnp.any(start == near)
+        before_one, at_one = any_few(after == near), any_few(start == near)
         # Past a break from before it, and from on it: the side that it belongs to is not known.
         start = jnp.where(before_one, eqxi.nextafter(after), start)
         start = jnp.where(at_one, after, start)

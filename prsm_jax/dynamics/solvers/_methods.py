@@ -69,9 +69,11 @@ def controller_of(
     """
     import diffrax
 
-    from ._step_control import Approaching, Rounded, Weighed
+    from ._step_control import Approaching, Rounded, Weighed, root_mean_square
 
-    controller: Any = diffrax.PIDController(rtol=rtol, atol=atol, dtmax=longest)
+    controller: Any = diffrax.PIDController(
+        rtol=rtol, atol=atol, dtmax=longest, norm=root_mean_square
+    )
     if remaining is not None:
         controller = Approaching(controller, remaining)
     controller = Rounded(controller)

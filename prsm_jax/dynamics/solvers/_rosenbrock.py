@@ -27,7 +27,7 @@ from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float, PyTree
 
 from ...mechanism import Scalar
-from ...numerics import solve_small
+from ...numerics import dot_few, solve_small
 from ._dense_output import StepInterpolation
 from ._driven_rate import DrivenRate
 
@@ -201,7 +201,9 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
         matrix = identity / (_GAMMA * length) - jacobian
         solve = solve_small(matrix)
         if following is not None:
-            slope = slope + jacobian @ following.rate(0.0) - following.second_rate_at_start()
+            slope = (
+                slope + dot_few(jacobian, following.rate(0.0)) - following.second_rate_at_start()
+            )
 
         stages: list[Array] = []
         point = flat

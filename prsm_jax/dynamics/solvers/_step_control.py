@@ -15,6 +15,7 @@ Where the screw reverses, Coulomb friction jumps. Steps that end before it need 
 Imports diffrax, so it is itself imported only where something is integrated.
 """
 
+import functools
 from collections.abc import Callable
 from typing import Any
 
@@ -22,8 +23,9 @@ import diffrax
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, PyTree
 
+from ..._guards import above_or_nan
 from ...mechanism import Scalar
 
 #: Share of the time to a standstill that a step may take.
@@ -63,6 +65,14 @@ class _Around(diffrax.AbstractAdaptiveStepSizeController):
     def init(self, terms, t0, t1, y0, dt0, args, func, error_order):
         """As the controller that is wrapped."""
         return self.controller.init(terms, t0, t1, y0, dt0, args, func, error_order)
+
+
+def root_mean_square(tree: PyTree) -> Scalar:
+    """The size by which errors of a few states are judged."""
+    values = [x[k] for x in map(jnp.ravel, jax.tree.leaves(tree)) for k in range(x.size)]
+    mean = functools.reduce(jnp.add, [value**2 for value in values]) / len(values)
+    some = above_or_nan(mean)
+    return jnp.where(some, jnp.sqrt(jnp.where(some, mean, 1.0)), 0.0)
 
 
 class Weighed(_Around):
@@ -135,4 +145,4 @@ def _rounded(length: Scalar) -> Scalar:
     return jax.lax.reduce_precision(length * 1.001, jnp.finfo(length.dtype).nexp, 6)
 
 
-__all__ = ["Approaching", "Rounded", "Weighed", "Weight"]
+__all__ = ["Approaching", "Rounded", "Weighed", "Weight", "root_mean_square"]
