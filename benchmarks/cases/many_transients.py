@@ -52,6 +52,7 @@ class Size:
 
     settling: int
     missions: int
+    many_missions: int
     slopes: int
     in_step: int
     chunk: int
@@ -63,11 +64,13 @@ class Size:
 
 
 _FULL = Size(
-    10_000, 100, 2000, 9984, 96, 50, 1.0, _TOLERANCES, _TOLERANCES[2:5], (1e-4, 1e-6, 1e-8)
+    10_000, 100, 10_000, 2000, 9984, 96, 50, 1.0, _TOLERANCES, _TOLERANCES[2:5], (1e-4, 1e-6, 1e-8)
 )
-_SMALL = Size(200, 50, 100, 192, 24, 5, 1.0, _QUICK, (*_QUICK, 1e-8), (1e-6,))
+_SMALL = Size(200, 50, 200, 100, 192, 24, 5, 1.0, _QUICK, (*_QUICK, 1e-8), (1e-6,))
 #: Whether everything runs: one reversal, and as many designs as chunks need.
-_LEAST = Size(8, 4, 4, 8, 4, 1, 0.11, _QUICK, (*_QUICK, 1e-8), (1e-6,))
+_LEAST = Size(8, 4, 8, 4, 8, 4, 1, 0.11, _QUICK, (*_QUICK, 1e-8), (1e-6,))
+#: Designs in a chunk of a large batch: what a step works on stays in a core's cache.
+_IN_CACHE = 250
 
 
 class Scene:
@@ -217,6 +220,13 @@ def _ours(
     return Method(name, prepare, settings, "rtol" if settings != (None,) else "")
 
 
+def _in_threads(scene: Scene, settings: Sequence) -> Method:
+    """RODASP in a thread for each core, as the rivals' loops; large batches in chunks."""
+    count, cores = len(scene.designs.speed), len(os.sched_getaffinity(0))
+    chunk = min(-(-count // cores), _IN_CACHE)
+    return _ours(scene, _THREADS, "rosenbrock", settings, chunk, np.arange(count), cores)
+
+
 def _lsoda(scene: Scene, settings, count: int) -> Method:
     solver = Lsoda(bool(scene.frequency))
     rows = np.ascontiguousarray(scene.numbers[:count])
@@ -291,6 +301,7 @@ def _settle(size: Size) -> Problem:
             _ours(scene, "closed form", "closed_form", (None,)),
             _ours(scene, "closed form, meshing included", "closed_form", (None,), meshes=True),
             _ours(scene, "RODASP", "rosenbrock", settings),
+            _in_threads(scene, settings),
             _ours(scene, "Tsit5", "explicit", settings),
             _ours(scene, "Kvaerno5 with Newton", "implicit", settings),
             *rivals,
@@ -323,11 +334,10 @@ def _mission(size: Size, width: float) -> Problem:
         friction = f"Coulomb friction regularised over {1e3 * width:g} mm/s"
     # In chunks, because the samples of a whole batch, rewritten at every step, outgrow the cache.
     chunk, order = size.missions // (5 if size is _SMALL else 2), np.arange(count)
-    cores = len(os.sched_getaffinity(0))
     ours = [
         _ours(scene, "quasi-steady balance", "quasi_steady", (None,)),
         _ours(scene, "RODASP", "rosenbrock", settings, chunk, order),
-        _ours(scene, _THREADS, "rosenbrock", settings, -(-count // cores), order, cores),
+        _in_threads(scene, settings),
     ]
     return Problem(
         name="mission_smooth" if width else "mission",
@@ -338,6 +348,30 @@ def _mission(size: Size, width: float) -> Problem:
         reference_note=f"SciPy Radau at rtol 1e-10, {compared} designs, meshed in mpmath",
         baseline=rivals[0].name,
         left_out=_left_out(_LSODA, _CASADI.format("CVODES")),
+        target=1e-5,
+    )
+
+
+def _many_missions(size: Size) -> Problem:
+    """The same in a large batch, at one tolerance and by the fastest rival alone."""
+    count, compared = size.many_missions, min(size.compared, 2)
+    scene = Scene(count, size.mission_s, round(200 * size.mission_s) + 1, _FREQUENCY)
+    settings = (1e-6,)
+    rivals = _rivals(scene, settings, count, 1)[:1]
+    return Problem(
+        name="many_missions",
+        title=f"{size.mission_s:g} s with reversals at 5 Hz, exact Coulomb friction, "
+        f"batch of {count} designs",
+        instance="trajectory",
+        methods=[
+            _ours(scene, "quasi-steady balance", "quasi_steady", (None,)),
+            _in_threads(scene, settings),
+            *rivals,
+        ],
+        reference=_mission_reference(scene, compared),
+        reference_note=f"SciPy Radau at rtol 1e-10, {compared} designs, meshed in mpmath",
+        baseline=rivals[0].name,
+        left_out=_left_out(_LSODA),
         target=1e-5,
     )
 
@@ -481,6 +515,7 @@ def case(quick: bool, smoke: bool = False) -> Case:
             _settle(size),
             _mission(size, 0.0),
             _mission(size, 1e-3),
+            _many_missions(size),
             _gradients(size),
             _lock_step(size),
         ],
