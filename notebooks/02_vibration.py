@@ -32,14 +32,14 @@ from IPython.display import Image
 import prsm_jax as prsm
 from prsm_jax import report
 from prsm_jax.mechanism import ModalDamping
-from prsm_jax.modal import (
+from prsm_jax.validation import validate
+from prsm_jax.vibration import (
     RollerScatter,
     dense_matrices,
     dense_modes,
     directional_derivatives,
     spring_network,
 )
-from prsm_jax.validation import validate
 
 select_figure_formats(get_ipython(), {"png"})  # show figures, without pyplot
 mechanism = prsm.load("wu2022")

@@ -1,9 +1,10 @@
 """prsm_jax: differentiable modelling of planetary roller screw mechanisms in JAX.
 
 Data flows one way, and the folders are named after it: file → mechanism → geometry → contact →
-halfspace, load_sharing → strength, stiffness → modal, dynamics → response → quantities → findings,
-sensitivity, optimise, sweep → report. `validation` compares with published numbers, `cli` is the
-command line; `numerics`, at the ground, is the small linear algebra that several of them use.
+halfspace, load_sharing → strength, stiffness → vibration, dynamics → response → quantities →
+findings, sensitivities, optimisation, sweeps → report. `validation` compares with published
+numbers, `explanation` tells which parts a mechanism has, `cli` is the command line; `numerics`, at
+the ground, is the small linear algebra that several of them use.
 """
 
 from . import (
@@ -39,7 +40,7 @@ from .dynamics import (
     simulate as simulate,
     steady_state as steady_state,
 )
-from .explain import Explanation as Explanation, explain as explain
+from .explanation import Explanation as Explanation, explain as explain
 from .file import (
     dump as dump,
     dumps as dumps,
@@ -81,13 +82,7 @@ from .mechanism import (
     get_parameter as get_parameter,
     set_parameter as set_parameter,
 )
-from .modal import (
-    FrequencyLoci as FrequencyLoci,
-    Modes as Modes,
-    frequency_loci as frequency_loci,
-    modal as modal,
-)
-from .optimise import Optimum as Optimum, optimise as optimise
+from .optimisation import Optimum as Optimum, optimise as optimise
 from .quantities import (
     Quantity as Quantity,
     assumptions as assumptions,
@@ -104,10 +99,16 @@ from .response import (
     frequency_response as frequency_response,
     mesh_response as mesh_response,
 )
-from .sensitivity import Sensitivity as Sensitivity, sensitivity as sensitivity
+from .sensitivities import Sensitivity as Sensitivity, sensitivity as sensitivity
 from .strength import (
     equivalent_load as equivalent_load,
     load_spectrum as load_spectrum,
     rating_life as rating_life,
 )
-from .sweep import sweep as sweep
+from .sweeps import sweep as sweep
+from .vibration import (
+    FrequencyLoci as FrequencyLoci,
+    Modes as Modes,
+    frequency_loci as frequency_loci,
+    modal as modal,
+)

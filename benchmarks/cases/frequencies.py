@@ -4,8 +4,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from prsm_jax.modal import VibrationSystem, spring_network, symmetric_modes
 from prsm_jax.numerics import singular_values
+from prsm_jax.vibration import VibrationSystem, spring_network, symmetric_modes
 
 from ..harness import Case, Method, Prepared, Problem, Reference
 from ..references.stages import NumPyStage, dense_solver, random_systems, unflattened

@@ -9,14 +9,14 @@ import numpy as np
 from prsm_jax.contact import load_of, stage_contact
 from prsm_jax.file import load
 from prsm_jax.mechanism import get_parameter, set_parameters
-from prsm_jax.modal import (
+from prsm_jax.stiffness import thread_stiffness
+from prsm_jax.sweeps import map_in_chunks
+from prsm_jax.vibration import (
     VibrationSystem,
     dense_matrices,
     distinct_frequencies,
     vibration_system,
 )
-from prsm_jax.stiffness import thread_stiffness
-from prsm_jax.sweep import map_in_chunks
 
 from ..harness import Case, Kind, Method, Prepared, Problem, Reference
 from ..references.geometry_chain import frequency_slopes

@@ -12,8 +12,8 @@ from prsm_jax.contact import contact_modulus
 from prsm_jax.file import load
 from prsm_jax.geometry import mesh
 from prsm_jax.mechanism import Mechanism, material_of, set_parameter
-from prsm_jax.modal import modal, vibration_system
 from prsm_jax.stiffness import thread_stiffness
+from prsm_jax.vibration import modal, vibration_system
 
 from ..harness import Case, Method, Prepared, Problem, Reference
 from ..references import vibration

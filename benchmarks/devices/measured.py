@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from prsm_jax.sweep import map_in_chunks
+from prsm_jax.sweeps import map_in_chunks
 
 from .tasks import TASKS, Task
 

@@ -34,7 +34,7 @@ _READING = """\
   writes memory: 100,000 designs at once take three times as long as 10,000.
 * Settling in closed form is as fast as a history of 21 samples can be written.
 * A processor wants chunks of about 1,000 designs, which fit its cache
-  (`prsm_jax.sweep.map_in_chunks`); an accelerator wants all that fit its memory.
+  (`prsm_jax.sweeps.map_in_chunks`); an accelerator wants all that fit its memory.
 
 ## Transients in lock step, and what it would take to leave it
 

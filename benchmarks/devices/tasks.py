@@ -12,7 +12,7 @@ import prsm_jax as prsm
 from prsm_jax.contact import hertz_contact
 from prsm_jax.geometry import mesh
 from prsm_jax.mechanism import get_parameter, set_parameters
-from prsm_jax.modal import distinct_frequencies
+from prsm_jax.vibration import distinct_frequencies
 
 from ..references.designs import random_designs, threads
 from ..references.designs_of_two_stages import (

@@ -12,7 +12,7 @@ import numpy as np
 
 import prsm_jax as prsm
 from prsm_jax.mechanism import set_parameters
-from prsm_jax.sweep import map_in_chunks
+from prsm_jax.sweeps import map_in_chunks
 
 from ..references.designs_of_two_stages import base
 from .sharing import sharing

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import prsm_jax as prsm
-from prsm_jax.explain import PROGRAMS
+from prsm_jax.explanation import PROGRAMS
 
 from ..harness import written_whole
 from ..harness.report import machine, versions

@@ -6,8 +6,8 @@ import numpy as np
 
 from prsm_jax.file import load
 from prsm_jax.mechanism import set_parameter
-from prsm_jax.modal import VibrationSystem, vibration_system
 from prsm_jax.stiffness import thread_stiffness
+from prsm_jax.vibration import VibrationSystem, vibration_system
 
 from .vibration import NUMBERS, mass_terms, stiffness_terms
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import equinox as eqx
 from cyclopts import Parameter
 
-from ..optimise import optimise
+from ..optimisation import optimise
 from ..quantities import assumptions
-from ..sensitivity import sensitivity
+from ..sensitivities import sensitivity
 from ._analyse import steady_results, told
 from ._app import app
 from ._common import Common, plain

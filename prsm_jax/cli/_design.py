@@ -10,10 +10,10 @@ from cyclopts import Parameter
 from .._errors import PrsmError
 from .._files import folder_for_results, make_folder
 from ..mechanism import Mechanism, find_parameters
-from ..optimise import optimise as run_optimise
+from ..optimisation import optimise as run_optimise
 from ..quantities import assumptions
-from ..sensitivity import sensitivity as run_sensitivity
-from ..sweep import sweep as run_sweep
+from ..sensitivities import sensitivity as run_sensitivity
+from ..sweeps import sweep as run_sweep
 from ._app import app
 from ._common import Common, checked, emit, value_of, words_of, write_text
 from ._optimised import optimised_text

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from ..explain import explain as run_explain
+from ..explanation import explain as run_explain
 from ._app import app
 from ._common import Common, emit, save_tables, words_of
 from ._progress import counted, doing

@@ -10,8 +10,8 @@ from cyclopts import Parameter
 from .._errors import PrsmError
 from .._files import make_folder
 from ..mechanism import Mechanism, find_parameters
-from ..modal import FAMILIES, FrequencyLoci, Modes, frequency_loci, modal as run_modal
 from ..quantities import assumptions
+from ..vibration import FAMILIES, FrequencyLoci, Modes, frequency_loci, modal as run_modal
 from ._app import app
 from ._assumed import VIBRATION
 from ._common import Common, checked, emit, value_of

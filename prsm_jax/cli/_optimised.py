@@ -1,7 +1,7 @@
 """The optimised mechanism as a file: the one it came from, with other numbers in it."""
 
 from ..mechanism import Mechanism, set_parameters
-from ..optimise import Optimum, rounded_variables
+from ..optimisation import Optimum, rounded_variables
 from ..quantities import catalogue
 
 

@@ -10,7 +10,6 @@ from cyclopts import Parameter
 from .._errors import PrsmError
 from .._files import make_folder
 from ..mechanism import Mechanism, ModalDamping, RayleighDamping, StructuralDamping, as_scalar
-from ..modal import Modes, modal as run_modal
 from ..quantities import assumptions
 from ..response import (
     Campbell,
@@ -19,6 +18,7 @@ from ..response import (
     campbell as run_campbell,
     frequency_response,
 )
+from ..vibration import Modes, modal as run_modal
 from ._app import app
 from ._assumed import CRITICAL_SPEEDS, VIBRATION
 from ._common import Common, checked, emit, words_of

@@ -10,9 +10,9 @@ from .._errors import MissingDataError
 from ..contact import load_of
 from ..geometry import Finding
 from ..mechanism import Mechanism, Scalar, Stage
-from ..modal import dense_matrices, vibration_system
 from ..quantities import Analysis
 from ..stiffness import loaded_threads, thread_stiffness
+from ..vibration import dense_matrices, vibration_system
 from ._margin import Margin, Reading, margin_source
 
 #: Shortest and longest free length of a screw of unknown length, in diameters.

@@ -25,18 +25,6 @@ from ..load_sharing import (
     stage_load_distributions,
 )
 from ..mechanism import Mechanism, Scalar, Stage
-from ..modal import (
-    ModeGroup,
-    Modes,
-    VibrationSystem,
-    carrier_mode,
-    family_modes,
-    roller_modes,
-    stage_modes,
-    torsional_modes,
-    transverse_modes,
-    vibration_system,
-)
 from ..numerics import apart
 from ..stiffness import ThreadStiffness, thread_stiffness
 from ..strength import (
@@ -48,6 +36,18 @@ from ..strength import (
     preload_of,
     reference_contact,
     spectrum_of,
+)
+from ..vibration import (
+    ModeGroup,
+    Modes,
+    VibrationSystem,
+    carrier_mode,
+    family_modes,
+    roller_modes,
+    stage_modes,
+    torsional_modes,
+    transverse_modes,
+    vibration_system,
 )
 from ._stress_peaks import stress_peaks_of
 

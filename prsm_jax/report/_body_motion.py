@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..mechanism import Mechanism
-from ..modal import Modes
+from ..vibration import Modes
 from ._drawing_dimensions import roller_places
 
 #: Without symmetry nothing says which roots belong together; closer than this share of

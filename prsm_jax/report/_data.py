@@ -21,9 +21,9 @@ from ..findings import check
 from ..geometry import Finding, Meshing, mesh
 from ..load_sharing import ForceDeflection, LoadDistribution
 from ..mechanism import Mechanism, find_parameters
-from ..modal import Modes, modal
 from ..quantities import Analysis, available_quantities, evaluate, truncated_fatigue_of
 from ..strength import SideOnset, TruncatedFatigue, side_onsets
+from ..vibration import Modes, modal
 from ._optimisation import Optimisation
 from ._section import words_of_fault
 from ._shared_loads import shared_loads

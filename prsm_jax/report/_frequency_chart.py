@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from .._display_units import show
-from ..modal import Modes
+from ..vibration import Modes
 from ._style import FAMILY_COLOURS, MUTED, SMALL, TEXT, Figure, drawn, page_figure
 
 _ORDER = ("carrier", "torsional", "transverse", "roller")

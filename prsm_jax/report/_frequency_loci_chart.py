@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from .._display_units import DisplayUnit, display_unit, in_unit, show
-from ..modal import FAMILIES, FrequencyLoci, Veering
+from ..vibration import FAMILIES, FrequencyLoci, Veering
 from ._style import (
     FAMILY_COLOURS,
     INK,

@@ -8,7 +8,7 @@ import numpy as np
 
 from .._files import make_folder
 from ..mechanism import Mechanism
-from ..modal import Modes
+from ..vibration import Modes
 from ._animation_file import indexed, save_frames
 from ._body_motion import ModeMotion, mode_motions
 from ._mode_shapes import ENERGY, check_energy, frequency_words, headline, scale_words

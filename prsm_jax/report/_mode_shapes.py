@@ -4,7 +4,7 @@ import math
 
 from .._display_units import number, show
 from ..mechanism import Mechanism
-from ..modal import Modes
+from ..vibration import Modes
 from ._body_motion import ModeMotion, mode_motions
 from ._moving_view import DRAWN_SHARE, MovingView
 from ._style import (

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from .._display_units import MINUS, is_efficiency, number, show
 from ..mechanism import what_follows
-from ..optimise import ConstraintReport, Optimum
+from ..optimisation import ConstraintReport, Optimum
 from ..quantities import find_quantity
 from ._optimisation_chart import limit_use
 from ._style import readable

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from ..modal import Modes
 from ..response import FrequencyResponse
+from ..vibration import Modes
 from ._style import FAINT, FAMILY_COLOURS, INK, SERIES, Figure, drawn, page_figure
 
 _HEIGHT = 120.0

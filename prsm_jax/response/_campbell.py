@@ -12,7 +12,7 @@ from jaxtyping import Array, Float
 from .._batches import AbstractResult, each, mapped
 from .._physics import physics
 from ..mechanism import Mechanism, Scalar, of_one_design
-from ..modal import Modes, stage_modes
+from ..vibration import Modes, stage_modes
 from ._orders import (
     ExcitationOrder,
     excitation_orders,

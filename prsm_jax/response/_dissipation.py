@@ -12,7 +12,7 @@ from .._errors import UnknownNameError, closest
 from .._guards import above_or_nan
 from .._physics import physics
 from ..mechanism import Damping, ModalDamping, RayleighDamping, Scalar, StructuralDamping
-from ..modal import SpringModes, SpringNetwork, spring_modes
+from ..vibration import SpringModes, SpringNetwork, spring_modes
 
 
 class Dissipation(eqx.Module):

@@ -10,7 +10,7 @@ from jaxtyping import Array, Bool, Complex, Float
 
 from .._batches import AbstractResult
 from ..mechanism import Mechanism, Scalar, of_one_design
-from ..modal import VibrationSystem, spring_network
+from ..vibration import VibrationSystem, spring_network
 from ._dissipation import LAWS, AnyDamping
 from ._receptance import Solver, infinite, receptance_matrix
 from ._stage import AsGiven, stage_damping, stage_of, stage_system

@@ -11,7 +11,7 @@ from jaxtyping import Array, Bool, Complex, Float
 from .._batches import AbstractResult
 from .._physics import physics
 from ..mechanism import Mechanism, Scalar, of_one_design
-from ..modal import Coordinate, Spring, SpringNetwork, VibrationSystem, spring_network
+from ..vibration import Coordinate, Spring, SpringNetwork, VibrationSystem, spring_network
 from ._dissipation import AnyDamping
 from ._orders import (
     ExcitationOrder,

@@ -10,8 +10,8 @@ from jaxtyping import Array, Bool, Complex, Float
 
 from .._physics import physics
 from ..mechanism import ModalDamping, RayleighDamping, Scalar, StructuralDamping
-from ..modal import SpringNetwork
 from ..numerics import Factors, factorise, substitute, substitute_transposed
+from ..vibration import SpringNetwork
 from ._dissipation import LAWS, AnyDamping, Dissipation, dissipation, scaled_modes
 
 Solver: TypeAlias = Literal["direct", "modal"]

@@ -6,8 +6,8 @@ import jax.numpy as jnp
 
 from ..contact import load_of
 from ..mechanism import Mechanism, Scalar, Stage
-from ..modal import VibrationSystem, vibration_system
 from ..stiffness import loaded_threads, thread_stiffness
+from ..vibration import VibrationSystem, vibration_system
 from ._dissipation import AnyDamping
 
 #: Take the damping that the mechanism has, if it has any.

@@ -8,7 +8,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 
-from ..modal import (
+from ..vibration import (
     CarrierBody,
     CentralBody,
     RollerTranslation,

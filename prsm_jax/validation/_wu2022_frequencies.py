@@ -7,14 +7,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..mechanism import Stage
-from ..modal import (
+from ..stiffness import thread_stiffness
+from ..vibration import (
     carrier_mode,
     roller_modes,
     torsional_block,
     transverse_block,
     vibration_system,
 )
-from ..stiffness import thread_stiffness
 from ._data import read_table
 from ._difference import differs, fault
 from ._examples import example

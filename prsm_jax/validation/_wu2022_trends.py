@@ -11,7 +11,7 @@ import numpy as np
 
 from ..contact import engaged_threads, stage_contact
 from ..mechanism import Mechanism, set_parameter
-from ..modal import modal
+from ..vibration import modal
 from ._difference import differs
 from ._examples import example
 from ._registry import rows_of

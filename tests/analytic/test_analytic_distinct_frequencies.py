@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from scenes import array
 
-from prsm_jax.modal import (
+from prsm_jax.sweeps import map_in_chunks
+from prsm_jax.vibration import (
     CarrierBody,
     CentralBody,
     VibrationSystem,
@@ -18,7 +19,6 @@ from prsm_jax.modal import (
     distinct_frequencies,
     symmetric_modes,
 )
-from prsm_jax.sweep import map_in_chunks
 
 SIGNS = {"screw": 1, "ring_gear": -1, "nut": -1}
 #: Every scene has one design for each number of rollers.

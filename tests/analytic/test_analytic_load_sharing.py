@@ -32,8 +32,8 @@ from prsm_jax.load_sharing import (
 )
 from prsm_jax.load_sharing._equilibrium import response
 from prsm_jax.mechanism import GivenStiffness, LoadSharing, SplitNut, UnequalRoller
-from prsm_jax.modal import spring_network, vibration_system
 from prsm_jax.stiffness import axial_stiffness, thread_stiffness
+from prsm_jax.vibration import spring_network, vibration_system
 
 #: The search stops at 1e-12 of the largest force; a film 1e-12 as stiff as a contact adds as much.
 _BALANCE = 1e-10

@@ -10,7 +10,7 @@ from scenes import array, example
 
 import prsm_jax as prsm
 from prsm_jax.mechanism import UnequalRoller
-from prsm_jax.modal import (
+from prsm_jax.vibration import (
     RollerScatter,
     RollerTranslation,
     dense_modes,

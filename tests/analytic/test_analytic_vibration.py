@@ -10,7 +10,7 @@ from hypothesis import given, strategies as st
 from scenes import array, example, modal
 
 import prsm_jax as prsm
-from prsm_jax.modal import (
+from prsm_jax.vibration import (
     CarrierBody,
     CentralBody,
     SpringBlock,

@@ -5,8 +5,8 @@ import pytest
 from scenes import array, stage, thread
 
 from prsm_jax.mechanism import Carrier, Gear, Nut, RingGear, Roller, Screw, Support, UnequalRoller
-from prsm_jax.modal import vibration_system
 from prsm_jax.stiffness import ThreadStiffness
+from prsm_jax.vibration import vibration_system
 
 THREADS = ThreadStiffness(array(2e8), array(3e8))
 

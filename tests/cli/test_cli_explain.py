@@ -8,7 +8,7 @@ from scenes import example
 
 import prsm_jax as prsm
 from benchmarks.load.counted import counted
-from prsm_jax.explain import Account, Cost, Explanation, Part, Program, places
+from prsm_jax.explanation import Account, Cost, Explanation, Part, Program, places
 
 
 def _efficiency(one):
@@ -79,7 +79,7 @@ def test_equations_are_those_that_the_numbers_need():
     """Of one number by a count of another program; ranges that are checked for a code are none."""
     from importlib import import_module
 
-    account = import_module("prsm_jax.explain._account")
+    account = import_module("prsm_jax.explanation._account")
     one = example("li2021_two_stage")
     few, read = account.traced(_efficiency, one)
     every = counted(eqx.filter_jit(prsm.steady_state), one).equations
@@ -94,7 +94,7 @@ def test_equations_are_those_that_the_numbers_need():
 def test_a_compiled_program_is_measured():
     from importlib import import_module
 
-    account = import_module("prsm_jax.explain._account")
+    account = import_module("prsm_jax.explanation._account")
 
     def analysis(one):
         numbers = jnp.full((30, 40), one.stages[0].thread.lead)

@@ -107,7 +107,7 @@ def test_killed_while_it_writes(tmp_path):
     code = """
 import pathlib, sys
 import numpy as np, xarray
-from prsm_jax.sweep._store import write_store
+from prsm_jax.sweeps._store import write_store
 from prsm_jax._files import whole_file
 here, count = pathlib.Path(sys.argv[1]), 0
 while True:

@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from prsm_jax.modal import Coordinate, Spring, SpringNetwork, spring_modes
+from prsm_jax.vibration import Coordinate, Spring, SpringNetwork, spring_modes
 
 #: Stiffness of the support over that of the spring between the masses. Errors are about the square
 #: of rounding over it.

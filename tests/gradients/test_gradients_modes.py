@@ -17,7 +17,7 @@ import pytest
 from scenes import array, example
 
 import prsm_jax as prsm
-from prsm_jax.modal import (
+from prsm_jax.vibration import (
     RollerScatter,
     clusters,
     dense_matrices,
@@ -28,7 +28,7 @@ from prsm_jax.modal import (
     strain_energies,
     symmetric_modes,
 )
-from prsm_jax.modal._arrowhead import arrowhead_modes
+from prsm_jax.vibration._arrowhead import arrowhead_modes
 
 DIRECTION = np.array([0.3, -0.5, 0.9, 0.1, -0.7, 0.4, 1.1])
 PATHS = ("stiffness", "mass", "position", "support", "equal")

@@ -4,43 +4,14 @@ import ast
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
 
 import pytest
+from room_order import LAYERS, order
 
 import prsm_jax
 
 ROOT = Path(prsm_jax.__file__).parent
-#: Each room and the rooms that it may use, directly. `_name` modules of the package serve all.
-LAYERS = {
-    "numerics": set(),
-    "mechanism": set(),
-    "file": {"mechanism"},
-    "geometry": {"mechanism"},
-    "contact": {"numerics", "mechanism", "geometry"},
-    "halfspace": {"mechanism", "geometry", "contact"},
-    "load_sharing": {"mechanism", "geometry", "contact"},
-    "strength": {"mechanism", "geometry", "contact", "load_sharing"},
-    "stiffness": {"mechanism", "geometry", "contact", "load_sharing"},
-    "modal": {"numerics", "mechanism", "geometry", "contact", "load_sharing", "stiffness"},
-    "dynamics": {"numerics", "mechanism", "geometry", "contact", "stiffness"},
-    "response": {
-        "numerics",
-        "mechanism",
-        "geometry",
-        "contact",
-        "load_sharing",
-        "stiffness",
-        "modal",
-        "dynamics",
-    },
-}
-LAYERS["quantities"] = set(LAYERS) - {"file"}
-LAYERS["findings"] = LAYERS["quantities"] | {"quantities"}
-_PHYSICS = LAYERS["quantities"] | {"quantities", "findings"}
-LAYERS["sensitivity"] = LAYERS["optimise"] = LAYERS["sweep"] = _PHYSICS
-LAYERS["validation"] = LAYERS["explain"] = _PHYSICS | {"file"}
-LAYERS["report"] = _PHYSICS | {"file", "sensitivity", "optimise", "sweep", "validation"}
-LAYERS["cli"] = set(LAYERS)
 #: Not imported with the package, but where they are used.
 HEAVY = (
     "diffrax",
@@ -107,7 +78,22 @@ def _rooms_used(path):
 def test_every_room_has_its_place():
     rooms = {path.name for path in ROOT.iterdir() if (path / "__init__.py").exists()}
     assert rooms <= set(LAYERS)
-    assert {"mechanism", "geometry", "contact", "stiffness", "modal", "dynamics"} <= rooms
+    assert {"mechanism", "geometry", "contact", "stiffness", "vibration", "dynamics"} <= rooms
+
+
+def test_no_room_has_the_name_of_something_that_the_package_offers():
+    """`import prsm_jax.sweeps` gives the room, `prsm_jax.sweep` the verb."""
+    rooms = {path.name for path in ROOT.iterdir() if (path / "__init__.py").exists()}
+    taken = {
+        name for name in rooms if not isinstance(getattr(prsm_jax, name, prsm_jax), ModuleType)
+    }
+    assert not taken
+
+
+def test_readme_and_docstring_name_the_order():
+    readme = (ROOT.parent / "README.md").read_text(encoding="utf-8")
+    for text in (readme, prsm_jax.__doc__):
+        assert order() in " ".join(text.replace("*", "").split())
 
 
 def test_the_order_itself_has_no_cycles():
@@ -235,6 +221,8 @@ def test_solvers_know_no_mechanism():
         f"{path.name} imports {'.'.join(inner)}"
         for path in (ROOT / "dynamics" / "solvers").glob("*.py")
         for inner in _imports(path)
-        if inner[:2] != room and inner[0] not in ("mechanism", "numerics")
+        if inner[:2] != room
+        and inner[0] not in ("mechanism", "numerics")
+        and not inner[0].startswith("_")
     ]
     assert not wrong

@@ -9,7 +9,6 @@ import equinox as eqx
 import numpy as np
 import pytest
 
-from prsm_jax.modal import dense_modes, symmetric_modes
 from prsm_jax.validation import sources, validate
 from prsm_jax.validation._lin_parker1999 import (
     PLANET,
@@ -17,6 +16,7 @@ from prsm_jax.validation._lin_parker1999 import (
     TRANSLATIONAL,
     planetary_gear,
 )
+from prsm_jax.vibration import dense_modes, symmetric_modes
 
 _symmetric = eqx.filter_jit(lambda system: symmetric_modes(system, shapes=True))
 _dense = eqx.filter_jit(dense_modes)

@@ -56,15 +56,15 @@ _TESTS: tuple[tuple[str, str], ...] = (
         "analytic/truncation gradients/strength",
     ),
     (
-        "modal/_frequency_loci",
+        "vibration/_frequency_loci",
         "report/modes analytic/distinct_frequencies",
     ),
-    ("modal/_quartic", "analytic/secular analytic/vibration"),
-    ("modal/_arrowhead", "gradients/modes analytic/vibration analytic/distinct_frequencies"),
-    ("modal/_secular", "analytic/secular analytic/vibration analytic/distinct_frequencies"),
-    ("modal/_system", "analytic/vibration_system analytic/vibration analytic/unequal_rollers"),
+    ("vibration/_quartic", "analytic/secular analytic/vibration"),
+    ("vibration/_arrowhead", "gradients/modes analytic/vibration analytic/distinct_frequencies"),
+    ("vibration/_secular", "analytic/secular analytic/vibration analytic/distinct_frequencies"),
+    ("vibration/_system", "analytic/vibration_system analytic/vibration analytic/unequal_rollers"),
     (
-        "modal",
+        "vibration",
         "analytic/vibration analytic/modes analytic/distinct_frequencies analytic/unequal_rollers "
         "analytic/single_faults literature/planetary_gear gradients/modes",
     ),
@@ -140,13 +140,13 @@ _TESTS: tuple[tuple[str, str], ...] = (
         "analytic/findings_numbers analytic/construction analytic/single_faults "
         "analytic/strength analytic/findings",
     ),
-    ("sensitivity", "sensitivity/values"),
+    ("sensitivities", "sensitivity/values"),
     (
-        "optimise",
+        "optimisation",
         "optimise/box optimise/analytic analytic/single_faults optimise/findings "
         "optimise/mechanism",
     ),
-    ("sweep", "sweep/test_sweep.py analytic/single_faults"),
+    ("sweeps", "sweep/test_sweep.py analytic/single_faults"),
     ("mechanism/_profiles", "analytic/profiles"),
     ("mechanism/_sequences", "analytic/profiles"),
     ("mechanism/_follows", "sensitivity/values"),

@@ -15,11 +15,11 @@ import tomlkit
 from scenes import example
 
 import prsm_jax as prsm
-from prsm_jax.explain import places, without
+from prsm_jax.explanation import places, without
 from prsm_jax.mechanism import Mechanism, Stage
 
 #: Its name in the package is that of the function.
-room = importlib.import_module("prsm_jax.explain._explain")
+room = importlib.import_module("prsm_jax.explanation._explain")
 EXAMPLES = prsm.example_names()
 
 

@@ -8,7 +8,7 @@ import pytest
 import scenes
 
 from prsm_jax.mechanism import Constraint, DesignProblem, Objective, Variable
-from prsm_jax.optimise import optimality, optimise
+from prsm_jax.optimisation import optimality, optimise
 
 #: Every problem below is over these two numbers, in units of millimetres and radians.
 BOX = {"lead": (4e-3, 14e-3), "contact_angle": (0.3, 1.3)}

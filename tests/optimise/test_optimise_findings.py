@@ -8,7 +8,7 @@ import scenes
 
 import prsm_jax as prsm
 from prsm_jax.mechanism import AxialPlay, Gear, Screw, Strength
-from prsm_jax.optimise import optimise
+from prsm_jax.optimisation import optimise
 
 #: A solid cylinder of 12 mm radius: no finding.
 SCREW = Screw(mass=0.76, inertia=0.5 * 0.76 * 12e-3**2)

@@ -8,9 +8,9 @@ import scenes
 
 from prsm_jax.findings import check
 from prsm_jax.mechanism import Nut
-from prsm_jax.optimise import optimise
+from prsm_jax.optimisation import optimise
 from prsm_jax.quantities import compute
-from prsm_jax.sweep import sweep
+from prsm_jax.sweeps import sweep
 
 
 @pytest.mark.slow

@@ -32,7 +32,7 @@ from prsm_jax.load_sharing import (
     State,
 )
 from prsm_jax.mechanism import LineContact
-from prsm_jax.modal import FrequencyLoci, ModeGroup, Modes
+from prsm_jax.vibration import FrequencyLoci, ModeGroup, Modes
 
 number = jnp.asarray
 _ODD = itertools.cycle(np.random.default_rng(13).uniform(1.0, 1.9, 97).tolist())

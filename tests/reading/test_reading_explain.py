@@ -4,8 +4,8 @@ from expectations import reads
 from reading_tables import assert_json
 
 from prsm_jax.cli import _explain
-from prsm_jax.explain import Account, Cost, Explanation, Part, Program
-from prsm_jax.explain._places import Place
+from prsm_jax.explanation import Account, Cost, Explanation, Part, Program
+from prsm_jax.explanation._places import Place
 
 _MEASURES = ("equations", "flops", "bytes", "memory_bytes", "compile_s", "run_s")
 

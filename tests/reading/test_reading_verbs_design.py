@@ -14,11 +14,11 @@ from reading_units import to_si
 import prsm_jax
 from prsm_jax.cli import _design, _modal, _vibrate
 from prsm_jax.mechanism import Constraint, DesignProblem, Objective, Variable
-from prsm_jax.modal import FAMILIES
-from prsm_jax.optimise import ConstraintReport, Design, Optimum, Run
+from prsm_jax.optimisation import ConstraintReport, Design, Optimum, Run
 from prsm_jax.report import summarise_optimisation
 from prsm_jax.response import FrequencyResponse
-from prsm_jax.sensitivity import Sensitivity
+from prsm_jax.sensitivities import Sensitivity
+from prsm_jax.vibration import FAMILIES
 
 
 @pytest.fixture(scope="module")

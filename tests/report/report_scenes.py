@@ -8,8 +8,8 @@ import numpy as np
 from prsm_jax.contact import HertzContact, StageContact, ThreadContactSide
 from prsm_jax.dynamics import SolverReport, SteadyState, Transient
 from prsm_jax.mechanism import Constraint, DesignProblem, Objective, Variable
-from prsm_jax.modal import ModeGroup, Modes
-from prsm_jax.optimise import ConstraintReport, Design, Optimum, Run
+from prsm_jax.optimisation import ConstraintReport, Design, Optimum, Run
+from prsm_jax.vibration import ModeGroup, Modes
 
 
 def make_modes(scale: float) -> Modes:

@@ -6,7 +6,7 @@ import pytest
 from report_scenes import make_optimum
 
 from prsm_jax.geometry import Finding
-from prsm_jax.optimise import ConstraintReport
+from prsm_jax.optimisation import ConstraintReport
 from prsm_jax.report import _write, summarise_optimisation, write_report
 
 _START = Finding("buckling", "warning", 1, 1.2, 2.0, "the screw is slender")

@@ -11,7 +11,6 @@ from report_checks import assert_printable, axis_labels
 
 import prsm_jax as prsm
 from prsm_jax.mechanism import UnequalRoller
-from prsm_jax.modal import frequency_loci
 from prsm_jax.report import (
     frequency_chart,
     frequency_loci_chart,
@@ -19,6 +18,7 @@ from prsm_jax.report import (
     save_mode_animation,
     save_mode_animations,
 )
+from prsm_jax.vibration import frequency_loci
 from tests import scenes
 
 

@@ -17,7 +17,6 @@ from prsm_jax.mechanism import (
     Support,
     UnequalRoller,
 )
-from prsm_jax.modal import spring_network
 from prsm_jax.response import (
     campbell,
     dissipation,
@@ -26,6 +25,7 @@ from prsm_jax.response import (
     mesh_response,
 )
 from prsm_jax.response._stage import stage_system
+from prsm_jax.vibration import spring_network
 
 LAWS = {
     "undamped": None,

@@ -21,7 +21,6 @@ from scenes import example
 import prsm_jax as prsm
 from prsm_jax.dynamics import ideal_carrier_ratio
 from prsm_jax.mechanism import UnequalRoller
-from prsm_jax.modal import family_shares
 from prsm_jax.response import (
     excitation_orders,
     excited_response,
@@ -31,6 +30,7 @@ from prsm_jax.response import (
     working_carrier_ratio,
 )
 from prsm_jax.response._stage import stage_system
+from prsm_jax.vibration import family_shares
 
 _EPS = np.finfo(float).eps
 #: κ of rolling without slip for five starts, (n − 2) / (2 (n − 1)).

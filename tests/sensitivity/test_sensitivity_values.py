@@ -11,7 +11,7 @@ import scenes
 
 import prsm_jax as prsm
 from prsm_jax.mechanism import find_parameters, follows_in_words
-from prsm_jax.sensitivity import sensitivity
+from prsm_jax.sensitivities import sensitivity
 
 PARAMETERS = ("lead", "contact_angle", "roller_radius")
 QUANTITIES = ("efficiency", "max_pressure", "axial_stiffness")

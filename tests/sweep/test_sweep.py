@@ -11,7 +11,7 @@ import xarray
 
 import prsm_jax as prsm
 from prsm_jax.mechanism import AxialPlay, Carrier, Gear, Screw, ScrewShaft, Strength
-from prsm_jax.sweep import sweep
+from prsm_jax.sweeps import sweep
 
 QUANTITIES = ("efficiency", "max_pressure", "carrier_ratio")
 AXES = {

@@ -17,7 +17,7 @@ import xarray
 
 from prsm_jax import _files, _placing
 from prsm_jax._files import whole_file
-from prsm_jax.sweep._store import check_store, write_store
+from prsm_jax.sweeps._store import check_store, write_store
 
 
 def _data(number, size=64):
@@ -92,7 +92,7 @@ _WRITER = """
     import pathlib, sys
     import numpy as np, xarray
     from prsm_jax._files import whole_file
-    from prsm_jax.sweep._store import write_store
+    from prsm_jax.sweeps._store import write_store
     folder, number = pathlib.Path(sys.argv[1]), int(sys.argv[2])
     sys.stdin.readline()
     for _ in range(8):

@@ -15,7 +15,7 @@ from scenes import example
 import prsm_jax as prsm
 from prsm_jax import file
 from prsm_jax.mechanism import Support, UnequalRoller
-from prsm_jax.modal import directional_derivatives, family_modes
+from prsm_jax.vibration import directional_derivatives, family_modes
 
 #: `stablehlo.custom_call @lapack_dgesdd_ffi(...)`.
 _CALL = re.compile(r"custom_call\s+@(\w+)")

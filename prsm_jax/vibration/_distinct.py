@@ -37,7 +37,7 @@ def distinct_frequencies(
     The same numbers as those of `symmetric_modes`, without shapes and energies, at a cost that
     does not depend on the number of rollers, which may be traced. Under `jax.vmap`, over a system
     whose numbers are arrays of designs, everything is one fused loop over designs; chunks of a few
-    thousand designs stay in the cache (`prsm_jax.sweep.map_in_chunks`). Derivatives of first and
+    thousand designs stay in the cache (`prsm_jax.sweeps.map_in_chunks`). Derivatives of first and
     second order are closed forms, right at repeated and at zero roots.
 
     **Arguments:**

@@ -16,8 +16,8 @@ from jax.interpreters import partial_eval
 from .._errors import MissingDataError, PrsmError
 from ..dynamics import simulate, steady_state
 from ..mechanism import Mechanism
-from ..modal import modal
 from ..quantities import available_quantities, compute
+from ..vibration import modal
 
 #: Analyses whose programs are counted.
 PROGRAMS = ("steady_state", "modes", "transient", "quantities")

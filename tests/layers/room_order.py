@@ -1,0 +1,56 @@
+"""The rooms of the package in their order: written here, and nowhere else.
+
+The layer tests hold the imports, the README and the docstring of the package to it.
+"""
+
+#: Each room and the rooms that it may use, directly. `_name` modules of the package serve all.
+LAYERS = {
+    "numerics": set(),
+    "mechanism": set(),
+    "file": {"mechanism"},
+    "geometry": {"mechanism"},
+    "contact": {"numerics", "mechanism", "geometry"},
+    "halfspace": {"mechanism", "geometry", "contact"},
+    "load_sharing": {"mechanism", "geometry", "contact"},
+    "strength": {"mechanism", "geometry", "contact", "load_sharing"},
+    "stiffness": {"mechanism", "geometry", "contact", "load_sharing"},
+    "vibration": {"numerics", "mechanism", "geometry", "contact", "load_sharing", "stiffness"},
+    "dynamics": {"numerics", "mechanism", "geometry", "contact", "stiffness"},
+    "response": {
+        "numerics",
+        "mechanism",
+        "geometry",
+        "contact",
+        "load_sharing",
+        "stiffness",
+        "vibration",
+        "dynamics",
+    },
+}
+LAYERS["quantities"] = set(LAYERS) - {"file"}
+LAYERS["findings"] = LAYERS["quantities"] | {"quantities"}
+_PHYSICS = LAYERS["findings"] | {"findings"}
+LAYERS["sensitivities"] = LAYERS["optimisation"] = LAYERS["sweeps"] = _PHYSICS
+LAYERS["validation"] = LAYERS["explanation"] = _PHYSICS | {"file"}
+LAYERS["report"] = _PHYSICS | {"file", "sensitivities", "optimisation", "sweeps", "validation"}
+LAYERS["cli"] = set(LAYERS)
+
+#: The way of the data; rooms between two arrows do not need each other, but for later ones.
+WAY = (
+    ("file",),
+    ("mechanism",),
+    ("geometry",),
+    ("contact",),
+    ("halfspace", "load_sharing"),
+    ("strength", "stiffness"),
+    ("vibration", "dynamics"),
+    ("response",),
+    ("quantities",),
+    ("findings", "sensitivities", "optimisation", "sweeps"),
+    ("report",),
+)
+
+
+def order() -> str:
+    """The way of the data in words."""
+    return " → ".join(", ".join(rooms) for rooms in WAY)
