@@ -20,7 +20,7 @@ from prsm_jax.report import (
     steady_flow,
     transient_chart,
 )
-from prsm_jax.report._power_flow import PowerFlow
+from prsm_jax.report.motion_charts._power_flow import PowerFlow
 from prsm_jax.validation._figures import Curve, Mark, Panel, PublishedFigure
 
 #: Of the example of two stages, by hand: two leads of 10 mm for each turn.

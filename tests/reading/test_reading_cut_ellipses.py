@@ -16,7 +16,7 @@ from prsm_jax.report import (
     analyse,
     contact_pictures,
 )
-from prsm_jax.report._sections import report_sections
+from prsm_jax.report.document._sections import report_sections
 
 #: Pitch 0.8 mm with flanks of 0.2 pitches on either side of the contact, at a high load.
 _FILE = """

@@ -30,8 +30,8 @@ from prsm_jax.report import (
     _strength_section,
     write_report,
 )
-from prsm_jax.report._data import STRENGTH
-from prsm_jax.report._sections import report_sections
+from prsm_jax.report.document._data import STRENGTH
+from prsm_jax.report.document._sections import report_sections
 
 _MINUS = "\N{MINUS SIGN}"
 

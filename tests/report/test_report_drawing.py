@@ -13,8 +13,8 @@ from prsm_jax import set_parameter
 from prsm_jax.file import load
 from prsm_jax.mechanism import UnequalRoller
 from prsm_jax.report import cross_section
-from prsm_jax.report._drawing_dimensions import drawing_dimensions
-from prsm_jax.report._thread_profile import (
+from prsm_jax.report.drawings._drawing_dimensions import drawing_dimensions
+from prsm_jax.report.drawings._thread_profile import (
     nut_profile,
     roller_half_thickness,
     roller_profile,

@@ -8,7 +8,7 @@ from scenes import example
 
 import prsm_jax as prsm
 from prsm_jax.report import campbell_chart, response_chart
-from prsm_jax.report._campbell_chart import _spread
+from prsm_jax.report.vibration_charts._campbell_chart import _spread
 from prsm_jax.response import FrequencyResponse
 
 

@@ -25,9 +25,9 @@ from prsm_jax.report import (
     save_transient_pictures,
     steady_flow,
 )
-from prsm_jax.report._history_chart import sticking_phases, travel_of
-from prsm_jax.report._stage_animation import angle_scale, poses
-from prsm_jax.report._transient_pictures import _forces
+from prsm_jax.report.animations._stage_animation import angle_scale, poses
+from prsm_jax.report.document._transient_pictures import _forces
+from prsm_jax.report.motion_charts._history_chart import sticking_phases, travel_of
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from report_scenes import make_optimum, make_sensitivity, make_transient
 
 from prsm_jax import set_parameter
 from prsm_jax.report import ReportData, summarise_optimisation, write_report
-from prsm_jax.report._sections import report_sections
+from prsm_jax.report.document._sections import report_sections
 
 
 @pytest.fixture(scope="module")

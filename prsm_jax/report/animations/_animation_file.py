@@ -1,0 +1,45 @@
+"""Animated GIFs: frames in one palette, written whole."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..._files import whole_file
+
+
+def save_frames(target: Path, frames: Sequence[Any], seconds: float) -> Path:
+    """Write indexed pictures as a GIF that repeats.
+
+    **Arguments:**
+
+    - `target`: where to write.
+    - `frames`: Pillow pictures, one after the other.
+    - `seconds`: how long all of them take.
+    """
+    with whole_file(target) as partial:
+        frames[0].save(
+            partial,
+            format="GIF",
+            save_all=True,
+            append_images=list(frames[1:]),
+            # GIF counts hundredths of a second; browsers take less than two of them for ten.
+            duration=10 * max(round(100 * seconds / len(frames)), 2),
+            loop=0,
+            optimize=False,
+        )
+    return target
+
+
+def indexed(pixels: np.ndarray, palette: np.ndarray) -> Any:
+    """A picture in the nearest colours of a palette; Pillow's own search is not exact."""
+    from PIL import Image
+
+    packed = pixels.astype(np.int64) @ (1 << 16, 1 << 8, 1)
+    colours, places = np.unique(packed, return_inverse=True)
+    single = np.stack([colours >> 16, (colours >> 8) & 255, colours & 255], axis=1)
+    nearest = np.argmin(np.sum((single[:, None] - palette[None]) ** 2, axis=2), axis=1)
+    picture = Image.fromarray(nearest[places].reshape(packed.shape).astype(np.uint8))
+    picture.putpalette(palette.astype(np.uint8).tobytes())
+    return picture

@@ -1,0 +1,205 @@
+"""How the bodies of a stage move in one mode: what a picture of a mode shape shows."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...mechanism import Mechanism
+from ...vibration import Modes
+from ..drawings import roller_places
+
+#: Without symmetry nothing says which roots belong together; closer than this share of
+#: themselves they are drawn as one.
+_TOGETHER = 1e-9
+#: A body that moves by less than this share of the largest displacement is at rest to the eye.
+_STILL = 1e-6
+
+
+@dataclass(frozen=True)
+class BodyMotion:
+    """One body at rest [mm], and how it moves in a mode of unit amplitude [1/√kg]."""
+
+    name: str
+    #: The kind of body: a key of `BODY_COLOURS`.
+    kind: str
+    #: Centre at rest, and radius of the circle on which its rotation is counted [mm].
+    x: float
+    y: float
+    radius: float
+    shift_x: float
+    shift_y: float
+    #: Displacement u = r θ on that circle, anticlockwise positive.
+    turn: float
+
+    @property
+    def largest(self) -> float:
+        """The larger of its translation and its rotation."""
+        return max(math.hypot(self.shift_x, self.shift_y), abs(self.turn))
+
+    def placed(self, scale: float) -> tuple[float, float, float]:
+        """Centre [mm] and angle [rad] when displacements are drawn `scale` [mm √kg] times."""
+        x, y = self.x + scale * self.shift_x, self.y + scale * self.shift_y
+        return x, y, scale * self.turn / self.radius
+
+
+@dataclass(frozen=True)
+class ModeMotion:
+    """One mode as it is drawn; of a repeated root one of its shapes."""
+
+    #: Numbers of the first and the last of its entries in `Modes.frequencies`, from 1.
+    first: int
+    last: int
+    frequency: float
+    family: str
+    bodies: tuple[BodyMotion, ...]
+    #: Centres of places without a roller [mm].
+    empty: tuple[tuple[float, float], ...]
+    #: Shares of kinetic energy by body and of strain energy by kind of spring.
+    kinetic: Mapping[str, float]
+    strain: Mapping[str, float]
+
+    @property
+    def multiplicity(self) -> int:
+        """How often the frequency occurs."""
+        return self.last - self.first + 1
+
+    @property
+    def largest(self) -> float:
+        """The largest displacement of any body, for unit amplitude [1/√kg]."""
+        return max(body.largest for body in self.bodies)
+
+    def largest_body(self) -> BodyMotion:
+        """The body that moves most."""
+        return max(self.bodies, key=lambda body: body.largest)
+
+    def amplitude(self, energy: float) -> float | None:
+        """Amplitude of the largest displacement when the mode holds this energy [J → m].
+
+        `None` for a rigid motion, which holds none at any amplitude.
+        """
+        if self.family == "rigid":
+            return None
+        return self.largest * math.sqrt(2 * energy) / (2 * math.pi * self.frequency)
+
+
+def mode_motions(mechanism: Mechanism, modes: Modes, stage: int = 1) -> tuple[ModeMotion, ...]:
+    """Every distinct mode, ascending.
+
+    Of a double root the shape is drawn in which the body that moves most does so along x.
+
+    **Raises:** `ValueError` if the shapes were not asked for, or the stage is not there.
+    """
+    if not 1 <= stage <= len(mechanism.stages):
+        raise ValueError(f"stage is {stage}; the mechanism has stages 1 to {len(mechanism.stages)}")
+    shapes = np.asarray(modes.shapes)
+    frequencies = np.asarray(modes.frequencies)
+    families, multiplicities = modes.families, modes.multiplicities
+    kinetic = {k: np.asarray(v) for k, v in modes.kinetic_energy_shares().items()}
+    strain = {k: np.asarray(v) for k, v in modes.strain_energy_shares().items()}
+    masses = np.asarray(modes.network.mass) if modes.network is not None else np.ones(len(shapes))
+    names = [str(coordinate) for coordinate in modes.coordinates]
+    symmetric = modes.group("coupled") is None
+    centre = 1e3 * float(mechanism.stages[stage - 1].thread.centre_distance)
+    empty = tuple(
+        (centre * math.cos(angle), centre * math.sin(angle))
+        for angle, there in roller_places(mechanism.stages[stage - 1])
+        if not there
+    )
+    found, first = [], 0
+    while first < len(frequencies):
+        end = first + multiplicities[first]
+        while not symmetric and end < len(frequencies):
+            if families[first] == "rigid" or families[end] != families[first]:
+                break
+            if frequencies[end] > (1 + _TOGETHER) * frequencies[first]:
+                break
+            end += 1
+        members = shapes[:, first:end]
+        # The first roller mode is one harmonic around the screw; any other choice mixes several.
+        whole = symmetric and families[first] == "roller"
+        one = members[:, 0] if whole else _upright(names, masses, members)
+        chosen = dict(zip(names, one.tolist(), strict=True))
+        found.append(
+            ModeMotion(
+                first=first + 1,
+                last=end,
+                frequency=float(frequencies[first]),
+                family=families[first],
+                bodies=_bodies(mechanism, modes, stage, chosen),
+                empty=empty,
+                kinetic={k: float(v[first]) for k, v in kinetic.items()},
+                strain={k: float(v[first]) for k, v in strain.items()},
+            )
+        )
+        first = end
+    return tuple(found)
+
+
+def _upright(names: list[str], masses: np.ndarray, members: np.ndarray) -> np.ndarray:
+    """One shape of a root: along x if it translates, else that in which one roller moves most."""
+    energy = np.sum(masses[:, None] * members**2, axis=1)
+    central = [i for i, name in enumerate(names) if name.endswith(" x")]
+    both = {i: energy[i] + energy[i + 1] for i in central}
+    along = max(both, key=lambda i: both[i], default=None)
+    if along is not None and both[along] > _STILL * energy.sum() and members.shape[1] > 1:
+        row = members[along]
+    else:
+        row = members[int(np.argmax(energy))]
+    return members @ (row / np.linalg.norm(row))
+
+
+def _bodies(
+    mechanism: Mechanism, modes: Modes, stage: int, shape: Mapping[str, float]
+) -> tuple[BodyMotion, ...]:
+    """Bodies in the order of drawing; a coordinate that the model lacks does not move."""
+    system = modes.system
+    assert system is not None
+    thread = mechanism.stages[stage - 1].thread
+    screw, roller, nut, centre = (
+        1e3 * float(value)
+        for value in (
+            thread.screw_radius,
+            thread.roller_radius,
+            thread.nut_radius,
+            thread.centre_distance,
+        )
+    )
+    radii = {"screw": screw, "ring_gear": nut, "nut": nut, "carrier": centre}
+
+    def of(body: str, direction: str) -> float:
+        return float(shape.get(f"{body} {direction}", 0.0))
+
+    central = [body.name for body in system.bodies]
+    if system.carrier is not None:
+        central.append("carrier")
+    found = {
+        name: BodyMotion(
+            name, name, 0.0, 0.0, radii[name], of(name, "x"), of(name, "y"), of(name, "u")
+        )
+        for name in central
+    }
+    # Rollers that only rotate have no place of their own in the model: the carrier takes them with
+    # it, and has their mass.
+    carried = of("carrier", "u") if system.translation is None else 0.0
+    rollers = []
+    for number, angle in zip(
+        system.roller_numbers, np.asarray(system.roller_positions).tolist(), strict=True
+    ):
+        name, cos, sin = f"roller {number}", math.cos(angle), math.sin(angle)
+        radial, tangential = of(name, "radial"), of(name, "tangential") + carried
+        rollers.append(
+            BodyMotion(
+                name,
+                "roller",
+                centre * cos,
+                centre * sin,
+                roller,
+                radial * cos - tangential * sin,
+                radial * sin + tangential * cos,
+                of(name, "u"),
+            )
+        )
+    order = [found.get("nut"), found.get("ring_gear"), found.get("screw"), *rollers]
+    return tuple(body for body in (*order, found.get("carrier")) if body is not None)

@@ -1,0 +1,82 @@
+"""Line contact of a ring: pressure along the contact line, and its footprint on the flank."""
+
+from typing import Any
+
+import numpy as np
+
+from ..._display_units import display_unit, in_unit
+from ...contact import LineContactResult
+from ...halfspace import SurfaceContact
+from ...mechanism import LineContact
+from .._style import FREE, INK, MUTED, SERIES, SMALL, Figure, drawn, page_figure
+
+
+@drawn
+def line_contact_chart(
+    contact: LineContact, line: LineContactResult, surface: SurfaceContact | None = None
+) -> Figure:
+    """Draw the pressure along the contact line and where on the flank the contact is.
+
+    Above, the pressure on the middle of every slice over the distance from the roller axis; below,
+    the contact's width about the place where the slice's gap is narrowest.
+
+    **Arguments:**
+
+    - `contact`: the flanks.
+    - `line`: from `prsm_jax.contact.line_contact`.
+    - `surface`: the same contact on a half-space, from `prsm_jax.halfspace.ring_contact`, whose
+      pressure rises where the zone ends.
+
+    **Returns:** a matplotlib figure; lengths in mm or µm, pressures in MPa.
+
+    **Raises:** `MissingExtraError` without matplotlib.
+    """
+    radius = np.asarray(line.slices.radius) * 1e3
+    figure = page_figure(104.0, 140.0)
+    panels: Any = figure.subplots(2, 1, sharex=True, height_ratios=(1.5, 1))
+    above, below = panels
+    above.plot(radius, np.asarray(line.pressure) * 1e-6, color=SERIES[0], lw=1.2, label="slices")
+    if surface is not None:
+        rows = np.max(np.asarray(surface.pressure), axis=1) * 1e-6
+        # The grid runs along the ring's generator, about the middle of the zone.
+        along = np.asarray(surface.grid.x) * float(np.cos(contact.roller_profile_angle))
+        place = (radius[0] + radius[-1]) / 2 + along * 1e3
+        bears = rows > 0
+        above.plot(
+            place[bears],
+            rows[bears],
+            color=SERIES[1],
+            ls="none",
+            marker="o",
+            markersize=2.6,
+            label="half-space; at a sharp end it rises with the grid",
+        )
+    above.set_ylim(bottom=0)
+    above.set_ylabel("pressure on the middle in MPa")
+    above.set_title(
+        f"Largest by slices {in_unit(line.max_pressure, display_unit('Pa'))}, "
+        f"{100 * float(line.loaded_share):.0f} % of the flank bears"
+    )
+    above.legend(loc="best")
+    above.grid(True)
+
+    half, arc = np.asarray(line.half_width), np.asarray(line.slices.arc)
+    unit = display_unit("m", float(np.max(half)))
+    middle, wide = unit(arc), unit(half)
+    below.fill_between(
+        radius, middle - wide, middle + wide, where=half > 0, facecolor=FREE, edgecolor="none"
+    )
+    below.plot(radius, middle, color=INK, lw=0.8, ls="--")
+    # The footprint is a fraction of a millimetre wide, wherever it lies.
+    loaded = half > 0
+    if loaded.any():
+        low, high = (middle - wide)[loaded].min(), (middle + wide)[loaded].max()
+        below.set_ylim(low - 0.15 * (high - low), high + 0.15 * (high - low))
+    below.set_ylabel(f"arc from the line of\ncentres in {unit.label}")
+    below.set_xlabel("distance from the roller axis in mm")
+    below.text(
+        0.005, 0.04, "dashed: narrowest place of every slice",
+        transform=below.transAxes, ha="left", va="bottom", fontsize=SMALL, color=MUTED,
+    )  # fmt: skip
+    below.grid(True)
+    return figure

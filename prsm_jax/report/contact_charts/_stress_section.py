@@ -1,0 +1,74 @@
+"""Reduced stress below any pressure on a grid, in section."""
+
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+
+from ..._display_units import display_unit, in_unit
+from ...halfspace import SubsurfaceStress
+from .._style import INK, SMALL, Figure, drawn, page_figure
+
+
+@drawn
+def stress_section(stress: SubsurfaceStress, along: Literal["x", "y"] = "x") -> Figure:
+    """Draw von Mises' stress below a contact of true surfaces, in a plane through the largest.
+
+    Thin lines are drawn at the values that the colour bar names.
+
+    **Arguments:**
+
+    - `stress`: from `prsm_jax.halfspace.subsurface_stress_field`, at two depths or more.
+    - `along`: the axis of the grid that the section follows.
+
+    **Returns:** a matplotlib figure; lengths in mm or µm, stress in MPa. A cross marks the largest
+    stress of the points, which the section passes through.
+
+    **Raises:** `ValueError` for another axis or fewer than two depths; `MissingExtraError` without
+    matplotlib.
+    """
+    if along not in ("x", "y"):
+        raise ValueError(f"along is {along!r}; choose 'x' or 'y'")
+    from matplotlib.ticker import MaxNLocator
+
+    depths = np.asarray(stress.depths)
+    if len(depths) < 2:
+        raise ValueError(f"the stress has {len(depths)} depth; a section needs at least two")
+    reduced = np.asarray(stress.von_mises) * 1e-6
+    peak = np.unravel_index(np.argmax(reduced), reduced.shape)
+    if along == "x":
+        positions, other, section = stress.grid.x, stress.grid.y[peak[2]], reduced[:, :, peak[2]]
+        index = peak[1]
+    else:
+        positions, other, section = stress.grid.y, stress.grid.x[peak[1]], reduced[:, peak[1], :]
+        index = peak[2]
+    positions = np.asarray(positions)
+    unit = display_unit("m", float(positions.max()))
+    across, down = unit(positions), unit(depths)
+    width = 118.0
+    height = width * float(np.ptp(down)) / float(np.ptp(across)) + 24.0
+    figure = page_figure(min(max(height, 50.0), 160.0), 150.0)
+    axes = figure.subplots()
+    steps = MaxNLocator(8).tick_values(0.0, max(float(section.max()), 1e-9))
+    fine = np.unique(np.concatenate([np.linspace(a, b, 5) for a, b in pairwise(steps)]))
+    filled = axes.contourf(across, down, section, levels=fine, cmap="cividis")
+    filled.set_edgecolor("face")
+    axes.contour(across, down, section, levels=steps[1:], colors="white", linewidths=0.5)
+    axes.plot(across[index], down[peak[0]], marker="+", color=INK, markersize=9, mew=1.2)
+    axes.invert_yaxis()
+    axes.set_aspect("equal")
+    name = "y" if along == "x" else "x"
+    place = "middle" if abs(float(other)) < 1e-12 else f"{name} = {in_unit(other, unit, 3)}"
+    largest = in_unit(float(reduced[peak]) * 1e6, display_unit("Pa"))
+    axes.set_title(f"section at {place}")
+    axes.set_xlabel(
+        f"{along} in {unit.label}\nlargest {largest} at a depth of "
+        f"{in_unit(depths[peak[0]], unit, 3)}"
+    )
+    axes.set_ylabel(f"depth in {unit.label}")
+    bar = figure.colorbar(
+        filled, ax=axes, location="right", shrink=0.9, pad=0.02, ticks=list(steps)
+    )
+    bar.set_label("von Mises stress in MPa", fontsize=SMALL)
+    bar.outline.set_linewidth(0.4)
+    return figure

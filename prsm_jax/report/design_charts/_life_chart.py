@@ -1,0 +1,200 @@
+"""Load spectrum and rating life: what loads the threads, what uses them up, how long they last."""
+
+from collections.abc import Callable
+from typing import Any
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array
+
+from ..._display_units import display_unit, in_unit, number
+from ...mechanism import Scalar
+from ...strength import LoadSpectrum, TruncatedFatigue
+from .._style import FREE, INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure
+
+#: Up to so many phases are told apart by number.
+_MOST_NAMED = 8
+#: A bar narrower than this share is too narrow for its number.
+_NAMED_SHARE = 0.03
+
+
+@drawn
+def life_chart(
+    capacity: Scalar | float,
+    spectrum: LoadSpectrum,
+    static_capacity: Scalar | float | None = None,
+    fatigue: TruncatedFatigue | None = None,
+) -> Figure:
+    """Draw a load spectrum, the damage of its phases, and the life against the load.
+
+    Above, the phases in order of their load over their share of the turning, with the equivalent
+    load, and below each the share of the damage that it does. Beside them the basic rating life
+    with the point of the equivalent load, the constant load with the same life. Magnitudes count,
+    on one flank. The life is $10^6 (C_a/F)^3$, and the equivalent load the cubic mean, as long as
+    no contact ellipse passes the end of a flank.
+
+    **Arguments:**
+
+    - `capacity`: dynamic capacity C_a [N].
+    - `spectrum`: the loads, of a duty cycle or a transient (`load_spectrum`).
+    - `static_capacity`: C_0a [N], where the line of the life ends.
+    - `fatigue`: `strength.truncated_fatigue` of the stage, where flanks end: then life and damage
+      go by how much of the ellipses each load leaves on the flanks.
+
+    **Returns:** a matplotlib figure; loads in N or kN, lives in turns of the screw.
+
+    **Raises:** `ValueError` for a spectrum without load; `MissingExtraError` without matplotlib.
+    """
+    loads = np.abs(np.asarray(spectrum.load, float))
+    share = np.asarray(spectrum.weights, float)
+    rated = float(capacity)
+    if not loads.max() > 0:
+        raise ValueError("the spectrum has no load, so its life has no end; nothing can be drawn")
+
+    def comparable(forces: np.ndarray) -> np.ndarray:
+        """Loads whose lives go by the cube."""
+        if fatigue is None:
+            return forces
+        # To one of few lengths, so that one program serves nearly all.
+        padded = np.pad(forces, (0, -len(forces) % _POINTS), mode="edge")
+        found = _comparable_load(fatigue, jnp.asarray(padded), jnp.asarray(rated))
+        return np.asarray(found)[: len(forces)]
+
+    mean = _constant_load(comparable, np.sum(share * comparable(loads) ** 3) ** (1 / 3))
+    order = np.argsort(-loads, kind="stable")
+    figure = page_figure(88)
+    halves: Any = figure.subfigures(1, 2, width_ratios=(1.15, 1))
+    left, line = halves
+    bars, damage = left.subplots(2, 1, sharex=True, height_ratios=(1.6, 1))
+    unit = display_unit("N", loads)
+    width, height = 100 * share[order], loads[order]
+    start = np.cumsum(width) - width
+    harm = share[order] * comparable(height) ** 3
+    harm = 100 * harm / harm.sum()
+    for axes, values in ((bars, unit(height)), (damage, harm)):
+        axes.bar(
+            start, values, width, align="edge", facecolor=FREE, edgecolor="white", linewidth=0.5
+        )
+        axes.grid(axis="y")
+    if len(loads) <= _MOST_NAMED:
+        _name_phases(damage, start + width / 2, harm, order, width)
+    bars.axhline(unit(mean), color=INK, linestyle="--", linewidth=1.0)
+    bars.text(
+        100,
+        unit(mean),
+        f"equivalent {in_unit(mean, unit)}",
+        ha="right",
+        va="bottom",
+        fontsize=SMALL,
+    )
+    bars.set_ylim(0, 1.18 * unit(height.max()))
+    damage.set_ylim(0, 1.3 * harm.max())
+    damage.set_xlim(0, 100)
+    bars.set_ylabel(f"load in {unit.label}")
+    damage.set_ylabel("damage in %")
+    damage.set_xlabel("share of the turning in %")
+    bars.set_title("Load spectrum")
+    named = " (numbered)" if len(loads) <= _MOST_NAMED else ""
+    damage.set_title(f"Damage by phase{named}")
+    _life_line(
+        line.subplots(),
+        rated,
+        mean,
+        static_capacity,
+        lambda forces: 1e6 * (rated / comparable(forces)) ** 3,
+    )
+    return figure
+
+
+#: Points of a grid that is narrowed so many times about a load.
+_POINTS, _TIMES = 64, 4
+
+
+@eqx.filter_jit
+def _comparable_load(fatigue: TruncatedFatigue, forces: Array, capacity: Array) -> Array:
+    return fatigue.comparable_load(forces, capacity)
+
+
+def _constant_load(comparable: Callable[[np.ndarray], np.ndarray], wanted: float) -> float:
+    """The load with the fatigue of a mean: where `comparable`, which rises, has this value."""
+    low, high = wanted, wanted
+    while comparable(np.asarray([low]))[0] > wanted:
+        low /= 2
+    while comparable(np.asarray([high]))[0] < wanted:
+        high *= 2
+    for _ in range(_TIMES):
+        forces = np.linspace(low, high, _POINTS)
+        place = np.clip(np.searchsorted(comparable(forces), wanted), 1, _POINTS - 1)
+        low, high = forces[place - 1], forces[place]
+    ends = np.asarray([low, high])
+    return float(np.interp(wanted, comparable(ends), ends))
+
+
+def _name_phases(axes: Axes, centres, heights, order, widths) -> None:
+    for centre, height, index, width in zip(centres, heights, order, widths, strict=True):
+        if width > 100 * _NAMED_SHARE:
+            words = f"{index + 1}"
+            axes.text(centre, height, words, ha="center", va="bottom", fontsize=SMALL)
+
+
+def _life_line(
+    axes: Axes,
+    capacity: float,
+    mean: float,
+    static_capacity,
+    life_under: Callable[[np.ndarray], np.ndarray],
+) -> None:
+    unit = display_unit("N", [capacity])
+    lowest = min(mean, capacity / 10) / 2
+    highest = capacity if static_capacity is None else max(capacity, float(static_capacity))
+    forces = np.geomspace(lowest, highest, 50)
+    axes.loglog(unit(forces), life_under(forces), color=SERIES[0])
+    life = float(life_under(np.asarray([mean]))[0])
+    axes.plot([unit(mean)] * 2, [1e5, life], color=MUTED, linewidth=0.8, linestyle=":")
+    axes.plot(unit(mean), life, "o", color=SERIES[3], markersize=5)
+    axes.annotate(
+        f"{number(life, 3)} turns\nat {in_unit(mean, unit, 3)}",
+        (unit(mean), life),
+        (8, 4),
+        textcoords="offset points",
+        fontsize=SMALL,
+    )
+    axes.plot(unit(capacity), 1e6, "s", color=SERIES[0], markersize=4)
+    axes.annotate(
+        f"dynamic capacity\n{in_unit(capacity, unit, 3)}",
+        (unit(capacity), 1e6),
+        (-6, -3),
+        textcoords="offset points",
+        ha="right",
+        va="top",
+        fontsize=SMALL,
+    )
+    if static_capacity is not None:
+        axes.axvline(unit(float(static_capacity)), color=INK, linestyle="--", linewidth=0.8)
+        axes.annotate(
+            f"static capacity\n{in_unit(static_capacity, unit, 3)}",
+            (unit(float(static_capacity)), 1.0),
+            (-4, -2),
+            xycoords=("data", "axes fraction"),
+            textcoords="offset points",
+            ha="right",
+            va="top",
+            fontsize=SMALL,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0},
+        )
+    axes.set_ylim(bottom=1e5)
+    axes.grid(which="major")
+    axes.set_xlabel(f"load in {unit.label}")
+    axes.set_ylabel("basic rating life in turns")
+    axes.set_title("Life against load")
+    _plain_decades(axes)
+
+
+def _plain_decades(axes: Axes) -> None:
+    """Whole numbers on an axis of few decades, none between them."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())

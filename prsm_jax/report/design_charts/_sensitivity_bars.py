@@ -1,0 +1,89 @@
+"""Elasticities as bars: per cent of each quantity for one per cent of each parameter."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..._display_units import trimmed
+from .._style import INK, MUTED, SMALL, Figure, drawn, page_figure, readable, series_style
+
+
+@drawn
+def sensitivity_bars(quantities: Sequence[str], parameters: Sequence[str], elasticity) -> Figure:
+    """Draw elasticities as horizontal bars, grouped by quantity.
+
+    **Arguments:**
+
+    - `quantities`, `parameters`: names of the rows and columns.
+    - `elasticity`: relative change of each quantity over the relative change of each parameter,
+      quantity × parameter. One that is not finite is written as "not defined".
+
+    **Returns:** a matplotlib figure.
+
+    **Raises:** `ValueError` if the shape does not fit the names; `MissingExtraError` without
+    matplotlib.
+    """
+    values = np.asarray(elasticity, dtype=float)
+    if values.shape != (len(quantities), len(parameters)) or values.size == 0:
+        raise ValueError(
+            f"elasticity has the shape {values.shape}; {len(quantities)} quantities and "
+            f"{len(parameters)} parameters need {(len(quantities), len(parameters))}, not empty"
+        )
+    bar = 3.4
+    group = bar * len(parameters) + 3.0
+    rows = math.ceil(len(parameters) / 4)
+    figure = page_figure(group * len(quantities) + 20 + 5 * rows)
+    axes = figure.add_subplot()
+    finite = values[np.isfinite(values)]
+    reach = max(float(np.abs(finite).max()) if finite.size else 0.0, 1e-3)
+    for row, values_of in enumerate(values):
+        if row:
+            axes.axhline(row - 0.5, color=MUTED, lw=0.3)
+        for column, value in enumerate(values_of):
+            y = row + (column - (len(parameters) - 1) / 2) * bar / group
+            shown = value if math.isfinite(value) else 0.0
+            axes.barh(y, shown, height=0.9 * bar / group, linewidth=0.3, **series_style(column))
+            left = shown < 0
+            axes.annotate(
+                _signed(value),
+                (shown, y),
+                (-2.5 if left else 2.5, 0),
+                textcoords="offset points",
+                ha="right" if left else "left",
+                va="center",
+                fontsize=SMALL,
+            )
+    axes.axvline(0, color=INK, lw=0.6)
+    low = min(0.0, float(finite.min()) if finite.size else 0.0)
+    high = max(0.0, float(finite.max()) if finite.size else 0.0)
+    room = 0.12 * (max(high - low, reach))
+    axes.set_xlim(low - room, high + room)
+    axes.set_yticks(range(len(quantities)), [readable(name) for name in quantities])
+    axes.set_ylim(len(quantities) - 0.5, -0.5)
+    axes.tick_params(axis="y", length=0)
+    axes.grid(axis="x")
+    axes.set_xlabel("elasticity in % of the quantity per % of the parameter")
+    figure.suptitle("Elasticities", x=0.01, ha="left", fontsize=9, fontweight="bold")
+    _legend(figure, parameters)
+    return figure
+
+
+def _signed(value: float) -> str:
+    if not math.isfinite(value):
+        return "not defined"
+    if value == 0:
+        return "0"
+    if abs(value) < 5e-4:
+        return "≈ 0"
+    text = trimmed(value)
+    return text if value < 0 else f"+{text}"
+
+
+def _legend(figure: Figure, parameters: Sequence[str]) -> None:
+    from matplotlib.patches import Patch
+
+    handles = [
+        Patch(**series_style(index), label=readable(name)) for index, name in enumerate(parameters)
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 4))

@@ -1,0 +1,135 @@
+"""Buckling load and permissible speed of a screw over its length, as catalogues have them."""
+
+import dataclasses
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ..._display_units import DisplayUnit, display_unit, in_unit, show
+from ...mechanism import END_CONDITIONS, Scalar, Stage
+from ...strength import buckling_load, loaded_length, permissible_speed, unsupported_length
+from .._style import INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure, readable
+
+_SAMPLES = 120
+_DASHES = ("-", (0, (6, 2)), (0, (3, 1.5)), (0, (1, 1.2)))
+
+
+@eqx.filter_jit
+def _curves(stage: Stage, lengths):
+    return (
+        jax.vmap(lambda length: buckling_load(stage, length))(lengths),
+        jax.vmap(lambda length: permissible_speed(stage, length))(lengths),
+    )
+
+
+def _held(stage: Stage, end_conditions: str) -> Stage:
+    assert stage.strength is not None
+    assert stage.strength.shaft is not None
+    shaft = dataclasses.replace(stage.strength.shaft, end_conditions=end_conditions)
+    return eqx.tree_at(lambda s: s.strength.shaft, stage, shaft)  # pyright: ignore[reportOptionalMemberAccess]
+
+
+@drawn
+def shaft_limits_chart(
+    stage: Stage,
+    load: Scalar | float | None = None,
+    speed: Scalar | float | None = None,
+) -> Figure:
+    """Draw what a screw bears over its unsupported length, for all ways to hold its ends.
+
+    Beside each other the buckling load (Euler; Johnson where short, if a yield strength is given)
+    and the permissible speed (a share of the critical speed, or the DN limit); the ends as the
+    file has them are drawn thick.
+
+    **Arguments:**
+
+    - `stage`: the stage, with `[stage.strength.shaft]`.
+    - `load`, `speed`: the demand at the length of the file, drawn as a point [N, rad/s].
+
+    **Returns:** a matplotlib figure; lengths in mm, loads in kN, speeds in rpm.
+
+    **Raises:** `MissingDataError` where the stage lacks data; `MissingExtraError` without
+    matplotlib.
+    """
+    own = float(loaded_length(stage)), float(unsupported_length(stage))
+    lengths = np.geomspace(min(own) / 3, max(own) * 6, _SAMPLES)
+    millimetres, kilonewtons = DisplayUnit("mm", 1e3), DisplayUnit("kN", 1e-3)
+    rpm = display_unit("rad/s")
+    figure = page_figure(92)
+    panels = figure.subplots(1, 2)
+    assert stage.strength is not None
+    assert stage.strength.shaft is not None
+    for index, ends in enumerate(END_CONDITIONS):
+        curves = _curves(_held(stage, ends), jnp.asarray(lengths))
+        chosen = ends == stage.strength.shaft.end_conditions
+        for axes, values, unit in zip(panels, curves, (kilonewtons, rpm), strict=True):
+            axes.loglog(
+                millimetres(lengths),
+                unit(np.asarray(values)),
+                color=SERIES[index],
+                linestyle=_DASHES[index],
+                linewidth=2.4 if chosen else 1.1,
+                label=readable(ends).replace(" ", "–") + (" (as given)" if chosen else ""),
+            )
+    points = ((load, kilonewtons, "largest load"), (speed, rpm, "largest speed"))
+    for axes, length, (value, unit, words) in zip(panels, own, points, strict=True):
+        if value is not None and abs(float(value)) > 0:
+            _demand(axes, millimetres(length), abs(float(value)), unit, words)
+        axes.grid(which="major")
+        _plain_numbers(axes)
+    _dn_limit(panels[1], stage, millimetres(lengths[0]), rpm)
+    panels[0].set_xlabel("length under load in mm")
+    panels[1].set_xlabel("unsupported length in mm")
+    panels[0].set_ylabel("buckling load in kN")
+    panels[1].set_ylabel("permissible speed in rpm")
+    panels[0].set_title("Buckling")
+    panels[1].set_title("Speed")
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4)
+    return figure
+
+
+def _dn_limit(axes: Axes, stage: Stage, length: float, rpm: DisplayUnit) -> None:
+    """Says what cuts the speeds off, where anything does."""
+    assert stage.strength is not None
+    assert stage.strength.shaft is not None
+    limit = stage.strength.shaft.dn_limit
+    if limit is None:
+        return
+    speed = rpm(float(limit / (2 * stage.thread.screw_radius)))
+    axes.set_ylim(top=1.5 * speed)
+    axes.annotate(
+        f"DN limit {show(float(limit), 'm·rad/s')}",
+        (length, speed),
+        (0, 5),
+        textcoords="offset points",
+        fontsize=SMALL,
+        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},
+    )
+
+
+def _demand(axes: Axes, length: float, value: float, unit: DisplayUnit, words: str) -> None:
+    axes.axvline(length, color=MUTED, linewidth=0.8, linestyle=":")
+    axes.plot(length, unit(value), "o", color=INK, markersize=4.5)
+    axes.annotate(
+        f"{words}\n{in_unit(value, unit)}",
+        (length, unit(value)),
+        (-6, -3),
+        textcoords="offset points",
+        ha="right",
+        va="top",
+        fontsize=SMALL,
+    )
+
+
+def _plain_numbers(axes: Axes) -> None:
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    for axis in (axes.xaxis, axes.yaxis):
+        low, high = axis.get_view_interval()
+        subs = (1.0, 2.0, 5.0) if high < 1000 * low else (1.0,)
+        axis.set_major_locator(LogLocator(subs=subs))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter(NullFormatter())

@@ -1,0 +1,16 @@
+"""The report: its sections, and how they are written."""
+
+from ._contact_pictures import (
+    contact_pictures as contact_pictures,
+    save_contact_pictures as save_contact_pictures,
+)
+from ._data import (
+    ReportData as ReportData,
+    analyse as analyse,
+)
+from ._transient_pictures import (
+    save_transient_pictures as save_transient_pictures,
+)
+from ._write import (
+    write_report as write_report,
+)

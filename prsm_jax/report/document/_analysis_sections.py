@@ -1,0 +1,278 @@
+"""Contact, vibration, steady state and transient as sections of a report."""
+
+import math
+
+import numpy as np
+
+from ..._display_units import display_unit, in_unit, number, show
+from .._style import readable
+from ..animations import mode_shapes
+from ..contact_charts import contact_ellipses
+from ..motion_charts import (
+    efficiency_text,
+    energy_flow,
+    history_chart,
+    loss_chart,
+    power_flow_chart,
+    power_history_chart,
+    settles,
+    settling_time,
+    share_text,
+    steady_flow,
+    transient_chart,
+)
+from ..vibration_charts import elastic_modes, frequency_chart
+from ._data import ReportData
+from ._pressures import SIDES, any_cut, largest_pressures
+from ._section import Picture, Section, Table
+
+
+def _designs(data: ReportData, part: str, index: int | None = None) -> dict:
+    """A part of the analysis by label: of the design alone, or before and after."""
+    own, other = getattr(data, part), getattr(data.improved, part, None)
+    pick = (lambda value: value) if index is None else (lambda value: value[index])
+    if other is None:
+        return {data.label: pick(own)}
+    before, after = data.ends
+    return {before: pick(own), after: pick(other)}
+
+
+def _of_stage(data: ReportData, index: int) -> tuple[str, str]:
+    """Suffixes of a picture's name and of words for one stage of several."""
+    if len(data.mechanism.stages) == 1:
+        return "", ""
+    return f"_stage_{index + 1}", f", stage {index + 1}"
+
+
+def _pressures(data: ReportData, index: int) -> dict[str, tuple[float, float]]:
+    """Largest pressures of one stage, by label as in `_designs`."""
+    designs = (data, data.improved)
+    known = [one for one in designs if one is not None and one.contacts is not None]
+    labels = _designs(data, "contacts", index)
+    return {label: largest_pressures(one, index) for label, one in zip(labels, known, strict=True)}
+
+
+def contact_section(data: ReportData) -> Section | None:
+    """Pressures, sizes and stiffnesses of the thread contacts."""
+    if data.contacts is None or data.meshings is None:
+        return None
+    many, cut = len(data.contacts) > 1, any_cut(data)
+    rows = []
+    for index, (contact, meshing) in enumerate(zip(data.contacts, data.meshings, strict=True)):
+        for side, pressure in zip(SIDES, largest_pressures(data, index), strict=True):
+            point, part = getattr(meshing, side), getattr(contact, side)
+            hertz = part.hertz
+            rows.append(
+                (
+                    (f"stage {index + 1}, " if many else "") + side,
+                    number(1e3 * float(point.contact_radius)),
+                    number(math.degrees(float(point.contact_angle_position)), 3),
+                    number(float(part.normal_force)),
+                    number(1e6 * float(hertz.semi_major)),
+                    number(1e6 * float(hertz.semi_minor)),
+                    number(1e-6 * pressure),
+                    number(1e6 * float(hertz.approach)),
+                    number(1e-6 * float(hertz.stiffness)),
+                    number(1e-6 * float(hertz.stiffness_tangent)),
+                    *((number(1e-6 * float(hertz.max_pressure)),) if cut else ()),
+                )
+            )
+    head = (
+        "side",
+        "contact radius in mm",
+        "position in deg",
+        "normal force in N",
+        "semi-axis a in µm",
+        "semi-axis b in µm",
+        "p₀ in MPa",
+        "approach in µm",
+        "stiffness F/δ in N/µm",
+        "dF/dδ in N/µm",
+        *(("p₀ of the whole ellipse in MPa",) if cut else ()),
+    )
+    pictures = tuple(
+        Picture(
+            f"contact_ellipses{_of_stage(data, i)[0]}",
+            f"Contact ellipses of one thread{_of_stage(data, i)[1]}, to one scale.",
+            lambda i=i: contact_ellipses(_designs(data, "contacts", i), _pressures(data, i)),
+        )
+        for i in range(len(data.contacts))
+    )
+    words = ("One thread contact on either side of a roller, all loaded threads sharing equally.",)
+    if cut:
+        words += (
+            "Ends of flanks cut ellipses here: p₀ is the largest pressure of what is left of them; "
+            "semi-axes, approach and stiffnesses are those of whole ellipses.",
+        )
+    table = Table("Thread contacts", head, tuple(rows))
+    return Section("contact", "Thread contact", words, (table,), pictures)
+
+
+def vibration_section(data: ReportData) -> Section | None:
+    """Natural frequencies by family."""
+    if data.modes is None:
+        return None
+    tables, pictures = [], []
+    for index, modes in enumerate(data.modes):
+        suffix, words = _of_stage(data, index)
+        designs = [elastic_modes(m) for m in _designs(data, "modes", index).values()]
+        found, rigid = designs[0]
+        rows = []
+        for (family, count), (value, multiplicity) in found.items():
+            share = _mesh_share(modes, family, value)
+            cells = [f"{family} {count}", number(value, 5), str(multiplicity), f"{share:.0f}"]
+            if len(designs) > 1:
+                after = designs[1][0].get((family, count))
+                cells.append(number(after[0], 5) if after else "")
+            rows.append(tuple(cells))
+        if rigid:
+            blank = ("",) * (len(designs) - 1)
+            rows.append(("rigid", "0", str(rigid), "0", *blank))
+        head = ("mode", "frequency in Hz", "multiplicity", "energy in the contacts in %")
+        head += (f"{data.later} in Hz",) if len(designs) > 1 else ()
+        tables.append(Table(f"Natural frequencies{words}", head, tuple(rows)))
+        pictures.append(
+            Picture(
+                f"frequencies{suffix}",
+                f"Natural frequencies by family{words}; ×2 marks a repeated one.",
+                lambda index=index: frequency_chart(_designs(data, "modes", index)),
+            )
+        )
+        if modes.system is not None:
+            pictures.append(
+                Picture(
+                    f"mode_shapes{suffix}",
+                    f"Mode shapes{words}: the mechanism at the extreme of each motion, seen along "
+                    "its axis.",
+                    lambda index=index, modes=modes: mode_shapes(
+                        data.mechanism, modes, stage=index + 1
+                    ),
+                )
+            )
+    return Section("vibration", "Vibration", (), tuple(tables), tuple(pictures))
+
+
+def _mesh_share(modes, family: str, value: float) -> float:
+    # Without symmetry all modes but the carrier's are in one group.
+    group = modes.group(family) or modes.group("coupled")
+    frequencies = np.asarray(group.frequencies)
+    return 100 * float(np.asarray(group.mesh_energy_share)[np.abs(frequencies - value).argmin()])
+
+
+def steady_section(data: ReportData) -> Section | None:
+    """Efficiency, torque, forces, and where the power goes."""
+    if data.steady is None or data.forward is None or data.backward is None:
+        return None
+    state = data.steady
+    paragraphs = []
+    if not bool(state.valid):
+        paragraphs.append(f"These numbers are not to be used: {state.result}.")
+    backward = efficiency_text(data.backward)
+    if backward.endswith("%"):
+        paragraphs.append("The load can drive the screw back.")
+    elif backward == "self-locking":
+        paragraphs.append("The mechanism locks itself: the load alone does not turn the screw.")
+    rows = [
+        ("efficiency, screw drives", efficiency_text(data.forward)),
+        ("efficiency, load drives", backward),
+        ("drive torque", show(float(state.drive_torque), "N·m")),
+        ("input power", show(float(state.input_power), "W")),
+        ("output power", show(float(state.output_power), "W")),
+    ]
+    for index in range(len(data.mechanism.stages)):
+        words = _of_stage(data, index)[1]
+        rows += [
+            (
+                f"carrier speed over screw speed{words}",
+                number(float(state.carrier_ratio[index]), 5),
+            ),
+            (
+                f"normal force of screw on one roller{words}",
+                show(float(state.contact_force[index]), "N"),
+            ),
+            (f"slip of screw on roller{words}", show(float(state.slip_speed[index]), "m/s")),
+        ]
+    rows.append(("error of the power balance", number(float(state.power_balance_residual), 2)))
+    tables = [Table("Steady state at the operating point", ("", ""), tuple(rows))]
+    source = float(state.input_power)
+    if state.losses and source > 0:
+        lost = [(readable(n), float(v)) for n, v in state.losses.items()]
+        lost.sort(key=lambda item: -item[1])
+        lost.append(("together", sum(v for _, v in lost)))
+        table = tuple((n, number(v), f"{100 * v / source:.3f}") for n, v in lost)
+        tables.append(Table("Losses", ("loss", "power in W", "share of the input in %"), table))
+    if data.improved is not None and data.improved.steady is not None:
+        chart = _designs(data, "steady")
+    else:
+        chart = {"screw drives": data.forward, "load drives": data.backward}
+    pictures = [Picture("losses", "Where the power goes.", lambda: loss_chart(chart))]
+    forward = data.forward
+    if steady_flow(forward).total > 0:
+        pictures.append(
+            Picture(
+                "power_flow",
+                "Power from the motor to the load, the screw driving.",
+                lambda: power_flow_chart(steady_flow(forward)),
+            )
+        )
+    return Section("steady", "Steady state", tuple(paragraphs), tuple(tables), tuple(pictures))
+
+
+def transient_section(data: ReportData) -> Section | None:
+    """How the rollers come up to speed, or what happens in a scenario."""
+    run = data.transient
+    if run is None:
+        return None
+    settling = settles(run)
+    rows = []
+    if settling:
+        unit = display_unit("s", float(run.time[-1]))
+        settled = settling_time(run)
+        words = "longer than the simulation" if settled is None else in_unit(settled, unit, 3)
+        rows += [
+            ("efficiency at the start", share_text(run.efficiency[0])),
+            ("efficiency at the end", share_text(run.efficiency[-1])),
+            ("settling time (carriers within 1 %)", words),
+        ]
+    rows += [
+        ("largest drive torque", show(float(np.abs(np.asarray(run.drive_torque)).max()), "N·m")),
+        ("drive torque at the end", show(float(run.drive_torque[-1]), "N·m")),
+        ("solver", f"{run.solver.name}, {int(run.solver.steps)} steps"),
+    ]
+    paragraphs = ("Speed or torque, and load, over the time of the scenario.",)
+    pictures = []
+    if settling:
+        paragraphs = (
+            "The screw runs at full speed from the start and the rollers from rest, so the threads "
+            "slide until the carriers have come up to speed.",
+        )
+        pictures.append(
+            Picture(
+                "transient",
+                "Efficiency, carrier ratio and drive torque.",
+                lambda: transient_chart(run),
+            )
+        )
+    pictures += [
+        Picture(
+            "histories",
+            "Motion, torque, load and forces in time.",
+            lambda: history_chart(data.mechanism, run),
+        ),
+        Picture(
+            "powers",
+            "Powers in time: supply, work on the load, losses and change of kinetic energy.",
+            lambda: power_history_chart(data.mechanism, run),
+        ),
+    ]
+    flow = energy_flow(data.mechanism, run)
+    if flow.total > 0:
+        pictures.append(
+            Picture(
+                "energy_flow",
+                "Energy of the whole transient.",
+                lambda: power_flow_chart(flow, "Energy flow of the whole transient"),
+            )
+        )
+    table = Table("Transient", ("", ""), tuple(rows))
+    return Section("transient", "Transient", paragraphs, (table,), tuple(pictures))

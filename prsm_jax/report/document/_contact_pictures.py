@@ -1,0 +1,125 @@
+"""All pictures of the contacts of one mechanism, written into a folder."""
+
+from pathlib import Path
+
+import equinox as eqx
+
+from ..._files import make_folder
+from ..._plain_text import short_label
+from ...contact import contact_modulus, line_contact, load_of, thread_contacts
+from ...halfspace import FlankContact, flank_contact, ring_contact
+from ...mechanism import CoulombFriction, Mechanism, Stage, material_of
+from ...strength import side_onsets
+from .._style import Figure, save_figure
+from ..contact_charts import (
+    contact_ellipses,
+    force_deflection_chart,
+    line_contact_chart,
+    pressure_map,
+    pressure_profiles,
+    shared_loads,
+    subsurface_chart,
+    thread_load_chart,
+)
+from ._pressures import truncated_pressures, whole_pressures
+
+_SIDES = ("screw", "nut")
+#: Below a contact that slides where the thread has no Coulomb friction.
+_USUAL_FRICTION = 0.1
+
+_flank_contact = eqx.filter_jit(flank_contact)
+_line, _ring_contact = eqx.filter_jit(line_contact), eqx.filter_jit(ring_contact)
+_thread_contacts = eqx.filter_jit(thread_contacts)
+_side_onsets = eqx.filter_jit(side_onsets)
+
+
+def _friction(stage: Stage) -> float:
+    law = None if stage.friction is None else stage.friction.thread
+    return float(law.coefficient) if isinstance(law, CoulombFriction) else _USUAL_FRICTION
+
+
+def _true_flanks(stage: Stage, load, cells: int) -> dict[str, FlankContact]:
+    found = {}
+    for side in _SIDES:
+        contact = _flank_contact(stage, side, load, (cells, cells))
+        # A flank that is out of the grid, or no load: there is nothing to draw.
+        if int(contact.surface.code) == 0:
+            found[f"{side} side"] = contact
+    return found
+
+
+def _line_contact(stage: Stage, load) -> Figure:
+    assert stage.line_contact is not None
+    line = _line(stage, load)
+    modulus = contact_modulus(material_of(stage, "screw"), material_of(stage, "roller"))
+    surface = _ring_contact(stage.line_contact, line.axial_force, modulus, slices=line)
+    # A solution that was not found is not drawn.
+    return line_contact_chart(stage.line_contact, line, surface if bool(surface.found) else None)
+
+
+def contact_pictures(
+    mechanism: Mechanism, load: float | None = None, *, cells: int = 128
+) -> dict[str, Figure]:
+    """Draw the contacts of every stage under an axial load.
+
+    For each stage: `contact-ellipses`; `pressure-map` and `pressure-profiles` on the true flanks;
+    `stress-screw` and `stress-nut` below the surfaces; `line-contact` of rings;
+    `thread-loads` and `force-deflection` where the stage says how it shares its load.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism.
+    - `load`: axial load [N]; default that of the operating point.
+    - `cells`: cells along each axis of the grid on the true flanks.
+
+    **Returns:** figures by name; with several stages the names end with the stage's number.
+
+    **Raises:** `MissingDataError` if materials, engaged threads or the load are not given;
+    `MissingExtraError` without matplotlib.
+    """
+    shared = load_of(mechanism, load)
+    figures: dict[str, Figure] = {}
+    for number, (stage, pair) in enumerate(
+        zip(mechanism.stages, _thread_contacts(mechanism, shared), strict=True), start=1
+    ):
+        suffix = f"-stage-{number}" if len(mechanism.stages) > 1 else ""
+        label = short_label(mechanism.title) or "thread contact"
+        pressures = truncated_pressures(_side_onsets(stage), whole_pressures(pair))
+        figures["contact-ellipses" + suffix] = contact_ellipses({label: pair}, {label: pressures})
+        true = _true_flanks(stage, shared, cells)
+        if true:
+            figures["pressure-map" + suffix] = pressure_map(true)
+            figures["pressure-profiles" + suffix] = pressure_profiles(true)
+        for side in _SIDES:
+            hertz = getattr(pair, side).hertz
+            if float(hertz.max_pressure) > 0:
+                ratio = material_of(stage, side).poisson_ratio
+                figures[f"stress-{side}{suffix}"] = subsurface_chart(hertz, ratio, _friction(stage))
+        if stage.line_contact is not None:
+            figures["line-contact" + suffix] = _line_contact(stage, shared)
+        if stage.load_sharing is not None:
+            found, curve = shared_loads(mechanism, shared, number)
+            figures["thread-loads" + suffix] = thread_load_chart(found)
+            figures["force-deflection" + suffix] = force_deflection_chart({label: curve})
+    return figures
+
+
+def save_contact_pictures(
+    folder: str | Path, mechanism: Mechanism, load: float | None = None, *, cells: int = 128
+) -> tuple[Path, ...]:
+    """Write every picture of the contacts, as PNG and SVG.
+
+    **Arguments:**
+
+    - `folder`: where to write; made if it is not there.
+    - `mechanism`, `load`, `cells`: as in `contact_pictures`.
+
+    **Returns:** the paths written.
+
+    **Raises:** as `contact_pictures`.
+    """
+    # Everything that can fail comes before the folder.
+    figures = contact_pictures(mechanism, load, cells=cells)
+    place = Path(folder)
+    make_folder(place)
+    return tuple(path for name, one in figures.items() for path in save_figure(one, place / name))

@@ -1,0 +1,119 @@
+"""The mechanism, its operating point, and what the checks found."""
+
+import math
+
+from ..._display_units import display_unit, show, trimmed
+from ..._errors import MissingDataError
+from ...geometry import roller_clearance
+from ...mechanism import Stage, body_mass, stage_mass
+from ..drawings import cross_section
+from ._data import ReportData
+from ._section import Picture, Section, Table
+
+
+def mechanism_section(data: ReportData) -> Section:
+    """What was analysed."""
+    stages = data.mechanism.stages
+    columns = [dict(_stage_rows(stage)) for stage in stages]
+    names = list(dict.fromkeys(name for column in columns for name in column))
+    rows = tuple((name, *(column.get(name, "not given") for column in columns)) for name in names)
+    head = ("", *(f"stage {i}" for i in range(1, len(stages) + 1))) if len(stages) > 1 else ("", "")
+    tables = [Table("Mechanism", head, rows)]
+    point = data.mechanism.operating_point
+    if point is not None:
+        operating = [
+            ("screw speed", show(float(point.speed), "rad/s")),
+            ("axial load", show(float(point.load), "N")),
+        ]
+        if point.duration is not None:
+            operating.append(("simulated time", show(float(point.duration), "s", digits=3)))
+        tables.append(Table("Operating point", ("", ""), tuple(operating)))
+    pictures = tuple(
+        Picture(
+            "cross_section" if len(stages) == 1 else f"cross_section_stage_{i}",
+            "The mechanism to scale: across and along its axis, and its threads."
+            if len(stages) == 1
+            else f"Stage {i} to scale: across and along its axis, and its threads.",
+            lambda i=i: cross_section(
+                {data.label if len(stages) == 1 else f"{data.label}, stage {i}": data.mechanism},
+                stage=i,
+            ),
+        )
+        for i in range(1, len(stages) + 1)
+    )
+    return Section("mechanism", "Mechanism", (), tuple(tables), pictures)
+
+
+def findings_section(data: ReportData) -> Section:
+    """What the checks have to say, of the design and of the one that came of its optimisation."""
+    designs = {"": data.findings}
+    if data.improved is not None:
+        after = "optimum" if data.feasible else "best found"
+        designs = {"start": data.findings, after: data.improved.findings}
+    many = len(data.mechanism.stages) > 1
+    head = ("severity", *(("stage",) if many else ()), "check", "what it says")
+    words, tables = [], []
+    for name, findings in designs.items():
+        if findings is None:
+            words.append(f"{name.capitalize()}: the checks could not be made.".removeprefix(": "))
+            continue
+        if not findings:
+            words.append(
+                f"{name.capitalize()}: the checks found no errors, warnings or notes."
+                if name
+                else "The checks found no errors, warnings or notes."
+            )
+            continue
+        rows = tuple(
+            (f.severity, *((str(f.stage),) if many else ()), f.name.replace("_", " "), f.message)
+            for f in findings
+        )
+        tables.append(Table(f"Findings: {name}" if name else "Findings", head, rows))
+    return Section("findings", "Findings", tuple(words), tuple(tables))
+
+
+def _stage_rows(stage: Stage):
+    thread = stage.thread
+
+    def length(value) -> str:
+        return f"{trimmed(1e3 * float(value))} mm"
+
+    def angle(value) -> str:
+        return f"{trimmed(math.degrees(float(value)), 2)}°"
+
+    there, places = stage.present_roller_count, stage.roller_count
+    yield "rollers", str(there) if there == places else f"{there} in {places} places"
+    yield "thread starts of screw and nut", trimmed(float(thread.starts))
+    yield "lead", length(thread.lead)
+    yield "pitch", length(thread.pitch)
+    yield "screw diameter", length(2 * thread.screw_radius)
+    yield "roller diameter", length(2 * thread.roller_radius)
+    yield "nut thread diameter", length(2 * thread.nut_radius)
+    if stage.nut.wall_thickness is not None:
+        yield "nut outer diameter", length(2 * (thread.nut_radius + stage.nut.wall_thickness))
+    yield "centre distance", length(thread.centre_distance)
+    yield "contact angle (from the transverse plane)", angle(thread.contact_angle)
+    yield "flank angle", angle(thread.flank_angle)
+    yield "roller profile radius", length(thread.profile_radius)
+    yield "helix angle of the screw", angle(thread.screw_helix_angle)
+    yield "clearance between rollers", length(roller_clearance(stage))
+    for body, words in (("screw", "screw"), ("roller", "roller"), ("nut", "nut")):
+        value = getattr(stage, body).length
+        if value is not None:
+            yield f"length of the {words}", length(value)
+    if stage.engaged_threads is not None:
+        yield "loaded threads of a roller, each side", trimmed(float(stage.engaged_threads))
+    if stage.material is not None:
+        modulus = float(stage.material.youngs_modulus) * 1e-9
+        yield (
+            "Young's modulus, Poisson's ratio",
+            f"{trimmed(modulus)} GPa, {trimmed(float(stage.material.poisson_ratio))}",
+        )
+    yield "curvatures of the contact", stage.curvature
+    try:
+        roller, whole = float(body_mass(stage, "roller")), float(stage_mass(stage))
+    except MissingDataError:
+        return
+    unit = display_unit("kg", roller)
+    yield "mass of a roller", f"{unit(roller):.3g} {unit.label}"
+    yield "mass of the stage", show(whole, "kg")

@@ -1,0 +1,62 @@
+"""The parts a report is made of, before they become HTML or Markdown."""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from ..._plain_text import short_heading
+
+
+def words_of_fault(error: Exception) -> str:
+    """A fault of this program in one line, as a user can pass it on."""
+    words = short_heading(str(error))
+    return f"{type(error).__name__}: {words}" if words else type(error).__name__
+
+
+#: How a cell with a number begins: a sign, digits or infinity.
+_NUMBER = re.compile("[-+\N{MINUS SIGN}<>≤≥]?\\s*[\\d∞]")
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of finished text; words are aligned on the left, numbers on the right."""
+
+    caption: str
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+    @property
+    def text_columns(self) -> tuple[int, ...]:
+        """The first column, and those of which most cells do not begin with a number."""
+        found = [0]
+        for index in range(1, len(self.head)):
+            cells = [row[index] for row in self.rows if row[index]]
+            words = [cell for cell in cells if not _NUMBER.match(cell)]
+            if 2 * len(words) > len(cells):
+                found.append(index)
+        return tuple(found)
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture to be drawn: a file name, a caption, and the function that draws it."""
+
+    name: str
+    caption: str
+    draw: Callable[[], Any]
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading with paragraphs, what the numbers rest on, tables and pictures under it."""
+
+    anchor: str
+    title: str
+    paragraphs: tuple[str, ...] = ()
+    tables: tuple[Table, ...] = ()
+    pictures: tuple[Picture, ...] = ()
+    #: Sentences from `prsm_jax.assumptions`, printed beneath the tables.
+    assumptions: tuple[str, ...] = ()
+    #: What is missing because of a fault of this program, as sentences.
+    faults: tuple[str, ...] = ()

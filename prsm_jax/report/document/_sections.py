@@ -1,0 +1,135 @@
+"""The whole report as a list of sections."""
+
+import collections
+import platform
+from collections.abc import Callable
+
+from ..._display_units import show
+from ..._version import __version__
+from ...geometry import Finding
+from ..motion_charts import efficiency_text
+from ._analysis_sections import (
+    contact_section,
+    steady_section,
+    transient_section,
+    vibration_section,
+)
+from ._assumptions import with_assumptions
+from ._data import ReportData
+from ._design_sections import optimisation_section, sensitivity_section
+from ._mechanism_section import findings_section, mechanism_section
+from ._pressures import largest_pressure, largest_shared_pressure
+from ._section import Section, Table, words_of_fault
+from ._strength_section import sharing_section, strength_section
+
+
+def report_sections(data: ReportData) -> tuple[Section, ...]:
+    """Every section that the data have something for, in the order of reading.
+
+    A section whose making fails is there all the same, and says so.
+    """
+    wanted: tuple[tuple[str, str, Callable[[ReportData], Section | None]], ...] = (
+        ("summary", "In short", _summary),
+        ("findings", "Findings", findings_section),
+        ("mechanism", "Mechanism", mechanism_section),
+        ("contact", "Thread contact", contact_section),
+        ("load_sharing", "Load sharing", sharing_section),
+        ("vibration", "Vibration", vibration_section),
+        ("steady", "Steady state", steady_section),
+        ("transient", "Transient", transient_section),
+        ("strength", "Strength and life", strength_section),
+        ("sensitivity", "Sensitivities", sensitivity_section),
+        ("optimisation", "Optimisation", optimisation_section),
+        ("provenance", "Provenance", _provenance),
+    )
+    sections = [_made(anchor, title, data, make) for anchor, title, make in wanted]
+    return tuple(section for section in sections if section is not None)
+
+
+def _made(
+    anchor: str, title: str, data: ReportData, make: Callable[[ReportData], Section | None]
+) -> Section | None:
+    """A section with what its numbers rest on, or one that says why it could not be made."""
+    try:
+        section = make(data)
+        return None if section is None else with_assumptions(section, data)
+    except (OSError, ImportError):
+        raise
+    except Exception as error:
+        return Section(anchor, title, faults=(f"The section is missing: {words_of_fault(error)}",))
+
+
+def _summary(data: ReportData) -> Section:
+    words = []
+    if data.optimisation is not None and not data.feasible:
+        words.append(data.optimisation.in_a_sentence())
+    point, steady = data.mechanism.operating_point, data.steady
+    if point is not None and steady is not None:
+        at = f"At {show(float(point.speed), 'rad/s')} and {show(float(point.load), 'N')} the "
+        if steady.has_efficiency and bool(steady.valid):
+            torque = show(abs(float(steady.drive_torque)), "N·m")
+            words.append(
+                f"{at}efficiency is {efficiency_text(steady)} and the torque at the screw {torque}."
+            )
+        else:
+            words.append(f"{at}mechanism has no efficiency; {steady.result}.")
+    if data.contacts is not None:
+        words.append(_pressure_in_a_sentence(data))
+    if data.improved is None:
+        words += _need_attention("", data.findings)
+    else:
+        words += _need_attention(" of the start", data.findings)
+        after = " of the optimum" if data.feasible else " of the best design found"
+        words += _need_attention(after, data.improved.findings)
+    if data.optimisation is not None and data.feasible:
+        words.append(data.optimisation.in_a_sentence())
+    return Section("summary", "In short", tuple(words))
+
+
+def _pressure_in_a_sentence(data: ReportData) -> str:
+    """Of equal sharing, and of the most loaded thread where the file says how threads share."""
+    equal = show(largest_pressure(data), "Pa")
+    if len(data.shared) < len(data.mechanism.stages):
+        return f"The largest contact pressure is {equal}."
+    worst = max(largest_shared_pressure(data, index) for index in data.shared)
+    return (
+        f"The largest contact pressure is {show(worst, 'Pa')}, on the most loaded thread; it would "
+        f"be {equal} if all threads shared the load equally."
+    )
+
+
+def _need_attention(design: str, findings: tuple[Finding, ...] | None) -> list[str]:
+    """Errors and warnings of one design by name, errors first."""
+    if findings is None:
+        return [f"The checks{design} could not be made."]
+    serious = sorted((f for f in findings if f.severity != "note"), key=lambda f: f.severity)
+    if not serious:
+        return []
+    counts = collections.Counter(
+        f"{f.name.replace('_', ' ')} (error)" if f.severity == "error" else f.name.replace("_", " ")
+        for f in serious
+    )
+    names = ", ".join(f"{n} ({k})" if k > 1 else n for n, k in counts.items())
+    kinds = collections.Counter(f.severity for f in serious)
+    found = " and ".join(f"{k} {kind}{'s' * (k > 1)}" for kind, k in sorted(kinds.items()))
+    return [f"The checks{design} found {found}: {names}."]
+
+
+def _provenance(data: ReportData) -> Section:
+    import jax
+
+    bits = "64" if data.mechanism.stages[0].thread.lead.dtype.itemsize == 8 else "32"
+    rows = [
+        ("prsm_jax", __version__),
+        ("JAX", jax.__version__),
+        ("Python", platform.python_version()),
+    ]
+    rows.append(("numbers", f"float{bits}"))
+    if data.source:
+        rows.append(("mechanism from", data.source))
+    if data.command:
+        rows.append(("command", data.command))
+    tables = [Table("Made with", ("", ""), tuple(rows))]
+    if data.left_out:
+        tables.append(Table("Not analysed", ("part", "because"), tuple(data.left_out)))
+    return Section("provenance", "Provenance", (), tuple(tables))

@@ -1,0 +1,184 @@
+"""Strength and life, and how threads share the load, as sections of a report."""
+
+from collections.abc import Mapping
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array
+
+from ..._display_units import number, show
+from ...mechanism import DutyCycle, Mechanism, Scalar, Stage
+from ...quantities import find_quantity
+from ...strength import (
+    LoadSpectrum,
+    TruncatedFatigue,
+    flank_loads,
+    largest_demand,
+    load_spectrum,
+    preload_of,
+    spectrum_of,
+)
+from .._style import readable
+from ..contact_charts import force_deflection_chart, thread_load_chart
+from ..design_charts import life_chart, shaft_limits_chart
+from ._data import ReportData
+from ._pressures import largest_shared_pressure
+from ._section import Picture, Section, Table
+
+
+def _suffix(data: ReportData, index: int) -> tuple[str, str]:
+    if len(data.mechanism.stages) == 1:
+        return "", ""
+    return f"_stage_{index + 1}", f", stage {index + 1}"
+
+
+def strength_section(data: ReportData) -> Section | None:
+    """Capacities, safety, life, limits of the shaft, play: what the file has the data for."""
+    if not data.strength:
+        return None
+    improved = None if data.improved is None else data.improved.strength
+    rows = []
+    for name, value in data.strength.items():
+        quantity = find_quantity(name)
+        after = np.ravel(improved[name]) if improved and name in improved else None
+        for index, component in enumerate(np.ravel(value)):
+            several = np.size(value) > 1
+            words = f", {quantity.dimensions[0]} {index + 1}" if several else ""
+            cells = [readable(name) + words, quantity.symbol, show(component, quantity.unit, name)]
+            if improved:
+                cells.append("" if after is None else show(after[index], quantity.unit, name))
+            rows.append(tuple(cells))
+    head = ("", "symbol", "value", *((data.later,) if improved else ()))
+    words = (
+        "No standard exists for planetary roller screws: capacities and life are the practice of "
+        "ball bearings and ball screws (ISO 76, ISO 281, ISO 3408-5), carried over to the contacts "
+        "computed here.",
+    )
+    table = Table("Strength and life", head, tuple(rows))
+    return Section("strength", "Strength and life", words, (table,), _strength_pictures(data))
+
+
+def _strength_pictures(data: ReportData) -> tuple[Picture, ...]:
+    mechanism, values = data.mechanism, data.strength or {}
+    pictures = []
+    cycle = mechanism.duty_cycle
+    for index, stage in enumerate(mechanism.stages):
+        suffix, words = _suffix(data, index)
+        # Without a life there is none to draw: then the preload is not known either.
+        drawn = None
+        fatigue = data.fatigue[index] if data.fatigue else None
+        if cycle is not None and "dynamic_capacity" in values and "rating_life" in values:
+            capacity = float(np.ravel(values["dynamic_capacity"])[index])
+            drawn, whose = _pressed(stage, cycle, capacity, fatigue)
+        if drawn is not None and bool(jnp.any(drawn.load != 0)):
+            static = values.get("static_capacity")
+            ends = None if static is None else float(np.ravel(static)[index])
+            pictures.append(
+                Picture(
+                    f"life{suffix}",
+                    f"Loads of the duty cycle, the damage they do, and the life{words}.{whose}"
+                    + _cut_at_capacity(values, index),
+                    lambda c=capacity, s=ends, d=drawn, f=fatigue: life_chart(c, d, s, f),
+                )
+            )
+        if stage.strength is not None and stage.strength.shaft is not None:
+            pictures.append(
+                Picture(
+                    f"shaft_limits{suffix}",
+                    f"What the screw bears over its unsupported length{words}; the points are the "
+                    "largest load and speed of operating point and duty cycle.",
+                    lambda s=stage: shaft_limits_chart(s, *_demand(mechanism)),
+                )
+            )
+    return tuple(pictures)
+
+
+def _cut_at_capacity(values: Mapping[str, Array], index: int) -> str:
+    """Why a line of lives is not straight where ellipses are cut."""
+    onset = values.get("truncation_load")
+    if onset is None or np.ravel(onset)[index] >= np.ravel(values["dynamic_capacity"])[index]:
+        return ""
+    return (
+        " Ends of flanks cut the contact ellipses at the dynamic capacity, and less at smaller "
+        "loads: there the life falls faster than with the cube of the load. The equivalent load is "
+        "the constant load with the same life."
+    )
+
+
+def _demand(mechanism: Mechanism) -> tuple[Scalar | None, Scalar | None]:
+    """Largest load and speed, as far as anything is given."""
+    if mechanism.duty_cycle is None and mechanism.operating_point is None:
+        return None, None
+    speed, load = largest_demand(mechanism, spectrum_of(mechanism))
+    return load, speed
+
+
+def _pressed(
+    stage: Stage, cycle: DutyCycle, capacity: float, fatigue: TruncatedFatigue | None
+) -> tuple[LoadSpectrum, str]:
+    """The loads that a life chart draws, and in words which flanks they press."""
+    spectrum, preload = load_spectrum(cycle), preload_of(stage)
+    if preload is None:
+        if not bool(jnp.any(spectrum.load > 0) & jnp.any(spectrum.load < 0)):
+            return spectrum, ""
+        return spectrum, (
+            " Magnitudes count, as if on one flank; the table keeps the loads of both flanks apart."
+        )
+    both = flank_loads(spectrum.load, preload)
+    cubes = [
+        load if fatigue is None else fatigue.comparable_load(load, jnp.asarray(capacity))
+        for load in both
+    ]
+    harm = [jnp.sum(spectrum.weights * load**3) for load in cubes]
+    worse = both[0 if harm[0] >= harm[1] else 1]
+    return eqx.tree_at(lambda s: s.load, spectrum, worse), (
+        " The loads are those of the flanks that are loaded more, preload included; the table "
+        "adds up the flanks on both sides."
+    )
+
+
+def sharing_section(data: ReportData) -> Section | None:
+    """How threads and rollers share the load, where the file says how they are held."""
+    if not data.shared:
+        return None
+    tables, pictures = [], []
+    for index, shared in data.shared.items():
+        suffix, words = _suffix(data, index)
+        spacer, tangent = shared.spacer_force, shared.tangent_stiffness
+        assert tangent is not None
+        largest, whole = largest_shared_pressure(data, index), float(shared.max_pressure)
+        rows = [
+            ("largest over mean thread load, screw", number(shared.screw.thread_sharing_factor)),
+            ("largest over mean thread load, nut", number(shared.nut.thread_sharing_factor)),
+            ("largest over mean roller load", number(shared.screw.roller_sharing_factor)),
+            ("largest pressure", show(largest, "Pa")),
+            ("deflection", show(shared.elastic.deflection, "m")),
+            ("axial stiffness dF/dx", show(tangent, "N/m")),
+        ]
+        if largest > whole:
+            rows.insert(4, ("largest pressure of a whole ellipse", show(whole, "Pa")))
+        if spacer is not None:
+            rows.append(("force in the spacer", show(spacer, "N")))
+        tables.append(Table(f"Shared loads{words}", ("", ""), tuple(rows)))
+        pictures.append(
+            Picture(
+                f"thread_loads{suffix}",
+                f"Load of every thread{words}.",
+                lambda shared=shared: thread_load_chart(shared),
+            )
+        )
+        curve = data.deflections.get(index)
+        if curve is not None:
+            pictures.append(
+                Picture(
+                    f"force_deflection{suffix}",
+                    f"Axial load over deflection of the nut, and its stiffness{words}.",
+                    lambda curve=curve: force_deflection_chart({data.label: curve}),
+                )
+            )
+    words = (
+        "Shafts, teeth and contacts give way, so threads do not share the load equally. The "
+        "threads count from the end of the nut where the screw's force enters.",
+    )
+    return Section("load_sharing", "Load sharing", words, tuple(tables), tuple(pictures))

@@ -1,0 +1,60 @@
+"""All pictures of one transient, written into a folder."""
+
+from pathlib import Path
+
+import equinox as eqx
+
+from ..._files import make_folder
+from ...dynamics import Transient, body_forces
+from ...mechanism import Mechanism
+from .._style import save_figure
+from ..animations import save_motion_animation
+from ..motion_charts import (
+    energy_flow,
+    force_orbit,
+    history_chart,
+    power_flow_chart,
+    power_history_chart,
+    settles,
+    transient_chart,
+)
+
+_forces = eqx.filter_jit(body_forces)
+
+
+def save_transient_pictures(
+    folder: str | Path, mechanism: Mechanism, run: Transient, *, animation: bool = True
+) -> tuple[Path, ...]:
+    """Write every picture of a transient: overview, histories, forces, powers, energy, motion.
+
+    `transient`, `histories`, `force-orbit`, `powers` and `energy-flow` as PNG and SVG, and
+    `motion.gif`. The overview `transient` is only of a screw at constant speed, the energy flow not
+    of one that never moves.
+
+    **Arguments:**
+
+    - `folder`: where to write; made if it is not there.
+    - `mechanism`, `run`: what moved, and how.
+    - `animation`: whether to write the animation.
+
+    **Returns:** the paths written.
+
+    **Raises:** `MissingExtraError` without matplotlib.
+    """
+    # Everything that can fail comes before the folder.
+    figures = {
+        "force-orbit": force_orbit(mechanism, run, _forces(mechanism, run)),
+        "histories": history_chart(mechanism, run),
+        "powers": power_history_chart(mechanism, run),
+    }
+    if settles(run):
+        figures["transient"] = transient_chart(run)
+    flow = energy_flow(mechanism, run)
+    if flow.total > 0:
+        figures["energy-flow"] = power_flow_chart(flow, "Energy flow of the whole transient")
+    place = Path(folder)
+    make_folder(place)
+    written = [path for name, one in figures.items() for path in save_figure(one, place / name)]
+    if animation:
+        written.append(save_motion_animation(place / "motion", mechanism, run))
+    return tuple(written)

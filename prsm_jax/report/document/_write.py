@@ -1,0 +1,168 @@
+"""Write a report: one self-contained HTML file, a Markdown version, and the pictures."""
+
+import base64
+import dataclasses
+import os
+import warnings
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from urllib.parse import quote
+
+from ..._errors import missing_extra
+from ..._files import real_path, temporary_folder
+from ..._placing import placing_in, put_file
+from ..._plain_text import markdown, printable
+from .._style import save_figure
+from ._data import ReportData
+from ._section import Section, words_of_fault
+from ._sections import report_sections
+
+
+def write_report(
+    directory: str | Path,
+    data: ReportData,
+    *,
+    attachments: Mapping[str, str] | None = None,
+    dpi: int = 200,
+    on_fault: Callable[[str], None] = warnings.warn,
+) -> Path:
+    """Write a report into a directory.
+
+    `report.html` holds everything and can be sent alone; `report.md` refers to `figures/`, where
+    each picture lies as PNG and SVG. Everything is made beside the directory and moved in when it
+    is complete, so a disk that is full or a signal leaves nothing; other files in the directory
+    stay. A section or picture whose making fails is missing, and the report says so at its top.
+
+    **Arguments:**
+
+    - `directory`: where to write; made if it is not there.
+    - `data`: what to report, from `analyse`.
+    - `attachments`: text of further files that belong to the report (JSON, the optimised
+      mechanism), by file name; written with it and linked from it.
+    - `dpi`: resolution of the PNG pictures.
+    - `on_fault`: is told of each part that is missing because of a fault; default a warning.
+
+    **Returns:** the path of `report.html`.
+
+    **Raises:** `MissingExtraError` without matplotlib or jinja2; `ValueError` if the directory is
+    a file, or an attachment's name is not a plain file name of its own; `OSError` if it cannot be
+    written.
+    """
+    target = Path(directory)
+    if target.exists() and not target.is_dir():
+        raise ValueError(f"{target} is a file; give a directory for the report")
+    files = dict(attachments or {})
+    for name in files:
+        plain = name == Path(name).name and name not in ("", ".", "..")
+        if not plain or name in ("report.html", "report.md", "figures"):
+            raise ValueError(
+                f"attachment {name!r}: give a plain file name that is not the report's"
+            )
+    environment = _environment()
+    place = real_path(target)
+    place.parent.mkdir(parents=True, exist_ok=True)
+    with temporary_folder(place.parent, f".{place.name}-") as building:
+        faults = _build(building, data, files, environment, dpi)
+        with placing_in(place.parent):
+            _move_in(building, place)
+    for fault in faults:
+        on_fault(fault)
+    return target / "report.html"
+
+
+def _environment():
+    try:
+        import jinja2
+    except ImportError as error:
+        raise missing_extra("report", "writing a report", error) from error
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("prsm_jax.report", "templates"),
+        autoescape=lambda name: name is not None and ".html" in name,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters["md"] = lambda text: markdown(str(text))
+    # A path is a link in Markdown and HTML alike.
+    environment.filters["link"] = lambda path: quote(path, safe="/")
+    return environment
+
+
+def _build(
+    folder: Path, data: ReportData, files: dict[str, str], environment, dpi: int
+) -> tuple[str, ...]:
+    """Write everything; returns what is missing because of a fault, as sentences."""
+    sections = report_sections(data)
+    figures = folder / "figures"
+    figures.mkdir()
+    lost: dict[str, tuple[str, ...]] = {}
+    embedded = _draw(sections, figures, dpi, lost)
+    sections = tuple(
+        dataclasses.replace(
+            section,
+            faults=section.faults + lost.get(section.anchor, ()),
+            pictures=tuple(one for one in section.pictures if one.name in embedded),
+        )
+        for section in sections
+    )
+    faults = (
+        *(f"The analysis of the {part} failed: {words}" for part, words in data.faults),
+        *(f"{section.title}: {words}" for section in sections for words in section.faults),
+    )
+    values = {
+        "title": printable(data.title),
+        "improved": data.optimisation is not None,
+        "sections": sections,
+        "embedded": embedded,
+        "numbers": {name: number for number, name in enumerate(embedded, start=1)},
+        "attachments": list(files),
+        "faults": faults,
+    }
+    for name in ("report.html", "report.md"):
+        text = environment.get_template(f"{name}.jinja").render(values)
+        # Half a character, which only Python's own text can hold, is no reason to lose the rest.
+        (folder / name).write_text(text, encoding="utf-8", errors="replace")
+    for name, text in files.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    return faults
+
+
+def _draw(
+    sections: tuple[Section, ...], folder: Path, dpi: int, lost: dict[str, tuple[str, ...]]
+) -> dict[str, str]:
+    """Draw every picture; the SVG of each as text to be embedded.
+
+    A picture that cannot be drawn is a sentence in `lost`, by the anchor of its section.
+    """
+    embedded = {}
+    for section in sections:
+        for picture in section.pictures:
+            try:
+                _, svg = save_figure(picture.draw(), folder / picture.name, ("png", "svg"), dpi)
+            except (OSError, ImportError):
+                raise
+            except Exception as error:
+                for path in folder.glob(f"{picture.name}.*"):
+                    path.unlink()
+                words = f"The picture {picture.name} is missing: {words_of_fault(error)}"
+                lost[section.anchor] = (*lost.get(section.anchor, ()), words)
+                continue
+            coded = base64.b64encode(svg.read_bytes()).decode("ascii")
+            embedded[picture.name] = f"data:image/svg+xml;base64,{coded}"
+    return embedded
+
+
+def _move_in(building: Path, target: Path) -> None:
+    # A temporary directory is private; a report is as readable as what its maker usually makes.
+    mask = os.umask(0)
+    os.umask(mask)
+    building.chmod(0o777 & ~mask)
+    if not target.exists():
+        os.rename(building, target)
+        return
+    (target / "figures").mkdir(exist_ok=True)
+    # The report itself last, so that it never refers to pictures that are not there yet.
+    made = sorted(p for p in building.rglob("*") if p.is_file())
+    for path in sorted(made, key=lambda p: p.name == "report.html"):
+        put_file(path, target / path.relative_to(building))

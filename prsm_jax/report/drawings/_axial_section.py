@@ -1,0 +1,147 @@
+"""The half-section along the axis, with every thread at its place."""
+
+import numpy as np
+
+from ..._display_units import trimmed
+from .._style import BODY_COLOURS, INK, MUTED
+from ._drafting import Sheet
+from ._drawing_dimensions import DrawingDimensions
+from ._thread_profile import nut_profile, roller_profile, screw_profile, tooth_centres
+
+#: Space for the dimensions above and below the section, on paper [mm].
+ABOVE, BELOW = 8.0, 9.0
+#: How far the screw is drawn beyond the nut [mm, real].
+_STUB = 5.0
+
+
+def drawn_half_length(dims: DrawingDimensions) -> float:
+    """Half the length of the drawing along the axis [mm]."""
+    inside = dims.drawn_roller_length / 2 + (dims.carrier_length or 0.0)
+    return max(dims.drawn_nut_length / 2, inside) + _STUB
+
+
+def draw_axial_section(sheet: Sheet, dims: DrawingDimensions) -> None:
+    """Draw the half-section about the middle of the rollers and dimension it."""
+    half = drawn_half_length(dims)
+    roller = dims.drawn_roller_length / 2
+    gear = min(dims.gear_width or 0.0, roller / 2)
+    threaded = roller - gear
+    _screw(sheet, dims, half)
+    _nut(sheet, dims, threaded)
+    _roller(sheet, dims, roller, threaded)
+    _carriers(sheet, dims, roller)
+    overhang = half + sheet.paper(2)
+    sheet.centre_line((-overhang, overhang), (0, 0))
+    sheet.centre_line(
+        (-roller - sheet.paper(3), roller + sheet.paper(3)), (dims.centre_distance,) * 2
+    )
+    _dimensions(sheet, dims, half)
+
+
+def _fill(sheet: Sheet, xs, ys, body: str, hatch: str = "", **kwargs) -> None:
+    from matplotlib.patches import Polygon
+
+    points = np.column_stack([xs, ys])
+    style = {"facecolor": BODY_COLOURS[body], "linewidth": 0, "edgecolor": MUTED} | kwargs
+    sheet.axes.add_patch(Polygon(points, closed=True, hatch=hatch, **style))
+    if "linewidth" not in kwargs:
+        outline = {"facecolor": "none", "edgecolor": INK, "linewidth": 0.6}
+        sheet.axes.add_patch(Polygon(points, closed=True, label=body, **outline))
+
+
+def _screw(sheet: Sheet, dims: DrawingDimensions, half: float) -> None:
+    whole = dims.screw_length is not None and dims.screw_length / 2 <= half
+    end = dims.screw_length / 2 if whole and dims.screw_length is not None else half
+    centres = tooth_centres(dims, -end, end, shifted=True)
+    along, radius = screw_profile(dims, centres)
+    bore = dims.bore_radius or 0.0
+    root = dims.screw_radius - dims.screw_dedendum
+    if whole:
+        left = right = np.array([[end, root], [end, bore]])
+    else:
+        left = right = _break_line(end, root, bore)
+    xs = np.concatenate([-left[::-1, 0], along, right[:, 0]])
+    ys = np.concatenate([left[::-1, 1], radius, right[:, 1]])
+    _fill(sheet, xs, ys, "screw", hatch="\\\\\\\\")
+    if bore:
+        sheet.line((-end, end), (bore, bore), color=INK)
+
+
+def _break_line(x: float, top: float, bottom: float):
+    """The wavy edge of a part that is broken off."""
+    share = np.linspace(0, 1, 25)
+    wave = 0.6 * np.sin(2 * np.pi * share)
+    return np.column_stack([x + wave, top + (bottom - top) * share])
+
+
+def _nut(sheet: Sheet, dims: DrawingDimensions, threaded: float) -> None:
+    half, outer = dims.drawn_nut_length / 2, dims.drawn_outer_radius
+    plain = dims.nut_radius + dims.roller_addendum
+    centres = tooth_centres(dims, -min(threaded, half), min(threaded, half), shifted=False)
+    along, radius = nut_profile(dims, centres)
+    xs = np.concatenate([[-half], along, [half, half, -half]])
+    ys = np.concatenate([[plain], radius, [plain, outer, outer]])
+    open_edges = dims.nut_outer_radius is None or dims.nut_length is None
+    if open_edges:
+        _fill(sheet, xs, ys, "nut", hatch="////", linewidth=0)
+        dashed = {"ls": (0, (3, 2)), "color": INK, "lw": 0.6}
+        sheet.line((-half, -half, half, half), (plain, outer, outer, plain), **dashed)
+        sheet.line(
+            np.concatenate([[-half], along, [half]]),
+            np.concatenate([[plain], radius, [plain]]),
+            color=INK,
+            lw=0.6,
+        )
+    else:
+        _fill(sheet, xs, ys, "nut", hatch="////")
+    if dims.ring_length is not None and dims.ring_outer_radius is not None:
+        edge = dims.drawn_roller_length / 2
+        for sign in (-1, 1):
+            outside, inside = sign * edge, sign * (edge - dims.ring_length)
+            xs = [outside, inside, inside, outside]
+            inner, rim = dims.nut_radius, dims.ring_outer_radius
+            _fill(sheet, xs, [inner, inner, rim, rim], "ring_gear", hatch="....")
+
+
+def _roller(sheet: Sheet, dims: DrawingDimensions, roller: float, threaded: float) -> None:
+    a = dims.centre_distance
+    top = roller_profile(dims, tooth_centres(dims, -threaded, threaded, shifted=True), 1)
+    bottom = roller_profile(dims, tooth_centres(dims, -threaded, threaded, shifted=False), -1)
+    high, low = a + dims.roller_radius, a - dims.roller_radius
+    end = [threaded, roller, roller, threaded]
+    xs = np.concatenate([top[0], end, bottom[0][::-1], [-x for x in end[::-1]]])
+    right = [high, high, low, low]
+    ys = np.concatenate([top[1], right, bottom[1][::-1], right[::-1]])
+    _fill(sheet, xs, ys, "roller")
+    for sign in (-1, 1):
+        if threaded < roller:
+            sheet.line((sign * threaded,) * 2, (low, high), color=INK, lw=0.5)
+
+
+def _carriers(sheet: Sheet, dims: DrawingDimensions, roller: float) -> None:
+    inner, outer, length = dims.carrier_inner_radius, dims.carrier_outer_radius, dims.carrier_length
+    if inner is None or outer is None or length is None:
+        return
+    for sign in (-1, 1)[: dims.carrier_count]:
+        xs = [sign * roller, sign * (roller + length), sign * (roller + length), sign * roller]
+        _fill(sheet, xs, [inner, inner, outer, outer], "carrier", hatch="xxxx")
+
+
+def _dimensions(sheet: Sheet, dims: DrawingDimensions, half: float) -> None:
+    top = dims.drawn_outer_radius
+    if dims.nut_length is not None:
+        nut = dims.nut_length / 2
+        sheet.horizontal_dimension(
+            -nut, nut, top + sheet.paper(3.5), f"nut {trimmed(dims.nut_length)}", top
+        )
+    below = -sheet.paper(6.5)
+    if dims.roller_length is not None:
+        roller = dims.roller_length / 2
+        sheet.horizontal_dimension(
+            -roller, roller, below, f"roller {trimmed(dims.roller_length)}", dims.centre_distance
+        )
+    left, right = sheet.axes.get_xlim()
+    sheet.scale_bar(right - sheet.paper(2) - 10, below + sheet.paper(0.9), 10)
+    if dims.screw_length is not None and dims.screw_length / 2 > half:
+        words = f"screw {trimmed(dims.screw_length)},\nbroken off"
+        sheet.text(left + sheet.paper(2), below, words, ha="left", va="center")

@@ -1,0 +1,171 @@
+"""The mechanism drawn to scale: across and along its axis, and its threads enlarged."""
+
+from collections.abc import Mapping
+
+from ...mechanism import Mechanism
+from .._style import (
+    BODY_COLOURS,
+    INK,
+    MUTED,
+    PAGE_WIDTH,
+    SMALL,
+    TITLE,
+    Figure,
+    drawn,
+    page_figure,
+    readable,
+)
+from . import _axial_section, _thread_detail, _transverse_view
+from ._drafting import place_sheet
+from ._drawing_dimensions import DrawingDimensions, drawing_dimensions
+
+_MARGIN, _GUTTER, _HEADING, _FOOT = 2.0, 5.0, 12.0, 16.0
+#: Height between screw and nut in the enlarged detail of the largest mechanism, on paper [mm].
+_DETAIL = 38.0
+#: Room for words beside a view, on paper [mm].
+_WORDS = 17.0
+
+
+@drawn
+def cross_section(mechanisms: Mapping[str, Mechanism], *, stage: int = 1) -> Figure:
+    """Draw one or two mechanisms to one scale, side by side.
+
+    Each has a view along the axis (screw with its bore, rollers at their places, nut, pitch circle
+    of the gear, carriers, contact points from the meshing), a half-section along the axis and a
+    few pitches enlarged: straight flanks of screw and nut, convex arcs of the roller. Bodies are
+    drawn at their nominal radii. What a mechanism does not give is drawn broken off and named.
+
+    **Arguments:**
+
+    - `mechanisms`: by label, for example `{"before": …, "after": …}`; up to two.
+    - `stage`: which stage, counted from 1.
+
+    **Returns:** a matplotlib figure, A4 wide; dimensions in mm.
+
+    **Raises:** `ValueError` without a mechanism, with more than two, or for a stage that is not
+    there; `MissingExtraError` without matplotlib.
+    """
+    if not 1 <= len(mechanisms) <= 2:
+        raise ValueError(
+            f"cross_section draws one or two mechanisms, not {len(mechanisms)}; draw the others "
+            "in a second picture"
+        )
+    dims = {label: drawing_dimensions(m, stage) for label, m in mechanisms.items()}
+    every = list(dims.values())
+    # One mechanism spreads over the page: along the axis beside across it.
+    width = (PAGE_WIDTH - 2 * _MARGIN - _GUTTER) / 2
+    widest = max(
+        max(2 * d.drawn_outer_radius, 2 * _axial_section.drawn_half_length(d)) for d in every
+    )
+    # Beside the nut there must be room for words.
+    room = (width / 2 - _WORDS) / max(d.nut_radius for d in every)
+    scale = min(width / (widest + 4.0), room, 4.0)
+    outer = max(d.drawn_outer_radius for d in every)
+    detail_scale = _DETAIL / max(_thread_detail.detail_height(d) for d in every)
+    across = 2 * scale * outer + _transverse_view.ABOVE + _transverse_view.BELOW
+    along = scale * outer + _axial_section.ABOVE + _axial_section.BELOW
+    detail = max(_thread_detail.paper_height(d, detail_scale) for d in every)
+    single = len(dims) == 1
+    heights = max(across, along + detail + _GUTTER) if single else across + along + detail + _GUTTER
+    figure = page_figure(heights + _HEADING + _FOOT, layout=None)
+    top = heights + _FOOT
+    for column, (label, d) in enumerate(dims.items()):
+        left = _MARGIN + column * (width + _GUTTER)
+        _heading(figure, left, top, label, d)
+        sheet = place_sheet(
+            figure,
+            left,
+            top - across,
+            width,
+            across,
+            scale,
+            0.0,
+            -outer - _transverse_view.BELOW / scale,
+        )
+        _transverse_view.draw_transverse_view(sheet, d)
+        if single:
+            left, below = left + width + _GUTTER, top
+        else:
+            below = top - across
+        sheet = place_sheet(
+            figure, left, below - along, width, along, scale, 0.0, -_axial_section.BELOW / scale
+        )
+        _axial_section.draw_axial_section(sheet, d)
+        bottom = below - along - _GUTTER - detail
+        sheet = place_sheet(
+            figure,
+            left,
+            bottom,
+            width,
+            detail,
+            detail_scale,
+            0.0,
+            d.centre_distance - detail / detail_scale / 2,
+        )
+        _thread_detail.draw_thread_detail(sheet, d)
+    _legend(figure, scale, detail_scale, every)
+    return figure
+
+
+def _at(figure: Figure, x: float, y: float) -> tuple[float, float]:
+    width, height = figure.get_size_inches() * 25.4
+    return x / width, y / height
+
+
+def _heading(figure: Figure, left: float, top: float, label: str, dims: DrawingDimensions) -> None:
+    figure.text(
+        *_at(figure, left, top + 8.5), label, fontsize=TITLE, fontweight="bold", va="center"
+    )
+    words = f"N = {dims.roller_count} rollers"
+    if dims.empty_angles:
+        words += f" in {dims.roller_count + len(dims.empty_angles)} places"
+    if dims.not_given:
+        words += f"\nnot given: {', '.join(dims.not_given)}"
+    figure.text(*_at(figure, left, top + 5.5), words, fontsize=SMALL, color=INK, va="top")
+
+
+def _legend(
+    figure: Figure, scale: float, detail_scale: float, every: list[DrawingDimensions]
+) -> None:
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    shown = {
+        "ring_gear": any(d.ring_outer_radius is not None for d in every),
+        "carrier": any(d.carrier_outer_radius is not None for d in every),
+    }
+    handles = [
+        Patch(facecolor=colour, edgecolor=MUTED, linewidth=0.5, label=readable(body))
+        for body, colour in BODY_COLOURS.items()
+        if shown.get(body, True)
+    ]
+    dot = {"ls": "", "marker": "o", "ms": 3.5}
+    handles += [
+        Line2D([], [], color="#d55e00", label="contact with screw", **dot),
+        Line2D([], [], color="#0072b2", label="contact with nut", **dot),
+    ]
+    figure.legend(
+        handles=handles,
+        loc="lower center",
+        bbox_to_anchor=_at(figure, PAGE_WIDTH / 2, 8.5),
+        ncols=len(handles),
+        fontsize=SMALL,
+        handlelength=1.3,
+        columnspacing=1.2,
+        borderaxespad=0,
+        borderpad=0,
+    )
+    figure.text(
+        *_at(figure, PAGE_WIDTH / 2, 4.0),
+        f"Dimensions in mm; bodies at their nominal radii. On A4: views {_ratio(scale)}, detail "
+        f"{_ratio(detail_scale)}.\nThe gear's pitch circle is the nut's nominal one; contacts with "
+        "the screw are projected into the detail.",
+        fontsize=SMALL,
+        color=MUTED,
+        ha="center",
+        va="center",
+    )
+
+
+def _ratio(scale: float) -> str:
+    return f"{scale:.3g} : 1" if scale >= 1 else f"1 : {1 / scale:.3g}"

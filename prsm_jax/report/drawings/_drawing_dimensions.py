@@ -1,0 +1,184 @@
+"""Everything a drawing of one stage needs, in millimetres and plain numbers."""
+
+import math
+from dataclasses import dataclass
+
+from ...geometry import mesh
+from ...mechanism import Mechanism, Stage
+
+#: Share of the height of a pointed tooth that a thread has whose addendum is not given.
+_USUAL_ADDENDUM = 0.7
+#: A wall that is not given is drawn this thick, in roller radii, and broken off.
+_BROKEN_WALL = 1.0
+
+
+@dataclass(frozen=True)
+class ContactPoint:
+    """Where a roller touches, in the transverse plane with the roller's axis at (a, 0) [mm]."""
+
+    x: float
+    y: float
+
+
+@dataclass(frozen=True)
+class DrawingDimensions:
+    """Dimensions of one stage [mm, rad]; `None` is not given by the mechanism."""
+
+    roller_count: int
+    #: Angle around the screw of every roller that is there, and of every empty place [rad].
+    roller_angles: tuple[float, ...]
+    empty_angles: tuple[float, ...]
+    starts: float
+    lead: float
+    pitch: float
+    flank_angle: float
+    profile_radius: float
+    screw_radius: float
+    roller_radius: float
+    nut_radius: float
+    centre_distance: float
+    #: Height of screw, roller and nut threads over their nominal radius, and depth under it.
+    screw_addendum: float
+    roller_addendum: float
+    screw_dedendum: float
+    roller_dedendum: float
+    bore_radius: float | None
+    roller_bore_radius: float | None
+    nut_outer_radius: float | None
+    screw_length: float | None
+    roller_length: float | None
+    nut_length: float | None
+    gear_width: float | None
+    ring_length: float | None
+    ring_outer_radius: float | None
+    carrier_inner_radius: float | None
+    carrier_outer_radius: float | None
+    carrier_length: float | None
+    carrier_count: int
+    #: Absent where screw and roller have no common normal.
+    screw_contact: ContactPoint | None
+    nut_contact: ContactPoint | None
+
+    @property
+    def drawn_outer_radius(self) -> float:
+        """Outer radius of the nut, or of the piece of it that is drawn [mm]."""
+        if self.nut_outer_radius is not None:
+            return self.nut_outer_radius
+        return self.nut_radius + _BROKEN_WALL * self.roller_radius
+
+    @property
+    def drawn_roller_length(self) -> float:
+        """Length of the roller, or of the piece of it that is drawn [mm]."""
+        if self.roller_length is not None:
+            return self.roller_length
+        return 16 * self.pitch + 2 * (self.gear_width or 0.0)
+
+    @property
+    def drawn_nut_length(self) -> float:
+        """Length of the nut, or of the piece of it that is drawn [mm]."""
+        if self.nut_length is not None:
+            return self.nut_length
+        return 1.3 * self.drawn_roller_length
+
+    @property
+    def not_given(self) -> tuple[str, ...]:
+        """What the drawing has to leave open, in words."""
+        lengths = {
+            "screw": self.screw_length,
+            "roller": self.roller_length,
+            "nut": self.nut_length,
+        }
+        names = ["nut wall"] if self.nut_outer_radius is None else []
+        return (*names, *(f"{body} length" for body, value in lengths.items() if value is None))
+
+
+def _millimetres(value) -> float | None:
+    return None if value is None else 1e3 * float(value)
+
+
+def _heights(stage: Stage) -> tuple[float, float, float, float]:
+    """Addenda of screw and roller, dedenda of screw and roller [mm], no tooth past its point."""
+    thread = stage.thread
+    pointed = 0.98e3 * float(thread.pitch) / 4 / math.tan(float(thread.flank_angle))
+    usual = _USUAL_ADDENDUM * pointed
+    screw, roller = (
+        min(usual if value is None else 1e3 * float(value), pointed)
+        for value in (thread.screw_addendum, thread.roller_addendum)
+    )
+    clearance = 0.1 * pointed
+    return screw, roller, min(roller + clearance, pointed), min(screw + clearance, pointed)
+
+
+def roller_places(stage: Stage) -> list[tuple[float, bool]]:
+    """Angle of every roller's place, and whether it is taken."""
+    unequal = {roller.number: roller for roller in stage.unequal_roller}
+    found = []
+    for number in range(1, stage.roller_count + 1):
+        angle, roller = 2 * math.pi * (number - 1) / stage.roller_count, unequal.get(number)
+        if roller is not None and roller.position_offset is not None:
+            angle += float(roller.position_offset)
+        found.append((angle, roller is None or not roller.missing))
+    return found
+
+
+def drawing_dimensions(mechanism: Mechanism, stage: int = 1) -> DrawingDimensions:
+    """Collect what the drawing of a stage shows.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism.
+    - `stage`: which stage, counted from 1.
+
+    **Raises:** `ValueError` for a stage that is not there.
+    """
+    import equinox as eqx
+
+    if not 1 <= stage <= len(mechanism.stages):
+        raise ValueError(f"stage is {stage}; the mechanism has stages 1 to {len(mechanism.stages)}")
+    chosen = mechanism.stages[stage - 1]
+    thread, carrier, ring = chosen.thread, chosen.carrier, chosen.ring_gear
+    meshing = eqx.filter_jit(mesh)(thread)
+    touching = bool(meshing.converged)
+    side = meshing.screw
+    radius, angle = 1e3 * float(side.contact_radius), float(side.contact_angle_position)
+    nut_radius, centre = 1e3 * float(thread.nut_radius), 1e3 * float(thread.centre_distance)
+    screw_addendum, roller_addendum, screw_dedendum, roller_dedendum = _heights(chosen)
+    wall = _millimetres(chosen.nut.wall_thickness)
+    rim = None if ring is None else _millimetres(ring.wall_thickness)
+    width = None if carrier is None else _millimetres(carrier.radial_width)
+    places = roller_places(chosen)
+    return DrawingDimensions(
+        roller_count=chosen.present_roller_count,
+        roller_angles=tuple(angle for angle, there in places if there),
+        empty_angles=tuple(angle for angle, there in places if not there),
+        starts=float(thread.starts),
+        lead=1e3 * float(thread.lead),
+        pitch=1e3 * float(thread.pitch),
+        flank_angle=float(thread.flank_angle),
+        profile_radius=1e3 * float(thread.profile_radius),
+        screw_radius=1e3 * float(thread.screw_radius),
+        roller_radius=1e3 * float(thread.roller_radius),
+        nut_radius=nut_radius,
+        centre_distance=centre,
+        screw_addendum=screw_addendum,
+        roller_addendum=roller_addendum,
+        screw_dedendum=screw_dedendum,
+        roller_dedendum=roller_dedendum,
+        bore_radius=_millimetres(chosen.screw.bore_radius),
+        roller_bore_radius=_millimetres(chosen.roller.bore_radius),
+        nut_outer_radius=None if wall is None else nut_radius + wall,
+        screw_length=_millimetres(chosen.screw.length),
+        roller_length=_millimetres(chosen.roller.length),
+        nut_length=_millimetres(chosen.nut.length),
+        gear_width=None if chosen.gear is None else _millimetres(chosen.gear.face_width),
+        ring_length=None if ring is None else _millimetres(ring.length),
+        ring_outer_radius=None if rim is None else nut_radius + rim,
+        carrier_inner_radius=None if width is None else centre - width / 2,
+        carrier_outer_radius=None if width is None else centre + width / 2,
+        carrier_length=None if carrier is None else _millimetres(carrier.length),
+        carrier_count=0 if carrier is None else carrier.count,
+        screw_contact=ContactPoint(radius * math.cos(angle), radius * math.sin(angle))
+        if touching
+        else None,
+        nut_contact=ContactPoint(nut_radius, 0.0) if touching else None,
+    )

@@ -1,0 +1,28 @@
+"""An efficiency as a reader sees it: a percentage, or the state that has none."""
+
+from typing import SupportsFloat
+
+from ...dynamics import SteadyState
+
+_SELF_LOCKING = "self-locking"
+#: States by `SteadyState.result_name` whose words differ from their name.
+_STATES = {"self_locking": _SELF_LOCKING}
+
+
+def efficiency_text(state: SteadyState) -> str:
+    """The efficiency of a steady state in per cent, or the state where there is none.
+
+    What stands for the efficiency of a thread that locks or jams is a number without meaning.
+    """
+    if not state.has_efficiency:
+        name: str = state.result_name
+        return _STATES.get(name, name.replace("_", " "))
+    return share_text(state.efficiency)
+
+
+def share_text(efficiency: SupportsFloat) -> str:
+    """An efficiency of a moving mechanism in per cent; below 0 its thread locks."""
+    value = float(efficiency)
+    if value != value:
+        return "not defined"
+    return f"{100 * value:.2f} %" if value > 0 else _SELF_LOCKING

@@ -1,0 +1,91 @@
+"""Efficiency, carrier ratio and drive torque in time."""
+
+import numpy as np
+
+from ..._display_units import display_unit, in_unit
+from ...dynamics import Transient
+from .._style import MUTED, SERIES, SMALL, Figure, drawn, page_figure
+
+_DASHES = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (6, 1.5, 1.5, 1.5)))
+
+
+def settling_time(transient: Transient, tolerance: float = 0.01) -> float | None:
+    """The time after which every carrier ratio stays within a tolerance of its last value [s].
+
+    **Arguments:**
+
+    - `transient`: the time histories.
+    - `tolerance`: relative to the last value.
+
+    **Returns:** the first sample from which on it holds, or `None` if that is only the last one,
+    so that nothing can be said.
+    """
+    ratio = np.asarray(transient.carrier_ratio)
+    last = ratio[:, -1:]
+    outside = (np.abs(ratio - last) > tolerance * np.abs(last)).any(axis=0)
+    if not outside.any():
+        return float(transient.time[0])
+    index = int(np.flatnonzero(outside)[-1]) + 1
+    return float(transient.time[index]) if index < ratio.shape[1] - 1 else None
+
+
+def settles(transient: Transient) -> bool:
+    """Whether the screw turns at constant speed, so that carriers come to a steady state."""
+    speed = np.asarray(transient.screw_speed)
+    return bool(np.all(speed == speed[0]) and speed[0] != 0)
+
+
+@drawn
+def transient_chart(transient: Transient) -> Figure:
+    """Draw the histories of efficiency, carrier ratio (each stage) and drive torque.
+
+    **Arguments:**
+
+    - `transient`: result of `simulate`.
+
+    **Returns:** a matplotlib figure; time in ms or s, efficiency in %, torque in N·m.
+
+    **Raises:** `MissingExtraError` without matplotlib.
+    """
+    figure = page_figure(120)
+    upper, middle, lower = figure.subplots(3, 1, sharex=True)
+    unit = display_unit("s", float(transient.time[-1]))
+    time = unit(np.asarray(transient.time))
+    stages = np.asarray(transient.carrier_ratio)
+
+    upper.plot(time, 100 * np.asarray(transient.efficiency), color=SERIES[0])
+    upper.set_ylabel("efficiency in %")
+    for index, ratio in enumerate(stages):
+        middle.plot(
+            time,
+            ratio,
+            color=SERIES[index % len(SERIES)],
+            ls=_DASHES[index % len(_DASHES)],
+            label=f"stage {index + 1}",
+        )
+    middle.set_ylabel("carrier ratio ω/Ω")
+    if len(stages) > 1:
+        middle.legend(loc="lower right")
+    lower.plot(time, np.asarray(transient.drive_torque), color=SERIES[3])
+    lower.set_ylabel("drive torque in N·m")
+    lower.set_xlabel(f"time in {unit.label}")
+    settled = settling_time(transient)
+    for axes in (upper, middle, lower):
+        axes.grid(True)
+        axes.margins(x=0, y=0.08)
+        if settled is not None:
+            axes.axvline(unit(settled), color=MUTED, lw=0.8, ls=(0, (4, 2)))
+    upper.set_title("From rollers at rest to the steady state")
+    if settled is not None:
+        upper.text(
+            0.995,
+            1.03,
+            f"dashed: carriers within 1 % of their last speed after {in_unit(settled, unit, 3)}",
+            transform=upper.transAxes,
+            ha="right",
+            va="bottom",
+            fontsize=SMALL,
+            color=MUTED,
+        )
+    figure.align_ylabels()
+    return figure

@@ -1,0 +1,120 @@
+"""Frequency responses: magnitude in decibels and phase, natural frequencies marked by family."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ...response import FrequencyResponse
+from ...vibration import Modes
+from .._style import FAINT, FAMILY_COLOURS, INK, SERIES, Figure, drawn, page_figure
+
+_HEIGHT = 120.0
+#: Line styles, so that several responses are told apart without colour.
+_DASHES = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (5, 1.5, 1, 1.5)))
+#: What is this far below the largest value is not shown [dB].
+_DEPTH = 180.0
+
+
+@drawn
+def response_chart(
+    responses: Mapping[str, FrequencyResponse], modes: Modes | None = None
+) -> Figure:
+    """Draw the magnitude and the phase of one or several frequency responses over each other.
+
+    Magnitude in dB re 1 SI unit (1 m/N for a receptance), phase in degrees. The frequency axis is
+    logarithmic unless it starts at zero. What is infinite, at a pole of an undamped system, leaves
+    a gap.
+
+    **Arguments:**
+
+    - `responses`: by label; all of one kind.
+    - `modes`: natural frequencies to mark, by family.
+
+    **Returns:** a matplotlib figure.
+
+    **Raises:** `ValueError` without a response, for responses of different kinds, or if nothing
+    moves; `MissingExtraError` without matplotlib.
+    """
+    if not responses:
+        raise ValueError("response_chart needs at least one response")
+    kinds = {found.kind for found in responses.values()}
+    if len(kinds) > 1:
+        raise ValueError(f"the responses are of kinds {', '.join(sorted(kinds))}; draw one kind")
+    first = next(iter(responses.values()))
+    figure = page_figure(_HEIGHT)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2.2, 1))
+    highest = -np.inf
+    for index, (label, found) in enumerate(responses.items()):
+        hertz, size = np.asarray(found.frequency), np.array(found.decibel)
+        angle = np.degrees(np.asarray(found.phase))
+        size[~np.isfinite(size)] = np.nan
+        if np.isnan(size).all():
+            raise ValueError(
+                f"nothing moves at {found.response} under a force at {found.excitation}; by "
+                "symmetry some pairs do not feel each other: choose another pair"
+            )
+        highest = max(highest, float(np.nanmax(size)))
+        style: dict[str, Any] = {
+            "color": SERIES[index % len(SERIES)] if len(responses) > 1 else INK,
+            "ls": _DASHES[index % len(_DASHES)],
+            "lw": 1.1,
+        }
+        upper.plot(hertz, size, label=label, zorder=3, **style)
+        lower.plot(hertz, _without_jumps(angle), zorder=3, **style)
+    hertz = np.concatenate([np.asarray(found.frequency) for found in responses.values()])
+    if hertz.min() > 0:
+        upper.set_xscale("log")
+    upper.set_xlim(hertz.min(), hertz.max())
+    bottom = max(upper.get_ylim()[0], highest - _DEPTH)
+    upper.set_ylim(bottom, highest + 0.08 * (highest - bottom))
+    lower.set_ylim(-190, 190)
+    lower.set_yticks([-180, -90, 0, 90, 180])
+    upper.set_ylabel(f"{first.kind} in dB re 1 {first.unit}")
+    lower.set_ylabel("phase in deg")
+    lower.set_xlabel("frequency in Hz")
+    lower.xaxis.set_major_formatter(lambda value, _: f"{value:,.0f}".replace(",", " "))
+    for axes in (upper, lower):
+        axes.grid(axis="both", which="major", color=FAINT)
+    pairs = {(found.excitation, found.response) for found in responses.values()}
+    title = f"{first.response} under a force at {first.excitation}" if len(pairs) == 1 else ""
+    upper.set_title(title or "Frequency responses")
+    inside = None
+    if len(responses) > 1:
+        inside = upper.legend(loc="lower left", handlelength=2.4, frameon=True, framealpha=0.9)
+        inside.get_frame().set_edgecolor("none")
+    handles = [] if modes is None else _mark(upper, lower, modes)
+    if handles and inside is not None:
+        # A second legend takes the place of the first, unless that is kept by itself.
+        upper.add_artist(inside)
+    if handles:
+        upper.legend(
+            handles=handles,
+            loc="lower right",
+            bbox_to_anchor=(1, 1.0),
+            ncols=len(handles),
+            handlelength=1.6,
+            columnspacing=1.2,
+        )
+    return figure
+
+
+def _without_jumps(angle: np.ndarray) -> np.ndarray:
+    """Phases with a gap where they wrap from −180° to 180°, which is no motion at all."""
+    angle = angle.astype(float)
+    angle[1:][np.abs(np.diff(angle)) > 300] = np.nan
+    return angle
+
+
+def _mark(upper, lower, modes: Modes) -> list:
+    """Natural frequencies as thin lines in the colour of their family; handles for a legend."""
+    from matplotlib.lines import Line2D
+
+    left, right = upper.get_xlim()
+    shown: dict[str, str] = {}
+    for value, family in zip(np.asarray(modes.frequencies), modes.families, strict=True):
+        if left <= value <= right and family != "rigid":
+            shown[family] = FAMILY_COLOURS[family]
+            for axes in (upper, lower):
+                axes.axvline(value, color=FAMILY_COLOURS[family], lw=0.8, alpha=0.7, zorder=1)
+    return [Line2D([], [], color=colour, lw=1.2, label=family) for family, colour in shown.items()]
