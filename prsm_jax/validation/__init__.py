@@ -39,22 +39,28 @@ from ._row import (
 from ._table import markdown as markdown, summary as summary, table as table
 
 # The sources, in the order of the table.
-from . import (  # isort: skip
+from .wu2022 import (  # isort: skip
     _wu2022 as _wu2022,
     _wu2022_parts as _wu2022_parts,
     _wu2022_frequencies as _wu2022_frequencies,
     _wu2022_shapes as _wu2022_shapes,
     _wu2022_indefinite as _wu2022_indefinite,
     _wu2022_trends as _wu2022_trends,
-    _lin_parker1999 as _lin_parker1999,
+)
+from . import _lin_parker1999 as _lin_parker1999  # isort: skip
+from .li import (  # isort: skip
     _li2020 as _li2020,
     _li2020_details as _li2020_details,
     _li2021 as _li2021,
     _li2021_details as _li2021_details,
     _li_figures as _li_figures,
+)
+from .lisowski2014 import (  # isort: skip
     _lisowski2014 as _lisowski2014,
     _lisowski2014_surfaces as _lisowski2014_surfaces,
     _lisowski2014_maps as _lisowski2014_maps,
+)
+from . import (  # isort: skip
     _shape_function as _shape_function,
     _closed_forms as _closed_forms,
 )

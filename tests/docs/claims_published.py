@@ -7,12 +7,12 @@ from claims import Claim
 
 from prsm_jax.validation import Row, validate
 from prsm_jax.validation._examples import knees, settling_time, steady, transient
-from prsm_jax.validation._lisowski2014_surfaces import LOW, flanks
 from prsm_jax.validation._newton import newton
 from prsm_jax.validation._shape_function import _flatter_angle
 from prsm_jax.validation._thread_contacts import LOADS, pairs_of_threads
-from prsm_jax.validation._wu2022_frequencies import stable_frequencies
-from prsm_jax.validation._wu2022_indefinite import static_energies
+from prsm_jax.validation.lisowski2014._lisowski2014_surfaces import LOW, flanks
+from prsm_jax.validation.wu2022._wu2022_frequencies import stable_frequencies
+from prsm_jax.validation.wu2022._wu2022_indefinite import static_energies
 
 PAGE = "docs/published_tables.md"
 SURFACES = "docs/contact_surfaces.md"

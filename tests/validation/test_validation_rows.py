@@ -33,8 +33,8 @@ from prsm_jax.validation import (
     validate,
 )
 from prsm_jax.validation._row import half_unit
-from prsm_jax.validation._wu2022_frequencies import stable_frequencies
-from prsm_jax.validation._wu2022_matrix import published_matrices, published_modes
+from prsm_jax.validation.wu2022._wu2022_frequencies import stable_frequencies
+from prsm_jax.validation.wu2022._wu2022_matrix import published_matrices, published_modes
 
 #: Rows whose reason can be put in, and how near the printed number then comes (see the notes).
 PUT_IN = {

@@ -10,15 +10,15 @@ from scenes import array, example, modal
 
 import prsm_jax as prsm
 from prsm_jax.validation import Row, validate
-from prsm_jax.validation._wu2022_indefinite import static_energies
-from prsm_jax.validation._wu2022_matrix import (
+from prsm_jax.validation.wu2022._wu2022_indefinite import static_energies
+from prsm_jax.validation.wu2022._wu2022_matrix import (
     ROLLER_MASS,
     eigen,
     published_matrices,
     published_modes,
     stable_matrices,
 )
-from prsm_jax.validation._wu2022_shapes import assurance
+from prsm_jax.validation.wu2022._wu2022_shapes import assurance
 
 COUNT = 7
 DATA = Path(prsm.__file__).parent / "validation" / "data"

@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ._examples import settling_time, steady, transient
-from ._registry import rows_of
-from ._row import Row, at_most, number, trend
+from .._examples import settling_time, steady, transient
+from .._registry import rows_of
+from .._row import Row, at_most, number, trend
 
 _NAME = "li2021_two_stage"
 _THREAD, _SPLINE = "thread.coefficient", "spline.coefficient"

@@ -7,23 +7,23 @@ import jax.numpy as jnp
 import numpy as np
 from cyclopts import Parameter
 
-from .._errors import PrsmError
-from .._files import make_folder
-from ..mechanism import Mechanism, ModalDamping, RayleighDamping, StructuralDamping, as_scalar
-from ..quantities import assumptions
-from ..response import (
+from ..._errors import PrsmError
+from ..._files import make_folder
+from ...mechanism import Mechanism, ModalDamping, RayleighDamping, StructuralDamping, as_scalar
+from ...quantities import assumptions
+from ...response import (
     Campbell,
     FrequencyResponse,
     Kind,
     campbell as run_campbell,
     frequency_response,
 )
-from ..vibration import Modes, modal as run_modal
-from ._app import app
-from ._assumed import CRITICAL_SPEEDS, VIBRATION
-from ._common import Common, checked, emit, words_of
-from ._progress import expect_programs
-from ._tables import prose, table
+from ...vibration import Modes, modal as run_modal
+from .._app import app
+from .._assumed import CRITICAL_SPEEDS, VIBRATION
+from .._common import Common, checked, emit, words_of
+from .._progress import expect_programs
+from .._tables import prose, table
 
 _DEFAULT = Common()
 _Stage = Annotated[int, Parameter(help="Which stage, counted from 1.")]
@@ -138,7 +138,7 @@ def response(
     law = _LAWS[type(damping)]
     picture = None
     if common.out is not None and np.asarray(found.value).any():
-        from ..report import response_chart, save_figure
+        from ...report import response_chart, save_figure
 
         make_folder(common.out)
         figure = response_chart({law or "undamped": found}, modes)
@@ -244,7 +244,7 @@ def campbell(
     )
     picture = None
     if common.out is not None and found.crossings(speed):
-        from ..report import campbell_chart, save_figure
+        from ...report import campbell_chart, save_figure
 
         make_folder(common.out)
         picture = save_figure(campbell_chart(found, speed), common.out / "campbell")[0]

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..mechanism import Stage
+from ...mechanism import Stage
 
 #: Roller mass that the table was computed with, where Table 4 prints 0.0326 [kg].
 ROLLER_MASS = 0.033

@@ -9,22 +9,22 @@ from typing import TYPE_CHECKING, Annotated, Any
 import equinox as eqx
 from cyclopts import Parameter
 
-from ..optimisation import optimise
-from ..quantities import assumptions
-from ..sensitivities import sensitivity
+from ...optimisation import optimise
+from ...quantities import assumptions
+from ...sensitivities import sensitivity
+from .._app import app
+from .._common import Common, plain
+from .._optimised import optimised_text
+from .._progress import clear, doing, expect_programs, tell
+from .._tables import terminal_width
 from ._analyse import steady_results, told
-from ._app import app
-from ._common import Common, plain
 from ._contact import contact_results
 from ._design import told_of_search
 from ._modal import modal_results
-from ._optimised import optimised_text
-from ._progress import clear, doing, expect_programs, tell
 from ._simulate import transient_results
-from ._tables import terminal_width
 
 if TYPE_CHECKING:
-    from ..report import ReportData
+    from ...report import ReportData
 
 _DEFAULT = Common()
 # Searching for the largest stress is slow step by step.
@@ -59,8 +59,8 @@ def demo(
     Writes report.html, report.md, figures, results.json and optimised.toml to --out (default
     out/demo).
     """
-    from ..file import loads
-    from ..report import analyse, summarise_optimisation, write_report
+    from ...file import loads
+    from ...report import analyse, summarise_optimisation, write_report
 
     began = time.perf_counter()
 

@@ -4,17 +4,17 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..halfspace import FlankContact
-from ._lisowski2014 import CORRECTED, ELEMENTS, HERTZ
-from ._lisowski2014_surfaces import EDGE_RADIUS, LOW, flanks
-from ._pressure_figures import (
+from ...halfspace import FlankContact
+from .._pressure_figures import (
     PressureFigure,
     PressurePanel,
     PrintedEllipse,
     PrintedPressure,
     pressure_figures_of,
 )
-from ._thread_contacts import LOADS, pairs_of_threads
+from .._thread_contacts import LOADS, pairs_of_threads
+from ._lisowski2014 import CORRECTED, ELEMENTS, HERTZ
+from ._lisowski2014_surfaces import EDGE_RADIUS, LOW, flanks
 
 #: Heights of the nut's thread between one that cuts the contact and one that does not [m].
 _HEIGHTS = (None, 0.075e-3, LOW)

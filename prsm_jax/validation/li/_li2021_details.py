@@ -4,13 +4,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..mechanism import get_parameter
-from ._difference import differs
-from ._examples import kinematics, knees, settling_time, steady, transient, two_stages
+from ...mechanism import get_parameter
+from .._difference import differs
+from .._examples import kinematics, knees, settling_time, steady, transient, two_stages
+from .._newton import newton
+from .._registry import rows_of
+from .._row import Row, trend
 from ._li_radii import radius_rows
-from ._newton import newton
-from ._registry import rows_of
-from ._row import Row, trend
 
 _NAME = "li2021_two_stage"
 _THREAD, _SPLINE = "thread.coefficient", "spline.coefficient"

@@ -7,18 +7,18 @@ from typing import Annotated, Any
 import numpy as np
 from cyclopts import Parameter
 
-from .._errors import PrsmError
-from .._files import folder_for_results, make_folder
-from ..mechanism import Mechanism, find_parameters
-from ..optimisation import optimise as run_optimise
-from ..quantities import assumptions
-from ..sensitivities import sensitivity as run_sensitivity
-from ..sweeps import sweep as run_sweep
-from ._app import app
-from ._common import Common, checked, emit, value_of, words_of, write_text
-from ._optimised import optimised_text
-from ._progress import counted, doing, expect_programs
-from ._tables import prose, terminal_width
+from ..._errors import PrsmError
+from ..._files import folder_for_results, make_folder
+from ...mechanism import Mechanism, find_parameters
+from ...optimisation import optimise as run_optimise
+from ...quantities import assumptions
+from ...sensitivities import sensitivity as run_sensitivity
+from ...sweeps import sweep as run_sweep
+from .._app import app
+from .._common import Common, checked, emit, value_of, words_of, write_text
+from .._optimised import optimised_text
+from .._progress import counted, doing, expect_programs
+from .._tables import prose, terminal_width
 
 _DEFAULT = Common()
 _NAMES = "Names from `prsm quantities`, separated by commas."
@@ -39,7 +39,7 @@ def sensitivity(
     expect_programs("_sensitivity")
     table = run_sensitivity(mechanism, words_of(quantities), words_of(parameters))
     if common.out is not None:
-        from ..report import save_figure, sensitivity_bars
+        from ...report import save_figure, sensitivity_bars
 
         make_folder(common.out)
         save_figure(
@@ -198,7 +198,7 @@ def sweep(
         "valid": failed < points,
     }
     if common.out is not None and len(axes) == 2:
-        from ..report import save_figure, sweep_map
+        from ...report import save_figure, sweep_map
 
         for name in words_of(quantities) or []:
             if data[name].ndim == 2:

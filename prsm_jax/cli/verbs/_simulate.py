@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from cyclopts import Parameter
 
-from ..dynamics import (
+from ...dynamics import (
     Method,
     Transient,
     default_scenario,
@@ -18,13 +18,13 @@ from ..dynamics import (
     mean_efficiency,
     simulate as run_transient,
 )
-from ..mechanism import Mechanism
-from ..quantities import assumptions
-from ._app import app
-from ._assumed import TRANSIENT
-from ._common import Common, checked, emit
-from ._progress import doing, expect_programs
-from ._tables import Line, in_units, prose, table
+from ...mechanism import Mechanism
+from ...quantities import assumptions
+from .._app import app
+from .._assumed import TRANSIENT
+from .._common import Common, checked, emit
+from .._progress import doing, expect_programs
+from .._tables import Line, in_units, prose, table
 
 _DEFAULT = Common()
 
@@ -158,7 +158,7 @@ def simulate(
     results = transient_results(run)
     pictures: tuple[Path, ...] = ()
     if common.out is not None:
-        from ..report import save_transient_pictures
+        from ...report import save_transient_pictures
 
         doing("drawing")
         pictures = save_transient_pictures(common.out, mechanism, run, animation=animation)

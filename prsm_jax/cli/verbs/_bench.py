@@ -9,9 +9,9 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from .._errors import PrsmError
-from ._app import app
-from ._targets import check_folder
+from ..._errors import PrsmError
+from .._app import app
+from .._targets import check_folder
 
 _OUT = Path("out/bench")
 
@@ -21,7 +21,7 @@ def _checkout() -> Path:
 
     **Raises:** `PrsmError` if there is none.
     """
-    for folder in (Path.cwd(), Path(__file__).resolve().parents[2]):
+    for folder in (Path.cwd(), Path(__file__).resolve().parents[3]):
         if (folder / "benchmarks" / "__main__.py").is_file():
             return folder
     raise PrsmError(

@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..mechanism import get_parameter
-from ._difference import differs, formula
-from ._examples import settling_time, steady, transient, two_stages
-from ._registry import rows_of
-from ._row import Row, number, trend
+from ...mechanism import get_parameter
+from .._difference import differs, formula
+from .._examples import settling_time, steady, transient, two_stages
+from .._registry import rows_of
+from .._row import Row, number, trend
 
 _NAME = "li2020_two_stage"
 _SPLINE, _BEARING = "spline.coefficient", "thrust_bearing.coefficient"

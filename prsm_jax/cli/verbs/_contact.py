@@ -8,7 +8,7 @@ from typing import Any
 import jax.numpy as jnp
 from jaxtyping import Array
 
-from ..contact import (
+from ...contact import (
     HertzContact,
     LineContactResult,
     StageContact,
@@ -17,17 +17,17 @@ from ..contact import (
     stress_peak_on_axis,
     thread_contacts,
 )
-from ..geometry import Meshing, mesh
-from ..load_sharing import LoadDistribution, SideLoads, load_distribution
-from ..mechanism import Mechanism, Scalar, Stage, material_of
-from ..quantities import assumptions
-from ..strength import SideOnset, side_onsets, truncated_pressure
-from ._app import app
-from ._assumed import CONTACT
-from ._common import Common, checked, emit, plain
-from ._programs import run_stored
-from ._progress import doing
-from ._tables import Line, in_units, table
+from ...geometry import Meshing, mesh
+from ...load_sharing import LoadDistribution, SideLoads, load_distribution
+from ...mechanism import Mechanism, Scalar, Stage, material_of
+from ...quantities import assumptions
+from ...strength import SideOnset, side_onsets, truncated_pressure
+from .._app import app
+from .._assumed import CONTACT
+from .._common import Common, checked, emit, plain
+from .._programs import run_stored
+from .._progress import doing
+from .._tables import Line, in_units, table
 
 _DEFAULT = Common()
 
@@ -166,7 +166,7 @@ def contact(file: str, *, common: Common = _DEFAULT) -> int:
     results = plain(run_stored("contact", _contacts, mechanism))
     pictures: tuple[Path, ...] = ()
     if common.out is not None:
-        from ..report import save_contact_pictures
+        from ...report import save_contact_pictures
 
         doing("solving contacts on the true flanks and drawing them")
         pictures = save_contact_pictures(common.out, mechanism)

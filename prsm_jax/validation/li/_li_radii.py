@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator, Sequence
 
-from ._examples import two_stages
-from ._row import Row, number
+from .._examples import two_stages
+from .._row import Row, number
 
 
 def radius_rows(name: str, section: str, radii: Sequence[tuple[str, str]]) -> Iterator[Row]:

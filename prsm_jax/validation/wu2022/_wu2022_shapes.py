@@ -5,12 +5,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..mechanism import Stage
-from ._data import read_table
-from ._difference import fault
-from ._examples import example
-from ._registry import rows_of
-from ._row import Row, half_unit, misprint, number
+from ...mechanism import Stage
+from .._data import read_table
+from .._difference import fault
+from .._examples import example
+from .._registry import rows_of
+from .._row import Row, half_unit, misprint, number
 from ._wu2022_matrix import PublishedMode, eigen, published_modes, stable_matrices
 
 _COUNT = 7

@@ -5,16 +5,16 @@ from typing import Any
 
 import equinox as eqx
 
-from .._files import make_folder
-from ..dynamics import STEADY_RESULTS, SteadyState, steady_meaning, steady_state
-from ..mechanism import Mechanism, OperatingPoint
-from ..quantities import assumptions
-from ._app import app
-from ._assumed import STEADY
-from ._common import Common, checked, emit, plain, save_tables
-from ._programs import run_stored
-from ._progress import doing, expect_programs
-from ._tables import Line, TextTable, in_units, prose, terminal_width
+from ..._files import make_folder
+from ...dynamics import STEADY_RESULTS, SteadyState, steady_meaning, steady_state
+from ...mechanism import Mechanism, OperatingPoint
+from ...quantities import assumptions
+from .._app import app
+from .._assumed import STEADY
+from .._common import Common, checked, emit, plain, save_tables
+from .._programs import run_stored
+from .._progress import doing, expect_programs
+from .._tables import Line, TextTable, in_units, prose, terminal_width
 
 _DEFAULT = Common()
 _steady_state = eqx.filter_jit(steady_state)
@@ -114,7 +114,7 @@ def steady(file: str, *, common: Common = _DEFAULT) -> int:
 
 
 def _steady_pictures(folder: Path, state: SteadyState) -> tuple[Path, ...]:
-    from ..report import loss_chart, power_flow_chart, save_figure, steady_flow
+    from ...report import loss_chart, power_flow_chart, save_figure, steady_flow
 
     doing("drawing")
     figures = {"losses": loss_chart({"operating point": state})}

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics import free_carrier_ratio, ideal_carrier_ratio
-from ..mechanism import get_parameter
-from ._difference import differs
-from ._examples import (
+from ...dynamics import free_carrier_ratio, ideal_carrier_ratio
+from ...mechanism import get_parameter
+from .._difference import differs
+from .._examples import (
     kinematics,
     knees,
     scene,
@@ -18,10 +18,10 @@ from ._examples import (
     transient,
     two_stages,
 )
+from .._newton import newton
+from .._registry import rows_of
+from .._row import Row, number, trend
 from ._li_radii import radius_rows
-from ._newton import newton
-from ._registry import rows_of
-from ._row import Row, number, trend
 
 _NAME, _VISCOUS = "li2020_two_stage", "li2020_single_stage_viscous"
 _SPLINE, _BEARING = "spline.coefficient", "thrust_bearing.coefficient"

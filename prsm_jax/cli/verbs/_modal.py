@@ -7,16 +7,16 @@ import equinox as eqx
 import numpy as np
 from cyclopts import Parameter
 
-from .._errors import PrsmError
-from .._files import make_folder
-from ..mechanism import Mechanism, find_parameters
-from ..quantities import assumptions
-from ..vibration import FAMILIES, FrequencyLoci, Modes, frequency_loci, modal as run_modal
-from ._app import app
-from ._assumed import VIBRATION
-from ._common import Common, checked, emit, value_of
-from ._progress import doing, expect_programs
-from ._tables import table
+from ..._errors import PrsmError
+from ..._files import make_folder
+from ...mechanism import Mechanism, find_parameters
+from ...quantities import assumptions
+from ...vibration import FAMILIES, FrequencyLoci, Modes, frequency_loci, modal as run_modal
+from .._app import app
+from .._assumed import VIBRATION
+from .._common import Common, checked, emit, value_of
+from .._progress import doing, expect_programs
+from .._tables import table
 
 _DEFAULT = Common()
 _modes = eqx.filter_jit(run_modal)
@@ -96,7 +96,7 @@ def _pictures(
     stage: int,
     animation: bool,
 ) -> list[Path]:
-    from ..report import frequency_loci_chart, mode_shapes, save_figure, save_mode_animations
+    from ...report import frequency_loci_chart, mode_shapes, save_figure, save_mode_animations
 
     # Everything that can fail comes before the folder.
     drawn = {"mode-shapes": mode_shapes(mechanism, modes, stage=stage)}

@@ -5,13 +5,13 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from .._errors import PrsmError
-from .._files import make_folder
-from ..quantities import catalogue
-from ._app import app
-from ._common import Output, emit, save_tables, write_text
-from ._progress import doing
-from ._tables import TextTable, terminal_width
+from ..._errors import PrsmError
+from ..._files import make_folder
+from ...quantities import catalogue
+from .._app import app
+from .._common import Output, emit, save_tables, write_text
+from .._progress import doing
+from .._tables import TextTable, terminal_width
 
 _DEFAULT = Output()
 
@@ -39,7 +39,7 @@ def example(
     output: Output = _DEFAULT,
 ) -> int:
     """Print a shipped example as a file to start from; --out writes it into a folder."""
-    from ..file import example_names, example_text
+    from ...file import example_names, example_text
 
     output.check_targets()
     if output.out is not None:
@@ -62,7 +62,7 @@ def validate(
     output: Output = _DEFAULT,
 ) -> int:
     """Published numbers beside the computed ones, with verdicts; figures anew with --out."""
-    from ..validation import markdown, table as validation_table, validate as run
+    from ...validation import markdown, table as validation_table, validate as run
 
     output.check_targets()
     doing("computing published numbers anew")
@@ -84,8 +84,8 @@ def validate(
 
 def _published_pictures(folder: Path, source: str | None) -> list[Path]:
     """The figures of the papers, drawn anew."""
-    from ..report import published_figure, published_pressure, save_figure
-    from ..validation import published_figures, published_pressures
+    from ...report import published_figure, published_pressure, save_figure
+    from ...validation import published_figures, published_pressures
 
     # Everything that can fail comes before the folder.
     drawn = {figure.file_name: published_figure(figure) for figure in published_figures(source)}

@@ -7,15 +7,15 @@ from collections.abc import Iterator
 import equinox as eqx
 import jax.numpy as jnp
 
-from ..geometry import Meshing, mesh
-from ..halfspace import FlankContact, flank_contact
-from ..mechanism import Stage, as_scalar
-from ._difference import not_comparable, unexplained
-from ._examples import example
+from ...geometry import Meshing, mesh
+from ...halfspace import FlankContact, flank_contact
+from ...mechanism import Stage, as_scalar
+from .._difference import not_comparable, unexplained
+from .._examples import example
+from .._registry import rows_of
+from .._row import Row
+from .._thread_contacts import LOADS
 from ._lisowski2014 import BY_FLANKS, ELEMENTS, TABLES
-from ._registry import rows_of
-from ._row import Row
-from ._thread_contacts import LOADS
 
 _CELLS = 32
 _EXTENT = 1.3

@@ -6,19 +6,19 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..contact import (
+from ...contact import (
     axis_ratio_of,
     complete_elliptic_integrals,
     contact_modulus,
     hertz_contact,
     lisowski_coefficients,
 )
-from ..mechanism import CurvatureConvention, as_scalar, material_of
-from ._difference import consistent, differs, formula, inconsistent, unexplained
-from ._examples import example
-from ._registry import rows_of
-from ._row import Row, misprint, number
-from ._thread_contacts import LOADS, pairs_of_threads
+from ...mechanism import CurvatureConvention, as_scalar, material_of
+from .._difference import consistent, differs, formula, inconsistent, unexplained
+from .._examples import example
+from .._registry import rows_of
+from .._row import Row, misprint, number
+from .._thread_contacts import LOADS, pairs_of_threads
 
 HERTZ = {"screw": ("999", "1259", "1585"), "nut": ("969", "1221", "1585")}
 ELEMENTS = {"screw": ("608", "1480", "1586"), "nut": (None, "879", "1531")}

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics import Transient, ideal_carrier_ratio
-from ._examples import example, scene, transient
-from ._figures import Curve, Mark, Panel, PublishedFigure, figures_of
+from ...dynamics import Transient, ideal_carrier_ratio
+from .._examples import example, scene, transient
+from .._figures import Curve, Mark, Panel, PublishedFigure, figures_of
 
 _2020, _2021 = "li2020_two_stage", "li2021_two_stage"
 #: Where the curves of Li et al. 2021 end [s].

@@ -4,10 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ._difference import differs
-from ._examples import example
-from ._registry import rows_of
-from ._row import Row
+from .._difference import differs
+from .._examples import example
+from .._registry import rows_of
+from .._row import Row
 from ._wu2022_matrix import eigen, published_matrices, published_modes, stable_matrices
 
 _COUNT = 7

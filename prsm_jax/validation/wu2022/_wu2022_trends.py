@@ -9,13 +9,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..contact import engaged_threads, stage_contact
-from ..mechanism import Mechanism, set_parameter
-from ..vibration import modal
-from ._difference import differs
-from ._examples import example
-from ._registry import rows_of
-from ._row import Row, trend
+from ...contact import engaged_threads, stage_contact
+from ...mechanism import Mechanism, set_parameter
+from ...vibration import modal
+from .._difference import differs
+from .._examples import example
+from .._registry import rows_of
+from .._row import Row, trend
 
 _THREAD_LOAD = 100.0
 _RADII = np.linspace(2e-3, 10e-3, 9)

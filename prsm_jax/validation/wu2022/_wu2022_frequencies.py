@@ -6,20 +6,20 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..mechanism import Stage
-from ..stiffness import thread_stiffness
-from ..vibration import (
+from ...mechanism import Stage
+from ...stiffness import thread_stiffness
+from ...vibration import (
     carrier_mode,
     roller_modes,
     torsional_block,
     transverse_block,
     vibration_system,
 )
-from ._data import read_table
-from ._difference import differs, fault
-from ._examples import example
-from ._registry import rows_of
-from ._row import Row, misprint, number
+from .._data import read_table
+from .._difference import differs, fault
+from .._examples import example
+from .._registry import rows_of
+from .._row import Row, misprint, number
 from ._wu2022_matrix import ROLLER_MASS, published_modes
 
 _COUNTS = tuple(range(7, 13))

@@ -4,11 +4,11 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from ..explanation import explain as run_explain
-from ._app import app
-from ._common import Common, emit, save_tables, words_of
-from ._progress import counted, doing
-from ._tables import prose, terminal_width
+from ...explanation import explain as run_explain
+from .._app import app
+from .._common import Common, emit, save_tables, words_of
+from .._progress import counted, doing
+from .._tables import prose, terminal_width
 
 _DEFAULT = Common()
 _WITHOUT = "Parts are told by the name of the field; --numbers lists optional numbers too.\n"

@@ -1,0 +1,1 @@
+"""Lisowski 2014: contact pressures."""

@@ -1,0 +1,1 @@
+"""Wu et al. 2022: stiffness, pressures, natural frequencies and mode shapes."""
