@@ -30,7 +30,7 @@ from prsm_jax.mechanism import (
     TorqueScenario,
     UnequalRoller,
 )
-from prsm_jax.mechanism._fields import Scalar, number
+from prsm_jax.mechanism.fields._fields import Scalar, number
 from prsm_jax.quantities import available_quantities, catalogue
 
 from .flagged import flagged_quantities

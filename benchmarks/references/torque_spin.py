@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from prsm_jax.dynamics._contact_losses import with_resistance
-from prsm_jax.dynamics._steady import all_kinematics
+from prsm_jax.dynamics.friction._contact_losses import with_resistance
+from prsm_jax.dynamics.steady._steady import all_kinematics
 from prsm_jax.mechanism import Mechanism
 
 from .dynamics import StageNumbers

@@ -10,28 +10,37 @@ from .._errors import PrsmError
 from .._one_program import is_known, one_program_where_possible, traceable
 from .._stretches import over_samples
 from ..mechanism import Mechanism, Scalar, TorqueScenario, check_scenario, of_one_design
-from ._automatic import chosen_method, sample_times, scene_problem
-from ._bristle_transient import bristle_history
-from ._bristles import has_bristles
-from ._carrier_motion import Problem, driven_states, error_weight, remaining_time, scaled_rate
-from ._integration import Settings, integrated
 from ._kinematics import StageKinematics, free_carrier_ratio
-from ._quasi_steady import quasi_steady_at, quasi_steady_report
-from ._scenario import Scenario, default_scenario, drive_once
-from ._settling import settling_history
-from ._smooth_torque import has_smooth_threads, smooth_torque_history
-from ._torque_transient import torque_history
-from ._transient_result import (
+from .forces import Scenario, default_scenario, drive_once
+from .friction import has_bristles
+from .histories import (
     CANNOT_BE_BUILT,
     MEANS_NOTHING,
     CarrierHistory,
+    Settings,
     SolverReport,
     Transient,
     histories,
+    integrated,
     rows_of,
     transient_of,
 )
 from .solvers import Gradient, Method, is_concrete
+from .speed_drive import (
+    Problem,
+    bristle_history,
+    chosen_method,
+    driven_states,
+    error_weight,
+    quasi_steady_at,
+    quasi_steady_report,
+    remaining_time,
+    sample_times,
+    scaled_rate,
+    scene_problem,
+    settling_history,
+)
+from .torque_drive import has_smooth_threads, smooth_torque_history, torque_history
 
 #: Steps of Tsitouras's method over the time constant: a share of 0.39 of a deviation is left by
 #: one, and past 3.5 it grows.

@@ -5,19 +5,38 @@ from typing import Any, Literal, TypeAlias
 import equinox as eqx
 from jaxtyping import Array, Float
 
-from ._bodies import Carrier, Gear, GivenStiffness, Material, Nut, RingGear, Roller, Screw
-from ._checked import check_finite, check_not_negative
-from ._damping import Damping
-from ._design_problem import DesignProblem
-from ._fields import Scalar, as_scalar, choice, number, optional_number, part
-from ._friction import Friction
-from ._line_contact import LineContact
-from ._load_sharing import LoadSharing
-from ._scenario import Scenario, TorqueScenario
-from ._strength import Strength
-from ._thread import Thread
-from ._unequal_roller import UnequalRoller, check_unequal_rollers
-from ._within import Limited, check_stage
+from .fields import (
+    Limited,
+    Scalar,
+    as_scalar,
+    check_finite,
+    check_not_negative,
+    check_stage,
+    choice,
+    number,
+    optional_number,
+    part,
+)
+from .friction import Friction
+from .parts import (
+    Carrier,
+    Damping,
+    DesignProblem,
+    Gear,
+    GivenStiffness,
+    LineContact,
+    LoadSharing,
+    Material,
+    Nut,
+    RingGear,
+    Roller,
+    Screw,
+    Strength,
+    Thread,
+    UnequalRoller,
+    check_unequal_rollers,
+)
+from .scenario import Scenario, TorqueScenario
 
 CurvatureConvention: TypeAlias = Literal["exact", "lisowski2014", "wu2022"]
 CURVATURE_CONVENTIONS: tuple[CurvatureConvention, ...] = ("exact", "lisowski2014", "wu2022")

@@ -227,7 +227,7 @@ def test_every_class_of_results_is_among_them():
         for one in vars(prsm).values()
         if inspect.isclass(one)
         and issubclass(one, eqx.Module)
-        and not one.__module__.startswith(("prsm_jax.mechanism", "prsm_jax.dynamics._loads"))
+        and not one.__module__.startswith(("prsm_jax.mechanism", "prsm_jax.dynamics.forces._loads"))
         and one.__name__ not in OF_ONE_DESIGN
     }
     # All of AbstractResult that are defined anywhere, and all that a user can name.

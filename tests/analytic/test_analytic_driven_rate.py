@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import prsm_jax as prsm
-from prsm_jax.dynamics._integration import Settings, integrated
+from prsm_jax.dynamics.histories._integration import Settings, integrated
 from prsm_jax.dynamics.solvers import DrivenRate, Method
 
 

@@ -9,9 +9,9 @@ from scenes import array, mechanism, stage, steady_state, thread
 
 import prsm_jax as prsm
 from prsm_jax.dynamics import free_carrier_ratio, stage_kinematics
-from prsm_jax.dynamics._bristles import bristle_friction
-from prsm_jax.dynamics._carrier_balance import slip_per_turn
-from prsm_jax.dynamics._thread_friction import thread_friction
+from prsm_jax.dynamics.friction._bristles import bristle_friction
+from prsm_jax.dynamics.friction._thread_friction import thread_friction
+from prsm_jax.dynamics.steady._carrier_balance import slip_per_turn
 from prsm_jax.mechanism import (
     CoulombFriction,
     Friction,

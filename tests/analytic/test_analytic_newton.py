@@ -16,10 +16,10 @@ from scenes import STEEL, array, example, simulate, stage as make_stage, steady_
 
 import prsm_jax as prsm
 from prsm_jax.dynamics import Instant, stage_kinematics, states_at
-from prsm_jax.dynamics._contact_losses import with_resistance
-from prsm_jax.dynamics._power import losses
-from prsm_jax.dynamics._roller_balance import roller_support_forces
-from prsm_jax.dynamics._stage_forces import carrier_inertia
+from prsm_jax.dynamics.forces._power import losses
+from prsm_jax.dynamics.forces._roller_balance import roller_support_forces
+from prsm_jax.dynamics.forces._stage_forces import carrier_inertia
+from prsm_jax.dynamics.friction._contact_losses import with_resistance
 from prsm_jax.mechanism import (
     Carrier,
     Drag,

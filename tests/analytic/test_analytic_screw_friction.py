@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, strategies
 from scenes import mechanism, stage, steady_state, thread
 
-from prsm_jax.dynamics._chain import _coupled_frictions
+from prsm_jax.dynamics.forces._chain import _coupled_frictions
 from prsm_jax.mechanism import (
     CoulombFriction,
     Drag,

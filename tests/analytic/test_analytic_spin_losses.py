@@ -12,8 +12,8 @@ import pytest
 from scenes import array, mechanism, stage, steady_state, thread
 
 import prsm_jax as prsm
-from prsm_jax.dynamics._rubbing import Rubbing, _root, rubbed_friction, rubbed_moment
-from prsm_jax.dynamics._thread_friction import slip_direction, thread_friction
+from prsm_jax.dynamics.friction._rubbing import Rubbing, _root, rubbed_friction, rubbed_moment
+from prsm_jax.dynamics.friction._thread_friction import slip_direction, thread_friction
 from prsm_jax.mechanism import (
     CoulombFriction,
     Friction,

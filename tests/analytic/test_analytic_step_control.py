@@ -11,9 +11,9 @@ import pytest
 
 import prsm_jax as prsm
 from benchmarks.extremes import structures
-from prsm_jax.dynamics._automatic import scene_problem
-from prsm_jax.dynamics._integration import Settings, integrated
+from prsm_jax.dynamics.histories._integration import Settings, integrated
 from prsm_jax.dynamics.solvers._kvaerno import Kvaerno
+from prsm_jax.dynamics.speed_drive._automatic import scene_problem
 
 
 @eqx.filter_jit

@@ -16,8 +16,8 @@ from scenes import array, mechanism, stage, thread
 import prsm_jax as prsm
 from benchmarks.references.torque_runs import TorqueChain
 from prsm_jax.dynamics import carrier_inertia
-from prsm_jax.dynamics._stick_slip import joined
-from prsm_jax.dynamics._transient_result import Phase
+from prsm_jax.dynamics.histories._transient_result import Phase
+from prsm_jax.dynamics.torque_drive._stick_slip import joined
 from prsm_jax.mechanism import (
     CoulombFriction,
     Friction,

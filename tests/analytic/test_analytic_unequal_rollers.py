@@ -8,7 +8,7 @@ import pytest
 from scenes import equal_shares
 
 import prsm_jax as prsm
-from prsm_jax.dynamics._stage_forces import axial_inertia, carrier_inertia
+from prsm_jax.dynamics.forces._stage_forces import axial_inertia, carrier_inertia
 from prsm_jax.mechanism import (
     UnequalRoller,
     body_inertia,

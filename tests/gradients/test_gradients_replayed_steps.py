@@ -8,11 +8,11 @@ import scipy.optimize
 from scenes import array, mechanism, stage, thread
 
 import prsm_jax as prsm
-from prsm_jax.dynamics._integration import Settings
-from prsm_jax.dynamics._phases import PhaseLaws, follow_phases
-from prsm_jax.dynamics._stick_slip import follow_carriers
-from prsm_jax.dynamics._torque_balance import torque_problem
+from prsm_jax.dynamics.histories._integration import Settings
 from prsm_jax.dynamics.solvers import solver_of
+from prsm_jax.dynamics.torque_drive._phases import PhaseLaws, follow_phases
+from prsm_jax.dynamics.torque_drive._stick_slip import follow_carriers
+from prsm_jax.dynamics.torque_drive._torque_balance import torque_problem
 from prsm_jax.mechanism import CoulombFriction, Friction
 
 

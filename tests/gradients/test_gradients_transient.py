@@ -9,10 +9,10 @@ from scenes import Swing, array, changed, mechanism, stage, thread
 
 import prsm_jax as prsm
 from prsm_jax.dynamics import slip_velocity, stage_kinematics
-from prsm_jax.dynamics._integration import Settings
-from prsm_jax.dynamics._stick_slip import follow_carriers
-from prsm_jax.dynamics._torque_balance import torque_problem
-from prsm_jax.dynamics._torque_drive import follow
+from prsm_jax.dynamics.histories._integration import Settings
+from prsm_jax.dynamics.torque_drive._stick_slip import follow_carriers
+from prsm_jax.dynamics.torque_drive._torque_balance import torque_problem
+from prsm_jax.dynamics.torque_drive._torque_drive import follow
 from prsm_jax.mechanism import CoulombFriction, Friction
 
 VARIABLES = ("lead", "contact_angle", "roller_radius")

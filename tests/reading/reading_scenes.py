@@ -13,7 +13,7 @@ import numpy as np
 from prsm_jax.contact import HertzContact, LineContactResult, SliceGeometry
 from prsm_jax.contact._thread_contact import StageContact, ThreadContactSide
 from prsm_jax.dynamics import BodyForces, SolverReport, SteadyState, Transient
-from prsm_jax.dynamics._transient_result import Phase
+from prsm_jax.dynamics.histories._transient_result import Phase
 from prsm_jax.geometry._curvature import RelativeCurvature
 from prsm_jax.geometry._meshing import Meshing, ThreadContact
 from prsm_jax.halfspace import (

@@ -12,7 +12,7 @@ from report_scenes import make_steady, make_transient
 from scenes import array, example, simulate
 
 from prsm_jax.dynamics import Scenario
-from prsm_jax.dynamics._transient_result import Phase
+from prsm_jax.dynamics.histories._transient_result import Phase
 from prsm_jax.report import (
     PowerFlow,
     energy_flow,

@@ -1,0 +1,111 @@
+"""One stage in a handful of scalars: what an integrator evaluates thousands of times.
+
+The slip is linear in the two speeds, `v = Ω v₀ − ω (d, 0)`, and thread friction is parallel to it.
+So its part along d, `s = Ω v₀·d/|d| − ω |d|`, decides everything, because the rest of it turns with
+the screw alone: `‖v‖² = s² + Ω² q²`. Forces on all parts need vectors; the equation of motion does
+not.
+"""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+
+from ..._guards import above_or_nan
+from ..._physics import physics
+from ...mechanism import Scalar, Stage
+from ...numerics import dot_few
+from .._kinematics import StageKinematics
+from ..friction import has_contact_losses, thread_friction
+
+
+class ReducedStage(eqx.Module):
+    """Geometry of a stage's slip as scalars, lengths per radian [m]."""
+
+    #: Slip along d per radian of screw turn, v₀·d/|d|.
+    along: Scalar
+    #: Slip across d per radian of screw turn, q.
+    across: Scalar
+    #: Axial slip per radian of screw turn, L/2π.
+    axial: Scalar
+    #: |d|, by which the carrier's turning changes the slip.
+    drive: Scalar
+    #: Contact radius at the screw.
+    contact_radius: Scalar
+    #: Moment of the unit normal about the screw's axis [m].
+    normal_moment: Scalar
+    #: |n_z|.
+    normal_axial: Scalar
+
+
+class ReducedForces(NamedTuple):
+    """What a stage does to its screw and its carrier."""
+
+    #: Torque of all rollers on the screw [N·m].
+    torque_on_screw: Scalar
+    #: Axial force of all rollers on the screw [N].
+    axial_on_screw: Scalar
+    #: Generalised force of all rollers on the carrier speed [N·m].
+    carrier_drive: Scalar
+
+
+def is_reducible(stage: Stage) -> bool:
+    """Whether the scalars suffice: not with losses inside the contact ellipses."""
+    return not has_contact_losses(stage.friction)
+
+
+def reduced_stage(kinematics: StageKinematics) -> ReducedStage:
+    """Collect the scalars of a stage."""
+    drive, slip, screw = kinematics.drive, kinematics.slip_per_screw, kinematics.meshing.screw
+    length = jnp.sqrt(dot_few(drive, drive))
+    across = kinematics.crossing / length
+    return ReducedStage(
+        along=dot_few(slip[:2], drive) / length,
+        across=jnp.sqrt(across**2 + slip[2] ** 2),
+        axial=slip[2],
+        drive=length,
+        contact_radius=screw.contact_radius,
+        normal_moment=dot_few(slip[:2], screw.normal[:2]),
+        normal_axial=-screw.normal[2],
+    )
+
+
+@physics("reduced_stage")
+def reduced_forces(
+    stage: Stage, reduced: ReducedStage, speed: Scalar, carrier_speed: Scalar, axial_force: Scalar
+) -> ReducedForces:
+    """Forces of the rollers of one stage, by its scalars; the same as those of `stage_forces`.
+
+    **Arguments:**
+
+    - `stage`, `reduced`: the stage and its scalars.
+    - `speed`, `carrier_speed`: Ω and ω [rad/s].
+    - `axial_force`: what the rollers together carry axially [N]; if negative, on the other flanks.
+    """
+    count = stage.present_roller_count
+    law = None if stage.friction is None else stage.friction.thread
+    along = speed * reduced.along - carrier_speed * reduced.drive
+    square = along**2 + (speed * reduced.across) ** 2
+    slips = above_or_nan(square)
+    # A step costs by its divisions and roots: one root, one division, and what XLA takes out of
+    # loops, as the one by the number of rollers.
+    share = jnp.where(slips, jax.lax.rsqrt(jnp.where(slips, square, 1.0)), 0.0)
+    slip_speed = square * share
+    per_force, constant = thread_friction(law, slip_speed[None], jnp.ones_like(slip_speed)[None])
+    # Friction per slip speed: it is parallel to the slip.
+    per_force, constant = per_force[0] * share, constant[0] * share
+
+    axial_slip = speed * reduced.axial
+    left = axial_force * (1 / count) + constant * axial_slip
+    # Seen from its other end, a stage that is pushed the other way turns the other way.
+    flank = jnp.where(left < 0, -1.0, 1.0).astype(left.dtype)
+    force = flank * left / (reduced.normal_axial - per_force * flank * axial_slip)
+    friction = per_force * force + constant
+    turning = speed * reduced.contact_radius**2 - carrier_speed * reduced.drive * reduced.along
+    moment = flank * force * reduced.normal_moment + friction * turning
+    return ReducedForces(
+        torque_on_screw=-count * moment,
+        axial_on_screw=axial_force,
+        carrier_drive=count * friction * along * reduced.drive,
+    )

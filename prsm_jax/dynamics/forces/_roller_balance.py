@@ -1,0 +1,107 @@
+"""Forces on one roller from ring gear and carriers, by Newton's law."""
+
+import equinox as eqx
+import jax.numpy as jnp
+
+from ..._guards import above_or_nan
+from ..._physics import physics
+from ...mechanism import Gear, Scalar, Stage, body_inertia, mean_roller_inertia, mean_roller_mass
+from .._kinematics import StageKinematics
+from ._chain import StageState
+
+
+class RollerSupportForces(eqx.Module):
+    """Forces at either end of one roller."""
+
+    #: Tangential force of the ring gear on one end of a roller [N].
+    ring_gear_tangential: Scalar
+    #: Tooth force there, |F_t| / cos α_RG [N].
+    ring_gear_force: Scalar
+    #: Force of one carrier pin on one end of a roller [N].
+    carrier_force: Scalar
+    #: Residual of the roller's moment balance about its axis [N·m].
+    moment_residual: Scalar
+
+
+@physics("gear_tooth_force")
+def _tooth_forces(gear: Gear, tangential: Scalar) -> tuple[Scalar, Scalar]:
+    """Radial force (towards the axis, so negative) and magnitude of a tooth force [N]."""
+    magnitude = jnp.abs(tangential)
+    return -magnitude * jnp.tan(gear.pressure_angle), magnitude / jnp.cos(gear.pressure_angle)
+
+
+def roller_support_forces(
+    stage: Stage,
+    kinematics: StageKinematics,
+    state: StageState,
+    carrier_acceleration: Scalar | None,
+) -> RollerSupportForces:
+    """Ring gear and carrier forces from the balances of one roller.
+
+    Roller: `F n̂ + f + F_RN + 2 F_RG + 2 F_RP = m_R a_R` (Li et al. 2020, equation 17, with the
+    ring gear), carrier: `−N F_RPy a = J_P ω̇` for each of the two. The moment balance about the
+    roller's axis is not needed for this; its residual shows that the carrier acceleration of
+    Lagrange's equations is also Newton's.
+
+    The radial part of the ring gear force needs the pressure angle; without a gear it is 0.
+
+    **Arguments:**
+
+    - `stage`, `kinematics`, `state`: the stage, its kinematics and its forces.
+    - `carrier_acceleration`: ω̇ [rad/s²], or `None` in a steady state, where only the centripetal
+      force of the roller remains (and only if its mass is known).
+    """
+    thread, forces, motion = stage.thread, state.forces, state.motion
+    # All as seen from the side of the loaded flank.
+    if carrier_acceleration is not None:
+        carrier_acceleration = state.flank * carrier_acceleration
+    nut_force = forces.nut_contact_force * kinematics.meshing.nut.normal
+    on_roller = forces.screw_on_roller + nut_force
+    mass_known = stage.roller.mass is not None or stage.roller.length is not None
+    inward = jnp.zeros_like(forces.contact_force)
+    if mass_known:
+        mass = mean_roller_mass(stage)
+        inward = -mass * motion.carrier_speed**2 * thread.centre_distance
+    pin_tangential = jnp.zeros_like(inward)
+    tangential_inertia = jnp.zeros_like(inward)
+    if carrier_acceleration is not None:
+        tangential_inertia = mean_roller_mass(stage) * carrier_acceleration * thread.centre_distance
+        if stage.carrier is not None:
+            # Both carriers together turn by what all rollers push on their pins.
+            inertia = stage.carrier.count * body_inertia(stage, "carrier")
+            both = (
+                inertia
+                * carrier_acceleration
+                / (stage.present_roller_count * thread.centre_distance)
+            )
+            pin_tangential = -both / 2
+    gear_tangential = (tangential_inertia - on_roller[1]) / 2 - pin_tangential
+    pin_radial, gear_force = (inward - on_roller[0]) / 2, jnp.abs(gear_tangential)
+    if stage.gear is not None:
+        gear_radial, gear_force = _tooth_forces(stage.gear, gear_tangential)
+        pin_radial = pin_radial - gear_radial
+
+    side = kinematics.meshing.screw
+    arm, angle = side.roller_contact_radius, side.roller_angle_position
+    screw_on_roller = forces.screw_on_roller
+    moment = thread.roller_radius * (nut_force[1] + 2 * gear_tangential)
+    moment = moment - arm * jnp.cos(angle) * screw_on_roller[1]
+    moment = moment - arm * jnp.sin(angle) * screw_on_roller[0]
+    if forces.screw_moment is not None and forces.nut_moment is not None:
+        moment = moment + motion.screw_sense * forces.screw_moment.total
+        moment = moment + motion.nut_sense * forces.nut_moment.total
+    if carrier_acceleration is not None:
+        spin_acceleration = -kinematics.relative_spin_ratio * carrier_acceleration
+        moment = moment - mean_roller_inertia(stage) * spin_acceleration
+    return RollerSupportForces(
+        ring_gear_tangential=state.flank * gear_tangential,
+        ring_gear_force=gear_force,
+        carrier_force=_norm(pin_radial, pin_tangential),
+        moment_residual=moment,
+    )
+
+
+def _norm(first: Scalar, second: Scalar) -> Scalar:
+    square = first**2 + second**2
+    some = above_or_nan(square)
+    return jnp.where(some, jnp.sqrt(jnp.where(some, square, 1.0)), 0.0)

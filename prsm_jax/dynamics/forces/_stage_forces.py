@@ -1,0 +1,170 @@
+"""Forces in one stage at given speeds (the screw side decides; the rest follows by balance)."""
+
+import contextlib
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..._errors import MissingDataError
+from ..._physics import physics
+from ...mechanism import (
+    Scalar,
+    Stage,
+    body_inertia,
+    body_mass,
+    mean_roller_inertia,
+    mean_roller_mass,
+)
+from ...numerics import dot_few
+from .._kinematics import StageKinematics
+from ..friction import (
+    ResistingMoment,
+    Rubbing,
+    ScrewContact,
+    Slip,
+    has_contact_losses,
+    resisting_moments,
+    screw_contact,
+)
+
+
+class Motion(eqx.Module):
+    """Instantaneous motion of one stage, seen from the side of the loaded flank."""
+
+    screw_speed: Scalar
+    carrier_speed: Scalar
+    slip: Float[Array, "3"]
+    #: Unit vector of the slip; at standstill that of the motion about to begin.
+    direction: Float[Array, "3"]
+    #: Sense of turning of screw over roller, Ω + (n − 1) ω, and of roller over nut: +1 or −1.
+    screw_sense: Scalar
+    nut_sense: Scalar
+    #: Axial acceleration of nut and rollers z̈ [m/s²]; `None` at constant speed, which leaves the
+    #: masses untraced.
+    axial_acceleration: Scalar | None = None
+    #: Deflection of the bristles in one contact [m]; `None` where friction has no state.
+    deflection: Float[Array, "3"] | None = None
+    #: Share of the normal force that carries axially, where it is found with other unknowns
+    #: (`_rubbing`).
+    share: Scalar | None = None
+    #: All of the screw side, where that is known already.
+    contact: ScrewContact | None = None
+
+
+class StageForces(eqx.Module):
+    """Forces on one roller of a stage, and what the rollers together do to screw and carrier.
+
+    Those on one roller are seen from the side of the loaded flank (`_flank`), as in `Motion`; the
+    last three, which couple the stage to others, are not.
+    """
+
+    #: Normal force of the screw on one roller, all threads together, F [N].
+    contact_force: Scalar
+    #: Friction of the screw on one roller [N].
+    friction: Float[Array, "3"]
+    #: Force of the screw on one roller, F n̂ + f [N].
+    screw_on_roller: Float[Array, "3"]
+    #: Normal force of the nut on one roller [N].
+    nut_contact_force: Scalar
+    screw_moment: ResistingMoment | None
+    nut_moment: ResistingMoment | None
+    #: Axial force of all rollers on the screw [N].
+    axial_on_screw: Scalar
+    #: Torque of all rollers on the screw about its axis [N·m].
+    torque_on_screw: Scalar
+    #: Generalised force of all rollers on the carrier speed [N·m].
+    carrier_drive: Scalar
+    #: Slip and spin together in the ellipse of the screw side; `None` where not modelled.
+    rubbing: Rubbing | None = None
+    #: What a share of the normal force that was assumed misses the axial balance by.
+    missed: Scalar | None = None
+
+
+@physics("axial_inertia")
+def axial_inertia(stage: Stage) -> Scalar:
+    """Mass that moves axially with the nut: N m_R + m_n + the carriers [kg]."""
+    mass = stage.present_roller_count * mean_roller_mass(stage) + body_mass(stage, "nut")
+    carrier = stage.carrier
+    if carrier is not None:
+        # Papers give the carriers' inertia without their mass; it is small beside the nut's.
+        with contextlib.suppress(MissingDataError):
+            mass = mass + carrier.count * body_mass(stage, "carrier")
+    return mass
+
+
+def stage_forces(
+    stage: Stage,
+    kinematics: StageKinematics,
+    motion: Motion,
+    axial_force: Scalar,
+    flank: Scalar,
+) -> StageForces:
+    """All forces of the rollers of one stage.
+
+    Axial balance of rollers, nut and carriers: `N (F |n_z| − f_z) = F_n − m z̈`
+    (Li et al. 2020, equations 17 and 25; Li et al. 2021, equation 26).
+
+    **Arguments:**
+
+    - `stage`, `kinematics`: the stage and its meshing.
+    - `motion`: speeds and slip, seen from the side of the loaded flank.
+    - `axial_force`: F_n − m z̈, what the rollers together carry axially, seen from there [N].
+    - `flank`: +1 or −1, to turn back what the stage does to others.
+    """
+    count = stage.present_roller_count
+    screw_side, nut_side = kinematics.meshing.screw, kinematics.meshing.nut
+    contact = motion.contact
+    if contact is None:
+        slip, axial = Slip(motion.slip, motion.direction), axial_force / count
+        contact = screw_contact(stage, kinematics, slip, axial, motion.deflection, motion.share)
+    force, per_force, constant, rub, missed = contact
+    friction = force * per_force + constant
+    on_roller = force * screw_side.normal + friction
+    nut_axial = -on_roller[2]
+    if motion.axial_acceleration is not None:
+        nut_axial = nut_axial + mean_roller_mass(stage) * motion.axial_acceleration
+    nut_force = nut_axial / nut_side.normal[2]
+
+    screw_moment = nut_moment = None
+    radius, angle = screw_side.contact_radius, screw_side.contact_angle_position
+    arm = radius * jnp.stack([-jnp.sin(angle), jnp.cos(angle)])
+    torque = -count * dot_few(arm, on_roller[:2])
+    drive = count * dot_few(friction[:2], kinematics.drive)
+    if has_contact_losses(stage.friction):
+        screw_moment, nut_moment = resisting_moments(stage, kinematics, force, nut_force, rub)
+        on_screw_side = count * motion.screw_sense * screw_moment.total
+        on_nut_side = count * motion.nut_sense * nut_moment.total
+        torque = torque - on_screw_side
+        drive = drive - kinematics.relative_spin_ratio * (on_screw_side + on_nut_side)
+    return StageForces(
+        contact_force=force,
+        friction=friction,
+        screw_on_roller=on_roller,
+        nut_contact_force=nut_force,
+        screw_moment=screw_moment,
+        nut_moment=nut_moment,
+        # By the balance itself: close to jamming the product of a large force and the little that
+        # is left of it to carry has no digits in its derivatives.
+        axial_on_screw=flank * axial_force,
+        torque_on_screw=flank * torque,
+        carrier_drive=flank * drive,
+        rubbing=rub,
+        missed=missed,
+    )
+
+
+@physics("carrier_inertia")
+def carrier_inertia(stage: Stage) -> Scalar:
+    """Inertia that the carrier speed moves: n_P J_P + N J_R (n − 1)² + N m_R a² [kg·m²].
+
+    n_P carriers, rollers turning at −(n − 1) ω about their axes and circling with them
+    (Li et al. 2021, equation 11).
+    """
+    thread, count = stage.thread, stage.present_roller_count
+    spinning = mean_roller_inertia(stage) * (thread.starts - 1) ** 2
+    circling = mean_roller_mass(stage) * thread.centre_distance**2
+    inertia = count * (spinning + circling)
+    if stage.carrier is not None:
+        inertia = inertia + stage.carrier.count * body_inertia(stage, "carrier")
+    return inertia

@@ -1,0 +1,292 @@
+"""The screw side slides and spins at once: friction, moment and normal force together.
+
+The ellipse slides over the roller with v and spins with ω_n, the part of the relative angular
+velocity along the common normal. One dissipation potential gives both the friction force and the
+moment (`contact.slip_and_spin`), so that no friction is counted twice. The local slip has the law
+of the thread friction, whose coefficient is that at the mean local slip speed Φ(v, ω_n).
+
+Both depend on the ellipse, which grows with F^{1/3}, and F depends on the friction: the axial
+balance is one equation for the share of the normal force that carries.
+"""
+
+import functools
+from collections.abc import Callable
+from typing import NamedTuple
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..._guards import above_or_nan
+from ..._physics import physics
+from ..._root import find_root
+from ...contact import EllipseShape, slip_and_spin
+from ...mechanism import (
+    CoulombFriction,
+    LuGreFriction,
+    RegularisedCoulombFriction,
+    Scalar,
+    Stage,
+    StribeckFriction,
+    ThreadFriction,
+)
+from ...numerics import dot_few, sum_few
+from .._kinematics import StageKinematics
+from ._bristles import bristle_friction
+from ._flank import force_free_coefficient
+from ._thread_friction import stribeck_coefficient, thread_friction
+
+#: Points of the rule: wherever the instantaneous centre lies, its error is below 1e-10 up to
+#: a/b = 5 and 1e-7 up to 10.
+_ORDER = 20
+#: Of the share of the normal force that carries; below it a thread counts as jammed.
+_LEAST_SHARE = 1e-9
+
+
+class RubbingEllipse(eqx.Module):
+    """Contact ellipse of the screw side at a normal force of 1 N of one roller, and how it lies."""
+
+    shape: EllipseShape
+    #: Rolling direction and the tangent across it: radial, tangential, axial.
+    rolling: Float[Array, "3"]
+    across: Float[Array, "3"]
+    #: Axial part of the common normal.
+    normal_axial: Scalar
+
+
+class Slip(NamedTuple):
+    """Slip of the screw over the roller."""
+
+    #: [m/s].
+    velocity: Float[Array, "3"]
+    #: Unit vector; at standstill that of the motion about to begin. Shorter where friction takes
+    #: only a share of what it can, in a stage that is held.
+    direction: Float[Array, "3"]
+
+
+class Rubbing(eqx.Module):
+    """Slip and spin of an ellipse, and the gradient of their mean local slip speed Φ."""
+
+    #: ∂Φ/∂v: friction force per unit of μ F; shorter than 1 by what spin takes.
+    direction: Float[Array, "3"]
+    #: ∂Φ/∂ω_n |n_z|: moment about the axis per unit of μ F, that resists [m].
+    moment: Scalar
+    #: Φ [m/s].
+    mean_speed: Scalar
+    #: Moment about the axis per viscous coefficient, ω_n |n_z| (a² + b²)/5, that resists [m²/s].
+    viscous_moment: Scalar
+
+
+def rubbing_ellipse(shape: EllipseShape, normal: Float[Array, "3"]) -> RubbingEllipse:
+    """An ellipse whose axes are the rolling direction and the tangent across it."""
+    x, y, z = normal
+    level = jnp.sqrt(x**2 + y**2)
+    return RubbingEllipse(
+        shape=shape,
+        rolling=jnp.stack([-y / level, x / level, jnp.zeros_like(level)]),
+        across=jnp.stack([-z * x / level, -z * y / level, level]),
+        normal_axial=z,
+    )
+
+
+def spin_per_slip(kinematics: StageKinematics, direction: Float[Array, "3"]) -> Scalar:
+    """Angular velocity of screw over roller, Ω + (n − 1) ω, per slip speed [rad/m].
+
+    The direction of the slip decides it, for both speeds follow from the slip, also at standstill
+    where only the direction of the motion about to begin is known.
+    """
+    drive, slip = kinematics.drive, kinematics.slip_per_screw
+    screw = direction[2] / slip[2]
+    carrier = dot_few(screw * slip[:2] - direction[:2], drive) / dot_few(drive, drive)
+    return screw + kinematics.relative_spin_ratio * carrier
+
+
+def _root(power: Callable[[Scalar], Scalar], value: Scalar) -> Scalar:
+    """A root of what is not negative, 0 at 0, where it has no derivative."""
+    some = above_or_nan(value)
+    return jnp.where(some, power(jnp.where(some, value, 1.0)), 0.0)
+
+
+@physics("spin_friction")
+def rubbing(
+    ellipse: RubbingEllipse, kinematics: StageKinematics, slip: Slip, force: Scalar
+) -> Rubbing:
+    """What an ellipse under a normal force rubs, seen from the side of the loaded flank.
+
+    **Arguments:**
+
+    - `ellipse`: that of the screw side.
+    - `kinematics`: of its stage.
+    - `slip`: of the screw over the roller.
+    - `force`: normal force of one roller [N].
+    """
+    direction = slip.direction
+    speed, held = (_root(jnp.sqrt, sum_few(vector**2)) for vector in slip)
+    growth, along = _root(jnp.cbrt, jnp.abs(force)), jnp.abs(ellipse.normal_axial)
+    turning = spin_per_slip(kinematics, direction)
+    # An ellipse that is twice as large spins as if twice as fast: its shape stays that at 1 N.
+    spin = ellipse.normal_axial * turning * growth
+    rolling, across = dot_few(direction, ellipse.rolling), dot_few(direction, ellipse.across)
+    found = slip_and_spin(ellipse.shape, (rolling, across), spin, _ORDER)
+    first, second = found.force
+    size = ellipse.shape.first + ellipse.shape.second
+    return Rubbing(
+        direction=held * (first * ellipse.rolling + second * ellipse.across),
+        moment=growth * along * jnp.abs(found.moment),
+        mean_speed=speed * (first * rolling + second * across + found.moment * spin),
+        viscous_moment=size / 5 * jnp.abs(growth * along * spin) * speed,
+    )
+
+
+@functools.singledispatch
+def traction_coefficient(law: ThreadFriction, mean_speed: Scalar) -> Scalar:
+    """Coefficient of the local friction at the mean local slip speed; 0 of laws without one."""
+    return jnp.zeros_like(mean_speed)
+
+
+@traction_coefficient.register
+@physics("coulomb_friction")
+def _coulomb(law: CoulombFriction, mean_speed):
+    return law.coefficient * jnp.ones_like(mean_speed)
+
+
+@traction_coefficient.register
+@physics("regularised_coulomb_friction")
+def _regularised(law: RegularisedCoulombFriction, mean_speed):
+    return law.coefficient * mean_speed / jnp.sqrt(mean_speed**2 + law.width**2)
+
+
+@traction_coefficient.register
+@physics("stribeck_friction")
+def _stribeck(law: StribeckFriction, mean_speed):
+    return stribeck_coefficient(law, mean_speed[None])
+
+
+@traction_coefficient.register
+@physics("lugre_friction")
+def _bristles(law: LuGreFriction, mean_speed):
+    return stribeck_coefficient(law, mean_speed[None])
+
+
+def rubbed_friction(
+    law: ThreadFriction,
+    slip: Float[Array, "3"],
+    deflection: Float[Array, "3"] | None,
+    rub: Rubbing,
+) -> tuple[Float[Array, "3"], Float[Array, "3"]]:
+    """Friction on one roller, as `thread_friction`, in an ellipse that spins."""
+    if isinstance(law, LuGreFriction) and deflection is not None:
+        return bristle_friction(law, slip, deflection, rub.direction, rub.mean_speed)
+    coefficient = force_free_coefficient(law)
+    constant = jnp.zeros_like(slip) if coefficient is None else coefficient * slip
+    return traction_coefficient(law, rub.mean_speed) * rub.direction, constant
+
+
+@physics("spin_friction")
+def rubbed_moment(law: ThreadFriction, rub: Rubbing, force: Scalar) -> Scalar:
+    """Moment about the axis that resists the spin of the screw side of one roller [N·m]."""
+    moment = traction_coefficient(law, rub.mean_speed) * force * rub.moment
+    coefficient = force_free_coefficient(law)
+    return moment if coefficient is None else moment + coefficient * rub.viscous_moment
+
+
+class ScrewContact(NamedTuple):
+    """Normal force of the screw on one roller, friction per unit of it and beside it, and spin."""
+
+    force: Scalar
+    per_force: Float[Array, "3"]
+    constant: Float[Array, "3"]
+    #: `None` where no spin is modelled, or no friction that it could change.
+    rubbing: Rubbing | None = None
+    #: What an assumed share of the normal force misses the axial balance by; of order one.
+    missed: Scalar | None = None
+
+
+def rubbing_of(stage: Stage, kinematics: StageKinematics) -> RubbingEllipse | None:
+    """The ellipse that slides and spins; `None` without spin or thread friction."""
+    friction = stage.friction
+    if friction is None or friction.spin is None or friction.thread is None:
+        return None
+    # The kinematics do not know that class: it is defined above them.
+    return getattr(kinematics.resistance, "ellipse", None)
+
+
+def spinning_stages(
+    stages: tuple[Stage, ...], kinematics: tuple[StageKinematics, ...]
+) -> dict[int, Scalar]:
+    """Stages whose axial balance has an unknown, and where to begin its search: no friction."""
+    return {
+        index: -geometry.meshing.screw.normal[2]
+        for index, (stage, geometry) in enumerate(zip(stages, kinematics, strict=True))
+        if rubbing_of(stage, geometry) is not None
+    }
+
+
+class _Balance(NamedTuple):
+    """The axial balance of a roller whose friction depends on its normal force."""
+
+    law: ThreadFriction
+    ellipse: RubbingEllipse
+    kinematics: StageKinematics
+    slip: Slip
+    deflection: Float[Array, "3"] | None
+    #: What is left for the normal force [N], and its share that carries if nothing spins.
+    left: Scalar
+    bracket: Scalar
+
+    def at(self, share: Scalar) -> ScrewContact:
+        """Everything where this share of the normal force carries."""
+        carries = self.bracket > _LEAST_SHARE
+        assumed = jnp.where(carries, jnp.maximum(share, _LEAST_SHARE), self.bracket)
+        force = self.left / assumed
+        rub = rubbing(self.ellipse, self.kinematics, self.slip, force)
+        per_force, constant = rubbed_friction(self.law, self.slip.velocity, self.deflection, rub)
+        carried = -self.kinematics.meshing.screw.normal[2] - per_force[2]
+        missed = share - jnp.where(carries, carried, self.bracket)
+        return ScrewContact(force, per_force, constant, rub, missed)
+
+
+def screw_contact(
+    stage: Stage,
+    kinematics: StageKinematics,
+    slip: Slip,
+    axial: Scalar,
+    deflection: Float[Array, "3"] | None = None,
+    share: Scalar | None = None,
+) -> ScrewContact:
+    """Normal force of one roller from its axial balance, F (|n_z| − f_z/F) = F_a + f_z.
+
+    Spin makes the bracket depend on the force; it is found by Newton's iteration. A thread is taken
+    as jammed where it were so without spin, for at such forces no ellipse is Hertz's.
+
+    **Arguments:**
+
+    - `stage`, `kinematics`: the stage, with the contact ellipses if spin is modelled.
+    - `slip`: of the screw over the roller.
+    - `axial`: what one roller carries axially [N].
+    - `deflection`: of the bristles, where friction has that state [m].
+    - `share`: the bracket, where it is found with other unknowns (`missed` is then to vanish).
+    """
+    law = None if stage.friction is None else stage.friction.thread
+    ellipse = rubbing_of(stage, kinematics)
+    if isinstance(law, LuGreFriction) and deflection is not None:
+        per_force, constant = bristle_friction(law, slip.velocity, deflection)
+    else:
+        per_force, constant = thread_friction(law, *slip)
+    bracket = -kinematics.meshing.screw.normal[2] - per_force[2]
+    left = axial + constant[2]
+    if law is None or ellipse is None:
+        return ScrewContact(left / bracket, per_force, constant)
+    balance = _Balance(law, ellipse, kinematics, slip, deflection, left, bracket)
+    if share is None:
+        start = jnp.where(bracket > _LEAST_SHARE, bracket, 1.0)
+        accuracy = 1e-14 if start.dtype == jnp.float64 else 1e-6
+
+        # A plain function: JAX wants to hash it, and a method carries arrays.
+        def missed(unknown: Scalar) -> Scalar:
+            found = balance.at(unknown).missed
+            assert found is not None
+            return found
+
+        share, _ = find_root(missed, start, tolerance=accuracy, max_steps=20)
+    return balance.at(share)

@@ -1,0 +1,26 @@
+"""What an integration gives, and what users ask of it."""
+
+from ._integration import (
+    Settings as Settings,
+    integrated as integrated,
+)
+from ._transient_quantities import (
+    energy as energy,
+    integral as integral,
+    mean_efficiency as mean_efficiency,
+    peak as peak,
+    settling_time as settling_time,
+)
+from ._transient_result import (
+    CANNOT_BE_BUILT as CANNOT_BE_BUILT,
+    MEANS_NOTHING as MEANS_NOTHING,
+    CarrierHistory as CarrierHistory,
+    Phase as Phase,
+    SolverReport as SolverReport,
+    Transient as Transient,
+    code_of_finite as code_of_finite,
+    histories as histories,
+    prescribed as prescribed,
+    rows_of as rows_of,
+    transient_of as transient_of,
+)

@@ -1,0 +1,184 @@
+"""Numbers of a transient that designs are judged by, differentiable by definition.
+
+All are functions of the histories alone, so derivatives are those of the histories; none picks a
+sample by its index without correcting for what lies between the samples.
+"""
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from ..._batches import mapped
+from ..._errors import UnknownNameError, closest
+from ..._guards import above_or_nan
+from ..._one_program import one_program
+from ...mechanism import Scalar
+from ._transient_result import Transient
+
+
+@one_program
+def peak(history: Float[Array, "*batch times"]) -> Float[Array, "*batch"]:
+    """Largest value of a history: the vertex of the parabola through the largest sample.
+
+    Exact for parabolas, and off by the third power of the sample distance otherwise, where the
+    largest sample itself is off by the second. It and its derivatives do not jump where the
+    largest sample changes to its neighbour, in that order. At either end of the history it is the
+    sample. For the largest magnitude take the peak of `abs(history)`, for a least value
+    `-peak(-history)`.
+
+    **Arguments:**
+
+    - `history`: equally spaced samples, along the last axis.
+
+    **Returns:** the peak, of one axis less.
+    """
+    count = history.shape[-1]
+    if count < 3:
+        return jnp.max(history, axis=-1)
+    largest = jax.lax.stop_gradient(jnp.argmax(history, axis=-1))
+    inside = (largest > 0) & (largest < count - 1)
+    middle = jnp.clip(largest, 1, count - 2)
+
+    def sample(offset: int):
+        index = (middle + offset)[..., None]
+        return jnp.take_along_axis(history, index, axis=-1)[..., 0]
+
+    before, here, after = sample(-1), sample(0), sample(1)
+    bend = before - 2 * here + after
+    curved = inside & (bend < 0)
+    rise = (after - before) ** 2 / (8 * jnp.where(curved, bend, -1.0))
+    at_sample = jnp.take_along_axis(history, largest[..., None], axis=-1)[..., 0]
+    return jnp.where(curved, here - rise, at_sample)
+
+
+@one_program
+def settling_time(
+    time: Float[Array, "*#batch times"],
+    history: Float[Array, "*batch times"],
+    band: float | Scalar = 0.02,
+    end: Float[Array, "*batch"] | None = None,
+) -> tuple[Float[Array, "*batch"], Bool[Array, "*batch"]]:
+    """Time from which a history stays within a band around its end value.
+
+    The crossing into the band, `|x(t) − x_end| = band |x_end|`, lies between two samples. Between
+    them the logarithm of the distance is a straight line, which is exact for an exponential
+    approach, so the crossing is a smooth function of the samples: it moves with a parameter p by
+    `−(∂x/∂p)/(∂x/∂t)`, as the implicit relation asks.
+
+    **Arguments:**
+
+    - `time`: sample times [s]; one row for all histories, or one for each.
+    - `history`: samples, along the last axis.
+    - `band`: half the width of the band, relative to the end value.
+    - `end`: the end value; default the last sample.
+
+    **Returns:** the time, and whether the history both leaves the band and returns to it; the time
+    is the first sample's where it never leaves, the last where it never returns, and NaN where a
+    sample is.
+    """
+    final = history[..., -1] if end is None else end
+    allowed = jnp.abs(band * final)[..., None]
+    distance = jnp.abs(history - final[..., None])
+    outside = jax.lax.stop_gradient(above_or_nan(distance, allowed))
+    count = history.shape[-1]
+    places = jnp.arange(count)
+    last = jnp.max(jnp.where(outside, places, -1), axis=-1)
+    crosses = (last >= 0) & (last < count - 1)
+    index = jnp.clip(last, 0, count - 2)[..., None]
+
+    def at(values, offset):
+        return jnp.take_along_axis(values, index + offset, axis=-1)[..., 0]
+
+    outer, inner, limit = at(distance, 0), at(distance, 1), allowed[..., 0]
+    time = jnp.broadcast_to(time, history.shape)
+    start, stop = at(time, 0), at(time, 1)
+    # Only values that a crossing has, the others having no logarithm; and where the next sample is
+    # at the end exactly, a straight line.
+    decays = crosses & (inner > 0) & (limit > 0)
+    high, low, between = (
+        jnp.where(decays, value, other) for value, other in ((outer, 4), (inner, 1), (limit, 2))
+    )
+    fallen = jnp.where(crosses, outer - inner, 1.0)
+    straight = jnp.where(crosses, outer - limit, 0.0) / fallen
+    share = jnp.where(decays, jnp.log(high / between) / jnp.log(high / low), straight)
+    found = jnp.where(last < 0, time[..., 0], time[..., -1])
+    found = jnp.where(jnp.isnan(jnp.sum(distance, axis=-1)), jnp.nan, found)
+    return jnp.where(crosses, start + share * (stop - start), found), crosses
+
+
+@one_program
+def integral(
+    time: Float[Array, "*#batch times"], history: Float[Array, "*batch times"]
+) -> Float[Array, "*batch"]:
+    """Integral of a history over its time, by Simpson's rule and a cubic for a last odd interval.
+
+    Of the fourth order, as the samples are; equally spaced samples.
+
+    **Arguments:**
+
+    - `time`: sample times [s]; one row for all histories, or one for each.
+    - `history`: samples, along the last axis.
+    """
+    intervals = history.shape[-1] - 1
+    step = time[..., 1] - time[..., 0]
+    if intervals == 1:
+        return step * (history[..., 0] + history[..., 1]) / 2
+    if intervals == 2:
+        return step * (history[..., 0] + 4 * history[..., 1] + history[..., 2]) / 3
+    even = intervals if intervals % 2 == 0 else intervals - 3
+    total = jnp.zeros_like(history[..., 0])
+    if even:
+        part = history[..., : even + 1]
+        ends, odd = part[..., 0] + part[..., -1], jnp.sum(part[..., 1::2], axis=-1)
+        total = step * (ends + 4 * odd + 2 * jnp.sum(part[..., 2:-1:2], axis=-1)) / 3
+    if even != intervals:
+        four = history[..., even:]
+        weights = jnp.asarray([3.0, 9.0, 9.0, 3.0], history.dtype) / 8
+        total = total + step * (four @ weights)
+    return total
+
+
+@one_program
+@mapped
+def energy(run: Transient, of: str = "drive") -> Scalar:
+    """Energy over the time of a transient [J].
+
+    **Arguments:**
+
+    - `run`: the transient.
+    - `of`: `"drive"`, what goes in at the first screw; `"load"`, what comes out at the last nut;
+      `"loss"`, all losses together; or the name of one of them (`run.losses`).
+
+    **Raises:** `UnknownNameError` for an unknown name.
+    """
+    return integral(run.time, _power(run, of))
+
+
+def _power(run: Transient, of: str) -> Float[Array, " times"]:
+    if of == "drive":
+        return run.drive_torque * run.screw_speed
+    if of == "load":
+        assert run.load_power is not None
+        return run.load_power
+    if of == "loss":
+        return sum(run.losses.values(), jnp.zeros_like(run.screw_speed))
+    if of not in run.losses:
+        names = ("drive", "load", "loss", *run.losses)
+        raise UnknownNameError(f"unknown energy {of!r}; {closest(of, names)}")
+    return run.losses[of]
+
+
+@one_program
+@mapped
+def mean_efficiency(run: Transient) -> Scalar:
+    """Energy out over energy in, of the whole time; each where power flows that way.
+
+    Drive and load each give and take: what either gives is input, what either takes is output. A
+    stroke out and back counts both ways.
+    """
+    drive, load = _power(run, "drive"), _power(run, "load")
+    given = jnp.maximum(drive, 0.0) + jnp.maximum(-load, 0.0)
+    taken = jnp.maximum(load, 0.0) + jnp.maximum(-drive, 0.0)
+    put_in = integral(run.time, given)
+    some = above_or_nan(put_in)
+    return jnp.where(some, integral(run.time, taken) / jnp.where(some, put_in, 1.0), 0.0)

@@ -1,0 +1,385 @@
+"""Newton–Euler's equations of every single body of a stage.
+
+Vectors are in the frame that turns with the carrier: radial from the screw's axis through that of
+the roller, tangential, axial. The load pushes the nut along the axis. Moments are about the axis
+of the screw, those on a roller about its own.
+"""
+
+import contextlib
+import dataclasses
+from typing import NamedTuple
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..._errors import MissingDataError
+from ..._physics import physics
+from ...mechanism import (
+    Gear,
+    LuGreFriction,
+    Scalar,
+    Stage,
+    body_inertia,
+    body_mass,
+    mean_roller_inertia,
+    mean_roller_mass,
+)
+from .._kinematics import StageKinematics, slip_velocity
+from ..friction import (
+    Rubbing,
+    Slip,
+    bristle_friction,
+    rubbed_friction,
+    rubbing,
+    rubbing_of,
+    slip_direction,
+    thread_friction,
+    turned,
+)
+
+
+class StageUnknowns(NamedTuple):
+    """What the equations of one stage are solved for; all as forces [N]."""
+
+    #: Normal force of the screw on one roller, negative where the other flanks carry.
+    screw_contact: Scalar
+    #: Normal force of the nut on one roller.
+    nut_contact: Scalar
+    #: Tangential force of the ring gear on one end of a roller.
+    ring_gear: Scalar
+    #: Force of one carrier's pin on one end of a roller.
+    pin_radial: Scalar
+    pin_tangential: Scalar
+    #: ω̇ times the reference of `PartMasses.reference`.
+    carrier_acceleration: Scalar
+    #: Axial force of the nut on its carriers.
+    carrier_axial: Scalar
+    #: Axial force of the screw on what holds it: the previous nut, or the housing.
+    support: Scalar
+    #: Torque of the spline (or motor) over the nominal radius of the screw.
+    drive_torque: Scalar
+    #: Friction of the spline on the screw.
+    spline_friction: Scalar
+    #: Friction torque of the thrust bearing over the nominal radius of the screw.
+    bearing_torque: Scalar
+    #: Torque that keeps the nut from turning, over its nominal radius.
+    anti_rotation: Scalar
+
+
+class PartMasses(eqx.Module):
+    """Masses and inertias of the bodies of one stage; 0 where the motion does not need them."""
+
+    roller_mass: Scalar
+    roller_inertia: Scalar
+    #: Mass that makes the rollers press outwards; 0 if unknown.
+    circling_mass: Scalar
+    #: All carriers of the stage.
+    carrier_mass: Scalar
+    carrier_inertia: Scalar
+    nut_mass: Scalar
+    screw_mass: Scalar
+    screw_inertia: Scalar
+    #: Force per ω̇ by which the latter is made a force; only a scale [kg·m].
+    reference: Scalar
+
+
+def part_masses(stage: Stage, accelerates: bool, travels: bool, settled: bool) -> PartMasses:
+    """Masses of the bodies of a stage.
+
+    **Arguments:**
+
+    - `stage`: the stage.
+    - `accelerates`: whether the screw does; else masses of nut and screw are not needed.
+    - `travels`: whether the screw moves along its axis.
+    - `settled`: carriers known not to accelerate; no mass is needed then. In its place the
+      equations get a roller of arbitrary inertia, whose acceleration comes out as 0.
+
+    **Raises:** `MissingDataError` for a mass that is needed and not given.
+    """
+    thread = stage.thread
+    zero = jnp.zeros_like(thread.lead)
+    circling = carrier_mass = carrier_inertia = nut_mass = screw_mass = screw_inertia = zero
+    if settled:
+        with contextlib.suppress(MissingDataError):
+            circling = mean_roller_mass(stage)
+        roller_mass, roller_inertia = zero, jnp.ones_like(zero)
+    else:
+        roller_mass, roller_inertia = mean_roller_mass(stage), mean_roller_inertia(stage)
+        circling = roller_mass
+        if stage.carrier is not None:
+            carrier_inertia = stage.carrier.count * body_inertia(stage, "carrier")
+    if accelerates:
+        nut_mass, screw_inertia = body_mass(stage, "nut"), body_inertia(stage, "screw")
+        if travels:
+            screw_mass = body_mass(stage, "screw")
+        if stage.carrier is not None:
+            # Papers give the carriers' inertia without their mass; it is small beside the nut's.
+            with contextlib.suppress(MissingDataError):
+                carrier_mass = stage.carrier.count * body_mass(stage, "carrier")
+    radius = thread.roller_radius
+    shared = stage.present_roller_count * thread.centre_distance
+    reference = roller_inertia / radius + carrier_inertia / shared
+    return PartMasses(
+        roller_mass=roller_mass,
+        roller_inertia=roller_inertia,
+        circling_mass=circling,
+        carrier_mass=carrier_mass,
+        carrier_inertia=carrier_inertia,
+        nut_mass=nut_mass,
+        screw_mass=screw_mass,
+        screw_inertia=screw_inertia,
+        reference=reference + roller_mass * thread.centre_distance,
+    )
+
+
+class ScrewAcceleration(NamedTuple):
+    """Ω̇ of the screws, and z̈ of the nut and of the screw of one stage."""
+
+    turning: Scalar
+    nut: Scalar
+    screw: Scalar
+
+
+class StageSurroundings(eqx.Module):
+    """What is known of a stage before its forces: motion, and friction beside the threads."""
+
+    screw_speed: Scalar
+    carrier_speed: Scalar
+    #: Unit vector of the slip; `None` takes that of the slip itself.
+    slip_direction: Float[Array, "3"] | None
+    #: Deflection of the bristles between the threads, where they have that law [m].
+    deflection: Float[Array, "3"] | None
+    #: Sense of turning of screw over roller, Ω + (n − 1) ω, and of roller over nut.
+    screw_sense: Scalar
+    nut_sense: Scalar
+    #: Spline friction per drive torque [1/m], and independent of it [N].
+    spline: tuple[Scalar, Scalar]
+    #: Bearing torque per axial force [m], and independent of it [N·m].
+    bearing: tuple[Scalar, Scalar]
+    drag_torque: Scalar
+    #: Accelerations, where the screw has one.
+    acceleration: ScrewAcceleration | None
+
+
+class FromNext(NamedTuple):
+    """What the following screw (or the load) does to the nut and the screw of a stage."""
+
+    #: Axial force on the nut.
+    load: Scalar
+    #: Torque taken from the screw by the spline, friction of the latter, torque on the nut by the
+    #: thrust bearing.
+    drive_torque: Scalar
+    spline_friction: Scalar
+    bearing_torque: Scalar
+
+
+class RollerForces(NamedTuple):
+    """Forces on one roller; ring gear and pin at either end."""
+
+    normal: Float[Array, "3"]
+    friction: Float[Array, "3"]
+    nut: Float[Array, "3"]
+    ring_gear: Float[Array, "3"]
+    pin: Float[Array, "3"]
+
+
+def flank_of(unknowns: StageUnknowns) -> Scalar:
+    """+1 where the usual flanks carry, −1 where the others do."""
+    return jnp.where(unknowns.screw_contact < 0, -1.0, 1.0).astype(unknowns.screw_contact.dtype)
+
+
+def slip_of(
+    kinematics: StageKinematics, known: StageSurroundings, flank: Scalar
+) -> tuple[Float[Array, "3"], Float[Array, "3"]]:
+    """Slip of the screw over the roller [m/s], and its unit vector."""
+    slip = turned(
+        slip_velocity(kinematics, flank * known.screw_speed, flank * known.carrier_speed), flank
+    )
+    return slip, slip_direction(slip) if known.slip_direction is None else known.slip_direction
+
+
+def rubbing_on_screw_side(
+    stage: Stage, kinematics: StageKinematics, known: StageSurroundings, unknowns: StageUnknowns
+) -> Rubbing | None:
+    """Slip and spin in the ellipse of the screw side, where that is modelled."""
+    ellipse = rubbing_of(stage, kinematics)
+    if ellipse is None:
+        return None
+    flank = flank_of(unknowns)
+    slip, direction = (turned(vector, flank) for vector in slip_of(kinematics, known, flank))
+    rub = rubbing(ellipse, kinematics, Slip(slip, direction), jnp.abs(unknowns.screw_contact))
+    return dataclasses.replace(rub, direction=turned(rub.direction, flank))
+
+
+def roller_forces(
+    stage: Stage,
+    kinematics: StageKinematics,
+    known: StageSurroundings,
+    unknowns: StageUnknowns,
+) -> RollerForces:
+    """The unknowns of a roller as vectors (Li et al. 2020, equations 9 to 16).
+
+    On the other flanks all contacts lie as after a half turn about the radial axis.
+    """
+    flank, tooth = flank_of(unknowns), unknowns.ring_gear
+    slip, direction = slip_of(kinematics, known, flank)
+    law = None if stage.friction is None else stage.friction.thread
+    rub = rubbing_on_screw_side(stage, kinematics, known, unknowns)
+    if law is not None and rub is not None:
+        per_force, constant = rubbed_friction(law, slip, known.deflection, rub)
+    elif isinstance(law, LuGreFriction) and known.deflection is not None:
+        per_force, constant = bristle_friction(law, slip, known.deflection)
+    else:
+        per_force, constant = thread_friction(law, slip, direction)
+    zero = jnp.zeros_like(tooth)
+    separating = zero
+    if stage.gear is not None:
+        separating = _separating_force(stage.gear, tooth)
+    force = jnp.abs(unknowns.screw_contact)
+    return RollerForces(
+        normal=force * turned(kinematics.meshing.screw.normal, flank),
+        friction=force * per_force + constant,
+        nut=unknowns.nut_contact * turned(kinematics.meshing.nut.normal, flank),
+        ring_gear=jnp.stack([separating, tooth, zero]),
+        pin=jnp.stack([unknowns.pin_radial, unknowns.pin_tangential, zero]),
+    )
+
+
+@physics("gear_tooth_force")
+def _separating_force(gear: Gear, tangential: Scalar) -> Scalar:
+    return -jnp.abs(tangential) * jnp.tan(gear.pressure_angle)
+
+
+def roller_acceleration(
+    stage: Stage, known: StageSurroundings, carrier_acceleration: Scalar
+) -> Float[Array, "3"]:
+    """Acceleration of a roller's centre of mass [m/s²]."""
+    distance = stage.thread.centre_distance
+    inward = -(known.carrier_speed**2) * distance
+    axial = jnp.zeros_like(inward) if known.acceleration is None else known.acceleration.nut
+    return jnp.stack([inward, carrier_acceleration * distance, axial])
+
+
+@physics("free_bodies")
+def unbalanced(
+    stage: Stage,
+    kinematics: StageKinematics,
+    masses: PartMasses,
+    known: StageSurroundings,
+    unknowns: StageUnknowns,
+    following: FromNext,
+    moments: tuple[Scalar, Scalar],
+) -> list[Scalar]:
+    """What is left of forces minus inertia on every body, and of the laws of friction [N].
+
+    Li et al. 2020, equations 17 to 28, with the ring gear on both ends of the roller, Newton's law
+    in all directions, all rollers on screw and nut, and the travel of all stages before.
+
+    **Arguments:**
+
+    - `stage`, `kinematics`, `masses`, `known`: one stage, and what is known of it.
+    - `unknowns`: its forces.
+    - `following`: what the following stage, or the load, does.
+    - `moments`: resisting moments in the contacts of one roller with screw and nut [N·m].
+    """
+    thread, count = stage.thread, stage.present_roller_count
+    side, flank = kinematics.meshing.screw, flank_of(unknowns)
+    acceleration = unknowns.carrier_acceleration / masses.reference
+    forces = roller_forces(stage, kinematics, known, unknowns)
+    on_screw_side, on_nut_side = known.screw_sense * moments[0], known.nut_sense * moments[1]
+    by_screw = forces.normal + forces.friction
+
+    # Roller. Pins and the radial force of the teeth pass through its axis.
+    centre = roller_acceleration(stage, known, acceleration)
+    inertia = jnp.stack([masses.circling_mass, masses.roller_mass, masses.roller_mass]) * centre
+    force = by_screw + forces.nut + 2 * forces.ring_gear + 2 * forces.pin - inertia
+    position = flank * side.roller_angle_position
+    contact = side.roller_contact_radius * jnp.stack([-jnp.cos(position), jnp.sin(position)])
+    spin_acceleration = -kinematics.relative_spin_ratio * acceleration
+    moment = (
+        _moment(contact, by_screw)
+        + thread.roller_radius * (forces.nut[1] + 2 * forces.ring_gear[1])
+        + on_screw_side
+        + on_nut_side
+        - masses.roller_inertia * spin_acceleration
+    )
+
+    # Carriers.
+    distance = thread.centre_distance
+    carriers = -2 * count * distance * forces.pin[1] - masses.carrier_inertia * acceleration
+    carriers_axial = unknowns.carrier_axial
+
+    # Nut, with the ring gears in it.
+    nut_axial = following.load - count * forces.nut[2] - unknowns.carrier_axial
+    nut_moment = (
+        thread.nut_radius * (unknowns.anti_rotation - count * forces.nut[1])
+        - 2 * count * thread.nut_radius * forces.ring_gear[1]
+        - count * on_nut_side
+        + following.bearing_torque
+        + known.drag_torque
+    )
+
+    # Screw.
+    radius = thread.screw_radius
+    torque, bearing = radius * unknowns.drive_torque, radius * unknowns.bearing_torque
+    screw_axial = (
+        unknowns.spline_friction
+        - unknowns.support
+        - following.spline_friction
+        - count * by_screw[2]
+    )
+    position = flank * side.contact_angle_position
+    touch = side.contact_radius * jnp.stack([jnp.cos(position), jnp.sin(position)])
+    screw_moment = (
+        torque
+        - following.drive_torque
+        - bearing
+        - known.drag_torque
+        - count * (_moment(touch, by_screw) + on_screw_side)
+    )
+
+    if known.acceleration is not None:
+        inertia = _inertia_of_screw_and_nut(masses, known.acceleration)
+        carriers_axial = carriers_axial - inertia.carriers
+        nut_axial = nut_axial - inertia.nut
+        screw_axial, screw_moment = screw_axial - inertia.screw, screw_moment - inertia.turning
+    spline = known.spline[0] * jnp.abs(torque) + known.spline[1]
+    thrust = known.bearing[0] * jnp.abs(unknowns.support) + known.bearing[1]
+    return [
+        force[0],
+        force[1],
+        force[2],
+        moment / thread.roller_radius,
+        carriers / (count * distance),
+        carriers_axial,
+        nut_axial,
+        nut_moment / thread.nut_radius,
+        screw_axial,
+        screw_moment / radius,
+        unknowns.spline_friction - spline,
+        (bearing - thrust) / radius,
+    ]
+
+
+class _Inertia(NamedTuple):
+    carriers: Scalar
+    nut: Scalar
+    screw: Scalar
+    turning: Scalar
+
+
+@physics("screw_inertia")
+def _inertia_of_screw_and_nut(masses: PartMasses, acceleration: ScrewAcceleration) -> _Inertia:
+    """Masses times accelerations along the axis, and of the screw about it."""
+    return _Inertia(
+        masses.carrier_mass * acceleration.nut,
+        masses.nut_mass * acceleration.nut,
+        masses.screw_mass * acceleration.screw,
+        masses.screw_inertia * acceleration.turning,
+    )
+
+
+def _moment(arm: Float[Array, "2"], force: Float[Array, "3"]) -> Scalar:
+    """Moment about the axis."""
+    return arm[0] * force[1] - arm[1] * force[0]

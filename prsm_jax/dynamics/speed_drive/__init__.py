@@ -1,0 +1,30 @@
+"""Transients whose screw speed is prescribed."""
+
+from ._automatic import (
+    MethodChoice as MethodChoice,
+    choose_method as choose_method,
+    chosen_method as chosen_method,
+    sample_times as sample_times,
+    scene_problem as scene_problem,
+)
+from ._bristle_transient import (
+    BristleState as BristleState,
+    bristle_history as bristle_history,
+    deflection_scales as deflection_scales,
+    states_with_bristles as states_with_bristles,
+)
+from ._carrier_motion import (
+    Problem as Problem,
+    driven_states as driven_states,
+    error_weight as error_weight,
+    remaining_time as remaining_time,
+    scaled_rate as scaled_rate,
+    states_at as states_at,
+)
+from ._quasi_steady import (
+    quasi_steady_at as quasi_steady_at,
+    quasi_steady_report as quasi_steady_report,
+)
+from ._settling import (
+    settling_history as settling_history,
+)

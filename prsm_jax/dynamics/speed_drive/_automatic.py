@@ -1,0 +1,157 @@
+"""The cheapest method that does what a scene asks for."""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..._one_program import is_known, one_program_where_possible, traceable
+from ..._stretches import over_samples
+from ...mechanism import (
+    CoulombFriction,
+    Mechanism,
+    StribeckFriction,
+    TorqueScenario,
+    of_one_design,
+)
+from .._kinematics import StageKinematics
+from ..forces import Scenario, bound_scenario
+from ..friction import has_bristles, with_resistance
+from ..solvers import Method
+from ..steady import all_kinematics
+from ._carrier_motion import Problem, carrier_problem
+from ._quasi_steady import quasi_steady_at, quasi_steady_report
+from ._settling import settles_in_closed_form, settling_history
+
+#: Carriers that settle within this share of the time between two samples are not seen settling:
+#: after so many time constants nothing is left of where they began, to rounding.
+_UNSEEN = 1 / 36
+#: What quasi-steady carriers may be wrong by, over the tolerance that the scene is asked for.
+_ACCEPTED = 10.0
+
+
+class MethodChoice(NamedTuple):
+    """A method of `simulate`, and why it was chosen."""
+
+    method: Method
+    reason: str
+
+
+@of_one_design
+def choose_method(
+    mechanism: Mechanism, scenario: Scenario | TorqueScenario, *, rtol: float = 1e-8
+) -> MethodChoice:
+    """The method that `simulate(method="auto")` takes.
+
+    1. Constant speed and load with Coulomb friction: the closed form, unless it turns out that a
+       torque or a load changes its sign on the way.
+    2. Speed or load that vary: quasi-steady, where the carriers settle unseen between two samples
+       and the estimate of what that neglects stays below 10 rtol; or where friction that jumps
+       at standstill is turned around there, which no integrator passes cleanly.
+    3. Everything else: RODASP, whether stiff or not (the chart of `benchmarks`, case transient,
+       shows where the explicit and the implicit solver stand).
+
+    Under a prescribed torque it is RODASP, with screw and carriers as states. The other choice,
+    quasi-steady carriers, is never taken by itself.
+
+    Inside a trace (`jit`, `vmap`, `grad`) no number is known, and the structure of the scene alone
+    decides: the closed form or RODASP. Call this outside and pass the method to have the rest.
+
+    **Arguments:**
+
+    - `mechanism`, `scenario`: the scene.
+    - `rtol`: the tolerance that `simulate` is called with.
+
+    **Returns:** the method and the reason.
+
+    **Raises:** `MissingDataError` as `simulate` does.
+    """
+    if isinstance(scenario, TorqueScenario):
+        return MethodChoice("rosenbrock", "torque prescribed: screw and carriers are states")
+    scene = traceable((mechanism, scenario, None))
+    return chosen_method(*scene, rtol, is_known((*scene, rtol)))
+
+
+def scene_problem(
+    mechanism: Mechanism, scenario: Scenario, kinematics: tuple[StageKinematics, ...] | None
+) -> Problem:
+    """What the methods for a prescribed speed need."""
+    scenario = bound_scenario(mechanism, scenario)
+    if kinematics is None:
+        kinematics = all_kinematics(mechanism)
+    return carrier_problem(mechanism, with_resistance(mechanism.stages, kinematics), scenario)
+
+
+def chosen_method(
+    mechanism: Mechanism,
+    scenario: Scenario,
+    kinematics: tuple[StageKinematics, ...] | None,
+    rtol: float,
+    known: bool,
+    *,
+    settling: bool = False,
+) -> MethodChoice:
+    """As `choose_method`.
+
+    **Arguments:**
+
+    - `mechanism`, `scenario`, `kinematics`, `rtol`: as those of `simulate`.
+    - `known`: whether numbers may be looked at.
+    - `settling`: take the closed form without looking whether it holds; its code will say so.
+    """
+    scene = (mechanism, scenario, kinematics)
+    if settles_in_closed_form(mechanism, scenario):
+        if settling or not known or int(_settling_code(*scene)) == 0:
+            return MethodChoice("closed_form", "constant speed and load, Coulomb friction")
+        return MethodChoice("rosenbrock", "a torque or a load changes its sign while settling")
+    if has_bristles(mechanism):
+        return MethodChoice("rosenbrock", "bristles are stiff")
+    if known and (callable(scenario.speed) or callable(scenario.load)):
+        code, error, lag, reverses, step = (jnp.asarray(x).item() for x in _quasi_steady(*scene))
+        unseen = lag < _UNSEEN * step
+        if code == 0 and unseen and error < _ACCEPTED * rtol:
+            return MethodChoice(
+                "quasi_steady",
+                f"carriers settle within {lag:.2g} s, unseen between samples; error {error:.1g}",
+            )
+        if code == 0 and reverses and _jumps(mechanism):
+            return MethodChoice(
+                "quasi_steady",
+                f"friction jumps where the screw stands still; error {error:.1g}",
+            )
+    return MethodChoice("rosenbrock", "has to be integrated")
+
+
+def _jumps(mechanism: Mechanism) -> bool:
+    laws = [stage.friction and stage.friction.thread for stage in mechanism.stages]
+    return any(isinstance(law, CoulombFriction | StribeckFriction) for law in laws)
+
+
+def sample_times(problem: Problem) -> Float[Array, " times"]:
+    """Those of a scene, both ends included [s]."""
+    scenario = problem.scenario
+    times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=problem.inertia.dtype)
+    return times * scenario.duration
+
+
+@one_program_where_possible
+def _settling_code(mechanism, scenario, kinematics):
+    problem = scene_problem(mechanism, scenario, kinematics)
+    return settling_history(problem.reduced, problem.scenario, sample_times(problem))[1].code
+
+
+@one_program_where_possible
+def _quasi_steady(mechanism, scenario, kinematics):
+    problem = scene_problem(mechanism, scenario, kinematics)
+    times = sample_times(problem)
+    balanced_at = quasi_steady_at(problem)
+
+    def at(time):
+        history, neglected = balanced_at(time)
+        return history.screw_speed, neglected
+
+    speed, neglected = over_samples(at, times)
+    report = quasi_steady_report(neglected)
+    reverses = jnp.any(speed[1:] * speed[:-1] <= 0)
+    found = (report.code, report.error_estimate, report.time_constant, reverses)
+    return *found, times[1] - times[0]

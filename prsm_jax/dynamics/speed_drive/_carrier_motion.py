@@ -1,0 +1,218 @@
+"""The carriers' equation of motion, and the scales on which it plays."""
+
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..._physics import physics
+from ...mechanism import Mechanism, RegularisedCoulombFriction, Scalar, ViscousFriction
+from .._kinematics import StageKinematics, free_carrier_ratio, turning_range
+from ..forces import (
+    Drive,
+    Motion,
+    ReducedChain,
+    Scenario,
+    StageState,
+    carrier_inertia,
+    chain_forces,
+    drive_at,
+    drive_once,
+    reduced_chain,
+    reduced_rates,
+    sense_of,
+    sliding_motion,
+)
+from ..friction import with_resistance
+from ..solvers import DrivenRate, still
+
+#: Thread friction without a jump at standstill.
+_SMOOTH = (RegularisedCoulombFriction, ViscousFriction, type(None))
+#: Errors count more where friction turns within less than this share of the ratio, inverted.
+_TURNS = 10.0
+#: Its multiples, without their whole parts, lie evenly between 0 and 1 and never repeat.
+_GOLDEN = (5**0.5 - 1) / 2
+
+
+class Problem(eqx.Module):
+    """Everything the right-hand side needs, as one pytree."""
+
+    mechanism: Mechanism
+    kinematics: tuple[StageKinematics, ...]
+    scenario: Scenario
+    inertia: Float[Array, " stages"]
+    speed_scale: Scalar
+    time_scale: Scalar
+    #: The mechanism in few scalars, where those suffice.
+    reduced: ReducedChain | None = None
+
+
+def states_at(
+    mechanism: Mechanism,
+    kinematics: tuple[StageKinematics, ...],
+    scenario: Scenario,
+    time: Scalar,
+    carrier_speed: Float[Array, " stages"],
+) -> tuple[StageState, ...]:
+    """Motion and forces of all stages at one instant.
+
+    **Arguments:**
+
+    - `mechanism`, `kinematics`, `scenario`: what moves, and how it is driven and loaded.
+    - `time`: [s].
+    - `carrier_speed`: ω of every stage [rad/s].
+    """
+    return driven_states(mechanism, kinematics, drive_at(scenario, time), carrier_speed)
+
+
+def driven_states(
+    mechanism: Mechanism,
+    kinematics: tuple[StageKinematics, ...],
+    drive: Drive,
+    carrier_speed: Float[Array, " stages"],
+) -> tuple[StageState, ...]:
+    """The same from what drives at that instant."""
+    kinematics = with_resistance(mechanism.stages, kinematics)
+    speed, acceleration, load = drive
+
+    def motion_of(index: int, flank: Scalar, _, axial_acceleration) -> Motion:
+        own_speed, carrier = flank * speed, flank * carrier_speed[index]
+        return sliding_motion(kinematics[index], own_speed, carrier, axial_acceleration)
+
+    sense = sense_of(speed)
+    return chain_forces(mechanism, kinematics, motion_of, speed, sense, load, acceleration)
+
+
+def carrier_acceleration(
+    problem: Problem, drive: Drive, carrier_speed: Float[Array, " stages"]
+) -> Float[Array, " stages"]:
+    """ω̇ of every stage [rad/s²]."""
+    if problem.reduced is not None:
+        return reduced_rates(problem.reduced, *drive, carrier_speed)
+    states = driven_states(problem.mechanism, problem.kinematics, drive, carrier_speed)
+    return jnp.stack([state.forces.carrier_drive for state in states]) / problem.inertia
+
+
+def _scaled_drive(time: Scalar, problem: Problem) -> Drive:
+    return drive_at(problem.scenario, time * problem.time_scale)
+
+
+@physics("carrier_dynamics")
+def _scaled_rate(drive: Drive, ratio: Float[Array, " stages"], problem: Problem):
+    rate = carrier_acceleration(problem, drive, ratio * problem.speed_scale)
+    return rate * (problem.time_scale / problem.speed_scale)
+
+
+def _scaled_speed(drive: Drive, problem: Problem) -> tuple[Scalar, Scalar]:
+    """Speed of the screw and its rate, which the carriers follow."""
+    rate = jnp.zeros_like(drive.speed) if drive.acceleration is None else drive.acceleration
+    return drive.speed / problem.speed_scale, rate * problem.time_scale / problem.speed_scale
+
+
+#: d(ω/Ω₀)/d(t/τ): both state and time of order one, so that one tolerance fits every scene.
+scaled_rate = DrivenRate(_scaled_drive, _scaled_rate, _scaled_speed)
+
+
+def carrier_problem(
+    mechanism: Mechanism, kinematics: tuple[StageKinematics, ...], scenario: Scenario
+) -> Problem:
+    """Collect what the equation of motion needs, with a speed Ω₀ and a time τ for its scales.
+
+    Ω₀ is the fastest screw speed, τ the shortest time constant of the carriers near their steady
+    state there.
+    """
+    inertia = jnp.stack([carrier_inertia(stage) for stage in mechanism.stages])
+    times = _times_of_scales(scenario)
+    speeds = jnp.abs(jax.vmap(scenario.speed_at)(times))
+    fastest = jnp.argmax(speeds)
+    speed = jnp.where(speeds[fastest] > 0, speeds[fastest], 1.0)
+    reduced = reduced_chain(mechanism, kinematics, inertia)
+    one = jnp.ones_like(speed)
+    problem = Problem(mechanism, kinematics, scenario, inertia, speed, one, reduced)
+    # Away from the exact steady state, where a friction law might have its kink.
+    drive = drive_at(scenario, times[fastest])
+    carrier = 0.3 * drive.speed * jnp.ones_like(inertia)
+    slopes = jax.jacfwd(lambda w: carrier_acceleration(problem, drive, w))(carrier)
+    fastest_rate = jnp.max(jnp.abs(jnp.diagonal(slopes)))
+    decays = fastest_rate * scenario.duration > 1.0
+    shortest = jnp.where(decays, 1 / jnp.where(decays, fastest_rate, 1.0), scenario.duration)
+    # Scales shape the grid of steps, not the solution: nothing is differentiated through them.
+    found = (jax.lax.stop_gradient(speed), jax.lax.stop_gradient(shortest))
+    return eqx.tree_at(lambda p: (p.speed_scale, p.time_scale), problem, found)
+
+
+def _times_of_scales(scenario: Scenario) -> Float[Array, " times"]:
+    """Times at which the fastest speed of a scene is looked for [s].
+
+    Equal intervals may all hit the standstills of a periodic speed. Intervals of the golden ratio
+    are in step with no period, and between bends a speed is largest at one of them.
+    """
+    dtype, duration = scenario.duration.dtype, scenario.duration
+    equal = jnp.linspace(0.0, 1.0, 9, dtype=dtype) * duration
+    uneven = jnp.asarray(np.modf(np.arange(1, 17) * _GOLDEN)[0], dtype) * duration
+    return jnp.concatenate([equal, uneven, jnp.clip(scenario.break_times, 0.0, duration)])
+
+
+class ErrorWeight(eqx.Module):
+    """By what errors of ω/Ω₀ count more: they do where friction turns within a narrow range."""
+
+    scenario: Scenario
+    speed_scale: Scalar
+    time_scale: Scalar
+    #: Carrier ratios of rolling, and how far around them friction turns.
+    rolling: Float[Array, " stages"]
+    turning: Float[Array, " stages"]
+
+    def __call__(self, time: Scalar, ratio: Float[Array, " stages"]) -> Float[Array, " stages"]:
+        """The factor for each stage at a scaled time and state; 1 at an ordinary lead."""
+        speed = drive_once(self.scenario, time * self.time_scale).speed / self.speed_scale
+        near = jnp.abs(ratio - self.rolling * speed) + self.turning * jnp.abs(speed)
+        near = jnp.where(near > 0, near, jnp.inf)
+        return jnp.maximum(1.0, jnp.abs(self.rolling * speed) / (_TURNS * near))
+
+
+def error_weight(problem: Problem) -> ErrorWeight:
+    """The weight of errors of a scene; nothing is differentiated through it."""
+    rolling = jnp.stack([free_carrier_ratio(k) for k in problem.kinematics])
+    turning = jnp.stack([turning_range(k) for k in problem.kinematics])
+    weight = ErrorWeight(
+        problem.scenario, problem.speed_scale, problem.time_scale, rolling, turning
+    )
+    return still(weight)
+
+
+class Remaining(eqx.Module):
+    """The time to the next standstill of the screw, by its speed and acceleration."""
+
+    scenario: Scenario
+    speed_scale: Scalar
+    time_scale: Scalar
+    #: Share of the largest speed below which nothing is left.
+    least: Scalar
+
+    def __call__(self, time: Scalar) -> Scalar:
+        """Scaled time that is left from a scaled time on; infinity if the screw gets faster."""
+        speed, acceleration, _ = drive_once(self.scenario, time * self.time_scale)
+        assert acceleration is not None
+        slows = (speed * acceleration < 0) & (jnp.abs(speed) > self.least * self.speed_scale)
+        left = -speed / jnp.where(slows, acceleration, 1.0)
+        return jnp.where(slows, left / self.time_scale, jnp.inf)
+
+
+def remaining_time(problem: Problem, atol: Any) -> Remaining | None:
+    """The time to the next standstill, where friction jumps there; else `None`.
+
+    **Arguments:**
+
+    - `problem`: the scene.
+    - `atol`: absolute tolerance of the carrier ratios; the last step is of a speed of ten of it.
+    """
+    laws = [stage.friction.thread for stage in problem.mechanism.stages if stage.friction]
+    if not callable(problem.scenario.speed) or all(isinstance(law, _SMOOTH) for law in laws):
+        return None
+    least = jnp.asarray(10 * atol, problem.speed_scale.dtype)
+    found = Remaining(problem.scenario, problem.speed_scale, problem.time_scale, least)
+    return still(found)

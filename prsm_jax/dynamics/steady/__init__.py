@@ -1,0 +1,23 @@
+"""Steady states, and the limits of self-locking and jamming."""
+
+from ._carrier_balance import (
+    balanced_carrier_ratio as balanced_carrier_ratio,
+    carrier_balance as carrier_balance,
+    steady_motion as steady_motion,
+)
+from ._locking import (
+    jamming_coefficient as jamming_coefficient,
+    jamming_margin as jamming_margin,
+    locking_coefficient as locking_coefficient,
+    self_locking_margin as self_locking_margin,
+)
+from ._small_newton import (
+    find_roots as find_roots,
+)
+from ._steady import (
+    STEADY_RESULTS as STEADY_RESULTS,
+    SteadyState as SteadyState,
+    all_kinematics as all_kinematics,
+    steady_meaning as steady_meaning,
+    steady_state as steady_state,
+)

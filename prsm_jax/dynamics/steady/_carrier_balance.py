@@ -1,0 +1,291 @@
+"""Which carrier speed balances the rollers of a stage, without integrating anything."""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from ..._errors import MissingDataError
+from ..._guards import above_or_nan
+from ..._physics import physics
+from ...mechanism import Scalar, Stage
+from ...numerics import dot_few, sum_few
+from .._kinematics import StageKinematics, free_carrier_ratio
+from ..forces import Motion
+from ..friction import (
+    ScrewContact,
+    Slip,
+    has_contact_losses,
+    resisting_moments,
+    rubbing_of,
+    screw_contact,
+    slip_direction,
+)
+from ._small_newton import find_roots_and
+
+#: Share of the friction that may drive a carrier which accelerates. Where the load passes through
+#: zero no friction is left for that: the carriers then coast for an instant, out of balance.
+_LARGEST_SHARE = 0.9
+
+
+class SlipPerTurn(NamedTuple):
+    """Slip per radian of screw turn, by its parts along d and across it.
+
+    `(ζ∞ − ζ) d + (v₀ × d) d⊥/|d|²`: the difference `v₀ − ζ d` itself is noise at small leads, where
+    the contact moves by millimetres per radian and slips by nanometres.
+    """
+
+    #: ∂/∂ω of the velocity of the roller's contact point, d [m/rad].
+    drive: Float[Array, "2"]
+    #: The part across d [m/rad].
+    across: Float[Array, "2"]
+    #: Axial part [m/rad].
+    axial: Float[Array, "1"]
+    #: ζ∞, the carrier ratio where nothing resists.
+    free_ratio: Scalar
+
+    def at(self, lag: Scalar | None) -> Float[Array, "3"]:
+        """Slip at ζ = ζ∞ − lag; `None` is no lag [m/rad]."""
+        in_plane = self.across if lag is None else self.across + lag * self.drive
+        return jnp.concatenate([in_plane, self.axial])
+
+
+def slip_per_turn(kinematics: StageKinematics) -> SlipPerTurn:
+    """The parts of the slip per radian of screw turn."""
+    drive = kinematics.drive
+    across = kinematics.crossing / dot_few(drive, drive) * jnp.stack([drive[1], -drive[0]])
+    return SlipPerTurn(drive, across, kinematics.slip_per_screw[2:], free_carrier_ratio(kinematics))
+
+
+def free_slip(kinematics: StageKinematics, speed: Scalar, sense: Scalar) -> Slip:
+    """Slip where nothing resists the carrier; its direction has no part along d."""
+    turn = slip_per_turn(kinematics).at(None)
+    return Slip(speed * turn, sense * slip_direction(turn))
+
+
+def steady_motion(
+    kinematics: StageKinematics,
+    ratio: Scalar,
+    speed: Scalar,
+    sense: Scalar,
+    axial_acceleration: Scalar | None = None,
+    share: Scalar | None = None,
+    contact: ScrewContact | None = None,
+    slip: Slip | None = None,
+) -> Motion:
+    """Motion at a carrier ratio; at standstill with the directions of that about to begin.
+
+    With the slip, the share of the normal force that carries, or all of the screw side, where that
+    is known.
+    """
+    if slip is None:
+        turns = slip_per_turn(kinematics)
+        turn = turns.at(turns.free_ratio - ratio)
+        slip = Slip(speed * turn, sense * slip_direction(turn))
+    return Motion(
+        screw_speed=speed,
+        carrier_speed=speed * ratio,
+        slip=slip.velocity,
+        direction=slip.direction,
+        screw_sense=sense,
+        nut_sense=sense,
+        axial_acceleration=axial_acceleration,
+        share=share,
+        contact=contact,
+    )
+
+
+class CarrierPoint(NamedTuple):
+    """What an assumed carrier speed means; the motion where `residual` vanishes."""
+
+    #: Carrier ratio ω/Ω.
+    ratio: Scalar
+    slip: Slip
+    contact: ScrewContact
+    #: Zero in balance, and of order one.
+    residual: Scalar
+    #: Whether friction can drive the carrier.
+    suffices: Bool[Array, ""]
+
+
+class CarrierBalance(eqx.Module):
+    """The balance of one stage's carrier, `N f·d = N (n − 1)(T_s + T_n) + I ζ Ω̇`.
+
+    The slip v = v₀ − ζ d changes with the carrier ratio ζ only along d, and friction is parallel to
+    it. So with the slip's component s along d and the rest q, `s/√(s² + q²)` is the share that the
+    resistance is of `‖f‖ |d|`, for any law of friction; spin turns friction a little from the slip,
+    which is taken off that share. The unknown is `t = s/q`.
+
+    Where next to no load is left to drive what accelerates, the share is limited; nothing is lost
+    by that but the balance, and the energy still balances.
+
+    **Raises:** `MissingDataError` if there is no thread friction.
+    """
+
+    stage: Stage
+    kinematics: StageKinematics
+    sense: Scalar
+    speed: Scalar
+    axial_force: Scalar
+    inertia_per_ratio: Scalar | None
+    #: What does not change with the carrier ratio, evaluated outside the search.
+    turns: SlipPerTurn
+    #: (ζ∞ − ζ)/t.
+    lag_per_tangent: Scalar
+
+    def __check_init__(self):
+        if self.stage.friction is None or self.stage.friction.thread is None:
+            raise MissingDataError(
+                "spin, rolling losses and inertia resist the rollers, and only thread friction can "
+                "drive them; give [stage.friction.thread]"
+            )
+
+    def at(self, tangent: Scalar, share: Scalar | None = None) -> CarrierPoint:
+        """Everything at `t`; where slip and spin are one, at a share that carries."""
+        stage, kinematics = self.stage, self.kinematics
+        lag = tangent * self.lag_per_tangent
+        ratio, turn = self.turns.free_ratio - lag, self.turns.at(lag)
+        direction = self.sense * slip_direction(turn)
+        axial = self.axial_force / stage.present_roller_count
+        slip = Slip(self.speed * turn, direction)
+        contact = screw_contact(stage, kinematics, slip, axial, share=share)
+        needed, suffices = self._drive_share(ratio, direction, contact)
+        residual = tangent - jnp.sqrt(1 + tangent**2) * needed
+        return CarrierPoint(ratio, slip, contact, residual, suffices)
+
+    def _drive_share(
+        self, ratio: Scalar, direction: Float[Array, "3"], contact: ScrewContact
+    ) -> tuple[Scalar, Bool[Array, ""]]:
+        """Resistance over the largest drive that friction has; and whether there is enough."""
+        stage, kinematics, friction_of = self.stage, self.kinematics, self.stage.friction
+        assert friction_of is not None
+        force, per_force, constant, rub, _ = contact
+        normal = kinematics.meshing.screw.normal
+        friction = force * per_force + constant
+        resisting = jnp.zeros_like(ratio)
+        if has_contact_losses(friction_of):
+            nut_force = -(force * normal + friction)[2] / kinematics.meshing.nut.normal[2]
+            screw, nut = resisting_moments(stage, kinematics, force, nut_force, rub)
+            resisting = kinematics.relative_spin_ratio * self.sense * (screw.total + nut.total)
+        if self.inertia_per_ratio is not None:
+            resisting = resisting + self.inertia_per_ratio * ratio / stage.present_roller_count
+        square = sum_few(friction**2)
+        rubs = above_or_nan(square)
+        length = jnp.where(rubs, jnp.sqrt(jnp.where(rubs, square, 1.0)), 0.0)
+        reach = jnp.sqrt(dot_few(kinematics.drive, kinematics.drive))
+        largest = length * reach
+        # The tangent counts the slip at positive speed; friction turns with the sense.
+        resisting = self.sense * resisting
+        aside = jnp.zeros_like(resisting)
+        if rub is not None:
+            # Across an ellipse that spins, friction is not quite parallel to the slip.
+            leaning = friction / jnp.where(rubs, length, 1.0) - direction
+            aside = jnp.where(
+                rubs, self.sense * dot_few(leaning[:2], kinematics.drive) / reach, 0.0
+            )
+        if self.inertia_per_ratio is None:
+            share = jnp.where(rubs, resisting / jnp.where(rubs, largest, 1.0), 0.0)
+            return share - aside, rubs | (resisting == 0)
+        suffices = jnp.abs(resisting) < _LARGEST_SHARE * largest
+        share = resisting / jnp.where(suffices, largest, 1.0)
+        limit = _LARGEST_SHARE * jnp.sign(resisting)
+        return jnp.where(suffices, share - aside, limit), jnp.asarray(True)
+
+
+def carrier_balance(
+    stage: Stage,
+    kinematics: StageKinematics,
+    sense: Scalar,
+    speed: Scalar,
+    axial_force: Scalar,
+    inertia_per_ratio: Scalar | None,
+) -> CarrierBalance:
+    """The balance of one stage's carrier; arguments as in `balanced_carrier_ratio`."""
+    drive, turns = kinematics.drive, slip_per_turn(kinematics)
+    square = dot_few(drive, drive)
+    across = jnp.sqrt(kinematics.crossing**2 + kinematics.slip_per_screw[2] ** 2 * square)
+    return CarrierBalance(
+        stage, kinematics, sense, speed, axial_force, inertia_per_ratio, turns, across / square
+    )
+
+
+class BalancedCarrier(NamedTuple):
+    """Carrier ratio ω/Ω in balance, and whether friction suffices for it."""
+
+    ratio: Scalar
+    found: Bool[Array, ""]
+    #: Slip and screw side, where they were found with the ratio; `None` of a carrier which nothing
+    #: resists.
+    slip: Slip | None = None
+    contact: ScrewContact | None = None
+
+    def motion(
+        self,
+        kinematics: StageKinematics,
+        speed: Scalar,
+        sense: Scalar,
+        axial_acceleration: Scalar | None = None,
+    ) -> Motion:
+        """Motion in balance, at the speed and in the sense that it was found for."""
+        return steady_motion(
+            kinematics,
+            self.ratio,
+            speed,
+            sense,
+            axial_acceleration,
+            slip=self.slip or free_slip(kinematics, speed, sense),
+            contact=self.contact,
+        )
+
+
+def balanced_carrier_ratio(
+    stage: Stage,
+    kinematics: StageKinematics,
+    sense: Scalar,
+    speed: Scalar,
+    axial_force: Scalar,
+    inertia_per_ratio: Scalar | None = None,
+) -> BalancedCarrier:
+    """Carrier ratio ω/Ω at which thread friction drives the rollers as it must.
+
+    Without contact losses and inertia friction has no component along d: geometry alone decides.
+    Otherwise Newton solves the `CarrierBalance`.
+
+    **Arguments:**
+
+    - `stage`, `kinematics`: the stage and its meshing.
+    - `sense`: sense of turning, +1 or −1.
+    - `speed`: screw speed Ω; may be 0 unless friction vanishes with the slip [rad/s].
+    - `axial_force`: what the rollers together carry axially [N].
+    - `inertia_per_ratio`: I Ω̇, the generalised inertia force per carrier ratio [N·m]; `None` in a
+      steady state.
+
+    **Raises:** `MissingDataError` if there is resistance but no thread friction.
+    """
+    if not has_contact_losses(stage.friction) and inertia_per_ratio is None:
+        return BalancedCarrier(free_carrier_ratio(kinematics), jnp.asarray(True))
+    balance = carrier_balance(stage, kinematics, sense, speed, axial_force, inertia_per_ratio)
+    return _balanced(balance)
+
+
+@physics("carrier_balance")
+def _balanced(balance: CarrierBalance) -> BalancedCarrier:
+    """Carrier, and where slip and spin are one the normal force, at once.
+
+    A root within a root would be a large program.
+    """
+    start = jnp.zeros_like(balance.axial_force)
+    shared = rubbing_of(balance.stage, balance.kinematics) is not None
+
+    def residuals(unknowns):
+        point = balance.at(unknowns[0], unknowns[1] if shared else None)
+        missed = [] if point.contact.missed is None else [point.contact.missed]
+        return jnp.stack([point.residual, *missed]), point
+
+    shares = [-balance.kinematics.meshing.screw.normal[2]] if shared else []
+    accuracy = 1e-10 if start.dtype == jnp.float64 else 1e-4
+    _, found, point = find_roots_and(
+        residuals, jnp.stack([start, *shares]), tolerance=accuracy, max_steps=30
+    )
+    return BalancedCarrier(point.ratio, found & point.suffices, point.slip, point.contact)

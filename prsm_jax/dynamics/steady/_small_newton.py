@@ -1,0 +1,141 @@
+"""Roots of a few equations at once, differentiable by the implicit function theorem."""
+
+import functools
+from collections.abc import Callable
+from typing import TypeVar
+
+import jax
+import jax.numpy as jnp
+from jax.custom_derivatives import SymbolicZero
+from jax.extend.core import ClosedJaxpr, jaxpr_as_fun
+from jaxtyping import Array, Bool, Float
+
+from ...numerics import max_few, solve_small
+
+_Known = TypeVar("_Known")
+
+
+def find_roots(
+    function: Callable[[Float[Array, " n"]], Float[Array, " n"]],
+    guess: Float[Array, " n"],
+    *,
+    tolerance: float | Float[Array, ""],
+    max_steps: int,
+) -> tuple[Float[Array, " n"], Bool[Array, ""]]:
+    """Roots of a few functions of as many numbers, by Newton.
+
+    The equations are traced once, with their derivatives, in one loop: a nest of single roots would
+    trace them over and over.
+
+    **Arguments:**
+
+    - `function`: the residuals, which should depend on their own unknown the most; may close over
+      traced numbers, with respect to which the roots are differentiable in either mode.
+    - `guess`: where to start.
+    - `tolerance`: on the last change of the unknowns, relative and absolute; what is left is about
+      its square.
+    - `max_steps`: steps allowed.
+
+    **Returns:** the roots (the last iterate where none were found), and whether they were found.
+    """
+    roots, found, _ = find_roots_and(
+        lambda unknowns: (function(unknowns), None), guess, tolerance=tolerance, max_steps=max_steps
+    )
+    return roots, found
+
+
+def find_roots_and(
+    function: Callable[[Float[Array, " n"]], tuple[Float[Array, " n"], _Known]],
+    guess: Float[Array, " n"],
+    *,
+    tolerance: float | Float[Array, ""],
+    max_steps: int,
+) -> tuple[Float[Array, " n"], Bool[Array, ""], _Known]:
+    """As `find_roots`, of residuals and what else is known where they vanish.
+
+    The derivatives of both come from one linearisation at the root; what would be evaluated there
+    once more would be differentiated once more, too.
+
+    **Arguments:**
+
+    - `function`: gives the residuals, and a pytree of arrays.
+    - `guess`, `tolerance`, `max_steps`: as in `find_roots`.
+
+    **Returns:** the roots, whether they were found, and the pytree at the roots.
+    """
+    structure = []
+
+    def flat(unknowns):
+        residual, known = function(unknowns)
+        leaves, tree = jax.tree.flatten(known)
+        structure[:] = tree, [leaf.dtype for leaf in leaves]
+        # What is not a real number has no derivative of its own.
+        return [residual, *(leaf.astype(residual.dtype) for leaf in leaves)]
+
+    start = jax.lax.stop_gradient(guess)
+    closed = jax.make_jaxpr(flat)(start)
+
+    def evaluate(constants, unknowns):
+        return jaxpr_as_fun(ClosedJaxpr(closed.jaxpr, constants))(unknowns)
+
+    small = jnp.asarray(tolerance, start.dtype)
+    roots, found, leaves = _solved(evaluate, max_steps, closed.consts, start, small)
+    tree, dtypes = structure
+    leaves = [leaf.astype(dtype) for leaf, dtype in zip(leaves, dtypes, strict=True)]
+    return roots, found > 0.5, jax.tree.unflatten(tree, leaves)
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1))
+def _solved(evaluate, max_steps, constants, guess, tolerance):
+    """Roots, 1 where they were found and 0 elsewhere, and what is known there."""
+    identity = jnp.eye(guess.size, dtype=guess.dtype)
+
+    def step(carry):
+        unknowns, _, count = carry
+        value, linear = jax.linearize(lambda x: evaluate(constants, x)[0], unknowns)
+        change = solve_small(jax.vmap(linear, out_axes=-1)(identity))(value)
+        size = max_few(jnp.abs(change) / (1 + jnp.abs(unknowns)))
+        return unknowns - change, size, count + 1
+
+    def goes_on(carry):
+        return (carry[1] > tolerance) & (carry[2] < max_steps)
+
+    first = (guess, jnp.full((), jnp.inf, guess.dtype), 0)
+    roots, size, _ = jax.lax.while_loop(goes_on, step, first)
+    # JAX wants a number and its derivative to be of a batch both, or neither. What is the same in a
+    # whole batch moves with the roots, which are not.
+    of_batch = size == size
+    known = [jnp.where(of_batch, leaf, leaf) for leaf in evaluate(constants, roots)[1:]]
+    return roots, (size <= tolerance).astype(guess.dtype), known
+
+
+@functools.partial(_solved.defjvp, symbolic_zeros=True)
+def _solved_derivative(evaluate, max_steps, primals, tangents):
+    constants, guess, tolerance = primals
+    roots, found, known = _solved(evaluate, max_steps, constants, guess, tolerance)
+    # Numbers that do not move are not differentiated.
+    moving = [
+        i
+        for i, (value, change) in enumerate(zip(constants, tangents[0], strict=True))
+        if jnp.issubdtype(value.dtype, jnp.inexact) and not isinstance(change, SymbolicZero)
+    ]
+    unmoved = jnp.zeros_like(found)
+    if not moving:
+        still = [jnp.zeros_like(leaf) for leaf in known]
+        return (roots, found, known), (jnp.zeros_like(roots), unmoved, still)
+
+    def at_roots(moved):
+        new = dict(zip(moving, moved, strict=True))
+        return evaluate([new.get(i, value) for i, value in enumerate(constants)], roots)
+
+    def of_one(direction):
+        return jax.jvp(lambda x: evaluate(constants, x), (roots,), (direction,))[1]
+
+    moves = [tangents[0][i] for i in moving]
+    _, (missed, *changes) = jax.jvp(at_roots, ([constants[i] for i in moving],), (moves,))
+    slopes, *known_slopes = jax.vmap(of_one, out_axes=-1)(jnp.eye(roots.size, dtype=roots.dtype))
+    follows = -solve_small(slopes)(missed)
+    changes = [
+        change + slope @ follows for change, slope in zip(changes, known_slopes, strict=True)
+    ]
+    return (roots, found, known), (follows, unmoved, changes)

@@ -1,0 +1,312 @@
+"""Steady state: algebra, no integration."""
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from ..._batches import AbstractResult, listed
+from ..._errors import MissingDataError
+from ..._guards import above_or_nan
+from ..._one_program import one_program
+from ..._physics import physics
+from ...geometry import dimensions_possible, rollers_fit
+from ...mechanism import Mechanism, Scalar, of_one_design
+from ...numerics import apart, sum_few
+from .._kinematics import StageKinematics, stage_kinematics, travel_per_turn
+from ..forces import Motion, StageState, chain_forces, losses, roller_support_forces
+from ..friction import turned, with_resistance
+from ._carrier_balance import balanced_carrier_ratio
+
+#: Too small to change anything but ratios: the efficiency without load is its limit [N].
+_NO_LOAD = 1e-30
+#: Below this one is taken for none: its square is no number any more [N].
+_LEAST_LOAD = 1e-100
+
+
+#: By code. Self-locking is a state as good as any other; the rest has no steady state.
+_MEANINGS = (
+    "successful",
+    "self-locking: the load does not turn the screw, which has to be driven with the load; to be "
+    "driven back, lower the friction or the contact angle (quantity self_locking_margin)",
+    "jammed: friction in the threads takes all that the normal force lifts, and no torque moves "
+    "the load; lower the friction or raise the contact angle (quantity jamming_margin)",
+    "no balance: thread friction cannot drive the carriers against their losses; raise it, or "
+    "lower friction of spin and rolling",
+    "no meshing: screw and roller do not touch with a common normal; check lead, contact angle "
+    "and profile radius",
+    "impossible dimension: lead and radii must be more than 0, starts more than 2, the contact "
+    "angle between 0 and 90 deg, and bores narrower than their bodies (prsm_jax.check names it)",
+    "overlapping rollers: neighbouring rollers have no room; use fewer or smaller ones",
+    "not finite: a number of the mechanism, the speed or the load is NaN or infinite, or so large "
+    "that a result is; correct it",
+)
+#: The same as names, by code.
+STEADY_RESULTS = (
+    "successful",
+    "self_locking",
+    "jammed",
+    "no_balance",
+    "no_meshing",
+    "impossible_dimension",
+    "overlapping_rollers",
+    "not_finite",
+)
+_JAMMED, _IMPOSSIBLE, _OVERLAPPING, _NOT_FINITE = 2, 5, 6, 7
+
+
+def steady_meaning(name: str) -> str:
+    """What a name of `STEADY_RESULTS` means, and what to do about it."""
+    return _MEANINGS[STEADY_RESULTS.index(name)]
+
+
+class SteadyState(AbstractResult):
+    """Steady operating point of a mechanism; arrays run over the stages.
+
+    `efficiency` is output over input power: of the nut when the screw drives, of the screw when
+    the load drives it back (negative when it does not move by itself: self-locking).
+    """
+
+    efficiency: Scalar
+    #: Screw speed [rad/s].
+    screw_speed: Scalar
+    #: ω/Ω of each stage.
+    carrier_ratio: Float[Array, " stages"]
+    #: Torque at the first screw [N·m].
+    drive_torque: Scalar
+    #: Normal force of the screw on one roller, all its threads together [N].
+    contact_force: Float[Array, " stages"]
+    #: Axial part of it [N].
+    screw_roller_axial_force: Float[Array, " stages"]
+    #: Load on each nut [N].
+    nut_load: Float[Array, " stages"]
+    #: Slip speed of the screw over the roller [m/s].
+    slip_speed: Float[Array, " stages"]
+    #: Unit vector of the slip of the screw over the roller, in the carrier's frame: radial,
+    #: tangential, axial; at standstill that of the motion about to begin.
+    slip_direction: Float[Array, "stages 3"]
+    ring_gear_force: Float[Array, " stages"]
+    carrier_force: Float[Array, " stages"]
+    spline_friction: Float[Array, " stages"]
+    #: Power of each modelled loss [W].
+    losses: dict[str, Scalar]
+    input_power: Scalar
+    output_power: Scalar
+    #: |input − output − losses| / input.
+    power_balance_residual: Scalar
+    #: False where the meshing has no solution, a thread jams, the carrier cannot turn, no such
+    #: mechanism can be built (a dimension out of range, rollers that overlap), or a number here is
+    #: NaN or infinite.
+    valid: Bool[Array, ""]
+    #: 0 when all is well; see `result`.
+    code: Int[Array, ""] | None = None
+    #: Whether the threads mesh and all forces balance, whatever else `code` names.
+    solved: Bool[Array, ""] | None = None
+
+    @property
+    def batch_shape(self) -> tuple[int, ...]:
+        """Axes of the batch that this steady state is of; empty for a single design."""
+        return self.efficiency.shape
+
+    @property
+    @listed
+    def result(self) -> str:
+        """What `code` means, and what to do about it."""
+        return _MEANINGS[0 if self.code is None else int(self.code)]
+
+    @property
+    @listed
+    def result_name(self) -> str:
+        """`result` as one name: `successful`, `self_locking`, `jammed`, …"""
+        return STEADY_RESULTS[0 if self.code is None else int(self.code)]
+
+    @property
+    @listed
+    def has_efficiency(self) -> bool:
+        """Whether `efficiency` is one: a locked or jammed thread has none."""
+        return self.code is None or int(self.code) in (0, _OVERLAPPING)
+
+    @property
+    def computed(self) -> Bool[Array, "*batch"]:
+        """Whether motion and forces are known, be its rollers too many for their circle or not."""
+        if self.code is None:
+            return self.valid
+        known = jnp.isfinite(self.drive_torque) & jnp.isfinite(self.efficiency)
+        known = known & jnp.isfinite(self.carrier_ratio + self.contact_force).all(axis=-1)
+        solved = (self.code <= 1) | (self.code >= _IMPOSSIBLE)
+        return known & (solved if self.solved is None else solved & self.solved)
+
+
+def _steady_states(
+    mechanism: Mechanism,
+    kinematics: tuple[StageKinematics, ...],
+    speed: Scalar,
+    sense: Scalar,
+    load: Scalar,
+) -> tuple[tuple[StageState, ...], list[Scalar], Int[Array, ""], Bool[Array, ""]]:
+    """States and carrier ratios of all stages, a code for what is wrong, and whether they balance.
+
+    The code names an impossible dimension first, and would hide that nothing balances.
+    """
+    ratios: list[Scalar] = []
+    # What follows the balance would compute it anew for each of its numbers.
+    balanced_apart = apart(balanced_carrier_ratio)
+    balanced = pushed = jnp.asarray(True)
+    meshed = jnp.stack([k.meshing.converged for k in kinematics]).all()
+
+    def motion_of(index: int, flank: Scalar, axial_force: Scalar, _) -> Motion:
+        nonlocal balanced
+        stage, geometry = mechanism.stages[index], kinematics[index]
+        own_speed, own_sense = flank * speed, flank * sense
+        balance = balanced_apart(stage, geometry, own_sense, own_speed, axial_force)
+        balanced = balanced & balance.found
+        ratios.append(balance.ratio)
+        return balance.motion(geometry, own_speed, own_sense)
+
+    states = chain_forces(mechanism, kinematics, motion_of, speed, sense, load)
+    for state in states:
+        # Past the limit of jamming the axial balance asks for a pulling contact.
+        pushed = pushed & above_or_nan(state.forces.contact_force)
+    code = jnp.where(meshed, jnp.where(pushed, jnp.where(balanced, 0, 3), 2), 4)
+    solved = code == 0
+    stages = mechanism.stages
+    fit = jnp.stack([rollers_fit(stage) for stage in stages]).all()
+    possible = jnp.stack([dimensions_possible(stage) for stage in stages]).all()
+    code = jnp.where((code == 0) & ~fit, _OVERLAPPING, code)
+    # First of all: with a lead below 0 the rest may look harmless.
+    code = jnp.where(possible, code, _IMPOSSIBLE)
+    return states, ratios[::-1], code, solved
+
+
+def _operating_point(mechanism: Mechanism, speed, load) -> tuple[Scalar, Scalar]:
+    point = mechanism.operating_point
+    dtype = mechanism.stages[0].thread.lead.dtype
+    values = []
+    for name, value in (("speed", speed), ("load", load)):
+        if value is None:
+            if point is None:
+                raise MissingDataError(
+                    f"no {name}: the mechanism has no operating point; pass {name}=… or give "
+                    f"[operating_point] {name}"
+                )
+            value = getattr(point, name)
+        values.append(jnp.asarray(value, dtype))
+    return values[0], values[1]
+
+
+def all_kinematics(mechanism: Mechanism) -> tuple[StageKinematics, ...]:
+    """Kinematics of every stage."""
+    return tuple(stage_kinematics(stage) for stage in mechanism.stages)
+
+
+def some_load(load: Scalar) -> Scalar:
+    """The load, or where there is none one that is too small to change anything but ratios [N]."""
+    none = (load == 0) | (jnp.abs(load) < _LEAST_LOAD)
+    return load + jnp.where(none, _NO_LOAD, 0.0).astype(load.dtype)
+
+
+@of_one_design
+@one_program
+@physics("steady_state")
+def steady_state(
+    mechanism: Mechanism,
+    speed: float | Scalar | None = None,
+    load: float | Scalar | None = None,
+    kinematics: tuple[StageKinematics, ...] | None = None,
+    *,
+    onset: float | Scalar = 1.0,
+) -> SteadyState:
+    """Steady state at a prescribed screw speed and load, in closed form.
+
+    The carrier speed follows from f·d = 0, which is linear in it: geometry alone decides. Losses
+    inside the contact ellipses, where modelled, shift it slightly. Forces then follow stage by
+    stage from the load, and the efficiency is `F_n Σ L / (2π M)`, or its inverse when the load
+    drives. The slip direction is that of the motion about to begin if the speed is 0.
+
+    A negative load lies on the other flanks.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism.
+    - `speed`: screw speed [rad/s]; negative with a positive load is back-driving. Default: that
+      of the operating point.
+    - `load`: axial load on the last nut [N]. Default: that of the operating point.
+    - `kinematics`: kinematics of the stages, if known already.
+    - `onset`: which motion is about to begin at standstill: 1, the screw drives; −1, the load
+      drives it back.
+
+    **Raises:** `MissingDataError` if speed, load, or data for a modelled loss are not given.
+    """
+    speed, load = _operating_point(mechanism, speed, load)
+    if kinematics is None:
+        kinematics = all_kinematics(mechanism)
+    kinematics = with_resistance(mechanism.stages, kinematics)
+    load = some_load(load)
+    beginning = jnp.where(load < 0, -onset, onset).astype(load.dtype)
+    sense = jnp.where(speed == 0, beginning, jnp.sign(speed))
+    sense = jax.lax.stop_gradient(sense)
+
+    states, ratios, code, solved = _steady_states(mechanism, kinematics, speed, sense, load)
+    torque = states[0].screw.drive_torque
+    travel = travel_per_turn(mechanism.stages, len(mechanism.stages))
+    lost = losses(mechanism, kinematics, states, speed)
+    forward = sense * load > 0
+    useful, driving = (
+        jnp.where(forward, load * travel, torque),
+        jnp.where(forward, torque, load * travel),
+    )
+    drive_power, load_power = torque * speed, load * travel * speed
+    gross = jnp.maximum(jnp.abs(drive_power), jnp.abs(load_power))
+    imbalance = drive_power - load_power - sum(lost.values())
+    supports = [
+        roller_support_forces(stage, geometry, state, None)
+        for stage, geometry, state in zip(mechanism.stages, kinematics, states, strict=True)
+    ]
+    zero = jnp.zeros_like(load)
+    found = SteadyState(
+        efficiency=useful / driving,
+        carrier_ratio=jnp.stack(ratios),
+        drive_torque=torque,
+        contact_force=jnp.stack([s.forces.contact_force for s in states]),
+        screw_roller_axial_force=jnp.stack(
+            [
+                -s.forces.contact_force * k.meshing.screw.normal[2]
+                for s, k in zip(states, kinematics, strict=True)
+            ]
+        ),
+        nut_load=jnp.stack([s.nut_load for s in states]),
+        screw_speed=speed,
+        slip_direction=jnp.stack([turned(s.motion.direction, s.flank) for s in states]),
+        slip_speed=jnp.stack([_length(s.motion.slip) for s in states]),
+        ring_gear_force=jnp.stack([s.ring_gear_force for s in supports]),
+        carrier_force=jnp.stack([s.carrier_force for s in supports]),
+        spline_friction=jnp.stack(
+            [zero if s.screw.spline_friction is None else s.screw.spline_friction for s in states]
+        ),
+        losses=lost,
+        input_power=jnp.where(forward, drive_power, -load_power),
+        output_power=jnp.where(forward, load_power, -drive_power),
+        power_balance_residual=jnp.abs(imbalance) / jnp.where(gross > 0, gross, 1.0),
+        valid=code == 0,
+        solved=solved,
+        code=jnp.where((code == 0) & ~forward & (useful / driving < 0), 1, code),
+    )
+    return _marked(found)
+
+
+def _marked(state: SteadyState) -> SteadyState:
+    """With the code of what is not finite, where nothing else is wrong that would explain it."""
+    assert state.code is not None
+    numbers = [x for x in jax.tree.leaves(state) if jnp.issubdtype(x.dtype, jnp.inexact)]
+    # 0 times what is NaN or infinite is NaN.
+    finite = jnp.isfinite(sum(sum_few(0.0 * jnp.ravel(x)) for x in numbers))
+    unexplained = (state.code <= _JAMMED) & ~finite
+    code = jnp.where(unexplained, _NOT_FINITE, state.code)
+    return dataclasses.replace(state, valid=state.valid & finite, code=code)
+
+
+def _length(vector: Float[Array, "3"]) -> Scalar:
+    square = sum_few(vector**2)
+    some = above_or_nan(square)
+    return jnp.where(some, jnp.sqrt(jnp.where(some, square, 1.0)), 0.0)

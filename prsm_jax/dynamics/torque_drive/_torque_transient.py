@@ -1,0 +1,191 @@
+"""Time histories under a prescribed torque."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from ...mechanism import Mechanism, Scalar, TorqueScenario
+from .._kinematics import travel_per_turn
+from ..histories import (
+    CarrierHistory,
+    Phase,
+    Settings,
+    SolverReport,
+    Transient,
+    code_of_finite,
+    histories,
+)
+from ..solvers import NAMES
+from ._driven_carriers import driven, onsets, resists_turning, slip_geometry
+from ._neglected_lag import neglected
+from ._stick_slip import follow_carriers
+from ._torque_balance import (
+    BACKWARD,
+    FORWARD,
+    STICKING,
+    ScrewMotion,
+    TorqueProblem,
+    breakaway_torques,
+    instant,
+    moving,
+    resting,
+    torque_problem,
+)
+from ._torque_drive import MISSED, follow, held, looks, passed
+
+
+def torque_history(mechanism: Mechanism, scenario: TorqueScenario, settings: Settings) -> Transient:
+    """Integrate under a prescribed torque, and evaluate all forces at the sample times.
+
+    Carriers are states too, unless the method is `"quasi_steady"`. While the mechanism sticks,
+    friction takes what it must; reported are then the forces at that one of the two limits which is
+    nearer to the applied torque, and the applied torque itself.
+
+    **Raises:** `ValueError` for a method that does not integrate.
+    """
+    if settings.method == "closed_form":
+        raise ValueError(
+            "method is 'closed_form', which needs a prescribed speed; under a prescribed torque "
+            "choose auto, rosenbrock, implicit, explicit or quasi_steady"
+        )
+    problem = torque_problem(mechanism, scenario)
+    times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=problem.inertia.dtype)
+    times = times * scenario.duration
+    if settings.method == "quasi_steady":
+        return _quasi_steady(problem, times, settings)
+    return _integrated(problem, times, settings)
+
+
+def _nearer(applied: Scalar, limits: Float[Array, "2"]) -> Scalar:
+    """Sense of the limit that is nearer to a torque."""
+    lower, upper = limits
+    return jnp.where(applied - lower < upper - applied, BACKWARD, FORWARD)
+
+
+def _integrated(
+    problem: TorqueProblem, times: Float[Array, " times"], settings: Settings
+) -> Transient:
+    """Screw and carriers as states."""
+    motions = follow_carriers(problem, times, settings)
+    resists = jnp.asarray(resists_turning(problem))
+
+    def at(time, step, sticks, angle, speed, mode, carriers):
+        rests = (mode == STICKING) & ~jnp.any(carriers.coasts)
+        # One program for the limits here, and between this sample and the next.
+        between = looks(time, step)
+        onward = jax.vmap(lambda look: onsets(problem, look, angle, carriers))(between)
+        limits = onward[0][0].screw.drive_torque
+        torques = jax.vmap(problem.scenario.torque_at)(between)
+        missed = sticks & passed(jax.vmap(held)(torques, limits) / problem.torque_scale)
+        applied = problem.scenario.torque_at(time)
+        forward = _nearer(applied, limits[0]) == FORWARD
+        resting, load = jax.tree.map(lambda x: jnp.where(forward, x[0, 1], x[0, 0]), onward)
+        now = driven(problem, time, angle, speed, mode, carriers)
+        states = jax.tree.map(lambda a, b: jnp.where(rests, a, b), resting, now.states)
+        acceleration, accelerations = (
+            jnp.where(rests, 0.0, found) for found in (now.acceleration, now.carriers)
+        )
+        load = jnp.where(rests, load, now.load)
+        # What resists the turning of rollers can hold them, but not turn them back.
+        dragged = resists & ~carriers.coasts
+        dragged = dragged & (slip_geometry(problem).ratio(carriers.tangent) < 0)
+        if carriers.ways is not None:
+            dragged = dragged & (carriers.ways.nut > 0)
+        pushed = jnp.stack([state.forces.contact_force >= 0 for state in states])
+        valid = jnp.all(pushed) & ~jnp.any(dragged) & (rests | now.found)
+        return (acceleration, load, states, accelerations), valid, applied, missed
+
+    rows, valid, applied, missed = jax.vmap(at)(
+        times,
+        jnp.diff(times, append=times[-1:]),
+        motions.sticks,
+        motions.angle,
+        motions.speed,
+        motions.mode,
+        motions.carriers,
+    )
+    acceleration, load, states, accelerations = rows
+    history = CarrierHistory(
+        motions.speed, acceleration, load, motions.carrier_speed, states, accelerations
+    )
+    found = motions.found
+    name = NAMES["rosenbrock" if settings.method == "auto" else settings.method]
+    # The torque passed a limit and came back between two steps of a phase of sticking.
+    code = jnp.where((found.code == 0) & jnp.any(missed), MISSED, found.code)
+    report = SolverReport(found.steps, found.rejected, code, f"{name} with events")
+    run = _found(problem, times, history, report, valid)
+    return _with_motion(problem, run, applied, motions.angle, motions.mode, found.phases)
+
+
+def _quasi_steady(
+    problem: TorqueProblem, times: Float[Array, " times"], settings: Settings
+) -> Transient:
+    """The screw as a state, with carriers in balance at every instant."""
+    motion = follow(problem, times, settings)
+
+    def at(time, angle, speed, mode):
+        sticking = mode == STICKING
+        applied = problem.scenario.torque_at(time)
+        limits = breakaway_torques(problem, time, angle)
+        sense = jnp.where(sticking, _nearer(applied, limits), mode)
+        still, turning = (
+            resting(problem, time, angle, sense),
+            moving(problem, time, angle, speed, sense),
+        )
+        balance = jax.tree.map(lambda a, b: jnp.where(sticking, a, b), still, turning)
+        acceleration = balance.acceleration
+        now = instant(
+            problem, time, ScrewMotion(angle, speed, acceleration), sense, balance.unknowns
+        )
+        states, ratios, load = now.states, now.ratios, now.load
+        drives = jnp.stack([state.forces.carrier_drive for state in states])
+        carriers = jnp.where(sticking, jnp.zeros_like(drives), drives / problem.inertia)
+        history = (speed, acceleration, load, ratios * speed, states, carriers)
+        return history, now.valid & balance.found, applied
+
+    rows, valid, applied = jax.vmap(at)(times, motion.angle, motion.speed, motion.mode)
+    history = CarrierHistory(*rows)
+    error, longest = neglected(problem, times, history, motion.mode)
+    report = SolverReport(
+        motion.steps,
+        motion.rejected,
+        motion.code,
+        "quasi-steady carriers, Tsit5 with events",
+        error_estimate=error,
+        time_constant=longest,
+    )
+    run = _found(problem, times, history, report, valid)
+    return _with_motion(problem, run, applied, motion.angle, motion.mode, motion.phases)
+
+
+def _found(
+    problem: TorqueProblem,
+    times: Float[Array, " times"],
+    history: CarrierHistory,
+    report: SolverReport,
+    valid: Bool[Array, " times"],
+) -> Transient:
+    code = jnp.where((report.code == 0) & jnp.logical_not(jnp.all(valid)), 4, report.code)
+    report = eqx.tree_at(lambda found: found.code, report, code)
+    return histories(problem.mechanism, problem.kinematics, times, history, report)
+
+
+def _with_motion(
+    problem: TorqueProblem,
+    run: Transient,
+    applied: Float[Array, " times"],
+    angle: Float[Array, " times"],
+    mode: Float[Array, " times"],
+    phases: Phase,
+) -> Transient:
+    stages = problem.mechanism.stages
+    position = travel_per_turn(stages, len(stages)) * angle
+    # A held screw keeps still under a torque that is NaN.
+    code = code_of_finite(run.solver.code, jnp.isfinite(applied + position))
+    return eqx.tree_at(
+        lambda run: (run.drive_torque, run.position, run.sticking, run.phases, run.solver.code),
+        run,
+        (applied, position, mode == STICKING, phases, code),
+        is_leaf=lambda leaf: leaf is None,
+    )

@@ -1,0 +1,14 @@
+"""Masses, and whether dimensions are possible."""
+
+from ._masses import (
+    body_inertia as body_inertia,
+    body_mass as body_mass,
+    material_of as material_of,
+    mean_roller_inertia as mean_roller_inertia,
+    mean_roller_mass as mean_roller_mass,
+    nut_outer_radius as nut_outer_radius,
+    stage_mass as stage_mass,
+)
+from ._possible import (
+    numbers_possible as numbers_possible,
+)

@@ -1,0 +1,140 @@
+"""Masses and inertias: given, or derived from dimensions as cylinders with bores.
+
+All functions are pure in the numbers; which branch is taken is decided by what is present. Each
+raises `MissingDataError` when neither a value nor the dimensions for it are there.
+"""
+
+import jax.numpy as jnp
+
+from ..._errors import MissingDataError
+from .._mechanism import Stage
+from ..fields import Scalar
+from ..parts import Carrier, Material, Nut, RingGear, Roller, Screw, total_factor
+
+
+def material_of(stage: Stage, body: str) -> Material:
+    """The material of a body (`"screw"`, `"roller"`, …): its own, or the stage's."""
+    part = getattr(stage, body)
+    own = part.material if part is not None else None
+    if own is not None:
+        return own
+    if stage.material is not None:
+        return stage.material
+    raise MissingDataError(
+        f"the {body} has no material; give [stage.material] or [stage.{body}.material] with "
+        "youngs_modulus and poisson_ratio"
+    )
+
+
+def _density(stage: Stage, body: str, needed_for: str) -> Scalar:
+    density = material_of(stage, body).density
+    if density is None:
+        raise MissingDataError(
+            f"the {body} has no {needed_for} and its material no density; "
+            f"give stage.{body}.{needed_for} or the density"
+        )
+    return density
+
+
+def _needs(value: Scalar | None, body: str, name: str, needed_for: str) -> Scalar:
+    if value is None:
+        raise MissingDataError(
+            f"the {body} has neither {needed_for} nor {name}; give stage.{body}.{needed_for}, or "
+            f"stage.{body}.{name} to derive it from dimensions"
+        )
+    return value
+
+
+def _annulus(stage: Stage, body: str, needed_for: str) -> tuple[Scalar, Scalar, Scalar]:
+    """Inner radius, outer radius and length of the cylinder that stands for a body [m]."""
+    part, thread = getattr(stage, body), stage.thread
+    length = _needs(part.length, body, "length", needed_for)
+    if isinstance(part, Screw | Roller):
+        outer = thread.screw_radius if isinstance(part, Screw) else thread.roller_radius
+        inner = jnp.zeros_like(outer) if part.bore_radius is None else part.bore_radius
+    elif isinstance(part, Nut | RingGear):
+        inner = thread.nut_radius
+        outer = inner + _needs(part.wall_thickness, body, "wall_thickness", needed_for)
+    else:
+        width = _needs(part.radial_width, body, "radial_width", needed_for)
+        inner = thread.centre_distance - width / 2
+        outer = thread.centre_distance + width / 2
+    return inner, outer, length
+
+
+def body_mass(stage: Stage, body: str) -> Scalar:
+    """Mass of one piece of a body [kg]: given, or π ρ l (R² − r²).
+
+    **Arguments:**
+
+    - `stage`: the stage.
+    - `body`: `"screw"`, `"roller"`, `"nut"`, `"ring_gear"` or `"carrier"`.
+
+    **Raises:** `MissingDataError` if the body is absent or its data are incomplete.
+    """
+    part: Screw | Roller | Nut | RingGear | Carrier | None = getattr(stage, body)
+    if part is None:
+        raise MissingDataError(f"the stage has no {body}; give [stage.{body}]")
+    if part.mass is not None:
+        return part.mass
+    inner, outer, length = _annulus(stage, body, "mass")
+    return jnp.pi * _density(stage, body, "mass") * length * (outer**2 - inner**2)
+
+
+def body_inertia(stage: Stage, body: str) -> Scalar:
+    """Moment of inertia of one piece of a body about its own axis [kg·m²].
+
+    Given, or ½ m (R² + r²) of the cylinder with bore (the mass given or derived).
+
+    **Arguments:**
+
+    - `stage`: the stage.
+    - `body`: `"screw"`, `"roller"`, `"nut"`, `"ring_gear"` or `"carrier"`.
+
+    **Raises:** `MissingDataError` if the body is absent or its data are incomplete.
+    """
+    part = getattr(stage, body)
+    if part is None:
+        raise MissingDataError(f"the stage has no {body}; give [stage.{body}]")
+    if part.inertia is not None:
+        return part.inertia
+    inner, outer, _ = _annulus(stage, body, "inertia")
+    return body_mass(stage, body) * (outer**2 + inner**2) / 2
+
+
+def _mean(stage: Stage, nominal: Scalar) -> Scalar:
+    total = total_factor(stage.unequal_roller, stage.roller_count, "mass_factor")
+    return nominal if isinstance(total, int) else nominal * (total / stage.present_roller_count)
+
+
+def mean_roller_mass(stage: Stage) -> Scalar:
+    """Mean mass of the rollers that are there [kg]; `body_mass` where all are equal.
+
+    **Raises:** `MissingDataError` as `body_mass`.
+    """
+    return _mean(stage, body_mass(stage, "roller"))
+
+
+def mean_roller_inertia(stage: Stage) -> Scalar:
+    """Mean moment of inertia of the rollers that are there about their own axes [kg·m²].
+
+    **Raises:** `MissingDataError` as `body_inertia`.
+    """
+    return _mean(stage, body_inertia(stage, "roller"))
+
+
+def nut_outer_radius(stage: Stage) -> Scalar:
+    """Outer radius of the nut r_n + wall [m]."""
+    wall = _needs(stage.nut.wall_thickness, "nut", "wall_thickness", "outer radius")
+    return stage.thread.nut_radius + wall
+
+
+def stage_mass(stage: Stage) -> Scalar:
+    """Mass of all bodies of a stage [kg]: screw, rollers, nut; ring gear and carriers if there."""
+    mass = body_mass(stage, "screw") + body_mass(stage, "nut")
+    mass = mass + stage.present_roller_count * mean_roller_mass(stage)
+    if stage.ring_gear is not None:
+        mass = mass + body_mass(stage, "ring_gear")
+    if stage.carrier is not None:
+        mass = mass + stage.carrier.count * body_mass(stage, "carrier")
+    return mass

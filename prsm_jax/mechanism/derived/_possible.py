@@ -1,0 +1,58 @@
+"""Whether the numbers of a part are in their ranges, inside a trace where none can be refused."""
+
+import dataclasses
+from collections.abc import Iterator
+from typing import Any
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Bool
+
+from ..fields import ANY, FREE_UNITS, Limit, limit_of
+
+
+def _limited(module: eqx.Module) -> Iterator[tuple[Array, Limit]]:
+    """The numbers of a part and of the parts in it that have a range, with their limits."""
+    for field in dataclasses.fields(module):
+        value: Any = getattr(module, field.name)
+        unit = field.metadata.get("unit")
+        for part in value if isinstance(value, tuple) else (value,):
+            if isinstance(part, eqx.Module):
+                yield from _limited(part)
+        if unit is None or unit in FREE_UNITS or not eqx.is_inexact_array(value):
+            continue
+        number: Array = jnp.asarray(value)
+        limit = limit_of(field.name, unit)
+        if limit != ANY:
+            yield number, limit
+
+
+def numbers_possible(module: eqx.Module) -> Bool[Array, ""]:
+    """Whether every number of a part is in the range that files are read with.
+
+    As `Limited` refuses at construction, for numbers that are traced: a density above 0, Poisson's
+    ratio below ½. Stiffnesses may have any sign, and NaN, which has none, is let through: what
+    depends on it is NaN.
+
+    **Arguments:**
+
+    - `module`: a stage, or any part of one.
+    """
+    # One comparison of all numbers at once; each by itself is a program of a hundred operations.
+    values, lower, upper, at_lower, at_upper = [], [], [], [], []
+    for value, limit in _limited(module):
+        values.append(jnp.ravel(value))
+        for ends, end in (
+            (lower, limit.lower),
+            (upper, limit.upper),
+            (at_lower, limit.lower_allowed),
+            (at_upper, limit.upper_allowed),
+        ):
+            ends += [end] * value.size
+    if not values:
+        return jnp.asarray(True)
+    every = jnp.concatenate(values)
+    low, high = jnp.asarray(lower, every.dtype), jnp.asarray(upper, every.dtype)
+    below = jnp.where(jnp.asarray(at_lower), every < low, every <= low)
+    above = jnp.where(jnp.asarray(at_upper), every > high, every >= high)
+    return ~jnp.any(below | above)

@@ -1,0 +1,34 @@
+"""Fields: what a number is called, its unit, and its limits."""
+
+from ._checked import (
+    check_finite as check_finite,
+    check_increasing as check_increasing,
+    check_not_negative as check_not_negative,
+    check_not_zero as check_not_zero,
+    check_positive as check_positive,
+)
+from ._fields import (
+    Scalar as Scalar,
+    as_scalar as as_scalar,
+    choice as choice,
+    driven as driven,
+    number as number,
+    numbers as numbers,
+    optional_number as optional_number,
+    optional_numbers as optional_numbers,
+    part as part,
+)
+from ._limits import (
+    ANY as ANY,
+    NOT_NEGATIVE as NOT_NEGATIVE,
+    POSITIVE as POSITIVE,
+    Limit as Limit,
+    limit_of as limit_of,
+)
+from ._within import (
+    FREE_UNITS as FREE_UNITS,
+    Contradiction as Contradiction,
+    Limited as Limited,
+    check_number as check_number,
+    check_stage as check_stage,
+)

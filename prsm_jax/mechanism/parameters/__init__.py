@@ -1,0 +1,20 @@
+"""Numbers of a mechanism by name: read, set, moved together."""
+
+from ._follows import (
+    dependents_in_words as dependents_in_words,
+    follows_in_words as follows_in_words,
+    what_follows as what_follows,
+)
+from ._parameters import (
+    DESIGN_VARIABLES as DESIGN_VARIABLES,
+    DesignVariable as DesignVariable,
+    Parameter as Parameter,
+    all_parameters as all_parameters,
+    find_parameters as find_parameters,
+    get_parameter as get_parameter,
+    set_parameter as set_parameter,
+)
+from ._together import (
+    check_independent as check_independent,
+    set_parameters as set_parameters,
+)

@@ -1,0 +1,350 @@
+"""Names for every number of a mechanism, and design variables that say what else follows.
+
+One vocabulary serves files, `--set`, sensitivities, sweeps and optimisation. A name is a dotted
+path as in the file (`stage.thread.lead`, `operating_point.load`), or any ending of it that is
+unambiguous (`lead`, `screw.mass`). `stage.2.lead` means the second stage; without a number it
+means every stage that has the field, moved together. Unequal rollers go by their number:
+`stage.1.unequal_roller.3.stiffness_factor`. Numbers of a scenario go by their full names only
+(`scenario.speed.part.1.peak`).
+"""
+
+import dataclasses
+from collections.abc import Callable, Iterator
+
+import equinox as eqx
+import jax.numpy as jnp
+
+from ..._errors import UnknownNameError, closest
+from .._mechanism import Mechanism
+from ..fields import Scalar, check_number, check_stage
+from ..parts import Thread
+
+
+@dataclasses.dataclass(frozen=True)
+class Parameter:
+    """One number of one stage (or of the operating point), with how to read and move it.
+
+    `get(mechanism)` and `set(mechanism, value)` are pure and traceable. `static` parameters
+    (integers such as `roller_count`) cannot be differentiated: a sweep loops over them.
+    """
+
+    path: str
+    unit: str
+    description: str
+    get: Callable[[Mechanism], Scalar]
+    set: Callable[[Mechanism, Scalar], Mechanism]
+    static: bool = False
+
+
+@dataclasses.dataclass(frozen=True)
+class DesignVariable:
+    """A way to move the thread geometry: which dimension is set, and which follow."""
+
+    name: str
+    unit: str
+    description: str
+    get: Callable[[Thread], Scalar]
+    set: Callable[[Thread, Scalar], Thread]
+
+
+def _with(thread: Thread, **changes) -> Thread:
+    # Not `dataclasses.replace`: that would run converters, which a batched leaf may not pass.
+    names = list(changes)
+    return eqx.tree_at(
+        lambda t: [getattr(t, name) for name in names],
+        thread,
+        [changes[name] for name in names],
+        is_leaf=lambda leaf: leaf is None,
+    )
+
+
+#: Design variables beside the thread's own numbers. Each says what stays fixed and what follows.
+DESIGN_VARIABLES: tuple[DesignVariable, ...] = (
+    DesignVariable(
+        "roller_profile_radius",
+        "m",
+        "radius of the roller's thread profile; r_R / sin α where the mechanism gives none",
+        lambda t: t.profile_radius,
+        lambda t, v: _with(t, roller_profile_radius=v),
+    ),
+    DesignVariable(
+        "flank_angle",
+        "rad",
+        "flank angle α; the contact angle 90° − α follows",
+        lambda t: t.flank_angle,
+        lambda t, v: _with(t, contact_angle=jnp.pi / 2 - v),
+    ),
+    DesignVariable(
+        "pitch",
+        "m",
+        "thread pitch at fixed starts; the lead n p follows",
+        lambda t: t.pitch,
+        lambda t, v: _with(t, lead=v * t.starts),
+    ),
+    DesignVariable(
+        "screw_radius",
+        "m",
+        "nominal screw radius at fixed starts; roller, nut and centre distance follow",
+        lambda t: t.screw_radius,
+        lambda t, v: _with(t, roller_radius=v / (t.starts - 2)),
+    ),
+    DesignVariable(
+        "roller_radius_at_fixed_screw_radius",
+        "m",
+        "roller radius at fixed screw radius and lead; starts 2 + r_s/r_R follow as a real number",
+        lambda t: t.roller_radius,
+        lambda t, v: _with(t, roller_radius=v, starts=2 + t.screw_radius / v),
+    ),
+    DesignVariable(
+        "starts_at_fixed_pitch",
+        "1",
+        "number of starts at fixed pitch and roller radius; the lead n p follows",
+        lambda t: t.starts,
+        lambda t, v: _with(t, starts=v, lead=t.pitch * v),
+    ),
+)
+
+
+def _number_of(element, index: int) -> str:
+    """What an element of a tuple is called: by the number that it gives itself, or its place."""
+    return str(getattr(element, "number", index + 1))
+
+
+def _walk(
+    module: eqx.Module, prefix: tuple[str, ...], unit: str = "1"
+) -> Iterator[tuple[tuple[str, ...], dict, bool]]:
+    """Yield (path, metadata, static) of every number that is present in a module.
+
+    `unit` is that of the function that the module may be: what `*` stands for.
+    """
+    for field in dataclasses.fields(module):
+        value = getattr(module, field.name)
+        path = (*prefix, field.name)
+        metadata = dict(field.metadata)
+        if metadata.get("unit") == "*":
+            metadata["unit"] = unit
+        if isinstance(value, eqx.Module):
+            yield from _walk(value, path, metadata.get("unit", unit))
+        elif isinstance(value, tuple):
+            # An element keeps the number that it gives itself, whatever its place in the tuple.
+            for index, element in enumerate(value):
+                if isinstance(element, eqx.Module):
+                    inner = _walk(element, (*path, _number_of(element, index)), unit)
+                    yield from (found for found in inner if not found[2])
+        elif metadata.get("list") or callable(value) or isinstance(value, bool):
+            continue
+        elif field.metadata.get("static") and isinstance(value, int):
+            yield path, metadata, True
+        elif "unit" in metadata and value is not None:
+            yield path, metadata, False
+
+
+def _descend(tree, path: tuple[str, ...]):
+    for name in path:
+        if isinstance(tree, tuple):
+            tree = next(e for index, e in enumerate(tree) if _number_of(e, index) == name)
+        else:
+            tree = getattr(tree, name)
+    return tree
+
+
+def _at(where: Callable, static: bool, path: tuple[str, ...]):
+    """Getter and setter for the number at `path` below `where(mechanism)`."""
+
+    # No annotations on these: shape checking would decorate them anew at every call.
+    def get(mechanism):
+        return _descend(where(mechanism), path)
+
+    def set_traced(mechanism, value):
+        return eqx.tree_at(lambda m: _descend(where(m), path), mechanism, value)
+
+    def set_static(mechanism, value):
+        if int(value) != value:
+            raise ValueError(f"{path[-1]} is {value}; it must be a whole number")
+
+        def rebuild(node, names):
+            if len(names) == 1:
+                return dataclasses.replace(node, **{names[0]: int(value)})
+            return dataclasses.replace(
+                node, **{names[0]: rebuild(getattr(node, names[0]), names[1:])}
+            )
+
+        return eqx.tree_at(where, mechanism, rebuild(where(mechanism), path))
+
+    return get, set_static if static else set_traced
+
+
+def _stage_at(index: int) -> Callable:
+    return lambda mechanism: mechanism.stages[index]
+
+
+def _design_parameter(index: int, variable: DesignVariable) -> Parameter:
+    def get(mechanism):
+        return variable.get(mechanism.stages[index].thread)
+
+    def set_(mechanism, value):
+        moved = variable.set(mechanism.stages[index].thread, value)
+        return eqx.tree_at(lambda m: m.stages[index].thread, mechanism, moved)
+
+    return Parameter(
+        f"stage.{index + 1}.thread.{variable.name}",
+        variable.unit,
+        variable.description,
+        get,
+        set_,
+    )
+
+
+def all_parameters(mechanism: Mechanism) -> tuple[Parameter, ...]:
+    """Every number of a mechanism that can be set by name, stage by stage.
+
+    Design variables (what follows when they move is in their description) come after the fields.
+    """
+    found: list[Parameter] = []
+    for index, stage in enumerate(mechanism.stages):
+        taken = set()
+        for variable in DESIGN_VARIABLES:
+            parameter = _design_parameter(index, variable)
+            taken.add(parameter.path)
+            found.append(parameter)
+        for path, metadata, static in _walk(stage, ()):
+            dotted = ".".join(("stage", str(index + 1), *path))
+            if dotted in taken:
+                continue
+            get, set_ = _at(_stage_at(index), static, path)
+            found.append(
+                Parameter(
+                    dotted,
+                    metadata.get("unit", "1"),
+                    metadata.get("description", ""),
+                    get,
+                    set_,
+                    static,
+                )
+            )
+    for name in ("operating_point", "scenario"):
+        part = getattr(mechanism, name)
+        if part is None:
+            continue
+        for path, metadata, static in _walk(part, ()):
+            get, set_ = _at(lambda m, name=name: getattr(m, name), static, path)
+            found.append(
+                Parameter(
+                    ".".join((name, *path)),
+                    metadata.get("unit", "1"),
+                    metadata.get("description", ""),
+                    get,
+                    set_,
+                    static,
+                )
+            )
+    return tuple(found)
+
+
+def _without_stage_number(path: str) -> str:
+    head, _, rest = path.partition(".")
+    return f"stage.{rest.partition('.')[2]}" if head == "stage" else path
+
+
+def find_parameters(mechanism: Mechanism, name: str) -> tuple[Parameter, ...]:
+    """The parameters that a name means: one, or one per stage when no stage is named.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism.
+    - `name`: a dotted path as in the file, or an unambiguous ending of one.
+
+    **Raises:** `UnknownNameError` if nothing or several different fields match.
+    """
+    known = all_parameters(mechanism)
+    if not name.startswith("scenario."):
+        # Of the many names in a scenario only full ones count: `speed` is the operating point's.
+        known = tuple(p for p in known if not p.path.startswith("scenario."))
+    exact = [p for p in known if p.path == name]
+    if exact:
+        return tuple(exact)
+    head, _, rest = name.partition(".")
+    number, _, ending = rest.partition(".")
+    if head == "stage" and number.isdigit():
+        candidates = [p for p in known if p.path.startswith(f"stage.{number}.")]
+        if not candidates:
+            raise UnknownNameError(
+                f"parameter {name!r}: the mechanism has {len(mechanism.stages)} stage(s)"
+            )
+    else:
+        candidates, ending = list(known), name
+    matches = [
+        p for p in candidates if ("." + _without_stage_number(p.path)).endswith("." + ending)
+    ]
+    fields = sorted({_without_stage_number(p.path) for p in matches})
+    if len(fields) > 1 and f"stage.{ending}" in fields:
+        # `roller_count` is a stage's own field even if a deeper one should share its name.
+        fields = [f"stage.{ending}"]
+        matches = [p for p in matches if _without_stage_number(p.path) == fields[0]]
+    if len(fields) > 1:
+        raise UnknownNameError(f"parameter {name!r} is ambiguous: {', '.join(fields)}")
+    if not matches:
+        endings = {_without_stage_number(p.path) for p in known}
+        endings |= {p.rsplit(".", 1)[1] for p in endings}
+        raise UnknownNameError(f"unknown parameter {name!r}; {closest(name, endings)}")
+    return tuple(matches)
+
+
+def set_parameter(mechanism: Mechanism, name: str, value, *, checked: bool = True) -> Mechanism:
+    """A mechanism with the named number set [SI], in every stage unless the name picks one.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism.
+    - `name`: a parameter.
+    - `value`: the number; it may be traced.
+    - `checked`: whether to refuse a number that is known and out of its range, or that excludes
+      another one (a bore wider than its screw), as files do.
+
+    **Raises:** `UnknownNameError` as `find_parameters`; `ValueError` for a number that is refused.
+    """
+    found = find_parameters(mechanism, name)
+    if checked:
+        check_parameter(mechanism, name, value)
+    for parameter in found:
+        if parameter.static:
+            mechanism = parameter.set(mechanism, value)
+        else:
+            dtype = jnp.result_type(float)
+            current = parameter.get(mechanism)
+            mechanism = parameter.set(
+                mechanism, jnp.asarray(value, getattr(current, "dtype", dtype))
+            )
+    if checked:
+        check_stages(mechanism)
+    return mechanism
+
+
+def check_parameter(mechanism: Mechanism, name: str, value) -> None:
+    """**Raises:** `ValueError` if a known value is out of the range of a parameter."""
+    for parameter in find_parameters(mechanism, name):
+        # Numbers of a scenario have limits of their own, by kind of profile.
+        if not parameter.path.startswith("scenario."):
+            check_number("", parameter.path.rpartition(".")[2], parameter.unit, value)
+
+
+def check_stages(mechanism: Mechanism) -> None:
+    """**Raises:** `ValueError` if known numbers of a stage exclude each other."""
+    for stage in mechanism.stages:
+        check_stage(stage)
+
+
+def get_parameter(mechanism: Mechanism, name: str):
+    """The value of the named number [SI]; of the first stage when several stages have it."""
+    return find_parameters(mechanism, name)[0].get(mechanism)
+
+
+__all__ = [
+    "DESIGN_VARIABLES",
+    "DesignVariable",
+    "Parameter",
+    "all_parameters",
+    "find_parameters",
+    "get_parameter",
+    "set_parameter",
+]

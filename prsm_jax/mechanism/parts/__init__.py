@@ -1,0 +1,51 @@
+"""The parts of a stage."""
+
+from ._bodies import (
+    Carrier as Carrier,
+    Gear as Gear,
+    GivenStiffness as GivenStiffness,
+    Material as Material,
+    Nut as Nut,
+    RingGear as RingGear,
+    Roller as Roller,
+    Screw as Screw,
+    Support as Support,
+)
+from ._damping import (
+    Damping as Damping,
+    ModalDamping as ModalDamping,
+    RayleighDamping as RayleighDamping,
+    StructuralDamping as StructuralDamping,
+)
+from ._design_problem import (
+    Constraint as Constraint,
+    DesignProblem as DesignProblem,
+    Objective as Objective,
+    Variable as Variable,
+)
+from ._line_contact import (
+    LineContact as LineContact,
+)
+from ._load_sharing import (
+    GAP_LISTS as GAP_LISTS,
+    MOUNTINGS as MOUNTINGS,
+    LoadSharing as LoadSharing,
+    Mounting as Mounting,
+    SplitNut as SplitNut,
+    ThreadTooth as ThreadTooth,
+)
+from ._strength import (
+    END_CONDITIONS as END_CONDITIONS,
+    AxialPlay as AxialPlay,
+    EndConditions as EndConditions,
+    ScrewShaft as ScrewShaft,
+    Strength as Strength,
+)
+from ._thread import (
+    Thread as Thread,
+)
+from ._unequal_roller import (
+    UnequalRoller as UnequalRoller,
+    check_unequal_rollers as check_unequal_rollers,
+    total_factor as total_factor,
+)

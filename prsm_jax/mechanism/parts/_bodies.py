@@ -1,0 +1,146 @@
+"""The bodies of a stage: masses given, or dimensions from which they follow."""
+
+from ..fields import Limited, Scalar, choice, number, optional_number, part
+
+
+class Material(Limited):
+    """An isotropic elastic material."""
+
+    youngs_modulus: Scalar = number("Pa", "Young's modulus, E")
+    poisson_ratio: Scalar = number("1", "Poisson's ratio, ν")
+    density: Scalar | None = optional_number("kg/m³", "density, for masses derived from dimensions")
+
+
+class Support(Limited):
+    """Springs from a body to the housing; an absent one is not there."""
+
+    radial_stiffness: Scalar | None = optional_number(
+        "N/m", "bending (radial) stiffness of the support, equal in x and y unless y has its own"
+    )
+    torsional_stiffness: Scalar | None = optional_number(
+        "N/m", "torsional stiffness as a force per tangential displacement u = r θ"
+    )
+    radial_stiffness_y: Scalar | None = optional_number(
+        "N/m", "bending stiffness in y where it differs from that in x (radial_stiffness)"
+    )
+    axial_stiffness: Scalar | None = optional_number(
+        "N/m", "axial stiffness: of the screw's thrust bearing, or of what holds the nut"
+    )
+
+    def __check_init__(self):
+        if self.radial_stiffness_y is not None and self.radial_stiffness is None:
+            raise ValueError(
+                "the support has radial_stiffness_y but no radial_stiffness, which is the one in "
+                "x; give both (0 N/m where there is no spring)"
+            )
+
+
+class Screw(Limited):
+    """The screw; its outer radius is the nominal one of the thread."""
+
+    mass: Scalar | None = optional_number("kg", "mass; from length and density when absent")
+    inertia: Scalar | None = optional_number("kg·m²", "moment of inertia about the axis")
+    length: Scalar | None = optional_number("m", "length of the cylinder")
+    bore_radius: Scalar | None = optional_number("m", "radius of a central bore")
+    material: Material | None = part("the body is of the material of its stage")
+    support: Support | None = part("the screw is free: no springs of its bearings")
+
+
+class Roller(Limited):
+    """One roller; its outer radius is the nominal one of the thread.
+
+    **Raises:** `ValueError` at construction if the support holds what a pin cannot: rollers turn
+    freely on their pins, and the pins are isotropic.
+    """
+
+    mass: Scalar | None = optional_number("kg", "mass; from length and density when absent")
+    inertia: Scalar | None = optional_number("kg·m²", "moment of inertia about its own axis")
+    length: Scalar | None = optional_number("m", "length of the cylinder")
+    bore_radius: Scalar | None = optional_number("m", "radius of a central bore")
+    material: Material | None = part("the body is of the material of its stage")
+    #: Pins of the roller in the carriers; when given, rollers move in translation too.
+    support: Support | None = part("the rollers turn only: no translation on their pins")
+
+    def __check_init__(self):
+        if self.support is None:
+            return
+        if self.support.torsional_stiffness is not None:
+            raise ValueError(
+                "roller.support has torsional_stiffness, but a roller turns freely on its pins; "
+                "remove it"
+            )
+        if self.support.radial_stiffness_y is not None:
+            raise ValueError(
+                "roller.support has radial_stiffness_y, but the pins of a roller are isotropic; "
+                "give radial_stiffness alone"
+            )
+
+
+class Nut(Limited):
+    """The nut: a sleeve whose inner radius is the nominal one of the thread."""
+
+    mass: Scalar | None = optional_number("kg", "mass; from dimensions and density when absent")
+    inertia: Scalar | None = optional_number("kg·m²", "moment of inertia about the axis")
+    length: Scalar | None = optional_number("m", "length of the sleeve")
+    wall_thickness: Scalar | None = optional_number(
+        "m", "wall outside the nominal thread radius; the outer radius follows"
+    )
+    material: Material | None = part("the body is of the material of its stage")
+    support: Support | None = part("the nut is free: no springs to what holds it")
+
+
+class RingGear(Limited):
+    """The ring gear: an annulus whose inner radius is the pitch radius."""
+
+    mass: Scalar | None = optional_number("kg", "mass; from dimensions and density when absent")
+    inertia: Scalar | None = optional_number("kg·m²", "moment of inertia about the axis")
+    length: Scalar | None = optional_number("m", "axial width of the annulus")
+    wall_thickness: Scalar | None = optional_number("m", "rim outside the pitch radius")
+    material: Material | None = part("the body is of the material of its stage")
+    support: Support | None = part("the ring gear is free: no springs to what holds it")
+
+
+class Carrier(Limited):
+    """The carriers (planet cages): annuli centred on the circle of the roller axes."""
+
+    mass: Scalar | None = optional_number("kg", "mass of one carrier")
+    inertia: Scalar | None = optional_number("kg·m²", "moment of inertia of one carrier")
+    length: Scalar | None = optional_number("m", "axial thickness of one annulus")
+    radial_width: Scalar | None = optional_number("m", "radial width of the annulus")
+    count: int = choice("number of carriers in the stage (one at either end: 2)", default=2)
+    material: Material | None = part("the body is of the material of its stage")
+    support: Support | None = part("the carriers are free to turn")
+
+
+class Gear(Limited):
+    """The gear pair that times the rollers: a spur gear at the roller's ends in a ring gear.
+
+    Its pitch circles are the nominal circles of the threads, so the module 2 r_R / z_R and the
+    number of ring gear teeth n z_R follow from the thread.
+    """
+
+    pressure_angle: Scalar = number("rad", "pressure angle")
+    roller_teeth: Scalar | None = optional_number(
+        "1", "number of teeth of the roller's gear, z_R; needed for the mesh stiffness"
+    )
+    face_width: Scalar | None = optional_number("m", "face width; needed for the mesh stiffness")
+    roller_profile_shift: Scalar = number("1", "profile shift coefficient of the roller", default=0)
+    ring_profile_shift: Scalar = number("1", "profile shift coefficient of the ring", default=0)
+    helix_angle: Scalar = number("rad", "helix angle of the gear teeth", default=0)
+    mesh_factor: Scalar = number(
+        "1", "mesh stiffness over single-tooth stiffness (0.75 ε_α + 0.25 in ISO 6336-1)", default=1
+    )
+
+
+class GivenStiffness(Limited):
+    """Stiffnesses taken as given (measured, or from a paper) instead of being derived."""
+
+    screw_roller: Scalar | None = optional_number(
+        "N/m", "thread contact stiffness of one roller with the screw, all its threads"
+    )
+    nut_roller: Scalar | None = optional_number(
+        "N/m", "thread contact stiffness of one roller with the nut, all its threads"
+    )
+    ring_roller: Scalar | None = optional_number(
+        "N/m", "gear mesh stiffness of one roller with the ring gear"
+    )

@@ -1,0 +1,27 @@
+"""The flanks of an annular roller: rings without a lead, in line contact with the screw."""
+
+import equinox as eqx
+
+from ..fields import Scalar, number, optional_number
+
+
+class LineContact(eqx.Module):
+    """Flanks that touch along a line: a screw thread and a roller of rings.
+
+    The identity r_n = n r_R of a threaded roller does not bind an annular one, so the radii and
+    the centre distance are given one by one. The analysis of line contact reads only this part,
+    not the stage's `thread`.
+    """
+
+    screw_minor_radius: Scalar = number("m", "radius at the root of the screw's flank")
+    screw_major_radius: Scalar = number("m", "radius at the crest of the screw's flank")
+    roller_minor_radius: Scalar = number("m", "radius at the root of the roller's flank")
+    roller_major_radius: Scalar = number("m", "radius at the crest of the roller's flank")
+    centre_distance: Scalar = number("m", "distance between screw and roller axes, d")
+    screw_profile_angle: Scalar = number(
+        "rad", "angle of the screw's flank from the transverse plane, j"
+    )
+    roller_profile_angle: Scalar = number(
+        "rad", "angle of the roller's flank from the transverse plane, k"
+    )
+    lead_angle: Scalar | None = optional_number("rad", "lead angle of the screw's thread, ψ")

@@ -1,0 +1,154 @@
+"""What decides how threads and rollers share the axial load: sections, teeth, errors, preload."""
+
+from typing import Literal, TypeAlias
+
+import equinox as eqx
+from jaxtyping import Array, Float
+
+from ..fields import Scalar, choice, number, optional_number, optional_numbers, part
+
+Mounting: TypeAlias = Literal["same_end", "opposite_end"]
+MOUNTINGS: tuple[Mounting, ...] = ("same_end", "opposite_end")
+
+
+class ThreadTooth(eqx.Module):
+    """Proportions of the thread teeth, for their compliance after Yamamoto.
+
+    The compliance is one per unit length of thread: `effective_length` says how much of a thread
+    bears one contact. No standard gives it; a few contact widths is usual. A body widens or shrinks
+    as a ring, under the mean of all contacts around it, so that part has a length of its own.
+    """
+
+    effective_length: Scalar = number("m", "length of thread that bears one contact")
+    screw_dedendum: Scalar = number("m", "depth of the screw's thread below its nominal radius")
+    roller_dedendum: Scalar = number("m", "depth of the roller's thread below its nominal radius")
+    nut_dedendum: Scalar = number("m", "depth of the nut's thread beyond its nominal radius")
+    radial_length: Scalar | None = optional_number(
+        "m", "length of thread over which one contact widens a body; its share of the circumference"
+    )
+    pitch_line_thickness: Scalar | None = optional_number(
+        "m", "axial thickness of a tooth at the nominal radius; half a pitch when absent"
+    )
+
+
+class SplitNut(eqx.Module):
+    """A nut of two halves that a spacer drives apart, so that rollers are loaded on both flanks.
+
+    Static: `after_thread`. Either the force is given or by how much the spacer is too long.
+
+    **Raises:** `ValueError` at construction unless exactly one of `preload` and `offset` is given,
+    or for a thread number below 1.
+    """
+
+    after_thread: int = choice("number of the thread after which the nut is split")
+    preload: Scalar | None = optional_number("N", "force in the spacer without an axial load")
+    offset: Scalar | None = optional_number(
+        "m", "by how much the spacer is longer than the gap between halves that only just touch"
+    )
+    spacer_stiffness: Scalar | None = optional_number(
+        "N/m", "axial stiffness of the spacer; that of the nut between two threads when absent"
+    )
+
+    def __check_init__(self):
+        if (self.preload is None) == (self.offset is None):
+            found = "both" if self.preload is not None else "neither"
+            raise ValueError(f"split_nut needs either preload or offset; it has {found}")
+        if self.after_thread < 1:
+            raise ValueError(
+                f"split_nut has after_thread {self.after_thread}; threads count from 1"
+            )
+
+
+def _gap(description: str):
+    return optional_numbers("m", description + ", one number per thread")
+
+
+class LoadSharing(eqx.Module):
+    """Chains of screw, nut and rollers whose threads share the load.
+
+    Threads count from 1 at the end of the nut where the screw's force enters. All lists have one
+    number per thread. Position errors are along the axis, positive in the sense in which the screw
+    pushes the rollers under a positive load.
+
+    Static: `thread_count`, `mounting` and what is there at all. What is absent is not modelled:
+    without `backlash` and `split_nut` a thread has one flank, the loaded one.
+
+    **Raises:** `ValueError` at construction for a thread count below 1, an unknown mounting, lists
+    of another length, or a nut that is split past its last thread.
+    """
+
+    thread_count: int = choice("number of engaged threads of one roller, one node each")
+    mounting: Mounting = choice(
+        "end of the nut at which its force is taken, seen from where the screw's force enters",
+        default="same_end",
+    )
+    tooth: ThreadTooth | None = part(
+        "teeth are rigid: only contacts and shafts give way, and loads are less even"
+    )
+    split_nut: SplitNut | None = part("one nut without preload")
+    backlash: Scalar | None = optional_number(
+        "m", "axial play of the nut between its flanks; below 0 for rollers that are too thick"
+    )
+    screw_segment_stiffness: Scalar | None = optional_number(
+        "N/m", "axial stiffness of the screw over one pitch; from its section when absent"
+    )
+    roller_segment_stiffness: Scalar | None = optional_number(
+        "N/m", "axial stiffness of a roller over one pitch; from its section when absent"
+    )
+    nut_segment_stiffness: Scalar | None = optional_number(
+        "N/m", "axial stiffness of the nut over one pitch; from its section when absent"
+    )
+    screw_pitch_error: Float[Array, " threads"] | None = _gap("position error of the screw's teeth")
+    roller_pitch_error: Float[Array, " threads"] | None = _gap(
+        "position error of the rollers' teeth"
+    )
+    nut_pitch_error: Float[Array, " threads"] | None = _gap("position error of the nut's teeth")
+    screw_relief: Float[Array, " threads"] | None = _gap(
+        "profile relief between screw and roller, axially, on either flank"
+    )
+    nut_relief: Float[Array, " threads"] | None = _gap(
+        "profile relief between nut and roller, axially, on either flank"
+    )
+    screw_wear: Float[Array, " threads"] | None = _gap(
+        "axial wear of the flanks between screw and roller that a positive load presses"
+    )
+    nut_wear: Float[Array, " threads"] | None = _gap(
+        "axial wear of the flanks between nut and roller that a positive load presses"
+    )
+
+    def __check_init__(self):
+        if self.thread_count < 1:
+            raise ValueError(
+                f"load_sharing has thread_count {self.thread_count}; it needs at least one thread"
+            )
+        if self.mounting not in MOUNTINGS:
+            raise ValueError(f"mounting is {self.mounting!r}; choose one of {', '.join(MOUNTINGS)}")
+        for name in GAP_LISTS:
+            values = getattr(self, name)
+            # A batch of mechanisms has the threads last.
+            if values is not None and values.shape[-1:] != (self.thread_count,):
+                raise ValueError(
+                    f"load_sharing.{name} has the shape {values.shape}; give one number for each "
+                    f"of the {self.thread_count} threads"
+                )
+        if self.split_nut is not None and self.split_nut.after_thread >= self.thread_count:
+            raise ValueError(
+                f"split_nut has after_thread {self.split_nut.after_thread}, but there are "
+                f"{self.thread_count} threads; choose a smaller number"
+            )
+
+    @property
+    def has_reverse_flanks(self) -> bool:
+        """Whether the flanks that a negative load presses are modelled."""
+        return self.backlash is not None or self.split_nut is not None
+
+
+GAP_LISTS = (
+    "screw_pitch_error",
+    "roller_pitch_error",
+    "nut_pitch_error",
+    "screw_relief",
+    "nut_relief",
+    "screw_wear",
+    "nut_wear",
+)

@@ -1,0 +1,128 @@
+"""What strength and life of a stage need: given capacities or factors, the shaft, the play."""
+
+from typing import Literal, TypeAlias
+
+import equinox as eqx
+
+from ..fields import Scalar, choice, number, optional_number, part
+
+EndConditions: TypeAlias = Literal[
+    "fixed_free", "supported_supported", "fixed_supported", "fixed_fixed"
+]
+END_CONDITIONS: tuple[EndConditions, ...] = (
+    "fixed_free",
+    "supported_supported",
+    "fixed_supported",
+    "fixed_fixed",
+)
+PreloadArrangement: TypeAlias = Literal["double_nut", "split_nut"]
+PRELOAD_ARRANGEMENTS: tuple[PreloadArrangement, ...] = ("double_nut", "split_nut")
+
+
+class ScrewShaft(eqx.Module):
+    """The screw as a column and as a shaft that turns: how it is held, and its root.
+
+    Static: `end_conditions`, the bearings' names for the two ends.
+
+    **Raises:** `ValueError` at construction for unknown end conditions.
+    """
+
+    end_conditions: EndConditions = choice("how the two ends of the screw are held")
+    unsupported_length: Scalar | None = optional_number(
+        "m", "longest length between supports; the screw's length when absent"
+    )
+    loaded_length: Scalar | None = optional_number(
+        "m", "longest length under axial load; the unsupported length when absent"
+    )
+    root_radius: Scalar | None = optional_number(
+        "m", "radius at the root of the screw's thread; r_s less the roller's addendum when absent"
+    )
+    yield_strength: Scalar | None = optional_number(
+        "Pa", "yield strength, for the buckling of short screws; Euler alone when absent"
+    )
+    permissible_speed_share: Scalar = number(
+        "1", "permissible share of the critical speed", default=0.8
+    )
+    dn_limit: Scalar | None = optional_number(
+        "m·rad/s", "largest product of nominal screw diameter and speed (DN value)"
+    )
+
+    def __check_init__(self):
+        if self.end_conditions not in END_CONDITIONS:
+            raise ValueError(
+                f"end_conditions is {self.end_conditions!r}; choose one of "
+                f"{', '.join(END_CONDITIONS)}"
+            )
+
+
+class AxialPlay(eqx.Module):
+    """What lies between the flanks: backlash, as measured or from thinned teeth, or a preload.
+
+    Static: `arrangement`. A preload leaves no backlash, so it cannot stand beside one.
+
+    **Raises:** `ValueError` at construction for an unknown arrangement, or a preload beside a
+    backlash.
+    """
+
+    axial_backlash: Scalar | None = optional_number(
+        "m", "measured travel of the unloaded nut from flank to flank"
+    )
+    screw_tooth_thinning: Scalar | None = optional_number(
+        "m", "axial thickness of a screw tooth at its nominal radius below half a pitch"
+    )
+    roller_tooth_thinning: Scalar | None = optional_number(
+        "m", "axial thickness of a roller tooth at its nominal radius below half a pitch"
+    )
+    nut_tooth_thinning: Scalar | None = optional_number(
+        "m", "axial thickness of a nut tooth at its nominal radius below half a pitch"
+    )
+    preload_force: Scalar | None = optional_number(
+        "N", "axial force with which two nuts or nut halves are braced"
+    )
+    arrangement: PreloadArrangement = choice(
+        "what is braced: two nuts, or the halves of one on the same rollers", default="double_nut"
+    )
+
+    def __check_init__(self):
+        if self.arrangement not in PRELOAD_ARRANGEMENTS:
+            raise ValueError(
+                f"arrangement is {self.arrangement!r}; choose one of "
+                f"{', '.join(PRELOAD_ARRANGEMENTS)}"
+            )
+        if self.preload_force is not None and self.axial_backlash is not None:
+            raise ValueError(
+                "the play has preload_force and axial_backlash, but a braced nut has no backlash; "
+                "remove one"
+            )
+
+
+class Strength(eqx.Module):
+    """Numbers behind static safety, rating life, buckling, critical speed and play of a stage.
+
+    Capacities are given, as catalogues and tests do, or follow from the contacts: the static one
+    from `permissible_pressure`, the dynamic one from `material_factor`. What is absent is not
+    evaluated.
+    """
+
+    permissible_pressure: Scalar | None = optional_number(
+        "Pa", "Hertz pressure of the static capacity (ISO 76: 4.2 GPa for ball bearings)"
+    )
+    static_capacity: Scalar | None = optional_number("N", "static axial capacity, C_0a, if known")
+    dynamic_capacity: Scalar | None = optional_number(
+        "N", "dynamic axial capacity for 1e6 turns, C_a, if known"
+    )
+    material_factor: Scalar | None = optional_number(
+        "1", "capacity of the steel over that of Lundberg and Palmgren, b_m; to estimate C_a"
+    )
+    reliability: Scalar | None = optional_number(
+        "1", "probability of survival that the modified life is for"
+    )
+    life_modification_factor: Scalar | None = optional_number(
+        "1", "factor of lubrication, cleanliness and material on life, a_ISO"
+    )
+    oscillation_amplitude: Scalar | None = optional_number(
+        "rad", "half of the angle through which the screw swings, where it does not turn on"
+    )
+    required_life: Scalar | None = optional_number("s", "life asked for, in operating time")
+    shaft: ScrewShaft | None = part("no buckling, critical speed or DN value of the screw")
+    play: AxialPlay | None = part("no backlash or lost motion")

@@ -1,0 +1,97 @@
+"""Rollers that differ from the others of their stage: worn, out of place, or not there."""
+
+import equinox as eqx
+
+from ..fields import Scalar, choice, optional_number
+
+
+class UnequalRoller(eqx.Module):
+    """One roller that is not like the others; what is absent is as for the others.
+
+    Leaves: the factors, the offset and the thinning. Static: `number` (which roller, counted from 1
+    at the angle 0) and `missing`.
+
+    **Raises:** `ValueError` at construction for a number below 1, a roller that is missing and has
+    factors, or one that differs in nothing.
+    """
+
+    number: int = choice("number of the roller, from 1 at the angle 0")
+    stiffness_factor: Scalar | None = optional_number(
+        "1", "stiffness of this roller's meshes (screw, ring gear, nut) over the others'"
+    )
+    mass_factor: Scalar | None = optional_number(
+        "1", "mass and moment of inertia of this roller over the others'"
+    )
+    position_offset: Scalar | None = optional_number(
+        "rad", "angle by which this roller is out of its place, in the sense of counting"
+    )
+    tooth_thinning: Scalar | None = optional_number(
+        "m", "axial thickness of this roller's teeth below the others' (load sharing)"
+    )
+    missing: bool = choice("whether the place of this roller is empty", default=False)
+
+    def __check_init__(self):
+        if self.number < 1:
+            raise ValueError(f"unequal_roller has number {self.number}; rollers count from 1")
+        differs = [
+            name
+            for name in ("stiffness_factor", "mass_factor", "position_offset", "tooth_thinning")
+            if getattr(self, name) is not None
+        ]
+        if self.missing and differs:
+            raise ValueError(
+                f"unequal_roller {self.number} is missing and has {' and '.join(differs)}, which "
+                "mean nothing then; remove them, or missing"
+            )
+        if not self.missing and not differs:
+            raise ValueError(
+                f"unequal_roller {self.number} says nothing but its number; give stiffness_factor, "
+                "mass_factor, position_offset, tooth_thinning or missing = true, or remove it"
+            )
+
+    @property
+    def carries_otherwise(self) -> bool:
+        """Whether this roller takes another part of the load than the others."""
+        return self.stiffness_factor is not None or self.tooth_thinning is not None
+
+
+def check_unequal_rollers(rollers: tuple[UnequalRoller, ...], roller_count: int) -> None:
+    """Check that unequal rollers fit a stage.
+
+    **Raises:** `ValueError` for a number above the roller count, the same number twice, or no
+    roller left.
+    """
+    seen: set[int] = set()
+    for roller in rollers:
+        if roller.number > roller_count:
+            raise ValueError(
+                f"unequal_roller has number {roller.number}, but roller_count is {roller_count}; "
+                f"choose a number from 1 to {roller_count}"
+            )
+        if roller.number in seen:
+            raise ValueError(f"unequal_roller {roller.number} is given twice; remove one")
+        seen.add(roller.number)
+    if sum(roller.missing for roller in rollers) == roller_count:
+        raise ValueError(f"all {roller_count} rollers are missing; leave at least one")
+
+
+def total_factor(rollers: tuple[UnequalRoller, ...], roller_count: int, name: str) -> Scalar | int:
+    """The sum of a factor over the rollers that are there, 1 for each that has none.
+
+    **Arguments:**
+
+    - `rollers`: the unequal rollers of a stage.
+    - `roller_count`: places for rollers, N.
+    - `name`: `"stiffness_factor"` or `"mass_factor"`.
+
+    **Returns:** an integer where no roller has such a factor, so that nothing is traced.
+    """
+    total: Scalar | int = roller_count
+    for roller in rollers:
+        factor = 0 if roller.missing else getattr(roller, name)
+        if factor is not None:
+            total = total + (factor - 1)
+    return total
+
+
+__all__ = ["UnequalRoller", "check_unequal_rollers", "total_factor"]

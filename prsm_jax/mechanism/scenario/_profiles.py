@@ -1,0 +1,232 @@
+"""Functions of time that drive a mechanism: screw speed, torque or load.
+
+All are pure functions whose numbers are differentiable; they know their integral in closed form
+(of a speed that is the angle), and the times at which they or their derivatives jump, so that an
+integrator can step onto those. Derivatives at a jump are those after it.
+
+A unit `*` in the metadata is that of the function: rad/s where it is a speed.
+"""
+
+import abc
+from typing import ClassVar
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..fields import (
+    Scalar,
+    check_not_negative,
+    check_not_zero,
+    check_positive,
+    number,
+    optional_number,
+)
+
+
+class SineProfile(eqx.Module):
+    """`mean + amplitude sin(2π f t + phase)`."""
+
+    kind: ClassVar[str] = "sine"
+    amplitude: Scalar = number("*", "amplitude")
+    frequency: Scalar = number("Hz", "frequency, f")
+    mean: Scalar = number("*", "mean value", default=0.0)
+    phase: Scalar = number("rad", "phase at the start", default=0.0)
+
+    def _turned(self, time: Scalar) -> Scalar:
+        return 2 * jnp.pi * self.frequency * time + self.phase
+
+    def __call__(self, time: Scalar) -> Scalar:
+        return self.mean + self.amplitude * jnp.sin(self._turned(time))
+
+    def angle(self, time: Scalar) -> Scalar:
+        """Integral from 0 to a time; without a frequency the function is constant."""
+        turns = self.frequency != 0
+        pulsation = 2 * jnp.pi * jnp.where(turns, self.frequency, 1.0)
+        swung = (jnp.cos(self.phase) - jnp.cos(self._turned(time))) / pulsation
+        swung = jnp.where(turns, swung, jnp.sin(self.phase) * time)
+        return self.mean * time + self.amplitude * swung
+
+    @property
+    def break_times(self) -> Float[Array, " breaks"]:
+        """None."""
+        return jnp.zeros(0, self.mean.dtype)
+
+
+class _Segments(eqx.Module):
+    """Stretches of constant jerk: how long, and value, slope and curvature at their start."""
+
+    length: Float[Array, " segments"]
+    value: Float[Array, " segments"]
+    slope: Float[Array, " segments"]
+    curvature: Float[Array, " segments"]
+
+
+def _limits(parts: _Segments) -> tuple[Float[Array, " segments"], Float[Array, " segments"]]:
+    """Starts and ends of the stretches; each begins exactly where the one before ends."""
+    ends = jnp.cumsum(parts.length)
+    return jnp.concatenate([jnp.zeros_like(ends[:1]), ends[:-1]]), ends
+
+
+class AbstractSegmentedProfile(eqx.Module):
+    """Stretches of polynomials of second order, one after the other; 0 after the last."""
+
+    @abc.abstractmethod
+    def _segments(self) -> _Segments:
+        """The stretches."""
+
+    @property
+    def break_times(self) -> Float[Array, " breaks"]:
+        """Ends of all stretches [s]."""
+        return jnp.cumsum(self._segments().length)
+
+    @property
+    def duration(self) -> Scalar:
+        """Length of all stretches together [s]."""
+        return jnp.sum(self._segments().length)
+
+    def __call__(self, time: Scalar) -> Scalar:
+        parts = self._segments()
+        starts, ends = _limits(parts)
+        since = time - starts
+        here = (time < ends) & (time >= starts)
+        value = parts.value + since * (parts.slope + since * parts.curvature / 2)
+        # Of a length that is NaN no stretch would be here.
+        return jnp.where(jnp.isnan(time + ends[-1]), jnp.nan, jnp.sum(jnp.where(here, value, 0.0)))
+
+    def angle(self, time: Scalar) -> Scalar:
+        """Integral from 0 to a time."""
+        parts = self._segments()
+        starts, ends = _limits(parts)
+        since = time - starts
+        since = jnp.where(since < 0, 0.0, jnp.where(time < ends, since, parts.length))
+        turned = jnp.sum(
+            since * (parts.value + since * (parts.slope / 2 + since * parts.curvature / 6))
+        )
+        return jnp.where(jnp.isnan(time + ends[-1]), jnp.nan, turned)
+
+
+class ConstantProfile(AbstractSegmentedProfile):
+    """One value for some time: a part of a sequence."""
+
+    kind: ClassVar[str] = "constant"
+    value: Scalar = number("*", "value")
+    hold_time: Scalar = number("s", "time for which it is held")
+
+    def __check_init__(self):
+        check_positive("ConstantProfile", hold_time=self.hold_time)
+
+    def _segments(self) -> _Segments:
+        one, none = self.value[None], jnp.zeros_like(self.value)[None]
+        return _Segments(self.hold_time[None], one, none, none)
+
+
+class TrapezoidalProfile(AbstractSegmentedProfile):
+    """Up in a straight line, a plateau, down in a straight line, and a dwell at 0."""
+
+    kind: ClassVar[str] = "trapezoidal"
+    peak: Scalar = number("*", "value of the plateau")
+    rise_time: Scalar = number("s", "time from 0 to the plateau")
+    hold_time: Scalar = number("s", "length of the plateau")
+    fall_time: Scalar | None = optional_number("s", "time from the plateau to 0; as the rise")
+    dwell_time: Scalar = number("s", "rest at 0 afterwards", default=0.0)
+
+    def __check_init__(self):
+        check_positive("TrapezoidalProfile", rise_time=self.rise_time, fall_time=self.fall_time)
+        check_not_negative(
+            "TrapezoidalProfile", hold_time=self.hold_time, dwell_time=self.dwell_time
+        )
+
+    def _segments(self) -> _Segments:
+        fall = self.rise_time if self.fall_time is None else self.fall_time
+        return _trapezoid(self.peak, self.rise_time, self.hold_time, fall, self.dwell_time)
+
+
+def _trapezoid(peak, rise, hold, fall, dwell) -> _Segments:
+    none = jnp.zeros_like(peak)
+    return _Segments(
+        length=jnp.stack([rise, hold, fall, dwell]),
+        value=jnp.stack([none, peak, peak, none]),
+        slope=jnp.stack([peak / rise, none, -peak / fall, none]),
+        curvature=jnp.zeros_like(peak, shape=4),
+    )
+
+
+class TrapezoidalMoveProfile(AbstractSegmentedProfile):
+    """A move through an angle as fast as limits of speed and acceleration allow.
+
+    A short move never reaches the limit of speed: its profile is a triangle.
+    """
+
+    kind: ClassVar[str] = "trapezoidal_move"
+    angle_moved: Scalar = number("rad", "angle of the move; negative backwards")
+    speed_limit: Scalar = number("rad/s", "largest speed")
+    acceleration_limit: Scalar = number("rad/s²", "largest acceleration")
+    deceleration_limit: Scalar | None = optional_number(
+        "rad/s²", "largest deceleration; as the acceleration"
+    )
+    dwell_time: Scalar = number("s", "rest afterwards", default=0.0)
+
+    def __check_init__(self):
+        _check_move(self)
+        check_positive("TrapezoidalMoveProfile", deceleration_limit=self.deceleration_limit)
+
+    def _segments(self) -> _Segments:
+        distance, up = jnp.abs(self.angle_moved), self.acceleration_limit
+        down = up if self.deceleration_limit is None else self.deceleration_limit
+        # Distance of speeding up and slowing down: v² (1/a + 1/d) / 2.
+        slowness = (1 / up + 1 / down) / 2
+        peak = jnp.minimum(self.speed_limit, jnp.sqrt(distance / slowness))
+        hold = jnp.where(
+            peak < self.speed_limit, 0.0, distance / self.speed_limit - peak * slowness
+        )
+        moved = jnp.sign(self.angle_moved) * peak
+        return _trapezoid(moved, peak / up, hold, peak / down, self.dwell_time)
+
+
+class SCurveMoveProfile(AbstractSegmentedProfile):
+    """A move through an angle as fast as limits of speed, acceleration and jerk allow.
+
+    Up to seven stretches of constant jerk; limits that a short move does not reach shorten some of
+    them to nothing (Biagiotti and Melchiorri 2008, section 3.4).
+    """
+
+    kind: ClassVar[str] = "s_curve_move"
+    angle_moved: Scalar = number("rad", "angle of the move; negative backwards")
+    speed_limit: Scalar = number("rad/s", "largest speed")
+    acceleration_limit: Scalar = number("rad/s²", "largest acceleration")
+    jerk_limit: Scalar = number("rad/s³", "largest jerk")
+    dwell_time: Scalar = number("s", "rest afterwards", default=0.0)
+
+    def __check_init__(self):
+        _check_move(self)
+        check_positive("SCurveMoveProfile", jerk_limit=self.jerk_limit)
+
+    def _segments(self) -> _Segments:
+        distance, jerk = jnp.abs(self.angle_moved), self.jerk_limit
+        # Each phase is as long as the limit that is met first allows.
+        bend = jnp.minimum(self.acceleration_limit / jerk, jnp.sqrt(self.speed_limit / jerk))
+        bend = jnp.minimum(bend, jnp.cbrt(distance / (2 * jerk)))
+        steepest = jerk * bend
+        # Speeding up takes `ramp + 2 bend`, and twice that with slowing down passes the distance.
+        by_distance = jnp.sqrt(bend**2 / 4 + distance / steepest) - 1.5 * bend
+        ramp = jnp.minimum(self.speed_limit / steepest - bend, by_distance)
+        ramp = jnp.maximum(ramp, 0.0)
+        peak = steepest * (bend + ramp)
+        hold = jnp.maximum(distance / peak - (2 * bend + ramp), 0.0)
+        low, high, none = steepest * bend / 2, peak - steepest * bend / 2, jnp.zeros_like(peak)
+        sign = jnp.sign(self.angle_moved)
+        return _Segments(
+            length=jnp.stack([bend, ramp, bend, hold, bend, ramp, bend, self.dwell_time]),
+            value=sign * jnp.stack([none, low, high, peak, peak, high, low, none]),
+            slope=sign
+            * jnp.stack([none, steepest, steepest, none, none, -steepest, -steepest, none]),
+            curvature=sign * jnp.stack([jerk, none, -jerk, none, -jerk, none, jerk, none]),
+        )
+
+
+def _check_move(move) -> None:
+    name = type(move).__name__
+    check_not_zero(name, angle_moved=move.angle_moved)
+    check_positive(name, speed_limit=move.speed_limit, acceleration_limit=move.acceleration_limit)
+    check_not_negative(name, dwell_time=move.dwell_time)

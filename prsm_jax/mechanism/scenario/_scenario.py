@@ -1,0 +1,143 @@
+"""What a simulation is asked to do: how the first screw is driven, and what the nut works against.
+
+Speed, torque and load are numbers, or pure functions (an `eqx.Module` with a `__call__` keeps its
+numbers differentiable): the profiles of `_profiles` and `_sequences`, the loads of `_loads`, or
+any other. Those of a file can be written back to one.
+"""
+
+import dataclasses
+from collections.abc import Callable
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..fields import Scalar, check_finite, check_positive, choice, driven, number
+from ._loads import LoadOfMotion, break_times_of, load_value
+from ._sequences import Profile
+
+
+def _check_samples(samples: int) -> None:
+    if samples < 2:
+        raise ValueError(f"samples is {samples}; a history needs at least 2")
+
+
+def check_scenario(scenario: "Scenario | TorqueScenario") -> None:
+    """Refuse a scene that means nothing; numbers that are traced, and functions, are not known.
+
+    **Arguments:**
+
+    - `scenario`: the scene.
+
+    **Raises:** `ValueError` for a duration that is not above 0, and for NaN or infinite numbers.
+    """
+    owner = type(scenario).__name__
+    for field in dataclasses.fields(scenario):
+        value, unit = getattr(scenario, field.name), field.metadata.get("unit")
+        if unit is not None and not callable(value):
+            remedy = f"give the {field.metadata['description']} in {unit}"
+            check_finite(owner, remedy, **{field.name: value})
+    check_positive(owner, duration=scenario.duration)
+
+
+def _needs_motion():
+    raise ValueError(
+        "the load depends on the motion of the nut, so it is known only with a mechanism; "
+        "simulate the scenario, or bind it with prsm_jax.dynamics.bound_scenario first"
+    )
+
+
+class Scenario(eqx.Module):
+    """Prescribed screw speed and load over a time.
+
+    Speed is a number or a function of time. Load is a number, a function of time, or a function of
+    time, position, speed and acceleration of the nut. A constant speed leaves all inertia but the
+    carriers' untraced.
+
+    Static: `samples`, and whether speed and load are functions.
+    """
+
+    #: Screw speed Ω [rad/s].
+    speed: Scalar | Profile | Callable = driven("rad/s", "screw speed")
+    #: Load on the last nut, against its motion at positive speed [N].
+    load: Scalar | Profile | LoadOfMotion | Callable = driven("N", "load on the last nut")
+    #: Length of the simulation [s].
+    duration: Scalar = number("s", "length of the simulation")
+    #: Carrier ratio ω/Ω at the start, of every stage; 0 is a mechanism whose rollers stand still.
+    initial_carrier_ratio: Scalar = number("1", "carrier ratio at the start", default=0.0)
+    #: Number of equally spaced times in the result.
+    samples: int = choice("number of times in the result", default=201)
+    #: Position of the nut at the start [m].
+    initial_position: Scalar = number("m", "position of the nut at the start", default=0.0)
+
+    def __check_init__(self):
+        _check_samples(self.samples)
+        check_scenario(self)
+
+    def speed_at(self, time: Scalar) -> Scalar:
+        """Screw speed at a time [rad/s]."""
+        return jnp.asarray(self.speed(time)) if callable(self.speed) else self.speed
+
+    def motion_at(self, time: Scalar) -> tuple[Scalar, Scalar | None]:
+        """Screw speed [rad/s] and, unless it is constant, its derivative [rad/s²]."""
+        if not callable(self.speed):
+            return self.speed, None
+        return jax.jvp(self.speed_at, (time,), (jnp.ones_like(time),))
+
+    def load_at(self, time: Scalar) -> Scalar:
+        """Load at a time [N]."""
+        return load_value(self.load, time, _needs_motion)
+
+    @property
+    def break_times(self) -> Float[Array, " breaks"]:
+        """Times at which speed or load jump or bend, in order, and none past the end [s]."""
+        return _breaks(self.duration, self.speed, self.load)
+
+
+class TorqueScenario(eqx.Module):
+    """Prescribed torque at the first screw, and what the last nut works against.
+
+    Static: `samples`, `most_phases`, and whether torque is a function.
+    """
+
+    #: Torque at the first screw: a number, or a pure function of time [N·m].
+    torque: Scalar | Profile | Callable = driven("N·m", "torque at the first screw")
+    #: Load on the last nut [N]: a number, a function of time, or one of time, position, speed and
+    #: acceleration of the nut, such as a `HingeLoad`.
+    load: Scalar | Profile | LoadOfMotion | Callable = driven("N", "load on the last nut")
+    #: [s]
+    duration: Scalar = number("s", "length of the simulation")
+    #: Screw speed at the start [rad/s]. The carriers start in the ratio in which they settle beside
+    #: a screw that turns as this one; in that of rolling where they settle in none, because it is
+    #: braked harder than friction in the threads can brake them.
+    initial_speed: Scalar = number("rad/s", "screw speed at the start", default=0.0)
+    #: Position of the nut at the start [m].
+    initial_position: Scalar = number("m", "position of the nut at the start", default=0.0)
+    samples: int = choice("number of times in the result", default=201)
+    #: Phases of stick or slip that are followed; running out of them is reported.
+    most_phases: int = choice("phases of stick or slip that are followed", default=32)
+
+    def __check_init__(self):
+        _check_samples(self.samples)
+        check_scenario(self)
+
+    def torque_at(self, time: Scalar) -> Scalar:
+        """Torque at a time [N·m]."""
+        return jnp.asarray(self.torque(time)) if callable(self.torque) else self.torque
+
+    def load_at(
+        self, time: Scalar, position: Scalar, speed: Scalar, acceleration: Scalar
+    ) -> Scalar:
+        """Load at a time, position [m], speed [m/s] and acceleration [m/s²] of the nut [N]."""
+        return load_value(self.load, time, lambda: (position, speed, acceleration))
+
+    @property
+    def break_times(self) -> Float[Array, " breaks"]:
+        """Times at which torque or load jump or bend, in order, and none past the end [s]."""
+        return _breaks(self.duration, self.torque, self.load)
+
+
+def _breaks(duration: Scalar, *functions) -> Float[Array, " breaks"]:
+    times = [break_times_of(function, duration.dtype) for function in functions]
+    return jnp.minimum(jnp.sort(jnp.concatenate(times)), duration)
