@@ -1,11 +1,5 @@
 """Contact mechanics of the threads."""
 
-from ._approximations import (
-    APPROXIMATIONS as APPROXIMATIONS,
-    lisowski_coefficients as lisowski_coefficients,
-)
-from ._axis_ratio import axis_ratio_of as axis_ratio_of
-from ._axis_stress import axis_stress as axis_stress
 from ._contacts import load_of as load_of, thread_contacts as thread_contacts
 from ._conventions import ContactFrame as ContactFrame, contact_frames as contact_frames
 from ._edge_pressure import (
@@ -15,16 +9,6 @@ from ._edge_pressure import (
     opposite_onset as opposite_onset,
     rounded_edges as rounded_edges,
 )
-from ._elliptic import (
-    associated_elliptic_integrals as associated_elliptic_integrals,
-    complete_elliptic_integrals as complete_elliptic_integrals,
-)
-from ._hertz import (
-    HertzContact as HertzContact,
-    HertzMethod as HertzMethod,
-    contact_modulus as contact_modulus,
-    hertz_contact as hertz_contact,
-)
 from ._line_contact import (
     LineContactResult as LineContactResult,
     SliceGeometry as SliceGeometry,
@@ -32,26 +16,12 @@ from ._line_contact import (
     line_contact_under_force as line_contact_under_force,
     slice_geometry as slice_geometry,
 )
-from ._line_stress import line_subsurface_stress as line_subsurface_stress
 from ._slip_and_spin import (
     EllipseShape as EllipseShape,
     Sliding as Sliding,
     ellipse_shape as ellipse_shape,
     slip_and_spin as slip_and_spin,
 )
-from ._stress_measures import (
-    max_shear_stress as max_shear_stress,
-    principal_stresses as principal_stresses,
-    von_mises_stress as von_mises_stress,
-)
-from ._stress_peak import (
-    AxisMeasure as AxisMeasure,
-    StressMeasure as StressMeasure,
-    StressPeak as StressPeak,
-    stress_peak as stress_peak,
-    stress_peak_on_axis as stress_peak_on_axis,
-)
-from ._subsurface import subsurface_stress as subsurface_stress
 from ._thread_contact import (
     StageContact as StageContact,
     ThreadContactSide as ThreadContactSide,
@@ -72,4 +42,30 @@ from ._truncation import (
     risk_ratio as risk_ratio,
     share_within as share_within,
     truncation as truncation,
+)
+from .hertz import (
+    APPROXIMATIONS as APPROXIMATIONS,
+    HertzContact as HertzContact,
+    HertzMethod as HertzMethod,
+    axis_ratio_of as axis_ratio_of,
+    contact_modulus as contact_modulus,
+    hertz_contact as hertz_contact,
+    lisowski_coefficients as lisowski_coefficients,
+)
+from .special_functions import (
+    associated_elliptic_integrals as associated_elliptic_integrals,
+    complete_elliptic_integrals as complete_elliptic_integrals,
+)
+from .stress import (
+    AxisMeasure as AxisMeasure,
+    StressMeasure as StressMeasure,
+    StressPeak as StressPeak,
+    axis_stress as axis_stress,
+    line_subsurface_stress as line_subsurface_stress,
+    max_shear_stress as max_shear_stress,
+    principal_stresses as principal_stresses,
+    stress_peak as stress_peak,
+    stress_peak_on_axis as stress_peak_on_axis,
+    subsurface_stress as subsurface_stress,
+    von_mises_stress as von_mises_stress,
 )

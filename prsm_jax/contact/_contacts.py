@@ -5,8 +5,8 @@ import jax.numpy as jnp
 from .._errors import MissingDataError
 from .._one_program import one_program
 from ..mechanism import Mechanism, Scalar, of_one_design
-from ._hertz import HertzMethod
 from ._thread_contact import StageContact, stage_contact
+from .hertz import HertzMethod
 
 
 def load_of(mechanism: Mechanism, load: float | Scalar | None) -> Scalar:

@@ -27,8 +27,8 @@ from .._cubic import root_above_one
 from .._physics import physics
 from ..geometry import FlankEnd, RelativeCurvature, Way
 from ..mechanism import Scalar
-from ._hertz import HertzContact
 from ._truncation import Onsets, half_extent, onset_pressure, pressure_ratio
+from .hertz import HertzContact
 
 Real = Float[Array, "*batch"]
 

@@ -11,8 +11,8 @@ from .._physics import physics
 from .._root import find_root
 from ..geometry import contact_zone, fit_parabola, ring_vertex
 from ..mechanism import LineContact, Scalar, Stage, material_of
-from ._hertz import contact_modulus
 from ._thread_contact import engaged_threads
+from .hertz import contact_modulus
 
 #: Edges of the slices, from the inner to the outer end of the zone.
 _EDGES = 129

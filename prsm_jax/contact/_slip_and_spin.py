@@ -24,7 +24,7 @@ import numpy as np
 
 from ..geometry import RelativeCurvature
 from ..mechanism import Scalar
-from ._hertz import HertzContact, anisotropy_of
+from .hertz import HertzContact, anisotropy_of
 
 #: The centre counts as inside the ellipse up to this share of the axes past its edge, where the
 #: limit of the integrals has a derivative without bound; the error of that is below 1e-12.

@@ -8,7 +8,7 @@ from .._errors import MissingDataError
 from ..geometry import Meshing, mesh
 from ..mechanism import Scalar, Stage, material_of
 from ._conventions import ContactFrame, contact_frames
-from ._hertz import HertzContact, HertzMethod, contact_modulus, hertz_contact
+from .hertz import HertzContact, HertzMethod, contact_modulus, hertz_contact
 
 
 class ThreadContactSide(eqx.Module):

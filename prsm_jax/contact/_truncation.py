@@ -26,7 +26,7 @@ from .._guards import above_or_nan, below_or_nan
 from .._physics import physics
 from ..geometry import FlankEnd, RelativeCurvature
 from ..mechanism import Scalar
-from ._hertz import HertzContact
+from .hertz import HertzContact
 
 #: Hertz pressures at which the ellipse reaches the nearest end, one for each way [Pa].
 Onsets: TypeAlias = tuple[Scalar, ...]

@@ -2,12 +2,12 @@
 
 from ._edit import edit as edit, source_text as source_text
 from ._examples import example_names as example_names, example_text as example_text
-from ._layout import (
-    law_names as law_names,
-    module_classes as module_classes,
-    row_class as row_class,
-)
-from ._numbers import round_in_unit as round_in_unit
 from ._read import load as load, loads as loads
 from ._settings import apply_settings as apply_settings
 from ._write import dump as dump, dumps as dumps
+from .numbers import (
+    law_names as law_names,
+    module_classes as module_classes,
+    round_in_unit as round_in_unit,
+    row_class as row_class,
+)

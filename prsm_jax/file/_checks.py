@@ -1,7 +1,7 @@
 """What numbers must satisfy together, with the place in the file of the one that does not."""
 
 from ..mechanism import Contradiction, Mechanism, check_stage
-from ._messages import Misplaced
+from .numbers import Misplaced
 
 
 def check_together(mechanism: Mechanism) -> None:

@@ -11,10 +11,10 @@ from .._errors import FileError, closest, missing_extra
 from ..mechanism import Contradiction, DutyCycle, Mechanism
 from ._checks import check_together
 from ._examples import example_names, example_text
-from ._messages import Misplaced, file_error, one_line
+from .numbers import Misplaced, file_error, one_line
 
 if TYPE_CHECKING:
-    from ._table import Table
+    from .tables import Table
 
 _LARGEST_FILE = 1_000_000
 # A dotted key of thousands of parts takes tomllib seconds: its time grows with their square.
@@ -128,9 +128,8 @@ def _validated(data: dict, name: str) -> "Table":
 
 
 def _mechanism(table: "Table") -> Mechanism:
-    from ._optimise_table import design_problem
-    from ._scenario_table import scenario_of
     from ._schema import module_of
+    from .tables import design_problem, scenario_of
 
     content = {field: getattr(table, field) for field in type(table).model_fields}
     stages = []

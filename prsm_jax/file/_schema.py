@@ -15,10 +15,25 @@ import equinox as eqx
 from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model
 
 from ..mechanism import DutyCycle, OperatingPoint, Stage, limit_of
-from ._layout import law_names, module_classes, row_class, unnamed_law
-from ._numbers import read_integer, read_number, read_numbers
-from ._optimise_table import OptimiseTable
-from ._table import Table, checked, problem, read_boolean, read_choice, read_tables, read_text
+from .numbers import (
+    law_names,
+    module_classes,
+    read_integer,
+    read_number,
+    read_numbers,
+    row_class,
+    unnamed_law,
+)
+from .tables import (
+    OptimiseTable,
+    Table,
+    checked,
+    problem,
+    read_boolean,
+    read_choice,
+    read_tables,
+    read_text,
+)
 
 
 def _number_or_choice(field: dataclasses.Field, hint) -> Any:

@@ -12,8 +12,7 @@ from ..mechanism import (
     set_parameter,
 )
 from ._checks import check_together
-from ._messages import Misplaced, one_line, table_name
-from ._numbers import is_plain_number, read_integer, read_number
+from .numbers import Misplaced, is_plain_number, one_line, read_integer, read_number, table_name
 
 #: Settings that are words rather than numbers, with what they may be.
 _CHOICES = {"curvature": CURVATURE_CONVENTIONS}

@@ -14,10 +14,9 @@ import numpy as np
 from .._errors import FileError, UnknownNameError, missing_extra
 from .._files import whole_file
 from ..mechanism import DesignProblem, DutyCycle, Mechanism, find_parameters
-from ._layout import law_names, module_classes, row_class
-from ._numbers import bare_number, write_number
 from ._read import loads
 from ._scenario_lines import scenario_lines
+from .numbers import bare_number, law_names, module_classes, row_class, write_number
 
 
 def _string(text: str) -> str:

@@ -1,11 +1,12 @@
 """Gradient-based optimisation of a mechanism over named parameters."""
 
-from ._optimality import Optimality as Optimality, optimality as optimality
 from ._optimise import optimise as optimise
-from ._optimum import (
+from .results import (
     ConstraintReport as ConstraintReport,
     Design as Design,
+    Optimality as Optimality,
     Optimum as Optimum,
     Run as Run,
+    optimality as optimality,
+    rounded_variables as rounded_variables,
 )
-from ._rounding import rounded_variables as rounded_variables

@@ -6,13 +6,11 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..mechanism import Constraint, DesignProblem, Mechanism, Scalar, Variable, of_one_known_design
-from ._evaluator import Evaluator
-from ._methods import BOUNDS_ONLY, find_search
-from ._optimum import Optimum
 from ._problem import present_design, problem_of
-from ._reporting import Reporter, optimum_of
 from ._searches import Searches
 from ._starts import starting_positions
+from .results import Optimum, Reporter, optimum_of
+from .search import BOUNDS_ONLY, Evaluator, find_search
 
 _ITERATIONS = {"adam": 2000, "lbfgs": 500, "slsqp": 300, "trust-constr": 3000}
 

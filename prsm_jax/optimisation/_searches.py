@@ -6,12 +6,8 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from ._evaluator import Evaluator, Guarded, Point
-from ._margin_rows import MarginRow
-from ._optimality import Optimality, optimality
-from ._optimum import Run
-from ._reporting import Reporter, run_report
-from ._search import Search
+from .results import Optimality, Reporter, Run, optimality, run_report
+from .search import Evaluator, Guarded, MarginRow, Point, Search
 
 #: At most this many numbers have to be whole at once: each doubles the searches.
 _MOST_WHOLE = 4

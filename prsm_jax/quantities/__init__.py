@@ -3,19 +3,6 @@
 A quantity of your own is one function of an `Analysis` under the `quantity` decorator.
 """
 
-from . import (
-    _axial_stiffness as _axial_stiffness,
-    _contact as _contact,
-    _dimensions as _dimensions,
-    _load_sharing as _load_sharing,
-    _locking as _locking,
-    _operation as _operation,
-    _play as _play,
-    _rating_life as _rating_life,
-    _strength as _strength,
-    _truncation as _truncation,
-    _vibration as _vibration,
-)
 from ._analysis import Analysis as Analysis, SharedLoad as SharedLoad
 from ._assumptions import (
     assumption as assumption,
@@ -38,14 +25,12 @@ from ._catalogue import (
     find_quantity as find_quantity,
     quantity as quantity,
 )
-from ._rating_life import (
-    minimum_amplitude_of as minimum_amplitude_of,
-    rating_life_of as rating_life_of,
-)
 from ._reasons import REASONS as REASONS
-from ._strength import (
+from .entries import (
     dynamic_capacity_of as dynamic_capacity_of,
+    minimum_amplitude_of as minimum_amplitude_of,
     on_one_flank as on_one_flank,
+    rating_life_of as rating_life_of,
     sharing_factor_of as sharing_factor_of,
     static_capacity_of as static_capacity_of,
     static_safety_of as static_safety_of,

@@ -1,20 +1,5 @@
 """Bending–torsional vibration of one stage."""
 
-from ._assembly import (
-    coordinates as coordinates,
-    dense_matrices as dense_matrices,
-    harmonic_network as harmonic_network,
-    spring_network as spring_network,
-    torsional_block as torsional_block,
-    torsional_springs as torsional_springs,
-    transverse_block as transverse_block,
-    transverse_springs as transverse_springs,
-)
-from ._block import (
-    SpringBlock as SpringBlock,
-    block_modes as block_modes,
-    mesh_energy_share as mesh_energy_share,
-)
 from ._dense import (
     FrequencySlopes as FrequencySlopes,
     dense_modes as dense_modes,
@@ -25,10 +10,6 @@ from ._dense import (
 from ._distinct import (
     DistinctFrequencies as DistinctFrequencies,
     distinct_frequencies as distinct_frequencies,
-)
-from ._energy import (
-    kinetic_energies as kinetic_energies,
-    strain_energies as strain_energies,
 )
 from ._families import FAMILIES as FAMILIES, family_shares as family_shares
 from ._frequency_loci import (
@@ -44,11 +25,6 @@ from ._spring_modes import (
     directional_slopes as directional_slopes,
     spring_modes as spring_modes,
 )
-from ._spring_network import (
-    Coordinate as Coordinate,
-    Spring as Spring,
-    SpringNetwork as SpringNetwork,
-)
 from ._symmetric import (
     carrier_mode as carrier_mode,
     roller_modes as roller_modes,
@@ -56,11 +32,29 @@ from ._symmetric import (
     torsional_modes as torsional_modes,
     transverse_modes as transverse_modes,
 )
-from ._system import (
+from .arrowhead import (
+    SpringBlock as SpringBlock,
+    block_modes as block_modes,
+    mesh_energy_share as mesh_energy_share,
+)
+from .model import (
     CarrierBody as CarrierBody,
     CentralBody as CentralBody,
+    Coordinate as Coordinate,
     RollerScatter as RollerScatter,
     RollerTranslation as RollerTranslation,
+    Spring as Spring,
+    SpringNetwork as SpringNetwork,
     VibrationSystem as VibrationSystem,
+    coordinates as coordinates,
+    dense_matrices as dense_matrices,
+    harmonic_network as harmonic_network,
+    kinetic_energies as kinetic_energies,
+    spring_network as spring_network,
+    strain_energies as strain_energies,
+    torsional_block as torsional_block,
+    torsional_springs as torsional_springs,
+    transverse_block as transverse_block,
+    transverse_springs as transverse_springs,
     vibration_system as vibration_system,
 )

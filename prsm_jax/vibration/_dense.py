@@ -11,12 +11,11 @@ from jaxtyping import Array, Float
 from .._guards import above_or_nan
 from .._physics import physics
 from ..mechanism import Scalar
-from ._assembly import spring_network
 from ._families import FAMILIES, family_shares
 from ._modes import COUPLED, ModeGroup, Modes, frequency, of_elastic
 from ._spring_modes import directional_slopes, spring_modes
 from ._symmetric import carrier_mode, meshed_share, symmetric_modes
-from ._system import VibrationSystem
+from .model import VibrationSystem, spring_network
 
 
 @physics("dense_modes")

@@ -6,10 +6,9 @@ from jaxtyping import Array, Float
 
 from .._physics import physics
 from ..mechanism import Scalar
-from ._arrowhead import arrowhead_modes
-from ._assembly import roller_corner
 from ._modes import frequency
-from ._system import VibrationSystem
+from .arrowhead import arrowhead_modes
+from .model import VibrationSystem, roller_corner
 
 
 class DistinctFrequencies(eqx.Module):

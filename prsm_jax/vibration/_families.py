@@ -3,8 +3,7 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ._spring_network import SpringNetwork
-from ._system import VibrationSystem
+from .model import SpringNetwork, VibrationSystem
 
 #: In the order of `family_shares`. A rigid motion is a mode without strain, of whatever family.
 FAMILIES = ("carrier", "torsional", "transverse", "roller")

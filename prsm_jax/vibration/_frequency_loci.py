@@ -19,7 +19,7 @@ from ._dense import stage_modes
 from ._families import FAMILIES, family_shares
 from ._modes import COUPLED, Modes
 from ._spring_modes import clusters
-from ._system import vibration_system
+from .model import vibration_system
 
 #: Two curves veer where they come closer than this share of their mean frequency and part again.
 _CLOSE = 0.1

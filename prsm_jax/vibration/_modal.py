@@ -9,7 +9,7 @@ from ..mechanism import Mechanism, Scalar, of_one_design
 from ..stiffness import loaded_threads, thread_stiffness
 from ._dense import stage_modes
 from ._modes import Modes
-from ._system import vibration_system
+from .model import vibration_system
 
 
 @of_one_design

@@ -8,11 +8,16 @@ from jaxtyping import Array, Float
 
 from .._batches import AbstractResult, listed, mapped
 from .._one_program import one_program
-from ._energy import kinetic_energies, shares, strain_energies
 from ._families import FAMILIES, family_shares
 from ._spring_modes import clusters
-from ._spring_network import Coordinate, SpringNetwork
-from ._system import VibrationSystem
+from .model import (
+    Coordinate,
+    SpringNetwork,
+    VibrationSystem,
+    kinetic_energies,
+    shares,
+    strain_energies,
+)
 
 #: A frequency below this share of the largest one is a rigid-body motion: rounding leaves it at
 #: about 1e-16, and no spring is that soft.

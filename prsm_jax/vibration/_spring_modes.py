@@ -21,7 +21,7 @@ from jaxtyping import Array, Bool, Float, Inexact
 
 from .._guards import above_or_nan
 from ..numerics import hermitian_eigenvalues, singular_values
-from ._spring_network import SpringNetwork
+from .model import SpringNetwork
 
 #: Eigenvalues closer than this share of themselves are one cluster. Those of an exact cluster
 #: differ by about 1e-15; what lies between is a nearly repeated root, for which a mean slope

@@ -5,21 +5,24 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._physics import physics
-from ._assembly import (
+from ._modes import ModeGroup, Modes, frequency, of_elastic
+from ._spring_modes import spring_modes
+from .arrowhead import SpringBlock, block_modes, mesh_energy_share
+from .model import (
+    Coordinate,
+    SpringNetwork,
+    VibrationSystem,
+    carrier_shape,
     harmonic_network,
+    harmonic_shapes,
     is_mesh,
     roller_corner,
+    shares,
     spring_network,
+    strain_energies,
     torsional_springs,
     transverse_springs,
 )
-from ._block import SpringBlock, block_modes, mesh_energy_share
-from ._energy import shares, strain_energies
-from ._modes import ModeGroup, Modes, frequency, of_elastic
-from ._shapes import carrier_shape, harmonic_shapes
-from ._spring_modes import spring_modes
-from ._spring_network import Coordinate, SpringNetwork
-from ._system import VibrationSystem
 
 _ROLLER = Coordinate("roller", "u")
 

@@ -17,8 +17,8 @@ from prsm_jax.contact import (
     complete_elliptic_integrals,
     hertz_contact,
 )
-from prsm_jax.contact._axis_ratio import antoine_log_axis_ratio
-from prsm_jax.contact._hertz import _inverse_cube_root
+from prsm_jax.contact.hertz._axis_ratio import antoine_log_axis_ratio
+from prsm_jax.contact.hertz._hertz import _inverse_cube_root
 
 _integrals = jax.jit(complete_elliptic_integrals)
 _associated = jax.jit(associated_elliptic_integrals)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scenes import array
 
-from prsm_jax.vibration._poles import sorted_poles
-from prsm_jax.vibration._quartic import quartic_roots
-from prsm_jax.vibration._secular import Roots, _begin, _settled, _step
+from prsm_jax.vibration.arrowhead._poles import sorted_poles
+from prsm_jax.vibration.arrowhead._quartic import quartic_roots
+from prsm_jax.vibration.arrowhead._secular import Roots, _begin, _settled, _step
 
 _quartic = jax.jit(quartic_roots)
 _started = jax.jit(_begin)

@@ -36,7 +36,7 @@ from prsm_jax.mechanism import (
     UnequalRoller,
 )
 from prsm_jax.optimisation._searches import Searches
-from prsm_jax.vibration._energy import kinetic_energies, strain_energies
+from prsm_jax.vibration.model._energy import kinetic_energies, strain_energies
 
 _dynamic = eqx.filter_jit(strength.dynamic_capacity)
 _static = eqx.filter_jit(strength.static_capacity)

@@ -20,7 +20,7 @@ from prsm_jax.contact import (
     subsurface_stress,
     von_mises_stress,
 )
-from prsm_jax.contact._carlson import carlson_rf_and_rd
+from prsm_jax.contact.special_functions._carlson import carlson_rf_and_rd
 
 RATIO = 0.3  # Poisson's
 

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 import prsm_jax.file as file
-from prsm_jax.file._layout import module_classes, row_class
+from prsm_jax.file.numbers._layout import module_classes, row_class
 from prsm_jax.mechanism import (
     GAP_LISTS,
     AxialPlay,

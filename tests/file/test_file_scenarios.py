@@ -11,7 +11,7 @@ from scenes import mechanism
 
 import prsm_jax.file as file
 from prsm_jax._errors import FileError
-from prsm_jax.file._scenario_table import scenario_limit
+from prsm_jax.file.tables._scenario_table import scenario_limit
 from prsm_jax.mechanism import (
     LOADS_OF_MOTION,
     PROFILES,

@@ -7,8 +7,8 @@ from fractions import Fraction
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from prsm_jax.file._numbers import bare_number, read_number, read_quantity, write_number
-from prsm_jax.file._units import WRITTEN_UNITS, unit_factor
+from prsm_jax.file.numbers._numbers import bare_number, read_number, read_quantity, write_number
+from prsm_jax.file.numbers._units import WRITTEN_UNITS, unit_factor
 from prsm_jax.mechanism import ANY, limit_of
 
 _FINITE = st.floats(allow_nan=False, allow_infinity=False)

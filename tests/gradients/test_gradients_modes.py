@@ -28,7 +28,7 @@ from prsm_jax.vibration import (
     strain_energies,
     symmetric_modes,
 )
-from prsm_jax.vibration._arrowhead import arrowhead_modes
+from prsm_jax.vibration.arrowhead._arrowhead import arrowhead_modes
 
 DIRECTION = np.array([0.3, -0.5, 0.9, 0.1, -0.7, 0.4, 1.1])
 PATHS = ("stiffness", "mass", "position", "support", "equal")

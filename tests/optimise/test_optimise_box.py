@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from prsm_jax.optimisation._box import adam, lbfgs
+from prsm_jax.optimisation.search._box import adam, lbfgs
 
 # What stands in for an evaluator is none.
 pytestmark = pytest.mark.usefixtures("unchecked")

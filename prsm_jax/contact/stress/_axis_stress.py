@@ -1,0 +1,59 @@
+"""Stress on the axis of an elliptical Hertz contact without friction, in closed form."""
+
+import jax.numpy as jnp
+
+from ..._physics import physics
+from ...mechanism import Scalar
+from ..special_functions import carlson_rf_and_rd
+
+
+@physics("axis_stress")
+def axis_stress(
+    depth: Scalar,
+    semi_major: Scalar,
+    semi_minor: Scalar,
+    max_pressure: Scalar,
+    poisson_ratio: Scalar,
+) -> tuple[Scalar, Scalar, Scalar]:
+    """Principal stresses along the major axis, along the minor axis and in depth.
+
+    The closed form of Thomas and Hoersch 1930, rearranged so that nothing cancels at a circular
+    contact, with incomplete elliptic integrals in Carlson's form. With κ = b/a, ζ = z/a and
+    n² = (κ² + ζ²)/(1 + ζ²) the stress in depth is `−p₀ κ (1 − n²)/(n (1 − κ²))`.
+
+    **Arguments:**
+
+    - `depth`: z ≥ 0 [m].
+    - `semi_major`, `semi_minor`: a ≥ b [m].
+    - `max_pressure`: p₀ [Pa].
+    - `poisson_ratio`: ν of this body.
+
+    **Returns:** σ along a, σ along b, σ in depth [Pa]; 0 where the semi-axes are 0, without a load.
+    """
+    unloaded = semi_minor <= 0
+    semi_major, semi_minor = (jnp.where(unloaded, 1.0, axis) for axis in (semi_major, semi_minor))
+    max_pressure = jnp.where(unloaded, 0.0, max_pressure)
+    # The integrals take the root of ζ²: at the surface its derivative needs a ζ that is not 0.
+    ratio, zeta = semi_minor / semi_major, depth / semi_major + jnp.finfo(depth.dtype).eps ** 2
+    square, below = ratio**2, 1 + zeta**2
+    ratio_below = jnp.sqrt((square + zeta**2) / below)
+    # ∫ sin²θ/Δ and ∫ cos²θ/Δ up to arccot ζ, the amplitude at this depth.
+    cosine_squared, delta_squared = zeta**2 / below, ratio_below**2
+    one = jnp.ones_like(zeta)
+    sine = 1 / jnp.sqrt(below)
+    first_kind, second_kind = carlson_rf_and_rd(cosine_squared, delta_squared, one)
+    integral_d = sine**3 * second_kind / 3
+    integral_b = sine * first_kind - integral_d
+    shared = 1 / (below * (1 + ratio_below))
+    along = zeta * integral_d - shared / 2
+    along_poisson = (shared + zeta * integral_b - 1) / square
+    across = (shared * (1 + 2 * ratio_below) - 1 - ratio_below) / (2 * ratio_below * square)
+    # Without the share of ν: Ω_y of the source over 1 − κ².
+    across = across + zeta * integral_b / square
+    across_poisson = zeta * integral_d - shared
+    factor = 2 * max_pressure * ratio
+    return (
+        factor * (along + poisson_ratio * along_poisson),
+        factor * (across + poisson_ratio * across_poisson),
+        -max_pressure * ratio / (ratio_below * below),
+    )

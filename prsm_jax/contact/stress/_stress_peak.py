@@ -1,0 +1,246 @@
+"""Where below an elliptical Hertz contact the material is stressed most, and how much."""
+
+from collections.abc import Callable
+from typing import Literal, TypeAlias
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..._guards import above_or_nan
+from ..._physics import physics
+from ...mechanism import Scalar
+from ...numerics import solve
+from ._axis_stress import axis_stress
+from ._stress_measures import (
+    max_shear_of_principal,
+    max_shear_stress,
+    principal_stresses,
+    von_mises_of_principal,
+    von_mises_stress,
+)
+from ._subsurface import NODES, reduced_stress
+
+StressMeasure: TypeAlias = Literal["von_mises", "max_shear", "tension"]
+AxisMeasure: TypeAlias = Literal["von_mises", "max_shear"]
+_MEASURES: dict[str, Callable[[Array], Array]] = {
+    "von_mises": von_mises_stress,
+    "max_shear": max_shear_stress,
+    "tension": lambda stress: principal_stresses(stress)[..., 0],
+}
+#: The same of the principal stresses, which those on the axis are.
+_OF_PRINCIPAL: dict[str, Callable[[Array, Array, Array], Array]] = {
+    "von_mises": von_mises_of_principal,
+    "max_shear": max_shear_of_principal,
+}
+#: Depths in a grid on the axis, of width 2 b first, and how many ever finer grids there are.
+_DEPTHS, _GRIDS = 33, 3
+#: Newton steps from the finest grid to rounding.
+_STEPS = 3
+#: How often the grid in space is made finer.
+_REFINEMENTS = 8
+
+
+class StressPeak(eqx.Module):
+    """The largest value of a measure of stress, and where it is."""
+
+    #: [Pa]
+    value: Scalar
+    #: (x, y, z) in the coordinates of the contact, z into the body [m].
+    position: Float[Array, "3"]
+
+    @property
+    def depth(self) -> Scalar:
+        """Depth below the surface [m]."""
+        return self.position[2]
+
+
+def _measure(name: str, measures: dict[str, Callable[..., Array]]) -> Callable[..., Array]:
+    if name not in measures:
+        raise ValueError(f"stress measure is {name!r}; choose one of {', '.join(measures)}")
+    return measures[name]
+
+
+def _search(
+    function: Callable[..., Scalar],
+    first: Float[Array, "m d"],
+    spacing: Float[Array, " d"],
+    *given: Array,
+) -> Float[Array, " d"]:
+    """The best of some points, then of ever smaller grids about the best so far; z stays ≥ 0.
+
+    Without derivatives: the envelope theorem does not need those of the place.
+    """
+    first, given = jax.lax.stop_gradient((first, given))
+    several = jax.vmap(lambda point: function(point, *given))
+    best = first[jnp.argmax(several(first))]
+    steps = jnp.stack(
+        jnp.meshgrid(*[jnp.linspace(-1.0, 1.0, 5, dtype=best.dtype)] * best.size), axis=-1
+    ).reshape(-1, best.size)
+
+    def refine(k, centre):
+        width = spacing * 0.5**k
+        grid = centre[None] + steps * width[None]
+        grid = grid.at[:, -1].set(jnp.maximum(grid[:, -1], 0.0))
+        return grid[jnp.argmax(several(grid))]
+
+    return jax.lax.fori_loop(0, _REFINEMENTS, refine, best)
+
+
+def _moving(
+    function: Callable[..., Scalar],
+    found: Float[Array, " d"],
+    spacing: Float[Array, " d"],
+    *given: Array,
+) -> Float[Array, " d"]:
+    """Steps of Newton from a maximum that was found; the last one also carries its derivatives.
+
+    A step that leaves the last grid belongs to a maximum at the surface or at the edge of the
+    contact; there the point stays where it is, in units of the semi-axes. On the surface the depth
+    is held.
+    """
+    stopped = jax.lax.stop_gradient(given)
+    last = jnp.arange(found.size) == found.size - 1
+    held = last & ~(found[-1] > 0)
+
+    def step(point, hessian, given):
+        gradient = jnp.where(held, 0.0, jax.grad(function)(point, *given))
+        change = -solve(hessian, gradient)
+        small = jnp.all(jnp.abs(change) <= 2 * spacing * 0.5 ** (_REFINEMENTS - 1))
+        return point + jnp.where(small & jnp.all(jnp.isfinite(change)), change, 0.0)
+
+    def closer(_, carry):
+        point, _ = carry
+        hessian = jax.hessian(function)(point, *stopped)
+        hessian = jnp.where(held[:, None] | held[None, :], -jnp.eye(found.size), hessian)
+        return step(point, hessian, stopped), hessian
+
+    # The second Hessian is that of the maximum: the place moves as its inverse.
+    start = (found, -jnp.eye(found.size, dtype=found.dtype))
+    point, hessian = jax.lax.stop_gradient(jax.lax.fori_loop(0, 2, closer, start))
+    return step(point, hessian, given)
+
+
+@physics("stress_peak_on_axis")
+def stress_peak_on_axis(
+    semi_major: Scalar,
+    semi_minor: Scalar,
+    max_pressure: Scalar,
+    poisson_ratio: Scalar,
+    measure: AxisMeasure = "von_mises",
+) -> StressPeak:
+    """Largest stress on the axis of a contact without friction, where its maximum is.
+
+    For a circle and ν = 0.3: shear 0.310 p₀ at 0.481 a, von Mises 0.620 p₀; for a line 0.300 p₀
+    at 0.786 b. No quadrature: the closed form of `axis_stress`.
+
+    **Arguments:**
+
+    - `semi_major`, `semi_minor`: a ≥ b [m].
+    - `max_pressure`: p₀ [Pa].
+    - `poisson_ratio`: ν of the body.
+    - `measure`: `"von_mises"` or `"max_shear"`.
+
+    **Returns:** a `StressPeak`; differentiable, the value by the envelope theorem.
+
+    **Raises:** `ValueError` for an unknown measure.
+    """
+    chosen = _measure(measure, _OF_PRINCIPAL)
+    # Without a load the axes are 0; the place in units of b then says nothing, and costs nothing.
+    loaded = above_or_nan(semi_minor)
+    ratio = jnp.where(loaded, semi_minor, 1.0) / jnp.where(loaded, semi_major, 1.0)
+    one = jnp.ones_like(ratio)
+
+    def at(depth: Scalar, ratio: Scalar, poisson_ratio: Scalar) -> Scalar:
+        return chosen(*axis_stress(depth, 1 / ratio, one, one, poisson_ratio))
+
+    stopped = jax.lax.stop_gradient((ratio, poisson_ratio))
+    several = jax.vmap(lambda depth: at(depth, *stopped))
+    steps = jnp.linspace(-1.0, 1.0, _DEPTHS, dtype=ratio.dtype)
+
+    def refine(_, carry):
+        centre, width = carry
+        grid = jnp.maximum(centre + width * steps, 0.0)
+        return grid[jnp.argmax(several(grid))], width * (2 / (_DEPTHS - 1))
+
+    found, _ = jax.lax.fori_loop(0, _GRIDS, refine, (one, one))
+    # Steps of Newton by differences of fourth order, and one that also carries the derivatives: it
+    # needs the curvature at the maximum itself, for the depth moves as one over it.
+    near = 3e-3 if ratio.dtype == jnp.float64 else 3e-2
+    stencil = near * jnp.arange(-2.0, 3.0, dtype=ratio.dtype)
+
+    def closer(_, carry):
+        centre, _ = carry
+        values = several(centre + stencil)
+        slope = values @ jnp.asarray([1.0, -8.0, 0.0, 8.0, -1.0], ratio.dtype) / (12 * near)
+        curved = jnp.asarray([-1.0, 16.0, -30.0, 16.0, -1.0], ratio.dtype) / (12 * near**2)
+        bend = values @ curved
+        return centre - slope / bend, bend
+
+    top, bend = jax.lax.fori_loop(0, _STEPS, closer, (found, one))
+    # Poisson's ratios below about 0 put it on the surface, where nothing says that the slope is 0.
+    below = above_or_nan(found, 2 * near)
+    top, bend = jnp.where(below, top, found), jnp.where(below, bend, jnp.inf)
+    value, slope = jax.jvp(
+        lambda depth: at(depth, ratio, poisson_ratio), (top,), (jnp.ones_like(top),)
+    )
+    depth = (top - slope / bend) * semi_minor
+    zero = jnp.zeros_like(depth)
+    return StressPeak(max_pressure * value, jnp.stack([zero, zero, depth]))
+
+
+@physics("stress_peak")
+def stress_peak(
+    semi_axes: Float[Array, "2"],
+    max_pressure: Scalar,
+    poisson_ratio: Scalar,
+    traction: Float[Array, "2"],
+    measure: StressMeasure = "von_mises",
+    *,
+    nodes: int = NODES,
+) -> StressPeak:
+    """Largest stress anywhere in a half-space under a Hertz pressure and its friction.
+
+    With growing friction the maximum comes up from below the middle of the contact; from about
+    μ = 0.3 on it lies on the surface. With `measure="tension"` it is the largest tensile stress,
+    at the trailing edge.
+
+    **Arguments:** as those of `subsurface_stress`, and the measure: `"von_mises"`,
+    `"max_shear"` or `"tension"` (the largest principal stress).
+
+    **Returns:** a `StressPeak`; differentiable, the value by the envelope theorem. A maximum at
+    the edge of the contact moves with the edge.
+
+    **Raises:** `ValueError` for an unknown measure.
+    """
+    chosen = _measure(measure, _MEASURES)
+    turned = semi_axes[1] > semi_axes[0]
+    major, minor = jnp.max(semi_axes), jnp.min(semi_axes)
+    loaded = above_or_nan(minor)
+    ratio = jnp.where(loaded, minor, 1.0) / jnp.where(loaded, major, 1.0)
+    order = jnp.where(turned, jnp.asarray([1, 0]), jnp.asarray([0, 1]))
+    pulled = traction[order]
+
+    def at(point: Float[Array, "3"], ratio: Scalar, poisson_ratio: Scalar, pulled: Array):
+        return chosen(reduced_stress(point, ratio, poisson_ratio, pulled, nodes))
+
+    given = ratio, poisson_ratio, pulled
+
+    # First the section along the friction, whose maximum is near enough for grids in space.
+    length = jnp.hypot(pulled[0], pulled[1])
+    sliding = above_or_nan(length)
+    direction = jnp.where(sliding, pulled, jnp.asarray([1.0, 0.0], pulled.dtype))
+    direction = direction / jnp.where(sliding, length, 1.0)
+    along, depth = jnp.meshgrid(jnp.linspace(-1.25, 1.25, 21), jnp.linspace(0.0, 1.25, 11))
+    along, depth = along.ravel().astype(ratio.dtype), depth.ravel().astype(ratio.dtype)
+    first = jnp.stack([direction[0] * along, direction[1] * along, depth], axis=-1)
+    spacing = jnp.full((3,), 0.125, ratio.dtype)
+    found = _search(at, first, spacing, *given)
+    moved = _moving(at, found, spacing, *given)
+    flat = jnp.stack([moved[0] * major, moved[1] * minor])[order]
+    position = jnp.concatenate([flat, moved[2:] * minor])
+    value = at(jax.lax.stop_gradient(moved), *given)
+    # Among values that are NaN the search picks a place all the same.
+    position = jnp.where(jnp.isnan(value), jnp.nan, position)
+    return StressPeak(max_pressure * value, position)

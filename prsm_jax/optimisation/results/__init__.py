@@ -1,0 +1,20 @@
+"""What an optimisation found, and how good that is."""
+
+from ._optimality import (
+    Optimality as Optimality,
+    optimality as optimality,
+)
+from ._optimum import (
+    ConstraintReport as ConstraintReport,
+    Design as Design,
+    Optimum as Optimum,
+    Run as Run,
+)
+from ._reporting import (
+    Reporter as Reporter,
+    optimum_of as optimum_of,
+    run_report as run_report,
+)
+from ._rounding import (
+    rounded_variables as rounded_variables,
+)

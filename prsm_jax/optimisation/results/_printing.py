@@ -1,0 +1,102 @@
+"""An optimum as text: before and after, limits, verdict, findings."""
+
+import textwrap
+from typing import Any
+
+from ..._display_units import display_unit, state_without_efficiency
+from ..._text_table import TextTable
+from ...geometry import Finding
+from ...mechanism import follows_in_words
+
+
+def text_of(best: Any, width: int | None) -> str:
+    """Start and optimum as a table in an engineer's units, and the verdict; an `Optimum`.
+
+    A design that breaks a limit is not called an optimum, and the first line says so.
+    """
+    first = [] if best.feasible else [f"NO FEASIBLE DESIGN: {best.message}"]
+    verdict = _verdict(best)
+    if width is not None:
+        first, verdict = (
+            [part for line in lines for part in textwrap.wrap(line, width)]
+            for lines in (first, verdict)
+        )
+    return "\n".join([*first, _table(best).text(width), *verdict])
+
+
+def _dependents(best: Any) -> list[str]:
+    """What follows each design variable and what stays, a line each."""
+    names = [variable.name for variable in best.problem.variables]
+    lines = (follows_in_words(best.mechanism, name, names) for name in names)
+    return [line for line in lines if line]
+
+
+def _table(best: Any) -> TextTable:
+    """Start and optimum in an engineer's units."""
+    terms = " + ".join(
+        (f"{term.weight:g} " if term.weight != 1 else "") + term.quantity
+        for term in best.problem.objectives
+    )
+    sense = "/".join(dict.fromkeys(term.sense for term in best.problem.objectives))
+    rows = []
+
+    def add(words: str, unit: str, quantity: str, start: float, end: float, limits, state: str):
+        numbers = [start, end, *(limit for _, limit in limits)]
+        shown = display_unit(unit, numbers, quantity)
+        name = f"{words} [{shown.label}]" if shown.label else words
+        texts = [f"{sign} {shown(limit):.6g}".strip() for sign, limit in limits]
+        joined = " to ".join(texts) if limits and limits[0][0] == "" else " ".join(texts)
+        ends = [state_without_efficiency(quantity, v) or shown(v) for v in (start, end)]
+        rows.append((name, *ends, joined, state))
+
+    first, *others = best.problem.objectives
+    weighted = bool(others) or first.weight != 1
+    unit, quantity = ("1", "") if weighted else (best.objective_unit, first.quantity)
+    words = f"{sense} {terms}"
+    add(words, unit, quantity, best.start.objective, best.optimum.objective, (), "")
+    bounds = {v.name: (("", v.lower), ("", v.upper)) for v in best.problem.variables}
+    for name, value in best.optimum.variables.items():
+        at = best.bounds_active.get(name)
+        state = f"at {at} bound" if at else ""
+        start, unit = best.start.variables[name], best.variable_units[name]
+        add(name, unit, "", start, value, bounds[name], state)
+    for report in best.constraints:
+        given = ((">=", report.lower), ("<=", report.upper), ("=", report.equal))
+        limits = [(sign, limit) for sign, limit in given if limit is not None]
+        state = "VIOLATED" if not report.satisfied else "active" if report.active else ""
+        start = best.start.constraints[report.name]
+        add(report.name, report.unit, report.name, start, report.value, limits, state)
+    for report in best.margins:
+        if report.active or not report.satisfied:
+            state = "active" if report.satisfied else "VIOLATED"
+            start = best.start.margins[report.name]
+            limits = [(">=", report.limit)]
+            add(f"check: {report.name}", report.unit, "", start, report.value, limits, state)
+    return TextTable("", ("", "start", _found(best), "limits", ""), rows)
+
+
+def _found(best: Any) -> str:
+    """What the design is called that the search ended with."""
+    return "optimum" if best.feasible else "best found"
+
+
+def _verdict(best: Any) -> list[str]:
+    return [
+        *_dependents(best),
+        f"{'converged' if best.converged else 'NOT CONVERGED'}: {best.message}",
+        f"method {best.method}; best of {len(best.runs)} starts: number {best.best_run + 1}; "
+        f"{best.evaluations} evaluations of values, {best.derivative_evaluations} of derivatives",
+        *_finding_lines("start", best.findings_start),
+        *_finding_lines(_found(best), best.findings_optimum),
+    ]
+
+
+def _finding_lines(where: str, findings: tuple[Finding, ...]) -> list[str]:
+    """Errors and warnings of one design, a line each."""
+    serious = [f for f in findings if f.severity != "note"]
+    if not serious:
+        return [f"prsm check of the {where}: no errors, no warnings"]
+    return [
+        f"prsm check of the {where}: {f.severity} {f.name}, stage {f.stage}: {f.message}"
+        for f in serious
+    ]

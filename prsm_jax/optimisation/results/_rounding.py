@@ -1,0 +1,58 @@
+"""Optimised variables with as few digits as the quantities need."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ...mechanism import Mechanism
+from ..search import Evaluator
+from ._optimum import Optimum
+
+_MOST_DIGITS = 17
+
+
+def rounded_variables(
+    mechanism: Mechanism,
+    best: Optimum,
+    rounding: Callable[[float, str, int], float],
+    *,
+    digits: int = 6,
+    tolerance: float = 1e-6,
+) -> dict[str, float]:
+    """Values of the variables at the optimum [SI], rounded as a person would write them.
+
+    Each has `digits` significant digits, or as many more as are needed for no objective and no
+    constraint to change by more than `tolerance`, relative.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism that was optimised.
+    - `best`: the optimum.
+    - `rounding`: rounds a value of an SI unit to so many digits of the unit it is written in.
+    - `digits`: significant digits to begin with.
+    - `tolerance`: of objective and constraints together, relative.
+    """
+    evaluator = Evaluator(mechanism, best.problem, None, None)
+    exact = dict(best.optimum.variables)
+    values = _values(evaluator, exact)
+
+    def change(variables: dict[str, float]) -> float:
+        found = _values(evaluator, variables)
+        known = np.isfinite(values)
+        scale = np.where(values[known] == 0, 1.0, np.abs(values[known]))
+        return float(np.max(np.abs(found[known] - values[known]) / scale, initial=0.0))
+
+    rounded = {}
+    for name, value in exact.items():
+        unit = best.variable_units[name]
+        for count in range(digits, _MOST_DIGITS + 1):
+            rounded[name] = rounding(value, unit, count)
+            # Each may use up its share, so that all together keep within the tolerance.
+            if change(exact | {name: rounded[name]}) <= tolerance / len(exact):
+                break
+    return rounded if change(rounded) <= tolerance else exact
+
+
+def _values(evaluator: Evaluator, variables: dict[str, float]) -> np.ndarray:
+    position = (np.array(list(variables.values())) - evaluator.lower) / evaluator.width
+    return evaluator.point(position).values

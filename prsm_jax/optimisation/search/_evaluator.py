@@ -1,0 +1,350 @@
+"""The design problem as functions of a point in the unit box, guarded and remembered."""
+
+from collections.abc import Sequence
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ...findings import Margin, evaluate_margins, margins_of, shared_loads, sources
+from ...mechanism import DesignProblem, Mechanism, Scalar, set_parameters
+from ...quantities import Analysis, component_names, compute, find_quantity
+from ._margin_rows import (
+    WHOLE_SCALE,
+    MarginRows,
+    is_constraint,
+    probe_positions,
+    sorted_margins,
+)
+
+
+def _outputs(given: tuple, position: Float[Array, " variables"]):
+    """Quantities and margins of a design, each an array of its own, and whether it can be used."""
+    mechanism, names, quantities, margins, lower, width, speed, load = given
+    values = lower + width * position
+    moved = set_parameters(mechanism, {name: values[i] for i, name in enumerate(names)})
+    analysis = Analysis(moved, speed, load)
+    # A design whose threads do not mesh is none, whatever the quantities asked for.
+    for stage in analysis.kinematics:
+        analysis.require(stage.meshing.converged)
+    analysis.expect(load for name in quantities for load in find_quantity(name).shares)
+    if margins:
+        analysis.expect(shared_loads(margins_of(moved), is_constraint))
+    # Not put end to end: XLA would compute what an array is made of anew for each element.
+    found = [jnp.ravel(find_quantity(name).function(analysis)) for name in quantities]
+    if margins:
+        for numbers in evaluate_margins(analysis, is_constraint, details=False):
+            if numbers is not None:
+                found.append(jnp.ravel(numbers["value"]))
+    # Overlapping rollers are a margin, which a search may cross on its way.
+    return found, analysis.computed
+
+
+@eqx.filter_jit
+def _values(given: tuple, position: Float[Array, " variables"]):
+    return _outputs(given, position)
+
+
+@eqx.filter_jit
+def _derivatives(given: tuple, position: Float[Array, " variables"]):
+    # Forward: as many passes as there are variables, of which there are few.
+    _, push = jax.linearize(lambda point: _outputs(given, point)[0], position)
+    return jax.vmap(push, out_axes=-1)(jnp.eye(position.shape[0], dtype=position.dtype))
+
+
+def _margins(mechanism: Mechanism, speed: Scalar | None, load: Scalar | None) -> tuple[Margin, ...]:
+    """The margins for which the mechanism has data."""
+    margins: list[Margin] = []
+
+    def try_all(given, speed, load):
+        analysis = Analysis(given, speed, load)
+        values = evaluate_margins(analysis, is_constraint, details=False)
+        pairs = zip(margins_of(given), values, strict=True)
+        margins.extend(margin for margin, numbers in pairs if numbers is not None)
+
+    eqx.filter_eval_shape(try_all, mechanism, speed, load)
+    known = {(m.name, m.stage, m.subject, m.levels) for m in margins}
+    # Those of the mechanism itself: the ones above hold on to a trace that is over.
+    return tuple(
+        m for m in margins_of(mechanism) if (m.name, m.stage, m.subject, m.levels) in known
+    )
+
+
+class Rows:
+    """The constraints as rows `lower <= value <= upper`, one per component of a quantity.
+
+    After those of the problem come those of the margins: the first `explicit` rows are its own.
+    """
+
+    def __init__(self, problem: DesignProblem, shapes: dict[str, tuple[int, ...]], margins: int):
+        first = np.cumsum([0, *(int(np.prod(shape)) for shape in shapes.values())])
+        place = dict(zip(shapes, first[:-1], strict=True))
+        self.names: list[str] = []
+        index, lower, upper, equality = [], [], [], []
+        for constraint in problem.constraints:
+            name = constraint.quantity
+            for offset, label in enumerate(component_names(name, shapes[name])):
+                self.names.append(label)
+                index.append(place[name] + offset)
+                equality.append(constraint.equal is not None)
+                low, high = constraint.lower, constraint.upper
+                if constraint.equal is not None:
+                    low = high = constraint.equal
+                lower.append(-np.inf if low is None else low)
+                upper.append(np.inf if high is None else high)
+        self.units = [find_quantity(name.partition("[")[0]).unit for name in self.names]
+        self.index = np.array(index, dtype=int)
+        self.lower, self.upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
+        self.equality = np.array(equality, dtype=bool)
+        self.explicit = len(self.names)
+        self.first_margin = int(first[-1])
+        self.weights = np.zeros(int(first[-1]) + margins)
+        for term in problem.objectives:
+            if int(np.prod(shapes[term.quantity])) != 1:
+                raise ValueError(
+                    f"objective {term.quantity!r} has {int(np.prod(shapes[term.quantity]))} "
+                    "components; an objective is one number"
+                )
+            sign = -1.0 if term.sense == "maximise" else 1.0
+            self.weights[place[term.quantity]] += sign * term.weight
+
+    def add(self, rows: MarginRows) -> None:
+        """Append the margins that a search has to respect."""
+        added = rows.smooth
+        self.names += [row.label for row in added]
+        self.units += [row.margin.unit for row in added]
+        places = [self.first_margin + row.place for row in added]
+        self.index = np.concatenate([self.index, np.array(places, dtype=int)])
+        self.lower = np.concatenate([self.lower, [row.lower for row in added]])
+        self.upper = np.concatenate([self.upper, np.full(len(added), np.inf)])
+        self.equality = np.concatenate([self.equality, np.zeros(len(added), dtype=bool)])
+
+    def fix(self, label: str, value: float | None, lower: float) -> None:
+        """Hold a margin at a whole number, or let it go again (`None`)."""
+        row = self.names.index(label, self.explicit)
+        self.equality[row] = value is not None
+        self.lower[row] = lower if value is None else value
+        self.upper[row] = np.inf if value is None else value
+
+
+class Point:
+    """One evaluated design; derivatives are added when somebody asks for them."""
+
+    def __init__(self, position: np.ndarray, values: np.ndarray, good: bool):
+        self.position, self.values, self.good = position, values, good
+        self.jacobian: np.ndarray | None = None
+
+
+class Evaluator:
+    """Cost, constraints and derivatives over the unit box, each design evaluated once.
+
+    Cost and constraints come from one compiled function and their derivatives from another; the
+    mechanism and the bounds are arguments of both, so that another problem with the same names
+    does not compile again. `cost` and `constraint_values` are in units of `cost_scale` and
+    `row_scale`, typical magnitudes found at the first good design.
+    """
+
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        problem: DesignProblem,
+        speed: Scalar | None,
+        load: Scalar | None,
+        *,
+        margins: bool = True,
+    ):
+        names = tuple(variable.name for variable in problem.variables)
+        terms = (*problem.objectives, *problem.constraints)
+        self.quantities = tuple(dict.fromkeys(term.quantity for term in terms))
+        self.lower = np.array([variable.lower for variable in problem.variables])
+        self.width = np.array([variable.upper for variable in problem.variables]) - self.lower
+        self._given = (
+            mechanism,
+            names,
+            self.quantities,
+            # Other sources of margins ask for another program.
+            sources() if margins else None,
+            jnp.asarray(self.lower),
+            jnp.asarray(self.width),
+            speed,
+            load,
+        )
+        shapes = eqx.filter_eval_shape(self._shapes, mechanism, speed, load)
+        # A number that a variable writes out has margins too (the profile radius).
+        written = set_parameters(
+            mechanism, dict(zip(names, self.lower, strict=True)), checked=False
+        )
+        known = _margins(written, speed, load) if margins else ()
+        shape_of = {name: shapes[name].shape for name in self.quantities}
+        self.rows = Rows(problem, shape_of, len(known))
+        self.evaluations = self.derivative_evaluations = 0
+        self._last: Point | None = None
+        #: Margins are limits of the search, or (for one that takes bounds only) of what is usable.
+        self.guarded = False
+        self.margins = MarginRows()
+        if known:
+            points = [self.point(p) for p in probe_positions(len(names))]
+            values = np.stack([point.values[self.rows.first_margin :] for point in points])
+            self.margins = sorted_margins(known, values)
+            self.rows.add(self.margins)
+            self._last = None
+        self.cost_scale, self.row_scale = 1.0, np.ones(len(self.rows.names))
+
+    def _shapes(self, mechanism, speed, load):
+        # `compute` names the quantity where the mechanism lacks data for it.
+        return compute(mechanism, self.quantities, speed=speed, load=load)
+
+    @property
+    def variables(self) -> int:
+        return len(self.lower)
+
+    def physical(self, position: np.ndarray) -> np.ndarray:
+        """Values of the variables [SI] at a position in the unit box."""
+        return self.lower + self.width * position
+
+    def point(self, position: np.ndarray) -> Point:
+        """The design at a position; the last one is remembered."""
+        if self._last is not None and np.array_equal(self._last.position, position):
+            return self._last
+        found, valid = _values(self._given, jnp.asarray(position))
+        self.evaluations += 1
+        values = np.concatenate([np.asarray(array, dtype=float) for array in found])
+        good = bool(valid) and bool(np.isfinite(values[self._used]).all())
+        if good and self.guarded:
+            good = not self._breaks_margin(values)
+        self._last = Point(np.array(position), values, good)
+        return self._last
+
+    def _breaks_margin(self, values: np.ndarray) -> bool:
+        rows = slice(self.rows.explicit, None)
+        return bool(np.any(values[self.rows.index[rows]] < self.rows.lower[rows]))
+
+    def guard(self, on: bool) -> None:
+        """Whether a design that breaks a margin counts as one that fails."""
+        self.guarded, self._last = on, None
+
+    @property
+    def _used(self) -> np.ndarray:
+        used = self.rows.weights != 0
+        used[self.rows.index] = True
+        return used
+
+    def jacobian(self, position: np.ndarray) -> np.ndarray:
+        """Derivatives of all quantities with respect to the position; 0 where not finite."""
+        point = self.point(position)
+        if point.jacobian is None:
+            found = _derivatives(self._given, jnp.asarray(position))
+            jacobian = np.concatenate([np.asarray(rows, dtype=float) for rows in found])
+            self.derivative_evaluations += 1
+            if not np.isfinite(jacobian).all():
+                point.good = False
+            point.jacobian = np.nan_to_num(jacobian, nan=0.0, posinf=0.0, neginf=0.0)
+        return point.jacobian
+
+    def scale_from(self, position: np.ndarray) -> None:
+        """Take typical magnitudes from a good design: the value, its change over the box, or 1."""
+        values, jacobian = self.point(position).values, self.jacobian(position)
+        cost, slope = self.rows.weights @ values, self.rows.weights @ jacobian
+        self.cost_scale = float(max(abs(cost), np.max(np.abs(slope)))) or 1.0
+        limits = np.where(np.isfinite(self.rows.lower), np.abs(self.rows.lower), 0.0)
+        limits = np.maximum(
+            limits, np.where(np.isfinite(self.rows.upper), np.abs(self.rows.upper), 0.0)
+        )
+        reached = np.abs(values[self.rows.index])
+        reached = np.maximum(reached, np.max(np.abs(jacobian[self.rows.index]), axis=1, initial=0))
+        # The limit of a margin is 0 or near it, and says nothing about its size.
+        explicit = np.arange(len(limits)) < self.rows.explicit
+        scale = np.where((limits > 0) & explicit, limits, reached)
+        self.row_scale = np.where(scale > 0, scale, 1.0)
+        for row in self.margins.whole:
+            self.row_scale[self.rows.names.index(row.label, self.rows.explicit)] = WHOLE_SCALE
+
+    def cost(self, point: Point) -> float:
+        """Scaled cost, to be minimised."""
+        return float(self.rows.weights[self._used] @ point.values[self._used]) / self.cost_scale
+
+    def cost_gradient(self, position: np.ndarray) -> np.ndarray:
+        return self.rows.weights @ self.jacobian(position) / self.cost_scale
+
+    def constraint_values(self, point: Point) -> np.ndarray:
+        """Scaled values of the constraint rows."""
+        return point.values[self.rows.index] / self.row_scale
+
+    def constraint_jacobian(self, position: np.ndarray) -> np.ndarray:
+        return self.jacobian(position)[self.rows.index] / self.row_scale[:, None]
+
+    @property
+    def scaled_limits(self) -> tuple[np.ndarray, np.ndarray]:
+        return self.rows.lower / self.row_scale, self.rows.upper / self.row_scale
+
+    def violation(self, point: Point) -> float:
+        """Largest amount by which a scaled row leaves its limits."""
+        if not len(self.rows.names):
+            return 0.0
+        values, (lower, upper) = self.constraint_values(point), self.scaled_limits
+        return float(np.max(np.maximum(np.maximum(lower - values, values - upper), 0.0)))
+
+
+class Guarded:
+    """The evaluator as one search sees it: a failed design looks worse than any good one.
+
+    A search that tries one steps back from it; it never sees a number that is not finite. Good
+    designs are recorded, so that a search that ends badly still gives its best.
+    """
+
+    def __init__(self, evaluator: Evaluator):
+        self.evaluator = evaluator
+        self.failures = 0
+        self.good: list[Point] = []
+        self._previous: Point | None = None
+
+    def _look(self, position: np.ndarray) -> Point:
+        point = self.evaluator.point(position)
+        if point is self._previous:
+            return point
+        self._previous = point
+        if point.good:
+            self.good.append(point)
+        else:
+            self.failures += 1
+        return point
+
+    def cost(self, position: np.ndarray) -> float:
+        point = self._look(position)
+        if point.good:
+            return self.evaluator.cost(point)
+        return 10.0 + max((abs(self.evaluator.cost(p)) for p in self.good[-1:]), default=0.0)
+
+    def constraint_values(self, position: np.ndarray) -> np.ndarray:
+        point = self._look(position)
+        if point.good:
+            return self.evaluator.constraint_values(point)
+        if self.good:
+            return self.evaluator.constraint_values(self.good[-1])
+        return np.zeros(len(self.evaluator.rows.names))
+
+    def gradient(self, position: np.ndarray) -> np.ndarray:
+        self._look(position)
+        return self.evaluator.cost_gradient(position)
+
+    def constraint_jacobian(self, position: np.ndarray) -> np.ndarray:
+        self._look(position)
+        return self.evaluator.constraint_jacobian(position)
+
+    def best(self, position: np.ndarray, tolerance: float) -> Point | None:
+        """Where a search ended, or the best it has seen if that end cannot be used."""
+        end = self.evaluator.point(position)
+        if end.good and self.evaluator.violation(end) <= tolerance:
+            return end
+        candidates: Sequence[Point] = [*self.good, end] if end.good else self.good
+        if not candidates:
+            return None
+
+        def rank(point: Point):
+            violation = self.evaluator.violation(point)
+            feasible = violation <= tolerance
+            return (not feasible, self.evaluator.cost(point) if feasible else violation)
+
+        return min(candidates, key=rank)

@@ -1,0 +1,157 @@
+"""Axial stiffnesses, named by what gives way and by secant or tangent.
+
+A secant is F/x, the load over the travel that it causes; a tangent dF/dx, what a small further
+load meets. Contacts harden, so that a tangent is the larger one: 3/2 of the secant for Hertz
+points. Each group holds more that gives way than the one before: contacts, the nut, the axis.
+"""
+
+import functools
+from collections.abc import Callable
+
+from ... import strength
+from ...mechanism import Scalar, Stage
+from ...stiffness import ThreadStiffness, axial_stiffness as stage_axial_stiffness, in_series
+from .._analysis import Analysis, SharedLoad
+from .._catalogue import quantity
+from .._nut_travel import elastic_of, nut_tangent_of
+
+_CONTACTS = (
+    "of the thread contacts, with their teeth where [stage.load_sharing.tooth] gives them, shafts "
+    "rigid, all stages in series; with [stage.load_sharing] each thread at the load that it "
+    "carries, else all alike"
+)
+_NUT = (
+    "of the nut: contacts, teeth, and the segments of screw, rollers and nut between the threads, "
+    "all stages in series"
+)
+_AXIS = (
+    "of the whole axis: the nut, the screw's shaft over its loaded length, and the supports of "
+    "screw and nut whose axial_stiffness is given, all stages in series"
+)
+
+
+def _of_contacts(analysis: Analysis, threads: tuple[ThreadStiffness, ...]) -> Scalar:
+    pairs = zip(analysis.mechanism.stages, threads, strict=True)
+    stages = [stage_axial_stiffness(stage, one) for stage, one in pairs]
+    return functools.reduce(in_series, stages)
+
+
+def _contact_secant(analysis: Analysis):
+    return _of_contacts(analysis, analysis.threads)
+
+
+def _contact_tangent(analysis: Analysis):
+    return _of_contacts(analysis, analysis.tangent_threads)
+
+
+def _nut_secants(analysis: Analysis) -> list[Scalar]:
+    return [elastic_of(analysis, i).secant_stiffness for i in range(len(analysis.mechanism.stages))]
+
+
+def _nut_tangents(analysis: Analysis) -> list[Scalar]:
+    return [nut_tangent_of(analysis, i) for i in range(len(analysis.mechanism.stages))]
+
+
+def _with_shaft(stage: Stage, nut: Scalar) -> Scalar:
+    parts = [nut, strength.shaft_axial_stiffness(stage)]
+    for body in (stage.screw, stage.nut):
+        if body.support is not None and body.support.axial_stiffness is not None:
+            parts.append(body.support.axial_stiffness)
+    return functools.reduce(in_series, parts)
+
+
+def _of_nut(nuts: Callable[[Analysis], list[Scalar]]) -> Callable[[Analysis], Scalar]:
+    return lambda analysis: functools.reduce(in_series, nuts(analysis))
+
+
+def _of_axis(nuts: Callable[[Analysis], list[Scalar]]) -> Callable[[Analysis], Scalar]:
+    def axis(analysis: Analysis) -> Scalar:
+        pairs = zip(analysis.mechanism.stages, nuts(analysis), strict=True)
+        return functools.reduce(in_series, [_with_shaft(stage, nut) for stage, nut in pairs])
+
+    return axis
+
+
+_LOADED: tuple[SharedLoad, ...] = ("operating_point",)
+#: A nut's secant is measured from where it stands without a load.
+_FROM_REST: tuple[SharedLoad, ...] = ("operating_point", "none")
+
+
+def _declare(
+    name: str,
+    symbol: str,
+    words: str,
+    function,
+    assumes: tuple[str, ...] = (),
+    shares: tuple[SharedLoad, ...] = _LOADED,
+) -> None:
+    quantity(name, symbol, "N/m", words, assumes=assumes, shares=shares)(function)
+
+
+_EQUAL = ("equal_stiffness",)
+for _name, _symbol, _what, _function, _assumes, _shares in (
+    (
+        "contact_axial_stiffness_secant",
+        "K_c",
+        f"secant F/x {_CONTACTS}",
+        _contact_secant,
+        _EQUAL,
+        _LOADED,
+    ),
+    (
+        "contact_axial_stiffness_tangent",
+        "K_c,t",
+        f"tangent dF/dx {_CONTACTS}",
+        _contact_tangent,
+        _EQUAL,
+        _LOADED,
+    ),
+    (
+        "nut_axial_stiffness_secant",
+        "K_n",
+        f"secant F/x {_NUT}; x from where the nut stands without load",
+        _of_nut(_nut_secants),
+        (),
+        _FROM_REST,
+    ),
+    (
+        "nut_axial_stiffness_tangent",
+        "K_n,t",
+        f"tangent dF/dx {_NUT}",
+        _of_nut(_nut_tangents),
+        (),
+        _LOADED,
+    ),
+    (
+        "axis_axial_stiffness_secant",
+        "K_x",
+        f"secant F/x {_AXIS}; x from where the nut stands without load",
+        _of_axis(_nut_secants),
+        (),
+        _FROM_REST,
+    ),
+    (
+        "axis_axial_stiffness_tangent",
+        "K_x,t",
+        f"tangent dF/dx {_AXIS}",
+        _of_axis(_nut_tangents),
+        (),
+        _LOADED,
+    ),
+):
+    _declare(_name, _symbol, _what, _function, _assumes, _shares)
+
+# Former names.
+_declare(
+    "axial_stiffness",
+    "K_a",
+    f"another name of contact_axial_stiffness_secant: secant F/x {_CONTACTS}",
+    _contact_secant,
+    _EQUAL,
+)
+_declare(
+    "axial_stiffness_shared",
+    "K_ax",
+    f"another name of nut_axial_stiffness_tangent: tangent dF/dx {_NUT}",
+    _of_nut(_nut_tangents),
+)

@@ -1,0 +1,64 @@
+"""Quantities of size, mass and fit."""
+
+import jax.numpy as jnp
+
+from ...geometry import roller_clearance as stage_roller_clearance
+from ...mechanism import nut_outer_radius, stage_mass
+from .._analysis import Analysis
+from .._catalogue import quantity
+
+
+def _per_stage(analysis: Analysis, function):
+    return jnp.stack([function(stage) for stage in analysis.mechanism.stages])
+
+
+@quantity("mass", "m", "kg", "mass of all bodies of all stages")
+def mass(analysis: Analysis):
+    return jnp.sum(_per_stage(analysis, stage_mass))
+
+
+@quantity("nut_outer_diameter", "D_n", "m", "outer diameter of the largest nut")
+def nut_outer_diameter(analysis: Analysis):
+    return jnp.max(2 * _per_stage(analysis, nut_outer_radius))
+
+
+@quantity("roller_clearance", "c_R", "m", "smallest gap between neighbouring rollers")
+def roller_clearance(analysis: Analysis):
+    return jnp.min(_per_stage(analysis, stage_roller_clearance))
+
+
+@quantity("centre_distance", "a", "m", "distance of screw and roller axes", ("stage",))
+def centre_distance(analysis: Analysis):
+    return _per_stage(analysis, lambda stage: stage.thread.centre_distance)
+
+
+@quantity("screw_radius", "r_s", "m", "nominal screw radius", ("stage",))
+def screw_radius(analysis: Analysis):
+    return _per_stage(analysis, lambda stage: stage.thread.screw_radius)
+
+
+@quantity("nut_radius", "r_n", "m", "nominal nut radius", ("stage",))
+def nut_radius(analysis: Analysis):
+    return _per_stage(analysis, lambda stage: stage.thread.nut_radius)
+
+
+@quantity("screw_helix_angle", "λ_s", "rad", "helix angle of the screw", ("stage",))
+def screw_helix_angle(analysis: Analysis):
+    return _per_stage(analysis, lambda stage: stage.thread.screw_helix_angle)
+
+
+@quantity("roller_helix_angle", "β_R", "rad", "helix angle of roller and nut", ("stage",))
+def roller_helix_angle(analysis: Analysis):
+    return _per_stage(analysis, lambda stage: stage.thread.roller_helix_angle)
+
+
+@quantity("screw_contact_radius", "r_sR", "m", "radius of the screw at its contact", ("stage",))
+def screw_contact_radius(analysis: Analysis):
+    return jnp.stack([k.meshing.screw.contact_radius for k in analysis.kinematics])
+
+
+@quantity(
+    "axial_gap", "g", "m", "axial gap per flank with all teeth half a pitch thick", ("stage",)
+)
+def axial_gap(analysis: Analysis):
+    return jnp.stack([k.meshing.axial_gap for k in analysis.kinematics])

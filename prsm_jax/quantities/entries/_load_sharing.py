@@ -1,0 +1,118 @@
+"""Quantities of how threads and rollers share the load."""
+
+import jax.numpy as jnp
+
+from ..._errors import MissingDataError
+from ...mechanism import Scalar
+from .._analysis import Analysis
+from .._catalogue import quantity
+from .._nut_travel import elastic_of
+from .._onsets import truncated_pressure
+
+
+def _per_stage(analysis: Analysis, function):
+    return jnp.stack([function(one) for one in analysis.distributions])
+
+
+@quantity(
+    "thread_sharing_factor_screw",
+    "K_s",
+    "1",
+    "largest thread load over the mean, screw side",
+    ("stage",),
+    shares=("operating_point",),
+)
+def thread_sharing_factor_screw(analysis: Analysis):
+    return _per_stage(analysis, lambda one: one.screw.thread_sharing_factor)
+
+
+@quantity(
+    "thread_sharing_factor_nut",
+    "K_n",
+    "1",
+    "largest thread load over the mean, nut side",
+    ("stage",),
+    shares=("operating_point",),
+)
+def thread_sharing_factor_nut(analysis: Analysis):
+    return _per_stage(analysis, lambda one: one.nut.thread_sharing_factor)
+
+
+@quantity(
+    "roller_sharing_factor",
+    "K_R",
+    "1",
+    "largest load of a roller over the mean",
+    ("stage",),
+    shares=("operating_point",),
+)
+def roller_sharing_factor(analysis: Analysis):
+    return _per_stage(analysis, lambda one: one.nut.roller_sharing_factor)
+
+
+@quantity(
+    "largest_thread_load",
+    "F_max",
+    "N",
+    "largest axial load of a thread, either side",
+    ("stage",),
+    shares=("operating_point",),
+)
+def largest_thread_load(analysis: Analysis):
+    return _per_stage(
+        analysis,
+        lambda one: jnp.maximum(jnp.max(one.screw.thread_load), jnp.max(one.nut.thread_load)),
+    )
+
+
+@quantity(
+    "max_pressure_shared",
+    "p₀_max",
+    "Pa",
+    "largest pressure of all threads under the thread loads of [stage.load_sharing]; ends of "
+    "flanks count as in `max_pressure`",
+    assumes=("flanks_of_contacts",),
+    shares=("operating_point",),
+)
+def max_pressure_shared(analysis: Analysis):
+    return jnp.max(
+        jnp.stack(
+            [
+                truncated_pressure(analysis, i, side, jnp.max(getattr(one, side).max_pressure))
+                for i, one in enumerate(analysis.distributions)
+                for side in ("screw", "nut")
+            ]
+        )
+    )
+
+
+@quantity(
+    "axial_deflection",
+    "x",
+    "m",
+    "axial deflection of the nut by the load: from where the nut stands without it, braced or at "
+    "the first contact with play and errors passed; all stages together",
+    shares=("operating_point", "none"),
+)
+def axial_deflection(analysis: Analysis):
+    stages = range(len(analysis.mechanism.stages))
+    return jnp.sum(jnp.stack([elastic_of(analysis, i).deflection for i in stages]))
+
+
+@quantity(
+    "spacer_force",
+    "F_v",
+    "N",
+    "force in the spacer of a split nut under the load",
+    ("stage",),
+    shares=("operating_point",),
+)
+def spacer_force(analysis: Analysis):
+    forces: list[Scalar] = []
+    for one in analysis.distributions:
+        if one.spacer_force is None:
+            raise MissingDataError(
+                "the nut is not split; give [stage.load_sharing.split_nut] with preload or offset"
+            )
+        forces.append(one.spacer_force)
+    return jnp.stack(forces)

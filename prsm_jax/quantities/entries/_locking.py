@@ -1,0 +1,59 @@
+"""Quantities of jamming and self-locking: margins to constrain, limits in closed form."""
+
+import jax.numpy as jnp
+
+from ...dynamics import (
+    jamming_coefficient,
+    jamming_margin as _jamming_margin,
+    locking_coefficient,
+    self_locking_margin as _self_locking_margin,
+)
+from .._analysis import Analysis
+from .._catalogue import quantity
+
+
+@quantity(
+    "jamming_margin",
+    "j",
+    "1",
+    "1 − μ/μ_jam, the smallest of all stages: 1 without friction, at 0 a driving screw jams",
+)
+def jamming_margin(analysis: Analysis):
+    return _jamming_margin(analysis.mechanism, analysis.kinematics, analysis.speed)
+
+
+@quantity(
+    "self_locking_margin",
+    "s",
+    "1",
+    "1 − 1/(factor of all friction at which the load is held): positive is driven back, negative "
+    "holds by itself",
+)
+def self_locking_margin(analysis: Analysis):
+    margin, found = _self_locking_margin(
+        analysis.mechanism, analysis.kinematics, analysis.speed, analysis.load
+    )
+    analysis.require(found)
+    return margin
+
+
+@quantity(
+    "critical_friction_coefficient",
+    "μ_lock",
+    "1",
+    "thread friction above which a load does not turn the screw",
+    ("stage",),
+)
+def critical_friction_coefficient(analysis: Analysis):
+    return jnp.stack([locking_coefficient(geometry) for geometry in analysis.kinematics])
+
+
+@quantity(
+    "jamming_friction_coefficient",
+    "μ_jam",
+    "1",
+    "thread friction at which a driving screw jams",
+    ("stage",),
+)
+def jamming_friction_coefficient(analysis: Analysis):
+    return jnp.stack([jamming_coefficient(geometry) for geometry in analysis.kinematics])

@@ -1,0 +1,120 @@
+"""Quantities of axial play: backlash, lost motion, preload."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+
+from ... import strength
+from ..._errors import MissingDataError
+from ..._guards import above_or_nan
+from ...dynamics import steady_state
+from ...mechanism import Friction, Mechanism, Scalar, Stage
+from .._analysis import Analysis
+from .._catalogue import quantity
+from ._strength import per_stage
+
+#: At standstill the torque is that of the motion about to begin [rad/s].
+_CREEP = 1e-6
+
+
+@quantity(
+    "axial_backlash",
+    "j_a",
+    "m",
+    "travel of the unloaded nut: measured, from thinned teeth and the meshing, or that of load "
+    "sharing; 0 with preload",
+    ("stage",),
+)
+def axial_backlash(analysis: Analysis):
+    def of(index: int, stage: Stage) -> Scalar:
+        thinned = strength.needs_meshing_for_backlash(stage)
+        return strength.backlash(stage, analysis.kinematics[index].meshing if thinned else None)
+
+    return per_stage(analysis, of)
+
+
+@quantity(
+    "lost_motion",
+    "j_F",
+    "m",
+    "travel of the nut when the load turns round at a screw that stands still: backlash and "
+    "approach of the contacts, shafts rigid",
+    ("stage",),
+    assumes=("equal_contacts",),
+)
+def lost_motion(analysis: Analysis):
+    def of(index: int, stage: Stage) -> Scalar:
+        thinned = strength.needs_meshing_for_backlash(stage)
+        return strength.lost_motion(
+            stage,
+            analysis.load,
+            analysis.kinematics[index].meshing if thinned else None,
+            analysis.reference_contact(index),
+        )
+
+    return per_stage(analysis, of)
+
+
+@quantity(
+    "preload_opening_load",
+    "F_lim",
+    "N",
+    "axial load that frees one of two braced nuts, 2^{3/2} times the preload (as ISO 3408-5 for "
+    "ball screws)",
+    ("stage",),
+)
+def preload_opening_load(analysis: Analysis):
+    return per_stage(
+        analysis, lambda _, stage: strength.preload_opening_load(strength.preload_force(stage))
+    )
+
+
+@quantity(
+    "preloaded_stiffness",
+    "K_pr",
+    "N/m",
+    "tangent stiffness of a braced pair of nuts under the load, contacts alone",
+    ("stage",),
+    assumes=("equal_contacts",),
+)
+def preloaded_stiffness(analysis: Analysis):
+    def of(index: int, stage: Stage) -> Scalar:
+        strength.preload_force(stage)
+        return strength.preloaded_stiffness(stage, analysis.load, analysis.reference_contact(index))
+
+    return per_stage(analysis, of)
+
+
+@quantity(
+    "preload_torque",
+    "M_pr",
+    "N·m",
+    "drag torque of the preload: friction of the threads of both nuts, without bearings and drag",
+    ("stage",),
+    assumes=("equal_friction",),
+)
+def preload_torque(analysis: Analysis):
+    return per_stage(analysis, lambda i, stage: _preload_torque(analysis, i, stage))
+
+
+def _preload_torque(analysis: Analysis, index: int, stage: Stage) -> Scalar:
+    preload = strength.preload_force(stage)
+    if stage.friction is None:
+        raise MissingDataError("the stage has no friction; give [stage.friction.thread]")
+    # Not `dataclasses.replace`: that would run converters, which a batched leaf may not pass.
+    friction: Friction = eqx.tree_at(
+        lambda f: (f.spline, f.thrust_bearing, f.drag),
+        stage.friction,
+        (None, None, None),
+        is_leaf=lambda leaf: leaf is None,
+    )
+    alone = Mechanism((eqx.tree_at(lambda s: s.friction, stage, friction),))
+    kinematics = (analysis.kinematics[index],)
+    speed = jnp.abs(analysis.speed)
+    speed = jnp.where(above_or_nan(speed), speed, _CREEP)
+    # The screw drives one nut against the preload, which helps it to turn in the other.
+    states = jax.vmap(lambda load: steady_state(alone, speed, load, kinematics))(
+        jnp.stack([preload, -preload])
+    )
+    analysis.require(states.computed.all())
+    return jnp.sum(states.drive_torque)

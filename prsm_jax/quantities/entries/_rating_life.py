@@ -1,0 +1,206 @@
+"""Quantities of rating life; what rests on standards of other machines says so."""
+
+import jax.numpy as jnp
+
+from ... import strength
+from ..._errors import MissingDataError
+from ...mechanism import Scalar, Stage
+from .._analysis import Analysis
+from .._catalogue import quantity
+from ._strength import dynamic_capacity_of, on_one_flank, per_stage, truncated_fatigue_of
+
+
+@quantity(
+    "equivalent_load",
+    "F_m",
+    "N",
+    "cubic mean load of the duty cycle, weighted by travel (as ISO 3408-5 for ball screws)",
+)
+def equivalent_load(analysis: Analysis):
+    _needs_duty_cycle(analysis)
+    return strength.equivalent_load(analysis.spectrum)
+
+
+@quantity(
+    "equivalent_speed",
+    "Ω_m",
+    "rad/s",
+    "mean magnitude of the screw speed over the duty cycle (as ISO 3408-5 for ball screws)",
+)
+def equivalent_speed(analysis: Analysis):
+    _needs_duty_cycle(analysis)
+    return analysis.spectrum.mean_speed
+
+
+def _needs_duty_cycle(analysis: Analysis) -> None:
+    if analysis.mechanism.duty_cycle is None:
+        raise MissingDataError("the mechanism has no duty cycle; give [[duty_cycle]] phases")
+
+
+def rating_life_of(analysis: Analysis, index: int, stage: Stage) -> strength.RatingLife:
+    """Basic rating life of a stage under the loads of the analysis."""
+    return strength.rating_life(
+        stage,
+        dynamic_capacity_of(analysis, index, stage),
+        analysis.spectrum,
+        truncated_fatigue_of(analysis, index, stage),
+    )
+
+
+def _rating_life(analysis: Analysis, name: str):
+    return per_stage(
+        analysis,
+        lambda i, stage: getattr(
+            rating_life_of(analysis, i, stage),
+            name,
+        ),
+    )
+
+
+@quantity(
+    "rating_life",
+    "L_10",
+    "1",
+    "turns of the screw with a survival of 90 %, under the duty cycle or else the operating point "
+    "(as ISO 3408-5 for ball screws); ∞ without load",
+    ("stage",),
+    assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
+    shares=("equivalent",),
+)
+def rating_life(analysis: Analysis):
+    return _rating_life(analysis, "revolutions")
+
+
+@quantity(
+    "rating_life_time",
+    "L_10h",
+    "s",
+    "operating time with a survival of 90 %, standstill of the duty cycle included (as ISO 3408-5)",
+    ("stage",),
+    assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
+    shares=("equivalent",),
+)
+def rating_life_time(analysis: Analysis):
+    return _rating_life(analysis, "time")
+
+
+@quantity(
+    "rating_life_distance",
+    "L_10s",
+    "m",
+    "travel of the nut on its screw with a survival of 90 % (as ISO 3408-5)",
+    ("stage",),
+    assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
+    shares=("equivalent",),
+)
+def rating_life_distance(analysis: Analysis):
+    return _rating_life(analysis, "distance")
+
+
+def _life_factor(stage: Stage) -> Scalar:
+    factor = strength.life_factor(stage)
+    if factor is None:
+        raise MissingDataError(
+            "the stage modifies its rating life by nothing; give reliability, "
+            "life_modification_factor or oscillation_amplitude in [stage.strength]"
+        )
+    return factor
+
+
+@quantity(
+    "modified_rating_life",
+    "L_nm",
+    "1",
+    "turns of the screw at the reliability asked for, with given factors of lubrication and "
+    "material and that of oscillation (as ISO 281 for bearings)",
+    ("stage",),
+    assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
+    shares=("equivalent",),
+)
+def modified_rating_life(analysis: Analysis):
+    factors = per_stage(analysis, lambda _, stage: _life_factor(stage))
+    return strength.modified_life(_rating_life(analysis, "revolutions"), factors)
+
+
+def _required_life(stage: Stage) -> Scalar:
+    if stage.strength is None or stage.strength.required_life is None:
+        raise MissingDataError("no life is asked for; give stage.strength.required_life")
+    return stage.strength.required_life
+
+
+@quantity(
+    "life_ratio",
+    "L/L_req",
+    "1",
+    "rating life in time, modified as far as factors are given, over the life asked for, smallest "
+    "of all stages (as ISO 3408-5 for ball screws and ISO 281 for bearings)",
+    assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
+    shares=("equivalent",),
+)
+def life_ratio(analysis: Analysis):
+    def factor(stage: Stage) -> Scalar:
+        found = strength.life_factor(stage)
+        return 1 / _required_life(stage) if found is None else found / _required_life(stage)
+
+    factors = per_stage(analysis, lambda _, stage: factor(stage))
+    return jnp.min(strength.modified_life(_rating_life(analysis, "time"), factors))
+
+
+def _phase_damage(analysis: Analysis):
+    _needs_duty_cycle(analysis)
+    return per_stage(
+        analysis,
+        lambda i, stage: strength.damage(
+            stage,
+            dynamic_capacity_of(analysis, i, stage),
+            analysis.spectrum,
+            truncated_fatigue_of(analysis, i, stage),
+        ),
+    )
+
+
+@quantity(
+    "phase_damage",
+    "D_i",
+    "1",
+    "share of the basic rating life (as ISO 3408-5 for ball screws) that each phase of one duty "
+    "cycle uses up (Palmgren–Miner)",
+    ("stage", "phase"),
+    assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
+    shares=("equivalent",),
+)
+def phase_damage(analysis: Analysis):
+    return _phase_damage(analysis)
+
+
+@quantity(
+    "duty_cycle_damage",
+    "D",
+    "1",
+    "share of the basic rating life (as ISO 3408-5 for ball screws) that one duty cycle uses up "
+    "(Palmgren–Miner)",
+    ("stage",),
+    assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
+    shares=("equivalent",),
+)
+def duty_cycle_damage(analysis: Analysis):
+    return jnp.sum(_phase_damage(analysis), axis=1)
+
+
+@quantity(
+    "minimum_oscillation_amplitude",
+    "φ_min",
+    "rad",
+    "amplitude of a swinging screw below which contacts do not leave their own ellipse under the "
+    "largest load, and false brinelling is to be expected (as seen in bearings)",
+    ("stage",),
+    assumes=("equal_contacts",),
+)
+def minimum_oscillation_amplitude(analysis: Analysis):
+    return per_stage(analysis, lambda i, stage: minimum_amplitude_of(analysis, i, stage))
+
+
+def minimum_amplitude_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
+    return strength.minimum_oscillation_amplitude(
+        stage, on_one_flank(analysis, stage), contact=analysis.reference_contact(index)
+    )

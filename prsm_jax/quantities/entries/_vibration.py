@@ -1,0 +1,194 @@
+"""Quantities of the natural vibration."""
+
+import jax.numpy as jnp
+
+from ..._errors import MissingDataError
+from ..._guards import above_or_nan
+from ...response import excitation_orders, find_order
+from ...stiffness import ring_roller_stiffness
+from .._analysis import Analysis
+from .._catalogue import quantity
+from ._operation import carrier_ratio
+
+#: A mode is mesh-dominated when more than this share of its strain energy is in the contacts.
+_DOMINANT = 0.5
+
+
+def _lowest(groups):
+    return jnp.min(jnp.concatenate([group.frequencies for group in groups]))
+
+
+def _lowest_mesh_dominated(groups):
+    found = [
+        jnp.where(above_or_nan(group.mesh_energy_share, _DOMINANT), group.frequencies, jnp.inf)
+        for group in groups
+    ]
+    return jnp.min(jnp.concatenate(found))
+
+
+def _all(groups):
+    return jnp.concatenate([group.frequencies for group in groups])
+
+
+def _needs_symmetry(analysis: Analysis) -> None:
+    if not analysis.symmetric:
+        raise MissingDataError(
+            "a stage has unequal rollers, fewer than 3, or supports that differ in x and y, so its "
+            "families are not separate; ask for natural_frequencies or a lowest_… frequency"
+        )
+
+
+@quantity(
+    "natural_frequencies",
+    "f",
+    "Hz",
+    "all natural frequencies, by stage",
+    ("mode",),
+    assumes=("equal_stiffness", "secant_stiffness"),
+    shares=("operating_point",),
+)
+def natural_frequencies(analysis: Analysis):
+    return jnp.concatenate([modes.frequencies for modes in analysis.modes])
+
+
+@quantity(
+    "torsional_frequencies",
+    "f_t",
+    "Hz",
+    "torsional natural frequencies, by stage",
+    ("mode",),
+    assumes=("equal_stiffness", "secant_stiffness"),
+    shares=("operating_point",),
+)
+def torsional_frequencies(analysis: Analysis):
+    _needs_symmetry(analysis)
+    return _all(analysis.torsional)
+
+
+@quantity(
+    "transverse_frequencies",
+    "f_x",
+    "Hz",
+    "transverse natural frequencies (each double), by stage",
+    ("mode",),
+    assumes=("equal_stiffness", "secant_stiffness"),
+    shares=("operating_point",),
+)
+def transverse_frequencies(analysis: Analysis):
+    _needs_symmetry(analysis)
+    return _all(analysis.transverse)
+
+
+@quantity(
+    "roller_frequency",
+    "f_R",
+    "Hz",
+    "roller natural frequency (N − 3 fold)",
+    ("stage",),
+    assumes=("equal_stiffness", "secant_stiffness"),
+    shares=("operating_point",),
+)
+def roller_frequency(analysis: Analysis):
+    _needs_symmetry(analysis)
+    groups = [group for group in analysis.roller if group is not None]
+    if len(groups) < len(analysis.roller):
+        raise MissingDataError("a stage with three rollers has no roller modes")
+    return _all(groups)
+
+
+@quantity(
+    "carrier_frequency",
+    "f_c",
+    "Hz",
+    "carrier natural frequency",
+    ("stage",),
+    shares=("operating_point",),
+)
+def carrier_frequency(analysis: Analysis):
+    groups = [group for group in analysis.carrier if group is not None]
+    if len(groups) < len(analysis.carrier):
+        raise MissingDataError(
+            "a stage has no carrier that moves on its own; give [stage.carrier], and no "
+            "[stage.roller.support]"
+        )
+    return _all(groups)
+
+
+@quantity(
+    "lowest_torsional_frequency",
+    "f_t1",
+    "Hz",
+    "lowest torsional natural frequency",
+    assumes=("equal_stiffness", "secant_stiffness"),
+    shares=("operating_point",),
+)
+def lowest_torsional_frequency(analysis: Analysis):
+    return _lowest(analysis.torsional)
+
+
+@quantity(
+    "lowest_mesh_torsional_frequency",
+    "f_tm",
+    "Hz",
+    "lowest torsional natural frequency with most of its strain energy in the contacts",
+    assumes=("equal_stiffness", "secant_stiffness"),
+    shares=("operating_point",),
+)
+def lowest_mesh_torsional_frequency(analysis: Analysis):
+    return _lowest_mesh_dominated(analysis.torsional)
+
+
+@quantity(
+    "lowest_transverse_frequency",
+    "f_x1",
+    "Hz",
+    "lowest transverse natural frequency",
+    assumes=("equal_stiffness", "secant_stiffness"),
+    shares=("operating_point",),
+)
+def lowest_transverse_frequency(analysis: Analysis):
+    return _lowest(analysis.transverse)
+
+
+@quantity(
+    "lowest_mesh_transverse_frequency",
+    "f_xm",
+    "Hz",
+    "lowest transverse natural frequency with most of its strain energy in the contacts",
+    assumes=("equal_stiffness", "secant_stiffness"),
+    shares=("operating_point",),
+)
+def lowest_mesh_transverse_frequency(analysis: Analysis):
+    return _lowest_mesh_dominated(analysis.transverse)
+
+
+@quantity("gear_mesh_stiffness", "k_rR", "N/m", "gear mesh stiffness of one roller", ("stage",))
+def gear_mesh_stiffness(analysis: Analysis):
+    found = [ring_roller_stiffness(stage) for stage in analysis.mechanism.stages]
+    if any(stiffness is None for stiffness in found):
+        raise MissingDataError("a stage has no gear; give [stage.gear]")
+    return jnp.stack([stiffness for stiffness in found if stiffness is not None])
+
+
+@quantity(
+    "lowest_critical_speed",
+    "Ω_c",
+    "rad/s",
+    "lowest screw speed at which the gear mesh meets a torsional or transverse mode with most of "
+    "its strain energy in the contacts, whatever the phases of the rollers",
+    assumes=("equal_stiffness", "secant_stiffness", "equal_friction"),
+    shares=("operating_point",),
+)
+def lowest_critical_speed(analysis: Analysis):
+    ratios = carrier_ratio(analysis)
+    found = []
+    for index, stage in enumerate(analysis.mechanism.stages):
+        if stage.gear is None or stage.gear.roller_teeth is None or stage.ring_gear is None:
+            raise MissingDataError(
+                "a stage has no teeth to mesh; give [stage.ring_gear] and roller_teeth in "
+                "[stage.gear]"
+            )
+        mesh = find_order(excitation_orders(stage, ratios[index]), "ring_gear_mesh")
+        lowest = _lowest_mesh_dominated((analysis.torsional[index], analysis.transverse[index]))
+        found.append(2 * jnp.pi * lowest / mesh.order)
+    return jnp.min(jnp.stack(found))

@@ -1,0 +1,224 @@
+"""The bending–torsional system of one stage: bodies, rollers and their springs, in numbers."""
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ...mechanism import Scalar, Stage, Support, body_inertia, body_mass
+from ...stiffness import ThreadStiffness, ring_roller_stiffness
+
+
+class CentralBody(eqx.Module):
+    """A body on the axis (screw, ring gear or nut) with its springs to housing and rollers."""
+
+    mass: Scalar
+    #: J/r² [kg].
+    equivalent_mass: Scalar
+    #: Stiffness of the spring to one roller, along the tangent [N/m].
+    mesh_stiffness: Scalar
+    radial_support: Scalar
+    torsional_support: Scalar
+    #: +1 if the roller's rotation stretches the spring in the same sense (screw), −1 otherwise.
+    roller_sign: int = eqx.field(static=True)
+    name: str = eqx.field(static=True)
+    #: Support in y where it is not that in x [N/m].
+    radial_support_y: Scalar | None = None
+    #: Angle of the contact's line of action against the tangent [rad]; it only turns the modes
+    #: unless rollers move in translation.
+    contact_angle: Scalar | None = None
+    #: Stiffness of the spring to each roller, where it is known one by one; then in place of
+    #: `mesh_stiffness` and the stiffness factors [N/m].
+    each_mesh_stiffness: Float[Array, " rollers"] | None = None
+
+
+class CarrierBody(eqx.Module):
+    """The carrier. Where rollers only rotate it carries their masses and vibrates on its own."""
+
+    equivalent_mass: Scalar
+    torsional_support: Scalar
+    #: Only where rollers move in translation, and take the carrier with them.
+    mass: Scalar | None = None
+    radial_support: Scalar | None = None
+
+
+class RollerTranslation(eqx.Module):
+    """Rollers that also move in their plane, on pins that are held by the carrier."""
+
+    mass: Scalar
+    #: Equal in the radial and the tangential direction [N/m].
+    pin_stiffness: Scalar
+
+
+class RollerScatter(eqx.Module):
+    """How the rollers that are there differ; what is `None` is alike for all."""
+
+    #: Angle of each roller around the screw [rad].
+    position: Float[Array, " rollers"]
+    stiffness_factor: Float[Array, " rollers"] | None = None
+    mass_factor: Float[Array, " rollers"] | None = None
+    #: The number of each roller's place, for names.
+    numbers: tuple[int, ...] = eqx.field(static=True, kw_only=True)
+
+
+class VibrationSystem(eqx.Module):
+    """Masses and springs of one stage.
+
+    `roller_count` counts the rollers that are there. What is `None` is not modelled.
+    """
+
+    bodies: tuple[CentralBody, ...]
+    roller_equivalent_mass: Scalar
+    carrier: CarrierBody | None
+    roller_count: int = eqx.field(static=True)
+    translation: RollerTranslation | None = None
+    scatter: RollerScatter | None = None
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether a turn by one roller leaves the system as it is: known from its structure.
+
+        With equal, evenly spaced rollers (at least 3, so that x and y are alike) and supports that
+        are equal in x and y.
+        """
+        isotropic = all(body.radial_support_y is None for body in self.bodies)
+        return self.scatter is None and isotropic and self.roller_count >= 3
+
+    @property
+    def roller_numbers(self) -> tuple[int, ...]:
+        """The number of each roller's place, from 1."""
+        if self.scatter is not None:
+            return self.scatter.numbers
+        return tuple(range(1, self.roller_count + 1))
+
+    @property
+    def roller_positions(self) -> Float[Array, " rollers"]:
+        """Angle of each roller around the screw, φ_i = 2π(i − 1)/N unless they are scattered."""
+        if self.scatter is not None:
+            return self.scatter.position
+        count = self.roller_count
+        return 2 * jnp.pi * jnp.arange(count, dtype=self.roller_equivalent_mass.dtype) / count
+
+
+def _support(support: Support | None, name: str, like: Scalar) -> Scalar:
+    value = None if support is None else getattr(support, name)
+    return jnp.zeros_like(like) if value is None else value
+
+
+def _contact_angle(stage: Stage, body: str) -> Scalar:
+    if body == "ring_gear":
+        return jnp.zeros(()) if stage.gear is None else stage.gear.pressure_angle
+    return stage.thread.contact_angle
+
+
+def _scatter(stage: Stage) -> RollerScatter | None:
+    unequal = {roller.number: roller for roller in stage.unequal_roller}
+    if not unequal:
+        return None
+    places = stage.roller_count
+    numbers = tuple(
+        number
+        for number in range(1, places + 1)
+        if number not in unequal or not unequal[number].missing
+    )
+    dtype = stage.thread.lead.dtype
+
+    def gather(name: str, default: float) -> Float[Array, " rollers"] | None:
+        found = [getattr(unequal.get(number), name, None) for number in numbers]
+        if all(value is None for value in found):
+            return None
+        like = jnp.full((), default, dtype)
+        return jnp.stack([like if value is None else value.astype(dtype) for value in found])
+
+    even = 2 * jnp.pi * (jnp.asarray(numbers, dtype) - 1) / places
+    offset = gather("position_offset", 0.0)
+    return RollerScatter(
+        position=even if offset is None else even + offset,
+        stiffness_factor=gather("stiffness_factor", 1.0),
+        mass_factor=gather("mass_factor", 1.0),
+        numbers=numbers,
+    )
+
+
+def _carrier(
+    stage: Stage, translation: RollerTranslation | None, scatter: RollerScatter | None
+) -> CarrierBody | None:
+    if stage.carrier is None:
+        return None
+    pieces, support = stage.carrier.count, stage.carrier.support
+    equivalent = pieces * body_inertia(stage, "carrier") / stage.thread.centre_distance**2
+    torsional = _support(support, "torsional_stiffness", equivalent)
+    if translation is not None:
+        mass = pieces * body_mass(stage, "carrier")
+        radial = _support(support, "radial_stiffness", equivalent)
+        return CarrierBody(equivalent, torsional, mass, radial)
+    rollers: Scalar | int = stage.present_roller_count
+    if scatter is not None and scatter.mass_factor is not None:
+        rollers = jnp.sum(scatter.mass_factor)
+    return CarrierBody(equivalent + rollers * body_mass(stage, "roller"), torsional)
+
+
+def vibration_system(stage: Stage, threads: ThreadStiffness) -> VibrationSystem:
+    """Collect the masses and springs of one stage.
+
+    The thread springs act in the transverse plane: their stiffness on tangential displacements
+    u = r θ is k cos²β_R (Wu et al. 2022, equations 7 to 13). Without a ring gear, or without
+    a carrier, those degrees of freedom are not there. Rollers move in translation only if
+    `stage.roller.support` says how they are held; then the carrier does so too.
+
+    **Arguments:**
+
+    - `stage`: the stage; needs masses and inertias (given or from dimensions).
+    - `threads`: thread contact stiffness of one roller, or of each.
+
+    **Raises:** `MissingDataError` if masses are missing.
+    """
+    thread = stage.thread
+    projection = jnp.cos(thread.roller_helix_angle) ** 2
+    ring_stiffness = None if stage.ring_gear is None else ring_roller_stiffness(stage)
+    held = stage.roller.support
+    pins = None if held is None else held.radial_stiffness
+
+    def central(
+        name: str,
+        radius: Scalar,
+        stiffness: Scalar,
+        sign: int,
+        each: Float[Array, " rollers"] | None = None,
+    ) -> CentralBody:
+        mass = body_mass(stage, name)
+        support: Support | None = getattr(stage, name).support
+        return CentralBody(
+            mass=mass,
+            equivalent_mass=body_inertia(stage, name) / radius**2,
+            mesh_stiffness=stiffness,
+            radial_support=_support(support, "radial_stiffness", mass),
+            torsional_support=_support(support, "torsional_stiffness", mass),
+            roller_sign=sign,
+            name=name,
+            radial_support_y=None if support is None else support.radial_stiffness_y,
+            contact_angle=None if pins is None else _contact_angle(stage, name),
+            each_mesh_stiffness=each,
+        )
+
+    screw, nut = threads.screw_roller * projection, threads.nut_roller * projection
+    screw_each, nut_each = (
+        None if each is None else each * projection
+        for each in (threads.screw_each, threads.nut_each)
+    )
+    bodies = [central("screw", thread.screw_radius, screw, 1, screw_each)]
+    if ring_stiffness is not None:
+        # The pitch circle of the ring gear is the nominal circle of the nut's thread.
+        bodies.append(central("ring_gear", thread.nut_radius, ring_stiffness, -1))
+    bodies.append(central("nut", thread.nut_radius, nut, -1, nut_each))
+
+    scatter = _scatter(stage)
+    present = stage.roller_count if scatter is None else len(scatter.numbers)
+    translation = None if pins is None else RollerTranslation(body_mass(stage, "roller"), pins)
+    return VibrationSystem(
+        bodies=tuple(bodies),
+        roller_equivalent_mass=body_inertia(stage, "roller") / thread.roller_radius**2,
+        carrier=_carrier(stage, translation, scatter),
+        roller_count=present,
+        translation=translation,
+        scatter=scatter,
+    )
