@@ -60,8 +60,9 @@ CASES: dict[str, tuple[str, str]] = {
         "Transients of many designs",
         "Map the closed form or the quasi-steady balance where they apply: pass "
         "`method=prsm.choose_method(…).method`, because inside `vmap` no number is known and "
-        "RODASP is taken. Integrate only what has to be integrated, sorted by stiffness and in "
-        "chunks, since a batch takes as many steps as its slowest member.",
+        "RODASP is taken. Integrate only what has to be integrated, in chunks of some hundred "
+        "designs, for a batch takes as many steps as its slowest member; as many threads as there "
+        "are cores, each with chunks of its own, halve the time on two.",
     ),
     "torque_runs": (
         "Runs under a prescribed torque",
