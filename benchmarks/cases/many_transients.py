@@ -365,9 +365,7 @@ def _many_missions(size: Size) -> Problem:
         f"batch of {count} designs",
         instance="trajectory",
         methods=[
-            _ours(
-                scene, "quasi-steady balance", "quasi_steady", (None,), chunk, np.arange(count)
-            ),
+            _ours(scene, "quasi-steady balance", "quasi_steady", (None,), chunk, np.arange(count)),
             _in_threads(scene, settings),
             *rivals,
         ],

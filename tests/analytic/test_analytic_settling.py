@@ -11,9 +11,10 @@ from scipy.integrate import solve_ivp
 import prsm_jax as prsm
 from benchmarks.references.dynamics import Chain
 from prsm_jax import Scenario
-from prsm_jax.dynamics import _automatic, all_kinematics, carrier_inertia, choose_method, states_at
+from prsm_jax.dynamics import all_kinematics, carrier_inertia, choose_method, states_at
 from prsm_jax.dynamics.forces._reduced_chain import reduced_chain, reduced_rates
 from prsm_jax.dynamics.forces._reduced_stage import ReducedStage
+from prsm_jax.dynamics.speed_drive import _automatic
 from prsm_jax.dynamics.speed_drive._settling import _settled_stage, inverse_path
 from prsm_jax.mechanism import (
     CoulombFriction,

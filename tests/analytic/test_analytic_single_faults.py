@@ -19,8 +19,9 @@ from sharing_scenes import chains, load_distribution, sharing_stage
 import prsm_jax as prsm
 from prsm_jax import strength
 from prsm_jax.contact import HertzContact
-from prsm_jax.dynamics import _transient_result, bound_scenario
+from prsm_jax.dynamics import bound_scenario
 from prsm_jax.dynamics.friction._contact_losses import rolling_moment
+from prsm_jax.dynamics.histories import _transient_result
 from prsm_jax.geometry import RelativeCurvature, carrier_clearance
 from prsm_jax.load_sharing import equilibrium, stage_load_distribution
 from prsm_jax.mechanism import (

@@ -127,8 +127,8 @@ def test_defaults_are_methods_of_their_case(name):
 
 
 def test_bench_without_a_checkout_is_one_sentence(tmp_path, monkeypatch, capsys):
-    from prsm_jax.cli import _bench
     from prsm_jax.cli._main import main as prsm
+    from prsm_jax.cli.verbs import _bench
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(_bench, "__file__", str(tmp_path / "a/b/c.py"))

@@ -123,7 +123,7 @@ def test_limits_by_name_and_by_unit():
 
 def test_every_unit_is_defined_once(caplog):
     """Pint only logs a second definition, and a log record would end up on stderr."""
-    from prsm_jax.file import _units
+    from prsm_jax.file.numbers import _units
 
     _units._registry.__wrapped__()
     assert caplog.text == ""

@@ -201,6 +201,6 @@ def core_files(package: Path) -> list[Path]:
     return sorted(
         path
         for room in ROOMS
-        for path in (package / room).glob("*.py")
+        for path in (package / room).rglob("*.py")
         if path.name != "__init__.py"
     )

@@ -11,7 +11,6 @@ from reading_units import assert_reads, label_unit, to_si
 
 from prsm_jax.contact import StressPeak
 from prsm_jax.report import (
-    _subsurface_chart,
     contact_ellipses,
     force_deflection_chart,
     line_contact_chart,
@@ -22,6 +21,7 @@ from prsm_jax.report import (
     subsurface_chart,
     thread_load_chart,
 )
+from prsm_jax.report.contact_charts import _subsurface_chart
 from prsm_jax.validation import PressureFigure, PressurePanel, PrintedEllipse, PrintedPressure
 
 number = jnp.asarray

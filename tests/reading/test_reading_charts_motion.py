@@ -326,7 +326,8 @@ def test_published_figures():
 @reads("chart", "save_motion_animation")
 def test_words_of_the_motion(mechanism, monkeypatch, tmp_path):
     """Time, speed and travel over every picture, against the histories at that time."""
-    from prsm_jax.report import _stage_animation, save_motion_animation
+    from prsm_jax.report import save_motion_animation
+    from prsm_jax.report.animations import _stage_animation
 
     run, said, figures = made.transient(to_and_fro=True), [], []
     still, indexed = _stage_animation._still, _stage_animation.indexed
@@ -362,7 +363,8 @@ def test_words_of_the_motion(mechanism, monkeypatch, tmp_path):
 
 @reads("chart", "save_mode_animation")
 def test_words_of_a_moving_mode(monkeypatch, tmp_path):
-    from prsm_jax.report import _mode_animation, save_mode_animation
+    from prsm_jax.report import save_mode_animation
+    from prsm_jax.report.animations import _mode_animation
 
     mechanism = scenes.example("wu2022")
     modes = scenes.modal(mechanism, shapes=True)

@@ -9,13 +9,8 @@ from reading_tables import assert_cell
 from reading_units import assert_reads
 
 import prsm_jax as prsm
-from prsm_jax.report import (
-    Change,
-    Optimisation,
-    _contact_pictures,
-    analyse,
-    contact_pictures,
-)
+from prsm_jax.report import Change, Optimisation, analyse, contact_pictures
+from prsm_jax.report.document import _contact_pictures
 from prsm_jax.report.document._sections import report_sections
 
 #: Pitch 0.8 mm with flanks of 0.2 pitches on either side of the contact, at a high load.

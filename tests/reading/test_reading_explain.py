@@ -3,7 +3,7 @@
 from expectations import reads
 from reading_tables import assert_json
 
-from prsm_jax.cli import _explain
+from prsm_jax.cli.verbs import _explain
 from prsm_jax.explanation import Account, Cost, Explanation, Part, Program
 from prsm_jax.explanation._places import Place
 

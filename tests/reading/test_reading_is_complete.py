@@ -19,7 +19,7 @@ def _read(kind):
 def _drawn() -> set[str]:
     """Public functions of the report that draw: those in the house style, and animations."""
     found = set()
-    for path in _REPORT.glob("*.py"):
+    for path in _REPORT.rglob("*.py"):
         for node in ast.parse(path.read_text()).body:
             if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
                 styled = any(getattr(d, "id", "") == "drawn" for d in node.decorator_list)
@@ -35,7 +35,7 @@ def test_every_chart_has_a_reader():
 def test_every_section_has_a_reader():
     body = next(
         node
-        for node in ast.parse((_REPORT / "_sections.py").read_text()).body
+        for node in ast.parse((_REPORT / "document" / "_sections.py").read_text()).body
         if isinstance(node, ast.FunctionDef) and node.name == "report_sections"
     )
     # Rows of the table: anchor, title, and the function that makes the section.
@@ -46,7 +46,7 @@ def test_every_section_has_a_reader():
 
 def test_every_verb_has_a_reader():
     found = set()
-    for path in (_REPORT.parent / "cli").glob("*.py"):
+    for path in (_REPORT.parent / "cli").rglob("*.py"):
         for node in ast.parse(path.read_text()).body:
             decorators = getattr(node, "decorator_list", [])
             if any(ast.unparse(one).startswith("app.command") for one in decorators):

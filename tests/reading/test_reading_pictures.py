@@ -6,7 +6,8 @@ import pytest
 import reading_scenes as made
 import scenes
 
-from prsm_jax.report import _contact_pictures, _shared_loads, _transient_pictures
+from prsm_jax.report.contact_charts import _shared_loads
+from prsm_jax.report.document import _contact_pictures, _transient_pictures
 
 
 def _recorded(monkeypatch, module, *names):

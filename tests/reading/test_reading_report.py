@@ -19,16 +19,12 @@ from prsm_jax.dynamics import STEADY_RESULTS
 from prsm_jax.geometry import Finding, roller_clearance
 from prsm_jax.mechanism import body_mass, stage_mass
 from prsm_jax.quantities import find_quantity
-from prsm_jax.report import (
-    Change,
-    Limit,
-    Optimisation,
-    ReportData,
+from prsm_jax.report import Change, Limit, Optimisation, ReportData, write_report
+from prsm_jax.report.document import (
     _analysis_sections,
     _design_sections,
     _mechanism_section,
     _strength_section,
-    write_report,
 )
 from prsm_jax.report.document._data import STRENGTH
 from prsm_jax.report.document._sections import report_sections
@@ -572,7 +568,7 @@ def test_provenance(sections):
 
 def test_the_page_has_the_cells_of_the_tables(sections, data, tmp_path, monkeypatch):
     """HTML and Markdown hold every cell of every table, in its place."""
-    from prsm_jax.report import _write
+    from prsm_jax.report.document import _write
 
     # Pictures have readers of their own.
     names = [picture.name for section in sections.values() for picture in section.pictures]

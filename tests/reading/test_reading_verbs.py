@@ -15,7 +15,7 @@ from reading_tables import assert_json, without_words
 from scipy.integrate import simpson
 
 import prsm_jax
-from prsm_jax.cli import _analyse, _contact, _simulate
+from prsm_jax.cli.verbs import _analyse, _contact, _simulate
 from prsm_jax.geometry import Finding
 
 

@@ -12,7 +12,7 @@ from reading_tables import Terminal, assert_json, column_unit, without_words
 from reading_units import to_si
 
 import prsm_jax
-from prsm_jax.cli import _design, _modal, _vibrate
+from prsm_jax.cli.verbs import _design, _modal, _vibrate
 from prsm_jax.mechanism import Constraint, DesignProblem, Objective, Variable
 from prsm_jax.optimisation import ConstraintReport, Design, Optimum, Run
 from prsm_jax.report import summarise_optimisation
@@ -571,7 +571,7 @@ def test_demo(monkeypatch, tmp_path, capsys, feasible):
     import json
 
     from prsm_jax import cli, report
-    from prsm_jax.cli import _contact, _demo
+    from prsm_jax.cli.verbs import _contact, _demo
     from prsm_jax.report import ReportData
 
     mechanism = scenes.example("actuator")

@@ -5,7 +5,8 @@ import re
 
 import pytest
 
-from prsm_jax.report import ReportData, _analysis_sections, _data, _sections, analyse, write_report
+from prsm_jax.report import ReportData, analyse, write_report
+from prsm_jax.report.document import _analysis_sections, _data, _sections
 
 
 def _fails(*_, **__):

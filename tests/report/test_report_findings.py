@@ -7,7 +7,8 @@ from report_scenes import make_optimum
 
 from prsm_jax.geometry import Finding
 from prsm_jax.optimisation import ConstraintReport
-from prsm_jax.report import _write, summarise_optimisation, write_report
+from prsm_jax.report import summarise_optimisation, write_report
+from prsm_jax.report.document import _write
 
 _START = Finding("buckling", "warning", 1, 1.2, 2.0, "the screw is slender")
 _END = Finding("backlash", "error", 1, -8e-6, 0.0, "teeth interfere by 8 µm")

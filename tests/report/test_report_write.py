@@ -149,7 +149,7 @@ def _everything(folder):
 
 
 def test_a_failure_writes_nothing(data, tmp_path, monkeypatch):
-    from prsm_jax.report import _analysis_sections
+    from prsm_jax.report.document import _analysis_sections
 
     out = tmp_path / "out"
     write_report(out, dataclasses.replace(data, contacts=None, modes=None, steady=None), dpi=60)
