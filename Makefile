@@ -1,6 +1,6 @@
 # Two commands on a fresh machine with Python 3.11 or newer, git and make:
 #   make demo   analyse, differentiate and improve a real mechanism into out/demo/
-#   make test   run all tests
+#   make test   run all tests (ROOM=dynamics: those of one room)
 # Both create the environment in .venv first, if it is not there or out of date.
 
 PYTHON ?= python3
@@ -14,7 +14,7 @@ WORKERS ?= 2
 
 help:
 	@echo "make demo       analyse and improve the actuator example into out/demo/"
-	@echo "make test       run all tests"
+	@echo "make test       run all tests; ROOM=dynamics only those of one room of the package"
 	@echo "make versions   test the core paths with the lowest and the newest versions"
 	@echo "make lint       ruff and pyright"
 	@echo "make bench      error against run time, all cases: out/bench/, and the page in docs/"
@@ -43,7 +43,12 @@ demo: $(DEMO_STAMP)
 	@$(BIN)/prsm demo --out out/demo
 
 test: $(TEST_STAMP)
+ifdef ROOM
+	files=$$($(BIN)/python -m tests.of_room $(ROOM)) && \
+	  $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal $$files
+else
 	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
+endif
 
 # The tests of the core paths with the lowest versions that pyproject.toml allows, and with the
 # newest ones on other Pythons; one that is not on this machine is named as not tested.

@@ -7,9 +7,11 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from room_order import LAYERS, order
 
 import prsm_jax
+from tests.layers.architecture import PAGE, page, used_rooms
+from tests.layers.room_order import LAYERS, order
+from tests.of_room import files_of
 
 ROOT = Path(prsm_jax.__file__).parent
 #: Not imported with the package, but where they are used.
@@ -73,6 +75,16 @@ def _rooms_used(path):
             yield "prsm_jax"
         elif (ROOT / inner[0]).is_dir():
             yield inner[0]
+
+
+def test_the_page_on_the_architecture_is_that_of_the_imports():
+    """Written by `python -m tests.layers.architecture`; imports are read there a second time."""
+    assert PAGE.read_text(encoding="utf-8") == page()
+    for room in LAYERS:
+        files = [path for path in _files() if _room(path) == room]
+        assert set(used_rooms(room)) == {
+            used for path in files for used in _rooms_used(path) if used not in (room, "prsm_jax")
+        }
 
 
 def test_every_room_has_its_place():
@@ -226,3 +238,16 @@ def test_solvers_know_no_mechanism():
         and not inner[0].startswith("_")
     ]
     assert not wrong
+
+
+@pytest.mark.parametrize("room", LAYERS)
+def test_every_room_has_tests_of_its_own(room):
+    """What `make test ROOM=…` runs is there, and is more than the layers."""
+    files = files_of(room)
+    assert len(files) > 1
+    assert all((ROOT.parent / name).exists() for name in files)
+
+
+def test_a_room_that_there_is_not_is_refused():
+    with pytest.raises(ValueError, match="ROOM is 'attic'; choose one of numerics, "):
+        files_of("attic")

@@ -34,7 +34,7 @@ class ManyBreaks(diffrax.ClipStepSizeController):
         # The step began behind one break and was not to pass the next.
         near = jnp.stack([_break(breaks, index - 1), _break(breaks, index)])
         after = eqxi.nextafter(start)
-        before_one, at_one = any_few(after == near), any_few(start == near)
+        before_one, at_one = any_few(jnp.equal(after, near)), any_few(jnp.equal(start, near))
         # Past a break from before it, and from on it: the side that it belongs to is not known.
         start = jnp.where(before_one, eqxi.nextafter(after), start)
         start = jnp.where(at_one, after, start)

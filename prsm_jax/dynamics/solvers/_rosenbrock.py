@@ -201,9 +201,9 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
         matrix = identity / (_GAMMA * length) - jacobian
         solve = solve_small(matrix)
         if following is not None:
-            slope = (
-                slope + dot_few(jacobian, following.rate(0.0)) - following.second_rate_at_start()
-            )
+            assert slope is not None
+            slope = slope + dot_few(jacobian, following.rate(0.0))
+            slope = slope - following.second_rate_at_start()
 
         stages: list[Array] = []
         point = flat

@@ -27,7 +27,7 @@ from ...mechanism import (
     ViscousSplineFriction,
     ViscousThrustBearingFriction,
 )
-from ...numerics import all_few, max_few, sum_few
+from ...numerics import sum_few
 from .._kinematics import free_carrier_ratio, travel_per_turn
 from ..friction import bristles_of, has_contact_losses
 from ..histories import CarrierHistory, Settings, Transient, histories, integrated
@@ -123,7 +123,7 @@ def _scales(problem: TorqueProblem, times: Float[Array, " times"]) -> _State:
     torques = jnp.abs(jax.vmap(lambda time: scenario.torque_at(time))(times))
     travel = travel_per_turn(mechanism.stages, len(mechanism.stages))
     load = scenario.load_at(times[0], scenario.initial_position, 0 * travel, 0 * travel)
-    torque = max_few(torques) + jnp.abs(load) * travel
+    torque = jnp.max(torques) + jnp.abs(load) * travel
     torque = jnp.where(torque > 0, torque, one)
     sizes = deflection_scales(mechanism)
     angle = torque * times[-1] ** 2 / inertia
@@ -193,7 +193,7 @@ def smooth_torque_history(
     found = jax.vmap(physical)(scaled)
     states, rates, load, balanced = jax.vmap(lambda t, y: _motion(problem, t, y))(times, found)
     pushed = jnp.stack([one.forces.contact_force for one in states])
-    unbalanced = ~(all_few(balanced) & all_few(pushed >= 0))
+    unbalanced = ~(jnp.all(balanced) & jnp.all(pushed >= 0))
     code = jnp.where((report.code == 0) & unbalanced, 4, report.code)
     report = eqx.tree_at(lambda found: found.code, report, code)
     history = CarrierHistory(

@@ -1,0 +1,49 @@
+"""`python -m tests.of_room ROOM`: files of tests of one room of the package, for `make test`."""
+
+import sys
+from pathlib import Path
+
+from tests.layers.room_order import LAYERS
+from tests.mutation.rooms import TESTS
+
+ROOT = Path(__file__).parent
+#: Folders of tests that have other names than their rooms.
+_FOLDERS = {
+    "sensitivities": ("sensitivity",),
+    "optimisation": ("optimise",),
+    "sweeps": ("sweep",),
+    "report": ("report", "reading"),
+    "explanation": ("no_dead_weight",),
+}
+
+
+def files_of(room: str) -> list[str]:
+    """Files and folders of tests, from the top folder of the project; the layers among them.
+
+    **Raises:** `ValueError` for a room that there is not.
+    """
+    if room not in LAYERS:
+        raise ValueError(f"ROOM is {room!r}; choose one of {', '.join(LAYERS)}")
+    folders = [name for name in _FOLDERS.get(room, (room,)) if (ROOT / name).is_dir()]
+    files = [
+        name
+        for start, names in TESTS
+        if start.split("/")[0] == room
+        for name in names
+        if name.split("/")[0] not in folders
+    ]
+    return [f"tests/{name}" for name in ("layers", *folders, *dict.fromkeys(files))]
+
+
+def main() -> int:
+    """Print them, or say which rooms there are."""
+    try:
+        print(" ".join(files_of(sys.argv[1])))
+    except ValueError as error:
+        print(error, file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
