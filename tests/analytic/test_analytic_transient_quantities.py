@@ -146,7 +146,7 @@ def test_energies_of_a_transient_balance():
     assert drive - load - loss == pytest.approx(kinetic, rel=1e-12)
     assert loss == pytest.approx(float(prsm.energy(run, "thread_sliding")), rel=1e-15)
     assert float(prsm.mean_efficiency(run)) == pytest.approx(load / drive, rel=1e-14)
-    inertia = prsm.dynamics._stage_forces.carrier_inertia(ONE.stages[0])
+    inertia = prsm.dynamics.carrier_inertia(ONE.stages[0])
     speed = float(run.carrier_speed[0, -1])
     assert kinetic == pytest.approx(0.5 * float(inertia) * speed**2, rel=1e-4)
     with pytest.raises(prsm.UnknownNameError, match="did you mean"):
