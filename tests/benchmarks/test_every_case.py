@@ -75,9 +75,10 @@ def test_a_case_runs_and_comes_near_its_target(run, name):
 
 @pytest.mark.slow
 def test_no_problem_of_a_case_is_left_out_of_the_smoke_run(run):
-    """Settling, missions with and without a jump of friction, derivatives, and lock step."""
+    """Settling, missions few and many, without a jump of friction too, derivatives, lock step."""
     names = {problem["name"] for problem in run("many_transients")[0]["problems"]}
-    assert names == {"settle", "mission", "mission_smooth", "gradients", "lock_step"}
+    missions = {"mission", "mission_smooth", "many_missions"}
+    assert names == {"settle", *missions, "gradients", "lock_step"}
 
 
 def test_rivals_that_are_not_installed_are_rows(monkeypatch):
