@@ -13,6 +13,8 @@ _COLOURS = (
 _MARKERS = "osD^vPX<>*"
 #: What agrees to the last bit has no place on a logarithmic axis.
 _FLOOR = 1e-17
+#: Letters of a name that half the width of a figure holds.
+_FITS = 56
 
 
 def _number(value: Any) -> str:
@@ -113,7 +115,12 @@ def draw(problem: dict[str, Any], path: Path) -> Path | None:
     figure.suptitle(problem["title"], fontsize=11)
     axes.grid(which="major", color="0.88", linewidth=0.8)
     axes.set_axisbelow(True)
-    figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize=8, frameon=False)
+    # Two columns of long names are wider than the figure.
+    longest = max(len(handle.get_label()) for handle in handles)
+    size = 8 if longest <= _FITS else 8 * _FITS / longest
+    figure.legend(
+        handles=handles, loc="outside lower center", ncols=2, fontsize=size, frameon=False
+    )
     with written_whole(path) as temporary:
         figure.savefig(temporary)
     return path
