@@ -78,9 +78,9 @@ integration lacks the part by which that time moves. In the two-stage example wi
 thousand times too heavy, the carrier speed half a millisecond later is off by 1.6 % (by the
 amplitude) and 5 % (by the mean speed); by a factor that moves both, and by the friction
 coefficient, it agrees with differences to 7e-5. In the matrix carrier ratios are off by 0.1 %
-to 10 % in most of these rows, with all lengths a millionth by a factor of 2.6. Close to the
-limit of jamming derivatives behind a reversal are wrong by any factor (five rows); why, is not
-known yet.
+to 10 % in most of these rows, with all lengths a millionth by a factor of 2.6. In five rows
+derivatives behind a reversal are wrong by any factor: three are close to the limit of jamming,
+and in one a sample falls on the reversal itself; why, is not known yet.
 
 """
 
