@@ -3,14 +3,14 @@
 Data flows one way, and the folders are named after it: file → mechanism → geometry → contact →
 halfspace, load_sharing → strength, stiffness → vibration, dynamics → response → quantities →
 findings, sensitivities, optimisation, sweeps → report. `validation` compares with published
-numbers, `explanation` tells which parts a mechanism has, `cli` is the command line; `numerics`, at
-the ground, is the small linear algebra that several of them use.
+numbers, `explanation` tells which parts a mechanism has, `cli` is the command line. At the
+ground lie `numerics` (methods), `programs` (how JAX compiles them), `text` and `process` (signals,
+files).
 """
 
-from . import (
-    _forked as _forked,  # what is forked later cannot calculate
-    _own_process as _own_process,  # before JAX, which takes seconds
-)
+from . import process as process  # isort: skip # before JAX
+from .programs import to_precision as to_precision  # isort: skip # it enables float64
+
 from ._errors import (
     FileError as FileError,
     MissingDataError as MissingDataError,
@@ -18,9 +18,6 @@ from ._errors import (
     PrsmError as PrsmError,
     UnknownNameError as UnknownNameError,
 )
-from ._interrupt import end_on_signals as end_on_signals
-from ._physics import traced_physics as traced_physics
-from ._precision import to_precision as to_precision  # first: it enables float64
 from ._version import __version__ as __version__
 from .contact import hertz_contact as hertz_contact, thread_contacts as thread_contacts
 from .dynamics import (
@@ -83,6 +80,8 @@ from .mechanism import (
     set_parameter as set_parameter,
 )
 from .optimisation import Optimum as Optimum, optimise as optimise
+from .process import end_on_signals as end_on_signals
+from .programs import traced_physics as traced_physics
 from .quantities import (
     Quantity as Quantity,
     assumptions as assumptions,

@@ -15,6 +15,22 @@ _FOLDERS = {
     "report": ("report", "reading"),
     "explanation": ("no_dead_weight",),
 }
+#: Tests of rooms at the ground, which faults are not put into.
+_FILES = {
+    "programs": ("analytic/test_analytic_one_program.py", "analytic/test_analytic_batches.py"),
+    "text": (
+        "cli/test_cli_tables.py",
+        "reading/test_reading_display_units.py",
+        "report/test_report_markup.py",
+        "report/test_report_units.py",
+    ),
+    "process": (
+        "cli/test_cli_interrupt.py",
+        "cli/test_cli_signals.py",
+        "sweep/test_sweep_stores.py",
+        "threads/test_threads_fork.py",
+    ),
+}
 
 
 def files_of(room: str) -> list[str]:
@@ -32,6 +48,7 @@ def files_of(room: str) -> list[str]:
         for name in names
         if name.split("/")[0] not in folders
     ]
+    files += _FILES.get(room, ())
     return [f"tests/{name}" for name in ("layers", *folders, *dict.fromkeys(files))]
 
 

@@ -14,11 +14,11 @@ import jax
 import numpy as np
 from cyclopts import Parameter
 
-from .._files import make_folder, whole_file
-from .._plain_text import markdown
 from ..findings import check, check_from, check_margins, sources
 from ..geometry import Finding
 from ..mechanism import Mechanism, get_parameter
+from ..process import make_folder, whole_file
+from ..text import markdown
 from ._programs import run_stored, runs_one_verb
 from ._progress import clear, doing, expect_programs
 from ._tables import TextTable, terminal_width

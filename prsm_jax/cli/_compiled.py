@@ -6,8 +6,8 @@ import tempfile
 import warnings
 from pathlib import Path
 
-from .._files import whole_file
-from .._plain_text import printable
+from ..process import whole_file
+from ..text import printable
 from ._progress import clear
 
 #: Where compiled programs are kept between runs, unless this variable says otherwise.

@@ -4,9 +4,8 @@ import sys
 from collections.abc import Sequence
 
 from .._errors import PrsmError, missing_extra
-from .._files import remove_empty_folders
-from .._interrupt import clear_first, end_on_signals, keep_result
-from .._plain_text import printable
+from ..process import clear_first, end_on_signals, keep_result, remove_empty_folders
+from ..text import printable
 from ._progress import erase_for_good, progress
 from ._streams import make_patient, stdout_failure
 

@@ -20,8 +20,8 @@ import equinox as eqx
 import jax
 from jax.experimental import serialize_executable
 
-from .._files import whole_file
 from ..mechanism import Mechanism
+from ..process import whole_file
 from ._progress import expect_programs
 
 _PACKAGE = Path(__file__).parent.parent

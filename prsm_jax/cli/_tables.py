@@ -5,8 +5,7 @@ import textwrap
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from .._display_units import display_unit
-from .._text_table import TextTable as TextTable
+from ..text import TextTable as TextTable, display_unit
 
 #: Columns of a terminal that does not say how wide it is, and of files and pipes.
 _WIDTH = 80

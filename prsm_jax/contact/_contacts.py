@@ -3,8 +3,8 @@
 import jax.numpy as jnp
 
 from .._errors import MissingDataError
-from .._one_program import one_program
 from ..mechanism import Mechanism, Scalar, of_one_design
+from ..programs import one_program
 from ._thread_contact import StageContact, stage_contact
 from .hertz import HertzMethod
 

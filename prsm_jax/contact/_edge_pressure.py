@@ -23,10 +23,10 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from .._cubic import root_above_one
-from .._physics import physics
 from ..geometry import FlankEnd, RelativeCurvature, Way
 from ..mechanism import Scalar
+from ..numerics import root_above_one
+from ..programs import physics
 from ._truncation import Onsets, half_extent, onset_pressure, pressure_ratio
 from .hertz import HertzContact
 

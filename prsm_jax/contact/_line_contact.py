@@ -6,11 +6,10 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from .._errors import MissingDataError
-from .._guards import above_or_nan, below_or_nan
-from .._physics import physics
-from .._root import find_root
 from ..geometry import contact_zone, fit_parabola, ring_vertex
 from ..mechanism import LineContact, Scalar, Stage, material_of
+from ..numerics import above_or_nan, below_or_nan, find_root
+from ..programs import physics
 from ._thread_contact import engaged_threads
 from .hertz import contact_modulus
 

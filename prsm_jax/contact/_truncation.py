@@ -22,10 +22,10 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from .._guards import above_or_nan, below_or_nan
-from .._physics import physics
 from ..geometry import FlankEnd, RelativeCurvature
 from ..mechanism import Scalar
+from ..numerics import above_or_nan, below_or_nan
+from ..programs import physics
 from .hertz import HertzContact
 
 #: Hertz pressures at which the ellipse reaches the nearest end, one for each way [Pa].

@@ -7,9 +7,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from .._errors import PrsmError
-from .._one_program import is_known, one_program_where_possible, traceable
-from .._stretches import over_samples
 from ..mechanism import Mechanism, Scalar, TorqueScenario, check_scenario, of_one_design
+from ..numerics import over_samples
+from ..programs import is_known, one_program_where_possible, traceable
 from ._kinematics import StageKinematics, free_carrier_ratio
 from .forces import Scenario, default_scenario, drive_once
 from .friction import has_bristles

@@ -3,7 +3,7 @@
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from .._text_table import TextTable
+from ..text import TextTable
 from ._account import MEASURES, Account
 from ._places import Place
 

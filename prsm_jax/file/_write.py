@@ -12,8 +12,8 @@ import equinox as eqx
 import numpy as np
 
 from .._errors import FileError, UnknownNameError, missing_extra
-from .._files import whole_file
 from ..mechanism import DesignProblem, DutyCycle, Mechanism, find_parameters
+from ..process import whole_file
 from ._read import loads
 from ._scenario_lines import scenario_lines
 from .numbers import bare_number, law_names, module_classes, row_class, write_number

@@ -4,10 +4,9 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from .._one_program import one_program
-from .._physics import physics
-from .._root import find_root_of
 from ..mechanism import Scalar, Thread, of_one_design
+from ..numerics import find_root_of
+from ..programs import one_program, physics
 from ._curvature import RelativeCurvature, relative_curvature
 from ._flanks import (
     FlankGeometry,

@@ -12,9 +12,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
-from .._physics import physics
-from .._root import find_root
 from ..mechanism import LineContact, Scalar
+from ..numerics import find_root
+from ..programs import physics
 
 
 class RingVertex(eqx.Module):

@@ -8,7 +8,6 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from .._physics import physics
 from ..geometry import (
     Meshing,
     flanks_of,
@@ -20,6 +19,7 @@ from ..geometry import (
     tangent_tensor,
 )
 from ..mechanism import Scalar, Thread
+from ..programs import physics
 from ._grid import Grid
 
 Side: TypeAlias = Literal["screw", "nut"]

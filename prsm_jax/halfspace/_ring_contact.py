@@ -3,10 +3,10 @@
 import jax
 import jax.numpy as jnp
 
-from .._physics import physics
 from ..contact import LineContactResult, line_contact_under_force
 from ..geometry import contact_zone, ring_gap
 from ..mechanism import LineContact, Scalar
+from ..programs import physics
 from ._grid import Grid
 from ._surface_contact import SurfaceContact, solve_contact, within_small_strains
 

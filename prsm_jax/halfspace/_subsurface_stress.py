@@ -7,10 +7,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from .._batches import AbstractResult, mapped
-from .._physics import physics
 from ..contact import von_mises_stress
 from ..mechanism import Scalar
+from ..programs import AbstractResult, mapped, physics
 from ._convolution import field_of, influence, spectrum
 from ._grid import Grid
 from ._rectangle_stress import pressure_stress, shear_stress

@@ -6,8 +6,8 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from .._physics import physics
 from ..mechanism import Scalar
+from ..programs import physics
 from ._displacement import normal_displacement
 from ._equilibrium import equilibrium
 from ._grid import Grid

@@ -4,8 +4,8 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from .._physics import physics
 from ..mechanism import Scalar
+from ..programs import physics
 from ._surface_contact import SurfaceContact, solve_contact
 
 

@@ -21,8 +21,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from .._physics import physics
 from ..mechanism import Scalar
+from ..programs import physics
 from ._flank_law import flank_energy, flank_force, flank_force_and_slope
 
 #: What is prescribed: the axial load, the deflection, or the preload that the spacer has to make (a

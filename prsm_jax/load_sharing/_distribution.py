@@ -8,10 +8,10 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from .._batches import AbstractResult, mapped
 from ..contact import StageContact, load_of
 from ..geometry import Meshing
 from ..mechanism import Mechanism, Scalar, Stage, of_one_design
+from ..programs import AbstractResult, mapped
 from ._chains import (
     Chains,
     Control,

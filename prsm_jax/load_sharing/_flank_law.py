@@ -4,9 +4,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from .._cubic import root_above_one
-from .._guards import above_or_nan
-from .._physics import physics
+from ..numerics import above_or_nan, root_above_one
+from ..programs import physics
 
 Numbers = Float[Array, "..."]
 

@@ -8,8 +8,8 @@ import jax.numpy as jnp
 from jax.typing import ArrayLike
 from jaxtyping import Array, Bool, Float
 
-from .._batches import AbstractResult
 from ..mechanism import Mechanism, Stage, of_one_design
+from ..programs import AbstractResult
 from ._chains import Control
 from ._distribution import balanced, stage_at
 from ._stage_chains import sharing_of, stage_chains

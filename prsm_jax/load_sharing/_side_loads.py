@@ -5,9 +5,9 @@ from typing import Literal
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from .._batches import AbstractResult, mapped
-from .._guards import above_or_nan
 from ..mechanism import Scalar
+from ..numerics import above_or_nan
+from ..programs import AbstractResult, mapped
 from ._chains import Flanks, Loads
 from ._stage_chains import StageChains
 

@@ -3,8 +3,8 @@
 import equinox as eqx
 import jax.numpy as jnp
 
-from .._physics import physics
 from ..mechanism import Material, Scalar
+from ..programs import physics
 
 
 class ToothCompliance(eqx.Module):

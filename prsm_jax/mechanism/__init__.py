@@ -1,4 +1,4 @@
-"""The mechanism: a frozen pytree in SI units. This room imports no other."""
+"""The mechanism: a frozen pytree in SI units. It knows of no other room of physics."""
 
 from ._mechanism import (
     CURVATURE_CONVENTIONS as CURVATURE_CONVENTIONS,

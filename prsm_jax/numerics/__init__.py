@@ -1,9 +1,12 @@
-"""Small dense linear algebra in plain JAX operations: eliminations, singular values, eigenvalues.
+"""Numerical methods on plain arrays: roots, small linear algebra, sums of a few, guards of NaN.
 
 Nothing here calls LAPACK, whose batched calls deadlock between threads of one process.
 """
 
 from ._apart import apart as apart
+from ._cubic import (
+    root_above_one as root_above_one,
+)
 from ._elimination import (
     Factors as Factors,
     factorise as factorise,
@@ -20,8 +23,20 @@ from ._few import (
     min_few as min_few,
     sum_few as sum_few,
 )
+from ._guards import (
+    above_or_nan as above_or_nan,
+    below_or_nan as below_or_nan,
+)
 from ._jacobi import (
     hermitian_eigenvalues as hermitian_eigenvalues,
     singular_values as singular_values,
 )
+from ._root import (
+    find_root as find_root,
+    find_root_of as find_root_of,
+)
 from ._small_solve import solve_small as solve_small
+from ._stretches import (
+    over_samples as over_samples,
+)
+from ._types import Scalar as Scalar

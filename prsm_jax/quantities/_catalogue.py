@@ -11,8 +11,8 @@ import numpy as np
 from jaxtyping import Array, Bool, Int
 
 from .._errors import MissingDataError, UnknownNameError, closest
-from .._one_program import one_program
 from ..mechanism import Mechanism, Scalar, of_one_design
+from ..programs import one_program
 from ._analysis import Analysis, SharedLoad
 from ._assumptions import known_assumption, sentences
 from ._reasons import REASONS, code_of

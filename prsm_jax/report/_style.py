@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, ParamSpec
 
 from .._errors import missing_extra
-from .._files import whole_file
+from ..process import whole_file
 from ._letters import any_letter, write_powers_out
 
 if TYPE_CHECKING:

@@ -9,9 +9,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from .._batches import AbstractResult, each, mapped
-from .._physics import physics
 from ..mechanism import Mechanism, Scalar, of_one_design
+from ..programs import AbstractResult, each, mapped, physics
 from ..vibration import Modes, stage_modes
 from ._orders import (
     ExcitationOrder,

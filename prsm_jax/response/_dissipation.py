@@ -9,9 +9,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._errors import UnknownNameError, closest
-from .._guards import above_or_nan
-from .._physics import physics
 from ..mechanism import Damping, ModalDamping, RayleighDamping, Scalar, StructuralDamping
+from ..numerics import above_or_nan
+from ..programs import physics
 from ..vibration import SpringModes, SpringNetwork, spring_modes
 
 

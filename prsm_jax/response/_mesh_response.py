@@ -8,9 +8,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Complex, Float
 
-from .._batches import AbstractResult
-from .._physics import physics
 from ..mechanism import Mechanism, Scalar, of_one_design
+from ..programs import AbstractResult, physics
 from ..vibration import Coordinate, Spring, SpringNetwork, VibrationSystem, spring_network
 from ._dissipation import AnyDamping
 from ._orders import (

@@ -15,7 +15,6 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._errors import MissingDataError
-from .._physics import physics
 from ..dynamics import (
     all_kinematics,
     free_carrier_ratio,
@@ -24,6 +23,7 @@ from ..dynamics import (
     steady_state,
 )
 from ..mechanism import Mechanism, Scalar, Stage
+from ..programs import physics
 from ._stage import stage_of
 
 Phasing: TypeAlias = Literal["torsional", "transverse", "roller"]

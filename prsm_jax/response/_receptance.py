@@ -8,9 +8,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Complex, Float
 
-from .._physics import physics
 from ..mechanism import ModalDamping, RayleighDamping, Scalar, StructuralDamping
 from ..numerics import Factors, factorise, substitute, substitute_transposed
+from ..programs import physics
 from ..vibration import SpringNetwork
 from ._dissipation import LAWS, AnyDamping, Dissipation, dissipation, scaled_modes
 

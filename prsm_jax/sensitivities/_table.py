@@ -8,9 +8,8 @@ import numpy as np
 from jax.core import Tracer
 from jaxtyping import Array, Bool, Float
 
-from .._display_units import display_unit, state_without_efficiency
-from .._text_table import NOT_DEFINED, TextTable
 from ..mechanism import dependents_in_words
+from ..text import NOT_DEFINED, TextTable, display_unit, state_without_efficiency
 from ._kinks import differ
 
 

@@ -3,8 +3,8 @@
 import jax.numpy as jnp
 
 from .._errors import MissingDataError
-from .._physics import physics
 from ..mechanism import Gear, Scalar, Stage
+from ..programs import physics
 
 #: Correction factor C_M, rim factor C_R and basic rack factor C_B of ISO 6336-1.
 _CORRECTION, _RIM, _BASIC_RACK = 0.8, 1.0, 1.0

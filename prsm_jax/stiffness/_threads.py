@@ -8,11 +8,11 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._errors import MissingDataError
-from .._guards import above_or_nan
 from ..contact import StageContact, ThreadContactSide, stage_contact
 from ..geometry import Meshing
 from ..load_sharing import LoadDistribution, SideLoads, stage_load_distribution
 from ..mechanism import Scalar, Stage, total_factor
+from ..numerics import above_or_nan
 
 
 class ThreadStiffness(eqx.Module):

@@ -16,11 +16,11 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._errors import MissingDataError
-from .._guards import above_or_nan
-from .._physics import physics
 from ..contact import StageContact, axis_ratio_of, contact_frames, engaged_threads
 from ..geometry import Meshing
 from ..mechanism import Scalar, Stage
+from ..numerics import above_or_nan
+from ..programs import physics
 from ._contacts import REFERENCE_LOAD, meshing_of, reference_contact, strength_of, thread_share
 from ._load_spectrum import mean_load
 from ._subsurface import orthogonal_shear

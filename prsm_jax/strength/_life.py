@@ -4,9 +4,9 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from .._guards import above_or_nan
-from .._physics import physics
 from ..mechanism import Scalar, Stage, of_one_design
+from ..numerics import above_or_nan
+from ..programs import physics
 from ._contacts import preload_of
 from ._fatigue import WEIBULL_SLOPE
 from ._load_spectrum import LoadSpectrum, mean_load

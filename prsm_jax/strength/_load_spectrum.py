@@ -8,8 +8,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from .._errors import MissingDataError
-from .._guards import above_or_nan
 from ..mechanism import DutyCycle, Mechanism, Scalar
+from ..numerics import above_or_nan
 from ._powers import positive_power
 
 

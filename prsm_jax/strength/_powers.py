@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from .._guards import above_or_nan
+from ..numerics import above_or_nan
 
 
 def positive_power(base: Float[Array, "*batch"], exponent: float) -> Float[Array, "*batch"]:

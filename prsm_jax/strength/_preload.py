@@ -11,8 +11,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from .._physics import physics
 from ..mechanism import Scalar
+from ..programs import physics
 from ._powers import positive_power
 
 #: Load over preload at which one nut is free: s = 1, so 2^{3/2}.

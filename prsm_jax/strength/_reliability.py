@@ -4,10 +4,10 @@ import math
 
 import jax.numpy as jnp
 
-from .._physics import physics
 from ..contact import StageContact
 from ..geometry import Meshing
 from ..mechanism import Scalar, Stage
+from ..programs import physics
 from ._contacts import REFERENCE_LOAD, reference_contact, strength_of, thread_share
 from ._fatigue import WEIBULL_SLOPE, carrier_share
 from ._powers import positive_power

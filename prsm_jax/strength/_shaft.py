@@ -5,8 +5,8 @@ import math
 import jax.numpy as jnp
 
 from .._errors import MissingDataError
-from .._physics import physics
 from ..mechanism import EndConditions, Scalar, ScrewShaft, Stage, material_of
+from ..programs import physics
 from ._contacts import strength_of
 
 #: Length of a half wave over that of the column (Timoshenko and Gere 1961, chapter 2).

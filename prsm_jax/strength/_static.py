@@ -3,10 +3,10 @@
 import jax.numpy as jnp
 
 from .._errors import MissingDataError
-from .._physics import physics
 from ..contact import StageContact, contact_frames, engaged_threads
 from ..geometry import Meshing
 from ..mechanism import Scalar, Stage
+from ..programs import physics
 from ._contacts import meshing_of, reference_contact, strength_of, thread_share
 from ._powers import ratio_or_infinity
 from ._truncation import SideOnset, load_at_pressure, load_of_whole_ellipse, side_onsets

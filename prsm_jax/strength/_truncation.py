@@ -9,7 +9,6 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._errors import MissingDataError
-from .._root import find_root_of
 from ..contact import (
     ContactFrame,
     Onsets,
@@ -24,6 +23,7 @@ from ..contact import (
 )
 from ..geometry import FlankEnd, Meshing, flank_ends, flanks_end
 from ..mechanism import Scalar, Stage
+from ..numerics import find_root_of
 from ._contacts import REFERENCE_LOAD, meshing_of, reference_contact, thread_share
 from ._powers import positive_power
 

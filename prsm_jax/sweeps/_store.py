@@ -5,8 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .._errors import missing_extra
-from .._files import real_path, temporary_folder
-from .._placing import placing_in, put_folder
+from ..process import placing_in, put_folder, real_path, temporary_folder
 
 if TYPE_CHECKING:
     import xarray

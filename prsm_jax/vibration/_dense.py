@@ -8,9 +8,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from .._guards import above_or_nan
-from .._physics import physics
 from ..mechanism import Scalar
+from ..numerics import above_or_nan
+from ..programs import physics
 from ._families import FAMILIES, family_shares
 from ._modes import COUPLED, ModeGroup, Modes, frequency, of_elastic
 from ._spring_modes import directional_slopes, spring_modes

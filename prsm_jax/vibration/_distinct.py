@@ -4,8 +4,8 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from .._physics import physics
 from ..mechanism import Scalar
+from ..programs import physics
 from ._modes import frequency
 from .arrowhead import arrowhead_modes
 from .model import VibrationSystem, roller_corner

@@ -9,11 +9,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
-from .._batches import AbstractResult, each
 from ..contact import StageContact, load_of
 from ..geometry import mesh
 from ..load_sharing import LoadDistribution
 from ..mechanism import Mechanism, Scalar, find_parameters, of_one_design, set_parameter
+from ..programs import AbstractResult, each
 from ..stiffness import loaded_threads, thread_stiffness
 from ._dense import stage_modes
 from ._families import FAMILIES, family_shares

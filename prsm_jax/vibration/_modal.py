@@ -2,10 +2,9 @@
 
 import jax.numpy as jnp
 
-from .._one_program import one_program
-from .._physics import physics
 from ..contact import load_of
 from ..mechanism import Mechanism, Scalar, of_one_design
+from ..programs import one_program, physics
 from ..stiffness import loaded_threads, thread_stiffness
 from ._dense import stage_modes
 from ._modes import Modes

@@ -6,8 +6,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from .._batches import AbstractResult, listed, mapped
-from .._one_program import one_program
+from ..programs import AbstractResult, listed, mapped, one_program
 from ._families import FAMILIES, family_shares
 from ._spring_modes import clusters
 from .model import (

@@ -19,8 +19,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Inexact
 
-from .._guards import above_or_nan
-from ..numerics import hermitian_eigenvalues, singular_values
+from ..numerics import above_or_nan, hermitian_eigenvalues, singular_values
 from .model import SpringNetwork
 
 #: Eigenvalues closer than this share of themselves are one cluster. Those of an exact cluster

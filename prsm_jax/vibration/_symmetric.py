@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from .._physics import physics
+from ..programs import physics
 from ._modes import ModeGroup, Modes, frequency, of_elastic
 from ._spring_modes import spring_modes
 from .arrowhead import SpringBlock, block_modes, mesh_energy_share

@@ -17,8 +17,8 @@ import numpy as np
 import pytest
 
 import prsm_jax as prsm
-from prsm_jax._batches import AbstractResult
 from prsm_jax.mechanism import get_parameter, set_parameters
+from prsm_jax.programs._batches import AbstractResult
 
 SCALES = (0.99, 1.0, 1.02)
 #: What methods are called with that want something, by class and method; more than once if several.

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import prsm_jax as prsm
-from prsm_jax._one_program import one_program
 from prsm_jax.mechanism import get_parameter, set_parameters
+from prsm_jax.programs._one_program import one_program
 
 SCALES = np.array([0.99, 1.0, 1.02])
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import prsm_jax as prsm
-from prsm_jax._one_program import one_program
+from prsm_jax.programs._one_program import one_program
 from tests.scenes import array, mechanism, stage
 
 _COMPILED = "/jax/core/compile/backend_compile_duration"

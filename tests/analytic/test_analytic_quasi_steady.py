@@ -18,8 +18,6 @@ from scenes import (
 )
 
 import prsm_jax as prsm
-from prsm_jax import _stretches
-from prsm_jax._stretches import over_samples
 from prsm_jax.mechanism import (
     CoulombFriction,
     Friction,
@@ -27,6 +25,8 @@ from prsm_jax.mechanism import (
     StribeckFriction,
     ViscousFriction,
 )
+from prsm_jax.numerics import _stretches
+from prsm_jax.numerics._stretches import over_samples
 
 
 def _swing(mean, amplitude, samples=81):

@@ -19,9 +19,9 @@ from benchmarks.load.growth import exponent, of_rows
 from benchmarks.load.page import write_page
 from benchmarks.load.sharing import sharing
 from benchmarks.load.tasks import TASKS
-from prsm_jax import _stretches
-from prsm_jax._stretches import over_samples
 from prsm_jax.load_sharing import Chains, Flanks, equilibrium, with_units
+from prsm_jax.numerics import _stretches
+from prsm_jax.numerics._stretches import over_samples
 
 
 def test_an_exponent_is_that_of_the_large_sizes():

@@ -148,7 +148,9 @@ sys.argv = ["prsm"]
 sys.modules["jax"] = None  # neither files nor signals need it
 package = types.ModuleType("prsm_jax"); package.__path__ = [{str(PACKAGE)!r}]
 sys.modules["prsm_jax"] = package
-from prsm_jax import _files, _interrupt, _own_process
+from prsm_jax.process import _files
+from prsm_jax.process import _interrupt
+from prsm_jax.process import _own_process
 """
 
 

@@ -108,7 +108,7 @@ def test_killed_while_it_writes(tmp_path):
 import pathlib, sys
 import numpy as np, xarray
 from prsm_jax.sweeps._store import write_store
-from prsm_jax._files import whole_file
+from prsm_jax.process._files import whole_file
 here, count = pathlib.Path(sys.argv[1]), 0
 while True:
     count += 1

@@ -5,8 +5,8 @@ import re
 import pint
 import pytest
 
-from prsm_jax._text_table import TextTable
 from prsm_jax.cli._tables import in_units
+from prsm_jax.text._text_table import TextTable
 from tests import scenes
 from tests.report.report_scenes import make_optimum
 

@@ -6,7 +6,7 @@ Both follow from the imports; the layer tests compare the page with what would b
 import ast
 from pathlib import Path
 
-from tests.layers.room_order import LAYERS, WAY, order
+from tests.layers.room_order import GROUND, LAYERS, WAY, order
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "prsm_jax"
@@ -22,13 +22,13 @@ This page and its picture are written by `python -m tests.layers.architecture` f
 the package, and a test compares them. `tests/layers/room_order.py` says which room may use which.
 
 Data flows one way, and the folders are named after it: {order}.
-`validation`, `explanation` and `cli` use what lies below them; `numerics` serves the rooms of
-physics. Modules `_name.py` beside the rooms (errors, files, physics labels, precision, guards,
-root search) serve all.
+`validation`, `explanation` and `cli` use what lies below them. `numerics`, `programs`, `text` and
+`process` lie at the ground, know nothing of screws, and serve all.
 
 ![Rooms of the package, and which room imports which](images/architecture.svg)
 
-An arrow points from a room to one that imports it; arrows that follow from others are left out.
+An arrow points from a room to one that imports it; arrows that follow from others, and those from
+the ground, are left out.
 
 * A room is entered by its door, its `__init__.py`, which only re-exports. Its other modules begin
   with `_`, and no other room imports them.
@@ -74,9 +74,9 @@ def page() -> str:
 
 def direct() -> dict[str, set[str]]:
     """For each room those that it imports and that none of its other imports imports."""
-    uses = {room: set(used_rooms(room)) for room in LAYERS}
+    uses = {room: set(used_rooms(room)) - set(GROUND) for room in LAYERS if room not in GROUND}
     below: dict[str, set[str]] = {}
-    for room in LAYERS:
+    for room in uses:
         below[room] = uses[room].union(*(below[one] for one in uses[room]))
     return {
         room: {one for one in used if not any(one in below[other] for other in used - {one})}
@@ -94,7 +94,7 @@ def draw(path: Path) -> None:
 
     links = direct()
     level: dict[str, int] = {}
-    for room in LAYERS:
+    for room in links:
         level[room] = 1 + max((level[one] for one in links[room]), default=-1)
     rows: dict[int, list[str]] = {}
     for room, height in level.items():

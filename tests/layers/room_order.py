@@ -3,21 +3,26 @@
 The layer tests hold the imports, the README and the docstring of the package to it.
 """
 
-#: Each room and the rooms that it may use, directly. `_name` modules of the package serve all.
-LAYERS = {
+#: Rooms at the ground, which know nothing of screws, and that all others may use.
+GROUND: dict[str, set[str]] = {
     "numerics": set(),
+    "programs": set(),
+    "text": set(),
+    "process": set(),
+}
+#: Each room and the rooms that it may use, directly; errors and the version serve all.
+LAYERS = {
     "mechanism": set(),
     "file": {"mechanism"},
     "geometry": {"mechanism"},
-    "contact": {"numerics", "mechanism", "geometry"},
+    "contact": {"mechanism", "geometry"},
     "halfspace": {"mechanism", "geometry", "contact"},
     "load_sharing": {"mechanism", "geometry", "contact"},
     "strength": {"mechanism", "geometry", "contact", "load_sharing"},
     "stiffness": {"mechanism", "geometry", "contact", "load_sharing"},
-    "vibration": {"numerics", "mechanism", "geometry", "contact", "load_sharing", "stiffness"},
-    "dynamics": {"numerics", "mechanism", "geometry", "contact", "stiffness"},
+    "vibration": {"mechanism", "geometry", "contact", "load_sharing", "stiffness"},
+    "dynamics": {"mechanism", "geometry", "contact", "stiffness"},
     "response": {
-        "numerics",
         "mechanism",
         "geometry",
         "contact",
@@ -34,6 +39,7 @@ LAYERS["sensitivities"] = LAYERS["optimisation"] = LAYERS["sweeps"] = _PHYSICS
 LAYERS["validation"] = LAYERS["explanation"] = _PHYSICS | {"file"}
 LAYERS["report"] = _PHYSICS | {"file", "sensitivities", "optimisation", "sweeps", "validation"}
 LAYERS["cli"] = set(LAYERS)
+LAYERS = GROUND | {room: below | set(GROUND) for room, below in LAYERS.items()}
 
 #: The way of the data; rooms between two arrows do not need each other, but for later ones.
 WAY = (

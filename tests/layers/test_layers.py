@@ -10,7 +10,7 @@ import pytest
 
 import prsm_jax
 from tests.layers.architecture import PAGE, page, used_rooms
-from tests.layers.room_order import LAYERS, order
+from tests.layers.room_order import GROUND, LAYERS, order
 from tests.of_room import files_of
 
 ROOT = Path(prsm_jax.__file__).parent
@@ -234,7 +234,7 @@ def test_solvers_know_no_mechanism():
         for path in (ROOT / "dynamics" / "solvers").glob("*.py")
         for inner in _imports(path)
         if inner[:2] != room
-        and inner[0] not in ("mechanism", "numerics")
+        and inner[0] not in ("mechanism", *GROUND)
         and not inner[0].startswith("_")
     ]
     assert not wrong

@@ -3,7 +3,7 @@
 import pytest
 from reading_units import same_dimension, to_si
 
-from prsm_jax._display_units import _SHOWN, display_unit
+from prsm_jax.text._display_units import _SHOWN, display_unit
 
 
 @pytest.mark.parametrize("si_unit", _SHOWN)

@@ -14,7 +14,6 @@ from reading_tables import assert_cell, assert_table, html_tables
 from reading_units import assert_reads, numbers, to_si
 
 import prsm_jax as prsm
-from prsm_jax._plain_text import markdown as escaped
 from prsm_jax.dynamics import STEADY_RESULTS
 from prsm_jax.geometry import Finding, roller_clearance
 from prsm_jax.mechanism import body_mass, stage_mass
@@ -28,6 +27,7 @@ from prsm_jax.report.document import (
 )
 from prsm_jax.report.document._data import STRENGTH
 from prsm_jax.report.document._sections import report_sections
+from prsm_jax.text._plain_text import markdown as escaped
 
 _MINUS = "\N{MINUS SIGN}"
 

@@ -5,8 +5,8 @@ import html
 import re
 
 import prsm_jax as prsm
-from prsm_jax._plain_text import markdown as escaped
 from prsm_jax.report import write_report
+from prsm_jax.text._plain_text import markdown as escaped
 
 
 def _section(text, heading, marker):

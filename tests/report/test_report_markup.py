@@ -9,10 +9,10 @@ import pytest
 from markdown_it import MarkdownIt
 from matplotlib.text import Text
 
-from prsm_jax._plain_text import markdown, printable
-from prsm_jax._text_table import TextTable
 from prsm_jax.report import write_report
 from prsm_jax.report._style import drawn, page_figure
+from prsm_jax.text._plain_text import markdown, printable
+from prsm_jax.text._text_table import TextTable
 
 TITLES = (
     "$x^2$ $\\frac{$",

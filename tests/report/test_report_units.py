@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from prsm_jax._display_units import display_unit, number, show, trimmed
 from prsm_jax.quantities import catalogue
+from prsm_jax.text._display_units import display_unit, number, show, trimmed
 
 
 @pytest.mark.parametrize(

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 import xarray
 
-from prsm_jax import _files, _placing
-from prsm_jax._files import whole_file
+from prsm_jax.process import _files, _placing
+from prsm_jax.process._files import whole_file
 from prsm_jax.sweeps._store import check_store, write_store
 
 
@@ -91,7 +91,7 @@ def test_the_folder_of_a_store_may_go_meanwhile(tmp_path):
 _WRITER = """
     import pathlib, sys
     import numpy as np, xarray
-    from prsm_jax._files import whole_file
+    from prsm_jax.process._files import whole_file
     from prsm_jax.sweeps._store import write_store
     folder, number = pathlib.Path(sys.argv[1]), int(sys.argv[2])
     sys.stdin.readline()

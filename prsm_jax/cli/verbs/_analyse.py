@@ -5,9 +5,9 @@ from typing import Any
 
 import equinox as eqx
 
-from ..._files import make_folder
 from ...dynamics import STEADY_RESULTS, SteadyState, steady_meaning, steady_state
 from ...mechanism import Mechanism, OperatingPoint
+from ...process import make_folder
 from ...quantities import assumptions
 from .._app import app
 from .._assumed import STEADY

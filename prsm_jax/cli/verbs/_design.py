@@ -8,9 +8,9 @@ import numpy as np
 from cyclopts import Parameter
 
 from ..._errors import PrsmError
-from ..._files import folder_for_results, make_folder
 from ...mechanism import Mechanism, find_parameters
 from ...optimisation import optimise as run_optimise
+from ...process import folder_for_results, make_folder
 from ...quantities import assumptions
 from ...sensitivities import sensitivity as run_sensitivity
 from ...sweeps import sweep as run_sweep

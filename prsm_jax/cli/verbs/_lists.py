@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from ..._errors import PrsmError
-from ..._files import make_folder
+from ...process import make_folder
 from ...quantities import catalogue
 from .._app import app
 from .._common import Output, emit, save_tables, write_text

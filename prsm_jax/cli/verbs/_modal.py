@@ -8,8 +8,8 @@ import numpy as np
 from cyclopts import Parameter
 
 from ..._errors import PrsmError
-from ..._files import make_folder
 from ...mechanism import Mechanism, find_parameters
+from ...process import make_folder
 from ...quantities import assumptions
 from ...vibration import FAMILIES, FrequencyLoci, Modes, frequency_loci, modal as run_modal
 from .._app import app

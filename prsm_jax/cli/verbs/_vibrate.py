@@ -8,8 +8,8 @@ import numpy as np
 from cyclopts import Parameter
 
 from ..._errors import PrsmError
-from ..._files import make_folder
 from ...mechanism import Mechanism, ModalDamping, RayleighDamping, StructuralDamping, as_scalar
+from ...process import make_folder
 from ...quantities import assumptions
 from ...response import (
     Campbell,

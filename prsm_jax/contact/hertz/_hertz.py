@@ -6,9 +6,9 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 
-from ..._guards import above_or_nan
-from ..._physics import physics
 from ...mechanism import Material, Scalar
+from ...numerics import above_or_nan
+from ...programs import physics
 from ._approximations import APPROXIMATIONS
 from ._axis_ratio import contact_ellipse
 

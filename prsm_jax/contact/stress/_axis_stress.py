@@ -2,8 +2,8 @@
 
 import jax.numpy as jnp
 
-from ..._physics import physics
 from ...mechanism import Scalar
+from ...programs import physics
 from ..special_functions import carlson_rf_and_rd
 
 

@@ -3,8 +3,8 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..._physics import physics
 from ...mechanism import Scalar
+from ...programs import physics
 
 
 @physics("line_stress")

@@ -3,8 +3,8 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..._guards import above_or_nan
-from ..._physics import physics
+from ...numerics import above_or_nan
+from ...programs import physics
 
 Stress = Float[Array, "*batch 3 3"]
 Measure = Float[Array, "*batch"]

@@ -8,10 +8,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..._guards import above_or_nan
-from ..._physics import physics
 from ...mechanism import Scalar
-from ...numerics import solve
+from ...numerics import above_or_nan, solve
+from ...programs import physics
 from ._axis_stress import axis_stress
 from ._stress_measures import (
     max_shear_of_principal,

@@ -19,9 +19,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float
 
-from ..._guards import above_or_nan
-from ..._physics import physics
 from ...mechanism import Scalar
+from ...numerics import above_or_nan
+from ...programs import physics
 from ..special_functions import (
     Jacobi,
     associated_elliptic_integrals,

@@ -3,8 +3,8 @@
 import equinox as eqx
 import jax.numpy as jnp
 
-from ..._physics import physics
 from ...mechanism import Mechanism, Scalar, Stage, body_inertia, body_mass
+from ...programs import physics
 from .._kinematics import StageKinematics, travel_per_turn
 from ..friction import bearing_torque, drag_torque, loaded_flank, spline_force
 from ._stage_forces import Motion, StageForces, axial_inertia, stage_forces

@@ -12,10 +12,9 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 
-from ..._guards import above_or_nan
-from ..._physics import physics
 from ...mechanism import Scalar, Stage
-from ...numerics import dot_few
+from ...numerics import above_or_nan, dot_few
+from ...programs import physics
 from .._kinematics import StageKinematics
 from ..friction import has_contact_losses, thread_friction
 

@@ -3,9 +3,9 @@
 import equinox as eqx
 import jax.numpy as jnp
 
-from ..._guards import above_or_nan
-from ..._physics import physics
 from ...mechanism import Gear, Scalar, Stage, body_inertia, mean_roller_inertia, mean_roller_mass
+from ...numerics import above_or_nan
+from ...programs import physics
 from .._kinematics import StageKinematics
 from ._chain import StageState
 

@@ -7,7 +7,6 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..._errors import MissingDataError
-from ..._physics import physics
 from ...mechanism import (
     Scalar,
     Stage,
@@ -17,6 +16,7 @@ from ...mechanism import (
     mean_roller_mass,
 )
 from ...numerics import dot_few
+from ...programs import physics
 from .._kinematics import StageKinematics
 from ..friction import (
     ResistingMoment,

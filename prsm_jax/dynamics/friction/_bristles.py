@@ -9,10 +9,9 @@ transverse part says it all.
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..._guards import above_or_nan
-from ..._physics import physics
 from ...mechanism import LuGreFriction, Mechanism, Scalar, Stage
-from ...numerics import dot_few, sum_few
+from ...numerics import above_or_nan, dot_few, sum_few
+from ...programs import physics
 from .._kinematics import StageKinematics
 from ._thread_friction import stribeck_coefficient
 

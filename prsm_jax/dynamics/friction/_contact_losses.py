@@ -20,8 +20,6 @@ import jax
 import jax.numpy as jnp
 
 from ..._errors import MissingDataError
-from ..._guards import above_or_nan
-from ..._physics import physics
 from ...contact import (
     HertzContact,
     contact_frames,
@@ -31,7 +29,8 @@ from ...contact import (
 )
 from ...geometry import RelativeCurvature
 from ...mechanism import Friction, RollingHysteresis, Scalar, SpinFriction, Stage
-from ...numerics import apart
+from ...numerics import above_or_nan, apart
+from ...programs import physics
 from .._kinematics import StageKinematics
 from ._rubbing import Rubbing, RubbingEllipse, rubbed_moment, rubbing_ellipse
 

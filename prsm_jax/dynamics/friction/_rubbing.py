@@ -17,9 +17,6 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..._guards import above_or_nan
-from ..._physics import physics
-from ..._root import find_root
 from ...contact import EllipseShape, slip_and_spin
 from ...mechanism import (
     CoulombFriction,
@@ -30,7 +27,8 @@ from ...mechanism import (
     StribeckFriction,
     ThreadFriction,
 )
-from ...numerics import dot_few, sum_few
+from ...numerics import above_or_nan, dot_few, find_root, sum_few
+from ...programs import physics
 from .._kinematics import StageKinematics
 from ._bristles import bristle_friction
 from ._flank import force_free_coefficient

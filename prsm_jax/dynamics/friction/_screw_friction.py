@@ -8,7 +8,6 @@ import functools
 
 import jax.numpy as jnp
 
-from ..._physics import physics
 from ...mechanism import (
     Drag,
     RegularisedSplineFriction,
@@ -23,6 +22,7 @@ from ...mechanism import (
     ViscousSplineFriction,
     ViscousThrustBearingFriction,
 )
+from ...programs import physics
 
 
 @functools.singledispatch

@@ -9,8 +9,6 @@ import functools
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..._guards import above_or_nan
-from ..._physics import physics
 from ...mechanism import (
     CoulombFriction,
     LuGreFriction,
@@ -20,7 +18,8 @@ from ...mechanism import (
     ThreadFriction,
     ViscousFriction,
 )
-from ...numerics import sum_few
+from ...numerics import above_or_nan, sum_few
+from ...programs import physics
 
 
 def slip_direction(slip: Float[Array, "3"]) -> Float[Array, "3"]:

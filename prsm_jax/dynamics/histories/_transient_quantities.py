@@ -8,11 +8,10 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..._batches import mapped
 from ..._errors import UnknownNameError, closest
-from ..._guards import above_or_nan
-from ..._one_program import one_program
 from ...mechanism import Scalar
+from ...numerics import above_or_nan
+from ...programs import mapped, one_program
 from ._transient_result import Transient
 
 

@@ -10,11 +10,10 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from ..._batches import AbstractResult, listed
-from ..._stretches import over_samples
 from ...geometry import dimensions_possible, rollers_fit
 from ...mechanism import Mechanism, Scalar, body_inertia, body_mass
-from ...numerics import any_few, sum_few
+from ...numerics import any_few, over_samples, sum_few
+from ...programs import AbstractResult, listed
 from .._kinematics import StageKinematics, travel_per_turn
 from ..forces import (
     Scenario,

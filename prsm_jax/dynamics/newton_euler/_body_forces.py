@@ -7,11 +7,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..._batches import AbstractResult, mapped
-from ..._guards import above_or_nan
-from ..._one_program import one_program
 from ...mechanism import Mechanism, Scalar, of_one_design
-from ...numerics import sum_few
+from ...numerics import above_or_nan, sum_few
+from ...programs import AbstractResult, mapped, one_program
 from .._kinematics import StageKinematics, travel_per_turn
 from ..friction import bearing_torque, drag_torque, spline_force, with_resistance
 from ..histories import Transient

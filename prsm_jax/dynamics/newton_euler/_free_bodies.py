@@ -14,7 +14,6 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..._errors import MissingDataError
-from ..._physics import physics
 from ...mechanism import (
     Gear,
     LuGreFriction,
@@ -25,6 +24,7 @@ from ...mechanism import (
     mean_roller_inertia,
     mean_roller_mass,
 )
+from ...programs import physics
 from .._kinematics import StageKinematics, slip_velocity
 from ..friction import (
     Rubbing,

@@ -12,9 +12,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..._physics import physics
 from ...mechanism import Mechanism, Scalar, Stage
 from ...numerics import solve
+from ...programs import physics
 from .._kinematics import StageKinematics
 from ..friction import has_contact_losses, resisting_moments
 from ._free_bodies import (

@@ -25,8 +25,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PyTree
 
-from ..._guards import above_or_nan
 from ...mechanism import Scalar
+from ...numerics import above_or_nan
 
 #: Share of the time to a standstill that a step may take.
 _OF_THE_REST = 0.35

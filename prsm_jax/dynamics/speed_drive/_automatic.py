@@ -5,8 +5,6 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..._one_program import is_known, one_program_where_possible, traceable
-from ..._stretches import over_samples
 from ...mechanism import (
     CoulombFriction,
     Mechanism,
@@ -14,6 +12,8 @@ from ...mechanism import (
     TorqueScenario,
     of_one_design,
 )
+from ...numerics import over_samples
+from ...programs import is_known, one_program_where_possible, traceable
 from .._kinematics import StageKinematics
 from ..forces import Scenario, bound_scenario
 from ..friction import has_bristles, with_resistance

@@ -10,8 +10,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..._physics import physics
 from ...mechanism import Mechanism, Scalar
+from ...programs import physics
 from .._kinematics import StageKinematics
 from ..forces import (
     Drive,

@@ -8,8 +8,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..._physics import physics
 from ...mechanism import Mechanism, RegularisedCoulombFriction, Scalar, ViscousFriction
+from ...programs import physics
 from .._kinematics import StageKinematics, free_carrier_ratio, turning_range
 from ..forces import (
     Drive,

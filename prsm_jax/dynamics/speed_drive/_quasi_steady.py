@@ -12,9 +12,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..._guards import above_or_nan
-from ..._physics import physics
 from ...mechanism import Mechanism, Scalar
+from ...numerics import above_or_nan
+from ...programs import physics
 from .._kinematics import StageKinematics
 from ..forces import Motion, Scenario, StageState, chain_forces, drive_once
 from ..histories import CarrierHistory, SolverReport

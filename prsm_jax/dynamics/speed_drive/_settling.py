@@ -18,9 +18,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..._guards import above_or_nan
-from ..._physics import physics
 from ...mechanism import CoulombFriction, Mechanism, Scalar, Stage
+from ...numerics import above_or_nan
+from ...programs import physics
 from ..forces import (
     ReducedChain,
     ReducedForces,

@@ -7,10 +7,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ..._errors import MissingDataError
-from ..._guards import above_or_nan
-from ..._physics import physics
 from ...mechanism import Scalar, Stage
-from ...numerics import dot_few, sum_few
+from ...numerics import above_or_nan, dot_few, sum_few
+from ...programs import physics
 from .._kinematics import StageKinematics, free_carrier_ratio
 from ..forces import Motion
 from ..friction import (

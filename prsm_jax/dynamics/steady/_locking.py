@@ -15,10 +15,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
-from ..._physics import physics
-from ..._root import find_root
 from ...mechanism import Friction, Mechanism, Scalar, ViscousFriction
-from ...numerics import dot_few
+from ...numerics import dot_few, find_root
+from ...programs import physics
 from .._kinematics import StageKinematics, travel_per_turn
 from ..friction import slip_direction, thread_friction
 from ._carrier_balance import slip_per_turn

@@ -6,14 +6,11 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from ..._batches import AbstractResult, listed
 from ..._errors import MissingDataError
-from ..._guards import above_or_nan
-from ..._one_program import one_program
-from ..._physics import physics
 from ...geometry import dimensions_possible, rollers_fit
 from ...mechanism import Mechanism, Scalar, of_one_design
-from ...numerics import apart, sum_few
+from ...numerics import above_or_nan, apart, sum_few
+from ...programs import AbstractResult, listed, one_program, physics
 from .._kinematics import StageKinematics, stage_kinematics, travel_per_turn
 from ..forces import Motion, StageState, chain_forces, losses, roller_support_forces
 from ..friction import turned, with_resistance

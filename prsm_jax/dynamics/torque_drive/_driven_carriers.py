@@ -18,11 +18,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..._guards import above_or_nan
-from ..._physics import physics
-from ..._root import find_root
 from ...mechanism import Scalar
-from ...numerics import solve_small, sum_few
+from ...numerics import above_or_nan, find_root, solve_small, sum_few
+from ...programs import physics
 from .._kinematics import travel_per_turn
 from ..forces import Motion, StageState, chain_forces, reduced_stage, sliding_motion
 from ..friction import has_contact_losses

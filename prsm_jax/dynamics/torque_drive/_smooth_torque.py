@@ -12,8 +12,6 @@ import jax.numpy as jnp
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float
 
-from ..._physics import physics
-from ..._root import find_root
 from ...mechanism import (
     LuGreFriction,
     Mechanism,
@@ -27,7 +25,8 @@ from ...mechanism import (
     ViscousSplineFriction,
     ViscousThrustBearingFriction,
 )
-from ...numerics import sum_few
+from ...numerics import find_root, sum_few
+from ...programs import physics
 from .._kinematics import free_carrier_ratio, travel_per_turn
 from ..friction import bristles_of, has_contact_losses
 from ..histories import CarrierHistory, Settings, Transient, histories, integrated

@@ -13,8 +13,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..._physics import physics
 from ...mechanism import Mechanism, Scalar, TorqueScenario
+from ...programs import physics
 from .._kinematics import StageKinematics, travel_per_turn
 from ..forces import Motion, StageState, carrier_inertia, chain_forces
 from ..friction import has_contact_losses, spinning_stages, with_resistance

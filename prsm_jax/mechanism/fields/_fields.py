@@ -1,12 +1,10 @@
 """How numbers enter the mechanism: as scalar arrays that can be differentiated."""
 
-from typing import TypeAlias
-
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array
 
-Scalar: TypeAlias = Float[Array, ""]
+from ...numerics import Scalar as Scalar
 
 
 def as_scalar(value) -> Array:

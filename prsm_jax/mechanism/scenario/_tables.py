@@ -9,7 +9,7 @@ import jax.numpy as jnp
 from jax.custom_batching import custom_vmap
 from jaxtyping import Array, Float, Int
 
-from ..._guards import above_or_nan
+from ...numerics import above_or_nan
 from ..fields import Scalar, check_increasing
 
 Interpolation: TypeAlias = Literal["linear", "cubic", "monotone"]

@@ -3,10 +3,9 @@
 import textwrap
 from typing import Any
 
-from ..._display_units import display_unit, state_without_efficiency
-from ..._text_table import TextTable
 from ...geometry import Finding
 from ...mechanism import follows_in_words
+from ...text import TextTable, display_unit, state_without_efficiency
 
 
 def text_of(best: Any, width: int | None) -> str:

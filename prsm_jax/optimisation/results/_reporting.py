@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from ..._display_units import display_unit
 from ...findings import check
 from ...geometry import Finding
 from ...mechanism import DesignProblem, Mechanism, find_parameters, set_parameters
 from ...quantities import find_quantity
+from ...text import display_unit
 from ..search import Evaluator, Point
 from ._optimality import Optimality
 from ._optimum import ConstraintReport, Design, Optimum, Run

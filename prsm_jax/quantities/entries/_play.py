@@ -6,9 +6,9 @@ import jax.numpy as jnp
 
 from ... import strength
 from ..._errors import MissingDataError
-from ..._guards import above_or_nan
 from ...dynamics import steady_state
 from ...mechanism import Friction, Mechanism, Scalar, Stage
+from ...numerics import above_or_nan
 from .._analysis import Analysis
 from .._catalogue import quantity
 from ._strength import per_stage

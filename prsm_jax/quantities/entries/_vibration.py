@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 
 from ..._errors import MissingDataError
-from ..._guards import above_or_nan
+from ...numerics import above_or_nan
 from ...response import excitation_orders, find_order
 from ...stiffness import ring_roller_stiffness
 from .._analysis import Analysis

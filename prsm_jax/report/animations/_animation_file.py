@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..._files import whole_file
+from ...process import whole_file
 
 
 def save_frames(target: Path, frames: Sequence[Any], seconds: float) -> Path:

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ..._files import make_folder
 from ...mechanism import Mechanism
+from ...process import make_folder
 from ...vibration import Modes
 from .._style import FAMILY_COLOURS, INK, SMALL, TEXT, Figure, drawn, page_figure, place_axes
 from ._animation_file import indexed, save_frames

@@ -2,8 +2,8 @@
 
 import math
 
-from ..._display_units import number, show
 from ...mechanism import Mechanism
+from ...text import number, show
 from ...vibration import Modes
 from .._style import (
     BODY_COLOURS,

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from ..._display_units import DisplayUnit, display_unit, number, trimmed
 from ...dynamics import Transient, travel_per_turn
 from ...mechanism import Mechanism
+from ...text import DisplayUnit, display_unit, number, trimmed
 from .._style import INK, SMALL, TEXT, Figure, drawn, page_figure, place_axes
 from ..motion_charts import integrated, travel_of
 from ._animation_file import indexed, save_frames

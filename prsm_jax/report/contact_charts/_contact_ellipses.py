@@ -4,8 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..._display_units import display_unit, in_unit
 from ...contact import StageContact
+from ...text import display_unit, in_unit
 from .._style import INK, SMALL, Figure, drawn, page_figure
 
 _SIDES = ("screw", "nut")

@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from ..._display_units import display_unit, in_unit
 from ...contact import LineContactResult
 from ...halfspace import SurfaceContact
 from ...mechanism import LineContact
+from ...text import display_unit, in_unit
 from .._style import FREE, INK, MUTED, SERIES, SMALL, Figure, drawn, page_figure
 
 

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from ..._display_units import display_unit, in_unit, number
 from ...halfspace import FlankContact
+from ...text import display_unit, in_unit, number
 from .._style import INK, SERIES, SMALL, Figure, drawn, page_figure
 
 _LEVELS = 21

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ..._display_units import MINUS, DisplayUnit, display_unit, in_unit
+from ...text import MINUS, DisplayUnit, display_unit, in_unit
 from ...validation import PressureFigure, PressurePanel
 from .._style import INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure
 from ._pressure_map import draw_map

@@ -5,8 +5,8 @@ from typing import Literal
 
 import numpy as np
 
-from ..._display_units import display_unit, in_unit
 from ...halfspace import SubsurfaceStress
+from ...text import display_unit, in_unit
 from .._style import INK, SMALL, Figure, drawn, page_figure
 
 

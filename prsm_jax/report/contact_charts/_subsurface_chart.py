@@ -8,7 +8,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..._display_units import display_unit, in_unit
 from ...contact import (
     HertzContact,
     StressPeak,
@@ -17,6 +16,7 @@ from ...contact import (
     von_mises_stress,
 )
 from ...mechanism import Scalar
+from ...text import display_unit, in_unit
 from .._style import INK, SMALL, Figure, drawn, page_figure
 
 SectionAxis = Literal["major", "minor"]

@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from ..._display_units import display_unit, in_unit, number
 from ...load_sharing import LoadDistribution, SideLoads
+from ...text import display_unit, in_unit, number
 from .._style import FAINT, INK, MUTED, SERIES, SMALL, TITLE, Axes, Figure, drawn, page_figure
 
 _SIDES = (("screw", "screw side"), ("nut", "nut side"))

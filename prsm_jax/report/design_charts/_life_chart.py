@@ -8,9 +8,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
-from ..._display_units import display_unit, in_unit, number
 from ...mechanism import Scalar
 from ...strength import LoadSpectrum, TruncatedFatigue
+from ...text import display_unit, in_unit, number
 from .._style import FREE, INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure
 
 #: Up to so many phases are told apart by number.

@@ -3,10 +3,10 @@
 import dataclasses
 from dataclasses import dataclass
 
-from ..._display_units import MINUS, is_efficiency, number, show
 from ...mechanism import what_follows
 from ...optimisation import ConstraintReport, Optimum
 from ...quantities import find_quantity
+from ...text import MINUS, is_efficiency, number, show
 from .._style import readable
 from ._optimisation_chart import limit_use
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..._display_units import display_unit, in_unit, number
+from ...text import display_unit, in_unit, number
 from .._style import ACTIVE, FREE, INK, SERIES, SMALL, Figure, drawn, page_figure, readable
 
 

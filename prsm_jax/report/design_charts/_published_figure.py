@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ..._display_units import DisplayUnit, display_unit
+from ...text import DisplayUnit, display_unit
 from ...validation import Mark, Panel, PublishedFigure, sources
 from .._style import INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure
 

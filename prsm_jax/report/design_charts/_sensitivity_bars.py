@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..._display_units import trimmed
+from ...text import trimmed
 from .._style import INK, MUTED, SMALL, Figure, drawn, page_figure, readable, series_style
 
 

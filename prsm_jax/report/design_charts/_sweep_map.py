@@ -4,7 +4,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..._display_units import display_unit, in_unit
+from ...text import display_unit, in_unit
 from .._style import INK, SMALL, Figure, drawn, page_figure, readable
 
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from ..._display_units import display_unit, in_unit, number, show
+from ...text import display_unit, in_unit, number, show
 from .._style import readable
 from ..animations import mode_shapes
 from ..contact_charts import contact_ellipses

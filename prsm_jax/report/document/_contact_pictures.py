@@ -4,12 +4,12 @@ from pathlib import Path
 
 import equinox as eqx
 
-from ..._files import make_folder
-from ..._plain_text import short_label
 from ...contact import contact_modulus, line_contact, load_of, thread_contacts
 from ...halfspace import FlankContact, flank_contact, ring_contact
 from ...mechanism import CoulombFriction, Mechanism, Stage, material_of
+from ...process import make_folder
 from ...strength import side_onsets
+from ...text import short_label
 from .._style import Figure, save_figure
 from ..contact_charts import (
     contact_ellipses,

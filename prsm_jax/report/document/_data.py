@@ -9,7 +9,6 @@ import jax.numpy as jnp
 from jaxtyping import Array
 
 from ..._errors import MissingDataError, PrsmError
-from ..._plain_text import short_heading, short_label
 from ...contact import StageContact, load_of, stage_contact
 from ...dynamics import (
     SteadyState,
@@ -23,6 +22,7 @@ from ...load_sharing import ForceDeflection, LoadDistribution
 from ...mechanism import Mechanism, find_parameters
 from ...quantities import Analysis, available_quantities, evaluate, truncated_fatigue_of
 from ...strength import SideOnset, TruncatedFatigue, side_onsets
+from ...text import short_heading, short_label
 from ...vibration import Modes, modal
 from ..contact_charts import shared_loads
 from ..design_charts import Optimisation

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..._display_units import display_unit, in_unit, number, show, state_without_efficiency
+from ...text import display_unit, in_unit, number, show, state_without_efficiency
 from .._style import readable
 from ..design_charts import (
     Change,

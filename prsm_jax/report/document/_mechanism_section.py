@@ -2,10 +2,10 @@
 
 import math
 
-from ..._display_units import display_unit, show, trimmed
 from ..._errors import MissingDataError
 from ...geometry import roller_clearance
 from ...mechanism import Stage, body_mass, stage_mass
+from ...text import display_unit, show, trimmed
 from ..drawings import cross_section
 from ._data import ReportData
 from ._section import Picture, Section, Table

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from ..._plain_text import short_heading
+from ...text import short_heading
 
 
 def words_of_fault(error: Exception) -> str:

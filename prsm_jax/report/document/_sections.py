@@ -4,9 +4,9 @@ import collections
 import platform
 from collections.abc import Callable
 
-from ..._display_units import show
 from ..._version import __version__
 from ...geometry import Finding
+from ...text import show
 from ..motion_charts import efficiency_text
 from ._analysis_sections import (
     contact_section,

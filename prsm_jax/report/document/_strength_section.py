@@ -7,7 +7,6 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
-from ..._display_units import number, show
 from ...mechanism import DutyCycle, Mechanism, Scalar, Stage
 from ...quantities import find_quantity
 from ...strength import (
@@ -19,6 +18,7 @@ from ...strength import (
     preload_of,
     spectrum_of,
 )
+from ...text import number, show
 from .._style import readable
 from ..contact_charts import force_deflection_chart, thread_load_chart
 from ..design_charts import life_chart, shaft_limits_chart

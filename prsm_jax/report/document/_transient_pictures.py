@@ -4,9 +4,9 @@ from pathlib import Path
 
 import equinox as eqx
 
-from ..._files import make_folder
 from ...dynamics import Transient, body_forces
 from ...mechanism import Mechanism
+from ...process import make_folder
 from .._style import save_figure
 from ..animations import save_motion_animation
 from ..motion_charts import (

@@ -9,9 +9,8 @@ from pathlib import Path
 from urllib.parse import quote
 
 from ..._errors import missing_extra
-from ..._files import real_path, temporary_folder
-from ..._placing import placing_in, put_file
-from ..._plain_text import markdown, printable
+from ...process import placing_in, put_file, real_path, temporary_folder
+from ...text import markdown, printable
 from .._style import save_figure
 from ._data import ReportData
 from ._section import Section, words_of_fault

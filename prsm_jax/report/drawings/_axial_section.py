@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..._display_units import trimmed
+from ...text import trimmed
 from .._style import BODY_COLOURS, INK, MUTED
 from ._drafting import Sheet
 from ._drawing_dimensions import DrawingDimensions

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from ..._display_units import trimmed
+from ...text import trimmed
 from .._style import BODY_COLOURS, INK, SMALL
 from ._drafting import Sheet
 from ._drawing_dimensions import DrawingDimensions

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from ..._display_units import display_unit, in_unit
 from ...dynamics import BodyForces, Transient, body_forces
 from ...mechanism import Mechanism
+from ...text import display_unit, in_unit
 from .._style import INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure
 
 _NORMAL = (

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from ..._display_units import DisplayUnit, display_unit, in_unit
 from ...dynamics import Transient, travel_per_turn
 from ...mechanism import Mechanism
+from ...text import DisplayUnit, display_unit, in_unit
 from .._style import INK, MUTED, SERIES, Axes, Figure, drawn, page_figure
 
 _DASHES = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (6, 1.5, 1.5, 1.5)))

@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
-from ..._display_units import display_unit, in_unit, number
 from ...dynamics import SteadyState
+from ...text import display_unit, in_unit, number
 from .._style import LOSS_COLOURS, MUTED, SERIES, SMALL, Figure, drawn, page_figure, readable
 
 _OUTPUT = "#b8d8c8"

@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from ..._display_units import DisplayUnit, display_unit, in_unit, number
 from ...dynamics import Transient
 from ...mechanism import Mechanism
+from ...text import DisplayUnit, display_unit, in_unit, number
 from .._style import INK, MUTED, SMALL, Axes, Figure, drawn, page_figure, readable
 from ._history_chart import shade, sticking_phases
 from ._loss_chart import loss_style

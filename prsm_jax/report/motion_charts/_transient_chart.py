@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from ..._display_units import display_unit, in_unit
 from ...dynamics import Transient
+from ...text import display_unit, in_unit
 from .._style import MUTED, SERIES, SMALL, Figure, drawn, page_figure
 
 _DASHES = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (6, 1.5, 1.5, 1.5)))

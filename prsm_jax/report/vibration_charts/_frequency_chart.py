@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from ..._display_units import show
+from ...text import show
 from ...vibration import Modes
 from .._style import FAMILY_COLOURS, MUTED, SMALL, TEXT, Figure, drawn, page_figure
 

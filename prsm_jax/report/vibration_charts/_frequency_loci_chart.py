@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ..._display_units import DisplayUnit, display_unit, in_unit, show
+from ...text import DisplayUnit, display_unit, in_unit, show
 from ...vibration import FAMILIES, FrequencyLoci, Veering
 from .._style import (
     FAMILY_COLOURS,

@@ -11,7 +11,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..._guards import above_or_nan
+from ...numerics import above_or_nan
 from ._arrowhead import arrowhead_modes
 
 

@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Inexact
 
-from ..._physics import physics
+from ...programs import physics
 from ..arrowhead import SpringBlock
 from ._spring_network import Coordinate, NetworkBuilder, Spring, SpringNetwork
 from ._system import CarrierBody, CentralBody, VibrationSystem

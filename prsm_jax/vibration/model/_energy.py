@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Inexact
 
-from ..._guards import above_or_nan
+from ...numerics import above_or_nan
 from ._spring_network import SpringNetwork
 
 

@@ -114,7 +114,7 @@ def _can_be_kept(tree) -> bool:
 
 
 def _is_of_a_user(value) -> bool:
-    return callable(value) and not type(value).__module__.startswith(f"{__package__}.")
+    return callable(value) and not type(value).__module__.startswith("prsm_jax.")
 
 
 def _traceable(value):

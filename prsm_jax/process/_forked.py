@@ -9,7 +9,7 @@ forked before anything was calculated, does not notice.
 import os
 from typing import Any, NoReturn
 
-from ._errors import PrsmError
+from .._errors import PrsmError
 
 _REASON = (
     "this process was forked after JAX had calculated, and has none of its threads: it would wait "

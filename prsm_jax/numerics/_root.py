@@ -15,7 +15,7 @@ from jax.custom_derivatives import SymbolicZero
 from jax.extend.core import ClosedJaxpr, jaxpr_as_fun
 from jaxtyping import Array, Bool, PyTree
 
-from .mechanism import Scalar
+from ._types import Scalar
 
 
 def _search(

@@ -1,0 +1,21 @@
+"""How programs are made: one for each structure, batches, labels of physics, precision."""
+
+from ._batches import (
+    AbstractResult as AbstractResult,
+    each as each,
+    listed as listed,
+    mapped as mapped,
+)
+from ._one_program import (
+    is_known as is_known,
+    one_program as one_program,
+    one_program_where_possible as one_program_where_possible,
+    traceable as traceable,
+)
+from ._physics import (
+    physics as physics,
+    traced_physics as traced_physics,
+)
+from ._precision import (
+    to_precision as to_precision,
+)

@@ -1,0 +1,23 @@
+"""Numbers in an engineer's units, plain text, and tables of text."""
+
+from ._display_units import (
+    MINUS as MINUS,
+    DisplayUnit as DisplayUnit,
+    display_unit as display_unit,
+    in_unit as in_unit,
+    is_efficiency as is_efficiency,
+    number as number,
+    show as show,
+    state_without_efficiency as state_without_efficiency,
+    trimmed as trimmed,
+)
+from ._plain_text import (
+    markdown as markdown,
+    printable as printable,
+    short_heading as short_heading,
+    short_label as short_label,
+)
+from ._text_table import (
+    NOT_DEFINED as NOT_DEFINED,
+    TextTable as TextTable,
+)
