@@ -19,6 +19,7 @@ from ._few import (
     all_few as all_few,
     any_few as any_few,
     dot_few as dot_few,
+    length_few as length_few,
     max_few as max_few,
     min_few as min_few,
     sum_few as sum_few,
@@ -26,6 +27,7 @@ from ._few import (
 from ._guards import (
     above_or_nan as above_or_nan,
     below_or_nan as below_or_nan,
+    root_or_zero as root_or_zero,
 )
 from ._jacobi import (
     hermitian_eigenvalues as hermitian_eigenvalues,

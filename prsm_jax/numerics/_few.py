@@ -11,6 +11,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Shaped
 
+from ._guards import root_or_zero
+
 
 def _parts(values: Shaped[Array, "..."], axis: int) -> list[Array]:
     return [jax.lax.index_in_dim(values, k, axis, False) for k in range(values.shape[axis])]
@@ -46,4 +48,9 @@ def dot_few(first: Shaped[Array, "..."], second: Shaped[Array, "..."]) -> Shaped
     return sum_few(first * jnp.broadcast_to(second, first.shape))
 
 
-__all__ = ["all_few", "any_few", "dot_few", "max_few", "min_few", "sum_few"]
+def length_few(vector: Shaped[Array, "..."], axis: int = -1) -> Shaped[Array, "..."]:
+    """Length of a vector of a few numbers; 0, with derivative 0, where it has none."""
+    return root_or_zero(sum_few(vector**2, axis))
+
+
+__all__ = ["all_few", "any_few", "dot_few", "length_few", "max_few", "min_few", "sum_few"]

@@ -17,3 +17,9 @@ def above_or_nan(value: Float[Array, "*batch"], limit: ArrayLike = 0.0) -> Bool[
 def below_or_nan(value: Float[Array, "*batch"], limit: ArrayLike = 0.0) -> Bool[Array, "*batch"]:
     """Whether a value is below a limit, or one of both is NaN."""
     return jnp.logical_not(value >= limit)
+
+
+def root_or_zero(square: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
+    """Square root of what is not negative; 0, with derivative 0, at 0."""
+    some = above_or_nan(square)
+    return jnp.where(some, jnp.sqrt(jnp.where(some, square, 1.0)), 0.0)

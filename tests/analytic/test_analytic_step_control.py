@@ -13,6 +13,7 @@ import prsm_jax as prsm
 from benchmarks.extremes import structures
 from prsm_jax.dynamics.histories._integration import Settings, integrated
 from prsm_jax.dynamics.solvers._kvaerno import Kvaerno
+from prsm_jax.dynamics.solvers._step_control import root_mean_square
 from prsm_jax.dynamics.speed_drive._automatic import scene_problem
 
 
@@ -24,6 +25,17 @@ def _between(rate, start, length, shares):
     _, _, dense, _, _ = solver.step(term, jnp.zeros_like(end), end, start, None, None, False)
     path = solver.interpolation_cls(t0=jnp.zeros_like(end), t1=end, **dense)
     return jax.vmap(path.evaluate)(shares * end)
+
+
+def test_errors_are_judged_by_their_root_mean_square():
+    """As diffrax judges them by itself: of all numbers of a state; NaN is not a small error."""
+    errors = {"carriers": jnp.array([3e-9, -4e-9]), "screw": jnp.array(12e-9)}
+    assert float(root_mean_square(errors)) == pytest.approx(13e-9 / np.sqrt(3), rel=1e-14)
+    assert float(root_mean_square(errors)) == pytest.approx(
+        float(diffrax.PIDController(rtol=1, atol=1).norm(errors)), rel=1e-14
+    )
+    assert float(root_mean_square([jnp.zeros(2)])) == 0.0
+    assert np.isnan(root_mean_square([jnp.array([0.0, jnp.nan])]))
 
 
 def test_states_between_two_steps_are_of_order_four():

@@ -9,7 +9,15 @@ from hypothesis.extra.numpy import array_shapes, arrays
 from jax.extend.core import jaxprs_in_params
 
 import prsm_jax as prsm
-from prsm_jax.numerics import all_few, any_few, dot_few, max_few, min_few, sum_few
+from prsm_jax.numerics import (
+    all_few,
+    any_few,
+    dot_few,
+    length_few,
+    max_few,
+    min_few,
+    sum_few,
+)
 
 _NUMBERS = strategies.floats(-1e6, 1e6) | strategies.just(float("nan"))
 _ARRAYS = arrays(float, array_shapes(min_dims=1, max_dims=3, max_side=4), elements=_NUMBERS)
@@ -33,6 +41,14 @@ def test_a_scalar_product_and_a_matrix_times_a_vector():
     matrix, vector = jnp.arange(6.0).reshape(2, 3), jnp.array([2.0, -3.0, 5.0])
     np.testing.assert_array_equal(dot_few(vector, vector), 38.0)
     np.testing.assert_array_equal(dot_few(matrix, vector), [7.0, 19.0])
+
+
+def test_the_length_of_a_vector_that_is_zero_or_no_number():
+    vectors = jnp.array([[3.0, -4.0], [0.0, 0.0], [jnp.nan, 0.0]])
+    np.testing.assert_array_equal(length_few(vectors), [5.0, 0.0, np.nan])
+    slopes = jax.vmap(jax.grad(length_few))(vectors)
+    np.testing.assert_allclose(slopes[:2], [[0.6, -0.8], [0.0, 0.0]], rtol=1e-15)
+    assert np.isnan(slopes[2]).any()
 
 
 def _inside_loops(jaxpr, inside=False):

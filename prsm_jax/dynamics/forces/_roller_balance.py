@@ -4,7 +4,7 @@ import equinox as eqx
 import jax.numpy as jnp
 
 from ...mechanism import Gear, Scalar, Stage, body_inertia, mean_roller_inertia, mean_roller_mass
-from ...numerics import above_or_nan
+from ...numerics import root_or_zero
 from ...programs import physics
 from .._kinematics import StageKinematics
 from ._chain import StageState
@@ -96,12 +96,6 @@ def roller_support_forces(
     return RollerSupportForces(
         ring_gear_tangential=state.flank * gear_tangential,
         ring_gear_force=gear_force,
-        carrier_force=_norm(pin_radial, pin_tangential),
+        carrier_force=root_or_zero(pin_radial**2 + pin_tangential**2),
         moment_residual=moment,
     )
-
-
-def _norm(first: Scalar, second: Scalar) -> Scalar:
-    square = first**2 + second**2
-    some = above_or_nan(square)
-    return jnp.where(some, jnp.sqrt(jnp.where(some, square, 1.0)), 0.0)

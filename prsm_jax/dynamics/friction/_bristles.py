@@ -10,7 +10,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ...mechanism import LuGreFriction, Mechanism, Scalar, Stage
-from ...numerics import above_or_nan, dot_few, sum_few
+from ...numerics import dot_few, length_few, sum_few
 from ...programs import physics
 from .._kinematics import StageKinematics
 from ._thread_friction import stribeck_coefficient
@@ -60,19 +60,13 @@ def bristle_rate(
     - `law`, `slip`, `deflection`: as in `bristle_friction`.
     - `held`, `mean_speed`: T and Φ [m/s], where spin is modelled.
     """
-    speed = _length(slip)
+    speed = length_few(slip)
     if held is None or mean_speed is None:
         return slip - law.bristle_stiffness * speed / stribeck_coefficient(law, slip) * deflection
-    length = _length(held)
+    length = length_few(held)
     rate = speed / jnp.where(length > 0, length, 1.0)
     coefficient = stribeck_coefficient(law, mean_speed[None])
     return rate * (held - law.bristle_stiffness / coefficient * deflection)
-
-
-def _length(vector: Float[Array, "3"]) -> Scalar:
-    square = sum_few(vector**2)
-    some = above_or_nan(square)
-    return jnp.where(some, jnp.sqrt(jnp.where(some, square, 1.0)), 0.0)
 
 
 def bristle_friction(

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ...mechanism import Mechanism, Scalar, of_one_design
-from ...numerics import above_or_nan, sum_few
+from ...numerics import length_few
 from ...programs import AbstractResult, mapped, one_program
 from .._kinematics import StageKinematics, travel_per_turn
 from ..friction import bearing_torque, drag_torque, spline_force, with_resistance
@@ -114,18 +114,12 @@ class BodyForces(AbstractResult):
     @property
     def ring_gear_force(self) -> Float[Array, "stages *times"]:
         """Tooth force on one end of a roller, magnitude [N]."""
-        return _length(self.ring_gear_on_roller)
+        return length_few(self.ring_gear_on_roller)
 
     @property
     def carrier_force(self) -> Float[Array, "stages *times"]:
         """Force of a pin, magnitude [N]."""
-        return _length(self.pin_on_roller)
-
-
-def _length(vector):
-    square = sum_few(vector**2)
-    some = above_or_nan(square)
-    return jnp.where(some, jnp.sqrt(jnp.where(some, square, 1.0)), 0.0)
+        return length_few(self.pin_on_roller)
 
 
 @of_one_design

@@ -26,7 +26,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, PyTree
 
 from ...mechanism import Scalar
-from ...numerics import above_or_nan
+from ...numerics import root_or_zero
 
 #: Share of the time to a standstill that a step may take.
 _OF_THE_REST = 0.35
@@ -70,9 +70,7 @@ class _Around(diffrax.AbstractAdaptiveStepSizeController):
 def root_mean_square(tree: PyTree) -> Scalar:
     """The size by which errors of a few states are judged."""
     values = [x[k] for x in map(jnp.ravel, jax.tree.leaves(tree)) for k in range(x.size)]
-    mean = functools.reduce(jnp.add, [value**2 for value in values]) / len(values)
-    some = above_or_nan(mean)
-    return jnp.where(some, jnp.sqrt(jnp.where(some, mean, 1.0)), 0.0)
+    return root_or_zero(functools.reduce(jnp.add, [value**2 for value in values]) / len(values))
 
 
 class Weighed(_Around):

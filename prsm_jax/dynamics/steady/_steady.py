@@ -9,7 +9,7 @@ from jaxtyping import Array, Bool, Float, Int
 from ..._errors import MissingDataError
 from ...geometry import dimensions_possible, rollers_fit
 from ...mechanism import Mechanism, Scalar, of_one_design
-from ...numerics import above_or_nan, apart, sum_few
+from ...numerics import above_or_nan, apart, length_few, sum_few
 from ...programs import AbstractResult, listed, one_program, physics
 from .._kinematics import StageKinematics, stage_kinematics, travel_per_turn
 from ..forces import Motion, StageState, chain_forces, losses, roller_support_forces
@@ -275,7 +275,7 @@ def steady_state(
         nut_load=jnp.stack([s.nut_load for s in states]),
         screw_speed=speed,
         slip_direction=jnp.stack([turned(s.motion.direction, s.flank) for s in states]),
-        slip_speed=jnp.stack([_length(s.motion.slip) for s in states]),
+        slip_speed=jnp.stack([length_few(s.motion.slip) for s in states]),
         ring_gear_force=jnp.stack([s.ring_gear_force for s in supports]),
         carrier_force=jnp.stack([s.carrier_force for s in supports]),
         spline_friction=jnp.stack(
@@ -301,9 +301,3 @@ def _marked(state: SteadyState) -> SteadyState:
     unexplained = (state.code <= _JAMMED) & ~finite
     code = jnp.where(unexplained, _NOT_FINITE, state.code)
     return dataclasses.replace(state, valid=state.valid & finite, code=code)
-
-
-def _length(vector: Float[Array, "3"]) -> Scalar:
-    square = sum_few(vector**2)
-    some = above_or_nan(square)
-    return jnp.where(some, jnp.sqrt(jnp.where(some, square, 1.0)), 0.0)
