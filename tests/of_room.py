@@ -40,7 +40,7 @@ def files_of(room: str) -> list[str]:
     """
     if room not in LAYERS:
         raise ValueError(f"ROOM is {room!r}; choose one of {', '.join(LAYERS)}")
-    folders = [name for name in _FOLDERS.get(room, (room,)) if (ROOT / name).is_dir()]
+    folders = list(_FOLDERS.get(room, (room,) if (ROOT / room).is_dir() else ()))
     files = [
         name
         for start, names in TESTS

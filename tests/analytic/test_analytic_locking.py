@@ -62,6 +62,19 @@ def test_limits_of_one_stage(degrees):
         assert int(steady_state(_one(jam * side, degrees), 100.0).code) == code
 
 
+def test_the_stage_that_is_closest_to_jamming_counts():
+    """1 − μ/μ_jam of two stages, whichever of them comes first."""
+    for first, second in ((0.05, 0.2), (0.2, 0.05)):
+        stages = [
+            stage(friction=Friction(thread=CoulombFriction(one)), geometry=thread())
+            for one in (first, second)
+        ]
+        found, _ = _margins(mechanism(*stages))
+        limits = np.asarray(found["jamming_friction_coefficient"])
+        expected = 1 - 0.2 / limits[np.argmax([first, second])]
+        assert float(found["jamming_margin"]) == pytest.approx(expected, rel=1e-14)
+
+
 @pytest.mark.parametrize("factor", [0.5, 15.0, 30.0])
 def test_factor_of_all_friction_of_two_stages(factor):
     """With spline and bearing: at the factor that the margin tells the load is just held."""

@@ -126,8 +126,7 @@ def test_drag_with_a_width_turns_round_smoothly():
 _LOADS, _SENSES = strategies.floats(-1e4, 1e4), strategies.sampled_from([-1.0, 1.0])
 
 
-@given(_LOADS, _LOADS, strategies.floats(0.0, 0.9), strategies.floats(0.0, 0.9), _SENSES)
-def test_frictions_that_follow_each_other(torque, force, bearing, spline, sense):
+def _check_coupled(torque, force, bearing, spline, sense):
     """Against iteration, which converges as the product of both coefficients is below 1."""
     per_force, per_torque = bearing * sense, spline * sense
     moment, axial = torque, force
@@ -135,3 +134,16 @@ def test_frictions_that_follow_each_other(torque, force, bearing, spline, sense)
         moment, axial = torque + per_force * abs(axial), force + per_torque * abs(moment)
     found = _coupled_frictions(*jnp.array([torque, force, per_force, per_torque]))
     np.testing.assert_allclose(found, (moment, axial), rtol=1e-10, atol=1e-9)
+
+
+@given(_LOADS, _LOADS, strategies.floats(0.0, 0.9), strategies.floats(0.0, 0.9), _SENSES)
+def test_frictions_that_follow_each_other(torque, force, bearing, spline, sense):
+    _check_coupled(torque, force, bearing, spline, sense)
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+@pytest.mark.parametrize("torque", [1000.0, -1000.0, 100.0, -100.0])
+@pytest.mark.parametrize("force", [1000.0, -1000.0, 100.0, -100.0])
+def test_frictions_that_turn_what_they_follow(torque, force, sense):
+    """Where one is ten times the other, its friction alone decides the sign of the other."""
+    _check_coupled(torque, force, 0.5, 0.7, sense)
