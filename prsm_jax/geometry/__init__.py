@@ -12,10 +12,7 @@ from ._checks import (
     roller_major_radius as roller_major_radius,
     rollers_fit as rollers_fit,
 )
-from ._curvature import (
-    RelativeCurvature as RelativeCurvature,
-    tangent_tensor as tangent_tensor,
-)
+from ._curvature import RelativeCurvature as RelativeCurvature, tangent_tensor as tangent_tensor
 from ._flank_ends import (
     FlankEnd as FlankEnd,
     Way as Way,

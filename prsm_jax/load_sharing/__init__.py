@@ -16,10 +16,7 @@ from ._distribution import (
     tangent_stiffness as tangent_stiffness,
 )
 from ._equilibrium import Equilibrium as Equilibrium, equilibrium as equilibrium
-from ._flank_law import (
-    flank_approach as flank_approach,
-    flank_force as flank_force,
-)
+from ._flank_law import flank_approach as flank_approach, flank_force as flank_force
 from ._force_deflection import (
     ForceDeflection as ForceDeflection,
     force_deflection as force_deflection,

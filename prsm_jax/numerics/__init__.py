@@ -4,9 +4,7 @@ Nothing here calls LAPACK, whose batched calls deadlock between threads of one p
 """
 
 from ._apart import apart as apart
-from ._cubic import (
-    root_above_one as root_above_one,
-)
+from ._cubic import root_above_one as root_above_one
 from ._elimination import (
     Factors as Factors,
     factorise as factorise,
@@ -33,12 +31,7 @@ from ._jacobi import (
     hermitian_eigenvalues as hermitian_eigenvalues,
     singular_values as singular_values,
 )
-from ._root import (
-    find_root as find_root,
-    find_root_of as find_root_of,
-)
+from ._root import find_root as find_root, find_root_of as find_root_of
 from ._small_solve import solve_small as solve_small
-from ._stretches import (
-    over_samples as over_samples,
-)
+from ._stretches import over_samples as over_samples
 from ._types import Scalar as Scalar

@@ -17,7 +17,4 @@ from ._plain_text import (
     short_heading as short_heading,
     short_label as short_label,
 )
-from ._text_table import (
-    NOT_DEFINED as NOT_DEFINED,
-    TextTable as TextTable,
-)
+from ._text_table import NOT_DEFINED as NOT_DEFINED, TextTable as TextTable

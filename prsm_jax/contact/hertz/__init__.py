@@ -4,9 +4,7 @@ from ._approximations import (
     APPROXIMATIONS as APPROXIMATIONS,
     lisowski_coefficients as lisowski_coefficients,
 )
-from ._axis_ratio import (
-    axis_ratio_of as axis_ratio_of,
-)
+from ._axis_ratio import axis_ratio_of as axis_ratio_of
 from ._hertz import (
     HertzContact as HertzContact,
     HertzMethod as HertzMethod,

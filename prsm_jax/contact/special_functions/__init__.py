@@ -1,8 +1,6 @@
 """Elliptic integrals and functions."""
 
-from ._carlson import (
-    carlson_rf_and_rd as carlson_rf_and_rd,
-)
+from ._carlson import carlson_rf_and_rd as carlson_rf_and_rd
 from ._elliptic import (
     associated_elliptic_integrals as associated_elliptic_integrals,
     complete_elliptic_integrals as complete_elliptic_integrals,

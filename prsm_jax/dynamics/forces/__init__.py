@@ -1,16 +1,8 @@
 """Forces of one stage and of the chain of stages at one instant."""
 
-from ._chain import (
-    StageState as StageState,
-    chain_forces as chain_forces,
-)
-from ._loads import (
-    bound_scenario as bound_scenario,
-)
-from ._power import (
-    losses as losses,
-    stored_power as stored_power,
-)
+from ._chain import StageState as StageState, chain_forces as chain_forces
+from ._loads import bound_scenario as bound_scenario
+from ._power import losses as losses, stored_power as stored_power
 from ._reduced_chain import (
     ReducedChain as ReducedChain,
     reduced_chain as reduced_chain,
@@ -24,9 +16,7 @@ from ._reduced_stage import (
     reduced_forces as reduced_forces,
     reduced_stage as reduced_stage,
 )
-from ._roller_balance import (
-    roller_support_forces as roller_support_forces,
-)
+from ._roller_balance import roller_support_forces as roller_support_forces
 from ._scenario import (
     Drive as Drive,
     Scenario as Scenario,
@@ -34,10 +24,7 @@ from ._scenario import (
     drive_at as drive_at,
     drive_once as drive_once,
 )
-from ._sliding_motion import (
-    sense_of as sense_of,
-    sliding_motion as sliding_motion,
-)
+from ._sliding_motion import sense_of as sense_of, sliding_motion as sliding_motion
 from ._stage_forces import (
     Motion as Motion,
     axial_inertia as axial_inertia,

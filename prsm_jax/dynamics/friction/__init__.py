@@ -15,10 +15,7 @@ from ._contact_losses import (
     resisting_moments as resisting_moments,
     with_resistance as with_resistance,
 )
-from ._flank import (
-    loaded_flank as loaded_flank,
-    turned as turned,
-)
+from ._flank import loaded_flank as loaded_flank, turned as turned
 from ._rubbing import (
     Rubbing as Rubbing,
     ScrewContact as ScrewContact,
@@ -34,7 +31,4 @@ from ._screw_friction import (
     drag_torque as drag_torque,
     spline_force as spline_force,
 )
-from ._thread_friction import (
-    slip_direction as slip_direction,
-    thread_friction as thread_friction,
-)
+from ._thread_friction import slip_direction as slip_direction, thread_friction as thread_friction

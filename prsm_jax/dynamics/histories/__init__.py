@@ -1,9 +1,6 @@
 """What an integration gives, and what users ask of it."""
 
-from ._integration import (
-    Settings as Settings,
-    integrated as integrated,
-)
+from ._integration import Settings as Settings, integrated as integrated
 from ._transient_quantities import (
     energy as energy,
     integral as integral,

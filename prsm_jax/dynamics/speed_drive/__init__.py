@@ -25,6 +25,4 @@ from ._quasi_steady import (
     quasi_steady_at as quasi_steady_at,
     quasi_steady_report as quasi_steady_report,
 )
-from ._settling import (
-    settling_history as settling_history,
-)
+from ._settling import settling_history as settling_history

@@ -4,6 +4,4 @@ from ._smooth_torque import (
     has_smooth_threads as has_smooth_threads,
     smooth_torque_history as smooth_torque_history,
 )
-from ._torque_transient import (
-    torque_history as torque_history,
-)
+from ._torque_transient import torque_history as torque_history

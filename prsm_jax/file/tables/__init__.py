@@ -1,12 +1,7 @@
 """Tables of a file that have rules of their own."""
 
-from ._optimise_table import (
-    OptimiseTable as OptimiseTable,
-    design_problem as design_problem,
-)
-from ._scenario_table import (
-    scenario_of as scenario_of,
-)
+from ._optimise_table import OptimiseTable as OptimiseTable, design_problem as design_problem
+from ._scenario_table import scenario_of as scenario_of
 from ._table import (
     Table as Table,
     checked as checked,

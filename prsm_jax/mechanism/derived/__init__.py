@@ -9,6 +9,4 @@ from ._masses import (
     nut_outer_radius as nut_outer_radius,
     stage_mass as stage_mass,
 )
-from ._possible import (
-    numbers_possible as numbers_possible,
-)
+from ._possible import numbers_possible as numbers_possible

@@ -23,9 +23,7 @@ from ._design_problem import (
     Objective as Objective,
     Variable as Variable,
 )
-from ._line_contact import (
-    LineContact as LineContact,
-)
+from ._line_contact import LineContact as LineContact
 from ._load_sharing import (
     GAP_LISTS as GAP_LISTS,
     MOUNTINGS as MOUNTINGS,
@@ -41,9 +39,7 @@ from ._strength import (
     ScrewShaft as ScrewShaft,
     Strength as Strength,
 )
-from ._thread import (
-    Thread as Thread,
-)
+from ._thread import Thread as Thread
 from ._unequal_roller import (
     UnequalRoller as UnequalRoller,
     check_unequal_rollers as check_unequal_rollers,

@@ -28,6 +28,4 @@ from ._sequences import (
     SequenceProfile as SequenceProfile,
     TableProfile as TableProfile,
 )
-from ._tables import (
-    Curve as Curve,
-)
+from ._tables import Curve as Curve

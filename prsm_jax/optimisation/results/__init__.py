@@ -1,9 +1,6 @@
 """What an optimisation found, and how good that is."""
 
-from ._optimality import (
-    Optimality as Optimality,
-    optimality as optimality,
-)
+from ._optimality import Optimality as Optimality, optimality as optimality
 from ._optimum import (
     ConstraintReport as ConstraintReport,
     Design as Design,
@@ -15,6 +12,4 @@ from ._reporting import (
     optimum_of as optimum_of,
     run_report as run_report,
 )
-from ._rounding import (
-    rounded_variables as rounded_variables,
-)
+from ._rounding import rounded_variables as rounded_variables

@@ -5,13 +5,6 @@ from ._evaluator import (
     Guarded as Guarded,
     Point as Point,
 )
-from ._margin_rows import (
-    MarginRow as MarginRow,
-)
-from ._methods import (
-    BOUNDS_ONLY as BOUNDS_ONLY,
-    find_search as find_search,
-)
-from ._search import (
-    Search as Search,
-)
+from ._margin_rows import MarginRow as MarginRow
+from ._methods import BOUNDS_ONLY as BOUNDS_ONLY, find_search as find_search
+from ._search import Search as Search

@@ -4,9 +4,5 @@ from ._mode_animation import (
     save_mode_animation as save_mode_animation,
     save_mode_animations as save_mode_animations,
 )
-from ._mode_shapes import (
-    mode_shapes as mode_shapes,
-)
-from ._stage_animation import (
-    save_motion_animation as save_motion_animation,
-)
+from ._mode_shapes import mode_shapes as mode_shapes
+from ._stage_animation import save_motion_animation as save_motion_animation

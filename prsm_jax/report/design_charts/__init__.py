@@ -1,8 +1,6 @@
 """Charts of a design: life, limits, sensitivities, sweeps, what an optimiser changed."""
 
-from ._life_chart import (
-    life_chart as life_chart,
-)
+from ._life_chart import life_chart as life_chart
 from ._optimisation import (
     Change as Change,
     Limit as Limit,
@@ -11,18 +9,8 @@ from ._optimisation import (
     signed_change as signed_change,
     summarise_optimisation as summarise_optimisation,
 )
-from ._optimisation_chart import (
-    optimisation_chart as optimisation_chart,
-)
-from ._published_figure import (
-    published_figure as published_figure,
-)
-from ._sensitivity_bars import (
-    sensitivity_bars as sensitivity_bars,
-)
-from ._shaft_limits_chart import (
-    shaft_limits_chart as shaft_limits_chart,
-)
-from ._sweep_map import (
-    sweep_map as sweep_map,
-)
+from ._optimisation_chart import optimisation_chart as optimisation_chart
+from ._published_figure import published_figure as published_figure
+from ._sensitivity_bars import sensitivity_bars as sensitivity_bars
+from ._shaft_limits_chart import shaft_limits_chart as shaft_limits_chart
+from ._sweep_map import sweep_map as sweep_map

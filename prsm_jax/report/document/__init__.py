@@ -4,13 +4,6 @@ from ._contact_pictures import (
     contact_pictures as contact_pictures,
     save_contact_pictures as save_contact_pictures,
 )
-from ._data import (
-    ReportData as ReportData,
-    analyse as analyse,
-)
-from ._transient_pictures import (
-    save_transient_pictures as save_transient_pictures,
-)
-from ._write import (
-    write_report as write_report,
-)
+from ._data import ReportData as ReportData, analyse as analyse
+from ._transient_pictures import save_transient_pictures as save_transient_pictures
+from ._write import write_report as write_report

@@ -1,8 +1,6 @@
 """Drawings of a mechanism, with dimensions."""
 
-from ._cross_section import (
-    cross_section as cross_section,
-)
+from ._cross_section import cross_section as cross_section
 from ._drawing_dimensions import (
     DrawingDimensions as DrawingDimensions,
     drawing_dimensions as drawing_dimensions,

@@ -1,20 +1,13 @@
 """Charts of what turns: histories, forces, losses, flow of power."""
 
-from ._efficiency import (
-    efficiency_text as efficiency_text,
-    share_text as share_text,
-)
-from ._force_orbit import (
-    force_orbit as force_orbit,
-)
+from ._efficiency import efficiency_text as efficiency_text, share_text as share_text
+from ._force_orbit import force_orbit as force_orbit
 from ._history_chart import (
     history_chart as history_chart,
     integrated as integrated,
     travel_of as travel_of,
 )
-from ._loss_chart import (
-    loss_chart as loss_chart,
-)
+from ._loss_chart import loss_chart as loss_chart
 from ._power_flow import (
     PowerFlow as PowerFlow,
     energy_flow as energy_flow,

@@ -1,8 +1,6 @@
 """Eigenvalues of a family of motions: matrices of arrow shape."""
 
-from ._arrowhead import (
-    arrowhead_modes as arrowhead_modes,
-)
+from ._arrowhead import arrowhead_modes as arrowhead_modes
 from ._block import (
     SpringBlock as SpringBlock,
     block_modes as block_modes,
