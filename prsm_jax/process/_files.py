@@ -10,6 +10,7 @@ import stat
 import sys
 import tempfile
 import threading
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NoReturn
@@ -21,6 +22,10 @@ _empty: set[Path] = set()
 #: Held while what is finished takes its place, so that the process is not stopped in between.
 _placing = threading.RLock()
 _PATIENCE_S = 1.0
+#: How long a thread keeps the interpreter's lock where another wants it: by default, and in the
+#: last steps, which take a tenth of it.
+_USUAL_LOCK_S, _LOCK_S = 0.005, 0.3
+_PAUSE_US = 20_000
 _MOVED, _TRIES = ".moved-", 1000
 _OPEN_FILES = ("/dev/fd/", "/dev/stdin", "/dev/stdout", "/dev/stderr", "/proc/")
 
@@ -63,18 +68,28 @@ def end_process(status: int) -> NoReturn:
 
 
 def _last_steps(files: list[bytes], folders: list[bytes]) -> None:
-    """Remove files and empty folders; the lock of the interpreter is not released meanwhile."""
-    unlink, rmdir = os.unlink, os.rmdir
+    """Remove files and empty folders; the lock of the interpreter is not released meanwhile.
+
+    A thread that made a folder anew was in a call to the system when this began, so what it made
+    is there when the pause, which keeps the lock, is over, and goes in the second round.
+    """
+    unlink, rmdir, pause = os.unlink, os.rmdir, None
     if os.name == "posix":
-        sys.setswitchinterval(_PATIENCE_S)
+        sys.setswitchinterval(_LOCK_S)
+        # A thread that waits for the lock with the interval of before asks for it once more.
+        time.sleep(2 * _USUAL_LOCK_S)
         library = ctypes.PyDLL(None)
-        unlink, rmdir = library.unlink, library.rmdir
-    for path in files:
-        with contextlib.suppress(OSError):
-            unlink(path)
-    for path in folders:
-        with contextlib.suppress(OSError):
-            rmdir(path)
+        unlink, rmdir, pause = library.unlink, library.rmdir, library.usleep
+    for last in (False, True):
+        for path in files:
+            for remove in (unlink, rmdir):
+                with contextlib.suppress(OSError):
+                    remove(path)
+        for path in folders:
+            with contextlib.suppress(OSError):
+                rmdir(path)
+        if pause and files and not last:
+            pause(_PAUSE_US)
 
 
 def _barred(path: Path) -> bool:

@@ -180,7 +180,8 @@ def write(folder):
 here = pathlib.Path(".")
 with _files.folder_for_results(here / "new" / "inner") as folder:
     with _files.temporary_folder(folder, ".store-") as building:
-        threading.Thread(target=write, args=(building,), daemon=True).start()
+        for _ in range(12):
+            threading.Thread(target=write, args=(building,), daemon=True).start()
         with _files.whole_file(here / "kept.json") as partial:
             partial.write_text("half")
             time.sleep(0.2)
