@@ -34,11 +34,11 @@ from .speed_drive import (
     error_weight,
     quasi_steady_at,
     quasi_steady_report,
-    remaining_time,
     sample_times,
     scaled_rate,
     scene_problem,
     settling_history,
+    standstills,
 )
 from .torque_drive import has_smooth_threads, smooth_torque_history, torque_history
 
@@ -198,7 +198,7 @@ def _integrated(
         autonomous=constant,
         longest=_longest_stable(problem) if constant and settings.method == "explicit" else None,
         weight=error_weight(problem),
-        remaining=remaining_time(problem, settings.atol),
+        standstills=standstills(problem, settings.atol),
     )
     return ratio * problem.speed_scale, report
 

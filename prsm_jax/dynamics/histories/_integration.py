@@ -70,7 +70,7 @@ def integrated(
     autonomous: bool = False,
     longest: Scalar | None = None,
     weight: Any = None,
-    remaining: Any = None,
+    standstills: Any = None,
 ) -> tuple[Any, SolverReport]:
     """Integrate a scaled equation of motion from 0 to `end`.
 
@@ -86,7 +86,8 @@ def integrated(
     - `autonomous`: whether `rate` does not look at the time.
     - `longest`: the longest scaled step, if there is one.
     - `weight`: function of (time, state), by whose values errors of the states count more.
-    - `remaining`: function of the time to the time that is left to the next standstill.
+    - `standstills`: function of the time to the time left to the next standstill and that since the
+      last one.
 
     **Returns:** the states, with samples first, and how it went.
 
@@ -95,7 +96,7 @@ def integrated(
     method = "rosenbrock" if settings.method == "auto" else settings.method
     if autonomous and isinstance(rate, DrivenRate):
         rate = rate.directly
-    scene = _Scene(breaks, longest, weight, remaining, settings.rtol, settings.atol)
+    scene = _Scene(breaks, longest, weight, standstills, settings.rtol, settings.atol)
     static = _Static(method, settings.gradient, settings.max_steps, samples, autonomous)
     # An unknown gradient is refused before anything is traced.
     adjoint_of(settings.gradient)
@@ -120,7 +121,7 @@ class _Scene(NamedTuple):
     breaks: Float[Array, " breaks"]
     longest: Scalar | None
     weight: Any
-    remaining: Any
+    standstills: Any
     rtol: Any
     atol: Any
 
@@ -154,6 +155,11 @@ def _solved(
     """
     import diffrax
 
+    moved = None
+    if scene.standstills is not None and isinstance(rate, DrivenRate) and rate.leader is not None:
+        from ..solvers._step_control import WithReversals
+
+        moved = WithReversals(rate.leading(jnp.zeros_like(end), args), args)
     if again is None:
         controller = controller_of(
             scene.rtol,
@@ -162,13 +168,14 @@ def _solved(
             end,
             scene.longest,
             scene.weight,
-            scene.remaining,
+            scene.standstills,
+            moved,
         )
         adjoint = adjoint_of("forward")
     else:
         from ..solvers._recorded_steps import Again
 
-        controller, adjoint = Again(again), adjoint_of(static.gradient)
+        controller, adjoint = Again(again, moved), adjoint_of(static.gradient)
     if record:
         kept = diffrax.SaveAt(steps=True, fn=lambda time, state, args: time)
     else:

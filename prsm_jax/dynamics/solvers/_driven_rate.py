@@ -50,6 +50,22 @@ class DrivenRate(eqx.Module):
             None if leader is None else eqx.filter_closure_convert(leader, drives, args),
         )
 
+    def leading(self, time: Scalar, args: Any) -> Callable[[Scalar, Any], tuple[Scalar, Scalar]]:
+        """The leader and its rate by (time, args); what else it uses are numbers of its pytree.
+
+        **Arguments:** examples of what it is called with.
+
+        **Raises:** `ValueError` where nothing leads.
+        """
+        leader = self.leader
+        if leader is None:
+            raise ValueError("nothing leads here")
+
+        def motion(time, args):
+            return leader(self.drive(time, args), args)
+
+        return eqx.filter_closure_convert(motion, time, args)
+
     def drives_at(self, times: Float[Array, " times"], args: Any) -> tuple[list[Any], Any]:
         """What drives at several times, and how fast it changes at the first of them.
 

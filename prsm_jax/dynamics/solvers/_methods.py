@@ -51,7 +51,8 @@ def controller_of(
     end: Float[Array, ""],
     longest: Float[Array, ""] | None = None,
     weight: Weight | None = None,
-    remaining: Callable[[Scalar], Scalar] | None = None,
+    standstills: Callable[[Scalar], tuple[Scalar, Scalar]] | None = None,
+    moved: Callable[[Scalar], Scalar] | None = None,
 ):
     """Steps by tolerance, ending where speed or load jump or bend.
 
@@ -65,20 +66,25 @@ def controller_of(
     - `end`: the end of the integration.
     - `longest`: the longest step, if there is one.
     - `weight`: (time, state) to the factors by which errors of the states count more.
-    - `remaining`: time to the time that is left to the next standstill, or infinity.
+    - `standstills`: time to the time left to the next standstill and that since the last one, or
+      infinity.
+    - `moved`: time to the same time, which moves with a reversal next to it in derivatives.
     """
     import diffrax
 
-    from ._step_control import Approaching, Rounded, Weighed, root_mean_square
+    from ._step_control import AroundStandstill, Moving, Rounded, Weighed, root_mean_square
 
     controller: Any = diffrax.PIDController(
         rtol=rtol, atol=atol, dtmax=longest, norm=root_mean_square
     )
-    if remaining is not None:
-        controller = Approaching(controller, remaining)
+    if standstills is not None:
+        controller = AroundStandstill(controller, standstills)
     controller = Rounded(controller)
     if weight is not None:
         controller = Weighed(controller, weight)
+    if moved is not None:
+        # Within those of jumps, which stay where they are.
+        controller = Moving(controller, moved)
     if breaks.size == 0:
         return controller
     jumps = breaks_inside(breaks, end)

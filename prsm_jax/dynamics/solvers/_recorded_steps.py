@@ -9,6 +9,7 @@ integration that is not differentiated, and taken again as they are in one that 
 Imports diffrax, so it is itself imported only where something is integrated.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import diffrax
@@ -16,7 +17,9 @@ import equinox as eqx
 import equinox.internal as eqxi
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
+
+from ...mechanism import Scalar
 
 #: A step past a break begins so many roundings behind it at most.
 _NEXT = 4
@@ -94,6 +97,8 @@ class Again(diffrax.AbstractStepSizeController):
     """The steps of a record, all of them accepted; behind the last one the integration ends."""
 
     steps: Steps
+    #: Time to the same time, which moves with a reversal next to it in derivatives.
+    moved: Callable[[Scalar], Scalar] | None = None
 
     def wrap(self, direction):
         """There is one direction, that of the record."""
@@ -103,30 +108,42 @@ class Again(diffrax.AbstractStepSizeController):
     def init(self, terms, t0, t1, y0, dt0, args, func, error_order):
         """The first step, and the number of those taken."""
         del terms, t1, y0, dt0, args, func, error_order
-        taken = jnp.zeros((), int)
-        return self._step(taken, jnp.asarray(t0 - jax.lax.stop_gradient(t0)))[1], taken
+        taken, shift = jnp.zeros((), int), jnp.asarray(t0 - jax.lax.stop_gradient(t0))
+        return self._step(taken, shift)[1], (taken, shift)
 
-    def _step(self, number: Int[Array, ""], shift: Float[Array, ""]):
+    def _step(self, number: Int[Array, ""], shift: Scalar) -> tuple[Scalar, Scalar]:
         """Start and end of a step, whose length does not change with the start of the phase.
 
         Only those that end at a jump, or at the end of all, keep their end: the derivative of a
         step's error by its length is large where steps are short.
         """
-        last = self.steps.start.size - 1
-        start = jnp.where(number <= last, self.steps.start[number], jnp.inf)
-        end = jnp.where(number <= last, self.steps.end[number], jnp.inf)
-        jumps = (number < last) & (self.steps.start[number + 1] != end)
-        jumps = jumps & (number + 1 < self.steps.count)
-        return start + shift, jnp.where(jumps, end, end + shift)
+        start, end = self._recorded(number)
+        begins, ends = self._jumps(number - 1), self._jumps(number)
+        start, moved_start, moved_end = start + shift, start + shift, end + shift
+        if self.moved is not None:
+            moved_start, moved_end = self.moved(moved_start), self.moved(moved_end)
+        return jnp.where(begins, start, moved_start), jnp.where(ends, end, moved_end)
+
+    def _recorded(self, number: Int[Array, ""]) -> tuple[Scalar, Scalar]:
+        within = (number >= 0) & (number < self.steps.start.size)
+        start = jnp.where(within, self.steps.start[number], jnp.inf)
+        return start, jnp.where(within, self.steps.end[number], jnp.inf)
+
+    def _jumps(self, number: Int[Array, ""]) -> Bool[Array, ""]:
+        """Whether a step ends before the next one starts."""
+        ends_before = self._recorded(number)[1] != self._recorded(number + 1)[0]
+        return (number >= 0) & (number + 1 < self.steps.count) & ends_before
 
     def adapt_step_size(
         self, t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
     ):
         """The next step; the end of a step that lies before the next start is a jump."""
         del t0, y0, y1_candidate, args, y_error, error_order
-        taken = controller_state + 1
-        start, end = self._step(taken, jnp.asarray(t1 - jax.lax.stop_gradient(t1)))
-        return jnp.asarray(True), start, end, start != t1, taken, diffrax.RESULTS.successful
+        taken, shift = controller_state
+        taken = taken + 1
+        start, end = self._step(taken, shift)
+        successful = diffrax.RESULTS.successful
+        return jnp.asarray(True), start, end, start != t1, (taken, shift), successful
 
 
 __all__ = ["Again", "Recording", "Steps"]

@@ -17,8 +17,8 @@ from ._carrier_motion import (
     Problem as Problem,
     driven_states as driven_states,
     error_weight as error_weight,
-    remaining_time as remaining_time,
     scaled_rate as scaled_rate,
+    standstills as standstills,
     states_at as states_at,
 )
 from ._quasi_steady import (

@@ -184,26 +184,29 @@ def error_weight(problem: Problem) -> ErrorWeight:
     return still(weight)
 
 
-class Remaining(eqx.Module):
-    """The time to the next standstill of the screw, by its speed and acceleration."""
+class Standstills(eqx.Module):
+    """Times to and since a standstill of the screw, by its speed and acceleration."""
 
     scenario: Scenario
     speed_scale: Scalar
     time_scale: Scalar
-    #: Share of the largest speed below which nothing is left.
+    #: Share of the largest speed below which nothing is left, and no less has passed.
     least: Scalar
 
-    def __call__(self, time: Scalar) -> Scalar:
-        """Scaled time that is left from a scaled time on; infinity if the screw gets faster."""
+    def __call__(self, time: Scalar) -> tuple[Scalar, Scalar]:
+        """Scaled times that are left and that have passed; infinity where there is none."""
         speed, acceleration, _ = drive_once(self.scenario, time * self.time_scale)
         assert acceleration is not None
-        slows = (speed * acceleration < 0) & (jnp.abs(speed) > self.least * self.speed_scale)
-        left = -speed / jnp.where(slows, acceleration, 1.0)
-        return jnp.where(slows, left / self.time_scale, jnp.inf)
+        least, slows = self.least * self.speed_scale, speed * acceleration < 0
+        moves = acceleration != 0
+        size = jnp.abs(speed)
+        rate = self.time_scale * jnp.where(moves, jnp.abs(acceleration), 1.0)
+        left = jnp.where(slows & (size > least), size / rate, jnp.inf)
+        return left, jnp.where(moves & ~slows, jnp.maximum(size, least) / rate, jnp.inf)
 
 
-def remaining_time(problem: Problem, atol: Any) -> Remaining | None:
-    """The time to the next standstill, where friction jumps there; else `None`.
+def standstills(problem: Problem, atol: Any) -> Standstills | None:
+    """Times to and since standstills, where friction jumps there; else `None`.
 
     **Arguments:**
 
@@ -214,5 +217,5 @@ def remaining_time(problem: Problem, atol: Any) -> Remaining | None:
     if not callable(problem.scenario.speed) or all(isinstance(law, _SMOOTH) for law in laws):
         return None
     least = jnp.asarray(10 * atol, problem.speed_scale.dtype)
-    found = Remaining(problem.scenario, problem.speed_scale, problem.time_scale, least)
+    found = Standstills(problem.scenario, problem.speed_scale, problem.time_scale, least)
     return still(found)
