@@ -197,7 +197,7 @@ def _integrated(
         args=problem,
         autonomous=constant,
         longest=_longest_stable(problem) if constant and settings.method == "explicit" else None,
-        weight=error_weight(problem),
+        weight=error_weight(problem, settings.atol),
         standstills=standstills(problem, settings.atol),
     )
     return ratio * problem.speed_scale, report

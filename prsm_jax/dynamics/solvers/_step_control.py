@@ -31,6 +31,8 @@ from ...numerics import root_or_zero
 
 #: Shares of the time to a standstill, and of that since one, which a step may take.
 _OF_THE_REST, _OF_THE_PAST = 0.32, 1.2
+#: Roundings of the time in the shortest step.
+_ROUNDINGS = 16.0
 #: Share of the largest speed below which ends of steps move with a reversal.
 _NEXT_TO_IT = 1e-2
 
@@ -90,6 +92,9 @@ class Weighed(_Around):
     ):
         """As the controller that is wrapped."""
         weight = jax.lax.stop_gradient(self.weight(jnp.asarray(t1), y1_candidate))
+        # A step of a few roundings of the time cannot be made shorter.
+        rounding = jnp.finfo(jnp.result_type(t1)).eps * jnp.abs(t1)
+        weight = jnp.where(t1 - t0 > _ROUNDINGS * rounding, weight, 1.0)
         return self.controller.adapt_step_size(
             t0, t1, y0, y1_candidate, args, y_error * weight, error_order, controller_state
         )

@@ -33,6 +33,12 @@ from ..solvers import DrivenRate, still
 _SMOOTH = (RegularisedCoulombFriction, ViscousFriction, type(None))
 #: Errors count more where friction turns within less than this share of the ratio, inverted.
 _TURNS = 10.0
+#: Share of the distance to where friction turns, and of the range of that, which an error may have.
+_OF_THE_RANGE = 0.3
+#: Speed that counts as standstill, and the narrowest range resolved, in absolute tolerances.
+_LEAST_SPEED, _LEAST_RANGE = 10.0, 1e-2
+#: Roundings of time, whose unit is the carriers' time constant, which that range has besides.
+_ROUNDINGS = 16.0
 #: Its multiples, without their whole parts, lie evenly between 0 and 1 and never repeat.
 _GOLDEN = (5**0.5 - 1) / 2
 
@@ -157,7 +163,12 @@ def _times_of_scales(scenario: Scenario) -> Float[Array, " times"]:
 
 
 class ErrorWeight(eqx.Module):
-    """By what errors of ω/Ω₀ count more: they do where friction turns within a narrow range."""
+    """By what errors of ω/Ω₀ count more: they do where friction turns within a narrow range.
+
+    The range narrows with the speed. Where it is narrower than the absolute tolerance, right behind
+    a reversal, steps would be taken from one side of it to the other and back, each of which may
+    multiply a derivative by 90.
+    """
 
     scenario: Scenario
     speed_scale: Scalar
@@ -165,21 +176,40 @@ class ErrorWeight(eqx.Module):
     #: Carrier ratios of rolling, and how far around them friction turns.
     rolling: Float[Array, " stages"]
     turning: Float[Array, " stages"]
+    #: Absolute tolerance of the steps.
+    atol: Scalar
 
     def __call__(self, time: Scalar, ratio: Float[Array, " stages"]) -> Float[Array, " stages"]:
         """The factor for each stage at a scaled time and state; 1 at an ordinary lead."""
         speed = drive_once(self.scenario, time * self.time_scale).speed / self.speed_scale
-        near = jnp.abs(ratio - self.rolling * speed) + self.turning * jnp.abs(speed)
-        near = jnp.where(near > 0, near, jnp.inf)
-        return jnp.maximum(1.0, jnp.abs(self.rolling * speed) / (_TURNS * near))
+        # At a standstill there is no range; below this speed it is taken to be that there.
+        size = jnp.maximum(jnp.abs(speed), _LEAST_SPEED * self.atol)
+        near = jnp.abs(ratio - self.rolling * speed) + self.turning * size
+        # Not below what the rounding of time does in a step.
+        near = jnp.maximum(
+            near, _LEAST_RANGE * self.atol + _ROUNDINGS * time * jnp.finfo(size.dtype).eps
+        )
+        of_the_ratio = jnp.abs(self.rolling * speed) / (_TURNS * near)
+        return jnp.maximum(1.0, jnp.maximum(of_the_ratio, self.atol / (_OF_THE_RANGE * near)))
 
 
-def error_weight(problem: Problem) -> ErrorWeight:
-    """The weight of errors of a scene; nothing is differentiated through it."""
+def error_weight(problem: Problem, atol: Any) -> ErrorWeight:
+    """The weight of errors of a scene; nothing is differentiated through it.
+
+    **Arguments:**
+
+    - `problem`: the scene.
+    - `atol`: absolute tolerance of the carrier ratios.
+    """
     rolling = jnp.stack([free_carrier_ratio(k) for k in problem.kinematics])
     turning = jnp.stack([turning_range(k) for k in problem.kinematics])
     weight = ErrorWeight(
-        problem.scenario, problem.speed_scale, problem.time_scale, rolling, turning
+        problem.scenario,
+        problem.speed_scale,
+        problem.time_scale,
+        rolling,
+        turning,
+        jnp.asarray(atol, problem.speed_scale.dtype),
     )
     return still(weight)
 
@@ -216,6 +246,6 @@ def standstills(problem: Problem, atol: Any) -> Standstills | None:
     laws = [stage.friction.thread for stage in problem.mechanism.stages if stage.friction]
     if not callable(problem.scenario.speed) or all(isinstance(law, _SMOOTH) for law in laws):
         return None
-    least = jnp.asarray(10 * atol, problem.speed_scale.dtype)
+    least = jnp.asarray(_LEAST_SPEED * atol, problem.speed_scale.dtype)
     found = Standstills(problem.scenario, problem.speed_scale, problem.time_scale, least)
     return still(found)
