@@ -13,6 +13,8 @@ _SLOPE_TOLERANCE = 1e-6
 _UNMEASURABLE = 1e-9
 #: Frequencies nearer than this to each other cross within the steps of the differences.
 _NEARLY_REPEATED = 1e-4
+#: A derivative that is not known to this share of the largest value, nor to itself, is of a jump.
+_JUMP = 0.1
 #: Nearer than this they are one root to the package, whose members share a derivative.
 _REPEATED = 1e-11
 #: Steps are chosen by an absolute tolerance too, of 1e-10 on carrier ratios, and errors of several
@@ -75,7 +77,11 @@ def slope_cell(
     if stepping:
         # Tolerances of steps are relative to values, and parts of a slope may cancel.
         scale = np.maximum(scale, np.max(value, initial=0.0))
-    difference = np.abs(given - measured.value)
+    unknown = measured.error + measured.jump
+    # At a jump, as in a sample on a reversal itself, differences grow as their steps get smaller.
+    jumps = unknown >= np.maximum(np.abs(measured.value), _JUMP * np.max(value, initial=0.0))
+    jumps &= histories & (np.max(value, initial=0.0) > 0)
+    difference = np.where(jumps, 0.0, np.abs(given - measured.value))
     allowed = tolerance * scale + 10 * measured.error + 1.05 * measured.jump + floor
     error = float(np.max(difference / np.maximum(scale, floor + 1e-300), initial=0.0))
     if np.any(difference > allowed) and spectrum:
@@ -86,7 +92,9 @@ def slope_cell(
         worst = int(np.argmax(difference / allowed))
         seen = f"{np.ravel(given)[worst]:.10g} for {np.ravel(measured.value)[worst]:.10g}"
         return Cell("wrong_gradient", error, f"{seen} ± {np.ravel(measured.error)[worst]:.1g}")
-    vague = measured.error + measured.jump > np.maximum(1e-2 * scale, floor)
+    if np.any(jumps):
+        return Cell("open", error, "jump")
+    vague = unknown > np.maximum(1e-2 * scale, floor)
     if np.any(vague):
         return Cell("open", error, "kink" if np.any(measured.jump > 0) else "rounding")
     return Cell("agrees", error)

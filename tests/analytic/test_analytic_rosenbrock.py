@@ -10,6 +10,7 @@ import pytest
 from scenes import array
 
 from prsm_jax.dynamics.solvers._rosenbrock import Rodasp
+from prsm_jax.dynamics.solvers._step_control import _OF_THE_PAST, _OF_THE_REST
 from prsm_jax.numerics import solve_small
 
 TIMES = np.linspace(0.0, 2.0, 41)
@@ -118,3 +119,61 @@ def test_small_systems(size):
     right = generator.normal(size=size)
     found = solve_small(jnp.asarray(matrix))(jnp.asarray(right))
     np.testing.assert_allclose(found, np.linalg.solve(matrix, right), rtol=1e-13)
+
+
+def _approach(time, state, args):
+    """Deviations of carriers next to a standstill at time 0: y′ = −k y / |t|."""
+    return -args * state / jnp.abs(time)
+
+
+@jax.jit
+def _left_by_a_step(stiffness, start, end):
+    """What one step leaves of a deviation of 1."""
+    solver, terms = Rodasp(), diffrax.ODETerm(_approach)
+    found = solver.step(terms, start, end, jnp.ones(1), stiffness, None, False)
+    return found[0][0]
+
+
+@pytest.mark.parametrize(
+    ("start", "share", "limit", "too_long", "grown"),
+    [
+        # In the limit of stiff carriers, by the coefficients of the method.
+        (-1.0, _OF_THE_REST, 0.54, 0.65, 40.1),
+        (1.0, _OF_THE_PAST, 0.685, 9.0, 20.3),
+    ],
+)
+def test_steps_next_to_a_standstill_leave_less_of_a_deviation(start, share, limit, too_long, grown):
+    """Before it time constants shrink within the step, behind it they grow."""
+    stiffness = jnp.logspace(-2, 9, 200)
+    left = jax.vmap(_left_by_a_step, (0, None, None))
+
+    def after(length):
+        return np.abs(left(stiffness, array(start), array(start + length)))
+
+    assert after(share).max() < 1
+    assert after(share)[-1] == pytest.approx(limit, rel=2e-2)
+    assert after(too_long)[-1] == pytest.approx(grown, rel=2e-2)
+
+
+def _leaves(time, state, args):
+    """A state that leaves 0 within a thousandth of the step."""
+    return args * state
+
+
+@pytest.mark.parametrize("compact", [False, True])
+def test_a_step_in_which_a_state_grows_too_far_counts_as_wrong(compact):
+    """Any L-stable method damps growth, so the estimate of the error alone would be next to 0."""
+    solver, terms = Rodasp(compact=compact), diffrax.ODETerm(_leaves)
+
+    @jax.jit
+    def error(start, length, rate):
+        small = 1e-9 * jnp.ones(2)
+        end = start + length
+        return solver.step(terms, start, end, small, rate, None, False)[1]
+
+    one = array(1.0)
+    assert np.all(error(array(0.0), one, array(800.0)) >= 1)
+    assert np.all(np.abs(error(array(0.0), one, array(0.9))) < 1e-9)
+    assert np.all(np.abs(error(array(0.0), one, array(-800.0))) < 1e-9)
+    # A step that is as short as times can tell apart cannot be made shorter.
+    assert np.all(np.abs(error(array(1e4), array(1e-11), array(1e12))) < 1e-7)

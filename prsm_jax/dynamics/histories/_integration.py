@@ -20,6 +20,7 @@ from ..solvers import (
     breaks_inside,
     code_of,
     controller_of,
+    converted,
     is_short,
     solver_of,
     still,
@@ -104,10 +105,13 @@ def integrated(
         solution, _ = _solved(rate, start, end, args, scene, static)
     else:
         example = jnp.zeros_like(end), start, args
-        if isinstance(rate, DrivenRate):
-            rate = rate.closed(*example)
-        else:
-            rate = eqx.filter_closure_convert(rate, *example)
+        driven = isinstance(rate, DrivenRate)
+        rate = rate.closed(*example) if driven else converted(rate, *example)
+        # A speed of the caller's own may hold numbers that are differentiated, out of sight.
+        if weight is not None:
+            scene = scene._replace(weight=converted(weight, *example[:2]))
+        if standstills is not None:
+            scene = scene._replace(standstills=converted(standstills, example[0]))
         solution = _solved_twice(rate, start, end, args, still(scene), static=static)
     report = SolverReport(
         steps=solution.steps, rejected=solution.rejected, code=solution.code, name=NAMES[method]

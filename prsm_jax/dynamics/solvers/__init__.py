@@ -3,7 +3,10 @@
 What imports diffrax is imported only where something is integrated: it is not named here.
 """
 
-from ._driven_rate import DrivenRate as DrivenRate
+from ._driven_rate import (
+    DrivenRate as DrivenRate,
+    converted as converted,
+)
 from ._methods import (
     NAMES as NAMES,
     Gradient as Gradient,

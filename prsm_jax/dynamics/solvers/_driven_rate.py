@@ -16,6 +16,19 @@ from ...mechanism import Scalar
 from ...numerics import apart
 
 
+def _called(function, *args):
+    """What a function gives that is itself a pytree, with its numbers among the arguments."""
+    return function(*args)
+
+
+def converted(function, *args):
+    """A function whose traced values are numbers of it, also those of functions in its arguments.
+
+    Equinox leaves a function that closes over nothing as it is.
+    """
+    return eqx.filter_closure_convert(lambda *args: function(*args), *args)
+
+
 class DrivenRate(eqx.Module):
     """`rate(drive(time, args), state, args)`, with the drive computed once for each time.
 
@@ -31,7 +44,7 @@ class DrivenRate(eqx.Module):
 
     def __call__(self, time: Scalar, state: Any, args: Any) -> Any:
         """The rate at one time."""
-        return self.rate(apart(self.drive)(time, args), state, args)
+        return self.rate(apart(_called)(self.drive, time, args), state, args)
 
     def directly(self, time: Scalar, state: Any, args: Any) -> Any:
         """The same without a part of its own for what drives, as suits what is constant."""
@@ -45,9 +58,9 @@ class DrivenRate(eqx.Module):
         drives = eqx.filter_eval_shape(self.drive, time, args)
         leader = self.leader
         return DrivenRate(
-            eqx.filter_closure_convert(self.drive, time, args),
-            eqx.filter_closure_convert(self.rate, drives, state, args),
-            None if leader is None else eqx.filter_closure_convert(leader, drives, args),
+            converted(self.drive, time, args),
+            converted(self.rate, drives, state, args),
+            None if leader is None else converted(leader, drives, args),
         )
 
     def leading(self, time: Scalar, args: Any) -> Callable[[Scalar, Any], tuple[Scalar, Scalar]]:
@@ -64,7 +77,7 @@ class DrivenRate(eqx.Module):
         def motion(time, args):
             return leader(self.drive(time, args), args)
 
-        return eqx.filter_closure_convert(motion, time, args)
+        return converted(motion, time, args)
 
     def drives_at(self, times: Float[Array, " times"], args: Any) -> tuple[list[Any], Any]:
         """What drives at several times, and how fast it changes at the first of them.
@@ -75,9 +88,9 @@ class DrivenRate(eqx.Module):
         - `args`: as in a call.
         """
 
-        def found(times, args):
+        def found(drive, times, args):
             def at(time):
-                return self.drive(time, args)
+                return drive(time, args)
 
             first, slope = jax.jvp(at, (times[0],), (jnp.ones_like(times[0]),))
             others = jax.vmap(at)(times[1:])
@@ -85,7 +98,7 @@ class DrivenRate(eqx.Module):
             parts = [jax.tree.map(lambda x, k=k: x[k], others) for k in range(times.size - 1)]
             return [first, *parts], slope
 
-        return apart(found)(times, args)
+        return apart(found)(self.drive, times, args)
 
 
-__all__ = ["DrivenRate"]
+__all__ = ["DrivenRate", "converted"]

@@ -1,0 +1,86 @@
+"""Speeds, torques and loads that are functions of the caller's own, which hold what is traced."""
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from scenes import example
+
+import prsm_jax as prsm
+from prsm_jax.mechanism import LuGreFriction
+
+#: Read here: within a trace their numbers would be those of that trace.
+_CHAIN = example("li2020_two_stage")
+_ONE = prsm.mechanism.Mechanism(_CHAIN.stages[:1], _CHAIN.operating_point)
+_BRISTLES = dataclasses.replace(
+    _ONE,
+    stages=tuple(
+        dataclasses.replace(
+            stage,
+            friction=dataclasses.replace(
+                stage.friction,
+                thread=LuGreFriction(
+                    coefficient=0.05,
+                    static_coefficient=0.08,
+                    stribeck_speed=1e-2,
+                    bristle_stiffness=1e7,
+                    bristle_damping=1e-3,
+                    viscous_coefficient=0.0,
+                ),
+            ),
+        )
+        for stage in _ONE.stages
+    ),
+)
+_POINT = (100.0, 7e3)
+
+
+def _speed_driven(method, mechanism=_CHAIN):
+    def end(values, gradient):
+        speed, load = values
+        scenario = prsm.Scenario(
+            lambda time: speed * (1 + 0.3 * jnp.sin(900.0 * time)),
+            lambda time: load * (1 + 0.1 * jnp.cos(700.0 * time)),
+            1e-3,
+            samples=3,
+        )
+        run = prsm.simulate(mechanism, scenario, method=method, gradient=gradient)
+        return run.carrier_speed[0, -1]
+
+    return end
+
+
+def _torque_driven(values, gradient):
+    factor, load = values
+    scenario = prsm.TorqueScenario(
+        lambda time: 0.14 * factor * (1 + 0.1 * jnp.sin(900.0 * time)),
+        lambda time: load * (1 + 0.1 * jnp.cos(700.0 * time)),
+        1e-3,
+        initial_speed=1.0,
+        samples=3,
+    )
+    return prsm.simulate(_ONE, scenario, gradient=gradient).screw_speed[-1]
+
+
+_SCENES = {
+    "rosenbrock": _speed_driven("rosenbrock"),
+    "bristles": _speed_driven("rosenbrock", _BRISTLES),
+    "torque": _torque_driven,
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", _SCENES)
+def test_gradients_through_what_a_function_holds(name):
+    """`jax.grad` as it comes and forward mode agree; a TypeError of JAX's was the answer."""
+    end, point = _SCENES[name], jnp.asarray(_POINT)
+
+    def gradient(transform, kind):
+        return np.asarray(jax.jit(transform(lambda values: end(values, kind)))(point))
+
+    as_it_comes = gradient(jax.grad, "both")
+    assert np.all(as_it_comes != 0)
+    # The same steps, compiled in another way.
+    np.testing.assert_allclose(gradient(jax.jacfwd, "forward"), as_it_comes, rtol=1e-6)
