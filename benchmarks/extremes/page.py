@@ -70,27 +70,27 @@ ran at 42ffaf6 with JAX 0.10.2, and the rows that were judged again at 1803913.
 ## Known to be wrong
 
 A structure that was added after this run, `reversing`, ran alone: a speed that swings through
-standstill at 500 Hz beside a mean one, carriers integrated by RODASP. At first 91 of its 3,510 cells
-of 398 rows were bad, all of them derivatives, in 24 rows. The causes:
+standstill at 500 Hz beside a mean one, carriers integrated by RODASP. At first 91 of its 3,510
+cells of 398 rows were bad, all of them derivatives, in 24 rows. The causes:
 
-* Steps kept a reversal at its time, so that a derivative by a number that moves it lacked a part: in
-  the two-stage example with carriers a thousand times too heavy, 1.6 % by the amplitude and 5 % by the
-  mean speed. Now the steps next to a reversal move with it; at a relative tolerance of 1e-10 the
-  derivatives agree with differences to 2e-5.
-* Next to a standstill the carriers' time constants change in proportion to the speed. Steps that grew
-  tenfold behind it multiplied deviations by 20 each, up to 1e37 in derivatives, which nothing watched.
-  Now a step takes 0.32 of the time to a standstill at most, and 1.2 of the time since one.
-* Where friction had turned, steps across a range in which deviations grow stood still with no estimated
-  error. Such a step now counts as wrong.
+* Steps kept a reversal at its time, so that a derivative by a number that moves it lacked a part:
+  in the two-stage example with carriers a thousand times too heavy, 1.6 % by the amplitude and 5 %
+  by the mean speed. Now the steps next to a reversal move with it; at a relative tolerance of 1e-10
+  the derivatives agree with differences to 2e-5.
+* Next to a standstill the carriers' time constants change in proportion to the speed. Steps that
+  grew tenfold behind it multiplied deviations by 20 each, up to 1e37 in derivatives, which nothing
+  watched. Now a step takes 0.32 of the time to a standstill at most, and 1.2 of the time since one.
+* Where friction had turned, steps across a range in which deviations grow stood still with no
+  estimated error. Such a step now counts as wrong.
 * A sample that falls on a reversal itself has a force that jumps and no derivative; it is open now.
 
-At the commit that mended these, 14 cells are bad, in 3 rows. Two are carrier ratios whose derivative is
-1e-8, off by 10 times the absolute tolerance of the steps. One is 0.001 from the limit of jamming: there
-friction turns within a range of carrier speeds narrower than any tolerance, right behind a reversal, and
-in one of twelve runs at slightly different tolerances the derivative behind it is wrong by any factor.
-Derivatives of `reversing` are judged at 3e-3 of the largest: a force that passes zero bends what
-friction does, and a step across the bend is as wrong in derivatives as it is long, so their error falls
-with the root of the tolerance (25 times from 1e-8 to 1e-11).
+At the commit that mended these, 14 cells are bad, in 3 rows. Two are carrier ratios whose
+derivative is 1e-8, off by 10 times the absolute tolerance of the steps. One is 0.001 from the limit
+of jamming: there friction turns within a range of carrier speeds narrower than any tolerance, right
+behind a reversal, and in one of twelve runs at slightly different tolerances the derivative behind
+it is wrong by any factor. Derivatives of `reversing` are judged at 3e-3 of the largest: a force
+that passes zero bends what friction does, and a step across the bend is as wrong in derivatives as
+it is long, so their error falls with the root of the tolerance (25 times from 1e-8 to 1e-11).
 
 """
 
