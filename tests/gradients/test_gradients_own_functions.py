@@ -39,10 +39,10 @@ _POINT = (100.0, 7e3)
 
 def _speed_driven(method, mechanism=_CHAIN):
     def end(values, gradient):
-        speed, load = values
+        # Read inside, by a function that JAX compiles by itself.
         scenario = prsm.Scenario(
-            lambda time: speed * (1 + 0.3 * jnp.sin(900.0 * time)),
-            lambda time: load * (1 + 0.1 * jnp.cos(700.0 * time)),
+            lambda time: values[0] * (1 + 0.3 * jnp.sin(900.0 * time)),
+            lambda time: values[1] * (1 + 0.1 * jnp.cos(700.0 * time)),
             1e-3,
             samples=3,
         )
@@ -53,10 +53,9 @@ def _speed_driven(method, mechanism=_CHAIN):
 
 
 def _torque_driven(values, gradient):
-    factor, load = values
     scenario = prsm.TorqueScenario(
-        lambda time: 0.14 * factor * (1 + 0.1 * jnp.sin(900.0 * time)),
-        lambda time: load * (1 + 0.1 * jnp.cos(700.0 * time)),
+        lambda time: 0.14 * values[0] * (1 + 0.1 * jnp.sin(900.0 * time)),
+        lambda time: values[1] * (1 + 0.1 * jnp.cos(700.0 * time)),
         1e-3,
         initial_speed=1.0,
         samples=3,

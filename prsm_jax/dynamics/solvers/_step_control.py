@@ -186,9 +186,12 @@ def _with_reversals_jvp(primals, tangents):
         return motion(at, args)[0]
 
     _, change = eqx.filter_jvp(speed_of, (motion, args), tuple(tangents[1:]))
+    own = jnp.zeros_like(time) if tangents[0] is None else tangents[0]
+    if change is None:
+        # Nothing that is differentiated moves it.
+        return time, own
     near = (jnp.abs(speed) < _NEXT_TO_IT) & (acceleration != 0) & jnp.isfinite(time)
     shift = -change / jnp.where(near, acceleration, 1.0)
-    own = jnp.zeros_like(time) if tangents[0] is None else tangents[0]
     return time, jnp.where(near, shift, own)
 
 
