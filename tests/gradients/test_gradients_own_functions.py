@@ -9,6 +9,7 @@ import pytest
 from scenes import example
 
 import prsm_jax as prsm
+from prsm_jax.dynamics.solvers import converted
 from prsm_jax.mechanism import LuGreFriction
 
 #: Read here: within a trace their numbers would be those of that trace.
@@ -83,3 +84,20 @@ def test_gradients_through_what_a_function_holds(name):
     assert np.all(as_it_comes != 0)
     # The same steps, compiled in another way.
     np.testing.assert_allclose(gradient(jax.jacfwd, "forward"), as_it_comes, rtol=1e-6)
+
+
+def _at(time, function):
+    """Closes over nothing, as the right-hand sides of the package do where nothing checks types."""
+    return function(time)
+
+
+def test_what_a_function_in_the_arguments_holds_becomes_a_number_of_the_converted_one():
+    """Rules of derivatives see numbers only. The types that these tests check hide the fault."""
+
+    def held(value):
+        function = lambda time: value * time  # noqa: E731
+        found = converted(_at, jnp.asarray(2.0), function)
+        assert any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(found))
+        return found(jnp.asarray(2.0), function)
+
+    assert jax.jvp(held, (3.0,), (1.0,)) == (6.0, 2.0)

@@ -105,14 +105,15 @@ def integrated(
         solution, _ = _solved(rate, start, end, args, scene, static)
     else:
         example = jnp.zeros_like(end), start, args
-        driven = isinstance(rate, DrivenRate)
-        rate = rate.closed(*example) if driven else converted(rate, *example)
+        closed: Any = (
+            rate.closed(*example) if isinstance(rate, DrivenRate) else converted(rate, *example)
+        )
         # A speed of the caller's own may hold numbers that are differentiated, out of sight.
         if weight is not None:
             scene = scene._replace(weight=converted(weight, *example[:2]))
         if standstills is not None:
             scene = scene._replace(standstills=converted(standstills, example[0]))
-        solution = _solved_twice(rate, start, end, args, still(scene), static=static)
+        solution = _solved_twice(closed, start, end, args, still(scene), static=static)
     report = SolverReport(
         steps=solution.steps, rejected=solution.rejected, code=solution.code, name=NAMES[method]
     )
@@ -150,7 +151,7 @@ class _Solution(NamedTuple):
 
 
 def _solved(
-    rate, start, end, args, scene: _Scene, static: _Static, *, record=False, again=None
+    rate: Any, start, end, args, scene: _Scene, static: _Static, *, record=False, again=None
 ) -> tuple[_Solution, Any]:
     """One integration: by steps of its own choice, or by those of a record.
 
@@ -159,11 +160,7 @@ def _solved(
     """
     import diffrax
 
-    moved = None
-    if scene.standstills is not None and isinstance(rate, DrivenRate) and rate.leader is not None:
-        from ..solvers._step_control import WithReversals
-
-        moved = WithReversals(rate.leading(jnp.zeros_like(end), args), args)
+    moved = _moved_with_reversals(rate, end, args, scene)
     if again is None:
         controller = controller_of(
             scene.rtol,
@@ -203,6 +200,16 @@ def _solved(
     solution = _Solution(found.ys, *counts, code_of(found.result))
     assert found.ts is not None
     return solution, found.ts
+
+
+def _moved_with_reversals(rate, end, args, scene: _Scene) -> Any:
+    """Function of a time to the same time, which moves with a reversal; `None` where none jumps."""
+    if scene.standstills is None or not isinstance(rate, DrivenRate) or rate.leader is None:
+        return None
+
+    from ..solvers._step_control import WithReversals
+
+    return WithReversals(rate.leading(jnp.zeros_like(end), args), args)
 
 
 @eqx.filter_custom_jvp

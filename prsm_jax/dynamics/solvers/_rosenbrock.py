@@ -244,7 +244,7 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
             if slope is not None and _D[index] != 0:
                 right = right + length * _D[index] * slope
             stages.append(solve(right))
-        grows = _grows(jacobian, length, t1)
+        grows = _grows(jacobian, length, jnp.asarray(t1))
         return self._step(y0, unflatten, point + stages[5], stages, grows, following)
 
     def _rates(self, terms, rate, t0, length, flat, unflatten, args):
