@@ -13,10 +13,11 @@ _SLOPE_TOLERANCE = 1e-6
 _UNMEASURABLE = 1e-9
 #: Frequencies nearer than this to each other cross within the steps of the differences.
 _NEARLY_REPEATED = 1e-4
-#: A derivative that is not known to this share of the largest value, nor to itself, is of a jump.
-_JUMP = 0.1
 #: Nearer than this they are one root to the package, whose members share a derivative.
 _REPEATED = 1e-11
+#: A value jumps where the error of its derivative is as large as the derivative itself, and larger
+#: than this share of the largest value.
+_JUMP = 0.1
 #: Steps are chosen by an absolute tolerance too, of 1e-10 on carrier ratios, and errors of several
 #: steps add up.
 STATE_TOLERANCE = 3e-10
@@ -78,7 +79,7 @@ def slope_cell(
         # Tolerances of steps are relative to values, and parts of a slope may cancel.
         scale = np.maximum(scale, np.max(value, initial=0.0))
     unknown = measured.error + measured.jump
-    # At a jump, as in a sample on a reversal itself, differences grow as their steps get smaller.
+    # As in a sample on a reversal itself: differences grow as their steps get smaller.
     jumps = unknown >= np.maximum(np.abs(measured.value), _JUMP * np.max(value, initial=0.0))
     jumps &= histories & (np.max(value, initial=0.0) > 0)
     difference = np.where(jumps, 0.0, np.abs(given - measured.value))

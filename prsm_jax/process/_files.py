@@ -22,9 +22,10 @@ _empty: set[Path] = set()
 #: Held while what is finished takes its place, so that the process is not stopped in between.
 _placing = threading.RLock()
 _PATIENCE_S = 1.0
-#: How long a thread keeps the interpreter's lock where another wants it: by default, and in the
-#: last steps, which take a tenth of it.
+#: How long a thread keeps the interpreter's lock where another wants it: Python's default, and in
+#: the last steps, which take a tenth of that.
 _USUAL_LOCK_S, _LOCK_S = 0.005, 0.3
+#: Time for calls to the system that have begun to end.
 _PAUSE_US = 20_000
 _MOVED, _TRIES = ".moved-", 1000
 _OPEN_FILES = ("/dev/fd/", "/dev/stdin", "/dev/stdout", "/dev/stderr", "/proc/")
@@ -70,13 +71,13 @@ def end_process(status: int) -> NoReturn:
 def _last_steps(files: list[bytes], folders: list[bytes]) -> None:
     """Remove files and empty folders; the lock of the interpreter is not released meanwhile.
 
-    A thread that made a folder anew was in a call to the system when this began, so what it made
-    is there when the pause, which keeps the lock, is over, and goes in the second round.
+    Another thread may be within a call to the system that makes a folder anew. That call ends
+    during the pause, which keeps the lock, and the second round removes the folder.
     """
     unlink, rmdir, pause = os.unlink, os.rmdir, None
     if os.name == "posix":
         sys.setswitchinterval(_LOCK_S)
-        # A thread that waits for the lock with the interval of before asks for it once more.
+        # Threads that wait already would ask for the lock after the former interval.
         time.sleep(2 * _USUAL_LOCK_S)
         library = ctypes.PyDLL(None)
         unlink, rmdir, pause = library.unlink, library.rmdir, library.usleep

@@ -17,7 +17,7 @@ import equinox as eqx
 import equinox.internal as eqxi
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, Float, Int
 
 from ...mechanism import Scalar
 
@@ -106,33 +106,24 @@ class Again(diffrax.AbstractStepSizeController):
         return self
 
     def init(self, terms, t0, t1, y0, dt0, args, func, error_order):
-        """The first step, and the number of those taken."""
+        """The end of the first step; the number of those taken, and how the start moves."""
         del terms, t1, y0, dt0, args, func, error_order
         taken, shift = jnp.zeros((), int), jnp.asarray(t0 - jax.lax.stop_gradient(t0))
-        return self._step(taken, shift)[1], (taken, shift)
+        return self._end(taken, shift), (taken, shift)
 
-    def _step(self, number: Int[Array, ""], shift: Scalar) -> tuple[Scalar, Scalar]:
-        """Start and end of a step, whose length does not change with the start of the phase.
+    def _recorded(self, times: Float[Array, " most"], number: Int[Array, ""]) -> Scalar:
+        return jnp.where(number < times.size, times[number], jnp.inf)
+
+    def _end(self, number: Int[Array, ""], shift: Scalar) -> Scalar:
+        """End of a step, whose length does not change with the start of the phase.
 
         Only those that end at a jump, or at the end of all, keep their end: the derivative of a
         step's error by its length is large where steps are short.
         """
-        start, end = self._recorded(number)
-        begins, ends = self._jumps(number - 1), self._jumps(number)
-        start, moved_start, moved_end = start + shift, start + shift, end + shift
-        if self.moved is not None:
-            moved_start, moved_end = self.moved(moved_start), self.moved(moved_end)
-        return jnp.where(begins, start, moved_start), jnp.where(ends, end, moved_end)
-
-    def _recorded(self, number: Int[Array, ""]) -> tuple[Scalar, Scalar]:
-        within = (number >= 0) & (number < self.steps.start.size)
-        start = jnp.where(within, self.steps.start[number], jnp.inf)
-        return start, jnp.where(within, self.steps.end[number], jnp.inf)
-
-    def _jumps(self, number: Int[Array, ""]) -> Bool[Array, ""]:
-        """Whether a step ends before the next one starts."""
-        ends_before = self._recorded(number)[1] != self._recorded(number + 1)[0]
-        return (number >= 0) & (number + 1 < self.steps.count) & ends_before
+        end = self._recorded(self.steps.end, number)
+        following = self._recorded(self.steps.start, number + 1)
+        moved = end + shift if self.moved is None else self.moved(end + shift)
+        return jnp.where((number + 1 < self.steps.count) & (following != end), end, moved)
 
     def adapt_step_size(
         self, t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
@@ -140,10 +131,12 @@ class Again(diffrax.AbstractStepSizeController):
         """The next step; the end of a step that lies before the next start is a jump."""
         del t0, y0, y1_candidate, args, y_error, error_order
         taken, shift = controller_state
-        taken = taken + 1
-        start, end = self._step(taken, shift)
-        successful = diffrax.RESULTS.successful
-        return jnp.asarray(True), start, end, start != t1, (taken, shift), successful
+        start = self._recorded(self.steps.start, taken + 1)
+        jumps = start != self._recorded(self.steps.end, taken)
+        # Where the last one ended, also in derivatives; what follows a jump stays where it is.
+        start, shift = jnp.where(jumps, start, t1), jnp.where(jumps, 0.0, shift)
+        end, state = self._end(taken + 1, shift), (taken + 1, shift)
+        return jnp.asarray(True), start, end, jumps, state, diffrax.RESULTS.successful
 
 
 __all__ = ["Again", "Recording", "Steps"]

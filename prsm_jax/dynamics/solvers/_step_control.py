@@ -24,7 +24,7 @@ import diffrax
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, PyTree
+from jaxtyping import Array, Bool, Float, PyTree
 
 from ...mechanism import Scalar
 from ...numerics import root_or_zero
@@ -72,6 +72,11 @@ class _Around(diffrax.AbstractAdaptiveStepSizeController):
         return self.controller.init(terms, t0, t1, y0, dt0, args, func, error_order)
 
 
+def is_shortest(start: Any, end: Any) -> Bool[Array, ""]:
+    """Whether a step is of a few roundings of the time, so that it cannot be made shorter."""
+    return end - start <= _ROUNDINGS * jnp.finfo(jnp.result_type(end)).eps * jnp.abs(end)
+
+
 def root_mean_square(tree: PyTree) -> Scalar:
     """The size by which errors of a few states are judged."""
     values = [x[k] for x in map(jnp.ravel, jax.tree.leaves(tree)) for k in range(x.size)]
@@ -92,9 +97,7 @@ class Weighed(_Around):
     ):
         """As the controller that is wrapped."""
         weight = jax.lax.stop_gradient(self.weight(jnp.asarray(t1), y1_candidate))
-        # A step of a few roundings of the time cannot be made shorter.
-        rounding = jnp.finfo(jnp.result_type(t1)).eps * jnp.abs(t1)
-        weight = jnp.where(t1 - t0 > _ROUNDINGS * rounding, weight, 1.0)
+        weight = jnp.where(is_shortest(t0, t1), 1.0, weight)
         return self.controller.adapt_step_size(
             t0, t1, y0, y1_candidate, args, y_error * weight, error_order, controller_state
         )
@@ -103,14 +106,14 @@ class Weighed(_Around):
 class AroundStandstill(_Around):
     """Another controller, whose steps are short next to a standstill that the screw passes.
 
-    Friction turns round there within no time, so a step across it is rejected until it is next to
-    nothing; each step on the way there was tried across first.
+    Coulomb friction changes its sign there at once, so a step across the standstill is rejected
+    until it is very short; without a limit every step on the way there is tried across first.
 
-    The carriers' time constants shorten in proportion to the speed. A step by RODASP takes them to
-    be those of its start, and multiplies deviations by 6 if they halve within it, by 20 if they
-    become ten times as long. Errors of values are watched, those of derivatives are not: over the
-    steps of one reversal they grew by up to 1e37. Within the shares here deviations become smaller
-    (0.54 and 0.69 times in the limit of stiff carriers).
+    The carriers' time constants are proportional to the speed. A step by RODASP uses those at its
+    start. It multiplies a deviation of stiff carriers by 6 if they halve within the step, and by 20
+    if they become ten times as long. The error estimate controls values, not derivatives, which
+    grew by up to 1e37 over the steps of one reversal. With the two shares here a step multiplies a
+    deviation of stiff carriers by 0.54 before a standstill and by 0.69 behind it.
     """
 
     #: Time to the time that is left to the next standstill, and to that since the last one.
@@ -132,7 +135,7 @@ class AroundStandstill(_Around):
 
 
 class Moving(_Around):
-    """Another controller, whose ends of steps move with the reversal that they lie next to.
+    """Another controller, whose steps end where the reversal next to them moves in derivatives.
 
     Friction jumps there. Steps that end at fixed times keep the jump at a fixed time in every
     derivative, and what is differentiated by a number that moves the reversal lacks a part.
@@ -144,6 +147,11 @@ class Moving(_Around):
     def __init__(self, controller: Any, moved: Callable[[Scalar], Scalar]):
         self.controller, self.moved = controller, moved
 
+    def init(self, terms, t0, t1, y0, dt0, args, func, error_order):
+        """As the controller that is wrapped, but for derivatives."""
+        end, state = self.controller.init(terms, t0, t1, y0, dt0, args, func, error_order)
+        return self.moved(end), state
+
     def adapt_step_size(
         self, t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
     ):
@@ -151,7 +159,8 @@ class Moving(_Around):
         keep, start, end, jump, state, result = self.controller.adapt_step_size(
             t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
         )
-        return keep, self.moved(start), self.moved(end), jump, state, result
+        # It starts where the last one ended, which has moved already.
+        return keep, start, self.moved(end), jump, state, result
 
 
 class WithReversals(eqx.Module):
@@ -229,5 +238,6 @@ __all__ = [
     "Weighed",
     "Weight",
     "WithReversals",
+    "is_shortest",
     "root_mean_square",
 ]

@@ -33,11 +33,11 @@ from ..solvers import DrivenRate, still
 _SMOOTH = (RegularisedCoulombFriction, ViscousFriction, type(None))
 #: Errors count more where friction turns within less than this share of the ratio, inverted.
 _TURNS = 10.0
-#: Share of the distance to where friction turns, and of the range of that, which an error may have.
+#: Largest error beside the distance to where friction turns, or beside the range in which it does.
 _OF_THE_RANGE = 0.3
 #: Speed that counts as standstill, and the narrowest range resolved, in absolute tolerances.
 _LEAST_SPEED, _LEAST_RANGE = 10.0, 1e-2
-#: Roundings of time, whose unit is the carriers' time constant, which that range has besides.
+#: The narrowest range is wider by so many roundings of the scaled time.
 _ROUNDINGS = 16.0
 #: Its multiples, without their whole parts, lie evenly between 0 and 1 and never repeat.
 _GOLDEN = (5**0.5 - 1) / 2
@@ -165,9 +165,9 @@ def _times_of_scales(scenario: Scenario) -> Float[Array, " times"]:
 class ErrorWeight(eqx.Module):
     """By what errors of ω/Ω₀ count more: they do where friction turns within a narrow range.
 
-    The range narrows with the speed. Where it is narrower than the absolute tolerance, right behind
-    a reversal, steps would be taken from one side of it to the other and back, each of which may
-    multiply a derivative by 90.
+    The range is proportional to the speed. Right behind a reversal it is narrower than the absolute
+    tolerance. Steps then jumped from one side of it to the other, and one such step multiplied a
+    derivative by up to 90.
     """
 
     scenario: Scenario
@@ -182,10 +182,10 @@ class ErrorWeight(eqx.Module):
     def __call__(self, time: Scalar, ratio: Float[Array, " stages"]) -> Float[Array, " stages"]:
         """The factor for each stage at a scaled time and state; 1 at an ordinary lead."""
         speed = drive_once(self.scenario, time * self.time_scale).speed / self.speed_scale
-        # At a standstill there is no range; below this speed it is taken to be that there.
+        # The range would be nothing at a standstill: it is that of the least speed there.
         size = jnp.maximum(jnp.abs(speed), _LEAST_SPEED * self.atol)
         near = jnp.abs(ratio - self.rolling * speed) + self.turning * size
-        # Not below what the rounding of time does in a step.
+        # What the rounding of the time does to a state cannot be resolved.
         near = jnp.maximum(
             near, _LEAST_RANGE * self.atol + _ROUNDINGS * time * jnp.finfo(size.dtype).eps
         )
@@ -220,7 +220,7 @@ class Standstills(eqx.Module):
     scenario: Scenario
     speed_scale: Scalar
     time_scale: Scalar
-    #: Share of the largest speed below which nothing is left, and no less has passed.
+    #: Share of the largest speed that counts as standstill.
     least: Scalar
 
     def __call__(self, time: Scalar) -> tuple[Scalar, Scalar]:
