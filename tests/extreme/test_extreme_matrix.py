@@ -9,8 +9,10 @@ import pytest
 
 from benchmarks.extremes import command, structures
 from benchmarks.extremes.cells import Cell, Table, is_bad, joined
+from benchmarks.extremes.differences import Slope
 from benchmarks.extremes.judge import Programs, judge
 from benchmarks.extremes.plan import reduced_rows, rows_of
+from benchmarks.extremes.slopes import slope_cell
 from benchmarks.extremes.structures import Ellipse, Structure, columns_of, structure
 from prsm_jax.contact import hertz_contact
 
@@ -182,3 +184,20 @@ def test_a_process_without_a_row_is_a_fault(monkeypatch, tmp_path, capsys):
     monkeypatch.setenv("XLA_FLAGS", "--no_such_flag_of_the_compiler=true")
     assert command.main(["hertz", "--rows", "1", "--out", str(tmp_path)]) == 1
     assert "before its first row" in capsys.readouterr().out
+
+
+def test_a_value_that_jumps_has_no_derivative_and_hides_no_other():
+    """As the force in a sample on a reversal: its differences have no limit, the rest have one."""
+    value, slope = np.array([2.0, 3.0]), np.array([1.0, 0.5])
+    measured = Slope(slope, np.array([1e-9, 40.0]), np.zeros(2))
+
+    def verdict(given, histories=True):
+        return slope_cell(value, np.array(given), measured, 1e-6, histories, False)
+
+    assert verdict([1.0, 1e12]) == Cell("open", pytest.approx(0.0), "jump")
+    assert verdict([1.1, 1e12]).status == "wrong_gradient"
+    assert verdict([1.0, 1e12], histories=False).status == "wrong_gradient"
+    # An error that is small beside the values is not that of a jump.
+    measured = Slope(slope, np.array([1e-9, 1e-9]), np.zeros(2))
+    assert verdict([1.0, 1e12]).status == "wrong_gradient"
+    assert verdict([1.0, 0.5]).status == "agrees"

@@ -10,6 +10,7 @@ from scenes import array, mechanism, stage, thread
 import prsm_jax as prsm
 from prsm_jax.dynamics.histories._integration import Settings
 from prsm_jax.dynamics.solvers import solver_of
+from prsm_jax.dynamics.solvers._recorded_steps import Again, Steps
 from prsm_jax.dynamics.torque_drive._phases import PhaseLaws, follow_phases
 from prsm_jax.dynamics.torque_drive._stick_slip import follow_carriers
 from prsm_jax.dynamics.torque_drive._torque_balance import torque_problem
@@ -127,3 +128,28 @@ def test_forward_agrees_with_differences():
         move = 1e-4 * point[index] * np.eye(3)[index]
         above, below = float(evaluate(point + move)), float(evaluate(point - move))
         assert forward[index] == pytest.approx((above - below) / (2 * move[index]), rel=1e-3)
+
+
+def test_steps_taken_again_move_with_the_start_as_far_as_a_jump():
+    """A jump of what drives stays at its time, and so do the steps behind it."""
+    behind = np.nextafter(1.0, 2.0)
+    none = [np.inf]
+    steps = Steps(
+        jnp.asarray([0.0, 0.5, behind, 1.5, *none]),
+        jnp.asarray([0.5, 1.0, 1.5, 2.0, *none]),
+        jnp.asarray(4),
+    )
+
+    def times(start):
+        controller = Again(steps)
+        nothing = (None,) * 6
+        end, state = controller.init(None, start, array(2.0), *nothing[:5])
+        found = [start, end]
+        for _ in range(3):
+            _, start, end, _, state, _ = controller.adapt_step_size(start, end, *nothing[:5], state)
+            found += [start, end]
+        return jnp.stack(found)
+
+    values, slopes = jax.jvp(times, (array(0.0),), (array(1.0),))
+    assert values.tolist() == [0.0, 0.5, 0.5, 1.0, behind, 1.5, 1.5, 2.0]
+    assert slopes.tolist() == [1, 1, 1, 0, 0, 0, 0, 0]
