@@ -69,7 +69,11 @@ def slope_cell(
         return Cell("open", None, "no stretch without a refusal")
     tolerance = max(_SLOPE_TOLERANCE, tolerance)
     value = np.abs(found)
-    scale = np.maximum(np.abs(given), np.abs(measured.value))
+    unknown = measured.error + measured.jump
+    # As in a sample on a reversal itself: differences grow as their steps get smaller.
+    jumps = unknown >= np.maximum(np.abs(measured.value), _JUMP * np.max(value, initial=0.0))
+    jumps &= histories & (np.max(value, initial=0.0) > 0)
+    scale = np.where(jumps, 0.0, np.maximum(np.abs(given), np.abs(measured.value)))
     # Below that, and below what rounding does to the largest component, nothing is measured.
     share = 1.0 if histories else 1e-8
     floor = _UNMEASURABLE * np.maximum(value, share * np.max(value, initial=0.0)) + least
@@ -78,10 +82,6 @@ def slope_cell(
     if stepping:
         # Tolerances of steps are relative to values, and parts of a slope may cancel.
         scale = np.maximum(scale, np.max(value, initial=0.0))
-    unknown = measured.error + measured.jump
-    # As in a sample on a reversal itself: differences grow as their steps get smaller.
-    jumps = unknown >= np.maximum(np.abs(measured.value), _JUMP * np.max(value, initial=0.0))
-    jumps &= histories & (np.max(value, initial=0.0) > 0)
     difference = np.where(jumps, 0.0, np.abs(given - measured.value))
     allowed = tolerance * scale + 10 * measured.error + 1.05 * measured.jump + floor
     error = float(np.max(difference / np.maximum(scale, floor + 1e-300), initial=0.0))
