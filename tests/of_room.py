@@ -17,6 +17,7 @@ _FOLDERS = {
 }
 #: Tests of rooms at the ground, which faults are not put into.
 _FILES = {
+    "fields": ("analytic/test_analytic_ends_of_laws.py", "file/test_file_errors.py"),
     "programs": ("analytic/test_analytic_one_program.py", "analytic/test_analytic_batches.py"),
     "text": (
         "cli/test_cli_tables.py",

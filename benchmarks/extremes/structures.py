@@ -14,6 +14,7 @@ import jax.numpy as jnp
 import prsm_jax as prsm
 from prsm_jax import file
 from prsm_jax.contact import hertz_contact
+from prsm_jax.fields._fields import Scalar, number
 from prsm_jax.mechanism import (
     CoulombFriction,
     Drag,
@@ -30,7 +31,6 @@ from prsm_jax.mechanism import (
     TorqueScenario,
     UnequalRoller,
 )
-from prsm_jax.mechanism.fields._fields import Scalar, number
 from prsm_jax.quantities import available_quantities, catalogue
 
 from .flagged import flagged_quantities
@@ -407,9 +407,10 @@ def reversing() -> Structure:
         dataclasses.replace(two, scenario=dataclasses.replace(two.scenario, speed=speed)),
         "rosenbrock",
         stepping=True,
-        # Friction bends where a force passes zero. A step across the bend has an error in derivatives
-        # of the order of its length, in values of the order of its square. At a tolerance of 1e-11
-        # in place of 1e-8 the worst derivative is 147 times closer to differences.
+        # Friction bends where a force passes zero. A step across the bend has an error in
+        # derivatives of the order of its length, in values of the order of its square. At a
+        # tolerance of 1e-11 in place of 1e-8 the worst derivative is 147 times closer to
+        # differences.
         slope_tolerance=3e-3,
     )
 

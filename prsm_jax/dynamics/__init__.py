@@ -46,6 +46,7 @@ from .steady import (
     STEADY_RESULTS as STEADY_RESULTS,
     SteadyState as SteadyState,
     all_kinematics as all_kinematics,
+    friction_needs_load as friction_needs_load,
     jamming_coefficient as jamming_coefficient,
     jamming_margin as jamming_margin,
     locking_coefficient as locking_coefficient,

@@ -12,7 +12,7 @@ from typing import Any
 
 import equinox as eqx
 
-from ..file import law_names, module_classes, row_class
+from ..file import TableChoice, is_law_field, module_classes, row_class, table_choices
 from ..mechanism import Mechanism
 
 #: Tables whose name in the file is not that of the field, and those whose classes are told apart
@@ -104,6 +104,9 @@ def _inside(module: Any, path: tuple[str | int, ...], name: str, header: str) ->
     for field in dataclasses.fields(module):
         value, hint = getattr(module, field.name), hints[field.name]
         here = (*path, field.name)
+        if is_law_field(field):
+            yield from _inside(value, here, name, header)
+            continue
         own = ".".join(filter(None, (name, field.name)))
         below = ".".join(filter(None, (header, _HEADERS.get(field.name, field.name))))
         if is_optional(field, hint):
@@ -119,6 +122,8 @@ def _inside(module: Any, path: tuple[str | int, ...], name: str, header: str) ->
 
 def is_optional(field: dataclasses.Field, hint: Any) -> bool:
     """Whether a field of the mechanism may be left out."""
+    if field.metadata.get("law_decides"):
+        return False
     union = typing.get_origin(hint) in (typing.Union, types.UnionType)
     may_be_none = union and type(None) in typing.get_args(hint)
     return may_be_none or (row_class(hint) is not None and field.default == ())
@@ -144,24 +149,35 @@ def _place(
     row = row_class(hint)
     if row is not None:
         return Place(
-            path, name, "list", present, None, (), _first(row), misses, f"[[{header}]]{_keys(row)}"
+            path,
+            name,
+            "list",
+            present,
+            None,
+            (),
+            _first(row),
+            misses,
+            f"[[{header}]]{_keys(TableChoice(row))}",
         )
+    choices = {"": None} if field.name in _BY_KEYS else table_choices(hint)
+    laws = {} if "" in choices else choices
+    law = next((word for word, one in laws.items() if one and one.holds(value)), None)
     classes = module_classes(hint)
-    laws = law_names(classes) if len(classes) > 1 and field.name not in _BY_KEYS else {}
-    law = next((word for word, cls in laws.items() if cls is type(value)), None)
-    described = type(value) if present and len(classes) > 1 else None
-    meaning = (
-        _first(described)
-        if described is not None
-        else _first(classes[0])
-        if len(classes) == 1
-        else field.metadata.get("description") or _any_of(classes)
-    )
+    if present and law is not None:
+        meaning = _first(choices[law].cls)
+    elif present and len(classes) > 1:
+        meaning = _first(type(value))
+    elif len(classes) == 1:
+        meaning = _first(classes[0])
+    else:
+        meaning = field.metadata.get("description") or _any_of(classes)
     opening = f"[[{header}]]" if field.name in _LISTS else f"[{header}]"
     if laws:
-        write = f"{opening} with law = " + ", ".join(f'"{w}"{_keys(c)}' for w, c in laws.items())
+        write = f"{opening} with law = " + ", ".join(
+            f'"{word}"{_keys(one)}' for word, one in laws.items()
+        )
     else:
-        write = opening + "; or".join(_keys(cls) for cls in classes)
+        write = opening + "; or".join(_keys(TableChoice(cls)) for cls in classes)
     return Place(path, name, "table", present, law, tuple(laws), meaning, misses, write)
 
 
@@ -175,11 +191,7 @@ def _first(cls: type) -> str:
     return paragraph.partition(": force")[0].rstrip(".")
 
 
-def _keys(cls: type) -> str:
-    """The keys that the table of a class cannot be without."""
-    needed = [
-        field.name
-        for field in dataclasses.fields(cls)
-        if field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
-    ]
+def _keys(choice: TableChoice) -> str:
+    """The keys that a table cannot be without."""
+    needed = [field.name for field, _, _ in choice.fields() if choice.needs(field)]
     return f" ({', '.join(needed)})" if needed else ""

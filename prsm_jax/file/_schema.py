@@ -9,20 +9,24 @@ Only what differs between pytree and file is written out: `[[stage]]`, `[[duty_c
 import dataclasses
 import functools
 import typing
+from collections.abc import Iterable
 from typing import Annotated, Any, Literal
 
 import equinox as eqx
 from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model
 
+from ..friction import friction_laws
 from ..mechanism import DutyCycle, OperatingPoint, Stage, limit_of
 from .numbers import (
-    law_names,
+    TableChoice,
     module_classes,
     read_integer,
     read_number,
     read_numbers,
     row_class,
-    unnamed_law,
+    table_choices,
+    unit_of,
+    usual_law,
 )
 from .tables import (
     OptimiseTable,
@@ -36,8 +40,7 @@ from .tables import (
 )
 
 
-def _number_or_choice(field: dataclasses.Field, hint) -> Any:
-    unit = field.metadata.get("unit")
+def _number_or_choice(field: dataclasses.Field, hint, unit: str | None) -> Any:
     if field.metadata.get("list"):
         return Annotated[tuple, checked(read_numbers, unit, limit_of(field.name, unit or "1"))]
     if unit is not None:
@@ -51,19 +54,18 @@ def _number_or_choice(field: dataclasses.Field, hint) -> Any:
     return Annotated[str, checked(read_text)]
 
 
-def _law_of(laws: dict[str, type]):
+def _law_of(laws: Iterable[str], usual: str | None):
     """How to find which member of a union a table means: by its key `law`."""
     choices = ", ".join(f'"{name}"' for name in laws)
-    unnamed = unnamed_law(laws)
 
     def tag(data) -> str:
-        return data.get("law", unnamed)
+        return data.get("law", usual)
 
     def check(data):
         if not isinstance(data, dict):
             raise problem("must be a table of keys")
         if "law" not in data:
-            if unnamed is not None:
+            if usual is not None:
                 return data
             raise problem(f"is missing; choose one of {choices}", key="law")
         if not isinstance(data["law"], str) or data["law"] not in laws:
@@ -73,54 +75,59 @@ def _law_of(laws: dict[str, type]):
     return Discriminator(tag), BeforeValidator(check)
 
 
-def _table_type(classes: tuple[type, ...]) -> Any:
-    if len(classes) == 1:
-        return table_of(classes[0])
-    laws = law_names(classes)
-    discriminator, check = _law_of(laws)
-    members = tuple(Annotated[table_of(cls, law), Tag(law)] for law, cls in laws.items())
+def _table_type(hint) -> Any:
+    choices, usual = table_choices(hint), usual_law(hint)
+    if "" in choices:
+        return table_of(choices[""])
+    discriminator, check = _law_of(choices.keys(), usual)
+    members = tuple(
+        Annotated[table_of(choice, name, usual), Tag(name)] for name, choice in choices.items()
+    )
     return Annotated[typing.Union[members], discriminator, check]  # noqa: UP007
 
 
-def _kind(field: dataclasses.Field, hint) -> Any:
+def _kind(field: dataclasses.Field, hint, unit: str | None) -> Any:
     row = row_class(hint)
     if row is not None:
-        return Annotated[list[table_of(row)], BeforeValidator(read_tables)]  # pyright: ignore[reportInvalidTypeForm]
-    classes = module_classes(hint)
-    return _table_type(classes) if classes else _number_or_choice(field, hint)
+        rows = table_of(TableChoice(row))
+        return Annotated[list[rows], BeforeValidator(read_tables)]  # pyright: ignore[reportInvalidTypeForm]
+    return _table_type(hint) if module_classes(hint) else _number_or_choice(field, hint, unit)
 
 
-def _meaning(field: dataclasses.Field) -> str:
-    unit, text = field.metadata.get("unit", "1"), field.metadata.get("description", "")
-    return text if unit == "1" or not text else f"{text} [{unit}]"
+def _meaning(field: dataclasses.Field, unit: str | None) -> str:
+    text = field.metadata.get("description", "")
+    return text if unit in (None, "1") or not text else f"{text} [{unit}]"
 
 
-@functools.cache
-def table_of(cls: type, law: str | None = None) -> type[Table]:
-    """The model of a class of the mechanism, from its fields; with a key `law` if there is one."""
-    hints = typing.get_type_hints(cls)
+def table_of(choice: TableChoice, name: str = "", usual: str | None = None) -> type[Table]:
+    """The model of a class of the mechanism, from its fields; with a key `law` if it has a name."""
     fields: dict[str, Any] = {}
-    if law is not None:
-        required = law != unnamed_law({law: cls})
-        fields["law"] = (Annotated[str, checked(read_text)], ... if required else law)
-    for field in dataclasses.fields(cls):
-        kind = _kind(field, hints[field.name])
-        if field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING:
-            fields[field.name] = (kind, Field(description=_meaning(field)))
+    if name:
+        fields["law"] = (Annotated[str, checked(read_text)], name if name == usual else ...)
+    for field, hint, units in choice.fields():
+        unit = unit_of(field, units)
+        kind = _kind(field, hint, unit)
+        if choice.needs(field):
+            fields[field.name] = (kind, Field(description=_meaning(field, unit)))
         else:
             fields[field.name] = (kind | None, None)
-    model = create_model(cls.__name__, __base__=Table, **fields)
-    model.module = cls
+    model = create_model(choice.cls.__name__, __base__=Table, **fields)
+    model.choice = choice
     return model
 
 
-@functools.cache
 def document() -> type[Table]:
-    """The model of a whole file."""
+    """The model of a whole file, with the friction laws that are known now."""
+    return _document(tuple(friction_laws().items()))
+
+
+@functools.cache
+def _document(laws: tuple[tuple[str, type], ...]) -> type[Table]:
     rows = BeforeValidator(read_tables)
-    point: Any = table_of(OperatingPoint)
-    stages: Any = Annotated[list[table_of(Stage)], rows]  # pyright: ignore[reportInvalidTypeForm]
-    phases: Any = Annotated[list[table_of(DutyCycle)], rows]  # pyright: ignore[reportInvalidTypeForm]
+    point: Any = table_of(TableChoice(OperatingPoint))
+    stage, phase = table_of(TableChoice(Stage)), table_of(TableChoice(DutyCycle))
+    stages: Any = Annotated[list[stage], rows]  # pyright: ignore[reportInvalidTypeForm]
+    phases: Any = Annotated[list[phase], rows]  # pyright: ignore[reportInvalidTypeForm]
     fields: dict[str, Any] = {
         "title": (Annotated[str, checked(read_text)], ""),
         "operating_point": (point | None, None),
@@ -138,7 +145,8 @@ def module_of(table: Table) -> eqx.Module:
 
     **Raises:** `ValueError` if the class of the mechanism refuses the values.
     """
-    assert table.module is not None
+    assert table.choice is not None
+    cls, law = table.choice.cls, table.choice.law
     values = {}
     for name in table.model_fields_set - {"law"}:
         value = getattr(table, name)
@@ -146,4 +154,7 @@ def module_of(table: Table) -> eqx.Module:
             values[name] = tuple(module_of(row) for row in value)
         else:
             values[name] = module_of(value) if isinstance(value, Table) else value
-    return table.module(**values)
+    if law is not None:
+        of_law = {field.name for field in dataclasses.fields(law)} & values.keys()
+        values["law"] = law(**{name: values.pop(name) for name in of_law})
+    return cls(**values)

@@ -16,7 +16,14 @@ from ..mechanism import DesignProblem, DutyCycle, Mechanism, find_parameters
 from ..process import whole_file
 from ._read import loads
 from ._scenario_lines import scenario_lines
-from .numbers import bare_number, law_names, module_classes, row_class, write_number
+from .numbers import (
+    bare_number,
+    is_law_field,
+    row_class,
+    table_choices,
+    unit_of,
+    write_number,
+)
 
 
 def _string(text: str) -> str:
@@ -35,17 +42,17 @@ def _number(value, unit: str, key: str) -> str:
     return bare_number(number) if unit == "1" else write_number(number, unit)
 
 
-def _module(module: eqx.Module, header: str, law: str | None = None) -> Iterator[str]:
+def _module(module: eqx.Module, header: str, units: Mapping[str, str] | None = None):
     """The lines of a table: its own keys first, as TOML wants it, then its tables."""
-    if law is not None:
-        yield f"law = {_string(law)}"
     hints = typing.get_type_hints(type(module))
     inner: list[str] = []
     for field in dataclasses.fields(module):
-        value = getattr(module, field.name)
+        value, unit = getattr(module, field.name), unit_of(field, dict(units or {}))
         if value is None:
             continue
-        if row_class(hints[field.name]) is not None:
+        if is_law_field(field):
+            yield from _module(value, header, field.metadata["units"])
+        elif row_class(hints[field.name]) is not None:
             for row in value:
                 inner.extend(("", f"[[{header}.{field.name}]]", *_module(row, header)))
         elif isinstance(value, eqx.Module):
@@ -56,12 +63,11 @@ def _module(module: eqx.Module, header: str, law: str | None = None) -> Iterator
                     f"{header}.{field.name} has shape {np.shape(value)}; a batch of mechanisms is "
                     "written one by one"
                 )
-            unit, key = field.metadata["unit"], f"{header}.{field.name}"
-            numbers = ", ".join(_number(one, unit, key) for one in np.asarray(value))
-            yield f"{field.name} = [{numbers}]"
-        elif "unit" in field.metadata:
             key = f"{header}.{field.name}"
-            yield f"{field.name} = {_number(value, field.metadata['unit'], key)}"
+            numbers = ", ".join(_number(one, unit or "1", key) for one in np.asarray(value))
+            yield f"{field.name} = [{numbers}]"
+        elif unit is not None:
+            yield f"{field.name} = {_number(value, unit, f'{header}.{field.name}')}"
         elif isinstance(value, str):
             if not (field.metadata.get("implied") and value == field.default):
                 yield f"{field.name} = {_string(value)}"
@@ -74,11 +80,15 @@ def _module(module: eqx.Module, header: str, law: str | None = None) -> Iterator
 
 
 def _inner_table(field: dataclasses.Field, value: eqx.Module, hint, header: str) -> list[str]:
-    classes = module_classes(hint)
-    law = None
-    if len(classes) > 1:
-        law = next(name for name, cls in law_names(classes).items() if cls is type(value))
-    lines = list(_module(value, header, law))
+    choices = table_choices(hint)
+    law = next((name for name, choice in choices.items() if choice.holds(value)), None)
+    if law is None:
+        raise FileError(
+            f"{header} is of the class {type(getattr(value, 'law', value)).__name__}, which no "
+            "file knows; name the class with the decorator prsm_jax.friction_law"
+        )
+    lines = [f"law = {_string(law)}"] if law else []
+    lines += list(_module(value, header))
     if not lines:
         # A body without data is what its absence means, where the class says so by its default.
         return [] if isinstance(field.default, eqx.Module) else ["", f"[{header}]"]

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from ..geometry import Finding
-from ..mechanism import Scalar, Stage, ViscousFriction
+from ..mechanism import Scalar, Stage
 
 #: Preloads, and plays, that differ by less are the same but for rounding.
 _SAME = 0.01
@@ -154,7 +154,7 @@ def _check_spin(stage: Stage, number: int) -> Iterator[Finding]:
         return
     law, spin = friction.thread, float(friction.spin.coefficient)
     rule = "screw and roller slide and spin by the law of the threads, and"
-    if isinstance(law, ViscousFriction):
+    if law.load_independent:
         yield Finding(
             "spin_coefficient",
             "note",
@@ -165,7 +165,9 @@ def _check_spin(stage: Stage, number: int) -> Iterator[Finding]:
             f"{rule} stage.friction.spin.coefficient, {spin:.4g}, is that of roller and nut only",
         )
         return
-    threads = float(law.coefficient)
+    # That of fast slip, by which these laws are known; others have none to compare.
+    coefficient = getattr(law, "coefficient", None)
+    threads = spin if coefficient is None else float(coefficient)
     if _differ(spin, threads):
         yield Finding(
             "spin_coefficient",

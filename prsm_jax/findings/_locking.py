@@ -6,7 +6,13 @@ import equinox as eqx
 import jax.numpy as jnp
 
 from ..contact import load_of
-from ..dynamics import jamming_coefficient, jamming_margin, locking_coefficient, steady_state
+from ..dynamics import (
+    friction_needs_load,
+    jamming_coefficient,
+    jamming_margin,
+    locking_coefficient,
+    steady_state,
+)
 from ..mechanism import Mechanism, Scalar
 from ..quantities import Analysis
 from ._margin import Margin, Reading, margin_source
@@ -31,7 +37,8 @@ def _jamming(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         stage = analysis.mechanism.stages[index]
         alone = eqx.tree_at(lambda m: m.stages, analysis.mechanism, (stage,))
         geometry = analysis.kinematics[index]
-        return jamming_margin(alone, (geometry,), jnp.abs(analysis.speed))
+        load = analysis.load if friction_needs_load(alone) else None
+        return jamming_margin(alone, (geometry,), jnp.abs(analysis.speed), load)
 
     def message(r: Reading) -> str:
         what = "is past" if r.severity == "error" else "comes near"

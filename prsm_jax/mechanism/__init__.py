@@ -1,5 +1,30 @@
-"""The mechanism: a frozen pytree in SI units. It knows of no other room of physics."""
+"""The mechanism: a frozen pytree in SI units. Of physics it knows the friction laws it holds."""
 
+from ..fields import (
+    ANY as ANY,
+    NOT_NEGATIVE as NOT_NEGATIVE,
+    POSITIVE as POSITIVE,
+    Contradiction as Contradiction,
+    Limit as Limit,
+    Scalar as Scalar,
+    as_scalar as as_scalar,
+    check_stage as check_stage,
+    limit_of as limit_of,
+)
+from ..friction import (
+    CoulombFriction as CoulombFriction,
+    Drag as Drag,
+    Friction as Friction,
+    FrictionLaw as FrictionLaw,
+    LuGreFriction as LuGreFriction,
+    RegularisedCoulombFriction as RegularisedCoulombFriction,
+    RollingHysteresis as RollingHysteresis,
+    SpinFriction as SpinFriction,
+    SplineFriction as SplineFriction,
+    StribeckFriction as StribeckFriction,
+    ThrustBearingFriction as ThrustBearingFriction,
+    ViscousFriction as ViscousFriction,
+)
 from ._mechanism import (
     CURVATURE_CONVENTIONS as CURVATURE_CONVENTIONS,
     CurvatureConvention as CurvatureConvention,
@@ -22,39 +47,6 @@ from .derived import (
     numbers_possible as numbers_possible,
     nut_outer_radius as nut_outer_radius,
     stage_mass as stage_mass,
-)
-from .fields import (
-    ANY as ANY,
-    NOT_NEGATIVE as NOT_NEGATIVE,
-    POSITIVE as POSITIVE,
-    Contradiction as Contradiction,
-    Limit as Limit,
-    Scalar as Scalar,
-    as_scalar as as_scalar,
-    check_stage as check_stage,
-    limit_of as limit_of,
-)
-from .friction import (
-    CoulombFriction as CoulombFriction,
-    Drag as Drag,
-    Friction as Friction,
-    LuGreFriction as LuGreFriction,
-    RegularisedCoulombFriction as RegularisedCoulombFriction,
-    RegularisedSplineFriction as RegularisedSplineFriction,
-    RegularisedThrustBearingFriction as RegularisedThrustBearingFriction,
-    RollingHysteresis as RollingHysteresis,
-    SpinFriction as SpinFriction,
-    SplineFriction as SplineFriction,
-    SplineLaw as SplineLaw,
-    StribeckFriction as StribeckFriction,
-    StribeckSplineFriction as StribeckSplineFriction,
-    StribeckThrustBearingFriction as StribeckThrustBearingFriction,
-    ThreadFriction as ThreadFriction,
-    ThrustBearingFriction as ThrustBearingFriction,
-    ThrustBearingLaw as ThrustBearingLaw,
-    ViscousFriction as ViscousFriction,
-    ViscousSplineFriction as ViscousSplineFriction,
-    ViscousThrustBearingFriction as ViscousThrustBearingFriction,
 )
 from .parameters import (
     DESIGN_VARIABLES as DESIGN_VARIABLES,

@@ -5,7 +5,7 @@ from typing import Any, Literal, TypeAlias
 import equinox as eqx
 from jaxtyping import Array, Float
 
-from .fields import (
+from ..fields import (
     Limited,
     Scalar,
     as_scalar,
@@ -17,7 +17,7 @@ from .fields import (
     optional_number,
     part,
 )
-from .friction import Friction
+from ..friction import Friction
 from .parts import (
     Carrier,
     Damping,

@@ -9,8 +9,8 @@ import pytest
 from scenes import array
 
 from prsm_jax import halfspace, strength
+from prsm_jax.fields._limits import Limit
 from prsm_jax.load_sharing._flank_law import flank_force_and_slope
-from prsm_jax.mechanism.fields._limits import Limit
 from prsm_jax.strength._powers import positive_power, ratio_or_infinity, scaled_unless_infinite
 
 

@@ -12,6 +12,7 @@ from prsm_jax.dynamics import free_carrier_ratio, stage_kinematics
 from prsm_jax.dynamics.friction._bristles import bristle_friction
 from prsm_jax.dynamics.friction._thread_friction import thread_friction
 from prsm_jax.dynamics.steady._carrier_balance import slip_per_turn
+from prsm_jax.friction import Deflected
 from prsm_jax.mechanism import (
     CoulombFriction,
     Friction,
@@ -75,7 +76,8 @@ def test_steady_slip_is_stribecks_law():
     )
     expected = thread_friction(stribeck, slip, direction)
     bent = expected[0] / law.bristle_stiffness
-    for found in (bristle_friction(law, slip, bent), thread_friction(law, slip, direction)):
+    contact = Deflected(slip, bent)
+    for found in (bristle_friction(law, contact), thread_friction(law, slip, direction)):
         np.testing.assert_allclose(found[0], expected[0], rtol=1e-14)
         np.testing.assert_allclose(found[1], expected[1], rtol=1e-14)
 

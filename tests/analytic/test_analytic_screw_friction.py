@@ -11,14 +11,11 @@ from prsm_jax.mechanism import (
     CoulombFriction,
     Drag,
     Friction,
-    RegularisedSplineFriction,
-    RegularisedThrustBearingFriction,
+    RegularisedCoulombFriction,
     SplineFriction,
-    StribeckSplineFriction,
-    StribeckThrustBearingFriction,
+    StribeckFriction,
     ThrustBearingFriction,
-    ViscousSplineFriction,
-    ViscousThrustBearingFriction,
+    ViscousFriction,
 )
 
 SPEED, LOAD, RADIUS = 40.0, 5e3, 12e-3
@@ -50,13 +47,13 @@ def _coefficient(shape, sliding):
     [
         (
             "regularised",
-            RegularisedSplineFriction(0.1, RADIUS, 0.03),
-            RegularisedThrustBearingFriction(0.1, RADIUS, 0.03),
+            SplineFriction(RegularisedCoulombFriction(0.1, 0.03), RADIUS),
+            ThrustBearingFriction(RegularisedCoulombFriction(0.1, 0.03), RADIUS),
         ),
         (
             "stribeck",
-            StribeckSplineFriction(0.15, 0.1, 0.05, RADIUS),
-            StribeckThrustBearingFriction(0.15, 0.1, 0.05, RADIUS),
+            SplineFriction(StribeckFriction(0.15, 0.1, 0.05), RADIUS),
+            ThrustBearingFriction(StribeckFriction(0.15, 0.1, 0.05), RADIUS),
         ),
     ],
 )
@@ -77,7 +74,9 @@ def test_a_law_is_coulombs_with_its_own_coefficient(shape, spline, bearing):
 
 def test_viscous_laws_do_not_know_the_load():
     found = _steady(
-        ViscousSplineFriction(50.0), ViscousThrustBearingFriction(0.002), Drag(0.1, 0.003)
+        SplineFriction(ViscousFriction(50.0)),
+        ThrustBearingFriction(ViscousFriction(0.002)),
+        Drag(0.1, 0.003),
     )
     assert float(found.spline_friction[1]) == pytest.approx(50.0 * SLIDING, rel=1e-14)
     assert float(found.losses["spline"]) == pytest.approx(50.0 * SLIDING**2, rel=1e-14)
@@ -86,7 +85,10 @@ def test_viscous_laws_do_not_know_the_load():
     assert float(found.losses["drag"]) == pytest.approx(drag, rel=1e-14)
     assert float(found.power_balance_residual) < 1e-13
     back = _steady(
-        ViscousSplineFriction(50.0), ViscousThrustBearingFriction(0.002), Drag(0.1, 0.003), -SPEED
+        SplineFriction(ViscousFriction(50.0)),
+        ThrustBearingFriction(ViscousFriction(0.002)),
+        Drag(0.1, 0.003),
+        -SPEED,
     )
     # The same powers when the load drives, against the other direction.
     for name in ("spline", "thrust_bearing", "drag"):
@@ -96,8 +98,8 @@ def test_viscous_laws_do_not_know_the_load():
 
 def test_stribeck_adds_viscous_friction():
     with_film = _steady(
-        StribeckSplineFriction(0.15, 0.1, 0.05, RADIUS, 50.0),
-        StribeckThrustBearingFriction(0.15, 0.1, 0.05, RADIUS, 0.002),
+        SplineFriction(StribeckFriction(0.15, 0.1, 0.05, 50.0), RADIUS),
+        ThrustBearingFriction(StribeckFriction(0.15, 0.1, 0.05, 0.002), RADIUS),
     )
     assert float(with_film.power_balance_residual) < 1e-13
     ratio = _coefficient("stribeck", SLIDING) / RADIUS

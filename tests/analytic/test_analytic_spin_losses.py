@@ -12,7 +12,8 @@ import pytest
 from scenes import array, mechanism, stage, steady_state, thread
 
 import prsm_jax as prsm
-from prsm_jax.dynamics.friction._rubbing import Rubbing, _root, rubbed_friction, rubbed_moment
+from prsm_jax.dynamics.friction._asked import Slip
+from prsm_jax.dynamics.friction._rubbing import Rubbing, _root, friction_on_roller, rubbed_moment
 from prsm_jax.dynamics.friction._thread_friction import slip_direction, thread_friction
 from prsm_jax.mechanism import (
     CoulombFriction,
@@ -120,7 +121,9 @@ def test_every_law_rubs_by_the_mean_local_speed(speed):
         moment = float(rubbed_moment(law, rub, array(500.0)))
         expected = coefficient * 500.0 * 2e-4 + damping * 3e-7
         assert moment == pytest.approx(expected, rel=1e-13, abs=1e-300), law
-        per_force, constant = rubbed_friction(law, slip, None, rub)
+        rubbed = stage(friction=Friction(thread=law))
+        moving = Slip(slip, along, array(1.0), array(0.3))
+        per_force, constant = friction_on_roller(rubbed, moving, None, rub, {})
         np.testing.assert_allclose(per_force, coefficient * along, rtol=1e-13)
         np.testing.assert_allclose(constant, damping * slip, rtol=1e-13)
 

@@ -28,7 +28,7 @@ def test_the_json_has_what_python_has(prsm_json, found):
     spline = parts["stage.2.friction.spline"]
     assert spline["present"]
     assert (spline["kind"], spline["law"]) == ("table", "coulomb")
-    assert spline["laws"] == ["coulomb", "viscous", "regularised_coulomb", "stribeck"]
+    assert spline["laws"] == ["coulomb", "regularised_coulomb", "stribeck", "viscous"]
     cost = spline["costs"]["steady_state"]
     (whole,) = [p["equations"] for p in told["programs"]]
     assert cost["equations"] == whole - cost["equations_without"] > 0

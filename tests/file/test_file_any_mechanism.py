@@ -12,7 +12,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 import prsm_jax.file as file
-from prsm_jax.file.numbers._layout import module_classes, row_class
+from prsm_jax.file.numbers._layout import TableChoice, module_classes, row_class, table_choices
 from prsm_jax.mechanism import (
     GAP_LISTS,
     AxialPlay,
@@ -48,7 +48,7 @@ def _field(field: dataclasses.Field, hint) -> st.SearchStrategy:
     if row_class(hint) is not None:
         return st.just(())  # filled when the number of rollers is known
     if classes:
-        present = st.one_of([modules(cls) for cls in classes])
+        present = st.one_of([_choice(one) for one in table_choices(hint).values()])
     elif field.metadata.get("list"):
         return st.none()  # filled when the number of threads is known
     elif "unit" in field.metadata:
@@ -61,6 +61,15 @@ def _field(field: dataclasses.Field, hint) -> st.SearchStrategy:
     else:
         present = st.sampled_from(typing.get_args(hint))
     return st.one_of(st.none(), present) if type(None) in typing.get_args(hint) else present
+
+
+@st.composite
+def _choice(draw, choice: TableChoice):
+    """A module of a table, with a law where that stands in the same table."""
+    if choice.law is None:
+        return draw(modules(choice.cls))
+    law = draw(modules(choice.law))
+    return choice.cls(law, None if choice.law.load_independent else draw(numbers("radius", "m")))
 
 
 @st.composite

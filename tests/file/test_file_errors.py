@@ -55,7 +55,7 @@ CASES = [
      r"radius, 12 mm"),
     ('radial_width = "6 mm"', 'radial_width = "32 mm"', "must be less than twice the radius"),
     ('law = "coulomb"', 'law = "columb"',
-     r'\[\[stage\]\] 1 friction.thread: law = "columb": choose one of "coulomb", "viscous"'),
+     r'\[\[stage\]\] 1 friction.thread: law = "columb": choose one of "coulomb", "lugre"'),
     ('law = "coulomb"', "", 'friction.thread: law: is missing; choose one of "coulomb"'),
     ("[stage.friction.thread]", "[stage.friction.thread]\nx = 1",
      r"friction.thread: x = 1: unknown key; known: coefficient"),

@@ -4,7 +4,7 @@ import pytest
 
 from prsm_jax import file
 from prsm_jax._errors import FileError
-from prsm_jax.mechanism import LuGreFriction, SplineFriction, StribeckThrustBearingFriction
+from prsm_jax.mechanism import CoulombFriction, LuGreFriction, SplineFriction, StribeckFriction
 
 TEXT = file.example_text("li2020_two_stage")
 
@@ -23,6 +23,7 @@ def test_a_spline_without_a_law_is_coulombs():
     plain = _replaced("[stage.friction.spline]", "coefficient = 0.1", "radius = 0.01")
     found = [file.loads(text).stages[1].friction.spline for text in (named, plain)]
     assert all(isinstance(one, SplineFriction) for one in found)
+    assert all(isinstance(one.law, CoulombFriction) for one in found)
     assert file.dumps(file.loads(named)) == file.dumps(file.loads(plain))
 
 
@@ -37,7 +38,7 @@ def test_laws_with_units():
         'viscous_coefficient = "2 mN m s"',
     )
     law = file.loads(text).stages[1].friction.thrust_bearing
-    assert isinstance(law, StribeckThrustBearingFriction)
+    assert isinstance(law.law, StribeckFriction)
     assert float(law.viscous_coefficient) == pytest.approx(2e-3)
     assert float(law.stribeck_speed) == pytest.approx(0.05)
 
@@ -62,5 +63,5 @@ def test_lugre():
 
 def test_an_unknown_law_names_the_known_ones():
     text = _replaced("[stage.friction.spline]", 'law = "lugre"', "coefficient = 0.1")
-    with pytest.raises(FileError, match='choose one of "coulomb", "viscous"'):
+    with pytest.raises(FileError, match='choose one of "coulomb", "regularised_coulomb", "str'):
         file.loads(text)

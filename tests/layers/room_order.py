@@ -9,11 +9,13 @@ GROUND: dict[str, set[str]] = {
     "programs": set(),
     "text": set(),
     "process": set(),
+    "fields": {"numerics"},
 }
 #: Each room and the rooms that it may use, directly; errors and the version serve all.
 LAYERS = {
-    "mechanism": set(),
-    "file": {"mechanism"},
+    "friction": set(),
+    "mechanism": {"friction"},
+    "file": {"friction", "mechanism"},
     "geometry": {"mechanism"},
     "contact": {"mechanism", "geometry"},
     "halfspace": {"mechanism", "geometry", "contact"},
@@ -21,7 +23,7 @@ LAYERS = {
     "strength": {"mechanism", "geometry", "contact", "load_sharing"},
     "stiffness": {"mechanism", "geometry", "contact", "load_sharing"},
     "vibration": {"mechanism", "geometry", "contact", "load_sharing", "stiffness"},
-    "dynamics": {"mechanism", "geometry", "contact", "stiffness"},
+    "dynamics": {"friction", "mechanism", "geometry", "contact", "stiffness"},
     "response": {
         "mechanism",
         "geometry",

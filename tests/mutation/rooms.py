@@ -80,6 +80,11 @@ _TESTS: tuple[tuple[str, str], ...] = (
         "analytic/vibration analytic/modes analytic/distinct_frequencies analytic/unequal_rollers "
         "analytic/single_faults literature/planetary_gear gradients/modes",
     ),
+    (
+        "friction",
+        "analytic/spin_losses analytic/lugre analytic/screw_friction analytic/regularised "
+        "friction/laws",
+    ),
     ("dynamics/speed_drive/_settling", "analytic/settling"),
     ("dynamics/forces/_chain", "analytic/settling analytic/steady analytic/newton"),
     ("dynamics/forces/_reduced", "analytic/settling analytic/steady"),

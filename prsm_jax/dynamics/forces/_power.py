@@ -5,17 +5,16 @@ import jax.numpy as jnp
 from ...mechanism import Mechanism, Scalar, Stage
 from ...numerics import dot_few
 from .._kinematics import StageKinematics
-from ..friction import bristle_power
+from ..friction import bristle_power, deflected
 from ._chain import StageState
 
 
 def stage_bristle_power(stage: Stage, state: StageState) -> Scalar:
-    """Rate at which the bristles of a stage store energy [W]."""
+    """Rate at which the deflections of a stage's contacts store energy [W]."""
     motion, forces = state.motion, state.forces
-    spinning = forces.rubbing and (forces.rubbing.direction, forces.rubbing.mean_speed)
-    return bristle_power(
-        stage, motion.slip, motion.deflection, forces.contact_force, *(spinning or ())
-    )
+    assert motion.deflection is not None
+    contact = deflected(motion.slip, motion.deflection, forces.rubbing)
+    return bristle_power(stage, contact, forces.contact_force)
 
 
 def stored_power(mechanism: Mechanism, states: tuple[StageState, ...]) -> Scalar | None:

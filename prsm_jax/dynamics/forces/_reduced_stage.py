@@ -16,7 +16,7 @@ from ...mechanism import Scalar, Stage
 from ...numerics import above_or_nan, dot_few
 from ...programs import physics
 from .._kinematics import StageKinematics
-from ..friction import has_contact_losses, thread_friction
+from ..friction import friction_coefficient, has_contact_losses
 
 
 class ReducedStage(eqx.Module):
@@ -50,8 +50,12 @@ class ReducedForces(NamedTuple):
 
 
 def is_reducible(stage: Stage) -> bool:
-    """Whether the scalars suffice: not with losses inside the contact ellipses."""
-    return not has_contact_losses(stage.friction)
+    """Whether the scalars suffice: not with losses inside the contact ellipses.
+
+    Nor with a law of friction that asks for more than the slip speed.
+    """
+    law = None if stage.friction is None else stage.friction.thread
+    return not (has_contact_losses(stage.friction) or (law is not None and law.asks))
 
 
 def reduced_stage(kinematics: StageKinematics) -> ReducedStage:
@@ -91,9 +95,12 @@ def reduced_forces(
     # loops, as the one by the number of rollers.
     share = jnp.where(slips, jax.lax.rsqrt(jnp.where(slips, square, 1.0)), 0.0)
     slip_speed = square * share
-    per_force, constant = thread_friction(law, slip_speed[None], jnp.ones_like(slip_speed)[None])
     # Friction per slip speed: it is parallel to the slip.
-    per_force, constant = per_force[0] * share, constant[0] * share
+    per_force = constant = jnp.zeros_like(slip_speed)
+    if law is not None and not law.load_independent:
+        per_force = friction_coefficient(law, slip_speed) * share
+    if law is not None and law.viscous_resistance is not None:
+        constant = jnp.where(slips, law.viscous_resistance, 0.0)
 
     axial_slip = speed * reduced.axial
     left = axial_force * (1 / count) + constant * axial_slip

@@ -116,7 +116,8 @@ def stage_forces(
     screw_side, nut_side = kinematics.meshing.screw, kinematics.meshing.nut
     contact = motion.contact
     if contact is None:
-        slip, axial = Slip(motion.slip, motion.direction), axial_force / count
+        slip = Slip(motion.slip, motion.direction, motion.screw_speed, motion.carrier_speed)
+        axial = axial_force / count
         contact = screw_contact(stage, kinematics, slip, axial, motion.deflection, motion.share)
     force, per_force, constant, rub, missed = contact
     friction = force * per_force + constant

@@ -1,8 +1,7 @@
 """Friction of threads, of ellipses that spin, of splines and bearings."""
 
+from ._asked import Slip as Slip, asked_of as asked_of, asks_for_force as asks_for_force
 from ._bristles import (
-    breakaway_deflection as breakaway_deflection,
-    bristle_friction as bristle_friction,
     bristle_power as bristle_power,
     bristle_rate as bristle_rate,
     bristles_of as bristles_of,
@@ -19,16 +18,21 @@ from ._flank import loaded_flank as loaded_flank, turned as turned
 from ._rubbing import (
     Rubbing as Rubbing,
     ScrewContact as ScrewContact,
-    Slip as Slip,
-    rubbed_friction as rubbed_friction,
+    deflected as deflected,
+    friction_on_roller as friction_on_roller,
+    has_unknown_share as has_unknown_share,
     rubbing as rubbing,
     rubbing_of as rubbing_of,
     screw_contact as screw_contact,
-    spinning_stages as spinning_stages,
+    unknown_shares as unknown_shares,
 )
 from ._screw_friction import (
     bearing_torque as bearing_torque,
     drag_torque as drag_torque,
     spline_force as spline_force,
 )
-from ._thread_friction import slip_direction as slip_direction, thread_friction as thread_friction
+from ._thread_friction import (
+    friction_coefficient as friction_coefficient,
+    slip_direction as slip_direction,
+    thread_friction as thread_friction,
+)

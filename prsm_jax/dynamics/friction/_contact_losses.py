@@ -32,6 +32,7 @@ from ...mechanism import Friction, RollingHysteresis, Scalar, SpinFriction, Stag
 from ...numerics import above_or_nan, apart
 from ...programs import physics
 from .._kinematics import StageKinematics
+from ._asked import asks_for_pressure
 from ._rubbing import Rubbing, RubbingEllipse, rubbed_moment, rubbing_ellipse
 
 
@@ -58,6 +59,8 @@ class ContactResistance(eqx.Module):
     nut: ResistingMoment
     #: That of the screw side, where spin is modelled.
     ellipse: RubbingEllipse | None
+    #: Largest Hertz pressure of the screw side, where the friction law asks for it [Pa].
+    pressure: Scalar | None = None
 
 
 def has_contact_losses(friction: Friction | None) -> bool:
@@ -111,17 +114,20 @@ def contact_resistance(stage: Stage, kinematics: StageKinematics) -> ContactResi
     force = jnp.ones_like(kinematics.slip_per_screw[2])
     frames = contact_frames(stage.thread, kinematics.meshing, stage.curvature)
     sides = (kinematics.meshing.screw, kinematics.meshing.nut)
-    moments, ellipse = [], None
+    moments, ellipse, pressure = [], None, None
     for name, frame, side in zip(("screw", "nut"), frames, sides, strict=True):
         try:
             threads = engaged_threads(stage)
             hertz = side_contact(stage, name, frame, force / threads, "exact").hertz
         except MissingDataError as error:
-            raise MissingDataError(f"spin and rolling losses need the ellipses: {error}") from error
+            needs = "spin, rolling losses, and friction by pressure need the ellipses"
+            raise MissingDataError(f"{needs}: {error}") from error
         along_normal = jnp.abs(side.normal[2])
         in_plane = jnp.hypot(side.normal[0], side.normal[1])
         spin, rolling = friction.spin, friction.rolling_hysteresis
         slides = name == "screw"
+        if slides and asks_for_pressure(stage):
+            pressure = hertz.max_pressure
         if slides and spin is not None:
             ellipse = rubbing_ellipse(ellipse_shape(hertz, frame.curvature), side.normal)
         moments.append(
@@ -134,7 +140,7 @@ def contact_resistance(stage: Stage, kinematics: StageKinematics) -> ContactResi
                 else rolling_moment(rolling, hertz, frame.curvature, force) * in_plane,
             )
         )
-    return ContactResistance(moments[0], moments[1], ellipse)
+    return ContactResistance(moments[0], moments[1], ellipse, pressure)
 
 
 def _at_force(coefficient: ResistingMoment, force: Scalar) -> ResistingMoment:
@@ -176,7 +182,8 @@ def with_resistance(
     """Kinematics that hold the coefficients of the contact losses, where they are modelled."""
     return tuple(
         dataclasses.replace(geometry, resistance=apart(contact_resistance)(stage, geometry))
-        if has_contact_losses(stage.friction) and geometry.resistance is None
+        if geometry.resistance is None
+        and (has_contact_losses(stage.friction) or asks_for_pressure(stage))
         else geometry
         for stage, geometry in zip(stages, kinematics, strict=True)
     )

@@ -10,17 +10,11 @@ screw and carrier is turned back.
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ...mechanism import Scalar, ThreadFriction, ViscousFriction
+from ...friction import FrictionLaw
+from ...mechanism import Scalar
 
 
-def force_free_coefficient(law: ThreadFriction | None) -> Scalar | None:
-    """Friction per slip speed that does not need a normal force [N·s/m]."""
-    if isinstance(law, ViscousFriction):
-        return law.coefficient
-    return getattr(law, "viscous_coefficient", None)
-
-
-def loaded_flank(law: ThreadFriction | None, axial_force: Scalar, axial_slip: Scalar) -> Scalar:
+def loaded_flank(law: FrictionLaw | None, axial_force: Scalar, axial_slip: Scalar) -> Scalar:
     """+1 if the usual flanks carry one roller, −1 if the others do.
 
     Friction that needs no normal force helps to carry it: the sides change where what is left for
@@ -32,7 +26,7 @@ def loaded_flank(law: ThreadFriction | None, axial_force: Scalar, axial_slip: Sc
     - `axial_force`: what one roller carries axially [N].
     - `axial_slip`: axial part of the slip, Ω L/2π [m/s].
     """
-    coefficient = force_free_coefficient(law)
+    coefficient = None if law is None else law.viscous_resistance
     left = axial_force if coefficient is None else axial_force + coefficient * axial_slip
     return jnp.where(left < 0, -1.0, 1.0).astype(left.dtype)
 

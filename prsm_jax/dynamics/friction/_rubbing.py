@@ -9,7 +9,6 @@ Both depend on the ellipse, which grows with F^{1/3}, and F depends on the frict
 balance is one equation for the share of the normal force that carries.
 """
 
-import functools
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -18,21 +17,14 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ...contact import EllipseShape, slip_and_spin
-from ...mechanism import (
-    CoulombFriction,
-    LuGreFriction,
-    RegularisedCoulombFriction,
-    Scalar,
-    Stage,
-    StribeckFriction,
-    ThreadFriction,
-)
+from ...friction import Deflected, FrictionLaw
+from ...mechanism import Scalar, Stage
 from ...numerics import above_or_nan, dot_few, find_root, sum_few
 from ...programs import physics
 from .._kinematics import StageKinematics
-from ._bristles import bristle_friction
-from ._flank import force_free_coefficient
-from ._thread_friction import stribeck_coefficient, thread_friction
+from ._asked import Slip, asked_of, asks_for_force
+from ._bristles import bristle_friction, bristles_of
+from ._thread_friction import friction_coefficient, slip_resistance, thread_friction
 
 #: Points of the rule: wherever the instantaneous centre lies, its error is below 1e-10 up to
 #: a/b = 5 and 1e-7 up to 10.
@@ -52,16 +44,6 @@ class RubbingEllipse(eqx.Module):
     normal_axial: Scalar
 
 
-class Slip(NamedTuple):
-    """Slip of the screw over the roller."""
-
-    #: [m/s].
-    velocity: Float[Array, "3"]
-    #: Unit vector; at standstill that of the motion about to begin. Shorter where friction takes
-    #: only a share of what it can, in a stage that is held.
-    direction: Float[Array, "3"]
-
-
 class Rubbing(eqx.Module):
     """Slip and spin of an ellipse, and the gradient of their mean local slip speed Φ."""
 
@@ -73,6 +55,8 @@ class Rubbing(eqx.Module):
     mean_speed: Scalar
     #: Moment about the axis per viscous coefficient, ω_n |n_z| (a² + b²)/5, that resists [m²/s].
     viscous_moment: Scalar
+    #: What the friction law asks for, by name.
+    asked: dict[str, Scalar] = eqx.field(default_factory=dict)
 
 
 def rubbing_ellipse(shape: EllipseShape, normal: Float[Array, "3"]) -> RubbingEllipse:
@@ -107,7 +91,11 @@ def _root(power: Callable[[Scalar], Scalar], value: Scalar) -> Scalar:
 
 @physics("spin_friction")
 def rubbing(
-    ellipse: RubbingEllipse, kinematics: StageKinematics, slip: Slip, force: Scalar
+    ellipse: RubbingEllipse,
+    kinematics: StageKinematics,
+    slip: Slip,
+    force: Scalar,
+    law: FrictionLaw | None = None,
 ) -> Rubbing:
     """What an ellipse under a normal force rubs, seen from the side of the loaded flank.
 
@@ -117,9 +105,12 @@ def rubbing(
     - `kinematics`: of its stage.
     - `slip`: of the screw over the roller.
     - `force`: normal force of one roller [N].
+    - `law`: the friction law, for what it asks.
     """
     direction = slip.direction
-    speed, held = (_root(jnp.sqrt, sum_few(vector**2)) for vector in slip)
+    speed, held = (
+        _root(jnp.sqrt, sum_few(vector**2)) for vector in (slip.velocity, slip.direction)
+    )
     growth, along = _root(jnp.cbrt, jnp.abs(force)), jnp.abs(ellipse.normal_axial)
     turning = spin_per_slip(kinematics, direction)
     # An ellipse that is twice as large spins as if twice as fast: its shape stays that at 1 N.
@@ -133,59 +124,53 @@ def rubbing(
         moment=growth * along * jnp.abs(found.moment),
         mean_speed=speed * (first * rolling + second * across + found.moment * spin),
         viscous_moment=size / 5 * jnp.abs(growth * along * spin) * speed,
+        asked={} if law is None else asked_of(law, kinematics, slip, force),
     )
 
 
-@functools.singledispatch
-def traction_coefficient(law: ThreadFriction, mean_speed: Scalar) -> Scalar:
-    """Coefficient of the local friction at the mean local slip speed; 0 of laws without one."""
-    return jnp.zeros_like(mean_speed)
+def deflected(
+    slip: Float[Array, "3"], deflection: Float[Array, "3"], rub: Rubbing | None
+) -> Deflected:
+    """Slip and deflection of a contact, and how it spins where it does."""
+    if rub is None:
+        return Deflected(slip, deflection)
+    return Deflected(slip, deflection, rub.direction, rub.mean_speed)
 
 
-@traction_coefficient.register
-@physics("coulomb_friction")
-def _coulomb(law: CoulombFriction, mean_speed):
-    return law.coefficient * jnp.ones_like(mean_speed)
-
-
-@traction_coefficient.register
-@physics("regularised_coulomb_friction")
-def _regularised(law: RegularisedCoulombFriction, mean_speed):
-    return law.coefficient * mean_speed / jnp.sqrt(mean_speed**2 + law.width**2)
-
-
-@traction_coefficient.register
-@physics("stribeck_friction")
-def _stribeck(law: StribeckFriction, mean_speed):
-    return stribeck_coefficient(law, mean_speed[None])
-
-
-@traction_coefficient.register
-@physics("lugre_friction")
-def _bristles(law: LuGreFriction, mean_speed):
-    return stribeck_coefficient(law, mean_speed[None])
-
-
-def rubbed_friction(
-    law: ThreadFriction,
-    slip: Float[Array, "3"],
+def friction_on_roller(
+    stage: Stage,
+    slip: Slip,
     deflection: Float[Array, "3"] | None,
-    rub: Rubbing,
+    rub: Rubbing | None,
+    asked: dict[str, Scalar],
 ) -> tuple[Float[Array, "3"], Float[Array, "3"]]:
-    """Friction on one roller, as `thread_friction`, in an ellipse that spins."""
-    if isinstance(law, LuGreFriction) and deflection is not None:
-        return bristle_friction(law, slip, deflection, rub.direction, rub.mean_speed)
-    coefficient = force_free_coefficient(law)
-    constant = jnp.zeros_like(slip) if coefficient is None else coefficient * slip
-    return traction_coefficient(law, rub.mean_speed) * rub.direction, constant
+    """Friction of the threads on one roller: per unit of normal force, and beside it [N].
+
+    **Arguments:**
+
+    - `stage`: whose threads rub.
+    - `slip`: of the screw over the roller.
+    - `deflection`: where the law has that state [m].
+    - `rub`: slip and spin of the ellipse, where that is modelled.
+    - `asked`: what the law asks for, by name.
+    """
+    law, bristles = None if stage.friction is None else stage.friction.thread, bristles_of(stage)
+    if bristles is not None and deflection is not None:
+        return bristle_friction(bristles, deflected(slip.velocity, deflection, rub))
+    if law is None or rub is None:
+        return thread_friction(law, slip.velocity, slip.direction, asked)
+    constant = slip_resistance(law, slip.velocity)
+    if law.load_independent:
+        return jnp.zeros_like(constant), constant
+    return friction_coefficient(law, rub.mean_speed, asked) * rub.direction, constant
 
 
 @physics("spin_friction")
-def rubbed_moment(law: ThreadFriction, rub: Rubbing, force: Scalar) -> Scalar:
+def rubbed_moment(law: FrictionLaw, rub: Rubbing, force: Scalar) -> Scalar:
     """Moment about the axis that resists the spin of the screw side of one roller [N·m]."""
-    moment = traction_coefficient(law, rub.mean_speed) * force * rub.moment
-    coefficient = force_free_coefficient(law)
-    return moment if coefficient is None else moment + coefficient * rub.viscous_moment
+    moment = friction_coefficient(law, rub.mean_speed, rub.asked) * force * rub.moment
+    resistance = law.viscous_resistance
+    return moment if resistance is None else moment + resistance * rub.viscous_moment
 
 
 class ScrewContact(NamedTuple):
@@ -209,22 +194,27 @@ def rubbing_of(stage: Stage, kinematics: StageKinematics) -> RubbingEllipse | No
     return getattr(kinematics.resistance, "ellipse", None)
 
 
-def spinning_stages(
+def has_unknown_share(stage: Stage, kinematics: StageKinematics) -> bool:
+    """Whether friction depends on the normal force in another way than in proportion to it."""
+    return rubbing_of(stage, kinematics) is not None or asks_for_force(stage)
+
+
+def unknown_shares(
     stages: tuple[Stage, ...], kinematics: tuple[StageKinematics, ...]
 ) -> dict[int, Scalar]:
     """Stages whose axial balance has an unknown, and where to begin its search: no friction."""
     return {
         index: -geometry.meshing.screw.normal[2]
         for index, (stage, geometry) in enumerate(zip(stages, kinematics, strict=True))
-        if rubbing_of(stage, geometry) is not None
+        if has_unknown_share(stage, geometry)
     }
 
 
 class _Balance(NamedTuple):
     """The axial balance of a roller whose friction depends on its normal force."""
 
-    law: ThreadFriction
-    ellipse: RubbingEllipse
+    stage: Stage
+    ellipse: RubbingEllipse | None
     kinematics: StageKinematics
     slip: Slip
     deflection: Float[Array, "3"] | None
@@ -237,11 +227,20 @@ class _Balance(NamedTuple):
         carries = self.bracket > _LEAST_SHARE
         assumed = jnp.where(carries, jnp.maximum(share, _LEAST_SHARE), self.bracket)
         force = self.left / assumed
-        rub = rubbing(self.ellipse, self.kinematics, self.slip, force)
-        per_force, constant = rubbed_friction(self.law, self.slip.velocity, self.deflection, rub)
+        law = _law_of(self.stage)
+        assert law is not None
+        rub = None
+        if self.ellipse is not None:
+            rub = rubbing(self.ellipse, self.kinematics, self.slip, force, law)
+        asked = asked_of(law, self.kinematics, self.slip, force) if rub is None else rub.asked
+        per_force, constant = friction_on_roller(self.stage, self.slip, self.deflection, rub, asked)
         carried = -self.kinematics.meshing.screw.normal[2] - per_force[2]
         missed = share - jnp.where(carries, carried, self.bracket)
         return ScrewContact(force, per_force, constant, rub, missed)
+
+
+def _law_of(stage: Stage) -> FrictionLaw | None:
+    return None if stage.friction is None else stage.friction.thread
 
 
 def screw_contact(
@@ -254,28 +253,27 @@ def screw_contact(
 ) -> ScrewContact:
     """Normal force of one roller from its axial balance, F (|n_z| − f_z/F) = F_a + f_z.
 
-    Spin makes the bracket depend on the force; it is found by Newton's iteration. A thread is taken
-    as jammed where it were so without spin, for at such forces no ellipse is Hertz's.
+    Spin, and laws that ask for the normal force or the pressure, make the bracket depend on the
+    force; it is found by Newton's iteration. A thread is taken as jammed where it were so without
+    spin and at the normal force that it has without friction, for past that no ellipse is Hertz's.
 
     **Arguments:**
 
     - `stage`, `kinematics`: the stage, with the contact ellipses if spin is modelled.
     - `slip`: of the screw over the roller.
     - `axial`: what one roller carries axially [N].
-    - `deflection`: of the bristles, where friction has that state [m].
+    - `deflection`: where friction has that state [m].
     - `share`: the bracket, where it is found with other unknowns (`missed` is then to vanish).
     """
-    law = None if stage.friction is None else stage.friction.thread
-    ellipse = rubbing_of(stage, kinematics)
-    if isinstance(law, LuGreFriction) and deflection is not None:
-        per_force, constant = bristle_friction(law, slip.velocity, deflection)
-    else:
-        per_force, constant = thread_friction(law, *slip)
-    bracket = -kinematics.meshing.screw.normal[2] - per_force[2]
+    law, ellipse = _law_of(stage), rubbing_of(stage, kinematics)
+    normal_axial = -kinematics.meshing.screw.normal[2]
+    asked = {} if law is None else asked_of(law, kinematics, slip, axial / normal_axial)
+    per_force, constant = friction_on_roller(stage, slip, deflection, None, asked)
+    bracket = normal_axial - per_force[2]
     left = axial + constant[2]
-    if law is None or ellipse is None:
+    if not has_unknown_share(stage, kinematics):
         return ScrewContact(left / bracket, per_force, constant)
-    balance = _Balance(law, ellipse, kinematics, slip, deflection, left, bracket)
+    balance = _Balance(stage, ellipse, kinematics, slip, deflection, left, bracket)
     if share is None:
         start = jnp.where(bracket > _LEAST_SHARE, bracket, 1.0)
         accuracy = 1e-14 if start.dtype == jnp.float64 else 1e-6

@@ -1,99 +1,69 @@
-"""Friction laws of splines, thrust bearings and drag.
+"""Friction of splines and thrust bearings by any law, and drag.
 
-As with threads, a law says what is proportional to the normal force and what is not: a new law is
-one more class and its `_coefficient` or `_free_of_load` here.
+As with threads, a part is proportional to the force that presses the surfaces together and a part
+is not.
 """
-
-import functools
 
 import jax.numpy as jnp
 
-from ...mechanism import (
-    Drag,
-    RegularisedSplineFriction,
-    RegularisedThrustBearingFriction,
-    Scalar,
-    SplineFriction,
-    SplineLaw,
-    StribeckSplineFriction,
-    StribeckThrustBearingFriction,
-    ThrustBearingFriction,
-    ThrustBearingLaw,
-    ViscousSplineFriction,
-    ViscousThrustBearingFriction,
-)
+from ...friction import FrictionAtRadius, FrictionLaw
+from ...mechanism import Drag, Scalar
 from ...programs import physics
+from ._thread_friction import thread_friction
 
 
-@functools.singledispatch
-def _coefficient(law, speed: Scalar, sense: Scalar) -> Scalar:
-    """Signed friction coefficient at a sliding speed [m/s] and its sense, +1 or −1."""
-    raise TypeError(f"no friction law is known for {type(law).__name__}")
+def _signed_coefficient(law: FrictionLaw, speed: Scalar, sense: Scalar) -> Scalar:
+    """Friction coefficient at a sliding speed [m/s], with the sign of the sliding.
 
-
-@_coefficient.register(SplineFriction)
-@_coefficient.register(ThrustBearingFriction)
-def _coulomb(law, speed, sense):
-    return law.coefficient * sense
-
-
-@_coefficient.register(RegularisedSplineFriction)
-@_coefficient.register(RegularisedThrustBearingFriction)
-def _regularised(law, speed, sense):
-    return law.coefficient * speed / jnp.sqrt(speed**2 + law.width**2)
-
-
-@_coefficient.register(StribeckSplineFriction)
-@_coefficient.register(StribeckThrustBearingFriction)
-def _stribeck(law, speed, sense):
-    falling = (law.static_coefficient - law.coefficient) * jnp.exp(
-        -((speed / law.stribeck_speed) ** 2)
-    )
-    return (law.coefficient + falling) * sense
+    `sense` is +1 or −1, and known even at standstill.
+    """
+    along, _ = thread_friction(law, speed[None], jnp.broadcast_to(sense, speed.shape)[None])
+    return along[0]
 
 
 @physics("spline_friction")
 def spline_force(
-    law: SplineLaw, sliding: Scalar, sense: Scalar
+    friction: FrictionAtRadius, sliding: Scalar, sense: Scalar
 ) -> tuple[Scalar | None, Scalar | None]:
     """Friction force of a spline: per drive torque [1/m], and independent of it [N].
 
     **Arguments:**
 
-    - `law`: the friction law.
+    - `friction`: the friction law and the radius of the spline.
     - `sliding`: axial speed of the screw over its driver [m/s].
     - `sense`: the sense of that, +1 or −1, known even at standstill.
 
     **Returns:** both parts, `None` where there is none.
     """
-    if isinstance(law, ViscousSplineFriction):
-        return None, law.coefficient * sliding
-    constant = None
-    if isinstance(law, StribeckSplineFriction) and law.viscous_coefficient is not None:
-        constant = law.viscous_coefficient * sliding
-    return _coefficient(law, sliding, sense) / law.radius, constant
+    law, radius = friction.law, friction.radius
+    resistance = law.viscous_resistance
+    constant = None if resistance is None else resistance * sliding
+    if law.load_independent:
+        return None, constant
+    return _signed_coefficient(law, sliding, sense) / radius, constant
 
 
 @physics("thrust_bearing_friction")
 def bearing_torque(
-    law: ThrustBearingLaw, screw_speed: Scalar, sense: Scalar
+    friction: FrictionAtRadius, screw_speed: Scalar, sense: Scalar
 ) -> tuple[Scalar | None, Scalar | None]:
     """Friction torque of a thrust bearing: per axial force [m], and independent of it [N·m].
 
     **Arguments:**
 
-    - `law`: the friction law; its sliding speed is that of the screw at the bearing's radius.
+    - `friction`: the friction law and the radius of the bearing; the sliding speed is that of the
+      screw there, and what is viscous a torque per speed of turning.
     - `screw_speed`: Ω [rad/s].
     - `sense`: the sense of that, +1 or −1, known even at standstill.
 
     **Returns:** both parts, `None` where there is none.
     """
-    if isinstance(law, ViscousThrustBearingFriction):
-        return None, law.coefficient * screw_speed
-    constant = None
-    if isinstance(law, StribeckThrustBearingFriction) and law.viscous_coefficient is not None:
-        constant = law.viscous_coefficient * screw_speed
-    return _coefficient(law, screw_speed * law.radius, sense) * law.radius, constant
+    law, radius = friction.law, friction.radius
+    resistance = law.viscous_resistance
+    constant = None if resistance is None else resistance * screw_speed
+    if law.load_independent:
+        return None, constant
+    return _signed_coefficient(law, screw_speed * radius, sense) * radius, constant
 
 
 @physics("drag")

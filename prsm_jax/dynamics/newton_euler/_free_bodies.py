@@ -16,7 +16,6 @@ from jaxtyping import Array, Float
 from ..._errors import MissingDataError
 from ...mechanism import (
     Gear,
-    LuGreFriction,
     Scalar,
     Stage,
     body_inertia,
@@ -29,12 +28,11 @@ from .._kinematics import StageKinematics, slip_velocity
 from ..friction import (
     Rubbing,
     Slip,
-    bristle_friction,
-    rubbed_friction,
+    asked_of,
+    friction_on_roller,
     rubbing,
     rubbing_of,
     slip_direction,
-    thread_friction,
     turned,
 )
 
@@ -189,14 +187,23 @@ def flank_of(unknowns: StageUnknowns) -> Scalar:
     return jnp.where(unknowns.screw_contact < 0, -1.0, 1.0).astype(unknowns.screw_contact.dtype)
 
 
-def slip_of(
-    kinematics: StageKinematics, known: StageSurroundings, flank: Scalar
-) -> tuple[Float[Array, "3"], Float[Array, "3"]]:
-    """Slip of the screw over the roller [m/s], and its unit vector."""
+def slip_of(kinematics: StageKinematics, known: StageSurroundings, flank: Scalar) -> Slip:
+    """Slip of the screw over the roller."""
     slip = turned(
         slip_velocity(kinematics, flank * known.screw_speed, flank * known.carrier_speed), flank
     )
-    return slip, slip_direction(slip) if known.slip_direction is None else known.slip_direction
+    direction = slip_direction(slip) if known.slip_direction is None else known.slip_direction
+    return Slip(slip, direction, known.screw_speed, known.carrier_speed)
+
+
+def seen_from_flank(slip: Slip, flank: Scalar) -> Slip:
+    """The same from the side of the loaded flank, or back."""
+    return Slip(
+        turned(slip.velocity, flank),
+        turned(slip.direction, flank),
+        flank * slip.screw_speed,
+        flank * slip.carrier_speed,
+    )
 
 
 def rubbing_on_screw_side(
@@ -207,8 +214,9 @@ def rubbing_on_screw_side(
     if ellipse is None:
         return None
     flank = flank_of(unknowns)
-    slip, direction = (turned(vector, flank) for vector in slip_of(kinematics, known, flank))
-    rub = rubbing(ellipse, kinematics, Slip(slip, direction), jnp.abs(unknowns.screw_contact))
+    slip = seen_from_flank(slip_of(kinematics, known, flank), flank)
+    law = None if stage.friction is None else stage.friction.thread
+    rub = rubbing(ellipse, kinematics, slip, jnp.abs(unknowns.screw_contact), law)
     return dataclasses.replace(rub, direction=turned(rub.direction, flank))
 
 
@@ -223,20 +231,17 @@ def roller_forces(
     On the other flanks all contacts lie as after a half turn about the radial axis.
     """
     flank, tooth = flank_of(unknowns), unknowns.ring_gear
-    slip, direction = slip_of(kinematics, known, flank)
+    slip, force = slip_of(kinematics, known, flank), jnp.abs(unknowns.screw_contact)
     law = None if stage.friction is None else stage.friction.thread
     rub = rubbing_on_screw_side(stage, kinematics, known, unknowns)
-    if law is not None and rub is not None:
-        per_force, constant = rubbed_friction(law, slip, known.deflection, rub)
-    elif isinstance(law, LuGreFriction) and known.deflection is not None:
-        per_force, constant = bristle_friction(law, slip, known.deflection)
-    else:
-        per_force, constant = thread_friction(law, slip, direction)
+    asked = {}
+    if law is not None:
+        asked = asked_of(law, kinematics, seen_from_flank(slip, flank), force)
+    per_force, constant = friction_on_roller(stage, slip, known.deflection, rub, asked)
     zero = jnp.zeros_like(tooth)
     separating = zero
     if stage.gear is not None:
         separating = _separating_force(stage.gear, tooth)
-    force = jnp.abs(unknowns.screw_contact)
     return RollerForces(
         normal=force * turned(kinematics.meshing.screw.normal, flank),
         friction=force * per_force + constant,

@@ -5,13 +5,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ...mechanism import (
-    CoulombFriction,
-    Mechanism,
-    StribeckFriction,
-    TorqueScenario,
-    of_one_design,
-)
+from ...mechanism import Mechanism, TorqueScenario, of_one_design
 from ...numerics import over_samples
 from ...programs import is_known, one_program_where_possible, traceable
 from .._kinematics import StageKinematics
@@ -124,7 +118,7 @@ def chosen_method(
 
 def _jumps(mechanism: Mechanism) -> bool:
     laws = [stage.friction and stage.friction.thread for stage in mechanism.stages]
-    return any(isinstance(law, CoulombFriction | StribeckFriction) for law in laws)
+    return any(law is not None and not law.smooth_at_standstill for law in laws)
 
 
 def sample_times(problem: Problem) -> Float[Array, " times"]:

@@ -23,7 +23,7 @@ from ..forces import (
     sense_of,
     sliding_motion,
 )
-from ..friction import breakaway_deflection, bristle_rate, bristles_of, in_tangent_plane
+from ..friction import bristle_rate, bristles_of, deflected, in_tangent_plane
 from ..histories import CarrierHistory, Settings, SolverReport, integrated, prescribed
 from ..solvers import DrivenRate
 from ._carrier_motion import Problem
@@ -73,15 +73,15 @@ def states_with_bristles(
         motion, rub, law = states[index].motion, states[index].forces.rubbing, laws[index]
         assert law is not None
         assert motion.deflection is not None
-        spinning = () if rub is None else (rub.direction, rub.mean_speed)
-        rates.append(bristle_rate(law, motion.slip, motion.deflection, *spinning)[:2])
+        contact = deflected(motion.slip, motion.deflection, rub)
+        rates.append(bristle_rate(law, contact)[:2])
     return states, tuple(rates)
 
 
 def deflection_scales(mechanism: Mechanism) -> tuple[Scalar, ...]:
     """Deflections of the size that bristles reach, to scale states [m]."""
     laws = [bristles_of(stage) for stage in mechanism.stages]
-    sizes = [breakaway_deflection(law) for law in laws if law is not None]
+    sizes = [law.deflection_scale for law in laws if law is not None]
     return tuple(jax.lax.stop_gradient(jnp.where(size > 0, size, 1.0)) for size in sizes)
 
 

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ...mechanism import Mechanism, RegularisedCoulombFriction, Scalar, ViscousFriction
+from ...mechanism import Mechanism, Scalar
 from ...programs import physics
 from .._kinematics import StageKinematics, free_carrier_ratio, turning_range
 from ..forces import (
@@ -29,8 +29,6 @@ from ..forces import (
 from ..friction import with_resistance
 from ..solvers import DrivenRate, still
 
-#: Thread friction without a jump at standstill.
-_SMOOTH = (RegularisedCoulombFriction, ViscousFriction, type(None))
 #: Errors count more where friction turns within less than this share of the ratio, inverted.
 _TURNS = 10.0
 #: Largest error beside the distance to where friction turns, or beside the range in which it does.
@@ -244,7 +242,8 @@ def standstills(problem: Problem, atol: Any) -> Standstills | None:
     - `atol`: absolute tolerance of the carrier ratios; the last step is of a speed of ten of it.
     """
     laws = [stage.friction.thread for stage in problem.mechanism.stages if stage.friction]
-    if not callable(problem.scenario.speed) or all(isinstance(law, _SMOOTH) for law in laws):
+    smooth = all(law is None or law.smooth_at_standstill for law in laws)
+    if smooth or not callable(problem.scenario.speed):
         return None
     least = jnp.asarray(_LEAST_SPEED * atol, problem.speed_scale.dtype)
     found = Standstills(problem.scenario, problem.speed_scale, problem.time_scale, least)

@@ -18,7 +18,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ...mechanism import CoulombFriction, Mechanism, Scalar, Stage
+from ...mechanism import Mechanism, Scalar, Stage
 from ...numerics import above_or_nan
 from ...programs import physics
 from ..forces import (
@@ -30,19 +30,18 @@ from ..forces import (
     reduced_forces,
     screw_of,
 )
+from ..friction import friction_coefficient
 from ..histories import SolverReport
 from ..solvers import NAMES
 
 
 def settles_in_closed_form(mechanism: Mechanism, scenario: Scenario) -> bool:
-    """Whether speed and load are constant, and all friction in the threads is Coulomb's."""
+    """Whether speed and load are constant, and so are friction coefficients of all threads."""
     if callable(scenario.speed) or callable(scenario.load):
         return False
-    return all(
-        is_reducible(stage)
-        and (stage.friction is None or isinstance(stage.friction.thread, CoulombFriction | None))
-        for stage in mechanism.stages
-    )
+    laws = [None if stage.friction is None else stage.friction.thread for stage in mechanism.stages]
+    constant = all(law is None or law.constant for law in laws)
+    return constant and all(is_reducible(stage) for stage in mechanism.stages)
 
 
 def _path(x: Scalar) -> tuple[Scalar, Scalar]:
@@ -123,7 +122,7 @@ def _settled_stage(
     """
     law = None if stage.friction is None else stage.friction.thread
     zero = jnp.zeros_like(speed)
-    coefficient = law.coefficient if isinstance(law, CoulombFriction) else zero
+    coefficient = zero if law is None else friction_coefficient(law, jnp.abs(speed))
     flank = jnp.where(axial_force < 0, -1.0, 1.0).astype(speed.dtype)
     sense = jnp.where(speed < 0, -1.0, 1.0).astype(speed.dtype)
     size = jnp.where(speed == 0, 1.0, jnp.abs(speed))

@@ -6,6 +6,7 @@ from ._carrier_balance import (
     steady_motion as steady_motion,
 )
 from ._locking import (
+    friction_needs_load as friction_needs_load,
     jamming_coefficient as jamming_coefficient,
     jamming_margin as jamming_margin,
     locking_coefficient as locking_coefficient,

@@ -16,8 +16,8 @@ from ..friction import (
     ScrewContact,
     Slip,
     has_contact_losses,
+    has_unknown_share,
     resisting_moments,
-    rubbing_of,
     screw_contact,
     slip_direction,
 )
@@ -60,7 +60,8 @@ def slip_per_turn(kinematics: StageKinematics) -> SlipPerTurn:
 def free_slip(kinematics: StageKinematics, speed: Scalar, sense: Scalar) -> Slip:
     """Slip where nothing resists the carrier; its direction has no part along d."""
     turn = slip_per_turn(kinematics).at(None)
-    return Slip(speed * turn, sense * slip_direction(turn))
+    direction = sense * slip_direction(turn)
+    return Slip(speed * turn, direction, speed, speed * free_carrier_ratio(kinematics))
 
 
 def steady_motion(
@@ -81,7 +82,7 @@ def steady_motion(
     if slip is None:
         turns = slip_per_turn(kinematics)
         turn = turns.at(turns.free_ratio - ratio)
-        slip = Slip(speed * turn, sense * slip_direction(turn))
+        slip = Slip(speed * turn, sense * slip_direction(turn), speed, speed * ratio)
     return Motion(
         screw_speed=speed,
         carrier_speed=speed * ratio,
@@ -147,7 +148,7 @@ class CarrierBalance(eqx.Module):
         ratio, turn = self.turns.free_ratio - lag, self.turns.at(lag)
         direction = self.sense * slip_direction(turn)
         axial = self.axial_force / stage.present_roller_count
-        slip = Slip(self.speed * turn, direction)
+        slip = Slip(self.speed * turn, direction, self.speed, self.speed * ratio)
         contact = screw_contact(stage, kinematics, slip, axial, share=share)
         needed, suffices = self._drive_share(ratio, direction, contact)
         residual = tangent - jnp.sqrt(1 + tangent**2) * needed
@@ -275,7 +276,7 @@ def _balanced(balance: CarrierBalance) -> BalancedCarrier:
     A root within a root would be a large program.
     """
     start = jnp.zeros_like(balance.axial_force)
-    shared = rubbing_of(balance.stage, balance.kinematics) is not None
+    shared = has_unknown_share(balance.stage, balance.kinematics)
 
     def residuals(unknowns):
         point = balance.at(unknowns[0], unknowns[1] if shared else None)

@@ -15,16 +15,14 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
-from ...mechanism import Friction, Mechanism, Scalar, ViscousFriction
+from ...friction import scaled_friction
+from ...mechanism import Friction, Mechanism, Scalar, Stage
 from ...numerics import dot_few, find_root
 from ...programs import physics
 from .._kinematics import StageKinematics, travel_per_turn
-from ..friction import slip_direction, thread_friction
-from ._carrier_balance import slip_per_turn
+from ..friction import asked_of, slip_direction, thread_friction, with_resistance
+from ._carrier_balance import free_slip, slip_per_turn
 from ._steady import SteadyState, some_load, steady_state
-
-#: What grows with friction in the laws of a stage.
-_STRENGTHS = ("coefficient", "static_coefficient", "viscous_coefficient", "loss_factor", "torque")
 
 
 def _unit(kinematics: StageKinematics):
@@ -53,22 +51,44 @@ def _proportional_to_force(friction: Friction | None) -> bool:
     """Whether thread friction alone resists, and in proportion to the normal force."""
     if friction is None:
         return True
-    thread = dataclasses.replace(friction, thread=None)
+    law, thread = friction.thread, dataclasses.replace(friction, thread=None)
     alone = all(value is None for value in vars(thread).values())
-    force_free = getattr(friction.thread, "viscous_coefficient", None) is not None
-    return alone and not force_free and not isinstance(friction.thread, ViscousFriction)
+    if law is None:
+        return alone
+    return alone and not (law.load_independent or law.asks or law.viscous_resistance is not None)
 
 
-def _effective_coefficient(law, kinematics: StageKinematics, speed: Scalar) -> Scalar:
-    """Friction per normal force at the slip of a screw speed."""
-    turn = slip_per_turn(kinematics).at(None)
-    per_force, _ = thread_friction(law, jnp.abs(speed) * turn, slip_direction(turn))
-    return dot_few(per_force, slip_direction(turn))
+def _effective_coefficient(
+    stage: Stage, kinematics: StageKinematics, speed: Scalar, load: Scalar | None
+) -> Scalar:
+    """Friction per normal force at the slip of a screw speed.
+
+    Of a law that asks for the normal force, at that which the load has without friction.
+    """
+    slip = free_slip(kinematics, jnp.abs(speed), jnp.ones_like(speed))
+    law = None if stage.friction is None else stage.friction.thread
+    asked = {}
+    if law is not None and law.asks:
+        assert load is not None
+        normal = -kinematics.meshing.screw.normal[2] * stage.present_roller_count
+        (kinematics,) = with_resistance((stage,), (kinematics,))
+        asked = asked_of(law, kinematics, slip, jnp.abs(load) / normal)
+    per_force, _ = thread_friction(law, slip.velocity, slip.direction, asked)
+    return dot_few(per_force, slip.direction)
+
+
+def friction_needs_load(mechanism: Mechanism) -> bool:
+    """Whether friction coefficients of any stage's threads depend on more than the slip speed."""
+    laws = [None if stage.friction is None else stage.friction.thread for stage in mechanism.stages]
+    return any(law is not None and law.asks for law in laws)
 
 
 @physics("jamming")
 def jamming_margin(
-    mechanism: Mechanism, kinematics: tuple[StageKinematics, ...], speed: Scalar
+    mechanism: Mechanism,
+    kinematics: tuple[StageKinematics, ...],
+    speed: Scalar,
+    load: Scalar | None = None,
 ) -> Scalar:
     """What is left of the axial balance's bracket, `1 − μ / μ_jam`, the smallest of all stages.
 
@@ -78,24 +98,24 @@ def jamming_margin(
 
     - `mechanism`, `kinematics`: the mechanism and its kinematics.
     - `speed`: screw speed, on which friction may depend [rad/s].
+    - `load`: on the last nut; needed only by laws that ask for it (`friction_needs_load`) [N].
     """
     margins = []
     for stage, geometry in zip(mechanism.stages, kinematics, strict=True):
-        law = None if stage.friction is None else stage.friction.thread
-        friction = _effective_coefficient(law, geometry, speed)
+        friction = _effective_coefficient(stage, geometry, speed, load)
         margins.append(1 - friction / jamming_coefficient(geometry))
     return functools.reduce(jnp.minimum, margins)
 
 
 def _scaled(mechanism: Mechanism, factor: Scalar) -> Mechanism:
     """The mechanism with all friction times a factor."""
+    stages = [i for i, stage in enumerate(mechanism.stages) if stage.friction is not None]
 
-    def strength(path, leaf):
-        names = [getattr(key, "name", None) for key in path]
-        return leaf * factor if "friction" in names and names[-1] in _STRENGTHS else leaf
+    def frictions(one: Mechanism) -> list:
+        return [one.stages[i].friction for i in stages]
 
-    arrays, rest = eqx.partition(mechanism, eqx.is_array)
-    return eqx.combine(jax.tree_util.tree_map_with_path(strength, arrays), rest)
+    scaled = [scaled_friction(friction, factor) for friction in frictions(mechanism)]
+    return eqx.tree_at(frictions, mechanism, scaled)
 
 
 @physics("self_locking")
@@ -117,9 +137,9 @@ def self_locking_margin(
     not grow enough to hold, or where with so much of it the carriers are out of balance).
     """
     if len(mechanism.stages) == 1 and _proportional_to_force(mechanism.stages[0].friction):
-        friction, geometry = mechanism.stages[0].friction, kinematics[0]
-        law = None if friction is None else friction.thread
-        ratio = _effective_coefficient(law, geometry, speed) / locking_coefficient(geometry)
+        stage, geometry = mechanism.stages[0], kinematics[0]
+        ratio = _effective_coefficient(stage, geometry, speed, load)
+        ratio = ratio / locking_coefficient(geometry)
         return 1 - ratio, jnp.asarray(True)
     kinematics = tuple(dataclasses.replace(k, resistance=None) for k in kinematics)
     load, speed = some_load(jnp.abs(load)), jnp.abs(speed)

@@ -57,7 +57,7 @@ class Carriers(eqx.Module):
     ways: Turning | None = None
 
 
-#: Shares of the normal force that carry, of the stages that spin (`_rubbing`).
+#: Shares of the normal force that carry, where they are unknown (`unknown_shares`).
 Shares = dict[int, Scalar]
 
 
@@ -325,7 +325,7 @@ def onsets(
 
         unknowns = first_unknowns(problem)
         # Where nothing resists the rollers the slip is that of geometry alone.
-        if any(resists_turning(problem)):
+        if any(resists_turning(problem)) or unknowns.size > count:
             unknowns, _ = find_roots(residual, unknowns, tolerance=_accuracy(angle), max_steps=30)
         return forces(sense, unknowns)[1]
 

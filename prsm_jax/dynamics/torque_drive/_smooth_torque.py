@@ -12,19 +12,8 @@ import jax.numpy as jnp
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float
 
-from ...mechanism import (
-    LuGreFriction,
-    Mechanism,
-    RegularisedCoulombFriction,
-    RegularisedSplineFriction,
-    RegularisedThrustBearingFriction,
-    Scalar,
-    Stage,
-    TorqueScenario,
-    ViscousFriction,
-    ViscousSplineFriction,
-    ViscousThrustBearingFriction,
-)
+from ...friction import friction_laws
+from ...mechanism import Mechanism, Scalar, Stage, TorqueScenario
 from ...numerics import find_root, sum_few
 from ...programs import physics
 from .._kinematics import free_carrier_ratio, travel_per_turn
@@ -32,10 +21,6 @@ from ..friction import bristles_of, has_contact_losses
 from ..histories import CarrierHistory, Settings, Transient, histories, integrated
 from ..speed_drive import BristleState, deflection_scales, states_with_bristles
 from ._torque_balance import TorqueProblem, torque_problem
-
-_SMOOTH_THREADS = (LuGreFriction, RegularisedCoulombFriction, ViscousFriction)
-_SMOOTH_SPLINES = (RegularisedSplineFriction, ViscousSplineFriction)
-_SMOOTH_BEARINGS = (RegularisedThrustBearingFriction, ViscousThrustBearingFriction)
 
 
 class _State(eqx.Module):
@@ -49,7 +34,9 @@ class _State(eqx.Module):
 def has_smooth_threads(mechanism: Mechanism) -> bool:
     """Whether any stage's thread friction is made to pass standstill without events."""
     laws = [None if stage.friction is None else stage.friction.thread for stage in mechanism.stages]
-    return any(isinstance(law, LuGreFriction | RegularisedCoulombFriction) for law in laws)
+    return any(
+        law is not None and law.smooth_at_standstill and not law.load_independent for law in laws
+    )
 
 
 def _jump_of(stage: Stage) -> str | None:
@@ -57,13 +44,15 @@ def _jump_of(stage: Stage) -> str | None:
     friction = stage.friction
     if friction is None:
         return None
-    for name, law, smooth, words in (
-        ("thread", friction.thread, _SMOOTH_THREADS, '"lugre", "regularised_coulomb"'),
-        ("spline", friction.spline, _SMOOTH_SPLINES, '"regularised_coulomb"'),
-        ("thrust_bearing", friction.thrust_bearing, _SMOOTH_BEARINGS, '"regularised_coulomb"'),
+    for name, one in (
+        ("thread", friction.thread),
+        ("spline", friction.spline and friction.spline.law),
+        ("thrust_bearing", friction.thrust_bearing and friction.thrust_bearing.law),
     ):
-        if law is not None and not isinstance(law, smooth):
-            return f'friction.{name} jumps there; give it the law {words} or "viscous"'
+        if one is not None and not one.smooth_at_standstill:
+            laws = friction_laws(of_threads=name == "thread").items()
+            words = ", ".join(f'"{law}"' for law, cls in laws if cls.smooth_at_standstill)
+            return f"friction.{name} jumps there; give it one of the laws {words}"
     if friction.drag is not None and friction.drag.width is None:
         return "friction.drag jumps there; give its width"
     if has_contact_losses(friction):

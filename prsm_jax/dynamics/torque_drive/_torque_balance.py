@@ -17,7 +17,7 @@ from ...mechanism import Mechanism, Scalar, TorqueScenario
 from ...programs import physics
 from .._kinematics import StageKinematics, travel_per_turn
 from ..forces import Motion, StageState, carrier_inertia, chain_forces
-from ..friction import has_contact_losses, spinning_stages, with_resistance
+from ..friction import has_contact_losses, unknown_shares, with_resistance
 from ..steady import all_kinematics, carrier_balance, find_roots, steady_motion
 
 FORWARD, BACKWARD, STICKING = 1.0, -1.0, 0.0
@@ -50,8 +50,8 @@ class Instant(NamedTuple):
     states: tuple[StageState, ...]
     ratios: Float[Array, " stages"]
     load: Scalar
-    #: How far each carrier and the axial balance of each stage that spins are from theirs, and
-    #: whether friction could drive them.
+    #: How far each carrier and the axial balance of each stage with an unknown share are from
+    #: theirs, and whether friction could drive them.
     residuals: Float[Array, " unknowns"]
     valid: Bool[Array, ""]
 
@@ -62,16 +62,16 @@ class Instant(NamedTuple):
 
 
 def first_unknowns(problem: TorqueProblem) -> Float[Array, " unknowns"]:
-    """Where to begin a search: tangents of all carriers, and shares of the stages that spin."""
-    shares = spinning_stages(problem.mechanism.stages, problem.kinematics).values()
+    """Where to begin a search: tangents of all carriers, and `unknown_shares`."""
+    shares = unknown_shares(problem.mechanism.stages, problem.kinematics).values()
     start = jnp.zeros_like(problem.inertia)
     return jnp.concatenate([start, jnp.stack(list(shares))]) if shares else start
 
 
 def shares_of(problem: TorqueProblem, unknowns: Float[Array, " unknowns"]) -> dict[int, Scalar]:
     """Shares of the normal force that carry, by stage: the last of the unknowns."""
-    spinning = list(spinning_stages(problem.mechanism.stages, problem.kinematics))
-    return {index: unknowns[at - len(spinning)] for at, index in enumerate(spinning)}
+    unknown = list(unknown_shares(problem.mechanism.stages, problem.kinematics))
+    return {index: unknowns[at - len(unknown)] for at, index in enumerate(unknown)}
 
 
 def missed_by(states: tuple[StageState, ...]) -> list[Scalar]:
@@ -167,7 +167,8 @@ def resting(problem: TorqueProblem, time: Scalar, angle: Scalar, sense: Scalar) 
     none = jnp.zeros_like(angle)
     still = ScrewMotion(angle, none, none)
     start = first_unknowns(problem)
-    if not any(has_contact_losses(stage.friction) for stage in problem.mechanism.stages):
+    resisted = any(has_contact_losses(stage.friction) for stage in problem.mechanism.stages)
+    if not resisted and start.size == len(problem.kinematics):
         # Nothing resists the rollers: the slip is that of geometry alone.
         return Balance(none, start, jnp.asarray(True))
 

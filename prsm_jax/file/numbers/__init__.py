@@ -1,10 +1,13 @@
 """Numbers with units, and messages that name them."""
 
 from ._layout import (
-    law_names as law_names,
+    TableChoice as TableChoice,
+    is_law_field as is_law_field,
     module_classes as module_classes,
     row_class as row_class,
-    unnamed_law as unnamed_law,
+    table_choices as table_choices,
+    unit_of as unit_of,
+    usual_law as usual_law,
 )
 from ._messages import (
     Misplaced as Misplaced,

@@ -1,10 +1,13 @@
 """How the classes of the mechanism become tables: what reading and writing agree on."""
 
+import dataclasses
 import re
 import types
 import typing
 
 import equinox as eqx
+
+from ...friction import FrictionLaw, friction_laws
 
 
 def module_classes(hint) -> tuple[type[eqx.Module], ...]:
@@ -22,12 +25,76 @@ def row_class(hint) -> type[eqx.Module] | None:
     return classes[0] if classes else None
 
 
-def law_names(classes: tuple[type, ...]) -> dict[str, type]:
-    """The value of the key `law` for each class of a union.
+@dataclasses.dataclass(frozen=True)
+class TableChoice:
+    """One of the tables that may stand in a place of the file.
 
-    What the class itself says in `law`; else its name in lower case without the last word, if all
-    share it: `CoulombFriction` in a union of frictions is `coulomb`.
+    - `cls`: class of the mechanism.
+    - `law`: class of a law whose numbers stand in the same table, if there is one.
     """
+
+    cls: type[eqx.Module]
+    law: type[FrictionLaw] | None = None
+
+    def holds(self, value: object) -> bool:
+        """Whether a part of the mechanism is of this kind."""
+        of_law = self.law is None or type(getattr(value, "law", None)) is self.law
+        return type(value) is self.cls and of_law
+
+    @property
+    def named(self) -> type[eqx.Module]:
+        """The class that says what the table is about."""
+        return self.law or self.cls
+
+    def fields(self) -> list[tuple[dataclasses.Field, object, dict[str, str]]]:
+        """Fields of the table with type hint and units: of a law's numbers as they are there."""
+        hints = typing.get_type_hints(self.cls)
+        found = []
+        for field in dataclasses.fields(self.cls):
+            if not is_law_field(field):
+                of_radius = self.law is not None and self.law.load_independent
+                if not (of_radius and field.name == "radius"):
+                    found.append((field, hints[field.name], {}))
+                continue
+            assert self.law is not None
+            own = typing.get_type_hints(self.law)
+            units = field.metadata["units"]
+            found += [(one, own[one.name], units) for one in dataclasses.fields(self.law)]
+        return found
+
+    def needs(self, field: dataclasses.Field) -> bool:
+        """Whether the table cannot be without a field."""
+        if self.law is not None and field.name == "radius":
+            return True
+        no_default = field.default is dataclasses.MISSING
+        return no_default and field.default_factory is dataclasses.MISSING
+
+
+def is_law_field(field: dataclasses.Field) -> bool:
+    """Whether a field is a law whose numbers stand in the same table as it."""
+    return bool(field.metadata.get("same_table"))
+
+
+def unit_of(field: dataclasses.Field, units: dict[str, str]) -> str | None:
+    """SI unit of a number where some units have others in their place; `None` of no number."""
+    unit = field.metadata.get("unit")
+    return units.get(unit, unit)
+
+
+def table_choices(hint: object) -> dict[str, TableChoice]:
+    """What may stand in a place of the file by the value of the key `law`; `""` without that key.
+
+    Laws go by their names; other classes of a union by what the class says in `law`, else by its
+    name in lower case without the last word, if all share it.
+    """
+    classes = module_classes(hint)
+    if classes == (FrictionLaw,):
+        return {name: TableChoice(cls) for name, cls in friction_laws().items()}
+    if len(classes) == 1:
+        if any(is_law_field(field) for field in dataclasses.fields(classes[0])):
+            laws = friction_laws(of_threads=False).items()
+            return {name: TableChoice(classes[0], law) for name, law in laws}
+        return {"": TableChoice(classes[0])}
     words = {cls: re.findall(r"[A-Z][a-z0-9]*", cls.__name__) for cls in classes}
     same_ending = len({parts[-1] for parts in words.values()}) == 1
 
@@ -36,12 +103,13 @@ def law_names(classes: tuple[type, ...]) -> dict[str, type]:
         by_name = "_".join(parts[:-1] if same_ending and len(parts) > 1 else parts).lower()
         return getattr(cls, "law", by_name)
 
-    return {name(cls): cls for cls in words}
+    return {name(cls): TableChoice(cls) for cls in words}
 
 
-def unnamed_law(laws: dict[str, type]) -> str | None:
+def usual_law(hint: object) -> str | None:
     """The law that a table without the key `law` means; `None` where it has to be named."""
-    for name, cls in laws.items():
-        if getattr(cls, "law_may_be_omitted", False):
-            return name
+    for cls in module_classes(hint):
+        for field in dataclasses.fields(cls):
+            if is_law_field(field):
+                return field.metadata["usual_law"]
     return None

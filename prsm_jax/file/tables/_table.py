@@ -6,6 +6,7 @@ from pydantic import BaseModel, ConfigDict, PlainValidator, model_validator
 from pydantic_core import PydanticCustomError
 
 from ..._errors import closest
+from ..numbers import TableChoice
 
 _LONGEST_KEY = 100
 
@@ -25,8 +26,8 @@ class Table(BaseModel):
     """A table of the file: no key but the known ones."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, protected_namespaces=())
-    #: The class of the mechanism that the table fills, if there is one.
-    module: ClassVar[type | None] = None
+    #: What of the mechanism the table fills, if anything.
+    choice: ClassVar[TableChoice | None] = None
 
     @model_validator(mode="before")
     @classmethod

@@ -7,8 +7,8 @@ raises `MissingDataError` when neither a value nor the dimensions for it are the
 import jax.numpy as jnp
 
 from ..._errors import MissingDataError
+from ...fields import Scalar
 from .._mechanism import Stage
-from ..fields import Scalar
 from ..parts import Carrier, Material, Nut, RingGear, Roller, Screw, total_factor
 
 

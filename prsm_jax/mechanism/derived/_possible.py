@@ -8,7 +8,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
-from ..fields import ANY, FREE_UNITS, Limit, limit_of
+from ...fields import ANY, FREE_UNITS, Limit, limit_of
 
 
 def _limited(module: eqx.Module) -> Iterator[tuple[Array, Limit]]:

@@ -9,14 +9,14 @@ means every stage that has the field, moved together. Unequal rollers go by thei
 """
 
 import dataclasses
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 
 import equinox as eqx
 import jax.numpy as jnp
 
 from ..._errors import UnknownNameError, closest
+from ...fields import Scalar, check_number, check_stage
 from .._mechanism import Mechanism
-from ..fields import Scalar, check_number, check_stage
 from ..parts import Thread
 
 
@@ -111,11 +111,15 @@ def _number_of(element, index: int) -> str:
 
 
 def _walk(
-    module: eqx.Module, prefix: tuple[str, ...], unit: str = "1"
+    module: eqx.Module,
+    prefix: tuple[str, ...],
+    unit: str = "1",
+    units: Mapping[str, str] | None = None,
 ) -> Iterator[tuple[tuple[str, ...], dict, bool]]:
     """Yield (path, metadata, static) of every number that is present in a module.
 
-    `unit` is that of the function that the module may be: what `*` stands for.
+    `unit` is that of the function that the module may be: what `*` stands for. `units` are those
+    that have others where the module stands.
     """
     for field in dataclasses.fields(module):
         value = getattr(module, field.name)
@@ -123,7 +127,12 @@ def _walk(
         metadata = dict(field.metadata)
         if metadata.get("unit") == "*":
             metadata["unit"] = unit
-        if isinstance(value, eqx.Module):
+        if units and metadata.get("unit") in units:
+            metadata["unit"] = units[metadata["unit"]]
+        if metadata.get("same_table"):
+            # The numbers of a law are attributes of what holds it.
+            yield from _walk(value, prefix, unit, metadata["units"])
+        elif isinstance(value, eqx.Module):
             yield from _walk(value, path, metadata.get("unit", unit))
         elif isinstance(value, tuple):
             # An element keeps the number that it gives itself, whatever its place in the tuple.

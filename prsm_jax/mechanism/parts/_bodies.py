@@ -1,6 +1,6 @@
 """The bodies of a stage: masses given, or dimensions from which they follow."""
 
-from ..fields import Limited, Scalar, choice, number, optional_number, part
+from ...fields import Limited, Scalar, choice, number, optional_number, part
 
 
 class Material(Limited):

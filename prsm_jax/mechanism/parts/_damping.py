@@ -4,7 +4,7 @@ from typing import TypeAlias
 
 import equinox as eqx
 
-from ..fields import Scalar, number
+from ...fields import Scalar, number
 
 
 class ModalDamping(eqx.Module):

@@ -2,7 +2,7 @@
 
 import equinox as eqx
 
-from ..fields import Scalar, number, optional_number
+from ...fields import Scalar, number, optional_number
 
 
 class LineContact(eqx.Module):

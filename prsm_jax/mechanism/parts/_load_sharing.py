@@ -5,7 +5,7 @@ from typing import Literal, TypeAlias
 import equinox as eqx
 from jaxtyping import Array, Float
 
-from ..fields import Scalar, choice, number, optional_number, optional_numbers, part
+from ...fields import Scalar, choice, number, optional_number, optional_numbers, part
 
 Mounting: TypeAlias = Literal["same_end", "opposite_end"]
 MOUNTINGS: tuple[Mounting, ...] = ("same_end", "opposite_end")

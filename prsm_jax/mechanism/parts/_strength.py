@@ -4,7 +4,7 @@ from typing import Literal, TypeAlias
 
 import equinox as eqx
 
-from ..fields import Scalar, choice, number, optional_number, part
+from ...fields import Scalar, choice, number, optional_number, part
 
 EndConditions: TypeAlias = Literal[
     "fixed_free", "supported_supported", "fixed_supported", "fixed_fixed"

@@ -2,7 +2,7 @@
 
 import jax.numpy as jnp
 
-from ..fields import Limited, Scalar, number, optional_number
+from ...fields import Limited, Scalar, number, optional_number
 
 
 class Thread(Limited):

@@ -2,7 +2,7 @@
 
 import equinox as eqx
 
-from ..fields import Scalar, choice, optional_number
+from ...fields import Scalar, choice, optional_number
 
 
 class UnequalRoller(eqx.Module):

@@ -13,7 +13,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..fields import Scalar, as_scalar, check_not_negative, choice, driven, number, numbers
+from ...fields import Scalar, as_scalar, check_not_negative, choice, driven, number, numbers
 from ._sequences import Profile
 from ._tables import Curve, Interpolation
 

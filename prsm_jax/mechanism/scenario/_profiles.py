@@ -14,7 +14,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..fields import (
+from ...fields import (
     Scalar,
     check_not_negative,
     check_not_zero,

@@ -13,7 +13,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..fields import Scalar, check_finite, check_positive, choice, driven, number
+from ...fields import Scalar, check_finite, check_positive, choice, driven, number
 from ._loads import LoadOfMotion, break_times_of, load_value
 from ._sequences import Profile
 

@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 
 from ...dynamics import (
+    friction_needs_load,
     jamming_coefficient,
     jamming_margin as _jamming_margin,
     locking_coefficient,
@@ -19,7 +20,8 @@ from .._catalogue import quantity
     "1 − μ/μ_jam, the smallest of all stages: 1 without friction, at 0 a driving screw jams",
 )
 def jamming_margin(analysis: Analysis):
-    return _jamming_margin(analysis.mechanism, analysis.kinematics, analysis.speed)
+    load = analysis.load if friction_needs_load(analysis.mechanism) else None
+    return _jamming_margin(analysis.mechanism, analysis.kinematics, analysis.speed, load)
 
 
 @quantity(

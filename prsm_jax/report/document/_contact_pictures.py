@@ -3,10 +3,12 @@
 from pathlib import Path
 
 import equinox as eqx
+import jax.numpy as jnp
 
 from ...contact import contact_modulus, line_contact, load_of, thread_contacts
+from ...friction import Sliding
 from ...halfspace import FlankContact, flank_contact, ring_contact
-from ...mechanism import CoulombFriction, Mechanism, Stage, material_of
+from ...mechanism import Mechanism, Stage, material_of
 from ...process import make_folder
 from ...strength import side_onsets
 from ...text import short_label
@@ -35,7 +37,9 @@ _side_onsets = eqx.filter_jit(side_onsets)
 
 def _friction(stage: Stage) -> float:
     law = None if stage.friction is None else stage.friction.thread
-    return float(law.coefficient) if isinstance(law, CoulombFriction) else _USUAL_FRICTION
+    if law is None or not law.constant:
+        return _USUAL_FRICTION
+    return float(law.friction_coefficient(Sliding(jnp.ones(()))))
 
 
 def _true_flanks(stage: Stage, load, cells: int) -> dict[str, FlankContact]:

@@ -4,7 +4,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array
 
-from ...numerics import Scalar as Scalar
+from ..numerics import Scalar as Scalar
 
 
 def as_scalar(value) -> Array:
@@ -27,12 +27,15 @@ def number(unit: str, description: str, **kwargs):
     )
 
 
-def optional_number(unit: str, description: str):
-    """A number that may be absent; `None` leaves the physics that needs it untraced."""
+def optional_number(unit: str, description: str, *, law_decides: bool = False):
+    """A number that may be absent; `None` leaves the physics that needs it untraced.
+
+    Where a law beside it decides whether it is there, it is no optional part by itself.
+    """
     return eqx.field(
         converter=_as_optional_scalar,
         default=None,
-        metadata={"unit": unit, "description": description},
+        metadata={"unit": unit, "description": description, "law_decides": law_decides},
     )
 
 

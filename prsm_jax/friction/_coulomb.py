@@ -1,0 +1,38 @@
+"""Coulomb friction, and Coulomb friction smoothed at standstill."""
+
+from typing import ClassVar
+
+import jax.numpy as jnp
+
+from ..fields import Scalar, number
+from ._law import FrictionLaw, Sliding
+from ._register import friction_law
+
+
+@friction_law("coulomb")
+class CoulombFriction(FrictionLaw):
+    """Coulomb friction: force μ F against the slip."""
+
+    constant: ClassVar[bool] = True
+    coefficient: Scalar = number("1", "friction coefficient, μ")
+
+    def friction_coefficient(self, sliding: Sliding) -> Scalar:
+        """μ."""
+        return self.coefficient
+
+
+@friction_law("regularised_coulomb")
+class RegularisedCoulombFriction(FrictionLaw):
+    """Coulomb friction smoothed over a small slip: force μ F v / √(v² + ε²).
+
+    Differentiable through standstill and reversal. It lets a loaded contact creep where Coulomb
+    friction would hold it, and misses about μ F ε of power while it does.
+    """
+
+    smooth_at_standstill: ClassVar[bool] = True
+    coefficient: Scalar = number("1", "friction coefficient, μ")
+    width: Scalar = number("m/s", "slip speed over which the force changes its sign, ε")
+
+    def friction_coefficient(self, sliding: Sliding) -> Scalar:
+        """μ v / √(v² + ε²)."""
+        return self.coefficient * sliding.speed / jnp.sqrt(sliding.speed**2 + self.width**2)

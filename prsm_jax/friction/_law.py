@@ -1,0 +1,153 @@
+"""What a friction law is: one class with one method, in this package or in a user's own file.
+
+A law is a frozen pytree of its numbers. It says what friction coefficient a sliding contact has;
+the direction of the force, its balance with the load and everything that follows are the same for
+all laws. What a law needs beside the slip speed it asks for, and only then it is evaluated.
+"""
+
+import abc
+from collections.abc import Sequence
+from typing import ClassVar, NamedTuple
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..fields import Scalar
+from ..numerics import dot_few
+
+#: What a law may ask for, with unit and meaning.
+ASKED = {
+    "normal_force": "N: normal force of one roller, all its threads together",
+    "pressure": "Pa: largest Hertz pressure of the screw side, the threads loaded equally",
+    "rolling_speed": "m/s: mean speed of both surfaces through the contact (entrainment)",
+}
+
+
+class Sliding(eqx.Module):
+    """A sliding contact as a friction law sees it.
+
+    **Arguments:**
+
+    - `speed`: slip speed, 0 or more; where the ellipse spins too, the mean of the local ones [m/s].
+    - `asked`: what the law asks for (`FrictionLaw.asks`), by name.
+    """
+
+    speed: Scalar
+    asked: dict[str, Scalar] = eqx.field(default_factory=dict)
+
+    def _of(self, name: str) -> Scalar:
+        if name not in self.asked:
+            raise ValueError(
+                f"a friction law uses {name}, which it does not ask for; add it to the law's "
+                f'asks = ("{name}",)'
+            )
+        return self.asked[name]
+
+    @property
+    def normal_force(self) -> Scalar:
+        """Normal force of one roller, all its threads together [N]."""
+        return self._of("normal_force")
+
+    @property
+    def pressure(self) -> Scalar:
+        """Largest Hertz pressure of the screw side [Pa]."""
+        return self._of("pressure")
+
+    @property
+    def rolling_speed(self) -> Scalar:
+        """Mean speed of both surfaces through the contact [m/s]."""
+        return self._of("rolling_speed")
+
+
+class FrictionLaw(eqx.Module):
+    """Base of all friction laws: force `μ F` against the slip, and `c v` beside it.
+
+    A law is a class with its numbers as fields (`prsm_jax.number`) and `friction_coefficient`. The
+    decorator `prsm_jax.friction_law` gives it the name by which files know it. What it is says its
+    class:
+
+    - `smooth_at_standstill`: friction passes through 0 smoothly as the slip changes its sign (it
+      is proportional to slow slip). Other friction jumps there, and can hold a load at rest.
+    - `load_independent`: there is no part in proportion to the normal force.
+    - `constant`: the coefficient never changes; settling then has a closed form.
+    - `asks`: what it needs beside the slip speed, of `normal_force`, `pressure`, `rolling_speed`.
+    """
+
+    law: ClassVar[str] = ""
+    smooth_at_standstill: ClassVar[bool] = False
+    load_independent: ClassVar[bool] = False
+    constant: ClassVar[bool] = False
+    has_state: ClassVar[bool] = False
+    asks: ClassVar[tuple[str, ...]] = ()
+
+    @abc.abstractmethod
+    def friction_coefficient(self, sliding: Sliding) -> Scalar:
+        """Friction force over normal force, μ [1].
+
+        **Arguments:**
+
+        - `sliding`: slip speed, and what the law asks for.
+        """
+
+    @property
+    def viscous_resistance(self) -> Scalar | None:
+        """Friction force per slip speed that needs no normal force [N·s/m]; `None` if none."""
+        return None
+
+
+class Deflected(NamedTuple):
+    """Slip of the screw over one roller, and how far what lies between them is deflected."""
+
+    #: [m/s].
+    slip: Float[Array, "3"]
+    #: In the tangent plane of the contact [m].
+    deflection: Float[Array, "3"]
+    #: Friction of slip and spin together per unit of μ F, a vector shorter than 1, and the mean
+    #: local slip speed [m/s]; `None` where no spin is modelled.
+    held: Float[Array, "3"] | None = None
+    mean_speed: Scalar | None = None
+
+
+class StatefulFrictionLaw(FrictionLaw):
+    """A law with a state: a deflection z in the tangent plane of each contact [m].
+
+    In steady slip it is `friction_coefficient`. It passes through standstill by its state.
+    """
+
+    smooth_at_standstill: ClassVar[bool] = True
+    has_state: ClassVar[bool] = True
+
+    @property
+    @abc.abstractmethod
+    def deflection_scale(self) -> Scalar:
+        """Deflection of the size that the state reaches [m]."""
+
+    @abc.abstractmethod
+    def deflection_rate(self, contact: Deflected) -> Float[Array, "3"]:
+        """How fast the state changes, ż [m/s]."""
+
+    @abc.abstractmethod
+    def deflected_friction(self, contact: Deflected) -> Float[Array, "3"]:
+        """Friction per normal force on the way to steady slip [1]."""
+
+    def stored_power(self, contact: Deflected) -> Scalar:
+        """Rate at which the state stores energy, per normal force [m/s]; 0 if it stores none."""
+        return 0.0 * dot_few(contact.slip, contact.deflection)
+
+
+def check_asked(cls: type, names: Sequence[str]) -> None:
+    """**Raises:** `ValueError` if a law asks for what nothing can tell."""
+    for name in names:
+        if name not in ASKED:
+            raise ValueError(
+                f"friction law {cls.__name__}: asks for {name!r}; choose of {', '.join(ASKED)}"
+            )
+
+
+def falling_coefficient(
+    static_coefficient: Scalar, coefficient: Scalar, stribeck_speed: Scalar, speed: Scalar
+) -> Scalar:
+    """Stribeck's coefficient, `μ + (μ_s − μ) e^{−(v/v_S)²}`."""
+    share = jnp.exp(-((speed / stribeck_speed) ** 2))
+    return coefficient + (static_coefficient - coefficient) * share

@@ -1,0 +1,42 @@
+"""The friction of one stage: each loss is there only if the scene names it."""
+
+import equinox as eqx
+
+from ..fields import Scalar, number, part
+from ._law import FrictionLaw
+from ._screw_friction import Drag, SplineFriction, ThrustBearingFriction
+
+
+class SpinFriction(eqx.Module):
+    """Spin of the contact ellipses about the common normal (screw and nut side).
+
+    The coefficient is that of the nut side, which spins without sliding. The screw side slides and
+    spins at once: the law of the threads rubs there.
+    """
+
+    coefficient: Scalar = number("1", "friction coefficient in the spinning contact, μ")
+
+
+class RollingHysteresis(eqx.Module):
+    """Rolling resistance by elastic hysteresis in the contact ellipses (screw and nut side)."""
+
+    loss_factor: Scalar = number("1", "share of the elastic energy lost per cycle, α_h")
+
+
+class Friction(eqx.Module):
+    """All losses of one stage; `None` is not modelled and leaves no trace."""
+
+    thread: FrictionLaw | None = part(
+        "no sliding loss in the threads, and nothing that drives the carriers against losses"
+    )
+    spin: SpinFriction | None = part("no loss of contact ellipses that spin about their normal")
+    rolling_hysteresis: RollingHysteresis | None = part(
+        "no loss of rolling, so that carriers settle where geometry puts them"
+    )
+    spline: SplineFriction | None = part(
+        "no axial force and no loss in the spline of a screw that moves axially"
+    )
+    thrust_bearing: ThrustBearingFriction | None = part(
+        "no friction torque of the thrust bearing of the screw"
+    )
+    drag: Drag | None = part("no torque of seals and lubricant that does not depend on the load")

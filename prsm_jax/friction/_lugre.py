@@ -1,0 +1,87 @@
+"""Bristles between the threads: the LuGre law.
+
+Canudas de Wit, Olsson, Åström, Lischinsky, A new model for control of systems with friction, IEEE
+Transactions on Automatic Control 40 (1995) 419–425, here per unit of normal force and for a vector
+of slip. The deflection z lies in the tangent plane of the contact, as the slip does.
+"""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..fields import Scalar, number, optional_number
+from ..numerics import dot_few, length_few, sum_few
+from ._law import Deflected, Sliding, StatefulFrictionLaw, falling_coefficient
+from ._register import friction_law
+
+
+@friction_law("lugre")
+class LuGreFriction(StatefulFrictionLaw):
+    """Bristles between the threads that bend before they slip (Canudas de Wit et al. 1995).
+
+    Deflection z and force of one roller, both vectors in the tangent plane of the contact:
+    `ż = v − σ₀ |v| z / g(v)` with `g = μ + (μ_s − μ) e^{−(v/v_S)²}`, and `F (σ₀ z + σ₁ ż) + σ₂ v`.
+    Steady slip is Stribeck's law; at rest the contact is a spring of stiffness F σ₀. It passes
+    through standstill and reversal smoothly, holding the load.
+
+    Stiffness and damping are those per unit of normal force. `σ₁ = 2 √(σ₀ m / F)` is critical
+    damping for a mass m that a force F holds. Constant damping pulls hard where slip begins at
+    once, and the contact may then give energy unless σ₂ ≥ σ₁ F (μ_s − μ)/μ (Barabanov and Ortega
+    2000); with a damping speed v_d it fades with slip, `σ₁ e^{−(v/v_d)²}`.
+    """
+
+    static_coefficient: Scalar = number("1", "friction coefficient at the onset of slip, μ_s")
+    coefficient: Scalar = number("1", "friction coefficient of fast slip, μ")
+    stribeck_speed: Scalar = number("m/s", "slip speed of the transition, v_S")
+    bristle_stiffness: Scalar = number("1/m", "stiffness of the bristles per normal force, σ₀")
+    bristle_damping: Scalar = number("s/m", "damping of the bristles per normal force, σ₁")
+    damping_speed: Scalar | None = optional_number(
+        "m/s", "slip speed over which the bristles' damping fades, v_d; constant if not given"
+    )
+    viscous_coefficient: Scalar | None = optional_number(
+        "N·s/m", "viscous friction coefficient of one roller, σ₂"
+    )
+
+    def friction_coefficient(self, sliding: Sliding) -> Scalar:
+        """Bristles that have settled: Stribeck's law, g(v)."""
+        return falling_coefficient(
+            self.static_coefficient, self.coefficient, self.stribeck_speed, sliding.speed
+        )
+
+    @property
+    def viscous_resistance(self) -> Scalar | None:
+        """σ₂ [N·s/m]."""
+        return self.viscous_coefficient
+
+    @property
+    def deflection_scale(self) -> Scalar:
+        """Deflection at which bristles hold the most, μ_s/σ₀ [m]."""
+        return self.static_coefficient / self.bristle_stiffness
+
+    def deflection_rate(self, contact: Deflected) -> Float[Array, "3"]:
+        """How fast bristles bend, `ż = v − σ₀ |v| z / g(v)` [m/s].
+
+        In an ellipse that spins too, bristles settle where their force is that of slip and spin
+        together, `g(Φ) T` with `T = ∂Φ/∂v`, and the faster the more of the slip is spin:
+        `ż = |v|/|T| (T − σ₀ z/g(Φ))`.
+        """
+        slip, deflection, held, mean_speed = contact
+        speed, stiffness = length_few(slip), self.bristle_stiffness
+        if held is None or mean_speed is None:
+            settled = self.friction_coefficient(Sliding(speed))
+            return slip - stiffness * speed / settled * deflection
+        length = length_few(held)
+        rate = speed / jnp.where(length > 0, length, 1.0)
+        settled = self.friction_coefficient(Sliding(mean_speed))
+        return rate * (held - stiffness / settled * deflection)
+
+    def deflected_friction(self, contact: Deflected) -> Float[Array, "3"]:
+        """Friction per normal force, σ₀ z + σ₁ ż."""
+        damping = self.bristle_damping
+        if self.damping_speed is not None:
+            damping = damping * jnp.exp(-sum_few(contact.slip**2) / self.damping_speed**2)
+        return self.bristle_stiffness * contact.deflection + damping * self.deflection_rate(contact)
+
+    def stored_power(self, contact: Deflected) -> Scalar:
+        """Rate at which the bristles store energy per normal force, σ₀ z·ż [m/s]."""
+        bending = dot_few(contact.deflection, self.deflection_rate(contact))
+        return self.bristle_stiffness * bending

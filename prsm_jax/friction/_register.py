@@ -1,0 +1,68 @@
+"""Friction laws by name: what files, `--set` and the schema know."""
+
+import dataclasses
+import re
+from collections.abc import Callable
+from typing import TypeVar
+
+from ._law import FrictionLaw, check_asked
+
+_Law = TypeVar("_Law", bound=type[FrictionLaw])
+_LAWS: dict[str, type[FrictionLaw]] = {}
+
+
+def friction_law(name: str) -> Callable[[_Law], _Law]:
+    """Name a class of friction law, so that files can hold it as `law = "name"`.
+
+    The same class may be defined again, as when a cell of a notebook is run twice; the last one
+    counts.
+
+    **Arguments:**
+
+    - `name`: lower-case words joined by underscores.
+
+    **Raises:** `TypeError` if the class is no `FrictionLaw`; `ValueError` if the name is not one or
+    another class has it, if the law asks for what nothing can tell, or a field is no number.
+    """
+    if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
+        raise ValueError(f"friction law {name!r}: a name is lower-case words joined by underscores")
+
+    def decorate(cls: _Law) -> _Law:
+        if not (isinstance(cls, type) and issubclass(cls, FrictionLaw)):
+            raise TypeError(f"friction law {name!r}: {cls!r} must be a class of FrictionLaw")
+        known = _LAWS.get(name)
+        if known is not None and _origin(known) != _origin(cls):
+            raise ValueError(
+                f"friction law {name!r}: {known.__module__}.{known.__qualname__} has this name; "
+                "choose another"
+            )
+        check_asked(cls, cls.asks)
+        for field in dataclasses.fields(cls):
+            if "unit" not in field.metadata:
+                raise ValueError(
+                    f"friction law {name!r}: {field.name} has no unit; declare it as "
+                    f'{field.name}: prsm.Scalar = prsm.number("N", "what it is")'
+                )
+        cls.law = name
+        _LAWS[name] = cls
+        return cls
+
+    return decorate
+
+
+def _origin(cls: type) -> tuple[str, str]:
+    return cls.__module__, cls.__qualname__
+
+
+def friction_laws(*, of_threads: bool = True) -> dict[str, type[FrictionLaw]]:
+    """All named laws in the order of their names; those of splines and bearings have no state and know the slip speed alone.
+
+    **Arguments:**
+
+    - `of_threads`: whether threads rub by it.
+    """
+    return {
+        name: cls
+        for name, cls in sorted(_LAWS.items())
+        if of_threads or not (cls.has_state or cls.asks)
+    }

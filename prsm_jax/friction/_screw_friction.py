@@ -1,0 +1,81 @@
+"""Friction beside the threads: any law at the radius of a spline or a thrust bearing; drag."""
+
+from typing import Any
+
+import equinox as eqx
+
+from ..fields import Scalar, number, optional_number
+from ._coulomb import CoulombFriction
+from ._law import FrictionLaw
+
+
+def _law(value: Any) -> FrictionLaw:
+    return value if isinstance(value, FrictionLaw) else CoulombFriction(value)
+
+
+def _law_field(**units: str) -> Any:
+    """The law of a spline or bearing, whose numbers stand in the same table of a file.
+
+    `units` are those that its numbers have there, by the unit that they have in a thread.
+    """
+    metadata = {"same_table": True, "usual_law": "coulomb", "units": units}
+    return eqx.field(converter=_law, metadata=metadata)
+
+
+def _radius(description: str) -> Any:
+    """The radius, which is there unless the law needs no force."""
+    return optional_number("m", description, law_decides=True)
+
+
+class FrictionAtRadius(eqx.Module):
+    """A friction law, and the radius at which it acts. The law's numbers are attributes, too.
+
+    **Raises:** `ValueError` without a radius if the law needs one, or with a law that has a state
+    or asks for more than the slip speed.
+    """
+
+    law: eqx.AbstractVar[FrictionLaw]
+    radius: eqx.AbstractVar[Scalar | None]
+
+    def __check_init__(self):
+        law, own = self.law, type(self).__name__
+        if law.has_state or law.asks:
+            what = "has a state" if law.has_state else f"asks for {', '.join(law.asks)}"
+            raise ValueError(
+                f"{own}: the law {type(law).__name__} {what}, which only threads give; choose "
+                "another law"
+            )
+        if self.radius is None and not law.load_independent:
+            raise ValueError(f"{own}: radius is missing; the law {type(law).__name__} needs it")
+
+    def __getattr__(self, name: str) -> Any:
+        if name in ("law", "radius") or name.startswith("_"):
+            raise AttributeError(name)
+        return getattr(self.law, name)
+
+
+class SplineFriction(FrictionAtRadius):
+    """Friction in the spline that turns an axially moving screw (not the first one)."""
+
+    law: FrictionLaw = _law_field()
+    radius: Scalar | None = _radius("effective radius of the spline, r_SS")
+
+
+class ThrustBearingFriction(FrictionAtRadius):
+    """Friction of the thrust bearing of the screw, in the previous nut or the housing.
+
+    Its slip speed is that of the screw at the radius. What is viscous is a torque c Ω [N·m·s].
+    """
+
+    law: FrictionLaw = _law_field(**{"N·s/m": "N·m·s"})
+    radius: Scalar | None = _radius("effective radius of the bearing, r_NS")
+
+
+class Drag(eqx.Module):
+    """A drag torque on the screw whatever the load (seals, lubricant): constant, and c Ω."""
+
+    torque: Scalar = number("N·m", "constant drag torque")
+    viscous_coefficient: Scalar | None = optional_number("N·m·s", "viscous drag coefficient, c")
+    width: Scalar | None = optional_number(
+        "rad/s", "speed over which the constant torque changes its sign; at once if not given"
+    )
