@@ -55,14 +55,13 @@ def _origin(cls: type) -> tuple[str, str]:
 
 
 def friction_laws(*, of_threads: bool = True) -> dict[str, type[FrictionLaw]]:
-    """All named laws in the order of their names; those of splines and bearings have no state and know the slip speed alone.
+    """All named laws in the order of their names.
+
+    Those of splines and bearings have no state, and know the slip speed alone.
 
     **Arguments:**
 
     - `of_threads`: whether threads rub by it.
     """
-    return {
-        name: cls
-        for name, cls in sorted(_LAWS.items())
-        if of_threads or not (cls.has_state or cls.asks)
-    }
+    known = sorted(_LAWS.items())
+    return {name: cls for name, cls in known if of_threads or not (cls.has_state or cls.asks)}
