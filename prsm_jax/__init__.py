@@ -47,6 +47,7 @@ from .file import (
     loads as loads,
 )
 from .findings import check as check
+from .friction import FrictionLaw as FrictionLaw, friction_law as friction_law
 from .geometry import Finding as Finding, mesh as mesh
 from .halfspace import flank_contact as flank_contact, solve_contact as solve_contact
 from .load_sharing import (

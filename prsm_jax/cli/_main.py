@@ -48,6 +48,7 @@ def _run(words: list[str], alone: bool) -> tuple[int, str]:
         return 2, str(missing_extra("cli", "the command line", error))
     with progress(words[0] if words else ""):
         from ._compiled import keep_compiled_programs, tell_of_trouble_once
+        from ._plugins import load_plugin, without_plugins
         from ._programs import run_one_verb
         from ._verbs import app
 
@@ -56,6 +57,9 @@ def _run(words: list[str], alone: bool) -> tuple[int, str]:
             tell_of_trouble_once()
             run_one_verb()
         try:
+            words, plugins = without_plugins(words)
+            for plugin in plugins:
+                load_plugin(plugin)
             status = app(
                 words, exit_on_error=False, print_error=False, result_action="return_value"
             )

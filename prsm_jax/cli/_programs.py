@@ -22,6 +22,7 @@ from jax.experimental import serialize_executable
 
 from ..mechanism import Mechanism
 from ..process import whole_file
+from ._plugins import has_plugins
 from ._progress import expect_programs
 
 _PACKAGE = Path(__file__).parent.parent
@@ -87,7 +88,8 @@ def run_stored(
     if not announced:
         expect_programs("call")
     folder = jax.config.jax_compilation_cache_dir  # type: ignore[attr-defined]
-    if not folder:
+    # What a plugin computes changes with its own files, which the key does not know.
+    if not folder or has_plugins():
         return eqx.filter_jit(function)(mechanism)
     leaves, structure = jax.tree.flatten(mechanism)
     path = Path(folder) / "programs" / _key(name, leaves, structure)

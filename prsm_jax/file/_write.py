@@ -12,6 +12,7 @@ import equinox as eqx
 import numpy as np
 
 from .._errors import FileError, UnknownNameError, missing_extra
+from ..friction import FrictionLaw
 from ..mechanism import DesignProblem, DutyCycle, Mechanism, find_parameters
 from ..process import whole_file
 from ._read import loads
@@ -84,8 +85,8 @@ def _inner_table(field: dataclasses.Field, value: eqx.Module, hint, header: str)
     law = next((name for name, choice in choices.items() if choice.holds(value)), None)
     if law is None:
         raise FileError(
-            f"{header} is of the class {type(getattr(value, 'law', value)).__name__}, which no "
-            "file knows; name the class with the decorator prsm_jax.friction_law"
+            f"{header} is of the class {_class_of(value)}, which no file knows; name the class "
+            "with the decorator prsm_jax.friction_law"
         )
     lines = [f"law = {_string(law)}"] if law else []
     lines += list(_module(value, header))
@@ -94,6 +95,11 @@ def _inner_table(field: dataclasses.Field, value: eqx.Module, hint, header: str)
         return [] if isinstance(field.default, eqx.Module) else ["", f"[{header}]"]
     has_keys = lines[0] != ""
     return ["", f"[{header}]", *lines] if has_keys else lines
+
+
+def _class_of(value: eqx.Module) -> str:
+    law = getattr(value, "law", None)
+    return type(law if isinstance(law, FrictionLaw) else value).__name__
 
 
 def _duty_cycle(duty_cycle: DutyCycle) -> Iterator[str]:

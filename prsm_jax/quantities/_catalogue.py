@@ -59,12 +59,16 @@ def quantity(
     - `shares`: loads under which it asks `Analysis.distribution`; said here, one program finds all
       of those that several quantities ask for.
 
+    A function of the same module and name may be defined again, as when a cell of a notebook is run
+    twice; the last one counts.
+
     **Raises:** `ValueError` if the name is taken, or an assumption is not known.
     """
     known = tuple(known_assumption(one) for one in assumes)
 
     def register(function: Callable[[Analysis], Array]) -> Callable[[Analysis], Array]:
-        if name in _CATALOGUE:
+        before = _CATALOGUE.get(name)
+        if before is not None and _origin(before.function) != _origin(function):
             raise ValueError(f"the quantity {name!r} exists already; choose another name")
         _CATALOGUE[name] = Quantity(
             name, symbol, unit, description, function, dimensions, known, shares
@@ -72,6 +76,10 @@ def quantity(
         return function
 
     return register
+
+
+def _origin(function: Callable) -> tuple[str, str]:
+    return function.__module__, function.__qualname__
 
 
 def catalogue() -> tuple[Quantity, ...]:

@@ -31,9 +31,13 @@ from .design_charts import (
     sweep_map as sweep_map,
 )
 from .document import (
+    Picture as Picture,
     ReportData as ReportData,
+    Section as Section,
+    Table as Table,
     analyse as analyse,
     contact_pictures as contact_pictures,
+    report_section as report_section,
     save_contact_pictures as save_contact_pictures,
     save_transient_pictures as save_transient_pictures,
     write_report as write_report,

@@ -36,7 +36,7 @@ def test_every_section_has_a_reader():
     body = next(
         node
         for node in ast.parse((_REPORT / "document" / "_sections.py").read_text()).body
-        if isinstance(node, ast.FunctionDef) and node.name == "report_sections"
+        if isinstance(node, ast.FunctionDef) and node.name == "_sections"
     )
     # Rows of the table: anchor, title, and the function that makes the section.
     rows = [node.elts for node in ast.walk(body) if isinstance(node, ast.Tuple)]

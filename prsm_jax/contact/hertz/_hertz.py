@@ -1,5 +1,6 @@
 """Elliptical Hertz contact: pressure, semi-axes, approach and stiffness."""
 
+from collections.abc import Callable
 from typing import Literal, TypeAlias
 
 import equinox as eqx
@@ -12,9 +13,11 @@ from ...programs import physics
 from ._approximations import APPROXIMATIONS
 from ._axis_ratio import contact_ellipse
 
-HertzMethod: TypeAlias = Literal[
-    "exact", "antoine", "power", "hamrock_brewe", "hamrock_brewe_log", "lisowski"
-]
+#: A name, or a function of τ = (B − A)/(A + B) that returns κ = b/a, K and E.
+HertzMethod: TypeAlias = (
+    Literal["exact", "antoine", "power", "hamrock_brewe", "hamrock_brewe_log", "lisowski"]
+    | Callable[[Scalar], tuple[Scalar, Scalar, Scalar]]
+)
 
 
 #: Cube of a semi-axis below which there is no contact [m³]: the cube root ends at 1e-142.
@@ -101,7 +104,8 @@ def hertz_contact(
     - `total`: A + B [1/m]; results are NaN where it or E* is not above 0 and finite.
     - `difference_squared`: (B − A)² [1/m²].
     - `modulus`: contact modulus E* [Pa].
-    - `method`: `"exact"`, or a named approximation for κ, K and E.
+    - `method`: `"exact"`, a named approximation for κ, K and E, or a function of your own that
+      takes τ = (B − A)/(A + B) and returns these three.
 
     **Raises:** `ValueError` for an unknown method.
     """
@@ -111,11 +115,14 @@ def hertz_contact(
     anisotropy = anisotropy_of(total, difference_squared)
     if method == "exact":
         axis_ratio, first, second = contact_ellipse(anisotropy)
+    elif callable(method):
+        axis_ratio, first, second = method(anisotropy)
     elif method in APPROXIMATIONS:
         axis_ratio, first, second = APPROXIMATIONS[method](anisotropy)
     else:
         raise ValueError(
-            f"Hertz method is {method!r}; choose one of exact, {', '.join(APPROXIMATIONS)}"
+            f"Hertz method is {method!r}; choose one of exact, {', '.join(APPROXIMATIONS)}, "
+            "or give a function"
         )
     # Without a load (or in tension, which a contact cannot carry) everything is 0, and so are the
     # derivatives: those with respect to the load are infinite there, and must not become NaN.

@@ -342,7 +342,8 @@ def transient_of(
         name: jnp.moveaxis(row, 1, 0) if name in per_stage else row for name, row in found.items()
     }
     # The steps may have run out, or the rollers be at rest, before a sample shows it.
-    margin = jamming_margin(mechanism, kinematics, jnp.max(jnp.abs(found["screw_speed"])))
+    fastest, most = (jnp.max(jnp.abs(found[name])) for name in ("screw_speed", "load"))
+    margin = jamming_margin(mechanism, kinematics, fastest, most)
     jammed = pulled | ((report.code != 0) & (margin <= 0))
     code = jnp.where(jammed, _JAMMED, report.code)
     code = code_of_finite(code, finite)

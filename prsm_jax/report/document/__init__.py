@@ -5,5 +5,7 @@ from ._contact_pictures import (
     save_contact_pictures as save_contact_pictures,
 )
 from ._data import ReportData as ReportData, analyse as analyse
+from ._section import Picture as Picture, Section as Section, Table as Table
+from ._sections import report_section as report_section
 from ._transient_pictures import save_transient_pictures as save_transient_pictures
 from ._write import write_report as write_report

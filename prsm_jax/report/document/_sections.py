@@ -22,13 +22,36 @@ from ._pressures import largest_pressure, largest_shared_pressure
 from ._section import Section, Table, words_of_fault
 from ._strength_section import sharing_section, strength_section
 
+_Maker = Callable[[ReportData], Section | None]
+_own: dict[str, tuple[str, _Maker]] = {}
 
-def report_sections(data: ReportData) -> tuple[Section, ...]:
-    """Every section that the data have something for, in the order of reading.
 
-    A section whose making fails is there all the same, and says so.
+def report_section(anchor: str, title: str) -> Callable[[_Maker], _Maker]:
+    """Add a section of your own to the report, before the provenance.
+
+    The function makes it of the report's data, or returns `None` where they have nothing for it. It
+    may be defined again, as when a cell of a notebook is run twice.
+
+    **Arguments:**
+
+    - `anchor`: its name in links; no other section's.
+    - `title`: its heading.
+
+    **Raises:** `ValueError` if a section of this package has the anchor.
     """
-    wanted: tuple[tuple[str, str, Callable[[ReportData], Section | None]], ...] = (
+    if anchor in {row[0] for row in _sections()}:
+        raise ValueError(f"the section {anchor!r} exists already; choose another anchor")
+
+    def register(make: _Maker) -> _Maker:
+        _own[anchor] = (title, make)
+        return make
+
+    return register
+
+
+def _sections() -> tuple[tuple[str, str, _Maker], ...]:
+    """Anchor, title and maker of the package's own sections, in the order of reading."""
+    return (
         ("summary", "In short", _summary),
         ("findings", "Findings", findings_section),
         ("mechanism", "Mechanism", mechanism_section),
@@ -42,6 +65,16 @@ def report_sections(data: ReportData) -> tuple[Section, ...]:
         ("optimisation", "Optimisation", optimisation_section),
         ("provenance", "Provenance", _provenance),
     )
+
+
+def report_sections(data: ReportData) -> tuple[Section, ...]:
+    """Every section that the data have something for, in the order of reading.
+
+    A section whose making fails is there all the same, and says so.
+    """
+    *first, last = _sections()
+    own = [(anchor, title, make) for anchor, (title, make) in _own.items()]
+    wanted = (*first, *own, last)
     sections = [_made(anchor, title, data, make) for anchor, title, make in wanted]
     return tuple(section for section in sections if section is not None)
 

@@ -1,0 +1,86 @@
+"""A user's own laws, quantities, sections and verbs on the command line: `--plugin MODULE`.
+
+Only the user names a module. A file of a mechanism never does, so that reading one runs no code.
+"""
+
+import importlib
+import importlib.util
+import sys
+from importlib.metadata import entry_points
+from pathlib import Path
+from types import ModuleType
+
+from .._errors import PrsmError
+
+_GROUP = "prsm_jax.plugins"
+_loaded: list[ModuleType] = []
+
+
+def without_plugins(words: list[str]) -> tuple[list[str], list[str]]:
+    """The words of a command without `--plugin MODULE` and `--plugin=MODULE`, and the modules.
+
+    **Raises:** `PrsmError` if the module is not named.
+    """
+    rest: list[str] = []
+    named: list[str] = []
+    given = iter(words)
+    for word in given:
+        if word == "--plugin":
+            named.append(next(given, ""))
+        elif word.startswith("--plugin="):
+            named.append(word.partition("=")[2])
+        else:
+            rest.append(word)
+    if "" in named:
+        raise PrsmError("--plugin: name a module, a Python file or an entry point")
+    return rest, named
+
+
+def load_plugin(name: str) -> None:
+    """Import a module, which adds itself by its decorators.
+
+    **Arguments:**
+
+    - `name`: a Python file, an entry point of the group `prsm_jax.plugins`, or a module.
+
+    **Raises:** `PrsmError` if there is none, or it fails.
+    """
+    try:
+        _loaded.append(_module(name))
+    except PrsmError:
+        raise
+    except Exception as error:
+        raise PrsmError(f"--plugin {name}: {type(error).__name__}: {error}") from error
+
+
+def _module(name: str) -> ModuleType:
+    if name.endswith(".py"):
+        return _of_file(Path(name), name)
+    for point in entry_points(group=_GROUP, name=name):
+        return importlib.import_module(point.module)
+    try:
+        return importlib.import_module(name)
+    except ModuleNotFoundError as error:
+        if error.name is None or not f"{name}.".startswith(f"{error.name}."):
+            raise
+        raise PrsmError(
+            f"--plugin {name}: there is no Python file, entry point of {_GROUP} or module of this "
+            "name"
+        ) from error
+
+
+def _of_file(path: Path, name: str) -> ModuleType:
+    if not path.is_file():
+        raise PrsmError(f"--plugin {name}: there is no such file")
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules.setdefault(path.stem, module)
+    spec.loader.exec_module(module)
+    return module
+
+
+def has_plugins() -> bool:
+    """Whether any is loaded: then programs kept under the package's own files are not known."""
+    return bool(_loaded)

@@ -1,0 +1,374 @@
+"""Friction laws of a user's own, in everything that the package's laws work in."""
+
+import dataclasses
+from typing import ClassVar
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import scipy.optimize
+from extensions import extension
+from scenes import Swing, array, mechanism, simulate, stage, steady_state, thread
+
+import prsm_jax as prsm
+from prsm_jax import file
+from prsm_jax.dynamics import stage_kinematics
+from prsm_jax.fields import Scalar, number
+from prsm_jax.friction import (
+    CoulombFriction,
+    Friction,
+    LuGreFriction,
+    RollingHysteresis,
+    SpinFriction,
+    SplineFriction,
+    ThrustBearingFriction,
+)
+
+LOAD = 7e3
+
+
+class AskingCoulomb(prsm.FrictionLaw):
+    """Coulomb's law, which asks for everything and makes no use of it."""
+
+    asks: ClassVar[tuple[str, ...]] = ("normal_force", "pressure", "rolling_speed")
+    coefficient: Scalar = number("1", "friction coefficient")
+
+    def friction_coefficient(self, sliding):
+        asked = sliding.normal_force + sliding.pressure + sliding.rolling_speed
+        return self.coefficient + 0.0 * asked
+
+
+class RollingTraction(prsm.FrictionLaw):
+    """μ that falls with the rolling speed."""
+
+    asks: ClassVar[tuple[str, ...]] = ("rolling_speed",)
+    coefficient: Scalar = number("1", "friction coefficient at rest")
+    speed: Scalar = number("m/s", "rolling speed at which it has halved")
+
+    def friction_coefficient(self, sliding):
+        return self.coefficient / (1 + sliding.rolling_speed / self.speed)
+
+
+def _one(law, **more):
+    return mechanism(stage(friction=Friction(thread=law, **more)))
+
+
+def _solid():
+    return extension("solid_lubricant").SolidLubricantFriction(array(25e6), array(0.01))
+
+
+def test_pressure_enters_the_axial_balance():
+    """Against the balance solved by SciPy, with Hertz's pressure of a stage of its own."""
+    one = _one(_solid())
+    found = steady_state(one, 100.0, LOAD)
+    (geometry,) = (stage_kinematics(s) for s in one.stages)
+    normal = np.asarray(geometry.meshing.screw.normal)
+    along = np.asarray(found.slip_direction[0])
+
+    def pressure(force):
+        axial = force * abs(normal[2]) * one.stages[0].roller_count
+        return float(prsm.thread_contacts(one, array(axial))[0].screw.hertz.max_pressure)
+
+    def coefficient(force):
+        return 25e6 / (2 / 3 * pressure(force)) + 0.01
+
+    def missed(force):
+        share = abs(normal[2]) - coefficient(force) * along[2]
+        return force * share - LOAD / one.stages[0].roller_count
+
+    force = scipy.optimize.brentq(missed, 100.0, 5e3, xtol=1e-10, rtol=1e-14)
+    assert float(found.contact_force[0]) == pytest.approx(force, rel=1e-12)
+    sliding = coefficient(force) * force * found.slip_speed[0] * one.stages[0].roller_count
+    assert float(found.losses["thread_sliding"]) == pytest.approx(float(sliding), rel=1e-12)
+    assert float(found.power_balance_residual) < 1e-13
+    # Higher loads rub less: that is what this law is for.
+    assert float(steady_state(one, 100.0, 4 * LOAD).efficiency) > float(found.efficiency)
+
+
+def test_rolling_speed_is_that_of_both_surfaces():
+    """Mean velocity of two points of rigid bodies, in the frame of the carrier."""
+    one = _one(RollingTraction(array(0.1), array(0.5)))
+    found = steady_state(one, 100.0, LOAD)
+    geometry = stage_kinematics(one.stages[0])
+    side, part = geometry.meshing.screw, one.stages[0].thread
+    turning = 100.0 * (1 - float(found.carrier_ratio[0]))
+    angle = float(side.contact_angle_position)
+    radius = float(side.contact_radius)
+    # In the carrier's frame the screw turns at Ω − ω, the roller at −n ω about its own axis.
+    axis = np.array([0.0, 0.0, 1.0])
+    point = radius * np.array([np.cos(angle), np.sin(angle), 0.0])
+    travel = 100.0 * float(part.lead) / (2 * np.pi)
+    screw = turning * np.cross(axis, point) + travel * axis
+    centre = np.array([float(part.centre_distance), 0.0, 0.0])
+    spin = -float(part.starts) * 100.0 * float(found.carrier_ratio[0])
+    roller = spin * np.cross(axis, point - centre)
+    np.testing.assert_allclose(
+        np.linalg.norm(screw - roller), float(found.slip_speed[0]), rtol=1e-10
+    )
+    mean = np.linalg.norm(screw + roller) / 2
+    power = float(found.losses["thread_sliding"])
+    coefficient = power / float(found.contact_force[0] * found.slip_speed[0] * 10)
+    assert coefficient == pytest.approx(0.1 / (1 + mean / 0.5), rel=1e-12)
+
+
+SCENES = {
+    "speed": prsm.Scenario(Swing(array(100.0), array(30.0), array(400.0)), LOAD, 3e-3, samples=31),
+    "torque": prsm.TorqueScenario(
+        Swing(array(15.0), array(5.0), array(300.0)), LOAD, 3e-3, samples=31
+    ),
+}
+METHODS = [
+    ("speed", "rosenbrock"),
+    ("speed", "implicit"),
+    ("speed", "explicit"),
+    ("speed", "quasi_steady"),
+    ("torque", "rosenbrock"),
+    ("torque", "quasi_steady"),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("scene", "method"), METHODS)
+def test_a_law_that_asks_in_vain_is_coulombs_in_every_method(scene, method):
+    """The unknown share of the normal force changes nothing: to the tolerance of the searches."""
+    runs = [
+        simulate(_one(law(array(0.05))), SCENES[scene], method=method)
+        for law in (CoulombFriction, AskingCoulomb)
+    ]
+    for run in runs:
+        assert int(run.solver.code) == 0
+    for name in ("carrier_ratio", "contact_force", "drive_torque", "screw_speed", "efficiency"):
+        plain, asking = (np.asarray(getattr(run, name)) for run in runs)
+        size = np.max(np.abs(plain[np.isfinite(plain)]))
+        np.testing.assert_allclose(asking, plain, rtol=0, atol=1e-6 * size, err_msg=name)
+
+
+@pytest.mark.parametrize("more", [{}, {"spin": SpinFriction(array(0.05))}])
+def test_newton_and_lagrange_agree_with_a_law_that_asks(more):
+    one = _one(_solid(), rolling_hysteresis=RollingHysteresis(array(0.01)), **more)
+    run = simulate(one, SCENES["speed"], method="rosenbrock")
+    bodies = prsm.body_forces(one, run)
+    np.testing.assert_allclose(
+        np.linalg.norm(np.asarray(bodies.screw_normal_on_roller), axis=-1),
+        np.asarray(run.contact_force),
+        rtol=1e-9,
+    )
+
+
+def test_derivatives_in_both_modes():
+    names = ["friction.thread.shear_strength", "friction.thread.coefficient", "lead"]
+    one = _one(_solid())
+    values = jnp.stack([prsm.get_parameter(one, name) for name in names])
+
+    def efficiency(scales):
+        moved = one
+        for name, value, scale in zip(names, values, scales, strict=True):
+            moved = prsm.set_parameter(moved, name, value * scale)
+        return prsm.steady_state(moved, array(100.0), array(LOAD)).efficiency
+
+    at = jnp.ones(3)
+    forward, reverse = jax.jacfwd(efficiency)(at), jax.grad(efficiency)(at)
+    np.testing.assert_allclose(reverse, forward, rtol=1e-11)
+    step = 1e-3
+    for k in range(3):
+        near, far = (
+            [float(efficiency(at.at[k].add(sign * h))) for sign in (-1, 1)]
+            for h in (step, 2 * step)
+        )
+        # Of fourth order, so that the step is wide beside the tolerance of the search, 1e-14.
+        expected = (8 * (near[1] - near[0]) - (far[1] - far[0])) / (12 * step)
+        assert float(forward[k]) == pytest.approx(expected, rel=1e-8)
+
+
+def test_derivatives_of_a_transient():
+    scene = SCENES["speed"]
+    one = _one(_solid())
+
+    def mean_torque(strength):
+        moved = prsm.set_parameter(one, "shear_strength", strength)
+        run = prsm.simulate(moved, scene, method="rosenbrock", gradient="forward", throw=False)
+        return jnp.mean(run.drive_torque)
+
+    value = jax.jvp(mean_torque, (array(25e6),), (array(1.0),))[1]
+    step = 25e6 * 1e-4
+    ends = [float(mean_torque(array(25e6 + sign * step))) for sign in (-1, 1)]
+    assert float(value) == pytest.approx((ends[1] - ends[0]) / (2 * step), rel=1e-6)
+
+
+def test_a_law_with_a_state_is_lugres_without_damping():
+    """Dahl's law is LuGre's with equal coefficients and undamped bristles."""
+    scene = prsm.Scenario(
+        Swing(array(0.0), array(100.0), array(20.0)), array(LOAD), array(0.05), samples=51
+    )
+    dahl = extension("dahl").DahlFriction(array(0.08), array(1e5))
+    lugre = LuGreFriction(0.08, 0.08, 0.1, 1e5, 0.0)
+    runs = [simulate(_one(law), scene) for law in (dahl, lugre)]
+    for name in ("carrier_speed", "contact_force", "drive_torque"):
+        own, known = (np.asarray(getattr(run, name)) for run in runs)
+        np.testing.assert_allclose(own, known, rtol=0, atol=1e-6 * np.max(np.abs(known)))
+    assert int(runs[0].solver.code) == 0
+
+
+def test_vmapped_and_swept():
+    one = _one(_solid())
+    strengths = jnp.linspace(10e6, 40e6, 4)
+    batch = jax.vmap(
+        lambda x: prsm.steady_state(prsm.set_parameter(one, "shear_strength", x)).efficiency
+    )(strengths)
+    assert np.all(np.diff(np.asarray(batch)) < 0)
+    table = prsm.sweep(one, {"shear_strength": strengths}, ["efficiency"])
+    np.testing.assert_allclose(np.asarray(table["efficiency"]).ravel(), batch, rtol=1e-12)
+
+
+def test_locking_margins_follow_the_law():
+    """At the normal force that the load has without friction; and the search on all friction."""
+    one = _one(_solid())
+    found = prsm.compute(one, ["jamming_margin", "self_locking_margin"])
+    same = steady_state(one)
+    coefficient = float(same.losses["thread_sliding"]) / float(
+        same.contact_force[0] * same.slip_speed[0] * 10
+    )
+    plain = prsm.compute(
+        _one(CoulombFriction(array(coefficient))), ["jamming_margin", "self_locking_margin"]
+    )
+    # The normal force with friction is 4 % larger, the coefficient 1 % smaller.
+    assert float(1 - found["jamming_margin"]) == pytest.approx(
+        float(1 - plain["jamming_margin"]), rel=0.02
+    )
+    assert float(found["self_locking_margin"]) == pytest.approx(
+        float(plain["self_locking_margin"]), abs=0.02
+    )
+
+
+def test_a_file_knows_a_law_by_its_name():
+    one = _one(_solid())
+    text = file.dumps(one)
+    assert 'law = "solid_lubricant"\nshear_strength = "25 MPa"' in text
+    again = file.loads(text)
+    assert eqx.tree_equal(again.stages[0].friction, one.stages[0].friction)
+    wrong = text.replace('shear_strength = "25 MPa"', 'shear_strength = "25 mm"')
+    with pytest.raises(prsm.FileError, match=r"friction.thread: shear_strength = \"25 mm\": .*Pa"):
+        file.loads(wrong)
+    thread_friction = next(
+        part for part in prsm.explain(one, programs=[]).parts if part.name.endswith("thread")
+    )
+    assert thread_friction.place.law == "solid_lubricant"
+
+
+def test_a_law_without_a_name_cannot_be_written():
+    with pytest.raises(prsm.FileError, match=r"AskingCoulomb.*friction_law"):
+        file.dumps(_one(AskingCoulomb(array(0.1))))
+    with pytest.raises(prsm.FileError, match=r"thrust_bearing .*UnnamedCoulomb"):
+        file.dumps(_one(None, thrust_bearing=ThrustBearingFriction(UnnamedCoulomb(), array(0.01))))
+
+
+class UnnamedCoulomb(prsm.FrictionLaw):
+    """μ = 0.1."""
+
+    def friction_coefficient(self, sliding):
+        return 0.1 + 0.0 * sliding.speed
+
+
+def test_a_law_of_a_users_own_in_splines_and_bearings():
+    def both(law):
+        friction = Friction(
+            CoulombFriction(0.05),
+            spline=SplineFriction(law, 0.012),
+            thrust_bearing=ThrustBearingFriction(law, 0.02),
+        )
+        first = stage(friction=Friction(CoulombFriction(0.05)))
+        return mechanism(first, stage(friction=friction, geometry=thread(lead=15e-3)))
+
+    own, known = (steady_state(both(law)) for law in (UnnamedCoulomb(), CoulombFriction(0.1)))
+    assert float(own.drive_torque) == pytest.approx(float(known.drive_torque), rel=1e-14)
+
+
+@pytest.mark.parametrize("law", [_solid, lambda: LuGreFriction(0.1, 0.08, 0.1, 1e5, 4.0)])
+def test_only_threads_tell_more_than_the_slip_speed(law):
+    with pytest.raises(ValueError, match="which only threads give; choose another law"):
+        ThrustBearingFriction(law(), 0.02)
+
+
+def test_a_radius_is_needed():
+    with pytest.raises(ValueError, match="radius is missing; the law CoulombFriction needs it"):
+        SplineFriction(CoulombFriction(0.1))
+
+
+def test_what_is_not_asked_for_cannot_be_used():
+    class Careless(prsm.FrictionLaw):
+        def friction_coefficient(self, sliding):
+            return 1e-9 * sliding.pressure
+
+    with pytest.raises(ValueError, match=r'asks = \("pressure",\)'):
+        steady_state(_one(Careless()))
+
+
+def test_naming_a_law():
+    def made(name, **members):
+        body = {"friction_coefficient": lambda self, sliding: sliding.speed, **members}
+        return prsm.friction_law(name)(type("Made", (prsm.FrictionLaw,), body))
+
+    with pytest.raises(ValueError, match=r"'coulomb': .*CoulombFriction has this name"):
+        made("coulomb")
+    with pytest.raises(ValueError, match="lower-case words"):
+        made("Of Mine")
+    with pytest.raises(ValueError, match="asks for 'temperature'; choose of normal_force"):
+        made("hot", asks=("temperature",))
+    with pytest.raises(TypeError, match="must be a class of FrictionLaw"):
+        prsm.friction_law("a_function")(lambda: 0)
+    with pytest.raises(ValueError, match="plain has no unit"):
+        made("unitless", plain=0.1, __annotations__={"plain": float})
+    # A cell of a notebook may be run twice: the last one counts.
+    first, second = made("run_twice"), made("run_twice")
+    assert first is not second
+    assert file.loads(_with_law("run_twice")).stages[0].friction.thread == second()
+
+
+def _with_law(name):
+    text = file.dumps(_one(CoulombFriction(0.1)))
+    return text.replace('law = "coulomb"\ncoefficient = 0.1', f'law = "{name}"')
+
+
+def test_physics_that_a_law_does_not_ask_for_is_not_traced():
+    def traced(law):
+        return prsm.traced_physics(lambda one: prsm.steady_state(one).efficiency, _one(law))
+
+    assert "hertz" not in traced(CoulombFriction(array(0.05)))
+    assert "hertz" not in traced(RollingTraction(array(0.1), array(0.5)))
+    assert {"hertz", "solid_lubricant_friction"} <= traced(_solid())
+
+
+def test_the_closed_form_of_settling_is_for_constant_coefficients():
+    """A law of a user's own that says it is constant settles in closed form."""
+
+    class Constant(prsm.FrictionLaw):
+        constant: ClassVar[bool] = True
+
+        def friction_coefficient(self, sliding):
+            return 0.05 + 0.0 * sliding.speed
+
+    scene = prsm.Scenario(array(100.0), array(LOAD), array(1e-3), samples=11)
+    own, known = (_one(law) for law in (Constant(), CoulombFriction(0.05)))
+    assert prsm.choose_method(own, scene).method == "closed_form"
+    assert prsm.choose_method(_one(_solid()), scene).method == "rosenbrock"
+    runs = [simulate(one, scene) for one in (own, known)]
+    np.testing.assert_allclose(runs[0].carrier_ratio, runs[1].carrier_ratio, rtol=1e-13)
+
+
+def test_numbers_of_a_law_are_those_of_the_mechanism():
+    one = _one(_solid())
+    paths = {p.path: p for p in prsm.all_parameters(one)}
+    parameter = paths["stage.1.friction.thread.shear_strength"]
+    assert (parameter.unit, parameter.description) == ("Pa", "shear strength of the film, τ₀")
+    found = prsm.sensitivity(one, ["efficiency"], ["shear_strength"])
+    assert float(np.asarray(found.table()[0].derivative if hasattr(found, "table") else -1.0)) < 0
+
+
+def test_replaced_numbers_keep_the_law():
+    bearing = ThrustBearingFriction(CoulombFriction(0.1), 0.02)
+    assert float(bearing.coefficient) == 0.1
+    assert dataclasses.replace(bearing, radius=0.03).law == bearing.law
+    with pytest.raises(AttributeError):
+        _ = bearing.static_coefficient
