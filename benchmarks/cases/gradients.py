@@ -9,7 +9,7 @@ import numpy as np
 
 from prsm_jax import modal, steady_state
 from prsm_jax.file import load
-from prsm_jax.mechanism import Mechanism, get_parameter, set_parameters
+from prsm_jax.mechanism import CoulombFriction, Mechanism, get_parameter, set_parameters
 
 from ..harness import Case, Kind, Method, Prepared, Problem, Reference
 from ..references.contact import efficiency_slopes
@@ -140,7 +140,7 @@ def case(quick: bool, smoke: bool = False) -> Case:
     around, aside = _around(mechanism, count), _around(bare, count)
     stage = bare.stages[0]
     assert stage.friction is not None
-    assert stage.friction.thread is not None
+    assert isinstance(stage.friction.thread, CoulombFriction)
     friction, starts = float(stage.friction.thread.coefficient), float(stage.thread.starts)
     return Case(
         "gradients",

@@ -11,7 +11,7 @@ from prsm_jax import compute, to_precision
 from prsm_jax.contact import contact_modulus
 from prsm_jax.file import load
 from prsm_jax.geometry import mesh
-from prsm_jax.mechanism import Mechanism, material_of, set_parameter
+from prsm_jax.mechanism import CoulombFriction, Mechanism, material_of, set_parameter
 from prsm_jax.stiffness import thread_stiffness
 from prsm_jax.vibration import modal, vibration_system
 
@@ -103,7 +103,7 @@ def case(quick: bool) -> Case:
     assert mechanism.operating_point is not None
     assert stage.engaged_threads is not None
     assert stage.friction is not None
-    assert stage.friction.thread is not None
+    assert isinstance(stage.friction.thread, CoulombFriction)
     friction = float(stage.friction.thread.coefficient)
     axial_force = float(mechanism.operating_point.load)
     axial_force /= stage.roller_count * float(stage.engaged_threads)

@@ -88,8 +88,8 @@ def stage_numbers(stage: Stage) -> StageNumbers:
         inertia=carriers
         + stage.roller_count * (roller_inertia * (starts - 1) ** 2 + roller_mass * centre**2),
         friction=float(friction.thread.coefficient),
-        spline=0.0 if spline is None else float(spline.coefficient) / float(spline.radius),
-        bearing=0.0 if bearing is None else float(bearing.coefficient) * float(bearing.radius),
+        spline=0.0 if spline is None else float(spline.coefficient) / float(spline.arm),
+        bearing=0.0 if bearing is None else float(bearing.coefficient) * float(bearing.arm),
     )
 
 

@@ -159,9 +159,9 @@ def _place(
             misses,
             f"[[{header}]]{_keys(TableChoice(row))}",
         )
-    choices = {"": None} if field.name in _BY_KEYS else table_choices(hint)
+    choices = {} if field.name in _BY_KEYS else table_choices(hint)
     laws = {} if "" in choices else choices
-    law = next((word for word, one in laws.items() if one and one.holds(value)), None)
+    law = next((word for word, one in laws.items() if one.holds(value)), None)
     classes = module_classes(hint)
     if present and law is not None:
         meaning = _first(choices[law].cls)

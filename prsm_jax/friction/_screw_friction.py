@@ -48,6 +48,12 @@ class FrictionAtRadius(eqx.Module):
         if self.radius is None and not law.load_independent:
             raise ValueError(f"{own}: radius is missing; the law {type(law).__name__} needs it")
 
+    @property
+    def arm(self) -> Scalar:
+        """The radius of a law that needs one [m]."""
+        assert self.radius is not None
+        return self.radius
+
     def __getattr__(self, name: str) -> Any:
         if name in ("law", "radius") or name.startswith("_"):
             raise AttributeError(name)

@@ -22,7 +22,7 @@ from ..dynamics import (
     steady_state,
 )
 from ..file import load
-from ..mechanism import Mechanism, ThrustBearingFriction, as_scalar, set_parameter
+from ..mechanism import CoulombFriction, Mechanism, ThrustBearingFriction, as_scalar, set_parameter
 
 _SAMPLES = 2001
 
@@ -43,7 +43,8 @@ def two_stages(name: str) -> Mechanism:
     first, second = mechanism.stages
     if second.friction is not None and second.friction.thrust_bearing is None:
         friction = dataclasses.replace(
-            second.friction, thrust_bearing=ThrustBearingFriction(as_scalar(0.0), as_scalar(1.0))
+            second.friction,
+            thrust_bearing=ThrustBearingFriction(CoulombFriction(as_scalar(0.0)), as_scalar(1.0)),
         )
         second = dataclasses.replace(second, friction=friction)
     return dataclasses.replace(mechanism, stages=(first, second))

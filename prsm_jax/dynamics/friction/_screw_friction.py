@@ -35,12 +35,12 @@ def spline_force(
 
     **Returns:** both parts, `None` where there is none.
     """
-    law, radius = friction.law, friction.radius
+    law = friction.law
     resistance = law.viscous_resistance
     constant = None if resistance is None else resistance * sliding
     if law.load_independent:
         return None, constant
-    return _signed_coefficient(law, sliding, sense) / radius, constant
+    return _signed_coefficient(law, sliding, sense) / friction.arm, constant
 
 
 @physics("thrust_bearing_friction")
@@ -58,11 +58,12 @@ def bearing_torque(
 
     **Returns:** both parts, `None` where there is none.
     """
-    law, radius = friction.law, friction.radius
+    law = friction.law
     resistance = law.viscous_resistance
     constant = None if resistance is None else resistance * screw_speed
     if law.load_independent:
         return None, constant
+    radius = friction.arm
     return _signed_coefficient(law, screw_speed * radius, sense) * radius, constant
 
 

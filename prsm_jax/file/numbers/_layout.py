@@ -77,8 +77,8 @@ def is_law_field(field: dataclasses.Field) -> bool:
 
 def unit_of(field: dataclasses.Field, units: dict[str, str]) -> str | None:
     """SI unit of a number where some units have others in their place; `None` of no number."""
-    unit = field.metadata.get("unit")
-    return units.get(unit, unit)
+    unit: str | None = field.metadata.get("unit")
+    return None if unit is None else units.get(unit, unit)
 
 
 def table_choices(hint: object) -> dict[str, TableChoice]:
