@@ -22,11 +22,17 @@ from ._version import __version__ as __version__
 from .contact import hertz_contact as hertz_contact, thread_contacts as thread_contacts
 from .dynamics import (
     BodyForces as BodyForces,
+    ClosedForm as ClosedForm,
+    Diffrax as Diffrax,
     HingeLoad as HingeLoad,
+    Kvaerno as Kvaerno,
+    QuasiSteady as QuasiSteady,
+    Rodasp as Rodasp,
     Scenario as Scenario,
     SteadyState as SteadyState,
     TorqueScenario as TorqueScenario,
     Transient as Transient,
+    Tsitouras as Tsitouras,
     body_forces as body_forces,
     choose_method as choose_method,
     energy as energy,

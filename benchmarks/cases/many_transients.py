@@ -14,6 +14,7 @@ import numpy as np
 from prsm_jax import Scenario, simulate
 
 from ..harness import Case, Method, Prepared, Problem, Reference
+from ..method_options import taken
 from ..references.compiled import (
     Lsoda,
     casadi_integrators,
@@ -135,9 +136,7 @@ def _solver(scene: Scene, method: Any, meshes: bool = False):
             scene.scenario(speed, force),
             method=method,
             gradient="forward",
-            rtol=rtol,
-            atol=rtol * _ABSOLUTE,
-            max_steps=100_000,
+            **taken(method, rtol=rtol, atol=rtol * _ABSOLUTE, max_steps=100_000),
             throw=False,
             kinematics=None if meshes else kinematics,
         )

@@ -11,6 +11,7 @@ from prsm_jax import Scenario, simulate, to_precision
 from prsm_jax.file import load
 
 from ..harness import Case, Method, Prepared, Problem, Reference
+from ..method_options import taken
 from ..references.designs_of_two_stages import regularised
 from ..references.dynamics import Chain
 
@@ -77,9 +78,8 @@ def _jitted(method: OurMethod, batched: bool, smooth: bool = False, dtype: Any =
             Scenario(speed, force, duration, samples=_SAMPLES),
             method=method,
             gradient="forward",
-            rtol=rtol,
-            atol=rtol * _ABSOLUTE,
             throw=False,
+            **taken(method, rtol=rtol, atol=rtol * _ABSOLUTE),
         )
         failed = run.solver.code != 0
         ratio = jnp.where(failed, jnp.nan, run.carrier_ratio)

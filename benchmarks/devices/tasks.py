@@ -14,6 +14,7 @@ from prsm_jax.geometry import mesh
 from prsm_jax.mechanism import get_parameter, set_parameters
 from prsm_jax.vibration import distinct_frequencies
 
+from ..method_options import taken
 from ..references.designs import random_designs, threads
 from ..references.designs_of_two_stages import (
     base as two_stages,
@@ -109,8 +110,7 @@ def _settling(method: Any):
                 scene,
                 method=method,
                 gradient="forward",
-                rtol=1e-6,
-                atol=1e-8,
+                **taken(method, rtol=1e-6, atol=1e-8),
                 throw=False,
                 kinematics=kinematics,
             )

@@ -86,7 +86,12 @@ def _reversals(method: Any, steps: int, width: float) -> Callable[[int], Work]:
 
         def run(given: prsm.Scenario, allowed: int):
             found = prsm.simulate(
-                two, given, method=method, gradient="forward", max_steps=allowed, throw=False
+                two,
+                given,
+                method=method,
+                gradient="forward",
+                throw=False,
+                **options_taken(method, max_steps=allowed),
             )
             return found.drive_torque, found.solver.code, found.solver.steps
 

@@ -36,7 +36,18 @@ from .newton_euler import (
     Instant as Instant,
     body_forces as body_forces,
 )
-from .solvers import Gradient as Gradient, Method as Method
+from .solvers import (
+    Auto as Auto,
+    ClosedForm as ClosedForm,
+    Diffrax as Diffrax,
+    Gradient as Gradient,
+    Kvaerno as Kvaerno,
+    Method as Method,
+    MethodName as MethodName,
+    QuasiSteady as QuasiSteady,
+    Rodasp as Rodasp,
+    Tsitouras as Tsitouras,
+)
 from .speed_drive import (
     MethodChoice as MethodChoice,
     choose_method as choose_method,

@@ -25,7 +25,20 @@ from .histories import (
     rows_of,
     transient_of,
 )
-from .solvers import Gradient, Method, is_concrete
+from .solvers import (
+    ATOL,
+    MAX_STEPS,
+    RTOL,
+    Diffrax,
+    Gradient,
+    Method,
+    MethodName,
+    QuasiSteady,
+    is_concrete,
+    method_of,
+    options_of,
+    refuse_options,
+)
 from .speed_drive import (
     Problem,
     bristle_history,
@@ -52,11 +65,11 @@ def simulate(
     mechanism: Mechanism,
     scenario: Scenario | TorqueScenario | None = None,
     *,
-    method: Method = "auto",
+    method: Method | MethodName = "auto",
     gradient: Gradient = "both",
-    rtol: float = 1e-8,
-    atol: float = 1e-10,
-    max_steps: int = 4096,
+    rtol: float | Scalar | None = None,
+    atol: float | Scalar | None = None,
+    max_steps: int | None = None,
     throw: bool = True,
     kinematics: tuple[StageKinematics, ...] | None = None,
 ) -> Transient:
@@ -83,53 +96,89 @@ def simulate(
     - `mechanism`: the mechanism, with masses and inertias of rollers and carriers (and of screws
       and nuts if the speed varies).
     - `scenario`: speed, load, duration; default the mechanism's own, else its operating point.
-    - `method`: `"auto"` (see `choose_method`), `"closed_form"` (constant speed and load, Coulomb
-      friction: exact at any time, no integration), `"quasi_steady"` (no integration: carriers in
-      balance at every instant, their settling from the initial ratio left out; for scenes much
-      longer than `solver.time_constant`, and the best for exact Coulomb friction through
-      standstill. What it neglects is in `solver.error_estimate`), `"rosenbrock"` (RODASP 4/3, any
-      stiffness, no iterations: the cheapest that integrates), `"explicit"` (Tsitouras 5/4, not for
-      stiff scenes), or `"implicit"` (Kvaerno 5/4 with Newton, any stiffness, the reference).
+    - `method`: a word, or an object that carries its own options (`Rodasp(rtol=1e-6)`,
+      `Diffrax(diffrax.Kvaerno5())` for any solver of diffrax). `"auto"` (see `choose_method`),
+      `"closed_form"` (constant speed, load and friction coefficients: exact at any time, no
+      integration), `"quasi_steady"` (no integration: carriers in balance at every instant, their
+      settling from the initial ratio left out; for scenes much longer than
+      `solver.time_constant`, and the best for exact Coulomb friction through standstill. What it
+      neglects is in `solver.error_estimate`), `"rosenbrock"` (RODASP 4/3, any stiffness, no
+      iterations: the cheapest that integrates), `"explicit"` (Tsitouras 5/4, not for stiff
+      scenes), or `"implicit"` (Kvaerno 5/4 with Newton, any stiffness, the reference).
     - `gradient`: `"both"` (either mode through one program), `"reverse"` (checkpointed, bounded
       memory for long scenes, and for tolerances below 1e-10) or `"forward"` (for few parameters).
       With the first two, derivatives are those of steps that a first integration chose and a
       second one takes again; values are those of the first, and cost no more than it does.
       Under a prescribed torque `"reverse"` integrates twice, to choose the steps and to take them,
       and agrees with forward mode to the tolerance; reverse mode through `"both"` to about 1e-5.
-    - `rtol`, `atol`: tolerances on the carrier ratio, of the steps; in float32 at least 1e-6 and
+    - `rtol`, `atol`: tolerances on the carrier ratio, of the steps, for a method given by a word
+      that takes them; 1e-8 and 1e-10 if not given; in float32 at least 1e-6 and
       1e-7. Where a small lead lets friction turn within a narrow range of ratios, errors are held
       to that share of it. Derivatives are those of the steps taken: at the default within about
       2e-5 of the exact ones (`"implicit"` 1e-4; more where parts of them cancel), and by a
       hundredth of that at 1e-10.
-    - `max_steps`: steps allowed; running out of them is reported in `solver`, never hidden.
+    - `max_steps`: steps allowed, 4,096 if not given; running out of them is reported in `solver`,
+      never hidden.
     - `throw`: raise if the solver fails. Inside a trace nothing is raised and the result code in
       `solver.code` tells.
     - `kinematics`: kinematics of the stages, if known already.
 
     **Raises:** `MissingDataError` if masses or the scenario are not given; `ValueError` for an
-    unknown method or gradient, a scenario that means nothing (a duration that is not above 0, NaN
-    or infinite numbers), or the closed form under a prescribed torque; `PrsmError` if the solver
+    unknown method or gradient, an option that the method does not take, a scenario that means
+    nothing (a duration that is not above 0, NaN or infinite numbers), or the closed form under a
+    prescribed torque; `PrsmError` if the solver
     fails, or no such mechanism can be built (a dimension out of range, rollers that overlap), and
     `throw` is set.
     """
-    settings = Settings(method, gradient, rtol, atol, max_steps)
+    asked = method_of(method, rtol=rtol, atol=atol, max_steps=max_steps)
     if scenario is None:
         scenario = default_scenario(mechanism)
     check_scenario(scenario)
+    settings = _settings(asked, gradient, scenario)
     # The scenario is an argument of its own: twice it would be traced twice.
     mechanism = dataclasses.replace(mechanism, scenario=None)
     scene = mechanism, scenario, kinematics = traceable((mechanism, scenario, kinematics))
-    known = is_known((*scene, rtol, atol))
+    known = is_known((*scene, settings.rtol, settings.atol))
     if known and gradient == "both" and not any(map(callable, jax.tree.leaves(scene))):
         # Nothing is differentiated; the loop of forward mode stops when it is done.
         settings = settings._replace(gradient="forward")
-    if method == "auto" and isinstance(scenario, Scenario):
-        chosen = chosen_method(mechanism, scenario, kinematics, rtol, known, settling=True).method
+    if asked.word == "auto" and isinstance(scenario, Scenario):
+        chosen = chosen_method(
+            mechanism, scenario, kinematics, settings.rtol, known, settling=True
+        ).method
         settings = settings._replace(method=chosen)
     run, code = _transient(*scene, settings)
-    if settings.method != method and known and settings.method == "closed_form" and int(code) != 0:
+    if (
+        settings.method != asked.word
+        and known
+        and int(code) != 0
+        and (settings.method == "closed_form")
+    ):
         run, _ = _transient(*scene, settings._replace(method="rosenbrock"))
     return _checked(run, throw)
+
+
+def _settings(method: Method, gradient: Gradient, scenario: Scenario | TorqueScenario) -> Settings:
+    """What a method says of the integration.
+
+    **Raises:** `ValueError` for a method, or an option of it, that has no meaning in this scene.
+    """
+    torque = isinstance(scenario, TorqueScenario)
+    if torque and method.word == "closed_form":
+        raise ValueError(
+            "method is 'closed_form', which needs a prescribed speed; under a prescribed torque "
+            "choose auto, rosenbrock, implicit, explicit, quasi_steady or a solver of diffrax"
+        )
+    given = {name: getattr(method, name) for name in options_of(type(method))}
+    if isinstance(method, QuasiSteady) and not torque:
+        named = [name for name, value in given.items() if value is not None]
+        refuse_options(method.word, named, (), " at a prescribed speed")
+    usual = {"rtol": RTOL, "atol": ATOL, "max_steps": MAX_STEPS}
+    options = {
+        name: value if given.get(name) is None else given[name] for name, value in usual.items()
+    }
+    own = method if isinstance(method, Diffrax) else None
+    return Settings(method.word, gradient, **options, own=own)
 
 
 @one_program_where_possible

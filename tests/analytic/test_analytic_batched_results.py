@@ -33,6 +33,12 @@ ARGUMENTS: dict[tuple[str, str], list[dict[str, Any]]] = {
 }
 #: Results that are no batch's: they look at values, and refuse one.
 OF_ONE_DESIGN = {"Optimum", "Sensitivity"}
+_NO_RESULTS = (
+    "prsm_jax.mechanism",
+    "prsm_jax.friction",
+    "prsm_jax.dynamics.forces._loads",
+    "prsm_jax.dynamics.solvers",
+)
 _RPM = np.array([50.0, 100.0])
 
 
@@ -227,7 +233,7 @@ def test_every_class_of_results_is_among_them():
         for one in vars(prsm).values()
         if inspect.isclass(one)
         and issubclass(one, eqx.Module)
-        and not one.__module__.startswith(("prsm_jax.mechanism", "prsm_jax.dynamics.forces._loads"))
+        and not one.__module__.startswith(_NO_RESULTS)
         and one.__name__ not in OF_ONE_DESIGN
     }
     # All of AbstractResult that are defined anywhere, and all that a user can name.

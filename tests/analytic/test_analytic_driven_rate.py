@@ -7,7 +7,7 @@ import pytest
 
 import prsm_jax as prsm
 from prsm_jax.dynamics.histories._integration import Settings, integrated
-from prsm_jax.dynamics.solvers import DrivenRate, Method
+from prsm_jax.dynamics.solvers import DrivenRate, MethodName
 
 
 def _drive(time, frequency):
@@ -26,7 +26,7 @@ def _at_once(time, state, frequency):
     return _rate(_drive(time, frequency), state, frequency)
 
 
-def _states(rate, gradient, method: Method = "rosenbrock"):
+def _states(rate, gradient, method: MethodName = "rosenbrock"):
     settings = Settings(method, gradient, 1e-7, 1e-9, 4096)
 
     def states(frequency):

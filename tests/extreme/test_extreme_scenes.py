@@ -13,6 +13,7 @@ from every_number import numbers_of
 from scenes import array, example
 
 import prsm_jax as prsm
+from benchmarks.method_options import taken
 from prsm_jax.dynamics.solvers import NAMES
 from prsm_jax.halfspace import RESULTS, flank_contact
 from prsm_jax.mechanism import (
@@ -84,7 +85,11 @@ def _codes(mechanism, speeds, loads, durations, method):
 
     def one(speed, load, duration):
         run = prsm.simulate(
-            mechanism, Scenario(speed, load, duration), method=method, max_steps=256, throw=False
+            mechanism,
+            Scenario(speed, load, duration),
+            method=method,
+            throw=False,
+            **taken(method, max_steps=256),
         )
         return run.solver.code, run.efficiency
 
@@ -179,9 +184,10 @@ def test_nan_in_any_number_of_a_scene_is_told(scenario, method):
     """What moves with a number is NaN, or the code says so, where that number is NaN."""
     mechanism = scenes.mechanism()
     names, values, build = numbers_of((mechanism, scenario))
+    options = {"max_steps": 256} if isinstance(scenario, TorqueScenario) else {}
 
     def follow(numbers):
-        run = prsm.simulate(*build(numbers), method=method, max_steps=256, throw=False)
+        run = prsm.simulate(*build(numbers), method=method, throw=False, **options)
         rows = [run.efficiency, run.drive_torque, run.carrier_force, run.ring_gear_force]
         rows += [run.screw_speed, run.carrier_ratio, run.screw_roller_axial_force]
         return jnp.concatenate([jnp.ravel(row) for row in rows]), run.solver.code

@@ -2,7 +2,7 @@
 
 import dataclasses
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -10,7 +10,6 @@ import numpy as np
 from cyclopts import Parameter
 
 from ...dynamics import (
-    Method,
     Transient,
     default_scenario,
     energy,
@@ -27,10 +26,17 @@ from .._progress import doing, expect_programs
 from .._tables import Line, in_units, prose, table
 
 _DEFAULT = Common()
+#: Methods that have a word.
+_Word = Literal["auto", "closed_form", "implicit", "explicit", "rosenbrock", "quasi_steady"]
 
 
 def _transient(
-    mechanism: Mechanism, method: Method, samples: int | None, rtol: float, atol: float, steps: int
+    mechanism: Mechanism,
+    method: _Word,
+    samples: int | None,
+    rtol: float | None,
+    atol: float | None,
+    steps: int | None,
 ) -> Transient:
     scenario = default_scenario(mechanism)
     if samples is not None:
@@ -139,13 +145,16 @@ def _mission(summary: dict[str, Any]) -> list[Line]:
 def simulate(
     file: str,
     *,
-    method: Annotated[Method, Parameter(help="How carriers are found over time.")] = "auto",
+    method: Annotated[_Word, Parameter(help="How carriers are found over time.")] = "auto",
     samples: Annotated[
         int | None, Parameter(help="Number of times in the result; default the file's, or 201.")
     ] = None,
-    rtol: Annotated[float, Parameter(help="Relative tolerance of the steps.")] = 1e-8,
-    atol: Annotated[float, Parameter(help="Absolute tolerance of the steps.")] = 1e-10,
-    max_steps: Annotated[int, Parameter(help="Steps allowed.")] = 4096,
+    rtol: Annotated[
+        float | None,
+        Parameter(help="Relative tolerance of the steps, where the method takes any: 1e-8."),
+    ] = None,
+    atol: Annotated[float | None, Parameter(help="Absolute tolerance of the steps: 1e-10.")] = None,
+    max_steps: Annotated[int | None, Parameter(help="Steps allowed: 4096.")] = None,
     animation: Annotated[
         bool, Parameter(help="With --out: an animated GIF of the stages in motion.")
     ] = True,

@@ -15,7 +15,7 @@ from ..solvers import (
     NAMES,
     DrivenRate,
     Gradient,
-    Method,
+    MethodName,
     adjoint_of,
     breaks_inside,
     code_of,
@@ -34,11 +34,20 @@ _ROUNDINGS = 10
 class Settings(NamedTuple):
     """How `simulate` integrates; see there."""
 
-    method: Method
+    method: MethodName
     gradient: Gradient
     rtol: float
     atol: float
     max_steps: int
+    #: The `Diffrax` that was given, whose tolerances are those above.
+    own: Any = None
+
+    @property
+    def name(self) -> str:
+        """The method in words."""
+        if self.own is not None:
+            return type(self.own.solver).__name__
+        return NAMES["rosenbrock" if self.method == "auto" else self.method]
 
     def within(self, dtype) -> "Settings":
         """The same with tolerances that numbers of this precision can meet.
@@ -98,7 +107,9 @@ def integrated(
     if autonomous and isinstance(rate, DrivenRate):
         rate = rate.directly
     scene = _Scene(breaks, longest, weight, standstills, settings.rtol, settings.atol)
-    static = _Static(method, settings.gradient, settings.max_steps, samples, autonomous)
+    static = _Static(
+        method, settings.gradient, settings.max_steps, samples, autonomous, settings.own
+    )
     # An unknown gradient is refused before anything is traced.
     adjoint_of(settings.gradient)
     if settings.gradient == "forward" and not is_short(end.dtype):
@@ -115,7 +126,7 @@ def integrated(
             scene = scene._replace(standstills=converted(standstills, example[0]))
         solution = _solved_twice(closed, start, end, args, still(scene), static=static)
     report = SolverReport(
-        steps=solution.steps, rejected=solution.rejected, code=solution.code, name=NAMES[method]
+        steps=solution.steps, rejected=solution.rejected, code=solution.code, name=settings.name
     )
     return solution.states, report
 
@@ -134,11 +145,12 @@ class _Scene(NamedTuple):
 class _Static(NamedTuple):
     """What is known in Python of an integration."""
 
-    method: Method
+    method: MethodName
     gradient: Gradient
     max_steps: int
     samples: int
     autonomous: bool
+    own: Any
 
 
 class _Solution(NamedTuple):
@@ -171,6 +183,7 @@ def _solved(
             scene.weight,
             scene.standstills,
             moved,
+            None if static.own is None else static.own.controller,
         )
         adjoint = adjoint_of("forward")
     else:
@@ -184,7 +197,7 @@ def _solved(
         kept = diffrax.SaveAt(ts=times)
     found = diffrax.diffeqsolve(
         diffrax.ODETerm(rate),
-        solver_of(static.method, scene.rtol, scene.atol, static.autonomous),
+        solver_of(static.method, scene.rtol, scene.atol, static.autonomous, own=static.own),
         t0=jnp.zeros_like(end),
         t1=end,
         dt0=None,

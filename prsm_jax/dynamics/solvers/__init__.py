@@ -7,10 +7,26 @@ from ._driven_rate import (
     DrivenRate as DrivenRate,
     converted as converted,
 )
+from ._method_objects import (
+    ATOL as ATOL,
+    MAX_STEPS as MAX_STEPS,
+    RTOL as RTOL,
+    Auto as Auto,
+    ClosedForm as ClosedForm,
+    Diffrax as Diffrax,
+    Kvaerno as Kvaerno,
+    Method as Method,
+    QuasiSteady as QuasiSteady,
+    Rodasp as Rodasp,
+    Tsitouras as Tsitouras,
+    method_of as method_of,
+    options_of as options_of,
+    refuse_options as refuse_options,
+)
 from ._methods import (
     NAMES as NAMES,
     Gradient as Gradient,
-    Method as Method,
+    MethodName as MethodName,
     adjoint_of as adjoint_of,
     breaks_inside as breaks_inside,
     code_of as code_of,

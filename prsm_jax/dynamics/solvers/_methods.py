@@ -15,7 +15,9 @@ from ...mechanism import Scalar
 if TYPE_CHECKING:
     from ._step_control import Weight
 
-Method = Literal["auto", "closed_form", "implicit", "explicit", "rosenbrock", "quasi_steady"]
+MethodName = Literal[
+    "auto", "closed_form", "implicit", "explicit", "rosenbrock", "quasi_steady", "diffrax"
+]
 NAMES = {
     "closed_form": "closed form",
     "implicit": "Kvaerno5 with Newton",
@@ -28,9 +30,20 @@ Gradient = Literal["reverse", "forward", "both"]
 _MANY_BREAKS = 256
 
 
-def solver_of(method: Method, rtol: float, atol: float, autonomous: bool, *, compact: bool = False):
+def solver_of(
+    method: MethodName,
+    rtol: float,
+    atol: float,
+    autonomous: bool,
+    *,
+    compact: bool = False,
+    own: Any = None,
+):
+    """The solver of diffrax for a method; `own` is what the user gave for `"diffrax"`."""
     import diffrax
 
+    if own is not None:
+        return own.solver
     if method == "explicit":
         return diffrax.Tsit5()
     if method == "implicit":
@@ -53,6 +66,7 @@ def controller_of(
     weight: Weight | None = None,
     standstills: Callable[[Scalar], tuple[Scalar, Scalar]] | None = None,
     moved: Callable[[Scalar], Scalar] | None = None,
+    own: Any = None,
 ):
     """Steps by tolerance, ending where speed or load jump or bend.
 
@@ -69,14 +83,17 @@ def controller_of(
     - `standstills`: time to the time left to the next standstill and that since the last one, or
       infinity.
     - `moved`: time to the same time, which moves with a reversal next to it in derivatives.
+    - `own`: a controller of the user's in place of the usual one.
     """
     import diffrax
 
     from ._step_control import AroundStandstill, Moving, Rounded, Weighed, root_mean_square
 
-    controller: Any = diffrax.PIDController(
-        rtol=rtol, atol=atol, dtmax=longest, norm=root_mean_square
-    )
+    controller: Any = own
+    if controller is None:
+        controller = diffrax.PIDController(
+            rtol=rtol, atol=atol, dtmax=longest, norm=root_mean_square
+        )
     if standstills is not None:
         controller = AroundStandstill(controller, standstills)
     controller = Rounded(controller)

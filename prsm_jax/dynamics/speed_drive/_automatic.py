@@ -11,7 +11,7 @@ from ...programs import is_known, one_program_where_possible, traceable
 from .._kinematics import StageKinematics
 from ..forces import Scenario, bound_scenario
 from ..friction import has_bristles, with_resistance
-from ..solvers import Method
+from ..solvers import MethodName
 from ..steady import all_kinematics
 from ._carrier_motion import Problem, carrier_problem
 from ._quasi_steady import quasi_steady_at, quasi_steady_report
@@ -27,7 +27,7 @@ _ACCEPTED = 10.0
 class MethodChoice(NamedTuple):
     """A method of `simulate`, and why it was chosen."""
 
-    method: Method
+    method: MethodName
     reason: str
 
 

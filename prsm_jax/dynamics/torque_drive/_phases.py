@@ -139,7 +139,12 @@ def follow_phases(
         label = jax.lax.stop_gradient(label)
         longest = laws.longest(label)
         controller = controller_of(
-            settings.rtol, settings.atol, breaks / end, jnp.ones_like(end), longest
+            settings.rtol,
+            settings.atol,
+            breaks / end,
+            jnp.ones_like(end),
+            longest,
+            own=None if settings.own is None else settings.own.controller,
         )
         integrate = functools.partial(
             diffrax.diffeqsolve,

@@ -228,7 +228,7 @@ def follow_carriers(
         times,
         scenario.break_times,
         scenario.most_phases,
-        solver_of(method, settings.rtol, settings.atol, False, compact=True),
+        solver_of(method, settings.rtol, settings.atol, False, compact=True, own=settings.own),
         settings,
     )
     angle, mode = jax.vmap(law.angle)(found.states), found.labels["mode"]

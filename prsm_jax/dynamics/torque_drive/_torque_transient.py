@@ -16,7 +16,6 @@ from ..histories import (
     code_of_finite,
     histories,
 )
-from ..solvers import NAMES
 from ._driven_carriers import driven, onsets, resists_turning, slip_geometry
 from ._neglected_lag import neglected
 from ._stick_slip import follow_carriers
@@ -41,14 +40,7 @@ def torque_history(mechanism: Mechanism, scenario: TorqueScenario, settings: Set
     Carriers are states too, unless the method is `"quasi_steady"`. While the mechanism sticks,
     friction takes what it must; reported are then the forces at that one of the two limits which is
     nearer to the applied torque, and the applied torque itself.
-
-    **Raises:** `ValueError` for a method that does not integrate.
     """
-    if settings.method == "closed_form":
-        raise ValueError(
-            "method is 'closed_form', which needs a prescribed speed; under a prescribed torque "
-            "choose auto, rosenbrock, implicit, explicit or quasi_steady"
-        )
     problem = torque_problem(mechanism, scenario)
     times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=problem.inertia.dtype)
     times = times * scenario.duration
@@ -110,10 +102,9 @@ def _integrated(
         motions.speed, acceleration, load, motions.carrier_speed, states, accelerations
     )
     found = motions.found
-    name = NAMES["rosenbrock" if settings.method == "auto" else settings.method]
     # The torque passed a limit and came back between two steps of a phase of sticking.
     code = jnp.where((found.code == 0) & jnp.any(missed), MISSED, found.code)
-    report = SolverReport(found.steps, found.rejected, code, f"{name} with events")
+    report = SolverReport(found.steps, found.rejected, code, f"{settings.name} with events")
     run = _found(problem, times, history, report, valid)
     return _with_motion(problem, run, applied, motions.angle, motions.mode, found.phases)
 

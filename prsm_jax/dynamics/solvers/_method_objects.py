@@ -1,0 +1,179 @@
+"""Methods of `simulate` as objects: each carries the options that it takes, and no others.
+
+The words that `simulate` takes too (`"rosenbrock"`, …) stand for such an object with its defaults.
+"""
+
+import dataclasses
+from typing import Any, ClassVar
+
+import equinox as eqx
+
+from ._methods import MethodName
+
+#: Tolerances and steps where nothing is said.
+RTOL, ATOL, MAX_STEPS = 1e-8, 1e-10, 4096
+
+
+class Method(eqx.Module):
+    """A way to find a transient; its fields are the options that it takes."""
+
+    word: ClassVar[MethodName]
+
+
+class ClosedForm(Method):
+    """Carriers that settle at constant speed and load with constant friction coefficients.
+
+    Exact at any time, no integration.
+    """
+
+    word: ClassVar[MethodName] = "closed_form"
+
+
+class Integrating(Method):
+    """Base of the methods that integrate.
+
+    **Arguments:**
+
+    - `rtol`, `atol`: tolerances of the steps on scaled states of order one, such as the carrier
+      ratio.
+    - `max_steps`: steps allowed; running out of them is reported.
+    """
+
+    rtol: Any = RTOL
+    atol: Any = ATOL
+    max_steps: int = eqx.field(static=True, default=MAX_STEPS)
+
+
+class Auto(Integrating):
+    """The cheapest method that does what the scene asks for (`choose_method`)."""
+
+    word: ClassVar[MethodName] = "auto"
+
+
+class QuasiSteady(Integrating):
+    """Carriers in balance at every instant.
+
+    At a prescribed speed nothing is integrated, and tolerances have no meaning; under a prescribed
+    torque the screw's motion is integrated with them.
+    """
+
+    word: ClassVar[MethodName] = "quasi_steady"
+    rtol: Any = None
+    atol: Any = None
+    max_steps: int | None = eqx.field(static=True, default=None)
+
+
+class Rodasp(Integrating):
+    """RODASP 4/3: any stiffness, no iterations; the cheapest that integrates."""
+
+    word: ClassVar[MethodName] = "rosenbrock"
+
+
+class Kvaerno(Integrating):
+    """Kvaerno 5/4 with Newton's iteration: any stiffness, the reference."""
+
+    word: ClassVar[MethodName] = "implicit"
+
+
+class Tsitouras(Integrating):
+    """Tsitouras 5/4, explicit: not for stiff scenes."""
+
+    word: ClassVar[MethodName] = "explicit"
+
+
+class Diffrax(Integrating):
+    """Any solver of diffrax, and any of its step controllers that adapts.
+
+    Times are scaled inside (`simulate`), so that a limit of the steps in the controller is in units
+    of the shortest time constant.
+
+    **Arguments:**
+
+    - `solver`: such as `diffrax.Kvaerno5()`.
+    - `controller`: such as `diffrax.PIDController(rtol=1e-6, atol=1e-8, pcoeff=0.3, icoeff=0.4)`;
+      default one of diffrax's with `rtol` and `atol`, which a controller that is given replaces.
+    - `rtol`, `atol`, `max_steps`: as those of other methods.
+
+    **Raises:** `ValueError` for what is no solver of one equation, or a controller that does not
+    adapt.
+    """
+
+    word: ClassVar[MethodName] = "diffrax"
+    solver: Any = None
+    controller: Any = None
+
+    def __init__(self, solver, controller=None, *, rtol=RTOL, atol=ATOL, max_steps=MAX_STEPS):
+        self.solver, self.controller = solver, controller
+        self.rtol, self.atol, self.max_steps = rtol, atol, max_steps
+
+    def __check_init__(self):
+        import diffrax
+
+        if not isinstance(self.solver, diffrax.AbstractSolver):
+            raise ValueError(
+                f"Diffrax: solver is {self.solver!r}; give one of diffrax's, such as "
+                "diffrax.Kvaerno5()"
+            )
+        if self.solver.term_structure not in (diffrax.AbstractTerm, diffrax.ODETerm):
+            raise ValueError(
+                f"Diffrax: solver is {type(self.solver).__name__}, which splits an equation into "
+                "parts that this one has not; give one of whole equations, such as "
+                "diffrax.Kvaerno5()"
+            )
+        adaptive = diffrax.AbstractAdaptiveStepSizeController
+        if self.controller is not None and not isinstance(self.controller, adaptive):
+            raise ValueError(
+                f"Diffrax: controller is {self.controller!r}; give one that adapts its steps, such "
+                "as diffrax.PIDController(rtol=1e-6, atol=1e-8)"
+            )
+
+
+_BY_WORD: dict[str, type[Method]] = {
+    cls.word: cls for cls in (Auto, ClosedForm, QuasiSteady, Rodasp, Tsitouras, Kvaerno)
+}
+
+
+def options_of(cls: type[Method]) -> tuple[str, ...]:
+    """Names of the options that a method takes."""
+    return tuple(field.name for field in dataclasses.fields(cls))
+
+
+def method_of(method: Method | str, **given: Any) -> Method:
+    """The object of a method: given as one, or by its word and options beside it.
+
+    **Arguments:**
+
+    - `method`: the object or its word.
+    - `given`: options beside it; `None` is one that was not given.
+
+    **Raises:** `ValueError` for an unknown word, an option that the method does not take, or
+    options beside an object.
+    """
+    given = {name: value for name, value in given.items() if value is not None}
+    if isinstance(method, Method):
+        if given:
+            cls = type(method).__name__
+            told = ", ".join(f"{name}=…" for name in given)
+            raise ValueError(
+                f"method is {cls}(…), which carries its own options, and {', '.join(given)} stands "
+                f"beside it; write {cls}(…, {told})"
+            )
+        return method
+    if method not in _BY_WORD:
+        raise ValueError(
+            f"method is {method!r}; choose one of {', '.join(_BY_WORD)}, or give an object such as "
+            "prsm_jax.Rodasp(rtol=1e-6) or prsm_jax.Diffrax(diffrax.Kvaerno5())"
+        )
+    cls = _BY_WORD[method]
+    refuse_options(method, given, options_of(cls))
+    return cls(**given)
+
+
+def refuse_options(method: str, given, takes: tuple[str, ...], where: str = "") -> None:
+    """**Raises:** `ValueError` for an option that a method does not take."""
+    for name in given:
+        if name not in takes:
+            known = ", ".join(takes) or "no options"
+            raise ValueError(
+                f"method {method!r} takes {known}{where}, but not {name}; leave it out"
+            )

@@ -1,0 +1,147 @@
+"""Methods of `simulate` as objects, and as words that stand for them."""
+
+import diffrax
+import jax
+import numpy as np
+import optimistix
+import pytest
+from scenes import Swing, array, mechanism, simulate, stage
+
+import prsm_jax as prsm
+from prsm_jax.dynamics import Auto
+from prsm_jax.dynamics.solvers import method_of
+from prsm_jax.friction import Friction, RegularisedCoulombFriction
+
+ONE = mechanism()
+SWING = prsm.Scenario(Swing(array(100.0), array(30.0), array(400.0)), 7e3, 3e-3, samples=31)
+STEP = prsm.Scenario(array(100.0), array(7e3), array(1e-3), samples=11)
+TORQUE = prsm.TorqueScenario(Swing(array(15.0), array(5.0), array(300.0)), 7e3, 3e-3, samples=31)
+
+
+@pytest.mark.parametrize(
+    ("scene", "word", "method", "options"),
+    [
+        (SWING, "rosenbrock", prsm.Rodasp, {"rtol": 1e-6, "atol": 1e-8}),
+        (SWING, "implicit", prsm.Kvaerno, {"rtol": 1e-6, "atol": 1e-8}),
+        (SWING, "explicit", prsm.Tsitouras, {"rtol": 1e-6, "max_steps": 500}),
+        (SWING, "auto", Auto, {}),
+        (SWING, "quasi_steady", prsm.QuasiSteady, {}),
+        (STEP, "closed_form", prsm.ClosedForm, {}),
+        (STEP, "auto", Auto, {"rtol": 1e-7}),
+        (TORQUE, "quasi_steady", prsm.QuasiSteady, {"rtol": 1e-6}),
+    ],
+)
+def test_a_word_stands_for_an_object(scene, word, method, options):
+    of_word = simulate(ONE, scene, method=word, **options)
+    of_object = simulate(ONE, scene, method=method(**options))
+    assert of_word.solver.name == of_object.solver.name
+    assert int(of_word.solver.steps) == int(of_object.solver.steps)
+    np.testing.assert_array_equal(of_word.carrier_ratio, of_object.carrier_ratio)
+
+
+def test_options_reach_the_solver():
+    """A looser tolerance takes fewer steps; steps that run out are told."""
+    loose, tight = (simulate(ONE, SWING, method=prsm.Rodasp(rtol=r)) for r in (1e-4, 1e-9))
+    assert int(loose.solver.steps) < 0.5 * int(tight.solver.steps)
+    assert int(simulate(ONE, SWING, method=prsm.Rodasp(max_steps=4)).solver.code) == 1
+    with pytest.raises(prsm.PrsmError, match="steps"):
+        prsm.simulate(ONE, SWING, method=prsm.Rodasp(max_steps=4))
+
+
+@pytest.mark.parametrize(
+    "method",
+    [
+        prsm.Diffrax(
+            diffrax.Kvaerno5(root_finder=optimistix.Newton(rtol=1e-8, atol=1e-8)), rtol=1e-8
+        ),
+        prsm.Diffrax(diffrax.Tsit5(), diffrax.PIDController(rtol=1e-8, atol=1e-10, pcoeff=0.3)),
+        prsm.Diffrax(diffrax.Kvaerno3(), rtol=1e-7, atol=1e-9, max_steps=20_000),
+    ],
+    ids=["kvaerno", "controller", "chord"],
+)
+def test_any_solver_of_diffrax(method):
+    exact = simulate(ONE, SWING, method=prsm.Rodasp(rtol=1e-11, atol=1e-13, max_steps=20_000))
+    found = simulate(ONE, SWING, method=method)
+    assert int(found.solver.code) == 0
+    assert found.solver.name == type(method.solver).__name__
+    error = np.max(np.abs(np.asarray(found.carrier_ratio - exact.carrier_ratio)))
+    assert error < 2e-6
+
+
+@pytest.mark.slow
+def test_any_solver_of_diffrax_under_a_prescribed_torque():
+    exact = simulate(ONE, TORQUE, method=prsm.Rodasp(rtol=1e-9))
+    found = simulate(ONE, TORQUE, method=prsm.Diffrax(diffrax.Tsit5(), rtol=1e-7))
+    assert found.solver.name == "Tsit5 with events"
+    np.testing.assert_allclose(
+        found.screw_speed, exact.screw_speed, rtol=0, atol=1e-5 * np.max(exact.screw_speed)
+    )
+    smooth = mechanism(stage(friction=Friction(RegularisedCoulombFriction(0.05, 1e-2))))
+    ends = [
+        simulate(smooth, TORQUE, method=one).screw_speed[-1]
+        for one in (prsm.Rodasp(), prsm.Diffrax(diffrax.Kvaerno5()))
+    ]
+    assert float(ends[0]) == pytest.approx(float(ends[1]), rel=1e-5)
+
+
+@pytest.mark.parametrize("gradient", ["forward", "both", "reverse"])
+def test_derivatives_by_a_solver_of_diffrax(gradient):
+    method = prsm.Diffrax(diffrax.Tsit5(), rtol=1e-9, atol=1e-11)
+
+    def last(load):
+        scene = prsm.Scenario(SWING.speed, load, SWING.duration, samples=11)
+        run = prsm.simulate(ONE, scene, method=method, gradient=gradient, throw=False)
+        return run.carrier_ratio[0, -1]
+
+    at = array(7e3)
+    slope = jax.grad(last)(at) if gradient != "forward" else jax.jvp(last, (at,), (array(1.0),))[1]
+    ends = [float(last(at + sign)) for sign in (-1.0, 1.0)]
+    assert float(slope) == pytest.approx((ends[1] - ends[0]) / 2, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("scene", "method", "options", "message"),
+    [
+        (STEP, "closed_form", {"rtol": 1e-6}, "'closed_form' takes no options, but not rtol"),
+        (SWING, "quasi_steady", {"max_steps": 9}, "no options at a prescribed speed, but not max"),
+        (SWING, prsm.QuasiSteady(rtol=1e-6), {}, "no options at a prescribed speed, but not rtol"),
+        (
+            SWING,
+            prsm.Rodasp(),
+            {"rtol": 1e-6},
+            r"is Rodasp\(…\).* write Rodasp\(…, rtol=…\)",
+        ),
+        (TORQUE, "closed_form", {}, "under a prescribed torque choose auto, rosenbrock"),
+        (TORQUE, prsm.ClosedForm(), {}, "under a prescribed torque choose auto, rosenbrock"),
+    ],
+)
+def test_what_a_method_does_not_take_is_refused(scene, method, options, message):
+    with pytest.raises(ValueError, match=message):
+        prsm.simulate(ONE, scene, method=method, **options)
+
+
+def test_an_unknown_word_names_the_known_ones():
+    with pytest.raises(ValueError, match="is 'runge'; choose one of auto, closed_form, quasi_st"):
+        method_of("runge")
+
+
+def test_the_closed_form_is_refused_with_smooth_friction_too():
+    smooth = mechanism(stage(friction=Friction(RegularisedCoulombFriction(0.05, 1e-3))))
+    with pytest.raises(ValueError, match="which needs a prescribed speed"):
+        prsm.simulate(smooth, TORQUE, method="closed_form")
+
+
+@pytest.mark.parametrize(
+    ("made", "message"),
+    [
+        (lambda: prsm.Diffrax("tsit5"), "solver is 'tsit5'; give one of diffrax's"),
+        (lambda: prsm.Diffrax(diffrax.KenCarp4()), "KenCarp4, which splits an equation"),
+        (
+            lambda: prsm.Diffrax(diffrax.Tsit5(), diffrax.ConstantStepSize()),
+            "give one that adapts its steps",
+        ),
+    ],
+)
+def test_what_is_no_method_is_refused(made, message):
+    with pytest.raises(ValueError, match=message):
+        made()
