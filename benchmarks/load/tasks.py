@@ -14,6 +14,7 @@ import prsm_jax as prsm
 from prsm_jax.mechanism import set_parameters
 from prsm_jax.sweeps import map_in_chunks
 
+from ..method_options import taken as options_taken
 from ..references.designs_of_two_stages import base
 from .sharing import sharing
 
