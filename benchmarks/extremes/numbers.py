@@ -13,7 +13,6 @@ from prsm_jax.mechanism import ANY, Limit, limit_of
 #: Stiffnesses may be negative in Python: published models are (`prsm_jax.check` finds them).
 _FREE_UNITS = ("N/m",)
 #: A screw may be braked; other torques are drags.
-_FREE = ("scenario.torque",)
 
 
 class Number(NamedTuple):
@@ -31,11 +30,12 @@ def _name(path) -> str:
             parts.append(str(key.idx + 1))
         else:
             parts.append(str(getattr(key, "name", getattr(key, "key", key))))
-    return ".".join(parts).replace("stages.", "stage.")
+    # The numbers of a law at a radius stand in its table.
+    return ".".join(parts).replace("stages.", "stage.").replace(".law.", ".")
 
 
-def _unit(tree: Any, path) -> str:
-    node, unit = tree, "1"
+def _unit_and_limit(tree: Any, path) -> tuple[str, Limit | None]:
+    node, unit, limit = tree, "1", None
     for key in path:
         if isinstance(key, jax.tree_util.SequenceKey):
             node = node[key.idx]
@@ -44,17 +44,17 @@ def _unit(tree: Any, path) -> str:
             if field.name == key.name:
                 given = field.metadata.get("unit", unit)
                 unit = unit if given == "*" else given
+                limit = field.metadata.get("limit")
         node = getattr(node, key.name)
-    return unit
+    return unit, limit
 
 
 def numbers_of(tree: Any) -> tuple[Number, ...]:
     """Every floating-point leaf of a pytree, in the order of its leaves."""
     found = []
     for path, _ in jax.tree_util.tree_leaves_with_path(eqx.filter(tree, eqx.is_inexact_array)):
-        name, unit = _name(path), _unit(tree, path)
-        free = unit in _FREE_UNITS or name in _FREE
-        limit = ANY if free else limit_of(name.rpartition(".")[2], unit)
+        name, (unit, declared) = _name(path), _unit_and_limit(tree, path)
+        limit = ANY if unit in _FREE_UNITS else limit_of(unit, declared)
         found.append(Number(name, unit, limit))
     return tuple(found)
 

@@ -1,7 +1,7 @@
 """A friction law: a solid lubricant, whose shear strength does not grow with the pressure."""
 
 from prsm_jax import FrictionLaw, friction_law
-from prsm_jax.fields import Scalar, number
+from prsm_jax.fields import NOT_NEGATIVE, Scalar, number
 
 
 @friction_law("solid_lubricant")
@@ -13,7 +13,7 @@ class SolidLubricantFriction(FrictionLaw):
 
     asks = ("pressure",)
     shear_strength: Scalar = number("Pa", "shear strength of the film, τ₀")
-    coefficient: Scalar = number("1", "friction coefficient at high pressure, α")
+    coefficient: Scalar = number("1", "coefficient at high pressure, α", limit=NOT_NEGATIVE)
 
     def friction_coefficient(self, sliding):
         mean_pressure = 2 / 3 * sliding.pressure

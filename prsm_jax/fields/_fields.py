@@ -5,6 +5,7 @@ import jax.numpy as jnp
 from jaxtyping import Array
 
 from ..numerics import Scalar as Scalar
+from ._limits import Limit
 
 
 def as_scalar(value) -> Array:
@@ -20,14 +21,21 @@ def _as_optional_scalar(value):
     return None if value is None else as_scalar(value)
 
 
-def number(unit: str, description: str, **kwargs):
-    """A required number (a differentiable leaf), with its SI unit and meaning as metadata."""
-    return eqx.field(
-        converter=as_scalar, metadata={"unit": unit, "description": description}, **kwargs
-    )
+def _told(unit: str, description: str, limit: Limit | None, **more) -> dict:
+    return {"unit": unit, "description": description, "limit": limit, **more}
 
 
-def optional_number(unit: str, description: str, *, law_decides: bool = False):
+def number(unit: str, description: str, *, limit: Limit | None = None, **kwargs):
+    """A required number (a differentiable leaf), with its SI unit, meaning and limit as metadata.
+
+    Without a limit that of the unit counts: a length is positive, a force anything finite.
+    """
+    return eqx.field(converter=as_scalar, metadata=_told(unit, description, limit), **kwargs)
+
+
+def optional_number(
+    unit: str, description: str, *, limit: Limit | None = None, law_decides: bool = False
+):
     """A number that may be absent; `None` leaves the physics that needs it untraced.
 
     Where a law beside it decides whether it is there, it is no optional part by itself.
@@ -35,7 +43,7 @@ def optional_number(unit: str, description: str, *, law_decides: bool = False):
     return eqx.field(
         converter=_as_optional_scalar,
         default=None,
-        metadata={"unit": unit, "description": description, "law_decides": law_decides},
+        metadata=_told(unit, description, limit, law_decides=law_decides),
     )
 
 
@@ -58,11 +66,9 @@ def driven(unit: str, description: str):
     )
 
 
-def numbers(unit: str, description: str):
+def numbers(unit: str, description: str, *, limit: Limit | None = None):
     """A required list of numbers (one differentiable leaf)."""
-    return eqx.field(
-        converter=as_scalar, metadata={"unit": unit, "description": description, "list": True}
-    )
+    return eqx.field(converter=as_scalar, metadata=_told(unit, description, limit, list=True))
 
 
 def _as_optional_numbers(value):
@@ -72,22 +78,29 @@ def _as_optional_numbers(value):
     return array[None] if array.ndim == 0 else array
 
 
-def optional_numbers(unit: str, description: str):
+def optional_numbers(unit: str, description: str, *, limit: Limit | None = None):
     """A list of numbers (one differentiable leaf) that may be absent."""
     return eqx.field(
         converter=_as_optional_numbers,
         default=None,
-        metadata={"unit": unit, "description": description, "list": True},
+        metadata=_told(unit, description, limit, list=True),
     )
 
 
-def choice(description: str, *, implied: bool = False, without: str | None = None, **kwargs):
+def choice(
+    description: str,
+    *,
+    implied: bool = False,
+    without: str | None = None,
+    limit: Limit | None = None,
+    **kwargs,
+):
     """A static choice: part of the pytree's structure, never traced.
 
     One that is `implied` is written to a file only where it is not the default. One that may be
-    absent says what is missed then (`without`).
+    absent says what is missed then (`without`). A whole number has a limit.
     """
-    metadata = {"description": description, "implied": implied}
+    metadata = {"description": description, "implied": implied, "limit": limit}
     if without is not None:
         metadata["without"] = without
     return eqx.field(static=True, metadata=metadata, **kwargs)

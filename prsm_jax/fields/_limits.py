@@ -1,4 +1,4 @@
-"""What a number may be: finite, and where its name or its unit says so, positive or in a range."""
+"""What a number may be: finite, and where its field or its unit says so, positive or in a range."""
 
 import math
 from dataclasses import dataclass
@@ -8,7 +8,8 @@ from dataclasses import dataclass
 class Limit:
     """The physical range of a number [SI], with the words that an error message uses.
 
-    Files and numbers that are set in Python are held to the same table, `limit_of`.
+    A field declares its own (`number("1", "friction coefficient", limit=NOT_NEGATIVE)`); files,
+    numbers that are set in Python and traced ones are held to it.
     """
 
     lower: float
@@ -46,82 +47,20 @@ COUNT = Limit(1.0, 100.0, "a whole number from 1 to 100", lower_allowed=True, up
 #: A chain of more threads than any roller has would only take time.
 THREADS = Limit(1.0, 1000.0, "a whole number from 1 to 1000", True, True)
 
+SAMPLES = Limit(2.0, 1e6, "a whole number from 2 to 1000000", True, True)
+MANY = Limit(1.0, 1e6, "a whole number from 1 to 1000000", True, True)
+
 _UNIT = 'a bare number is in m, so give the unit, such as "10 mm"'
 #: No roller screw has threads of a metre; who writes so has left out the unit.
-_OF_A_THREAD = Limit(0.0, 1.0, "more than 0 and at most 1 m", upper_allowed=True, hint=_UNIT)
+OF_A_THREAD = Limit(0.0, 1.0, "more than 0 and at most 1 m", upper_allowed=True, hint=_UNIT)
 _LENGTH = Limit(0.0, 100.0, "more than 0 and at most 100 m", upper_allowed=True, hint=_UNIT)
+STARTS = Limit(2.0, math.inf, "more than 2 (the screw radius is (starts - 2) r_R)")
+POISSON_RATIO = Limit(-1.0, 0.5, "between -1 and 0.5, both excluded")
+DAMPING_RATIO = Limit(0.0, 1.0, "0 or more and less than 1", lower_allowed=True)
+INNER_SHARE = Limit(0.0, 1.0, "between 0 and 1, both excluded")
+SHARE_ABOVE_0 = Limit(0.0, 1.0, "more than 0 and at most 1", upper_allowed=True)
 
-_BY_NAME = {
-    "lead": _OF_A_THREAD,
-    "pitch": _OF_A_THREAD,
-    "roller_radius": _OF_A_THREAD,
-    "roller_radius_at_fixed_screw_radius": _OF_A_THREAD,
-    "roller_profile_radius": _OF_A_THREAD,
-    "screw_radius": _OF_A_THREAD,
-    "starts": Limit(2.0, math.inf, "more than 2 (the screw radius is (starts - 2) r_R)"),
-    "starts_at_fixed_pitch": Limit(2.0, math.inf, "more than 2"),
-    "contact_angle": ACUTE_ANGLE,
-    "flank_angle": ACUTE_ANGLE,
-    "pressure_angle": ACUTE_ANGLE,
-    "screw_profile_angle": ACUTE_ANGLE,
-    "roller_profile_angle": ACUTE_ANGLE,
-    "lead_angle": SLANT,
-    "helix_angle": SLANT,
-    "poisson_ratio": Limit(-1.0, 0.5, "between -1 and 0.5, both excluded"),
-    "bore_radius": NOT_NEGATIVE,
-    "screw_addendum": NOT_NEGATIVE,
-    "roller_addendum": NOT_NEGATIVE,
-    "edge_radius": POSITIVE,
-    "coefficient": NOT_NEGATIVE,
-    "static_coefficient": NOT_NEGATIVE,
-    "viscous_coefficient": NOT_NEGATIVE,
-    "bristle_stiffness": POSITIVE,
-    "bristle_damping": NOT_NEGATIVE,
-    "width": POSITIVE,
-    "loss_factor": SHARE,
-    "ratio": Limit(0.0, 1.0, "0 or more and less than 1", lower_allowed=True),
-    "mass_coefficient": NOT_NEGATIVE,
-    "stiffness_coefficient": NOT_NEGATIVE,
-    "stiffness_factor": POSITIVE,
-    "mass_factor": POSITIVE,
-    "position_offset": SLANT,
-    "torque": NOT_NEGATIVE,
-    "engaged_threads": POSITIVE,
-    "tooth_thinning": ANY,
-    "thread_count": THREADS,
-    "after_thread": THREADS,
-    "preload": POSITIVE,
-    "offset": ANY,
-    "backlash": ANY,
-    "spacer_stiffness": POSITIVE,
-    "screw_segment_stiffness": POSITIVE,
-    "roller_segment_stiffness": POSITIVE,
-    "nut_segment_stiffness": POSITIVE,
-    "screw_pitch_error": ANY,
-    "roller_pitch_error": ANY,
-    "nut_pitch_error": ANY,
-    "screw_relief": NOT_NEGATIVE,
-    "nut_relief": NOT_NEGATIVE,
-    "screw_wear": NOT_NEGATIVE,
-    "nut_wear": NOT_NEGATIVE,
-    "roller_teeth": POSITIVE,
-    "mesh_factor": POSITIVE,
-    "roller_count": ROLLERS,
-    "static_capacity": POSITIVE,
-    "dynamic_capacity": POSITIVE,
-    "material_factor": POSITIVE,
-    "reliability": Limit(0.0, 1.0, "between 0 and 1, both excluded"),
-    "life_modification_factor": POSITIVE,
-    "oscillation_amplitude": POSITIVE,
-    "permissible_speed_share": Limit(0.0, 1.0, "more than 0 and at most 1", upper_allowed=True),
-    "axial_backlash": NOT_NEGATIVE,
-    "screw_tooth_thinning": NOT_NEGATIVE,
-    "roller_tooth_thinning": NOT_NEGATIVE,
-    "nut_tooth_thinning": NOT_NEGATIVE,
-    "preload_force": POSITIVE,
-    "number": ROLLER_NUMBER,
-    "count": COUNT,
-}
+#: Where a field declares none.
 _BY_UNIT = {
     "m": _LENGTH,
     "s": POSITIVE,
@@ -137,6 +76,6 @@ _BY_UNIT = {
 }
 
 
-def limit_of(name: str, unit: str) -> Limit:
-    """The limit of a number by its name, else by its SI unit, else finite."""
-    return _BY_NAME.get(name) or _BY_UNIT.get(unit) or ANY
+def limit_of(unit: str, declared: Limit | None = None) -> Limit:
+    """The limit of a number: what its field declares, else that of its SI unit, else finite."""
+    return declared or _BY_UNIT.get(unit) or ANY

@@ -12,7 +12,7 @@ import equinox as eqx
 import jax.core
 import numpy as np
 
-from ._limits import limit_of
+from ._limits import Limit, limit_of
 
 #: A negative stiffness is what some published models come to: `check` finds it, files refuse it.
 FREE_UNITS = ("N/m",)
@@ -41,7 +41,9 @@ def _known(value: object) -> np.ndarray | None:
         return None
 
 
-def check_number(owner: str, name: str, unit: str, value: object) -> None:
+def check_number(
+    owner: str, name: str, unit: str, value: object, declared: Limit | None = None
+) -> None:
     """Refuse a known number that is out of its range.
 
     **Arguments:**
@@ -50,13 +52,14 @@ def check_number(owner: str, name: str, unit: str, value: object) -> None:
     - `name`: of the field or parameter.
     - `unit`: its SI unit.
     - `value`: the number or numbers; traced ones and NaN pass.
+    - `declared`: the limit that its field declares, if it does.
 
     **Raises:** `ValueError` with name, value, what is allowed, and what to do.
     """
     known = _known(value)
     if known is None or unit in FREE_UNITS:
         return
-    limit = limit_of(name, unit)
+    limit = limit_of(unit, declared)
     for one in known.ravel().tolist():
         if one == one and not limit.admits(one):
             given = f"{one:.6g} {unit}" if unit not in ("1", "*") else f"{one:.6g}"
@@ -76,7 +79,11 @@ class Limited(eqx.Module):
             unit = field.metadata.get("unit")
             if unit is not None:
                 check_number(
-                    f"{type(self).__name__}: ", field.name, unit, getattr(self, field.name)
+                    f"{type(self).__name__}: ",
+                    field.name,
+                    unit,
+                    getattr(self, field.name),
+                    field.metadata.get("limit"),
                 )
 
 

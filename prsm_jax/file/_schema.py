@@ -41,14 +41,15 @@ from .tables import (
 
 
 def _number_or_choice(field: dataclasses.Field, hint, unit: str | None) -> Any:
+    limit = limit_of(unit or "1", field.metadata.get("limit"))
     if field.metadata.get("list"):
-        return Annotated[tuple, checked(read_numbers, unit, limit_of(field.name, unit or "1"))]
+        return Annotated[tuple, checked(read_numbers, unit, limit)]
     if unit is not None:
-        return Annotated[float, checked(read_number, unit, limit_of(field.name, unit))]
+        return Annotated[float, checked(read_number, unit, limit)]
     if hint is bool:
         return Annotated[bool, checked(read_boolean)]
     if hint is int:
-        return Annotated[int, checked(read_integer, limit_of(field.name, "1"))]
+        return Annotated[int, checked(read_integer, limit)]
     if typing.get_origin(hint) is Literal:
         return Annotated[str, checked(read_choice, typing.get_args(hint))]
     return Annotated[str, checked(read_text)]

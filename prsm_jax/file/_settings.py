@@ -8,7 +8,6 @@ from ..mechanism import (
     CURVATURE_CONVENTIONS,
     Mechanism,
     find_parameters,
-    limit_of,
     set_parameter,
 )
 from ._checks import check_together
@@ -42,7 +41,7 @@ def _apply(mechanism: Mechanism, key: str, text: str) -> Mechanism:
     if key.rsplit(".", 1)[-1] in _CHOICES:
         return _apply_choice(mechanism, key, text)
     parameter = find_parameters(mechanism, key)[0]
-    limit = limit_of(parameter.path.rsplit(".", 1)[-1], parameter.unit)
+    limit = parameter.limit
     if parameter.static:
         whole = text.removeprefix("+").isascii() and text.removeprefix("+").isdigit()
         value = read_integer(int(text) if whole and len(text) < 20 else text, limit)

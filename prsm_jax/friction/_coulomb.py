@@ -4,7 +4,12 @@ from typing import ClassVar
 
 import jax.numpy as jnp
 
-from ..fields import Scalar, number
+from ..fields import (
+    NOT_NEGATIVE,
+    POSITIVE,
+    Scalar,
+    number,
+)
 from ._law import FrictionLaw, Sliding
 from ._register import friction_law
 
@@ -14,7 +19,7 @@ class CoulombFriction(FrictionLaw):
     """Coulomb friction: force μ F against the slip."""
 
     constant: ClassVar[bool] = True
-    coefficient: Scalar = number("1", "friction coefficient, μ")
+    coefficient: Scalar = number("1", "friction coefficient, μ", limit=NOT_NEGATIVE)
 
     def friction_coefficient(self, sliding: Sliding) -> Scalar:
         """μ."""
@@ -30,8 +35,10 @@ class RegularisedCoulombFriction(FrictionLaw):
     """
 
     smooth_at_standstill: ClassVar[bool] = True
-    coefficient: Scalar = number("1", "friction coefficient, μ")
-    width: Scalar = number("m/s", "slip speed over which the force changes its sign, ε")
+    coefficient: Scalar = number("1", "friction coefficient, μ", limit=NOT_NEGATIVE)
+    width: Scalar = number(
+        "m/s", "slip speed over which the force changes its sign, ε", limit=POSITIVE
+    )
 
     def friction_coefficient(self, sliding: Sliding) -> Scalar:
         """μ v / √(v² + ε²)."""

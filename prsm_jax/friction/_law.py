@@ -13,7 +13,10 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..fields import Scalar
+from ..fields import (
+    Limited,
+    Scalar,
+)
 from ..numerics import dot_few
 
 #: What a law may ask for, with unit and meaning.
@@ -60,7 +63,7 @@ class Sliding(eqx.Module):
         return self._of("rolling_speed")
 
 
-class FrictionLaw(eqx.Module):
+class FrictionLaw(Limited):
     """Base of all friction laws: force `μ F` against the slip, and `c v` beside it.
 
     A law is a class with its numbers as fields (`prsm_jax.number`) and `friction_coefficient`. The

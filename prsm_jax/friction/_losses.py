@@ -2,25 +2,36 @@
 
 import equinox as eqx
 
-from ..fields import Scalar, number, part
+from ..fields import (
+    NOT_NEGATIVE,
+    SHARE,
+    Limited,
+    Scalar,
+    number,
+    part,
+)
 from ._law import FrictionLaw
 from ._screw_friction import Drag, SplineFriction, ThrustBearingFriction
 
 
-class SpinFriction(eqx.Module):
+class SpinFriction(Limited):
     """Spin of the contact ellipses about the common normal (screw and nut side).
 
     The coefficient is that of the nut side, which spins without sliding. The screw side slides and
     spins at once: the law of the threads rubs there.
     """
 
-    coefficient: Scalar = number("1", "friction coefficient in the spinning contact, μ")
+    coefficient: Scalar = number(
+        "1", "friction coefficient in the spinning contact, μ", limit=NOT_NEGATIVE
+    )
 
 
-class RollingHysteresis(eqx.Module):
+class RollingHysteresis(Limited):
     """Rolling resistance by elastic hysteresis in the contact ellipses (screw and nut side)."""
 
-    loss_factor: Scalar = number("1", "share of the elastic energy lost per cycle, α_h")
+    loss_factor: Scalar = number(
+        "1", "share of the elastic energy lost per cycle, α_h", limit=SHARE
+    )
 
 
 class Friction(eqx.Module):

@@ -8,7 +8,13 @@ of slip. The deflection z lies in the tangent plane of the contact, as the slip 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..fields import Scalar, number, optional_number
+from ..fields import (
+    NOT_NEGATIVE,
+    POSITIVE,
+    Scalar,
+    number,
+    optional_number,
+)
 from ..numerics import dot_few, length_few, sum_few
 from ._law import Deflected, Sliding, StatefulFrictionLaw, falling_coefficient
 from ._register import friction_law
@@ -29,16 +35,24 @@ class LuGreFriction(StatefulFrictionLaw):
     2000); with a damping speed v_d it fades with slip, `σ₁ e^{−(v/v_d)²}`.
     """
 
-    static_coefficient: Scalar = number("1", "friction coefficient at the onset of slip, μ_s")
-    coefficient: Scalar = number("1", "friction coefficient of fast slip, μ")
+    static_coefficient: Scalar = number(
+        "1", "friction coefficient at the onset of slip, μ_s", limit=NOT_NEGATIVE
+    )
+    coefficient: Scalar = number("1", "friction coefficient of fast slip, μ", limit=NOT_NEGATIVE)
     stribeck_speed: Scalar = number("m/s", "slip speed of the transition, v_S")
-    bristle_stiffness: Scalar = number("1/m", "stiffness of the bristles per normal force, σ₀")
-    bristle_damping: Scalar = number("s/m", "damping of the bristles per normal force, σ₁")
+    bristle_stiffness: Scalar = number(
+        "1/m", "stiffness of the bristles per normal force, σ₀", limit=POSITIVE
+    )
+    bristle_damping: Scalar = number(
+        "s/m", "damping of the bristles per normal force, σ₁", limit=NOT_NEGATIVE
+    )
     damping_speed: Scalar | None = optional_number(
         "m/s", "slip speed over which the bristles' damping fades, v_d; constant if not given"
     )
     viscous_coefficient: Scalar | None = optional_number(
-        "N·s/m", "viscous friction coefficient of one roller, σ₂"
+        "N·s/m",
+        "viscous friction coefficient of one roller, σ₂",
+        limit=NOT_NEGATIVE,
     )
 
     def friction_coefficient(self, sliding: Sliding) -> Scalar:

@@ -4,7 +4,14 @@ from typing import Any
 
 import equinox as eqx
 
-from ..fields import Scalar, number, optional_number
+from ..fields import (
+    NOT_NEGATIVE,
+    POSITIVE,
+    Limited,
+    Scalar,
+    number,
+    optional_number,
+)
 from ._coulomb import CoulombFriction
 from ._law import FrictionLaw
 
@@ -27,7 +34,7 @@ def _radius(description: str) -> Any:
     return optional_number("m", description, law_decides=True)
 
 
-class FrictionAtRadius(eqx.Module):
+class FrictionAtRadius(Limited):
     """A friction law, and the radius at which it acts. The law's numbers are attributes, too.
 
     **Raises:** `ValueError` without a radius if the law needs one, or with a law that has a state
@@ -77,11 +84,15 @@ class ThrustBearingFriction(FrictionAtRadius):
     radius: Scalar | None = _radius("effective radius of the bearing, r_NS")
 
 
-class Drag(eqx.Module):
+class Drag(Limited):
     """A drag torque on the screw whatever the load (seals, lubricant): constant, and c Ω."""
 
-    torque: Scalar = number("N·m", "constant drag torque")
-    viscous_coefficient: Scalar | None = optional_number("N·m·s", "viscous drag coefficient, c")
+    torque: Scalar = number("N·m", "constant drag torque", limit=NOT_NEGATIVE)
+    viscous_coefficient: Scalar | None = optional_number(
+        "N·m·s", "viscous drag coefficient, c", limit=NOT_NEGATIVE
+    )
     width: Scalar | None = optional_number(
-        "rad/s", "speed over which the constant torque changes its sign; at once if not given"
+        "rad/s",
+        "speed over which the constant torque changes its sign; at once if not given",
+        limit=POSITIVE,
     )

@@ -4,7 +4,11 @@ from typing import ClassVar
 
 import jax.numpy as jnp
 
-from ..fields import Scalar, number
+from ..fields import (
+    NOT_NEGATIVE,
+    Scalar,
+    number,
+)
 from ._law import FrictionLaw, Sliding
 from ._register import friction_law
 
@@ -16,7 +20,9 @@ class ViscousFriction(FrictionLaw):
     smooth_at_standstill: ClassVar[bool] = True
     load_independent: ClassVar[bool] = True
     coefficient: Scalar = number(
-        "N·s/m", "viscous friction coefficient, c; in a thread that of one roller"
+        "N·s/m",
+        "viscous friction coefficient, c; in a thread that of one roller",
+        limit=NOT_NEGATIVE,
     )
 
     def friction_coefficient(self, sliding: Sliding) -> Scalar:

@@ -1,4 +1,4 @@
-"""The mechanism: a frozen pytree in SI units. Of physics it knows the friction laws it holds."""
+"""The mechanism: a frozen pytree in SI units. It holds friction laws and a scenario."""
 
 from ..fields import (
     ANY as ANY,
@@ -24,6 +24,29 @@ from ..friction import (
     StribeckFriction as StribeckFriction,
     ThrustBearingFriction as ThrustBearingFriction,
     ViscousFriction as ViscousFriction,
+)
+from ..scenario import (
+    LOADS_OF_MOTION as LOADS_OF_MOTION,
+    PROFILES as PROFILES,
+    AerodynamicLoad as AerodynamicLoad,
+    ConstantProfile as ConstantProfile,
+    Curve as Curve,
+    FrictionLoad as FrictionLoad,
+    HingeLoad as HingeLoad,
+    PositionTableLoad as PositionTableLoad,
+    Profile as Profile,
+    Scenario as Scenario,
+    SCurveMoveProfile as SCurveMoveProfile,
+    SequenceProfile as SequenceProfile,
+    SineProfile as SineProfile,
+    SumLoad as SumLoad,
+    TableProfile as TableProfile,
+    TorqueScenario as TorqueScenario,
+    TrapezoidalMoveProfile as TrapezoidalMoveProfile,
+    TrapezoidalProfile as TrapezoidalProfile,
+    break_times_of as break_times_of,
+    check_scenario as check_scenario,
+    depends_on_motion as depends_on_motion,
 )
 from ._mechanism import (
     CURVATURE_CONVENTIONS as CURVATURE_CONVENTIONS,
@@ -95,27 +118,4 @@ from .parts import (
     UnequalRoller as UnequalRoller,
     Variable as Variable,
     total_factor as total_factor,
-)
-from .scenario import (
-    LOADS_OF_MOTION as LOADS_OF_MOTION,
-    PROFILES as PROFILES,
-    AerodynamicLoad as AerodynamicLoad,
-    ConstantProfile as ConstantProfile,
-    Curve as Curve,
-    FrictionLoad as FrictionLoad,
-    HingeLoad as HingeLoad,
-    PositionTableLoad as PositionTableLoad,
-    Profile as Profile,
-    Scenario as Scenario,
-    SCurveMoveProfile as SCurveMoveProfile,
-    SequenceProfile as SequenceProfile,
-    SineProfile as SineProfile,
-    SumLoad as SumLoad,
-    TableProfile as TableProfile,
-    TorqueScenario as TorqueScenario,
-    TrapezoidalMoveProfile as TrapezoidalMoveProfile,
-    TrapezoidalProfile as TrapezoidalProfile,
-    break_times_of as break_times_of,
-    check_scenario as check_scenario,
-    depends_on_motion as depends_on_motion,
 )

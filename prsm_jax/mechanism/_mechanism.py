@@ -6,6 +6,8 @@ import equinox as eqx
 from jaxtyping import Array, Float
 
 from ..fields import (
+    POSITIVE,
+    ROLLERS,
     Limited,
     Scalar,
     as_scalar,
@@ -18,6 +20,7 @@ from ..fields import (
     part,
 )
 from ..friction import Friction
+from ..scenario import Scenario, TorqueScenario
 from .parts import (
     Carrier,
     Damping,
@@ -36,7 +39,6 @@ from .parts import (
     UnequalRoller,
     check_unequal_rollers,
 )
-from .scenario import Scenario, TorqueScenario
 
 CurvatureConvention: TypeAlias = Literal["exact", "lisowski2014", "wu2022"]
 CURVATURE_CONVENTIONS: tuple[CurvatureConvention, ...] = ("exact", "lisowski2014", "wu2022")
@@ -62,7 +64,9 @@ class Stage(Limited):
     """
 
     thread: Thread
-    roller_count: int = choice("number of rollers (of their places, if some are missing), N")
+    roller_count: int = choice(
+        "number of rollers (of their places, if some are missing), N", limit=ROLLERS
+    )
     screw: Screw = Screw()
     roller: Roller = Roller()
     nut: Nut = Nut()
@@ -91,7 +95,9 @@ class Stage(Limited):
         "no capacities, safety, life, buckling, critical speed of the shaft, or play"
     )
     engaged_threads: Scalar | None = optional_number(
-        "1", "threads of one roller that carry load, per side, z"
+        "1",
+        "threads of one roller that carry load, per side, z",
+        limit=POSITIVE,
     )
     curvature: CurvatureConvention = choice(
         "where the contact curvatures come from", default="exact"

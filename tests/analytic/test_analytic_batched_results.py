@@ -36,6 +36,7 @@ OF_ONE_DESIGN = {"Optimum", "Sensitivity"}
 _NO_RESULTS = (
     "prsm_jax.mechanism",
     "prsm_jax.friction",
+    "prsm_jax.scenario",
     "prsm_jax.dynamics.forces._loads",
     "prsm_jax.dynamics.solvers",
 )

@@ -9,6 +9,7 @@ from scenes import array, example, mechanism, simulate, stage, thread
 from scipy.integrate import solve_ivp
 
 import prsm_jax as prsm
+from benchmarks.method_options import taken
 from benchmarks.references.dynamics import Chain
 from prsm_jax import Scenario
 from prsm_jax.dynamics import all_kinematics, carrier_inertia, choose_method, states_at
@@ -120,9 +121,7 @@ def _settle(one, speed, load, ratio, method):
             Scenario(speed, load, array(DURATION), ratio, samples=21),
             method=method,
             gradient="forward",
-            rtol=1e-12,
-            atol=1e-14,
-            max_steps=20_000,
+            **taken(method, rtol=1e-12, atol=1e-14, max_steps=20_000),
             throw=False,
         )
         return run.carrier_ratio, run.solver.code

@@ -14,11 +14,13 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 import prsm_jax.file as file
 from prsm_jax.file.numbers._layout import TableChoice, module_classes, row_class, table_choices
 from prsm_jax.mechanism import (
+    ANY,
     GAP_LISTS,
     AxialPlay,
     Constraint,
     DesignProblem,
     DutyCycle,
+    Limit,
     LoadSharing,
     Mechanism,
     Objective,
@@ -27,6 +29,7 @@ from prsm_jax.mechanism import (
     SplitNut,
     Stage,
     Support,
+    Thread,
     UnequalRoller,
     Variable,
     limit_of,
@@ -34,13 +37,16 @@ from prsm_jax.mechanism import (
 
 _NAMES = st.from_regex(r"[a-z][a-z_]{0,20}", fullmatch=True)
 _LARGEST = 1e120
-_UNITS = {"position_offset": "rad", "tooth_thinning": "m"}
 
 
-def numbers(name: str, unit: str) -> st.SearchStrategy[float]:
-    """Any double that the limit of this name and unit admits, up to 1e120."""
-    limit = limit_of(name, unit)
+def numbers(limit: Limit) -> st.SearchStrategy[float]:
+    """Any double that a limit admits, up to 1e120."""
     return st.floats(max(limit.lower, -_LARGEST), min(limit.upper, _LARGEST)).filter(limit.admits)
+
+
+def _limit(cls: type[eqx.Module], name: str) -> Limit:
+    (field,) = [field for field in dataclasses.fields(cls) if field.name == name]
+    return limit_of(field.metadata["unit"], field.metadata.get("limit"))
 
 
 def _field(field: dataclasses.Field, hint) -> st.SearchStrategy:
@@ -52,11 +58,11 @@ def _field(field: dataclasses.Field, hint) -> st.SearchStrategy:
     elif field.metadata.get("list"):
         return st.none()  # filled when the number of threads is known
     elif "unit" in field.metadata:
-        present = numbers(field.name, field.metadata["unit"])
+        present = numbers(limit_of(field.metadata["unit"], field.metadata.get("limit")))
     elif hint is bool:
         present = st.booleans()
     elif hint is int:
-        limit = limit_of(field.name, "1")
+        limit = limit_of("1", field.metadata.get("limit"))
         present = st.integers(int(limit.lower), int(limit.upper))
     else:
         present = st.sampled_from(typing.get_args(hint))
@@ -69,7 +75,7 @@ def _choice(draw, choice: TableChoice):
     if choice.law is None:
         return draw(modules(choice.cls))
     law = draw(modules(choice.law))
-    return choice.cls(law, None if choice.law.load_independent else draw(numbers("radius", "m")))
+    return choice.cls(law, None if choice.law.load_independent else draw(numbers(limit_of("m"))))
 
 
 @st.composite
@@ -82,7 +88,7 @@ def modules(draw, cls: type[eqx.Module]):
     if cls is LoadSharing:
         values |= draw(sharing_lists(values["thread_count"], values["split_nut"]))
     if cls is SplitNut and (values["preload"] is None) == (values["offset"] is None):
-        values |= {"preload": None, "offset": draw(numbers("offset", "m"))}
+        values |= {"preload": None, "offset": draw(numbers(ANY))}
     if cls is Roller and values["support"] is not None:
         values["support"] = Support(values["support"].radial_stiffness)
     if cls is AxialPlay and values["preload_force"] is not None:
@@ -122,7 +128,7 @@ def sharing_lists(draw, thread_count: int, split_nut: SplitNut | None):
         split_nut = dataclasses.replace(split_nut, after_thread=draw(st.integers(1, count - 1)))
     names = draw(st.sets(st.sampled_from(GAP_LISTS)))
     lists = {
-        name: draw(st.lists(numbers(name, "m"), min_size=count, max_size=count))
+        name: draw(st.lists(numbers(_limit(LoadSharing, name)), min_size=count, max_size=count))
         for name in sorted(names)
     }
     return {"thread_count": count, "split_nut": split_nut} | lists
@@ -137,8 +143,7 @@ def unequal_rollers(draw, roller_count: int):
         missing = index > 0 and draw(st.booleans())
         names = ("stiffness_factor", "mass_factor", "position_offset", "tooth_thinning")
         differing = () if missing else draw(st.sets(st.sampled_from(names), min_size=1))
-        units = {name: _UNITS.get(name, "1") for name in differing}
-        values = {name: draw(numbers(name, unit)) for name, unit in sorted(units.items())}
+        values = {name: draw(numbers(_limit(UnequalRoller, name))) for name in sorted(differing)}
         rollers.append(UnequalRoller(number, missing=missing, **values))
     return tuple(rollers)
 
@@ -169,8 +174,8 @@ def _variables(draw):
     )
     variables = []
     for name in chosen:
-        unit = "rad" if name == "contact_angle" else "m"
-        pair = st.tuples(numbers(name, unit), numbers(name, unit)).filter(lambda b: b[0] != b[1])
+        ends = numbers(_limit(Thread, name))
+        pair = st.tuples(ends, ends).filter(lambda b: b[0] != b[1])
         variables.append(Variable(name, *sorted(draw(pair))))
     return tuple(variables)
 
@@ -206,9 +211,7 @@ def duty_cycles(draw):
     size = draw(st.integers(1, 5))
     columns = {
         field.name: np.array(
-            draw(
-                st.lists(numbers(field.name, field.metadata["unit"]), min_size=size, max_size=size)
-            )
+            draw(st.lists(numbers(_limit(DutyCycle, field.name)), min_size=size, max_size=size))
         )
         for field in dataclasses.fields(DutyCycle)
     }

@@ -11,9 +11,10 @@ from scenes import mechanism
 
 import prsm_jax.file as file
 from prsm_jax._errors import FileError
-from prsm_jax.file.tables._scenario_table import scenario_limit
 from prsm_jax.mechanism import (
+    ANY,
     LOADS_OF_MOTION,
+    POSITIVE,
     PROFILES,
     ConstantProfile,
     HingeLoad,
@@ -22,14 +23,19 @@ from prsm_jax.mechanism import (
     SumLoad,
     TorqueScenario,
     find_parameters,
+    limit_of,
     set_parameter,
 )
 
 MISSION = file.example_text("actuator_mission")
 
 
-def _numbers(name):
-    limit = scenario_limit(name)
+def _limit(cls, name):
+    (field,) = [field for field in dataclasses.fields(cls) if field.name == name]
+    return limit_of(field.metadata["unit"], field.metadata.get("limit"))
+
+
+def _numbers(limit=ANY):
     return st.floats(max(limit.lower, -1e60), min(limit.upper, 1e60)).filter(limit.admits)
 
 
@@ -69,7 +75,7 @@ def _functions(draw, kinds, depth=2):
         elif field.default is None and draw(st.booleans()):
             continue
         else:
-            values[name] = draw(_numbers(name))
+            values[name] = draw(_numbers(_limit(cls, name)))
     return cls(**values)
 
 
@@ -85,19 +91,19 @@ def _parts(cls, kinds, depth):
 
 _OF_SPEED = tuple(PROFILES.values())
 _OF_OTHERS = tuple(cls for name, cls in PROFILES.items() if not name.endswith("_move"))
-_LOADS = st.one_of(_numbers("load"), _functions(_OF_OTHERS + tuple(LOADS_OF_MOTION.values())))
+_LOADS = st.one_of(_numbers(), _functions(_OF_OTHERS + tuple(LOADS_OF_MOTION.values())))
 
 
 @st.composite
 def scenarios(draw):
     """Any scenario that a file can hold."""
-    duration, samples = draw(_numbers("duration")), draw(st.integers(2, 1000))
-    position = draw(_numbers("initial_position"))
+    duration, samples = draw(_numbers(POSITIVE)), draw(st.integers(2, 1000))
+    position = draw(_numbers())
     if draw(st.booleans()):
-        speed = draw(st.one_of(_numbers("speed"), _functions(_OF_SPEED)))
-        return Scenario(speed, draw(_LOADS), duration, draw(_numbers("x")), samples, position)
-    torque = draw(st.one_of(_numbers("torque"), _functions(_OF_OTHERS)))
-    start = draw(_numbers("initial_speed"))
+        speed = draw(st.one_of(_numbers(), _functions(_OF_SPEED)))
+        return Scenario(speed, draw(_LOADS), duration, draw(_numbers()), samples, position)
+    torque = draw(st.one_of(_numbers(), _functions(_OF_OTHERS)))
+    start = draw(_numbers())
     phases = draw(st.integers(1, 1000))
     return TorqueScenario(torque, draw(_LOADS), duration, start, position, samples, phases)
 

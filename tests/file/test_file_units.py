@@ -6,10 +6,11 @@ from fractions import Fraction
 
 import pytest
 from hypothesis import given, settings, strategies as st
+from scenes import example
 
 from prsm_jax.file.numbers._numbers import bare_number, read_number, read_quantity, write_number
 from prsm_jax.file.numbers._units import WRITTEN_UNITS, unit_factor
-from prsm_jax.mechanism import ANY, limit_of
+from prsm_jax.mechanism import ANY, NOT_NEGATIVE, all_parameters, limit_of
 
 _FINITE = st.floats(allow_nan=False, allow_infinity=False)
 
@@ -111,14 +112,22 @@ def test_near_units_are_read_or_refused(text):
         assert isinstance(read_quantity(text, None), float)
 
 
-def test_limits_by_name_and_by_unit():
-    assert not limit_of("lead", "m").admits(0.0)
-    assert limit_of("bore_radius", "m").admits(0.0)
-    assert not limit_of("contact_angle", "rad").admits(math.pi / 2)
-    assert not limit_of("poisson_ratio", "1").admits(0.5)
-    assert limit_of("load", "N").admits(-1.0)
-    assert not limit_of("load", "N").admits(math.inf)
-    assert not limit_of("starts", "1").admits(2.0)
+def test_limits_are_those_that_a_field_declares_or_its_unit_has():
+    limits = {p.path: p.limit for p in all_parameters(example("li2020_two_stage"))}
+
+    def admits(name, value):
+        return limits[name if name in limits else f"stage.1.{name}"].admits(value)
+
+    assert not admits("thread.lead", 0.0)
+    assert not admits("thread.pitch", 1.1)
+    assert not admits("thread.flank_angle", math.pi / 2)
+    assert not admits("thread.contact_angle", math.pi / 2)
+    assert not admits("thread.starts", 2.0)
+    assert admits("operating_point.load", -1.0)
+    assert not admits("operating_point.load", math.inf)
+    assert not admits("material.poisson_ratio", 0.5)
+    assert not limit_of("m").admits(0.0)
+    assert limit_of("m", NOT_NEGATIVE).admits(0.0)
 
 
 def test_every_unit_is_defined_once(caplog):

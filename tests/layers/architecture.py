@@ -22,9 +22,9 @@ This page and its picture are written by `python -m tests.layers.architecture` f
 the package, and a test compares them. `tests/layers/room_order.py` says which room may use which.
 
 Data flows one way, and the folders are named after it: {order}.
-A mechanism holds laws of `friction`. `validation`, `explanation` and `cli` use what lies below
-them. `fields`, `numerics`, `programs`, `text` and `process` lie at the ground, know nothing of
-screws, and serve all.
+A mechanism holds laws of `friction` and a `scenario`. `validation`, `explanation` and `cli` use
+what lies below them. `fields`, `numerics`, `programs`, `text` and `process` lie at the ground,
+know nothing of screws, and serve all.
 
 ![Rooms of the package, and which room imports which](images/architecture.svg)
 

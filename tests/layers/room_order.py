@@ -14,7 +14,8 @@ GROUND: dict[str, set[str]] = {
 #: Each room and the rooms that it may use, directly; errors and the version serve all.
 LAYERS = {
     "friction": set(),
-    "mechanism": {"friction"},
+    "scenario": set(),
+    "mechanism": {"friction", "scenario"},
     "file": {"friction", "mechanism"},
     "geometry": {"mechanism"},
     "contact": {"mechanism", "geometry"},

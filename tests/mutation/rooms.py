@@ -169,8 +169,8 @@ _TESTS: tuple[tuple[str, str], ...] = (
         "optimise/mechanism",
     ),
     ("sweeps", "sweep/test_sweep.py analytic/single_faults"),
-    ("mechanism/scenario/_profiles", "analytic/profiles"),
-    ("mechanism/scenario/_sequences", "analytic/profiles"),
+    ("scenario/_profiles", "analytic/profiles"),
+    ("scenario/_sequences", "analytic/profiles"),
     ("mechanism/parameters/_follows", "sensitivity/values"),
     (
         "mechanism/parameters/_parameters",

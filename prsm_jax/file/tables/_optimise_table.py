@@ -14,7 +14,6 @@ from ...mechanism import (
     Objective,
     Variable,
     find_parameters,
-    limit_of,
 )
 from ..numbers import Misplaced, read_integer, read_number
 from ._table import Table, checked, read_choice, read_name, read_tables
@@ -99,11 +98,10 @@ def _variable(table: VariableTable, mechanism: Mechanism, taken: dict[str, str])
             raise Misplaced(("name",), f"moves the same number as {taken[parameter.path]!r}")
         taken[parameter.path] = table.name
     first = parameters[0]
-    limit = limit_of(first.path.rsplit(".", 1)[-1], first.unit)
     bounds = {}
     for side in ("lower", "upper"):
         try:
-            bounds[side] = read_number(getattr(table, side), first.unit, limit)
+            bounds[side] = read_number(getattr(table, side), first.unit, first.limit)
         except ValueError as error:
             raise Misplaced((side,), str(error)) from error
     if not bounds["lower"] < bounds["upper"]:

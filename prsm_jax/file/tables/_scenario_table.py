@@ -13,41 +13,16 @@ from ..._errors import closest
 from ...mechanism import (
     ANY,
     LOADS_OF_MOTION,
-    NOT_NEGATIVE,
-    POSITIVE,
     PROFILES,
-    Limit,
     Scenario,
     TorqueScenario,
+    limit_of,
 )
 from ..numbers import Misplaced, Place, read_integer, read_number
 from ._table import read_boolean, read_choice
 
-_LIMITS = {
-    "duration": POSITIVE,
-    "rise_time": POSITIVE,
-    "fall_time": POSITIVE,
-    "hold_time": NOT_NEGATIVE,
-    "dwell_time": NOT_NEGATIVE,
-    "speed_limit": POSITIVE,
-    "acceleration_limit": POSITIVE,
-    "deceleration_limit": POSITIVE,
-    "jerk_limit": POSITIVE,
-    "frequency": NOT_NEGATIVE,
-    "force": NOT_NEGATIVE,
-    "width": POSITIVE,
-    "mass": NOT_NEGATIVE,
-    "samples": Limit(2.0, 1e6, "a whole number from 2 to 1000000", True, True),
-    "most_phases": Limit(1.0, 1e6, "a whole number from 1 to 1000000", True, True),
-    "repeats": Limit(1.0, 1e6, "a whole number from 1 to 1000000", True, True),
-}
 #: A plain number as one of several loads.
 NUMBER = "number"
-
-
-def scenario_limit(name: str) -> Limit:
-    """The limit of a number of the scenario, by the name of its field."""
-    return _LIMITS.get(name, ANY)
 
 
 def kinds_of(unit: str) -> dict[str, type]:
@@ -98,21 +73,22 @@ def _module(cls: type, data: Mapping, place: Place, unit: str):
 def _value(field: dataclasses.Field, hint, value, place: Place, outer: str):
     unit = field.metadata.get("unit")
     unit = outer if unit == "*" else unit
+    limit = limit_of(unit or "1", field.metadata.get("limit"))
     try:
         if field.name == "part":
             return _parts(value, place, outer)
         if field.metadata.get("list"):
             if not isinstance(value, list) or len(value) < 2:
                 raise ValueError("must be an array of two or more numbers")
-            return np.array([read_number(one, unit, ANY) for one in value])
+            return np.array([read_number(one, unit, limit) for one in value])
         if isinstance(value, dict) and unit is not None and not _is_number(hint):
             return _function(value, place, unit)
         if unit is not None:
-            return read_number(value, unit, scenario_limit(field.name))
+            return read_number(value, unit, limit)
         if hint is bool:
             return read_boolean(value)
         if hint is int:
-            return read_integer(value, scenario_limit(field.name))
+            return read_integer(value, limit)
         return read_choice(value, typing.get_args(hint))
     except ValueError as error:
         raise Misplaced(place, str(error)) from error

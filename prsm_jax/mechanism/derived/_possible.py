@@ -22,7 +22,7 @@ def _limited(module: eqx.Module) -> Iterator[tuple[Array, Limit]]:
         if unit is None or unit in FREE_UNITS or not eqx.is_inexact_array(value):
             continue
         number: Array = jnp.asarray(value)
-        limit = limit_of(field.name, unit)
+        limit = limit_of(unit, field.metadata.get("limit"))
         if limit != ANY:
             yield number, limit
 

@@ -15,7 +15,17 @@ import equinox as eqx
 import jax.numpy as jnp
 
 from ..._errors import UnknownNameError, closest
-from ...fields import Scalar, check_number, check_stage
+from ...fields import (
+    ACUTE_ANGLE,
+    ANY,
+    OF_A_THREAD,
+    STARTS,
+    Limit,
+    Scalar,
+    check_number,
+    check_stage,
+    limit_of,
+)
 from .._mechanism import Mechanism
 from ..parts import Thread
 
@@ -34,6 +44,7 @@ class Parameter:
     get: Callable[[Mechanism], Scalar]
     set: Callable[[Mechanism, Scalar], Mechanism]
     static: bool = False
+    limit: Limit = ANY
 
 
 @dataclasses.dataclass(frozen=True)
@@ -45,6 +56,7 @@ class DesignVariable:
     description: str
     get: Callable[[Thread], Scalar]
     set: Callable[[Thread, Scalar], Thread]
+    limit: Limit
 
 
 def _with(thread: Thread, **changes) -> Thread:
@@ -66,6 +78,7 @@ DESIGN_VARIABLES: tuple[DesignVariable, ...] = (
         "radius of the roller's thread profile; r_R / sin α where the mechanism gives none",
         lambda t: t.profile_radius,
         lambda t, v: _with(t, roller_profile_radius=v),
+        OF_A_THREAD,
     ),
     DesignVariable(
         "flank_angle",
@@ -73,6 +86,7 @@ DESIGN_VARIABLES: tuple[DesignVariable, ...] = (
         "flank angle α; the contact angle 90° − α follows",
         lambda t: t.flank_angle,
         lambda t, v: _with(t, contact_angle=jnp.pi / 2 - v),
+        ACUTE_ANGLE,
     ),
     DesignVariable(
         "pitch",
@@ -80,6 +94,7 @@ DESIGN_VARIABLES: tuple[DesignVariable, ...] = (
         "thread pitch at fixed starts; the lead n p follows",
         lambda t: t.pitch,
         lambda t, v: _with(t, lead=v * t.starts),
+        OF_A_THREAD,
     ),
     DesignVariable(
         "screw_radius",
@@ -87,6 +102,7 @@ DESIGN_VARIABLES: tuple[DesignVariable, ...] = (
         "nominal screw radius at fixed starts; roller, nut and centre distance follow",
         lambda t: t.screw_radius,
         lambda t, v: _with(t, roller_radius=v / (t.starts - 2)),
+        OF_A_THREAD,
     ),
     DesignVariable(
         "roller_radius_at_fixed_screw_radius",
@@ -94,6 +110,7 @@ DESIGN_VARIABLES: tuple[DesignVariable, ...] = (
         "roller radius at fixed screw radius and lead; starts 2 + r_s/r_R follow as a real number",
         lambda t: t.roller_radius,
         lambda t, v: _with(t, roller_radius=v, starts=2 + t.screw_radius / v),
+        OF_A_THREAD,
     ),
     DesignVariable(
         "starts_at_fixed_pitch",
@@ -101,6 +118,7 @@ DESIGN_VARIABLES: tuple[DesignVariable, ...] = (
         "number of starts at fixed pitch and roller radius; the lead n p follows",
         lambda t: t.starts,
         lambda t, v: _with(t, starts=v, lead=t.pitch * v),
+        STARTS,
     ),
 )
 
@@ -201,6 +219,7 @@ def _design_parameter(index: int, variable: DesignVariable) -> Parameter:
         variable.description,
         get,
         set_,
+        limit=variable.limit,
     )
 
 
@@ -229,6 +248,7 @@ def all_parameters(mechanism: Mechanism) -> tuple[Parameter, ...]:
                     get,
                     set_,
                     static,
+                    limit_of(metadata.get("unit", "1"), metadata.get("limit")),
                 )
             )
     for name in ("operating_point", "scenario"):
@@ -245,6 +265,7 @@ def all_parameters(mechanism: Mechanism) -> tuple[Parameter, ...]:
                     get,
                     set_,
                     static,
+                    limit_of(metadata.get("unit", "1"), metadata.get("limit")),
                 )
             )
     return tuple(found)
@@ -332,9 +353,8 @@ def set_parameter(mechanism: Mechanism, name: str, value, *, checked: bool = Tru
 def check_parameter(mechanism: Mechanism, name: str, value) -> None:
     """**Raises:** `ValueError` if a known value is out of the range of a parameter."""
     for parameter in find_parameters(mechanism, name):
-        # Numbers of a scenario have limits of their own, by kind of profile.
-        if not parameter.path.startswith("scenario."):
-            check_number("", parameter.path.rpartition(".")[2], parameter.unit, value)
+        name = parameter.path.rpartition(".")[2]
+        check_number("", name, parameter.unit, value, parameter.limit)
 
 
 def check_stages(mechanism: Mechanism) -> None:

@@ -1,13 +1,26 @@
 """The bodies of a stage: masses given, or dimensions from which they follow."""
 
-from ...fields import Limited, Scalar, choice, number, optional_number, part
+from ...fields import (
+    ACUTE_ANGLE,
+    COUNT,
+    NOT_NEGATIVE,
+    POISSON_RATIO,
+    POSITIVE,
+    SLANT,
+    Limited,
+    Scalar,
+    choice,
+    number,
+    optional_number,
+    part,
+)
 
 
 class Material(Limited):
     """An isotropic elastic material."""
 
     youngs_modulus: Scalar = number("Pa", "Young's modulus, E")
-    poisson_ratio: Scalar = number("1", "Poisson's ratio, ν")
+    poisson_ratio: Scalar = number("1", "Poisson's ratio, ν", limit=POISSON_RATIO)
     density: Scalar | None = optional_number("kg/m³", "density, for masses derived from dimensions")
 
 
@@ -41,7 +54,9 @@ class Screw(Limited):
     mass: Scalar | None = optional_number("kg", "mass; from length and density when absent")
     inertia: Scalar | None = optional_number("kg·m²", "moment of inertia about the axis")
     length: Scalar | None = optional_number("m", "length of the cylinder")
-    bore_radius: Scalar | None = optional_number("m", "radius of a central bore")
+    bore_radius: Scalar | None = optional_number(
+        "m", "radius of a central bore", limit=NOT_NEGATIVE
+    )
     material: Material | None = part("the body is of the material of its stage")
     support: Support | None = part("the screw is free: no springs of its bearings")
 
@@ -56,7 +71,9 @@ class Roller(Limited):
     mass: Scalar | None = optional_number("kg", "mass; from length and density when absent")
     inertia: Scalar | None = optional_number("kg·m²", "moment of inertia about its own axis")
     length: Scalar | None = optional_number("m", "length of the cylinder")
-    bore_radius: Scalar | None = optional_number("m", "radius of a central bore")
+    bore_radius: Scalar | None = optional_number(
+        "m", "radius of a central bore", limit=NOT_NEGATIVE
+    )
     material: Material | None = part("the body is of the material of its stage")
     #: Pins of the roller in the carriers; when given, rollers move in translation too.
     support: Support | None = part("the rollers turn only: no translation on their pins")
@@ -107,7 +124,9 @@ class Carrier(Limited):
     inertia: Scalar | None = optional_number("kg·m²", "moment of inertia of one carrier")
     length: Scalar | None = optional_number("m", "axial thickness of one annulus")
     radial_width: Scalar | None = optional_number("m", "radial width of the annulus")
-    count: int = choice("number of carriers in the stage (one at either end: 2)", default=2)
+    count: int = choice(
+        "number of carriers in the stage (one at either end: 2)", default=2, limit=COUNT
+    )
     material: Material | None = part("the body is of the material of its stage")
     support: Support | None = part("the carriers are free to turn")
 
@@ -119,16 +138,21 @@ class Gear(Limited):
     number of ring gear teeth n z_R follow from the thread.
     """
 
-    pressure_angle: Scalar = number("rad", "pressure angle")
+    pressure_angle: Scalar = number("rad", "pressure angle", limit=ACUTE_ANGLE)
     roller_teeth: Scalar | None = optional_number(
-        "1", "number of teeth of the roller's gear, z_R; needed for the mesh stiffness"
+        "1",
+        "number of teeth of the roller's gear, z_R; needed for the mesh stiffness",
+        limit=POSITIVE,
     )
     face_width: Scalar | None = optional_number("m", "face width; needed for the mesh stiffness")
     roller_profile_shift: Scalar = number("1", "profile shift coefficient of the roller", default=0)
     ring_profile_shift: Scalar = number("1", "profile shift coefficient of the ring", default=0)
-    helix_angle: Scalar = number("rad", "helix angle of the gear teeth", default=0)
+    helix_angle: Scalar = number("rad", "helix angle of the gear teeth", default=0, limit=SLANT)
     mesh_factor: Scalar = number(
-        "1", "mesh stiffness over single-tooth stiffness (0.75 ε_α + 0.25 in ISO 6336-1)", default=1
+        "1",
+        "mesh stiffness over single-tooth stiffness (0.75 ε_α + 0.25 in ISO 6336-1)",
+        default=1,
+        limit=POSITIVE,
     )
 
 

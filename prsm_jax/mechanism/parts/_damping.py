@@ -2,28 +2,37 @@
 
 from typing import TypeAlias
 
-import equinox as eqx
+from ...fields import (
+    DAMPING_RATIO,
+    NOT_NEGATIVE,
+    SHARE,
+    Limited,
+    Scalar,
+    number,
+)
 
-from ...fields import Scalar, number
 
-
-class ModalDamping(eqx.Module):
+class ModalDamping(Limited):
     """Viscous damping with the same ratio in every mode."""
 
-    ratio: Scalar = number("1", "damping ratio of every mode, ζ")
+    ratio: Scalar = number("1", "damping ratio of every mode, ζ", limit=DAMPING_RATIO)
 
 
-class RayleighDamping(eqx.Module):
+class RayleighDamping(Limited):
     """Viscous damping in proportion to mass and stiffness, C = α M + β K."""
 
-    mass_coefficient: Scalar = number("1/s", "coefficient of the mass matrix, α")
-    stiffness_coefficient: Scalar = number("s", "coefficient of the stiffness matrix, β")
+    mass_coefficient: Scalar = number(
+        "1/s", "coefficient of the mass matrix, α", limit=NOT_NEGATIVE
+    )
+    stiffness_coefficient: Scalar = number(
+        "s", "coefficient of the stiffness matrix, β", limit=NOT_NEGATIVE
+    )
 
 
-class StructuralDamping(eqx.Module):
+class StructuralDamping(Limited):
     """Hysteretic damping of steady harmonic vibration, K (1 + iη)."""
 
-    loss_factor: Scalar = number("1", "loss factor of every spring, η")
+    loss_factor: Scalar = number("1", "loss factor of every spring, η", limit=SHARE)
 
 
 Damping: TypeAlias = ModalDamping | RayleighDamping | StructuralDamping

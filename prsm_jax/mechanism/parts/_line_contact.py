@@ -1,11 +1,16 @@
 """The flanks of an annular roller: rings without a lead, in line contact with the screw."""
 
-import equinox as eqx
+from ...fields import (
+    ACUTE_ANGLE,
+    SLANT,
+    Limited,
+    Scalar,
+    number,
+    optional_number,
+)
 
-from ...fields import Scalar, number, optional_number
 
-
-class LineContact(eqx.Module):
+class LineContact(Limited):
     """Flanks that touch along a line: a screw thread and a roller of rings.
 
     The identity r_n = n r_R of a threaded roller does not bind an annular one, so the radii and
@@ -19,9 +24,15 @@ class LineContact(eqx.Module):
     roller_major_radius: Scalar = number("m", "radius at the crest of the roller's flank")
     centre_distance: Scalar = number("m", "distance between screw and roller axes, d")
     screw_profile_angle: Scalar = number(
-        "rad", "angle of the screw's flank from the transverse plane, j"
+        "rad",
+        "angle of the screw's flank from the transverse plane, j",
+        limit=ACUTE_ANGLE,
     )
     roller_profile_angle: Scalar = number(
-        "rad", "angle of the roller's flank from the transverse plane, k"
+        "rad",
+        "angle of the roller's flank from the transverse plane, k",
+        limit=ACUTE_ANGLE,
     )
-    lead_angle: Scalar | None = optional_number("rad", "lead angle of the screw's thread, ψ")
+    lead_angle: Scalar | None = optional_number(
+        "rad", "lead angle of the screw's thread, ψ", limit=SLANT
+    )

@@ -2,16 +2,28 @@
 
 from typing import Literal, TypeAlias
 
-import equinox as eqx
 from jaxtyping import Array, Float
 
-from ...fields import Scalar, choice, number, optional_number, optional_numbers, part
+from ...fields import (
+    ANY,
+    NOT_NEGATIVE,
+    POSITIVE,
+    THREADS,
+    Limit,
+    Limited,
+    Scalar,
+    choice,
+    number,
+    optional_number,
+    optional_numbers,
+    part,
+)
 
 Mounting: TypeAlias = Literal["same_end", "opposite_end"]
 MOUNTINGS: tuple[Mounting, ...] = ("same_end", "opposite_end")
 
 
-class ThreadTooth(eqx.Module):
+class ThreadTooth(Limited):
     """Proportions of the thread teeth, for their compliance after Yamamoto.
 
     The compliance is one per unit length of thread: `effective_length` says how much of a thread
@@ -31,7 +43,7 @@ class ThreadTooth(eqx.Module):
     )
 
 
-class SplitNut(eqx.Module):
+class SplitNut(Limited):
     """A nut of two halves that a spacer drives apart, so that rollers are loaded on both flanks.
 
     Static: `after_thread`. Either the force is given or by how much the spacer is too long.
@@ -40,13 +52,19 @@ class SplitNut(eqx.Module):
     or for a thread number below 1.
     """
 
-    after_thread: int = choice("number of the thread after which the nut is split")
-    preload: Scalar | None = optional_number("N", "force in the spacer without an axial load")
+    after_thread: int = choice("number of the thread after which the nut is split", limit=THREADS)
+    preload: Scalar | None = optional_number(
+        "N", "force in the spacer without an axial load", limit=POSITIVE
+    )
     offset: Scalar | None = optional_number(
-        "m", "by how much the spacer is longer than the gap between halves that only just touch"
+        "m",
+        "by how much the spacer is longer than the gap between halves that only just touch",
+        limit=ANY,
     )
     spacer_stiffness: Scalar | None = optional_number(
-        "N/m", "axial stiffness of the spacer; that of the nut between two threads when absent"
+        "N/m",
+        "axial stiffness of the spacer; that of the nut between two threads when absent",
+        limit=POSITIVE,
     )
 
     def __check_init__(self):
@@ -59,11 +77,11 @@ class SplitNut(eqx.Module):
             )
 
 
-def _gap(description: str):
-    return optional_numbers("m", description + ", one number per thread")
+def _gap(description: str, limit: Limit):
+    return optional_numbers("m", description + ", one number per thread", limit=limit)
 
 
-class LoadSharing(eqx.Module):
+class LoadSharing(Limited):
     """Chains of screw, nut and rollers whose threads share the load.
 
     Threads count from 1 at the end of the nut where the screw's force enters. All lists have one
@@ -77,7 +95,9 @@ class LoadSharing(eqx.Module):
     of another length, or a nut that is split past its last thread.
     """
 
-    thread_count: int = choice("number of engaged threads of one roller, one node each")
+    thread_count: int = choice(
+        "number of engaged threads of one roller, one node each", limit=THREADS
+    )
     mounting: Mounting = choice(
         "end of the nut at which its force is taken, seen from where the screw's force enters",
         default="same_end",
@@ -87,33 +107,50 @@ class LoadSharing(eqx.Module):
     )
     split_nut: SplitNut | None = part("one nut without preload")
     backlash: Scalar | None = optional_number(
-        "m", "axial play of the nut between its flanks; below 0 for rollers that are too thick"
+        "m",
+        "axial play of the nut between its flanks; below 0 for rollers that are too thick",
+        limit=ANY,
     )
     screw_segment_stiffness: Scalar | None = optional_number(
-        "N/m", "axial stiffness of the screw over one pitch; from its section when absent"
+        "N/m",
+        "axial stiffness of the screw over one pitch; from its section when absent",
+        limit=POSITIVE,
     )
     roller_segment_stiffness: Scalar | None = optional_number(
-        "N/m", "axial stiffness of a roller over one pitch; from its section when absent"
+        "N/m",
+        "axial stiffness of a roller over one pitch; from its section when absent",
+        limit=POSITIVE,
     )
     nut_segment_stiffness: Scalar | None = optional_number(
-        "N/m", "axial stiffness of the nut over one pitch; from its section when absent"
+        "N/m",
+        "axial stiffness of the nut over one pitch; from its section when absent",
+        limit=POSITIVE,
     )
-    screw_pitch_error: Float[Array, " threads"] | None = _gap("position error of the screw's teeth")
+    screw_pitch_error: Float[Array, " threads"] | None = _gap(
+        "position error of the screw's teeth", limit=ANY
+    )
     roller_pitch_error: Float[Array, " threads"] | None = _gap(
-        "position error of the rollers' teeth"
+        "position error of the rollers' teeth",
+        limit=ANY,
     )
-    nut_pitch_error: Float[Array, " threads"] | None = _gap("position error of the nut's teeth")
+    nut_pitch_error: Float[Array, " threads"] | None = _gap(
+        "position error of the nut's teeth", limit=ANY
+    )
     screw_relief: Float[Array, " threads"] | None = _gap(
-        "profile relief between screw and roller, axially, on either flank"
+        "profile relief between screw and roller, axially, on either flank",
+        limit=NOT_NEGATIVE,
     )
     nut_relief: Float[Array, " threads"] | None = _gap(
-        "profile relief between nut and roller, axially, on either flank"
+        "profile relief between nut and roller, axially, on either flank",
+        limit=NOT_NEGATIVE,
     )
     screw_wear: Float[Array, " threads"] | None = _gap(
-        "axial wear of the flanks between screw and roller that a positive load presses"
+        "axial wear of the flanks between screw and roller that a positive load presses",
+        limit=NOT_NEGATIVE,
     )
     nut_wear: Float[Array, " threads"] | None = _gap(
-        "axial wear of the flanks between nut and roller that a positive load presses"
+        "axial wear of the flanks between nut and roller that a positive load presses",
+        limit=NOT_NEGATIVE,
     )
 
     def __check_init__(self):

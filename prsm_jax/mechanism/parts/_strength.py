@@ -2,9 +2,18 @@
 
 from typing import Literal, TypeAlias
 
-import equinox as eqx
-
-from ...fields import Scalar, choice, number, optional_number, part
+from ...fields import (
+    INNER_SHARE,
+    NOT_NEGATIVE,
+    POSITIVE,
+    SHARE_ABOVE_0,
+    Limited,
+    Scalar,
+    choice,
+    number,
+    optional_number,
+    part,
+)
 
 EndConditions: TypeAlias = Literal[
     "fixed_free", "supported_supported", "fixed_supported", "fixed_fixed"
@@ -19,7 +28,7 @@ PreloadArrangement: TypeAlias = Literal["double_nut", "split_nut"]
 PRELOAD_ARRANGEMENTS: tuple[PreloadArrangement, ...] = ("double_nut", "split_nut")
 
 
-class ScrewShaft(eqx.Module):
+class ScrewShaft(Limited):
     """The screw as a column and as a shaft that turns: how it is held, and its root.
 
     Static: `end_conditions`, the bearings' names for the two ends.
@@ -41,7 +50,10 @@ class ScrewShaft(eqx.Module):
         "Pa", "yield strength, for the buckling of short screws; Euler alone when absent"
     )
     permissible_speed_share: Scalar = number(
-        "1", "permissible share of the critical speed", default=0.8
+        "1",
+        "permissible share of the critical speed",
+        default=0.8,
+        limit=SHARE_ABOVE_0,
     )
     dn_limit: Scalar | None = optional_number(
         "m·rad/s", "largest product of nominal screw diameter and speed (DN value)"
@@ -55,7 +67,7 @@ class ScrewShaft(eqx.Module):
             )
 
 
-class AxialPlay(eqx.Module):
+class AxialPlay(Limited):
     """What lies between the flanks: backlash, as measured or from thinned teeth, or a preload.
 
     Static: `arrangement`. A preload leaves no backlash, so it cannot stand beside one.
@@ -65,19 +77,29 @@ class AxialPlay(eqx.Module):
     """
 
     axial_backlash: Scalar | None = optional_number(
-        "m", "measured travel of the unloaded nut from flank to flank"
+        "m",
+        "measured travel of the unloaded nut from flank to flank",
+        limit=NOT_NEGATIVE,
     )
     screw_tooth_thinning: Scalar | None = optional_number(
-        "m", "axial thickness of a screw tooth at its nominal radius below half a pitch"
+        "m",
+        "axial thickness of a screw tooth at its nominal radius below half a pitch",
+        limit=NOT_NEGATIVE,
     )
     roller_tooth_thinning: Scalar | None = optional_number(
-        "m", "axial thickness of a roller tooth at its nominal radius below half a pitch"
+        "m",
+        "axial thickness of a roller tooth at its nominal radius below half a pitch",
+        limit=NOT_NEGATIVE,
     )
     nut_tooth_thinning: Scalar | None = optional_number(
-        "m", "axial thickness of a nut tooth at its nominal radius below half a pitch"
+        "m",
+        "axial thickness of a nut tooth at its nominal radius below half a pitch",
+        limit=NOT_NEGATIVE,
     )
     preload_force: Scalar | None = optional_number(
-        "N", "axial force with which two nuts or nut halves are braced"
+        "N",
+        "axial force with which two nuts or nut halves are braced",
+        limit=POSITIVE,
     )
     arrangement: PreloadArrangement = choice(
         "what is braced: two nuts, or the halves of one on the same rollers", default="double_nut"
@@ -96,7 +118,7 @@ class AxialPlay(eqx.Module):
             )
 
 
-class Strength(eqx.Module):
+class Strength(Limited):
     """Numbers behind static safety, rating life, buckling, critical speed and play of a stage.
 
     Capacities are given, as catalogues and tests do, or follow from the contacts: the static one
@@ -107,21 +129,33 @@ class Strength(eqx.Module):
     permissible_pressure: Scalar | None = optional_number(
         "Pa", "Hertz pressure of the static capacity (ISO 76: 4.2 GPa for ball bearings)"
     )
-    static_capacity: Scalar | None = optional_number("N", "static axial capacity, C_0a, if known")
+    static_capacity: Scalar | None = optional_number(
+        "N", "static axial capacity, C_0a, if known", limit=POSITIVE
+    )
     dynamic_capacity: Scalar | None = optional_number(
-        "N", "dynamic axial capacity for 1e6 turns, C_a, if known"
+        "N",
+        "dynamic axial capacity for 1e6 turns, C_a, if known",
+        limit=POSITIVE,
     )
     material_factor: Scalar | None = optional_number(
-        "1", "capacity of the steel over that of Lundberg and Palmgren, b_m; to estimate C_a"
+        "1",
+        "capacity of the steel over that of Lundberg and Palmgren, b_m; to estimate C_a",
+        limit=POSITIVE,
     )
     reliability: Scalar | None = optional_number(
-        "1", "probability of survival that the modified life is for"
+        "1",
+        "probability of survival that the modified life is for",
+        limit=INNER_SHARE,
     )
     life_modification_factor: Scalar | None = optional_number(
-        "1", "factor of lubrication, cleanliness and material on life, a_ISO"
+        "1",
+        "factor of lubrication, cleanliness and material on life, a_ISO",
+        limit=POSITIVE,
     )
     oscillation_amplitude: Scalar | None = optional_number(
-        "rad", "half of the angle through which the screw swings, where it does not turn on"
+        "rad",
+        "half of the angle through which the screw swings, where it does not turn on",
+        limit=POSITIVE,
     )
     required_life: Scalar | None = optional_number("s", "life asked for, in operating time")
     shaft: ScrewShaft | None = part("no buckling, critical speed or DN value of the screw")

@@ -2,7 +2,17 @@
 
 import jax.numpy as jnp
 
-from ...fields import Limited, Scalar, number, optional_number
+from ...fields import (
+    ACUTE_ANGLE,
+    NOT_NEGATIVE,
+    OF_A_THREAD,
+    POSITIVE,
+    STARTS,
+    Limited,
+    Scalar,
+    number,
+    optional_number,
+)
 
 
 class Thread(Limited):
@@ -28,23 +38,37 @@ class Thread(Limited):
     or radius of 0 or less or of more than a metre, starts of 2 or less, an angle that is not acute.
     """
 
-    lead: Scalar = number("m", "lead of screw and nut (axial travel per turn), L")
-    starts: Scalar = number("1", "number of thread starts of screw and nut, n")
-    roller_radius: Scalar = number("m", "nominal (pitch) radius of the roller, r_R")
+    lead: Scalar = number(
+        "m", "lead of screw and nut (axial travel per turn), L", limit=OF_A_THREAD
+    )
+    starts: Scalar = number("1", "number of thread starts of screw and nut, n", limit=STARTS)
+    roller_radius: Scalar = number(
+        "m", "nominal (pitch) radius of the roller, r_R", limit=OF_A_THREAD
+    )
     contact_angle: Scalar = number(
-        "rad", "contact angle, from the transverse plane to the flank normal, λ"
+        "rad",
+        "contact angle, from the transverse plane to the flank normal, λ",
+        limit=ACUTE_ANGLE,
     )
     roller_profile_radius: Scalar | None = optional_number(
-        "m", "radius of the roller's convex thread profile, ρ; r_R / sin α when absent"
+        "m",
+        "radius of the roller's convex thread profile, ρ; r_R / sin α when absent",
+        limit=OF_A_THREAD,
     )
     screw_addendum: Scalar | None = optional_number(
-        "m", "height of the screw's thread above its nominal radius"
+        "m",
+        "height of the screw's thread above its nominal radius",
+        limit=NOT_NEGATIVE,
     )
     roller_addendum: Scalar | None = optional_number(
-        "m", "height of the roller's thread above its nominal radius"
+        "m",
+        "height of the roller's thread above its nominal radius",
+        limit=NOT_NEGATIVE,
     )
     edge_radius: Scalar | None = optional_number(
-        "m", "radius by which the edges between flanks and crests are rounded, of all threads"
+        "m",
+        "radius by which the edges between flanks and crests are rounded, of all threads",
+        limit=POSITIVE,
     )
 
     @property

@@ -1,11 +1,18 @@
 """Rollers that differ from the others of their stage: worn, out of place, or not there."""
 
-import equinox as eqx
+from ...fields import (
+    ANY,
+    POSITIVE,
+    ROLLER_NUMBER,
+    SLANT,
+    Limited,
+    Scalar,
+    choice,
+    optional_number,
+)
 
-from ...fields import Scalar, choice, optional_number
 
-
-class UnequalRoller(eqx.Module):
+class UnequalRoller(Limited):
     """One roller that is not like the others; what is absent is as for the others.
 
     Leaves: the factors, the offset and the thinning. Static: `number` (which roller, counted from 1
@@ -15,18 +22,26 @@ class UnequalRoller(eqx.Module):
     factors, or one that differs in nothing.
     """
 
-    number: int = choice("number of the roller, from 1 at the angle 0")
+    number: int = choice("number of the roller, from 1 at the angle 0", limit=ROLLER_NUMBER)
     stiffness_factor: Scalar | None = optional_number(
-        "1", "stiffness of this roller's meshes (screw, ring gear, nut) over the others'"
+        "1",
+        "stiffness of this roller's meshes (screw, ring gear, nut) over the others'",
+        limit=POSITIVE,
     )
     mass_factor: Scalar | None = optional_number(
-        "1", "mass and moment of inertia of this roller over the others'"
+        "1",
+        "mass and moment of inertia of this roller over the others'",
+        limit=POSITIVE,
     )
     position_offset: Scalar | None = optional_number(
-        "rad", "angle by which this roller is out of its place, in the sense of counting"
+        "rad",
+        "angle by which this roller is out of its place, in the sense of counting",
+        limit=SLANT,
     )
     tooth_thinning: Scalar | None = optional_number(
-        "m", "axial thickness of this roller's teeth below the others' (load sharing)"
+        "m",
+        "axial thickness of this roller's teeth below the others' (load sharing)",
+        limit=ANY,
     )
     missing: bool = choice("whether the place of this roller is empty", default=False)
 

@@ -14,7 +14,10 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ...fields import (
+from ..fields import (
+    ANY,
+    NOT_NEGATIVE,
+    POSITIVE,
     Scalar,
     check_not_negative,
     check_not_zero,
@@ -28,9 +31,9 @@ class SineProfile(eqx.Module):
     """`mean + amplitude sin(2π f t + phase)`."""
 
     kind: ClassVar[str] = "sine"
-    amplitude: Scalar = number("*", "amplitude")
-    frequency: Scalar = number("Hz", "frequency, f")
-    mean: Scalar = number("*", "mean value", default=0.0)
+    amplitude: Scalar = number("*", "amplitude", limit=ANY)
+    frequency: Scalar = number("Hz", "frequency, f", limit=NOT_NEGATIVE)
+    mean: Scalar = number("*", "mean value", default=0.0, limit=ANY)
     phase: Scalar = number("rad", "phase at the start", default=0.0)
 
     def _turned(self, time: Scalar) -> Scalar:
@@ -110,8 +113,8 @@ class ConstantProfile(AbstractSegmentedProfile):
     """One value for some time: a part of a sequence."""
 
     kind: ClassVar[str] = "constant"
-    value: Scalar = number("*", "value")
-    hold_time: Scalar = number("s", "time for which it is held")
+    value: Scalar = number("*", "value", limit=ANY)
+    hold_time: Scalar = number("s", "time for which it is held", limit=NOT_NEGATIVE)
 
     def __check_init__(self):
         check_positive("ConstantProfile", hold_time=self.hold_time)
@@ -125,11 +128,13 @@ class TrapezoidalProfile(AbstractSegmentedProfile):
     """Up in a straight line, a plateau, down in a straight line, and a dwell at 0."""
 
     kind: ClassVar[str] = "trapezoidal"
-    peak: Scalar = number("*", "value of the plateau")
-    rise_time: Scalar = number("s", "time from 0 to the plateau")
-    hold_time: Scalar = number("s", "length of the plateau")
-    fall_time: Scalar | None = optional_number("s", "time from the plateau to 0; as the rise")
-    dwell_time: Scalar = number("s", "rest at 0 afterwards", default=0.0)
+    peak: Scalar = number("*", "value of the plateau", limit=ANY)
+    rise_time: Scalar = number("s", "time from 0 to the plateau", limit=POSITIVE)
+    hold_time: Scalar = number("s", "length of the plateau", limit=NOT_NEGATIVE)
+    fall_time: Scalar | None = optional_number(
+        "s", "time from the plateau to 0; as the rise", limit=POSITIVE
+    )
+    dwell_time: Scalar = number("s", "rest at 0 afterwards", default=0.0, limit=NOT_NEGATIVE)
 
     def __check_init__(self):
         check_positive("TrapezoidalProfile", rise_time=self.rise_time, fall_time=self.fall_time)
@@ -160,12 +165,14 @@ class TrapezoidalMoveProfile(AbstractSegmentedProfile):
 
     kind: ClassVar[str] = "trapezoidal_move"
     angle_moved: Scalar = number("rad", "angle of the move; negative backwards")
-    speed_limit: Scalar = number("rad/s", "largest speed")
-    acceleration_limit: Scalar = number("rad/s²", "largest acceleration")
+    speed_limit: Scalar = number("rad/s", "largest speed", limit=POSITIVE)
+    acceleration_limit: Scalar = number("rad/s²", "largest acceleration", limit=POSITIVE)
     deceleration_limit: Scalar | None = optional_number(
-        "rad/s²", "largest deceleration; as the acceleration"
+        "rad/s²",
+        "largest deceleration; as the acceleration",
+        limit=POSITIVE,
     )
-    dwell_time: Scalar = number("s", "rest afterwards", default=0.0)
+    dwell_time: Scalar = number("s", "rest afterwards", default=0.0, limit=NOT_NEGATIVE)
 
     def __check_init__(self):
         _check_move(self)
@@ -193,10 +200,10 @@ class SCurveMoveProfile(AbstractSegmentedProfile):
 
     kind: ClassVar[str] = "s_curve_move"
     angle_moved: Scalar = number("rad", "angle of the move; negative backwards")
-    speed_limit: Scalar = number("rad/s", "largest speed")
-    acceleration_limit: Scalar = number("rad/s²", "largest acceleration")
-    jerk_limit: Scalar = number("rad/s³", "largest jerk")
-    dwell_time: Scalar = number("s", "rest afterwards", default=0.0)
+    speed_limit: Scalar = number("rad/s", "largest speed", limit=POSITIVE)
+    acceleration_limit: Scalar = number("rad/s²", "largest acceleration", limit=POSITIVE)
+    jerk_limit: Scalar = number("rad/s³", "largest jerk", limit=POSITIVE)
+    dwell_time: Scalar = number("s", "rest afterwards", default=0.0, limit=NOT_NEGATIVE)
 
     def __check_init__(self):
         _check_move(self)

@@ -13,7 +13,18 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ...fields import Scalar, as_scalar, check_not_negative, choice, driven, number, numbers
+from ..fields import (
+    ANY,
+    NOT_NEGATIVE,
+    POSITIVE,
+    Scalar,
+    as_scalar,
+    check_not_negative,
+    choice,
+    driven,
+    number,
+    numbers,
+)
 from ._sequences import Profile
 from ._tables import Curve, Interpolation
 
@@ -26,9 +37,9 @@ class HingeLoad(eqx.Module):
 
     kind: ClassVar[str] = "hinge"
     constant: Scalar = number("N", "load at rest at position 0", default=0.0)
-    stiffness: Scalar = number("N/m", "stiffness of the spring", default=0.0)
-    damping: Scalar = number("N·s/m", "damping", default=0.0)
-    mass: Scalar = number("kg", "mass that moves with the nut", default=0.0)
+    stiffness: Scalar = number("N/m", "stiffness of the spring", default=0.0, limit=ANY)
+    damping: Scalar = number("N·s/m", "damping", default=0.0, limit=ANY)
+    mass: Scalar = number("kg", "mass that moves with the nut", default=0.0, limit=NOT_NEGATIVE)
 
     def __call__(
         self, time: Scalar, position: Scalar, speed: Scalar, acceleration: Scalar
@@ -46,14 +57,14 @@ class AerodynamicLoad(eqx.Module):
     """
 
     kind: ClassVar[str] = "aerodynamic"
-    stiffness_per_pressure: Scalar = number("m", "force per deflection and pressure, k")
+    stiffness_per_pressure: Scalar = number("m", "force per deflection and pressure, k", limit=ANY)
     dynamic_pressure: Scalar | Profile | Callable = driven(
         "Pa", "dynamic pressure of the stream, q̄"
     )
     constant: Scalar = number("N", "load at rest at position 0", default=0.0)
     damping_per_pressure: Scalar = number("m·s", "force per speed and pressure, c", default=0.0)
     quadratic_damping: Scalar = number("N·s²/m²", "force per speed squared, c₂", default=0.0)
-    mass: Scalar = number("kg", "mass that moves with the nut", default=0.0)
+    mass: Scalar = number("kg", "mass that moves with the nut", default=0.0, limit=NOT_NEGATIVE)
 
     def __call__(
         self, time: Scalar, position: Scalar, speed: Scalar, acceleration: Scalar
@@ -75,7 +86,9 @@ class PositionTableLoad(eqx.Module):
     """A table over the position of the nut, interpolated; constant outside of it."""
 
     kind: ClassVar[str] = "position_table"
-    positions: Float[Array, " points"] = numbers("m", "positions of the nut, that increase")
+    positions: Float[Array, " points"] = numbers(
+        "m", "positions of the nut, that increase", limit=ANY
+    )
     values: Float[Array, " points"] = numbers("N", "loads at these positions")
     interpolation: Interpolation = choice("between the points", default="linear")
 
@@ -96,8 +109,8 @@ class FrictionLoad(eqx.Module):
     """A guide that rubs: `F = force ż / √(ż² + width²)`."""
 
     kind: ClassVar[str] = "friction"
-    force: Scalar = number("N", "friction force of the guide")
-    width: Scalar = number("m/s", "speed over which it changes its sign")
+    force: Scalar = number("N", "friction force of the guide", limit=NOT_NEGATIVE)
+    width: Scalar = number("m/s", "speed over which it changes its sign", limit=POSITIVE)
 
     def __check_init__(self):
         check_not_negative("FrictionLoad", force=self.force)

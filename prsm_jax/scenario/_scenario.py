@@ -13,7 +13,18 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ...fields import Scalar, check_finite, check_positive, choice, driven, number
+from ..fields import (
+    ANY,
+    MANY,
+    POSITIVE,
+    SAMPLES,
+    Scalar,
+    check_finite,
+    check_positive,
+    choice,
+    driven,
+    number,
+)
 from ._loads import LoadOfMotion, break_times_of, load_value
 from ._sequences import Profile
 
@@ -63,13 +74,15 @@ class Scenario(eqx.Module):
     #: Load on the last nut, against its motion at positive speed [N].
     load: Scalar | Profile | LoadOfMotion | Callable = driven("N", "load on the last nut")
     #: Length of the simulation [s].
-    duration: Scalar = number("s", "length of the simulation")
+    duration: Scalar = number("s", "length of the simulation", limit=POSITIVE)
     #: Carrier ratio ω/Ω at the start, of every stage; 0 is a mechanism whose rollers stand still.
     initial_carrier_ratio: Scalar = number("1", "carrier ratio at the start", default=0.0)
     #: Number of equally spaced times in the result.
-    samples: int = choice("number of times in the result", default=201)
+    samples: int = choice("number of times in the result", default=201, limit=SAMPLES)
     #: Position of the nut at the start [m].
-    initial_position: Scalar = number("m", "position of the nut at the start", default=0.0)
+    initial_position: Scalar = number(
+        "m", "position of the nut at the start", default=0.0, limit=ANY
+    )
 
     def __check_init__(self):
         _check_samples(self.samples)
@@ -107,16 +120,18 @@ class TorqueScenario(eqx.Module):
     #: acceleration of the nut, such as a `HingeLoad`.
     load: Scalar | Profile | LoadOfMotion | Callable = driven("N", "load on the last nut")
     #: [s]
-    duration: Scalar = number("s", "length of the simulation")
+    duration: Scalar = number("s", "length of the simulation", limit=POSITIVE)
     #: Screw speed at the start [rad/s]. The carriers start in the ratio in which they settle beside
     #: a screw that turns as this one; in that of rolling where they settle in none, because it is
     #: braked harder than friction in the threads can brake them.
     initial_speed: Scalar = number("rad/s", "screw speed at the start", default=0.0)
     #: Position of the nut at the start [m].
-    initial_position: Scalar = number("m", "position of the nut at the start", default=0.0)
-    samples: int = choice("number of times in the result", default=201)
+    initial_position: Scalar = number(
+        "m", "position of the nut at the start", default=0.0, limit=ANY
+    )
+    samples: int = choice("number of times in the result", default=201, limit=SAMPLES)
     #: Phases of stick or slip that are followed; running out of them is reported.
-    most_phases: int = choice("phases of stick or slip that are followed", default=32)
+    most_phases: int = choice("phases of stick or slip that are followed", default=32, limit=MANY)
 
     def __check_init__(self):
         _check_samples(self.samples)

@@ -9,8 +9,8 @@ import jax.numpy as jnp
 from jax.custom_batching import custom_vmap
 from jaxtyping import Array, Float, Int
 
-from ...fields import Scalar, check_increasing
-from ...numerics import above_or_nan
+from ..fields import Scalar, check_increasing
+from ..numerics import above_or_nan
 
 Interpolation: TypeAlias = Literal["linear", "cubic", "monotone"]
 INTERPOLATIONS: tuple[Interpolation, ...] = ("linear", "cubic", "monotone")

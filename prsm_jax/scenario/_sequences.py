@@ -6,7 +6,13 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ...fields import Scalar, choice, numbers
+from ..fields import (
+    ANY,
+    MANY,
+    Scalar,
+    choice,
+    numbers,
+)
 from ._profiles import (
     ConstantProfile,
     SCurveMoveProfile,
@@ -25,8 +31,8 @@ class TableProfile(eqx.Module):
     """A table over time, interpolated; its first and last value outside of it."""
 
     kind: ClassVar[str] = "table"
-    times: Float[Array, " points"] = numbers("s", "times, from 0 on, that increase")
-    values: Float[Array, " points"] = numbers("*", "values at these times")
+    times: Float[Array, " points"] = numbers("s", "times, from 0 on, that increase", limit=ANY)
+    values: Float[Array, " points"] = numbers("*", "values at these times", limit=ANY)
     interpolation: Interpolation = choice("between the points", default="linear")
 
     def __check_init__(self):
@@ -61,7 +67,7 @@ class SequenceProfile(eqx.Module):
 
     kind: ClassVar[str] = "sequence"
     part: tuple["PartProfile", ...] = eqx.field(converter=tuple)
-    repeats: int = choice("how often the parts are run through", default=1)
+    repeats: int = choice("how often the parts are run through", default=1, limit=MANY)
     reversing: bool = choice("whether every second time has the opposite sign", default=False)
 
     def __check_init__(self):
