@@ -1,6 +1,6 @@
 """Friction of threads, of ellipses that spin, of splines and bearings."""
 
-from ._asked import Slip as Slip, asked_of as asked_of, asks_for_force as asks_for_force
+from ._asked import Slip as Slip, asked_of as asked_of
 from ._bristles import (
     bristle_power as bristle_power,
     bristle_rate as bristle_rate,

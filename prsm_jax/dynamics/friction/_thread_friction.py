@@ -80,16 +80,3 @@ def slip_resistance(law: FrictionLaw, slip: Float[Array, " axes"]) -> Float[Arra
     if resistance is None:
         return jnp.zeros_like(slip)
     return physics(_label(law))(lambda: resistance * slip)()
-
-
-def normal_force(
-    normal: Float[Array, "3"],
-    per_force: Float[Array, "3"],
-    constant: Float[Array, "3"],
-    axial: Scalar,
-) -> Scalar:
-    """Normal force on one roller from its axial balance F (|n_z| − μ v_z/‖v‖) = F_a + f_z [N].
-
-    The mechanism locks where the bracket vanishes.
-    """
-    return (axial + constant[2]) / (-normal[2] - per_force[2])
