@@ -7,7 +7,6 @@ from ._check import (
     check as check,
     check_from as check_from,
     check_margins as check_margins,
-    margin_findings as margin_findings,
     stiffness_findings as stiffness_findings,
     strength_findings as strength_findings,
 )

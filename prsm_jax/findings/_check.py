@@ -6,7 +6,7 @@ from ..geometry import Finding
 from ..mechanism import Mechanism, Scalar, of_one_known_design
 from ..quantities import Analysis
 from . import _fit, _locking, _preferred, _stiffness, _strength, _truncation
-from ._margin import Margin, Source, evaluate_margins, findings_of, margins_of, sources
+from ._margin import Source, evaluate_margins, findings_of, margins_of, sources
 from ._masses import mass_findings
 from ._sharing import sharing_findings
 
@@ -23,17 +23,6 @@ def check_margins(mechanism: Mechanism) -> list[dict[str, Scalar] | None]:
 def _margins_by(_sources: tuple[Source, ...], mechanism: Mechanism):
     # Other sources, even as many, are another static argument, and so another program.
     return check_margins(mechanism)
-
-
-def margin_findings(mechanism: Mechanism) -> tuple[tuple[Margin, Finding], ...]:
-    """Findings of all margins, each with the margin that it comes from.
-
-    **Arguments:**
-
-    - `mechanism`: the mechanism, with concrete numbers.
-    """
-    values = _plain(_margins_by(sources(), mechanism))
-    return tuple(findings_of(mechanism, values))
 
 
 def _plain(values: list) -> list[dict[str, float] | None]:

@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...findings import Margin, margins_of
-from ...mechanism import Mechanism
+from ...findings import Margin
 
 #: Designs in the unit box at which is seen whether a margin depends on the variables at all.
 _PROBES = 3
@@ -48,11 +47,6 @@ class MarginRows:
 def is_constraint(margin: Margin) -> bool:
     """Whether a margin has a limit that makes a finding an error, and a derivative."""
     return margin.error_limit is not None and margin.smooth
-
-
-def wanted_margins(mechanism: Mechanism) -> tuple[Margin, ...]:
-    """Those of `margins_of` that can be constraints."""
-    return tuple(margin for margin in margins_of(mechanism) if is_constraint(margin))
 
 
 def probe_positions(variables: int) -> np.ndarray:

@@ -9,7 +9,6 @@ from ...halfspace import FlankContact
 from ...text import display_unit, in_unit, number
 from .._style import INK, SERIES, SMALL, Figure, drawn, page_figure
 
-_LEVELS = 21
 _PANEL = 66.0  # mm
 
 
