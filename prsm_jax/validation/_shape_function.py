@@ -225,8 +225,12 @@ def _solved(
         )
     nothing = jax.tree.map(jnp.zeros_like, contact)
     one = as_scalar(1.0)
+    # A direction has no limits: it is not made as a contact is.
     columns = [
-        dataclasses.replace(nothing, **dict.fromkeys(names, one)) for names in _CHANGES.values()
+        eqx.tree_at(
+            lambda c, names=names: [getattr(c, n) for n in names], nothing, [one] * len(names)
+        )
+        for names in _CHANGES.values()
     ]
     directions = jax.tree.map(lambda *leaves: jnp.stack(leaves), *columns)
     found, slopes = _solve(contact, modulus, directions, as_scalar(force))
