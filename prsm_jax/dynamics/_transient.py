@@ -33,6 +33,7 @@ from .solvers import (
     Gradient,
     Method,
     MethodName,
+    OwnSolver,
     QuasiSteady,
     is_concrete,
     method_of,
@@ -177,7 +178,7 @@ def _settings(method: Method, gradient: Gradient, scenario: Scenario | TorqueSce
     options = {
         name: value if given.get(name) is None else given[name] for name, value in usual.items()
     }
-    own = method if isinstance(method, Diffrax) else None
+    own = OwnSolver(method.solver, method.controller) if isinstance(method, Diffrax) else None
     return Settings(method.word, gradient, **options, own=own)
 
 

@@ -16,6 +16,7 @@ from ..solvers import (
     DrivenRate,
     Gradient,
     MethodName,
+    OwnSolver,
     adjoint_of,
     breaks_inside,
     code_of,
@@ -39,8 +40,8 @@ class Settings(NamedTuple):
     rtol: float
     atol: float
     max_steps: int
-    #: The `Diffrax` that was given, whose tolerances are those above.
-    own: Any = None
+    #: Solver and controller that were given, if they were.
+    own: OwnSolver | None = None
 
     @property
     def name(self) -> str:
@@ -106,10 +107,8 @@ def integrated(
     method = "rosenbrock" if settings.method == "auto" else settings.method
     if autonomous and isinstance(rate, DrivenRate):
         rate = rate.directly
-    scene = _Scene(breaks, longest, weight, standstills, settings.rtol, settings.atol)
-    static = _Static(
-        method, settings.gradient, settings.max_steps, samples, autonomous, settings.own
-    )
+    scene = _Scene(breaks, longest, weight, standstills, settings.rtol, settings.atol, settings.own)
+    static = _Static(method, settings.gradient, settings.max_steps, samples, autonomous)
     # An unknown gradient is refused before anything is traced.
     adjoint_of(settings.gradient)
     if settings.gradient == "forward" and not is_short(end.dtype):
@@ -140,6 +139,8 @@ class _Scene(NamedTuple):
     standstills: Any
     rtol: Any
     atol: Any
+    #: Solver and controller that the user gave, which may hold numbers that are traced.
+    own: Any
 
 
 class _Static(NamedTuple):
@@ -150,7 +151,6 @@ class _Static(NamedTuple):
     max_steps: int
     samples: int
     autonomous: bool
-    own: Any
 
 
 class _Solution(NamedTuple):
@@ -183,7 +183,7 @@ def _solved(
             scene.weight,
             scene.standstills,
             moved,
-            None if static.own is None else static.own.controller,
+            None if scene.own is None else scene.own.controller,
         )
         adjoint = adjoint_of("forward")
     else:
@@ -197,7 +197,7 @@ def _solved(
         kept = diffrax.SaveAt(ts=times)
     found = diffrax.diffeqsolve(
         diffrax.ODETerm(rate),
-        solver_of(static.method, scene.rtol, scene.atol, static.autonomous, own=static.own),
+        solver_of(static.method, scene.rtol, scene.atol, static.autonomous, own=scene.own),
         t0=jnp.zeros_like(end),
         t1=end,
         dt0=None,

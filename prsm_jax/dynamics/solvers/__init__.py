@@ -16,6 +16,7 @@ from ._method_objects import (
     Diffrax as Diffrax,
     Kvaerno as Kvaerno,
     Method as Method,
+    OwnSolver as OwnSolver,
     QuasiSteady as QuasiSteady,
     Rodasp as Rodasp,
     Tsitouras as Tsitouras,

@@ -4,7 +4,7 @@ The words that `simulate` takes too (`"rosenbrock"`, …) stand for such an obje
 """
 
 import dataclasses
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import equinox as eqx
 
@@ -126,6 +126,13 @@ class Diffrax(Integrating):
                 f"Diffrax: controller is {self.controller!r}; give one that adapts its steps, such "
                 "as diffrax.PIDController(rtol=1e-6, atol=1e-8)"
             )
+
+
+class OwnSolver(NamedTuple):
+    """A solver of diffrax, and a controller or `None` for the usual one."""
+
+    solver: Any
+    controller: Any
 
 
 _BY_WORD: dict[str, type[Method]] = {
