@@ -145,3 +145,16 @@ def test_the_closed_form_is_refused_with_smooth_friction_too():
 def test_what_is_no_method_is_refused(made, message):
     with pytest.raises(ValueError, match=message):
         made()
+
+
+def test_numbers_of_a_method_may_be_traced():
+    """Tolerances in a batch; a controller that holds arrays, differentiated past."""
+    found = jax.vmap(
+        lambda rtol: prsm.simulate(
+            ONE, STEP, method=prsm.Diffrax(diffrax.Tsit5(), rtol=rtol), throw=False
+        ).carrier_ratio[0, -1]
+    )(jax.numpy.asarray([1e-4, 1e-9]))
+    exact = float(simulate(ONE, STEP, method="closed_form").carrier_ratio[0, -1])
+    errors = np.abs(np.asarray(found) - exact)
+    assert errors[1] < 1e-7
+    assert errors[1] < 0.1 * errors[0]

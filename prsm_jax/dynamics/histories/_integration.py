@@ -37,8 +37,8 @@ class Settings(NamedTuple):
 
     method: MethodName
     gradient: Gradient
-    rtol: float
-    atol: float
+    rtol: float | Scalar
+    atol: float | Scalar
     max_steps: int
     #: Solver and controller that were given, if they were.
     own: OwnSolver | None = None

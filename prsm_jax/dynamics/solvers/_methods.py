@@ -32,8 +32,8 @@ _MANY_BREAKS = 256
 
 def solver_of(
     method: MethodName,
-    rtol: float,
-    atol: float,
+    rtol: float | Scalar,
+    atol: float | Scalar,
     autonomous: bool,
     *,
     compact: bool = False,
@@ -58,8 +58,8 @@ def solver_of(
 
 
 def controller_of(
-    rtol: float,
-    atol: float,
+    rtol: float | Scalar,
+    atol: float | Scalar,
     breaks: Float[Array, " breaks"],
     end: Float[Array, ""],
     longest: Float[Array, ""] | None = None,
