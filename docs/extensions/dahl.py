@@ -23,7 +23,12 @@ class DahlFriction(StatefulFrictionLaw):
 
     def deflection_rate(self, contact):
         speed = jnp.sqrt(jnp.sum(contact.slip**2) + 1e-30)
-        return contact.slip - self.stiffness * speed / self.coefficient * contact.deflection
+        relative = self.stiffness / self.coefficient * contact.deflection
+        if contact.held is None:
+            return contact.slip - speed * relative
+        # An ellipse that spins holds less along its slip, and settles the faster for it.
+        length = jnp.sqrt(jnp.sum(contact.held**2) + 1e-30)
+        return speed / length * (contact.held - relative)
 
     def deflected_friction(self, contact):
         return self.stiffness * contact.deflection

@@ -1,5 +1,7 @@
 """A friction law: a solid lubricant, whose shear strength does not grow with the pressure."""
 
+import jax.numpy as jnp
+
 from prsm_jax import FrictionLaw, friction_law
 from prsm_jax.fields import NOT_NEGATIVE, Scalar, number
 
@@ -8,7 +10,8 @@ from prsm_jax.fields import NOT_NEGATIVE, Scalar, number
 class SolidLubricantFriction(FrictionLaw):
     """A film of constant shear strength (MoS₂): μ = τ₀/p̄ + α with the mean pressure p̄ = 2/3 p₀.
 
-    Bowden and Tabor 1950. Higher pressure means less friction.
+    Bowden and Tabor 1950. Higher pressure means less friction. Next to no load the film no longer
+    covers the contact: below ten times its strength the pressure counts as that.
     """
 
     asks = ("pressure",)
@@ -16,5 +19,5 @@ class SolidLubricantFriction(FrictionLaw):
     coefficient: Scalar = number("1", "coefficient at high pressure, α", limit=NOT_NEGATIVE)
 
     def friction_coefficient(self, sliding):
-        mean_pressure = 2 / 3 * sliding.pressure
+        mean_pressure = jnp.maximum(2 / 3 * sliding.pressure, 10 * self.shear_strength)
         return self.shear_strength / mean_pressure + self.coefficient

@@ -3,6 +3,7 @@
 Only the user names a module. A file of a mechanism never does, so that reading one runs no code.
 """
 
+import hashlib
 import importlib
 import importlib.util
 import sys
@@ -72,15 +73,21 @@ def _module(name: str) -> ModuleType:
 def _of_file(path: Path, name: str) -> ModuleType:
     if not path.is_file():
         raise PrsmError(f"--plugin {name}: there is no such file")
-    spec = importlib.util.spec_from_file_location(path.stem, path)
+    # A name that no other module has: two plugins may be called alike, or as a module of Python.
+    place = hashlib.sha256(str(path.resolve()).encode()).hexdigest()[:12]
+    spec = importlib.util.spec_from_file_location(f"prsm_plugin_{place}_{path.stem}", path)
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
-    sys.modules.setdefault(path.stem, module)
-    spec.loader.exec_module(module)
+    sys.modules[spec.name] = module
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[spec.name]
+        raise
     return module
 
 
 def has_plugins() -> bool:
-    """Whether any is loaded: then programs kept under the package's own files are not known."""
+    """Whether any is loaded: stored programs then cannot be trusted."""
     return bool(_loaded)

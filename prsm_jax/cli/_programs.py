@@ -89,7 +89,7 @@ def run_stored(
         expect_programs("call")
     folder = jax.config.jax_compilation_cache_dir  # type: ignore[attr-defined]
     # What a plugin computes changes with its own files, which the key does not know.
-    if not folder or has_plugins():
+    if not folder or has_plugins() or not _is_known(mechanism):
         return eqx.filter_jit(function)(mechanism)
     leaves, structure = jax.tree.flatten(mechanism)
     path = Path(folder) / "programs" / _key(name, leaves, structure)
@@ -106,6 +106,20 @@ def run_stored(
     with contextlib.suppress(Exception):
         _write(path, pickle.dumps(serialize_executable.serialize(program)))
     return program(*leaves)
+
+
+def _is_known(mechanism: Mechanism) -> bool:
+    """Whether all parts of a mechanism are of this package, whose files are in the key."""
+    parts = [mechanism]
+    while parts:
+        one = parts.pop()
+        if isinstance(one, tuple):
+            parts += one
+        elif isinstance(one, eqx.Module):
+            if not type(one).__module__.startswith("prsm_jax."):
+                return False
+            parts += vars(one).values()
+    return True
 
 
 @contextlib.contextmanager

@@ -3,9 +3,11 @@
 from collections.abc import Callable
 from typing import TypeVar
 
-from ._app import app
+from ._verbs import app
 
 _Verb = TypeVar("_Verb", bound=Callable)
+#: Module and name of the functions behind verbs that were added.
+_own: dict[str, tuple[str, str]] = {}
 
 
 def verb(function: _Verb) -> _Verb:
@@ -15,20 +17,14 @@ def verb(function: _Verb) -> _Verb:
     `output: Output` or `common: Common` bring the options that all verbs share; `emit` sends
     results where they ask for them. It returns the exit status.
 
-    **Raises:** `ValueError` if a verb of this package has the name.
+    **Raises:** `ValueError` if another function has the name.
     """
     name = function.__name__.replace("_", "-")
-    if name in app and not _of_a_user(name):
-        raise ValueError(f"the verb {name!r} exists already; choose another name")
+    origin = function.__module__, function.__qualname__
     if name in app:
+        if _own.get(name) != origin:
+            raise ValueError(f"the verb {name!r} exists already; choose another name")
         del app[name]
-    _own.add(name)
+    _own[name] = origin
     app.command(function)
     return function
-
-
-_own: set[str] = set()
-
-
-def _of_a_user(name: str) -> bool:
-    return name in _own

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 from jaxtyping import Array
 
 from ..numerics import Scalar as Scalar
-from ._limits import Limit
+from ._limits import ANY, Limit
 
 
 def as_scalar(value) -> Array:
@@ -38,7 +38,7 @@ def optional_number(
 ):
     """A number that may be absent; `None` leaves the physics that needs it untraced.
 
-    Where a law beside it decides whether it is there, it is no optional part by itself.
+    With `law_decides`, the law beside it determines whether the number is required.
     """
     return eqx.field(
         converter=_as_optional_scalar,
@@ -61,9 +61,7 @@ def _number_or_function(value):
 
 def driven(unit: str, description: str):
     """A number, or a function of time (or of more, for a load) that takes its place."""
-    return eqx.field(
-        converter=_number_or_function, metadata={"unit": unit, "description": description}
-    )
+    return eqx.field(converter=_number_or_function, metadata=_told(unit, description, ANY))
 
 
 def numbers(unit: str, description: str, *, limit: Limit | None = None):

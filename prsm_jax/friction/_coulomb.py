@@ -43,3 +43,7 @@ class RegularisedCoulombFriction(FrictionLaw):
     def friction_coefficient(self, sliding: Sliding) -> Scalar:
         """μ v / √(v² + ε²)."""
         return self.coefficient * sliding.speed / jnp.sqrt(sliding.speed**2 + self.width**2)
+
+    def coefficient_per_speed(self, sliding: Sliding) -> Scalar:
+        """μ / √(v² + ε²)."""
+        return self.coefficient / jnp.sqrt(sliding.square + self.width**2)

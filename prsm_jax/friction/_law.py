@@ -2,7 +2,7 @@
 
 A law is a frozen pytree of its numbers. It says what friction coefficient a sliding contact has;
 the direction of the force, its balance with the load and everything that follows are the same for
-all laws. What a law needs beside the slip speed it asks for, and only then it is evaluated.
+all laws. A law lists in `asks` what it needs beyond the slip speed; nothing else is computed.
 """
 
 import abc
@@ -34,10 +34,18 @@ class Sliding(eqx.Module):
 
     - `speed`: slip speed, 0 or more; where the ellipse spins too, the mean of the local ones [m/s].
     - `asked`: what the law asks for (`FrictionLaw.asks`), by name.
+    - `squared_speed`: its square, where that is known by itself: unlike the speed it is smooth at
+      standstill [m²/s²].
     """
 
     speed: Scalar
     asked: dict[str, Scalar] = eqx.field(default_factory=dict)
+    squared_speed: Scalar | None = None
+
+    @property
+    def square(self) -> Scalar:
+        """Square of the slip speed [m²/s²]."""
+        return self.speed**2 if self.squared_speed is None else self.squared_speed
 
     def _of(self, name: str) -> Scalar:
         if name not in self.asked:
@@ -67,8 +75,8 @@ class FrictionLaw(Limited):
     """Base of all friction laws: force `μ F` against the slip, and `c v` beside it.
 
     A law is a class with its numbers as fields (`prsm_jax.number`) and `friction_coefficient`. The
-    decorator `prsm_jax.friction_law` gives it the name by which files know it. What it is says its
-    class:
+    decorator `prsm_jax.friction_law` gives it the name by which files know it. Class attributes
+    declare its kind:
 
     - `smooth_at_standstill`: friction passes through 0 smoothly as the slip changes its sign (it
       is proportional to slow slip). Other friction jumps there, and can hold a load at rest.
@@ -93,6 +101,14 @@ class FrictionLaw(Limited):
         - `sliding`: slip speed, and what the law asks for.
         """
 
+    def coefficient_per_speed(self, sliding: Sliding) -> Scalar:
+        """μ/v of a law that is smooth at standstill [s/m]; v is never 0 here.
+
+        Its first derivative at standstill is right in any case. A law that gives the quotient in
+        closed form, by `sliding.square`, has higher derivatives there, too.
+        """
+        return self.friction_coefficient(sliding) / sliding.speed
+
     @property
     def viscous_resistance(self) -> Scalar | None:
         """Friction force per slip speed that needs no normal force [N·s/m]; `None` if none."""
@@ -116,10 +132,19 @@ class StatefulFrictionLaw(FrictionLaw):
     """A law with a state: a deflection z in the tangent plane of each contact [m].
 
     In steady slip it is `friction_coefficient`. It passes through standstill by its state.
+
+    **Raises:** `ValueError` if it asks for more than slip and deflection.
     """
 
     smooth_at_standstill: ClassVar[bool] = True
     has_state: ClassVar[bool] = True
+
+    def __check_init__(self):
+        if self.asks:
+            raise ValueError(
+                f"{type(self).__name__}: asks for {', '.join(self.asks)}; a law with a state knows "
+                "slip and deflection only, so leave asks empty"
+            )
 
     @property
     @abc.abstractmethod

@@ -23,7 +23,7 @@ def friction_law(name: str) -> Callable[[_Law], _Law]:
     - `name`: lower-case words joined by underscores.
 
     **Raises:** `TypeError` if the class is no `FrictionLaw`; `ValueError` if the name is not one or
-    another class has it, if the law asks for what nothing can tell, or a field is no number.
+    another class has it, if `asks` holds an unknown name, or a field is no number.
     """
     if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
         raise ValueError(f"friction law {name!r}: a name is lower-case words joined by underscores")
@@ -41,6 +41,11 @@ def friction_law(name: str) -> Callable[[_Law], _Law]:
             )
         check_asked(cls, cls.asks)
         for field in dataclasses.fields(cls):
+            if field.name in ("law", "radius"):
+                raise ValueError(
+                    f"friction law {name!r}: a field is called {field.name}, as one of splines and "
+                    "bearings; choose another name"
+                )
             if "unit" not in field.metadata:
                 raise ValueError(
                     f"friction law {name!r}: {field.name} has no unit; declare it as "

@@ -23,7 +23,7 @@ def _law(value: Any) -> FrictionLaw:
 def _law_field(**units: str) -> Any:
     """The law of a spline or bearing, whose numbers stand in the same table of a file.
 
-    `units` are those that its numbers have there, by the unit that they have in a thread.
+    `units` maps a number's unit in a thread to its unit here.
     """
     metadata = {"same_table": True, "usual_law": "coulomb", "units": units}
     return eqx.field(converter=_law, metadata=metadata)

@@ -84,9 +84,10 @@ def test_any_solver_of_diffrax_under_a_prescribed_torque():
     assert float(ends[0]) == pytest.approx(float(ends[1]), rel=1e-5)
 
 
+@pytest.mark.parametrize("solver", [diffrax.Tsit5(), diffrax.Kvaerno5()], ids=["Tsit5", "Kvaerno5"])
 @pytest.mark.parametrize("gradient", ["forward", "both", "reverse"])
-def test_derivatives_by_a_solver_of_diffrax(gradient):
-    method = prsm.Diffrax(diffrax.Tsit5(), rtol=1e-9, atol=1e-11)
+def test_derivatives_by_a_solver_of_diffrax(gradient, solver):
+    method = prsm.Diffrax(solver, rtol=1e-8, atol=1e-10)
 
     def last(load):
         scene = prsm.Scenario(SWING.speed, load, SWING.duration, samples=11)

@@ -220,3 +220,52 @@ def test_stored_programs_are_not_those_of_a_plugin(monkeypatch, tmp_path):
     monkeypatch.setattr(_programs, "_key", lambda *_: pytest.fail("asked for a stored program"))
     found = _programs.run_stored("one", lambda m: {"x": jnp.ones(())}, example("wu2022"))
     assert float(found["x"]) == 1.0
+
+
+def test_two_plugins_of_one_name_are_two(tmp_path, capsys):
+    """A file is not a module of the same name, and a law of another file not the same law."""
+    from prsm_jax.cli import load_plugin
+    from prsm_jax.friction import _register
+
+    text = (
+        "import prsm_jax as prsm\n"
+        "@prsm.friction_law('of_two_files')\n"
+        "class Own(prsm.FrictionLaw):\n"
+        "    def friction_coefficient(self, sliding):\n"
+        "        return 0.1\n"
+    )
+    for folder in ("first", "second"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "html.py").write_text(text, encoding="utf-8")
+    before = dict(_register._LAWS)
+    try:
+        load_plugin(str(tmp_path / "first" / "html.py"))
+        assert "html" not in sys.modules or "prsm" not in vars(sys.modules["html"])
+        with pytest.raises(prsm.PrsmError, match="has this name; choose another"):
+            load_plugin(str(tmp_path / "second" / "html.py"))
+    finally:
+        _register._LAWS.clear()
+        _register._LAWS.update(before)
+
+
+def test_stored_programs_are_not_those_of_a_users_own_classes(monkeypatch):
+    from prsm_jax.cli import _programs
+
+    class Own(prsm.FrictionLaw):
+        def friction_coefficient(self, sliding):
+            return 0.1
+
+    monkeypatch.setattr(_programs, "_key", lambda *_: pytest.fail("asked for a stored program"))
+    _programs.run_stored(
+        "one", lambda m: {"x": jnp.ones(())}, mechanism(stage(friction=Friction(Own())))
+    )
+
+
+def test_a_verb_does_not_take_a_name_that_is_taken():
+    from prsm_jax.cli import verb
+
+    def steady():
+        """Not the package's."""
+
+    with pytest.raises(ValueError, match="the verb 'steady' exists already"):
+        verb(steady)

@@ -20,6 +20,7 @@ from prsm_jax.friction import (
     CoulombFriction,
     Friction,
     LuGreFriction,
+    RegularisedCoulombFriction,
     RollingHysteresis,
     SpinFriction,
     SplineFriction,
@@ -372,3 +373,76 @@ def test_replaced_numbers_keep_the_law():
     assert dataclasses.replace(bearing, radius=0.03).law == bearing.law
     with pytest.raises(AttributeError):
         _ = bearing.static_coefficient
+
+
+def test_no_balance_is_a_jam():
+    """Friction that grows as the square of the force may leave no root: none is made up."""
+
+    class Growing(prsm.FrictionLaw):
+        asks: ClassVar[tuple[str, ...]] = ("normal_force",)
+        slope: Scalar = number("1/N", "friction coefficient over normal force")
+
+        def friction_coefficient(self, sliding):
+            return self.slope * sliding.normal_force
+
+    def state(share):
+        one = _one(Growing(array(1.0)))
+        (geometry,) = (stage_kinematics(s) for s in one.stages)
+        carried = abs(float(geometry.meshing.screw.normal[2]))
+        force = LOAD / 10 / carried
+        limit = float(prsm.compute(one, ["jamming_friction_coefficient"], speed=100.0, load=LOAD)[
+            "jamming_friction_coefficient"
+        ][0])  # fmt: skip
+        return steady_state(_one(Growing(array(share * limit / force))), 100.0, LOAD)
+
+    # F (1 − s F/F₀) = F₀ has roots up to s = 1/4.
+    held = state(0.24)
+    assert held.result_name == "successful"
+    assert float(held.power_balance_residual) < 1e-9
+    for share in (0.3, 0.5, 0.9, 1.5):
+        assert state(share).result_name == "jammed", share
+
+
+@pytest.mark.parametrize("load", [0.0, 1e-3])
+def test_the_example_of_a_law_by_pressure_is_finite_without_load(load):
+    found = steady_state(_one(_solid()), 100.0, load)
+    assert found.result_name == "successful"
+    assert 0.5 < float(found.efficiency) < 1.0
+
+
+def test_smooth_friction_has_higher_derivatives_at_standstill():
+    """μ/√(v² + ε²) v: slope μ/ε, no curvature, third derivative −3μ/ε³."""
+    from prsm_jax.dynamics.friction._thread_friction import thread_friction
+
+    law = RegularisedCoulombFriction(array(0.1), array(1e-3))
+
+    def force(slip):
+        return thread_friction(law, slip[None], jnp.sign(slip)[None])[0][0]
+
+    first = jax.grad(force)
+    second, third = jax.grad(first), jax.grad(jax.grad(first))
+    for at in (0.0, 1e-15):
+        assert float(first(array(at))) == pytest.approx(0.1 / 1e-3, rel=1e-12)
+        assert abs(float(second(array(at)))) < 1e-3
+        assert float(third(array(at))) == pytest.approx(-3 * 0.1 / 1e-9, rel=1e-12)
+    short = RegularisedCoulombFriction(jnp.float32(0.1), jnp.float32(1e-3))
+    one = jnp.zeros(1, jnp.float32)
+    bent = jax.hessian(lambda slip: thread_friction(short, slip, slip)[0][0])(one)
+    assert np.all(np.isfinite(bent))
+
+
+def test_a_law_with_a_state_asks_for_nothing():
+    class Asking(LuGreFriction):
+        asks: ClassVar[tuple[str, ...]] = ("pressure",)
+
+    with pytest.raises(ValueError, match="knows slip and deflection only"):
+        Asking(0.1, 0.08, 0.1, 1e5, 4.0)
+
+
+def test_a_law_with_a_state_in_an_ellipse_that_spins():
+    """Dahl's law settles where its steady slip is, spin included."""
+    dahl = extension("dahl").DahlFriction(array(0.08), array(1e5))
+    one = _one(dahl, spin=SpinFriction(array(0.08)))
+    run = simulate(one, prsm.Scenario(array(100.0), array(LOAD), array(3e-3), samples=11))
+    steady = steady_state(one, 100.0, LOAD)
+    assert float(run.efficiency[-1]) == pytest.approx(float(steady.efficiency), rel=1e-6)

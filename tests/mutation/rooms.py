@@ -83,7 +83,7 @@ _TESTS: tuple[tuple[str, str], ...] = (
     (
         "friction",
         "analytic/spin_losses analytic/lugre analytic/screw_friction analytic/regularised "
-        "friction/laws",
+        "friction/laws_outside",
     ),
     ("dynamics/speed_drive/_settling", "analytic/settling"),
     ("dynamics/forces/_chain", "analytic/settling analytic/steady analytic/newton"),
@@ -171,6 +171,7 @@ _TESTS: tuple[tuple[str, str], ...] = (
     ("sweeps", "sweep/test_sweep.py analytic/single_faults"),
     ("scenario/_profiles", "analytic/profiles"),
     ("scenario/_sequences", "analytic/profiles"),
+    ("scenario", "analytic/profiles file/scenarios"),
     ("mechanism/parameters/_follows", "sensitivity/values"),
     (
         "mechanism/parameters/_parameters",

@@ -16,6 +16,7 @@ from scenes import example
 
 import prsm_jax as prsm
 from prsm_jax.explanation import places, without
+from prsm_jax.friction import friction_laws
 from prsm_jax.mechanism import Mechanism, Stage
 
 #: Its name in the package is that of the function.
@@ -53,7 +54,7 @@ def undescribed(cls):
 
 
 def test_every_optional_field_says_what_is_missed_without_it():
-    classes = _classes()
+    classes = _classes() | set(friction_laws().values())
     assert {Stage, prsm.Thread, prsm.mechanism.LuGreFriction, prsm.mechanism.SplitNut} <= classes
     assert not [name for cls in classes for name in undescribed(cls)]
 
@@ -70,7 +71,13 @@ def _optional(module, name):
     hints = typing.get_type_hints(type(module))
     for field in dataclasses.fields(module):
         value, own = getattr(module, field.name), f"{name}.{field.name}".removeprefix(".")
-        if type(None) in typing.get_args(hints[field.name]):
+        if field.metadata.get("same_table"):
+            # The numbers of a law stand in the table of the spline or bearing that it is of.
+            yield from _optional(value, name)
+            continue
+        # The radius of those is there or not as the law needs it.
+        needed = field.metadata.get("law_decides")
+        if type(None) in typing.get_args(hints[field.name]) and not needed:
             yield own, value is not None
         if field.name == "unequal_roller":
             yield own, len(value) > 0

@@ -236,7 +236,10 @@ class _Balance(NamedTuple):
         per_force, constant = friction_on_roller(self.stage, self.slip, self.deflection, rub, asked)
         carried = -self.kinematics.meshing.screw.normal[2] - per_force[2]
         missed = share - jnp.where(carries, carried, self.bracket)
-        return ScrewContact(force, per_force, constant, rub, missed)
+        # Below the least share the force does not change, and a balance there is none: the contact
+        # would have to pull.
+        pushes = (share > _LEAST_SHARE) | ~carries
+        return ScrewContact(jnp.where(pushes, force, -force), per_force, constant, rub, missed)
 
 
 def _law_of(stage: Stage) -> FrictionLaw | None:
@@ -255,7 +258,8 @@ def screw_contact(
 
     Spin, and laws that ask for the normal force or the pressure, make the bracket depend on the
     force; it is found by Newton's iteration. A thread is taken as jammed where it were so without
-    spin and at the normal force that it has without friction, for past that no ellipse is Hertz's.
+    spin and at the normal force that it has without friction, because Hertz's theory gives no
+    ellipse beyond, and where no force balances.
 
     **Arguments:**
 
@@ -285,4 +289,12 @@ def screw_contact(
             return found
 
         share, _ = find_root(missed, start, tolerance=accuracy, max_steps=20)
+        contact = balance.at(share)
+        # Friction that grows faster than the force may leave no balance: that is a jam, whose
+        # contact would have to pull.
+        size = 1e-9 if start.dtype == jnp.float64 else 1e-3
+        assert contact.missed is not None
+        balanced = jnp.abs(contact.missed) <= size
+        force = jnp.where(balanced, contact.force, -jnp.abs(contact.force))
+        return contact._replace(force=force)
     return balance.at(share)

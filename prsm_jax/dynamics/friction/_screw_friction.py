@@ -17,7 +17,9 @@ def _signed_coefficient(law: FrictionLaw, speed: Scalar, sense: Scalar) -> Scala
 
     `sense` is +1 or −1, and known even at standstill.
     """
-    along, _ = thread_friction(law, speed[None], jnp.broadcast_to(sense, speed.shape)[None])
+    along, _ = thread_friction(
+        law, speed[None], jnp.broadcast_to(sense, speed.shape)[None], labelled=False
+    )
     return along[0]
 
 

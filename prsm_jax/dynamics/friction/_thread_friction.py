@@ -37,7 +37,9 @@ def friction_coefficient(
     - `law`, `speed`: the law and the slip speed, 0 or more.
     - `asked`: what else the law asks for, by name.
     """
-    return physics(_label(law))(law.friction_coefficient)(Sliding(speed, dict(asked or {})))
+    sliding = Sliding(speed, dict(asked or {}))
+    # A coefficient that is a number is an operation, too: its label is how a trace is read.
+    return physics(_label(law))(lambda: law.friction_coefficient(sliding) * jnp.ones_like(speed))()
 
 
 def _label(law: FrictionLaw) -> str:
@@ -49,6 +51,8 @@ def thread_friction(
     slip: Float[Array, " axes"],
     direction: Float[Array, " axes"],
     asked: Mapping[str, Scalar] | None = None,
+    *,
+    labelled: bool = True,
 ) -> tuple[Float[Array, " axes"], Float[Array, " axes"]]:
     """Friction on one roller: force per unit of normal force, and force independent of it [N].
 
@@ -58,25 +62,41 @@ def thread_friction(
     - `slip`: slip velocity of the screw over the roller [m/s].
     - `direction`: its unit vector (known even at standstill, from the sense of turning).
     - `asked`: what the law asks for beside the slip speed.
+    - `labelled`: whether a trace is to show the law; a spline or bearing has a label of its own.
 
     Laws are isotropic: along a single axis, that of the slip, they are the same.
     """
     if law is None:
         return jnp.zeros_like(slip), jnp.zeros_like(slip)
+    if not labelled:
+        return _friction(law, slip, direction, asked)
+    return physics(_label(law))(_friction)(law, slip, direction, asked)
+
+
+def _friction(
+    law: FrictionLaw,
+    slip: Float[Array, " axes"],
+    direction: Float[Array, " axes"],
+    asked: Mapping[str, Scalar] | None,
+) -> tuple[Float[Array, " axes"], Float[Array, " axes"]]:
+    told = dict(asked or {})
     if law.load_independent:
         per_force = jnp.zeros_like(slip)
     elif law.smooth_at_standstill and not law.has_state:
         # The direction of no slip has no derivative; friction over slip speed has one.
-        speed = jnp.sqrt(sum_few(slip**2) + _LEAST_SLIP**2)
-        per_force = friction_coefficient(law, speed, asked) / speed * slip
+        square = sum_few(slip**2)
+        speed = jnp.sqrt(square + _LEAST_SLIP**2)
+        per_force = law.coefficient_per_speed(Sliding(speed, told, square)) * slip
     else:
-        per_force = friction_coefficient(law, length_few(slip), asked) * direction
-    return per_force, slip_resistance(law, slip)
+        per_force = law.friction_coefficient(Sliding(length_few(slip), told)) * direction
+    return per_force, _resistance(law, slip)
+
+
+def _resistance(law: FrictionLaw, slip: Float[Array, " axes"]) -> Float[Array, " axes"]:
+    resistance = law.viscous_resistance
+    return jnp.zeros_like(slip) if resistance is None else resistance * slip
 
 
 def slip_resistance(law: FrictionLaw, slip: Float[Array, " axes"]) -> Float[Array, " axes"]:
     """Friction that needs no normal force [N]."""
-    resistance = law.viscous_resistance
-    if resistance is None:
-        return jnp.zeros_like(slip)
-    return physics(_label(law))(lambda: resistance * slip)()
+    return physics(_label(law))(_resistance)(law, slip)

@@ -25,6 +25,7 @@ from ..solvers import (
     is_short,
     solver_of,
     still,
+    with_tolerances,
 )
 from ._transient_result import SolverReport
 
@@ -190,6 +191,9 @@ def _solved(
         from ..solvers._recorded_steps import Again
 
         controller, adjoint = Again(again, moved), adjoint_of(static.gradient)
+    solver = solver_of(static.method, scene.rtol, scene.atol, static.autonomous, own=scene.own)
+    if again is not None and scene.own is not None:
+        solver = with_tolerances(solver, scene.own.controller, scene.rtol, scene.atol)
     if record:
         kept = diffrax.SaveAt(steps=True, fn=lambda time, state, args: time)
     else:
@@ -197,7 +201,7 @@ def _solved(
         kept = diffrax.SaveAt(ts=times)
     found = diffrax.diffeqsolve(
         diffrax.ODETerm(rate),
-        solver_of(static.method, scene.rtol, scene.atol, static.autonomous, own=scene.own),
+        solver,
         t0=jnp.zeros_like(end),
         t1=end,
         dt0=None,

@@ -36,4 +36,5 @@ from ._methods import (
     is_short as is_short,
     solver_of as solver_of,
     still as still,
+    with_tolerances as with_tolerances,
 )

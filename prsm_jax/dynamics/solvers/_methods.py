@@ -57,6 +57,31 @@ def solver_of(
     raise ValueError(f"method is {method!r}; choose one of auto, {', '.join(NAMES)}")
 
 
+def with_tolerances(solver: Any, controller: Any, rtol: Any, atol: Any) -> Any:
+    """A solver whose iterations take the tolerances of a controller that does not go with it.
+
+    diffrax takes them from the controller of the integration, and steps of a record have none.
+    """
+    import diffrax
+    import optimistix
+
+    if not isinstance(solver, diffrax.AbstractImplicitSolver):
+        return solver
+    given = {
+        "rtol": rtol if controller is None else getattr(controller, "rtol", rtol),
+        "atol": atol if controller is None else getattr(controller, "atol", atol),
+        "norm": optimistix.rms_norm,
+    }
+    finder = solver.root_finder
+    # A placeholder of diffrax's, which has no public name.
+    unknown = [one for one in given if type(getattr(finder, one)).__name__ == "_UseStepSizeTol"]
+    return eqx.tree_at(
+        lambda one: [getattr(one.root_finder, name) for name in unknown],
+        solver,
+        [given[name] for name in unknown],
+    )
+
+
 def controller_of(
     rtol: float | Scalar,
     atol: float | Scalar,

@@ -37,16 +37,23 @@ def report_section(anchor: str, title: str) -> Callable[[_Maker], _Maker]:
     - `anchor`: its name in links; no other section's.
     - `title`: its heading.
 
-    **Raises:** `ValueError` if a section of this package has the anchor.
+    **Raises:** `ValueError` if another section has the anchor.
     """
     if anchor in {row[0] for row in _sections()}:
         raise ValueError(f"the section {anchor!r} exists already; choose another anchor")
 
     def register(make: _Maker) -> _Maker:
+        before = _own.get(anchor)
+        if before is not None and _origin(before[1]) != _origin(make):
+            raise ValueError(f"the section {anchor!r} exists already; choose another anchor")
         _own[anchor] = (title, make)
         return make
 
     return register
+
+
+def _origin(make: _Maker) -> tuple[str, str]:
+    return make.__module__, make.__qualname__
 
 
 def _sections() -> tuple[tuple[str, str, _Maker], ...]:
