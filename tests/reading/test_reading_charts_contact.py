@@ -33,7 +33,9 @@ def _colours(chart, axes, image, values, si_unit="Pa"):
     label = label_unit(bar.get_ylabel())
     assert to_si(1.0, label) == pytest.approx(to_si(1.0, "MPa") if si_unit == "Pa" else 1.0)
     found = to_si(np.ma.filled(image.get_array(), np.nan), label)
-    np.testing.assert_allclose(found, values, rtol=1e-9)
+    # On the very edge of an ellipse the pressure is the root of a rounding.
+    edge = 1e-7 * np.nanmax(np.abs(values))
+    np.testing.assert_allclose(found, values, rtol=1e-9, atol=edge)
     chart.take(image)
     chart.ignore([*bar.collections, *bar.patches, *bar.lines, *bar.images])
 
