@@ -104,8 +104,8 @@ class Kvaerno(diffrax.AbstractAdaptiveSolver):
     """
 
     #: Tolerances of a step.
-    rtol: float
-    atol: float
+    rtol: float | Scalar
+    atol: float | Scalar
 
     term_structure: ClassVar = diffrax.AbstractTerm
     interpolation_cls: ClassVar[Callable[..., KvaernoInterpolation]] = KvaernoInterpolation

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ...mechanism import Mechanism, TorqueScenario, of_one_design
+from ...mechanism import Mechanism, Scalar, TorqueScenario, of_one_design
 from ...numerics import over_samples
 from ...programs import is_known, one_program_where_possible, traceable
 from .._kinematics import StageKinematics
@@ -80,7 +80,7 @@ def chosen_method(
     mechanism: Mechanism,
     scenario: Scenario,
     kinematics: tuple[StageKinematics, ...] | None,
-    rtol: float,
+    rtol: float | Scalar,
     known: bool,
     *,
     settling: bool = False,
