@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from .._errors import PrsmError, missing_extra
 from ..process import clear_first, end_on_signals, keep_result, remove_empty_folders
 from ..text import printable
+from ._plugins import load_plugin, without_plugins
 from ._progress import erase_for_good, progress
 from ._streams import make_patient, stdout_failure
 
@@ -46,9 +47,12 @@ def _run(words: list[str], alone: bool) -> tuple[int, str]:
         from cyclopts import CycloptsError
     except ModuleNotFoundError as error:
         return 2, str(missing_extra("cli", "the command line", error))
+    try:
+        words, plugins = without_plugins(words)
+    except PrsmError as error:
+        return 2, str(error)
     with progress(words[0] if words else ""):
         from ._compiled import keep_compiled_programs, tell_of_trouble_once
-        from ._plugins import load_plugin, without_plugins
         from ._programs import run_one_verb
         from ._verbs import app
 
@@ -57,7 +61,6 @@ def _run(words: list[str], alone: bool) -> tuple[int, str]:
             tell_of_trouble_once()
             run_one_verb()
         try:
-            words, plugins = without_plugins(words)
             for plugin in plugins:
                 load_plugin(plugin)
             status = app(

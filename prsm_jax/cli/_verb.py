@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import TypeVar
 
+from ..programs import origin_of
 from ._verbs import app
 
 _Verb = TypeVar("_Verb", bound=Callable)
@@ -20,11 +21,10 @@ def verb(function: _Verb) -> _Verb:
     **Raises:** `ValueError` if another function has the name.
     """
     name = function.__name__.replace("_", "-")
-    origin = function.__module__, function.__qualname__
     if name in app:
-        if _own.get(name) != origin:
+        if _own.get(name) != origin_of(function):
             raise ValueError(f"the verb {name!r} exists already; choose another name")
         del app[name]
-    _own[name] = origin
+    _own[name] = origin_of(function)
     app.command(function)
     return function

@@ -22,7 +22,7 @@ class Limit:
 
     @property
     def words(self) -> str:
-        """What is allowed, and the hint to who writes a file."""
+        """What is allowed, and a hint for the author of a file."""
         return f"{self.allowed} ({self.hint})" if self.hint else self.allowed
 
     def admits(self, value: float) -> bool:

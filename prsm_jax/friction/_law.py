@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from typing import ClassVar, NamedTuple
 
 import equinox as eqx
-import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..fields import (
@@ -171,11 +170,3 @@ def check_asked(cls: type, names: Sequence[str]) -> None:
             raise ValueError(
                 f"friction law {cls.__name__}: asks for {name!r}; choose of {', '.join(ASKED)}"
             )
-
-
-def falling_coefficient(
-    static_coefficient: Scalar, coefficient: Scalar, stribeck_speed: Scalar, speed: Scalar
-) -> Scalar:
-    """Stribeck's coefficient, `μ + (μ_s − μ) e^{−(v/v_S)²}`."""
-    share = jnp.exp(-((speed / stribeck_speed) ** 2))
-    return coefficient + (static_coefficient - coefficient) * share

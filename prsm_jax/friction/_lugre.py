@@ -16,12 +16,13 @@ from ..fields import (
     optional_number,
 )
 from ..numerics import dot_few, length_few, sum_few
-from ._law import Deflected, Sliding, StatefulFrictionLaw, falling_coefficient
+from ._law import Deflected, Sliding, StatefulFrictionLaw
 from ._register import friction_law
+from ._stribeck import StribeckCurve
 
 
 @friction_law("lugre")
-class LuGreFriction(StatefulFrictionLaw):
+class LuGreFriction(StribeckCurve, StatefulFrictionLaw):
     """Bristles between the threads that bend before they slip (Canudas de Wit et al. 1995).
 
     Deflection z and force of one roller, both vectors in the tangent plane of the contact:
@@ -54,17 +55,6 @@ class LuGreFriction(StatefulFrictionLaw):
         "viscous friction coefficient of one roller, σ₂",
         limit=NOT_NEGATIVE,
     )
-
-    def friction_coefficient(self, sliding: Sliding) -> Scalar:
-        """Bristles that have settled: Stribeck's law, g(v)."""
-        return falling_coefficient(
-            self.static_coefficient, self.coefficient, self.stribeck_speed, sliding.speed
-        )
-
-    @property
-    def viscous_resistance(self) -> Scalar | None:
-        """σ₂ [N·s/m]."""
-        return self.viscous_coefficient
 
     @property
     def deflection_scale(self) -> Scalar:

@@ -6,6 +6,7 @@ import typing
 from collections.abc import Callable
 from typing import TypeVar
 
+from ..programs import origin_of
 from ._law import FrictionLaw, check_asked
 
 _Law = TypeVar("_Law", bound=type[FrictionLaw])
@@ -34,7 +35,7 @@ def friction_law(name: str) -> Callable[[_Law], _Law]:
         if not (isinstance(cls, type) and issubclass(cls, FrictionLaw)):
             raise TypeError(f"friction law {name!r}: {cls!r} must be a class of FrictionLaw")
         known = _LAWS.get(name)
-        if known is not None and _origin(known) != _origin(cls):
+        if known is not None and origin_of(known) != origin_of(cls):
             raise ValueError(
                 f"friction law {name!r}: {known.__module__}.{known.__qualname__} has this name; "
                 "choose another"
@@ -56,10 +57,6 @@ def friction_law(name: str) -> Callable[[_Law], _Law]:
         return cls
 
     return decorate
-
-
-def _origin(cls: type) -> tuple[str, str]:
-    return cls.__module__, cls.__qualname__
 
 
 def friction_laws(*, of_threads: bool = True) -> dict[str, type[FrictionLaw]]:

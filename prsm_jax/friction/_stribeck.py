@@ -1,17 +1,34 @@
 """Friction that falls with the slip speed."""
 
-from ..fields import (
-    NOT_NEGATIVE,
-    Scalar,
-    number,
-    optional_number,
-)
-from ._law import FrictionLaw, Sliding, falling_coefficient
+import equinox as eqx
+import jax.numpy as jnp
+
+from ..fields import NOT_NEGATIVE, Scalar, number, optional_number
+from ._law import FrictionLaw, Sliding
 from ._register import friction_law
 
 
+class StribeckCurve(FrictionLaw):
+    """Steady slip of the laws whose coefficient falls from a static to a sliding one."""
+
+    static_coefficient: eqx.AbstractVar[Scalar]
+    coefficient: eqx.AbstractVar[Scalar]
+    stribeck_speed: eqx.AbstractVar[Scalar]
+    viscous_coefficient: eqx.AbstractVar[Scalar | None]
+
+    def friction_coefficient(self, sliding: Sliding) -> Scalar:
+        """μ + (μ_s − μ) e^{−(v/v_S)²}."""
+        share = jnp.exp(-((sliding.speed / self.stribeck_speed) ** 2))
+        return self.coefficient + (self.static_coefficient - self.coefficient) * share
+
+    @property
+    def viscous_resistance(self) -> Scalar | None:
+        """c [N·s/m]."""
+        return self.viscous_coefficient
+
+
 @friction_law("stribeck")
-class StribeckFriction(FrictionLaw):
+class StribeckFriction(StribeckCurve):
     """Friction that falls from a static to a sliding coefficient as a film of lubricant builds up.
 
     Force `(μ + (μ_s − μ) e^{−(v/v_S)²}) F + c v` against the slip.
@@ -27,14 +44,3 @@ class StribeckFriction(FrictionLaw):
         "viscous friction coefficient, c; in a thread that of one roller",
         limit=NOT_NEGATIVE,
     )
-
-    def friction_coefficient(self, sliding: Sliding) -> Scalar:
-        """μ + (μ_s − μ) e^{−(v/v_S)²}."""
-        return falling_coefficient(
-            self.static_coefficient, self.coefficient, self.stribeck_speed, sliding.speed
-        )
-
-    @property
-    def viscous_resistance(self) -> Scalar | None:
-        """c [N·s/m]."""
-        return self.viscous_coefficient

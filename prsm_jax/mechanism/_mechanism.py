@@ -19,7 +19,7 @@ from ..fields import (
     optional_number,
     part,
 )
-from ..friction import Friction
+from ..friction import Friction, FrictionLaw
 from ..scenario import Scenario, TorqueScenario
 from .parts import (
     Carrier,
@@ -126,6 +126,11 @@ class Stage(Limited):
             raise ValueError(f'sharing is {self.sharing!r}; it may be "equal", or absent')
         check_unequal_rollers(self.unequal_roller, self.roller_count)
         check_stage(self)
+
+    @property
+    def thread_law(self) -> FrictionLaw | None:
+        """Law of friction between screw and roller threads, if there is one."""
+        return None if self.friction is None else self.friction.thread
 
     @property
     def present_roller_count(self) -> int:

@@ -12,5 +12,6 @@ from ._one_program import (
     one_program_where_possible as one_program_where_possible,
     traceable as traceable,
 )
+from ._origin import origin_of as origin_of
 from ._physics import physics as physics, traced_physics as traced_physics
 from ._precision import to_precision as to_precision

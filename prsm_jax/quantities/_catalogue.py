@@ -12,7 +12,7 @@ from jaxtyping import Array, Bool, Int
 
 from .._errors import MissingDataError, UnknownNameError, closest
 from ..mechanism import Mechanism, Scalar, of_one_design
-from ..programs import one_program
+from ..programs import one_program, origin_of
 from ._analysis import Analysis, SharedLoad
 from ._assumptions import known_assumption, sentences
 from ._reasons import REASONS, code_of
@@ -68,7 +68,7 @@ def quantity(
 
     def register(function: Callable[[Analysis], Array]) -> Callable[[Analysis], Array]:
         before = _CATALOGUE.get(name)
-        if before is not None and _origin(before.function) != _origin(function):
+        if before is not None and origin_of(before.function) != origin_of(function):
             raise ValueError(f"the quantity {name!r} exists already; choose another name")
         _CATALOGUE[name] = Quantity(
             name, symbol, unit, description, function, dimensions, known, shares
@@ -76,10 +76,6 @@ def quantity(
         return function
 
     return register
-
-
-def _origin(function: Callable) -> tuple[str, str]:
-    return function.__module__, function.__qualname__
 
 
 def catalogue() -> tuple[Quantity, ...]:

@@ -43,7 +43,7 @@ def newton(name: str, stage: int, printed: bool = False) -> NewtonSolution:
     part = mechanism.stages[stage]
     thread, geometry = part.thread, kinematics(name)[stage]
     assert part.carrier is not None
-    law = None if part.friction is None else part.friction.thread
+    law = part.thread_law
     force = np.asarray(run.contact_force[stage])[:, None]
     slip = np.asarray(
         jax.vmap(slip_velocity, in_axes=(None, 0, 0))(

@@ -222,11 +222,11 @@ def test_stored_programs_are_not_those_of_a_plugin(monkeypatch, tmp_path):
     assert float(found["x"]) == 1.0
 
 
-def test_two_plugins_of_one_name_are_two(tmp_path, capsys):
+def test_two_plugins_of_one_name_are_two(tmp_path, monkeypatch):
     """A file is not a module of the same name, and a law of another file not the same law."""
-    from prsm_jax.cli import load_plugin
-    from prsm_jax.friction import _register
+    from prsm_jax.cli import _plugins, load_plugin
 
+    monkeypatch.setattr(_plugins, "_loaded", [])
     text = (
         "import prsm_jax as prsm\n"
         "@prsm.friction_law('of_two_files')\n"
@@ -237,15 +237,10 @@ def test_two_plugins_of_one_name_are_two(tmp_path, capsys):
     for folder in ("first", "second"):
         (tmp_path / folder).mkdir()
         (tmp_path / folder / "html.py").write_text(text, encoding="utf-8")
-    before = dict(_register._LAWS)
-    try:
-        load_plugin(str(tmp_path / "first" / "html.py"))
-        assert "html" not in sys.modules or "prsm" not in vars(sys.modules["html"])
-        with pytest.raises(prsm.PrsmError, match="has this name; choose another"):
-            load_plugin(str(tmp_path / "second" / "html.py"))
-    finally:
-        _register._LAWS.clear()
-        _register._LAWS.update(before)
+    load_plugin(str(tmp_path / "first" / "html.py"))
+    assert "html" not in sys.modules or "prsm" not in vars(sys.modules["html"])
+    with pytest.raises(prsm.PrsmError, match="has this name; choose another"):
+        load_plugin(str(tmp_path / "second" / "html.py"))
 
 
 def test_stored_programs_are_not_those_of_a_users_own_classes(monkeypatch):

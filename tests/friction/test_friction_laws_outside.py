@@ -133,7 +133,8 @@ METHODS = [
 @pytest.mark.slow
 @pytest.mark.parametrize(("scene", "method"), METHODS)
 def test_a_law_that_asks_in_vain_is_coulombs_in_every_method(scene, method):
-    """The unknown share of the normal force changes nothing: to the tolerance of the searches."""
+    """The unknown share of the normal force changes nothing; events are located to 1e-9."""
+    tolerance = 1e-8 if (scene, method) == ("torque", "rosenbrock") else 1e-12
     runs = [
         simulate(_one(law(array(0.05))), SCENES[scene], method=method)
         for law in (CoulombFriction, AskingCoulomb)
@@ -143,7 +144,7 @@ def test_a_law_that_asks_in_vain_is_coulombs_in_every_method(scene, method):
     for name in ("carrier_ratio", "contact_force", "drive_torque", "screw_speed", "efficiency"):
         plain, asking = (np.asarray(getattr(run, name)) for run in runs)
         size = np.max(np.abs(plain[np.isfinite(plain)]))
-        np.testing.assert_allclose(asking, plain, rtol=0, atol=1e-6 * size, err_msg=name)
+        np.testing.assert_allclose(asking, plain, rtol=0, atol=tolerance * size, err_msg=name)
 
 
 @pytest.mark.parametrize("more", [{}, {"spin": SpinFriction(array(0.05))}])
@@ -154,7 +155,7 @@ def test_newton_and_lagrange_agree_with_a_law_that_asks(more):
     np.testing.assert_allclose(
         np.linalg.norm(np.asarray(bodies.screw_normal_on_roller), axis=-1),
         np.asarray(run.contact_force),
-        rtol=1e-9,
+        rtol=1e-12,
     )
 
 
@@ -208,7 +209,7 @@ def test_a_law_with_a_state_is_lugres_without_damping():
     runs = [simulate(_one(law), scene) for law in (dahl, lugre)]
     for name in ("carrier_speed", "contact_force", "drive_torque"):
         own, known = (np.asarray(getattr(run, name)) for run in runs)
-        np.testing.assert_allclose(own, known, rtol=0, atol=1e-6 * np.max(np.abs(known)))
+        np.testing.assert_allclose(own, known, rtol=0, atol=1e-12 * np.max(np.abs(known)))
     assert int(runs[0].solver.code) == 0
 
 
@@ -223,24 +224,30 @@ def test_vmapped_and_swept():
     np.testing.assert_allclose(np.asarray(table["efficiency"]).ravel(), batch, rtol=1e-12)
 
 
+class HeldSolid(prsm.FrictionLaw):
+    """The solid lubricant's friction times a factor."""
+
+    asks: ClassVar[tuple[str, ...]] = ("pressure",)
+    factor: Scalar = number("1", "factor")
+
+    def friction_coefficient(self, sliding):
+        return self.factor * (25e6 / (2 / 3 * sliding.pressure) + 0.01)
+
+
 def test_locking_margins_follow_the_law():
     """At the normal force that the load has without friction; and the search on all friction."""
     one = _one(_solid())
-    found = prsm.compute(one, ["jamming_margin", "self_locking_margin"])
-    same = steady_state(one)
-    coefficient = float(same.losses["thread_sliding"]) / float(
-        same.contact_force[0] * same.slip_speed[0] * 10
-    )
-    plain = prsm.compute(
-        _one(CoulombFriction(array(coefficient))), ["jamming_margin", "self_locking_margin"]
-    )
-    # The normal force with friction is 4 % larger, the coefficient 1 % smaller.
-    assert float(1 - found["jamming_margin"]) == pytest.approx(
-        float(1 - plain["jamming_margin"]), rel=0.02
-    )
-    assert float(found["self_locking_margin"]) == pytest.approx(
-        float(plain["self_locking_margin"]), abs=0.02
-    )
+    names = ["jamming_margin", "self_locking_margin", "jamming_friction_coefficient"]
+    found = prsm.compute(one, names)
+    pressure = float(prsm.thread_contacts(one, array(LOAD))[0].screw.hertz.max_pressure)
+    coefficient = 25e6 / (2 / 3 * pressure) + 0.01
+    share = coefficient / float(found["jamming_friction_coefficient"][0])
+    assert float(1 - found["jamming_margin"]) == pytest.approx(share, rel=1e-12)
+    # Where friction times s holds the load, no torque is left: s = 1/(1 − margin).
+    held = 1 / (1 - float(found["self_locking_margin"]))
+    holding = steady_state(_one(HeldSolid(array(held))), -100.0, LOAD)
+    frictionless = LOAD * float(one.stages[0].thread.lead) / (2 * np.pi)
+    assert abs(float(holding.drive_torque)) < 1e-9 * frictionless
 
 
 def test_a_file_knows_a_law_by_its_name():
@@ -364,7 +371,16 @@ def test_numbers_of_a_law_are_those_of_the_mechanism():
     parameter = paths["stage.1.friction.thread.shear_strength"]
     assert (parameter.unit, parameter.description) == ("Pa", "shear strength of the film, τ₀")
     found = prsm.sensitivity(one, ["efficiency"], ["shear_strength"])
-    assert float(np.asarray(found.table()[0].derivative if hasattr(found, "table") else -1.0)) < 0
+    step = 25e6 * 1e-4
+    ends = [
+        float(
+            steady_state(prsm.set_parameter(one, "shear_strength", 25e6 + sign * step)).efficiency
+        )
+        for sign in (-1, 1)
+    ]
+    slope = (ends[1] - ends[0]) / (2 * step)
+    assert float(found.gradient[0, 0]) == pytest.approx(slope, rel=1e-6)
+    assert slope < 0
 
 
 def test_replaced_numbers_keep_the_law():

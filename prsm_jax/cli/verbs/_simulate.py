@@ -2,7 +2,7 @@
 
 import dataclasses
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -10,6 +10,7 @@ import numpy as np
 from cyclopts import Parameter
 
 from ...dynamics import (
+    MethodName,
     Transient,
     default_scenario,
     energy,
@@ -26,13 +27,11 @@ from .._progress import doing, expect_programs
 from .._tables import Line, in_units, prose, table
 
 _DEFAULT = Common()
-#: Methods that have a word.
-_Word = Literal["auto", "closed_form", "implicit", "explicit", "rosenbrock", "quasi_steady"]
 
 
 def _transient(
     mechanism: Mechanism,
-    method: _Word,
+    method: MethodName,
     samples: int | None,
     rtol: float | None,
     atol: float | None,
@@ -145,7 +144,7 @@ def _mission(summary: dict[str, Any]) -> list[Line]:
 def simulate(
     file: str,
     *,
-    method: Annotated[_Word, Parameter(help="How carriers are found over time.")] = "auto",
+    method: Annotated[MethodName, Parameter(help="How carriers are found over time.")] = "auto",
     samples: Annotated[
         int | None, Parameter(help="Number of times in the result; default the file's, or 201.")
     ] = None,

@@ -161,7 +161,7 @@ def chain_forces(
             axial_force = nut_load - axial_inertia(stage) * nut_acceleration
             if index > 0:
                 screw_axial = -screw_acceleration * travel_per_turn(stages, index)
-        law = None if stage.friction is None else stage.friction.thread
+        law = stage.thread_law
         per_roller = axial_force / stage.present_roller_count
         flank = loaded_flank(law, per_roller, speed * kinematics[index].slip_per_screw[2])
         own_force = flank * axial_force

@@ -54,7 +54,7 @@ def is_reducible(stage: Stage) -> bool:
 
     Nor with a law of friction that asks for more than the slip speed.
     """
-    law = None if stage.friction is None else stage.friction.thread
+    law = stage.thread_law
     return not (has_contact_losses(stage.friction) or (law is not None and law.asks))
 
 
@@ -87,7 +87,7 @@ def reduced_forces(
     - `axial_force`: what the rollers together carry axially [N]; if negative, on the other flanks.
     """
     count = stage.present_roller_count
-    law = None if stage.friction is None else stage.friction.thread
+    law = stage.thread_law
     along = speed * reduced.along - carrier_speed * reduced.drive
     square = along**2 + (speed * reduced.across) ** 2
     slips = above_or_nan(square)

@@ -66,11 +66,11 @@ def asked_of(
 
 def asks_for_force(stage: Stage) -> bool:
     """Whether friction of the threads depends on the normal force by its law."""
-    law = None if stage.friction is None else stage.friction.thread
+    law = stage.thread_law
     return law is not None and bool({"normal_force", "pressure"} & set(law.asks))
 
 
 def asks_for_pressure(stage: Stage) -> bool:
     """Whether friction of the threads depends on the pressure by its law."""
-    law = None if stage.friction is None else stage.friction.thread
+    law = stage.thread_law
     return law is not None and "pressure" in law.asks

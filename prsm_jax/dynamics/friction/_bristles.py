@@ -17,7 +17,7 @@ from ._thread_friction import slip_resistance
 
 def bristles_of(stage: Stage) -> StatefulFrictionLaw | None:
     """The law of a stage's threads, if it has a state."""
-    law = None if stage.friction is None else stage.friction.thread
+    law = stage.thread_law
     # The class is the declaration, and tells the type checker of the methods.
     return law if isinstance(law, StatefulFrictionLaw) else None
 

@@ -170,7 +170,7 @@ def resisting_moments(
     # The kinematics do not know this class: it is defined above them.
     unit = cast(ContactResistance, kinematics.resistance)
     screw, nut = _at_force(unit.screw, screw_force), _at_force(unit.nut, nut_force)
-    law = None if stage.friction is None else stage.friction.thread
+    law = stage.thread_law
     if rub is not None and law is not None:
         screw = dataclasses.replace(screw, spin=rubbed_moment(law, rub, screw_force))
     return screw, nut

@@ -154,7 +154,7 @@ def friction_on_roller(
     - `rub`: slip and spin of the ellipse, where that is modelled.
     - `asked`: what the law asks for, by name.
     """
-    law, bristles = None if stage.friction is None else stage.friction.thread, bristles_of(stage)
+    law, bristles = stage.thread_law, bristles_of(stage)
     if bristles is not None and deflection is not None:
         return bristle_friction(bristles, deflected(slip.velocity, deflection, rub))
     if law is None or rub is None:
@@ -227,7 +227,7 @@ class _Balance(NamedTuple):
         carries = self.bracket > _LEAST_SHARE
         assumed = jnp.where(carries, jnp.maximum(share, _LEAST_SHARE), self.bracket)
         force = self.left / assumed
-        law = _law_of(self.stage)
+        law = self.stage.thread_law
         assert law is not None
         rub = None
         if self.ellipse is not None:
@@ -240,10 +240,6 @@ class _Balance(NamedTuple):
         # would have to pull.
         pushes = (share > _LEAST_SHARE) | ~carries
         return ScrewContact(jnp.where(pushes, force, -force), per_force, constant, rub, missed)
-
-
-def _law_of(stage: Stage) -> FrictionLaw | None:
-    return None if stage.friction is None else stage.friction.thread
 
 
 def screw_contact(
@@ -269,7 +265,7 @@ def screw_contact(
     - `deflection`: where friction has that state [m].
     - `share`: the bracket, where it is found with other unknowns (`missed` is then to vanish).
     """
-    law, ellipse = _law_of(stage), rubbing_of(stage, kinematics)
+    law, ellipse = stage.thread_law, rubbing_of(stage, kinematics)
     normal_axial = -kinematics.meshing.screw.normal[2]
     asked = {} if law is None else asked_of(law, kinematics, slip, axial / normal_axial)
     per_force, constant = friction_on_roller(stage, slip, deflection, None, asked)

@@ -15,7 +15,6 @@ from ..solvers import (
     NAMES,
     DrivenRate,
     Gradient,
-    MethodName,
     OwnSolver,
     adjoint_of,
     breaks_inside,
@@ -36,7 +35,7 @@ _ROUNDINGS = 10
 class Settings(NamedTuple):
     """How `simulate` integrates; see there."""
 
-    method: MethodName
+    method: str
     gradient: Gradient
     rtol: float | Scalar
     atol: float | Scalar
@@ -147,7 +146,7 @@ class _Scene(NamedTuple):
 class _Static(NamedTuple):
     """What is known in Python of an integration."""
 
-    method: MethodName
+    method: str
     gradient: Gradient
     max_steps: int
     samples: int

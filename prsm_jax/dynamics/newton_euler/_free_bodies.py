@@ -215,7 +215,7 @@ def rubbing_on_screw_side(
         return None
     flank = flank_of(unknowns)
     slip = seen_from_flank(slip_of(kinematics, known, flank), flank)
-    law = None if stage.friction is None else stage.friction.thread
+    law = stage.thread_law
     rub = rubbing(ellipse, kinematics, slip, jnp.abs(unknowns.screw_contact), law)
     return dataclasses.replace(rub, direction=turned(rub.direction, flank))
 
@@ -232,7 +232,7 @@ def roller_forces(
     """
     flank, tooth = flank_of(unknowns), unknowns.ring_gear
     slip, force = slip_of(kinematics, known, flank), jnp.abs(unknowns.screw_contact)
-    law = None if stage.friction is None else stage.friction.thread
+    law = stage.thread_law
     rub = rubbing_on_screw_side(stage, kinematics, known, unknowns)
     asked = {}
     if law is not None:

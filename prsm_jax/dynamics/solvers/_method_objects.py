@@ -8,8 +8,6 @@ from typing import Any, ClassVar, NamedTuple
 
 import equinox as eqx
 
-from ._methods import MethodName
-
 #: Tolerances and steps where nothing is said.
 RTOL, ATOL, MAX_STEPS = 1e-8, 1e-10, 4096
 
@@ -17,7 +15,7 @@ RTOL, ATOL, MAX_STEPS = 1e-8, 1e-10, 4096
 class Method(eqx.Module):
     """A way to find a transient; its fields are the options that it takes."""
 
-    word: ClassVar[MethodName]
+    word: ClassVar[str]
 
 
 class ClosedForm(Method):
@@ -26,7 +24,7 @@ class ClosedForm(Method):
     Exact at any time, no integration.
     """
 
-    word: ClassVar[MethodName] = "closed_form"
+    word: ClassVar[str] = "closed_form"
 
 
 class Integrating(Method):
@@ -47,7 +45,7 @@ class Integrating(Method):
 class Auto(Integrating):
     """The cheapest method that does what the scene asks for (`choose_method`)."""
 
-    word: ClassVar[MethodName] = "auto"
+    word: ClassVar[str] = "auto"
 
 
 class QuasiSteady(Integrating):
@@ -57,7 +55,7 @@ class QuasiSteady(Integrating):
     torque the screw's motion is integrated with them.
     """
 
-    word: ClassVar[MethodName] = "quasi_steady"
+    word: ClassVar[str] = "quasi_steady"
     rtol: Any = None
     atol: Any = None
     max_steps: int | None = eqx.field(static=True, default=None)
@@ -66,39 +64,40 @@ class QuasiSteady(Integrating):
 class Rodasp(Integrating):
     """RODASP 4/3: any stiffness, no iterations; the cheapest that integrates."""
 
-    word: ClassVar[MethodName] = "rosenbrock"
+    word: ClassVar[str] = "rosenbrock"
 
 
 class Kvaerno(Integrating):
     """Kvaerno 5/4 with Newton's iteration: any stiffness, the reference."""
 
-    word: ClassVar[MethodName] = "implicit"
+    word: ClassVar[str] = "implicit"
 
 
 class Tsitouras(Integrating):
     """Tsitouras 5/4, explicit: not for stiff scenes."""
 
-    word: ClassVar[MethodName] = "explicit"
+    word: ClassVar[str] = "explicit"
 
 
 class Diffrax(Integrating):
     """Any solver of diffrax, and any of its step controllers that adapts.
 
-    Times are scaled inside (`simulate`), so that a limit of the steps in the controller is in units
-    of the shortest time constant.
+    Times are scaled inside. A limit of the steps in the controller is in units of the carriers'
+    shortest time constant at a prescribed speed, of the duration under a prescribed torque.
 
     **Arguments:**
 
     - `solver`: such as `diffrax.Kvaerno5()`.
     - `controller`: such as `diffrax.PIDController(rtol=1e-6, atol=1e-8, pcoeff=0.3, icoeff=0.4)`;
-      default one of diffrax's with `rtol` and `atol`, which a controller that is given replaces.
+      default: a PID controller with `rtol` and `atol`. Tolerances of a controller that is given
+      replace these.
     - `rtol`, `atol`, `max_steps`: as those of other methods.
 
     **Raises:** `ValueError` for what is no solver of one equation, or a controller that does not
     adapt.
     """
 
-    word: ClassVar[MethodName] = "diffrax"
+    word: ClassVar[str] = "diffrax"
     solver: Any = None
     controller: Any = None
 

@@ -15,9 +15,8 @@ from ...mechanism import Scalar
 if TYPE_CHECKING:
     from ._step_control import Weight
 
-MethodName = Literal[
-    "auto", "closed_form", "implicit", "explicit", "rosenbrock", "quasi_steady", "diffrax"
-]
+#: Words for methods with their usual options.
+MethodName = Literal["auto", "closed_form", "implicit", "explicit", "rosenbrock", "quasi_steady"]
 NAMES = {
     "closed_form": "closed form",
     "implicit": "Kvaerno5 with Newton",
@@ -31,7 +30,7 @@ _MANY_BREAKS = 256
 
 
 def solver_of(
-    method: MethodName,
+    method: str,
     rtol: float | Scalar,
     atol: float | Scalar,
     autonomous: bool,
@@ -39,7 +38,7 @@ def solver_of(
     compact: bool = False,
     own: Any = None,
 ):
-    """The solver of diffrax for a method; `own` is what the user gave for `"diffrax"`."""
+    """The solver of diffrax for a method by its word, or that which the user gave, `own`."""
     import diffrax
 
     if own is not None:

@@ -117,7 +117,7 @@ def chosen_method(
 
 
 def _jumps(mechanism: Mechanism) -> bool:
-    laws = [stage.friction and stage.friction.thread for stage in mechanism.stages]
+    laws = [stage.thread_law for stage in mechanism.stages]
     return any(law is not None and not law.smooth_at_standstill for law in laws)
 
 

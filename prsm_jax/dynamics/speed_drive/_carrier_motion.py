@@ -241,7 +241,7 @@ def standstills(problem: Problem, atol: Any) -> Standstills | None:
     - `problem`: the scene.
     - `atol`: absolute tolerance of the carrier ratios; the last step is of a speed of ten of it.
     """
-    laws = [stage.friction.thread for stage in problem.mechanism.stages if stage.friction]
+    laws = [stage.thread_law for stage in problem.mechanism.stages]
     smooth = all(law is None or law.smooth_at_standstill for law in laws)
     if smooth or not callable(problem.scenario.speed):
         return None

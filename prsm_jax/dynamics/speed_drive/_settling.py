@@ -39,7 +39,7 @@ def settles_in_closed_form(mechanism: Mechanism, scenario: Scenario) -> bool:
     """Whether speed and load are constant, and so are friction coefficients of all threads."""
     if callable(scenario.speed) or callable(scenario.load):
         return False
-    laws = [None if stage.friction is None else stage.friction.thread for stage in mechanism.stages]
+    laws = [stage.thread_law for stage in mechanism.stages]
     constant = all(law is None or law.constant for law in laws)
     return constant and all(is_reducible(stage) for stage in mechanism.stages)
 
@@ -120,7 +120,7 @@ def _settled_stage(
     **Returns:** the ratio, the mean torque of all rollers on the screw, and whether the thread can
     carry at all.
     """
-    law = None if stage.friction is None else stage.friction.thread
+    law = stage.thread_law
     zero = jnp.zeros_like(speed)
     coefficient = zero if law is None else friction_coefficient(law, jnp.abs(speed))
     flank = jnp.where(axial_force < 0, -1.0, 1.0).astype(speed.dtype)

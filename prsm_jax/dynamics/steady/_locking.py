@@ -66,7 +66,7 @@ def _effective_coefficient(
     Of a law that asks for the normal force, at that which the load has without friction.
     """
     slip = free_slip(kinematics, jnp.abs(speed), jnp.ones_like(speed))
-    law = None if stage.friction is None else stage.friction.thread
+    law = stage.thread_law
     asked = {}
     if law is not None and law.asks:
         assert load is not None
@@ -79,7 +79,7 @@ def _effective_coefficient(
 
 def friction_needs_load(mechanism: Mechanism) -> bool:
     """Whether friction coefficients of any stage's threads depend on more than the slip speed."""
-    laws = [None if stage.friction is None else stage.friction.thread for stage in mechanism.stages]
+    laws = [stage.thread_law for stage in mechanism.stages]
     return any(law is not None and law.asks for law in laws)
 
 

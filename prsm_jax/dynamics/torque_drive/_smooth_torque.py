@@ -33,7 +33,7 @@ class _State(eqx.Module):
 
 def has_smooth_threads(mechanism: Mechanism) -> bool:
     """Whether any stage's thread friction is made to pass standstill without events."""
-    laws = [None if stage.friction is None else stage.friction.thread for stage in mechanism.stages]
+    laws = [stage.thread_law for stage in mechanism.stages]
     return any(
         law is not None and law.smooth_at_standstill and not law.load_independent for law in laws
     )

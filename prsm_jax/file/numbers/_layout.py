@@ -41,11 +41,6 @@ class TableChoice:
         of_law = self.law is None or type(getattr(value, "law", None)) is self.law
         return type(value) is self.cls and of_law
 
-    @property
-    def named(self) -> type[eqx.Module]:
-        """The class that says what the table is about."""
-        return self.law or self.cls
-
     def fields(self) -> list[tuple[dataclasses.Field, object, dict[str, str]]]:
         """Fields of the table with type hint and units: of a law's numbers as they are there."""
         hints = typing.get_type_hints(self.cls)
@@ -76,7 +71,7 @@ def is_law_field(field: dataclasses.Field) -> bool:
 
 
 def unit_of(field: dataclasses.Field, units: dict[str, str]) -> str | None:
-    """SI unit of a number where some units have others in their place; `None` of no number."""
+    """SI unit of a number after replacement by `units`; `None` if the field is no number."""
     unit: str | None = field.metadata.get("unit")
     return None if unit is None else units.get(unit, unit)
 

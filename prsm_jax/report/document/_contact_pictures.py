@@ -36,7 +36,7 @@ _side_onsets = eqx.filter_jit(side_onsets)
 
 
 def _friction(stage: Stage) -> float:
-    law = None if stage.friction is None else stage.friction.thread
+    law = stage.thread_law
     if law is None or not law.constant:
         return _USUAL_FRICTION
     return float(law.friction_coefficient(Sliding(jnp.ones(()))))

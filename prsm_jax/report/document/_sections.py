@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from ..._version import __version__
 from ...geometry import Finding
+from ...programs import origin_of
 from ...text import show
 from ..motion_charts import efficiency_text
 from ._analysis_sections import (
@@ -44,16 +45,12 @@ def report_section(anchor: str, title: str) -> Callable[[_Maker], _Maker]:
 
     def register(make: _Maker) -> _Maker:
         before = _own.get(anchor)
-        if before is not None and _origin(before[1]) != _origin(make):
+        if before is not None and origin_of(before[1]) != origin_of(make):
             raise ValueError(f"the section {anchor!r} exists already; choose another anchor")
         _own[anchor] = (title, make)
         return make
 
     return register
-
-
-def _origin(make: _Maker) -> tuple[str, str]:
-    return make.__module__, make.__qualname__
 
 
 def _sections() -> tuple[tuple[str, str, _Maker], ...]:
