@@ -3,10 +3,10 @@
 Data flows one way, and the folders are named after it: file → mechanism → geometry → contact →
 halfspace, load_sharing → strength, stiffness → vibration, dynamics → response → quantities →
 findings, sensitivities, optimisation, sweeps → report. A mechanism holds laws of `friction` and
-a `scenario`. `validation` compares with published numbers, `explanation` tells which parts a
-mechanism has, `cli` is the command line. At the ground lie `fields` (numbers with units and
-limits), `numerics` (methods), `programs` (how JAX compiles them), `text` and `process` (signals,
-files).
+a `scenario`. `validation` compares with published numbers, `explanation` lists the parts of
+a mechanism, `cli` is the command line. The lowest layer is `fields` (numbers with units
+and limits), `numerics` (methods), `programs` (how JAX compiles them), `text` and `process`
+(signals, files).
 """
 
 from . import process as process  # isort: skip # before JAX

@@ -1,4 +1,4 @@
-"""Errors a user can cause, each with the thing, the value and the remedy in one line."""
+"""Errors that a user can cause; each names object, value and remedy in one line."""
 
 
 class PrsmError(Exception):

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def __getattr__(name: str) -> Any:
-    # What a verb of a user needs, and what imports cyclopts, only where it is used.
+    # For verbs of users; imported on first use, because they import cyclopts.
     rooms = {"verb": "_verb", "load_plugin": "_plugins"}
     rooms |= dict.fromkeys(("Common", "Output", "emit"), "_common")
     if name not in rooms:

@@ -1,4 +1,4 @@
-"""Which quantities the tables of a verb show, for the assumptions that are named beneath them."""
+"""Quantities in the tables of each verb; their assumptions are printed below the tables."""
 
 CONTACT = ("max_pressure", "approach_screw", "approach_nut", "max_von_mises_screw")
 VIBRATION = ("natural_frequencies",)

@@ -47,7 +47,7 @@ class Output:
 
         **Arguments:**
 
-        - `default`: the folder that results go to without `--out`, if they do.
+        - `default`: the folder for results without `--out`, if there is one.
         """
         check_json(self.json)
         check_folder(self.out, "--out")
@@ -81,18 +81,18 @@ class Common(Output):
 
 
 def checked(mechanism: Mechanism) -> tuple[Finding, ...]:
-    """What `check` finds; the terminal says so, since its program takes long to compile."""
+    """Findings of `check`; the terminal announces it because its program compiles slowly."""
     doing("checking the design")
     if not runs_one_verb():
         return check(mechanism)
-    # A source of margins that is added asks for another program.
+    # Each added source of margins needs another program.
     name = f"check_margins {len(sources())}"
     values = run_stored(name, check_margins, mechanism, announced=True)
     return check_from(mechanism, values)
 
 
 def plain(value: Any) -> Any:
-    """Arrays and containers as what JSON knows; numbers that are not finite become null."""
+    """Convert arrays and containers to JSON types; numbers that are not finite become null."""
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, jax.Array | np.ndarray | np.generic):
@@ -107,7 +107,7 @@ def plain(value: Any) -> Any:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a file whole or not at all."""
+    """Write a file completely or not at all."""
     with whole_file(path) as partial:
         partial.write_text(text, encoding="utf-8")
 
@@ -144,14 +144,14 @@ def emit(
     assumptions: Sequence[str] | None = None,
     findings: Sequence[Finding] | None = None,
 ) -> bool:
-    """Send results where they were asked for: JSON to a file or stdout, else text to stdout.
+    """Write results as JSON to a file or stdout (`--json`), or else as text to stdout.
 
-    The text is made only if it is shown, because tables take time to import. What the results
-    rest on (`prsm_jax.assumptions`) is a key of the JSON and stands beneath the text. Errors of
-    `check` are a line each on stderr, and make results that no mechanism can have not valid.
+    The text is made only if it is shown, because tables take time to import. The assumptions
+    (`prsm_jax.assumptions`) are a key of the JSON and stand below the text. Each error of `check`
+    is a line on stderr; a finding that makes the mechanism impossible makes the results invalid.
 
-    **Returns:** whether the results are valid: where they say so themselves, and the mechanism
-    can exist.
+    **Returns:** whether the results are valid: their own `valid` (default true), and no finding
+    makes the mechanism impossible.
     """
     valid = bool(results.get("valid", True))
     if findings is not None:
@@ -166,7 +166,7 @@ def emit(
     if output.json is None:
         words = text().rstrip()
         if findings:
-            words += "\n" + _found(findings).rstrip()
+            words += "\n" + _findings_text(findings).rstrip()
         if assumptions:
             words += "\n\n" + assumed(assumptions)
         clear()
@@ -183,7 +183,7 @@ def emit(
     return valid
 
 
-def _found(findings: Sequence[Finding]) -> str:
+def _findings_text(findings: Sequence[Finding]) -> str:
     """Names of errors and warnings as lines for a terminal."""
     lines = []
     for severity in ("error", "warning"):

@@ -1,4 +1,4 @@
-"""The folder where compiled programs are kept between runs, and what may be wrong with it."""
+"""The folder where compiled programs are kept between runs, and warnings if it fails."""
 
 import os
 import sys
@@ -16,9 +16,9 @@ _TROUBLE = r"Error (reading|writing) persistent compilation cache entry"
 
 
 def keep_compiled_programs() -> None:
-    """Let JAX keep what it compiles, however small: a second run then starts at once.
+    """Let JAX store every compiled program, even small ones: a second run then starts at once.
 
-    A folder that cannot be written costs one line, and every run then compiles anew.
+    If the folder cannot be written, one line says so, and every run compiles anew.
     """
     import jax
 
@@ -41,16 +41,16 @@ def keep_compiled_programs() -> None:
 
 
 def tell_of_trouble_once() -> None:
-    """One line, and no more, where JAX cannot read or write compiled programs (a full disk)."""
+    """Print one line, once, if JAX cannot read or write compiled programs (a full disk)."""
     warned = warnings.showwarning
-    told: list[str] = []
+    reported: list[str] = []
 
     def show(message, category, filename, lineno, file=None, line=None):
         words = str(message)
         if not words.startswith(("Error reading persistent", "Error writing persistent")):
             warned(message, category, filename, lineno, file, line)
-        elif not told:
-            told.append(words)
+        elif not reported:
+            reported.append(words)
             what = "read" if words.startswith("Error reading") else "kept for the next run"
             _tell(f"a compiled program could not be {what} ({words.rpartition(': ')[2].lower()})")
 
@@ -64,10 +64,10 @@ def _tell(what: str) -> None:
 
 
 def _write_whole_entries() -> None:
-    """Programs of JAX's own folder are complete or not there, also beside another process.
+    """Make JAX write each program completely or not at all, also beside another process.
 
-    JAX writes them in place, and never again: half of one, from a process that was killed or a disk
-    that was full, would be in the way for ever.
+    JAX writes a program in place and never replaces it: an incomplete one, from a killed process
+    or a full disk, would stay for ever.
     """
     try:
         from jax._src.lru_cache import LRUCache

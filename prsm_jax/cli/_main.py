@@ -1,4 +1,4 @@
-"""Entry point: one line on stderr and exit status 2 for whatever the user can mend."""
+"""Entry point: one line on stderr and exit status 2 for errors that the user can correct."""
 
 import sys
 from collections.abc import Sequence
@@ -19,8 +19,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     - `arguments`: the words after `prsm`; default those of the process.
 
     **Returns:** the exit status: 0; 1 if the analysis has no valid result; 2 for input that
-    cannot be used, with one line on stderr and nothing written. A process that is the command line
-    ends with 130 on Ctrl-C and 143 on SIGTERM.
+    cannot be used, with one line on stderr and nothing written. A process started as the command
+    line ends with 130 on Ctrl-C and 143 on SIGTERM.
     """
     if arguments is None:
         # This process is the command line; a program that calls it keeps its own signal handlers.
@@ -32,9 +32,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     failure = stdout_failure()
     if failure is not None and not message:
         status, message = 2, f"stdout: {failure.strerror}"
-    # What went wrong before anything was written leaves no folder.
+    # A run that failed before it wrote anything leaves no folder.
     remove_empty_folders()
-    # From here on the result stands: a signal that came before ended the process.
+    # From here on the result is final; an earlier signal has ended the process.
     keep_result()
     if message:
         print(f"prsm: {printable(' '.join(message.split()))}", file=sys.stderr)
@@ -42,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(words: list[str], alone: bool) -> tuple[int, str]:
-    """Exit status, and what went wrong in words, if something did."""
+    """Exit status and error message; the message is empty if there was no error."""
     try:
         from cyclopts import CycloptsError
     except ModuleNotFoundError as error:

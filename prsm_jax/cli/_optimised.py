@@ -1,4 +1,4 @@
-"""The optimised mechanism as a file: the one it came from, with other numbers in it."""
+"""The optimised mechanism as a file: the original file with new numbers."""
 
 from ..mechanism import Mechanism, set_parameters
 from ..optimisation import Optimum, rounded_variables
@@ -6,9 +6,9 @@ from ..quantities import catalogue
 
 
 def optimised_text(source: str, mechanism: Mechanism, best: Optimum) -> str:
-    """The file that was optimised, its comments and order kept, with the new numbers.
+    """The file that was optimised, with the new numbers; comments and order stay.
 
-    Variables have six digits, or as many more as no objective or constraint changes by 1e-6.
+    Variables have six digits, or more if rounding changes an objective or constraint by over 1e-6.
 
     **Arguments:**
 

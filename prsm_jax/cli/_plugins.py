@@ -1,6 +1,6 @@
 """A user's own laws, quantities, sections and verbs on the command line: `--plugin MODULE`.
 
-Only the user names a module. A file of a mechanism never does, so that reading one runs no code.
+Only the user names modules. A mechanism file cannot name one, so reading it runs no code.
 """
 
 import hashlib
@@ -18,16 +18,16 @@ _loaded: list[ModuleType] = []
 
 
 def without_plugins(words: list[str]) -> tuple[list[str], list[str]]:
-    """The words of a command without `--plugin MODULE` and `--plugin=MODULE`, and the modules.
+    """Separate the words of a command from the modules of `--plugin MODULE` or `--plugin=MODULE`.
 
     **Raises:** `PrsmError` if the module is not named.
     """
     rest: list[str] = []
     named: list[str] = []
-    given = iter(words)
-    for word in given:
+    remaining = iter(words)
+    for word in remaining:
         if word == "--plugin":
-            named.append(next(given, ""))
+            named.append(next(remaining, ""))
         elif word.startswith("--plugin="):
             named.append(word.partition("=")[2])
         else:
@@ -44,7 +44,7 @@ def load_plugin(name: str) -> None:
 
     - `name`: a Python file, an entry point of the group `prsm_jax.plugins`, or a module.
 
-    **Raises:** `PrsmError` if there is none, or it fails.
+    **Raises:** `PrsmError` if the module does not exist or its import fails.
     """
     try:
         _loaded.append(_module(name))
@@ -73,7 +73,7 @@ def _module(name: str) -> ModuleType:
 def _of_file(path: Path, name: str) -> ModuleType:
     if not path.is_file():
         raise PrsmError(f"--plugin {name}: there is no such file")
-    # A name that no other module has: two plugins may be called alike, or as a module of Python.
+    # A unique name: two plugins may have the same name, or the name of a module of Python.
     place = hashlib.sha256(str(path.resolve()).encode()).hexdigest()[:12]
     spec = importlib.util.spec_from_file_location(f"prsm_plugin_{place}_{path.stem}", path)
     assert spec is not None
@@ -89,5 +89,5 @@ def _of_file(path: Path, name: str) -> ModuleType:
 
 
 def has_plugins() -> bool:
-    """Whether any is loaded: stored programs then cannot be trusted."""
+    """Whether a plugin is loaded: stored programs may then be out of date."""
     return bool(_loaded)

@@ -1,9 +1,9 @@
 """Compiled programs kept between runs, so that a warm start only has to import JAX.
 
 JAX's own cache saves compiling but not tracing and lowering, which for a steady state take as long
-as importing JAX. Here the compiled program is kept under a key that is known without tracing, and
-changes with anything that it depends on: the mechanism's structure, this package's files, JAX, its
-flags, and the processor.
+as importing JAX. Here the compiled program is kept under a key that is known without tracing and
+changes with everything that the program depends on: the mechanism's structure, this package's
+files, JAX, its flags, and the processor.
 """
 
 import contextlib
@@ -36,11 +36,11 @@ def _fingerprint() -> str:
 
 
 def _processor() -> str:
-    """What machine code may rely on: kind of processor, and its instructions where known."""
-    told = []
+    """Properties that machine code depends on: kind of processor, and its instructions if known."""
+    instructions = []
     with contextlib.suppress(OSError), open("/proc/cpuinfo", encoding="utf-8") as file:
-        told = [next(line for line in file if line.startswith(("flags", "Features")))]
-    return repr((platform.machine(), platform.processor(), told))
+        instructions = [next(line for line in file if line.startswith(("flags", "Features")))]
+    return repr((platform.machine(), platform.processor(), instructions))
 
 
 def _key(name: str, leaves: list, structure: Any) -> str:
@@ -55,15 +55,15 @@ _one_verb = False
 
 
 def run_one_verb() -> None:
-    """Say that this process runs one verb and ends: no program is called a second time."""
+    """Declare that this process runs one verb and ends: no program is called a second time."""
     global _one_verb
     _one_verb = True
 
 
 def runs_one_verb() -> bool:
-    """Whether this process runs one verb and ends, so that stored programs serve it better.
+    """Whether this process runs one verb and ends; stored programs are then faster.
 
-    A process that goes on keeps the programs that it has traced itself.
+    A process that runs longer reuses the programs that it has traced itself.
     """
     return _one_verb
 
@@ -83,20 +83,20 @@ def run_stored(
     - `function`: a pure function of the mechanism to a dictionary of arrays (dictionaries and
       lists inside are fine).
     - `mechanism`: the mechanism.
-    - `announced`: whether the line of progress counts on it already.
+    - `announced`: whether the progress line counts the program already.
     """
     if not announced:
         expect_programs("call")
     folder = jax.config.jax_compilation_cache_dir  # type: ignore[attr-defined]
-    # What a plugin computes changes with its own files, which the key does not know.
+    # Results of a plugin depend on its own files, which are not part of the key.
     if not folder or has_plugins() or not _is_known(mechanism):
         return eqx.filter_jit(function)(mechanism)
     leaves, structure = jax.tree.flatten(mechanism)
     path = Path(folder) / "programs" / _key(name, leaves, structure)
-    # A program that was changed, or that this JAX cannot run, is simply made again.
+    # A stored program that was changed, or that this JAX cannot run, is compiled again.
     with contextlib.suppress(Exception):
-        kept = serialize_executable.deserialize_and_load(*pickle.loads(_read(path)))
-        return jax.block_until_ready(kept(*leaves))
+        stored = serialize_executable.deserialize_and_load(*pickle.loads(_read(path)))
+        return jax.block_until_ready(stored(*leaves))
 
     def call(*numbers):
         return function(jax.tree.unflatten(structure, numbers))
@@ -109,24 +109,24 @@ def run_stored(
 
 
 def _is_known(mechanism: Mechanism) -> bool:
-    """Whether all parts of a mechanism are of this package, whose files are in the key."""
+    """Whether all parts of a mechanism belong to this package, whose files are in the key."""
     parts = [mechanism]
     while parts:
-        one = parts.pop()
-        if isinstance(one, tuple):
-            parts += one
-        elif isinstance(one, eqx.Module):
-            if not type(one).__module__.startswith("prsm_jax."):
+        part = parts.pop()
+        if isinstance(part, tuple):
+            parts += part
+        elif isinstance(part, eqx.Module):
+            if not type(part).__module__.startswith("prsm_jax."):
                 return False
-            parts += vars(one).values()
+            parts += vars(part).values()
     return True
 
 
 @contextlib.contextmanager
 def _not_in_the_cache_of_jax() -> Iterator[None]:
-    """Compile without leaving anything in JAX's own folder.
+    """Compile without writing to JAX's own cache.
 
-    A program that was read from there lacks some of its functions when it is written again.
+    A program that was read from that cache lacks some functions when it is serialised again.
     """
     name = "jax_persistent_cache_min_compile_time_secs"
     before = getattr(jax.config, name)
@@ -138,7 +138,7 @@ def _not_in_the_cache_of_jax() -> Iterator[None]:
 
 
 def _write(path: Path, data: bytes) -> None:
-    """Keep a program; a folder that cannot be written is no reason to fail."""
+    """Store a program; a folder that cannot be written is ignored."""
     with contextlib.suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         with whole_file(path) as partial:
@@ -146,7 +146,7 @@ def _write(path: Path, data: bytes) -> None:
 
 
 def _read(path: Path) -> bytes:
-    """What `_write` kept. **Raises:** `OSError` or `ValueError` if it is not there, or not that."""
+    """Read what `_write` stored. **Raises:** `OSError` or `ValueError` if absent or changed."""
     stored = path.read_bytes()
     size = hashlib.sha256().digest_size
     if hashlib.sha256(stored[size:]).digest() != stored[:size]:

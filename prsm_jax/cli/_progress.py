@@ -1,8 +1,8 @@
-"""What the program is doing, in one line on the terminal, for everything that takes a while.
+"""The progress line on the terminal: what the program is doing.
 
 `main` opens the line for every verb. A verb says which programs it compiles (`expect_programs`) and
-what it is doing (`doing`, `counted`); how many are compiled comes from JAX's own events. Nothing is
-shown where stderr is not a terminal, nor in the first second.
+what it is doing (`doing`, `counted`); JAX's own events count the compiled programs. The line is not
+shown if stderr is not a terminal, nor in the first second.
 """
 
 import contextlib
@@ -16,11 +16,11 @@ from collections.abc import Iterator
 _ERASE = "\r\x1b[K"
 _FIRST_S, _EVERY_S = 1.0, 0.2
 _PATIENCE_S = 0.2
-#: What JAX reports at the end of each step of a compilation.
+#: Events that JAX reports at the end of each step of a compilation.
 _TRACED = "/jax/core/compile/jaxpr_trace_duration"
 _LOWERED = "/jax/core/compile/jaxpr_to_mlir_module_duration"
 _COMPILED = "/jax/core/compile/backend_compile_duration"
-#: A program that was not announced counts as well if it takes as long as this to lower.
+#: A program that was not announced is counted if lowering it takes at least this long [s].
 _LONG_S = 0.2
 
 
@@ -49,7 +49,7 @@ class _Line:
             words = f"working, {self.compiled} of {programs} compiled"
         seconds = time.monotonic() - self.began
         text = f"prsm {self.verb}: {words or 'working'} ({seconds:.0f} s)"
-        # A line that is broken could not be erased.
+        # A line that wraps could not be erased.
         most = shutil.get_terminal_size((80, 24)).columns - 1
         return text if len(text) <= most else text[: most - 1] + "…"
 
@@ -61,7 +61,7 @@ class _Line:
                 self.shown = True
 
     def erase(self) -> None:
-        """Take the line away; the next drawing puts it back."""
+        """Erase the line; the next `draw` shows it again."""
         with self.lock:
             if self.shown:
                 sys.stderr.write(_ERASE)
@@ -95,7 +95,7 @@ _listening = False
 
 
 def _listen() -> None:
-    """Hear of every compilation from JAX; once for the process."""
+    """Register for JAX's compilation events, once per process."""
     global _listening
     if _listening:
         return
@@ -112,7 +112,7 @@ def _listen() -> None:
 
 @contextlib.contextmanager
 def progress(verb: str) -> Iterator[None]:
-    """Show what is going on while the verb runs, if stderr is a terminal that can erase a line."""
+    """Show the progress line while the verb runs, if stderr is a terminal that can erase a line."""
     global _current
     if not sys.stderr.isatty() or os.environ.get("TERM") == "dumb":
         yield
@@ -130,7 +130,7 @@ def progress(verb: str) -> Iterator[None]:
 
 
 def expect_programs(*names: str, times: int = 1) -> None:
-    """Say which functions will be compiled, each so many times; they are counted as they are.
+    """Announce functions that will be compiled; each is counted once it is compiled.
 
     **Arguments:**
 
@@ -140,35 +140,35 @@ def expect_programs(*names: str, times: int = 1) -> None:
     if _current is not None:
         _current.programs.update(names)
         _current.total += times * len(names)
-        # Until the first is there; between others nothing tells tracing from running.
+        # Only before the first: later, tracing cannot be told from running.
         _current.compiling = _current.compiled == 0
 
 
 def doing(words: str) -> None:
-    """Say what is being done now; the programs expected next are still announced by themselves."""
+    """Set the text of the line; programs compiled later are still announced by themselves."""
     if _current is not None:
         _current.words, _current.compiling = words, False
 
 
 def counted(done: int, total: int, what: str) -> None:
-    """Say how far a loop is, such as `counted(4096, 12000, "designs")`."""
+    """Show how far a loop is, such as `counted(4096, 12000, "designs")`."""
     doing(f"{done} of {total} {what}")
 
 
 def clear() -> None:
-    """Take the line away before something else is printed."""
+    """Erase the line before something else is printed."""
     if _current is not None:
         _current.erase()
 
 
 def tell(text: str) -> None:
-    """Print to stdout while the line is there."""
+    """Print to stdout while the line is shown."""
     clear()
     print(text, flush=True)
 
 
 def erase_for_good() -> str:
-    """What to write so that the line is gone, and nothing is drawn any more: the process ends."""
+    """Stop drawing because the process ends; returns the characters that erase the line."""
     line = _current
     if line is None:
         return ""

@@ -1,4 +1,4 @@
-"""Standard output and error that may be closed, full, or a pipe that nobody reads any more."""
+"""Standard output and error that may be closed, full, or a pipe without a reader."""
 
 import io
 import os
@@ -7,7 +7,7 @@ from typing import TextIO
 
 
 class _Sink(io.FileIO):
-    """A descriptor whose first failure is kept, after which the rest is thrown away."""
+    """A descriptor that stores its first failure and discards everything after it."""
 
     failure: OSError | None = None
     closed_before = False
@@ -22,9 +22,9 @@ class _Sink(io.FileIO):
 
 
 def make_patient() -> None:
-    """Let stdout and stderr of this process fail without an exception where text is printed."""
+    """Make printing raise no exception if stdout or stderr of this process fails."""
     if os.name != "posix":
-        return  # a console of Windows is no file of bytes
+        return  # a Windows console is not a file of bytes
     sys.stdout, sys.stderr = _patient(sys.stdout, 1), _patient(sys.stderr, 2)
 
 
@@ -34,7 +34,7 @@ def _patient(stream: TextIO | None, number: int) -> TextIO:
     return io.TextIOWrapper(
         io.BufferedWriter(sink),
         encoding=getattr(stream, "encoding", None) or "utf-8",
-        # A sign for a letter that the terminal does not have, instead of no result.
+        # A substitute for characters that the terminal does not have, instead of no result.
         errors="replace" if number == 1 else "backslashreplace",
         line_buffering=number == 2 or sink.isatty(),
         write_through=False,
@@ -42,9 +42,9 @@ def _patient(stream: TextIO | None, number: int) -> TextIO:
 
 
 def stdout_failure() -> OSError | None:
-    """Why text did not arrive on stdout, after writing out what is left of it.
+    """Flush stdout, and return the error that kept text from it, if any.
 
-    A reader that has seen enough (`head`, a pager) is no failure.
+    A reader that closes the pipe early (`head`, a pager) is not a failure.
     """
     sys.stdout.flush()
     sink = getattr(getattr(sys.stdout, "buffer", None), "raw", None)

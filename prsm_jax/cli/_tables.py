@@ -1,4 +1,4 @@
-"""Tables of the terminal: as wide as it is, in an engineer's units."""
+"""Tables that fit the width of the terminal, in engineering units."""
 
 import shutil
 import textwrap
@@ -7,12 +7,12 @@ from typing import Any
 
 from ..text import TextTable as TextTable, display_unit
 
-#: Columns of a terminal that does not say how wide it is, and of files and pipes.
+#: Columns of files, of pipes, and of a terminal that does not report its width.
 _WIDTH = 80
 _LEAST = 40
 
-#: A line of a list of quantities: words, SI value, SI unit, and the name of the quantity, which
-#: matters where it is an efficiency.
+#: A line of a list of quantities: label, SI value, SI unit and, for an efficiency, the name of the
+#: quantity.
 Line = tuple[Any, ...]
 
 
@@ -36,7 +36,7 @@ def prose(text: str) -> str:
 
 
 def in_units(lines: Iterable[Line]) -> list[tuple[str, float | None, str]]:
-    """Words, value and unit of SI values, each in the unit that an engineer reads it in."""
+    """Label, value and unit of each line, converted from SI to an engineering unit."""
     rows = []
     for words, value, unit, *name in lines:
         known = value is not None

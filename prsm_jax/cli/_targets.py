@@ -1,4 +1,4 @@
-"""Outputs are checked before anything is computed: can they be written where they are asked for?"""
+"""Checks, before anything is computed, that the outputs can be written."""
 
 import os
 import tempfile
@@ -9,7 +9,7 @@ from ._streams import stdout_is_closed
 
 
 def check_json(path: str | None) -> None:
-    """Check that `--json PATH` can be written; its folder has to be there.
+    """Check that `--json PATH` can be written; its folder must exist.
 
     **Raises:** `PrsmError` in one line.
     """
@@ -32,7 +32,7 @@ def check_json(path: str | None) -> None:
 
 
 def check_folder(folder: Path | None, option: str = "--out") -> None:
-    """Check that a folder for results is there and can be written to, or can be made.
+    """Check that a folder for results exists and can be written to, or can be made.
 
     **Raises:** `PrsmError` in one line.
     """
@@ -50,7 +50,7 @@ def check_folder(folder: Path | None, option: str = "--out") -> None:
 
 
 def _try(folder: Path, words: str) -> None:
-    """Make something in the folder and take it away: permissions alone do not tell."""
+    """Create and remove something in the folder: permissions alone are not sufficient."""
     try:
         os.rmdir(tempfile.mkdtemp(prefix=".prsm-", dir=folder))
     except OSError as error:

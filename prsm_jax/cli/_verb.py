@@ -1,4 +1,4 @@
-"""A verb of a user's own."""
+"""Verbs that users add."""
 
 from collections.abc import Callable
 from typing import TypeVar
@@ -14,9 +14,9 @@ _own: dict[str, tuple[str, str]] = {}
 def verb(function: _Verb) -> _Verb:
     """Add a function to the command line under its name; the module is given by `--plugin`.
 
-    Its arguments, their types and its docstring make the command's (cyclopts). Arguments named
-    `output: Output` or `common: Common` bring the options that all verbs share; `emit` sends
-    results where they ask for them. It returns the exit status.
+    Its arguments, their types and its docstring define those of the command (cyclopts). Arguments
+    named `output: Output` or `common: Common` bring the options that all verbs share; `emit` writes
+    results as these options say. The function returns the exit status.
 
     **Raises:** `ValueError` if another function has the name.
     """

@@ -293,7 +293,7 @@ def test_simulate(run, monkeypatch, to_and_fro):
             cells = [float(cell) for cell in printed.row(words)]
             assert cells == pytest.approx([float(values[0]), float(values[-1])], rel=5e-6)
     printed.row("Transient: li2020_two_stage")
-    printed.row("Kvaerno5: 50 steps, 3 rejected, successful; error by neglect about 3e-07")
+    printed.row("Kvaerno5: 50 steps, 3 rejected, successful; estimated error about 3e-07")
     printed.finish()
 
 

@@ -1,4 +1,4 @@
-"""Verbs that analyse one mechanism as it stands: check, steady."""
+"""Verbs that analyse one mechanism: check, steady."""
 
 from pathlib import Path
 from typing import Any
@@ -22,14 +22,14 @@ _steady_state = eqx.filter_jit(steady_state)
 
 @app.command
 def check(file: str, *, common: Common = _DEFAULT) -> int:
-    """Does it fit together, and do its numbers make sense? Exit status 1 if one is an error."""
+    """Do the parts fit together, and are the numbers plausible? Exit status 1 if not."""
     mechanism = common.load(file)
     findings, rests_on = checked(mechanism), assumptions(mechanism)
     rows = [(f.name, f.severity, f.stage, f.message) for f in findings]
-    found = TextTable("Findings", ("name", "severity", "stage", "what"), rows)
+    table = TextTable("Findings", ("name", "severity", "stage", "what"), rows)
 
     def text() -> str:
-        return found.text(terminal_width()) if rows else "no findings"
+        return table.text(terminal_width()) if rows else "no findings"
 
     keys = ("name", "severity", "stage", "value", "limit", "message")
     results = {
@@ -37,7 +37,7 @@ def check(file: str, *, common: Common = _DEFAULT) -> int:
         "errors": sum(f.severity == "error" for f in findings),
     }
     if common.out is not None:
-        save_tables(common.out, "findings", results, [found], rests_on)
+        save_tables(common.out, "findings", results, [table], rests_on)
     emit(common, results, text, rests_on)
     return int(any(f.severity == "error" for f in findings))
 
@@ -66,9 +66,9 @@ def steady_results(state: SteadyState, point: OperatingPoint | None) -> dict[str
 
 
 def told(results: dict[str, Any]) -> dict[str, Any]:
-    """A steady state with the name of its result, and no efficiency where it is locked or jammed.
+    """A steady state with the name of its result, without efficiency where it locks or jams.
 
-    What stands for the efficiency then is a number without meaning: -0.34 of a thread that locks.
+    The computed efficiency then has no meaning, such as -0.34 for a thread that locks.
     """
     name = STEADY_RESULTS[int(results["result"])]
     changed: dict[str, Any] = {"result": name, "result_message": steady_meaning(name)}
@@ -125,7 +125,7 @@ def _steady_pictures(folder: Path, state: SteadyState) -> tuple[Path, ...]:
     return tuple(p for name, one in figures.items() for p in save_figure(one, folder / name))
 
 
-#: What the line of the efficiency says where there is none.
+#: Labels of the efficiency where there is none.
 _EFFICIENCY = {
     name: f"efficiency: none, {name.replace('_', ' ')}"
     for name in STEADY_RESULTS

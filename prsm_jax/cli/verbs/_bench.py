@@ -1,4 +1,4 @@
-"""The verb `bench`: error against run time, where the benchmarks are at hand."""
+"""The verb `bench`: error against run time, where the benchmarks are available."""
 
 import importlib.util
 import os
@@ -17,7 +17,7 @@ _OUT = Path("out/bench")
 
 
 def _checkout() -> Path:
-    """The folder in which the package `benchmarks` lies: this one, or that of the package.
+    """The folder that contains the package `benchmarks`: the current one, or that of `prsm_jax`.
 
     **Raises:** `PrsmError` if there is none.
     """
@@ -46,13 +46,15 @@ def bench(
     check_folder(out)
     check_folder(docs, "--docs")
     if importlib.util.find_spec("mpmath") is None:
-        raise PrsmError("bench: mpmath, of the references, is missing: pip install -e '.[bench]'")
-    given = [*cases, "--out", str(out.absolute()), "--docs", str((docs or out).absolute())]
-    given += ["--quick"] * quick + ["--page"] * page
+        raise PrsmError(
+            "bench: mpmath, which the references need, is missing: pip install -e '.[bench]'"
+        )
+    arguments = [*cases, "--out", str(out.absolute()), "--docs", str((docs or out).absolute())]
+    arguments += ["--quick"] * quick + ["--page"] * page
     path = os.pathsep.join(filter(None, (str(root), os.environ.get("PYTHONPATH"))))
-    # A process of its own, with the compiler's settings that users of the library have.
+    # A separate process, with the compiler settings that users of the library have.
     done = subprocess.run(
-        [sys.executable, "-m", "benchmarks", *given],
+        [sys.executable, "-m", "benchmarks", *arguments],
         cwd=root,
         env=os.environ | {"PYTHONPATH": path},
         check=False,

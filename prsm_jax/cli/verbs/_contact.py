@@ -51,10 +51,10 @@ def contact_results(
     stages: Sequence[Stage], meshings: Sequence[Meshing], contacts: Sequence[StageContact]
 ) -> dict[str, Any]:
     """Thread contacts by the names of the JSON."""
-    found = []
+    results = []
     for stage, meshing, pair in zip(stages, meshings, contacts, strict=True):
         onsets = side_onsets(stage, meshing) or (None, None)
-        sides: dict[str, Any] = {"stage": len(found) + 1, "converged": meshing.converged}
+        sides: dict[str, Any] = {"stage": len(results) + 1, "converged": meshing.converged}
         for name, onset in zip(("screw", "nut"), onsets, strict=True):
             where, result = getattr(meshing, name), getattr(pair, name)
             hertz = result.hertz
@@ -66,7 +66,7 @@ def contact_results(
                 "normal_force_n": result.normal_force,
                 "semi_major_m": hertz.semi_major,
                 "semi_minor_m": hertz.semi_minor,
-                # As the quantity max_pressure: above Hertz's where a flank ends in the ellipse.
+                # As the quantity max_pressure: above Hertz's where a flank's end cuts the ellipse.
                 "max_pressure_pa": truncated_pressure(onset, hertz.max_pressure),
                 "whole_ellipse_max_pressure_pa": hertz.max_pressure,
                 "approach_m": hertz.approach,
@@ -76,8 +76,8 @@ def contact_results(
                 "roller_stiffness_n_per_m": result.roller_stiffness,
                 **_stress(hertz, material_of(stage, name).poisson_ratio),
             }
-        found.append(sides)
-    return {"stages": found}
+        results.append(sides)
+    return {"stages": results}
 
 
 def line_contact_results(line: LineContactResult) -> dict[str, Any]:
@@ -143,15 +143,15 @@ def _contacts(mechanism: Mechanism) -> dict[str, Any]:
     meshings = [mesh(stage.thread) for stage in mechanism.stages]
     results = contact_results(mechanism.stages, meshings, thread_contacts(mechanism))
     load = load_of(mechanism, None)
-    for number, (stage, meshing, found) in enumerate(
+    for number, (stage, meshing, stage_results) in enumerate(
         zip(mechanism.stages, meshings, results["stages"], strict=True), start=1
     ):
         if stage.line_contact is not None:
-            found["line_contact"] = line_contact_results(line_contact(stage, load))
+            stage_results["line_contact"] = line_contact_results(line_contact(stage, load))
         if stage.load_sharing is not None:
             shared = load_distribution(mechanism, load, stage=number)
             onsets = side_onsets(stage, meshing) or (None, None)
-            found["load_sharing"] = load_sharing_results(shared, onsets)
+            stage_results["load_sharing"] = load_sharing_results(shared, onsets)
     return results
 
 
@@ -187,11 +187,11 @@ def contact(file: str, *, common: Common = _DEFAULT) -> int:
 
 
 def _times(value: float | None, factor: float) -> float | None:
-    """A number in another unit; what is not defined stays so."""
+    """A number in another unit; `None` stays `None`."""
     return None if value is None else value * factor
 
 
-#: Columns of the table of contacts: heading, key of the JSON, how many of the unit make one SI.
+#: Columns of the table of contacts: heading, key of the JSON, factor from SI to the unit.
 _COLUMNS = (
     ("r mm", "contact_radius_m", 1e3),
     ("φ deg", "contact_angle_position_rad", 180 / math.pi),
@@ -202,7 +202,7 @@ _COLUMNS = (
     ("δ µm", "approach_m", 1e6),
     ("F/δ N/µm", "stiffness_n_per_m", 1e-6),
 )
-#: Beside them where the end of a flank cuts an ellipse: a, b, δ and F/δ are those of the whole one.
+#: Added where the end of a flank cuts an ellipse: a, b, δ and F/δ belong to the whole ellipse.
 _WHOLE = (("p₀ of the whole ellipse MPa", "whole_ellipse_max_pressure_pa", 1e-6),)
 _BELOW = (
     ("von Mises MPa", "max_von_mises_stress_pa", 1e-6),
@@ -225,21 +225,21 @@ def _tables(file: str, stages: list[dict[str, Any]]) -> str:
         return table(title, heads, rows)
 
     cut = any(s["max_pressure_pa"] != s["whole_ellipse_max_pressure_pa"] for _, s in sides)
-    found = of_sides(f"Thread contacts: {file}", _COLUMNS + (_WHOLE if cut else ()))
-    found += of_sides("Largest stress below them, without friction", _BELOW)
-    whole: list[Line] = []
+    text = of_sides(f"Thread contacts: {file}", _COLUMNS + (_WHOLE if cut else ()))
+    text += of_sides("Largest stress below them, without friction", _BELOW)
+    totals: list[Line] = []
     for number, stage in enumerate(stages, start=1):
-        whole += _lines_of_line(number, stage.get("line_contact"))
-        whole += _lines_of_sharing(number, stage.get("load_sharing"))
+        totals += _lines_of_line(number, stage.get("line_contact"))
+        totals += _lines_of_sharing(number, stage.get("load_sharing"))
         if not stage["converged"]:
-            found += f"stage {number} is not valid: the meshing has no solution\n"
-    return found + (table("As a whole", ("", "", ""), in_units(whole)) if whole else "")
+            text += f"stage {number} is not valid: the meshing has no solution\n"
+    return text + (table("As a whole", ("", "", ""), in_units(totals)) if totals else "")
 
 
 def _lines_of_line(number: int, line: dict[str, Any] | None) -> list[Line]:
     if line is None:
         return []
-    found: list[Line] = [
+    lines: list[Line] = [
         ("largest pressure", line["max_pressure_pa"], "Pa"),
         ("largest half-width", line["max_half_width_m"], "m"),
         ("approach", line["approach_m"], "m"),
@@ -248,13 +248,13 @@ def _lines_of_line(number: int, line: dict[str, Any] | None) -> list[Line]:
         ("largest line load over its mean", line["edge_ratio"], "1"),
         ("R² of the parabola", line["parabola_fit"], "1"),
     ]
-    return [(f"stage {number}: line contact, {one[0]}", *one[1:]) for one in found]
+    return [(f"stage {number}: line contact, {one[0]}", *one[1:]) for one in lines]
 
 
 def _lines_of_sharing(number: int, shared: dict[str, Any] | None) -> list[Line]:
     if shared is None:
         return []
-    found: list[Line] = [
+    lines: list[Line] = [
         ("largest over mean thread load, screw", shared["screw"]["thread_sharing_factor"], "1"),
         ("largest over mean thread load, nut", shared["nut"]["thread_sharing_factor"], "1"),
         ("largest over mean roller load", shared["screw"]["roller_sharing_factor"], "1"),
@@ -262,9 +262,9 @@ def _lines_of_sharing(number: int, shared: dict[str, Any] | None) -> list[Line]:
         ("deflection", shared["deflection_m"], "m"),
         ("axial stiffness dF/dx", shared["tangent_stiffness_n_per_m"], "N/m"),
     ]
-    whole = shared["whole_ellipse_max_pressure_pa"]
-    if whole != shared["max_pressure_pa"]:
-        found.insert(4, ("largest pressure of a whole ellipse", whole, "Pa"))
+    pressure = shared["whole_ellipse_max_pressure_pa"]
+    if pressure != shared["max_pressure_pa"]:
+        lines.insert(4, ("largest pressure of a whole ellipse", pressure, "Pa"))
     if shared["spacer_force_n"] is not None:
-        found.append(("force in the spacer", shared["spacer_force_n"], "N"))
-    return [(f"stage {number}: load sharing, {one[0]}", *one[1:]) for one in found]
+        lines.append(("force in the spacer", shared["spacer_force_n"], "N"))
+    return [(f"stage {number}: load sharing, {one[0]}", *one[1:]) for one in lines]

@@ -27,12 +27,12 @@ if TYPE_CHECKING:
     from ...report import ReportData
 
 _DEFAULT = Common()
-# Searching for the largest stress is slow step by step.
+# The search for the largest stress is slow if it is not compiled.
 _contact_results = eqx.filter_jit(contact_results)
 
 
 def _all_results(data: "ReportData") -> dict[str, Any]:
-    """What the verbs contact, modal, steady and simulate give, as far as it was analysed."""
+    """Results as from the verbs contact, modal, steady and simulate, as far as analysed."""
     results: dict[str, Any] = {}
     if data.meshings is not None and data.contacts is not None:
         results["contact"] = _contact_results(data.mechanism.stages, data.meshings, data.contacts)
@@ -89,10 +89,10 @@ def demo(
     tell(best.text(terminal_width()))
 
     text = optimised_text(file, mechanism, best)
-    # From here on the improved mechanism is what its file says, so that the report's numbers are
-    # those that anyone gets who analyses the file.
+    # The improved mechanism is read from its file, so that an analysis of the file gives the
+    # numbers of the report.
     improved = loads(text, name="optimised.toml")
-    # A design that breaks limits is shown in the report, and is no file to build from.
+    # A design that breaks limits is shown in the report, but not written as a file.
     files = {"optimised.toml": text} if best.feasible else {}
 
     say("analysing both designs: contact, vibration, steady state, transient")

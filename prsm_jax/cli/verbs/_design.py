@@ -70,9 +70,9 @@ def optimise(
     ] = False,
     common: Common = _DEFAULT,
 ) -> int:
-    """Improve the design as the file's [optimise] table asks; writes the optimised file.
+    """Improve the design as the file's [optimise] table says; writes the optimised file.
 
-    What `prsm check` calls an error is a constraint too. The optimised mechanism is written to the
+    Errors of `prsm check` are constraints, too. The optimised mechanism is written to the
     folder of --out (default out/optimise), unless it breaks a constraint; exit status 1 if no
     design satisfies the constraints and the optimality conditions.
     """
@@ -103,22 +103,22 @@ def optimise(
 
 
 def told_of_search(start: int, starts: int, iteration: int) -> None:
-    """How far an optimisation is, on the terminal."""
+    """Show the progress of an optimisation on the terminal."""
     doing(f"start {start} of {starts}, iteration {iteration}")
 
 
 def _axis(mechanism: Mechanism, text: str) -> tuple[str, np.ndarray]:
     """`NAME=FIRST:LAST:COUNT` or `NAME=VALUE,VALUE,…`, values as in `--set`."""
-    name, equals, given = (part.strip() for part in text.partition("="))
-    if not (name and equals and given):
+    name, equals, numbers = (part.strip() for part in text.partition("="))
+    if not (name and equals and numbers):
         raise PrsmError(f"--axis {text}: must be NAME=FIRST:LAST:COUNT or NAME=VALUE,VALUE,…")
 
     def value(word: str) -> float:
         return value_of(mechanism, name, word, f"--axis {text}")
 
-    parts = given.split(":")
+    parts = numbers.split(":")
     if len(parts) == 1:
-        return name, np.asarray([value(word) for word in given.split(",")])
+        return name, np.asarray([value(word) for word in numbers.split(",")])
     if len(parts) != 3 or not parts[2].strip().isdigit() or int(parts[2]) < 2:
         raise PrsmError(
             f"--axis {text}: a range is FIRST:LAST:COUNT with a count of at least 2, such as "
@@ -128,10 +128,10 @@ def _axis(mechanism: Mechanism, text: str) -> tuple[str, np.ndarray]:
 
 
 def _counted(codes: Any) -> dict[str, int]:
-    """How many designs have each code but 0, by its meaning."""
+    """Number of designs with each code other than 0, by its meaning."""
     meanings = codes.attrs["flag_meanings"].split()
-    found, counts = np.unique(codes.values, return_counts=True)
-    pairs = zip(found.astype(int), counts, strict=True)
+    distinct, counts = np.unique(codes.values, return_counts=True)
+    pairs = zip(distinct.astype(int), counts, strict=True)
     return {meanings[code]: int(count) for code, count in pairs if code}
 
 
@@ -160,7 +160,7 @@ def sweep(
     axes = dict(_axis(mechanism, text) for text in axis)
     folder = Path("out") if common.out is None else common.out
     store = folder / f"{Path(file).stem}-sweep.zarr"
-    # Whole numbers are part of the program: each combination of them is one.
+    # Integers are part of the program: each combination of them needs its own.
     fixed = [
         len(values) for name, values in axes.items() if find_parameters(mechanism, name)[0].static
     ]
@@ -185,7 +185,7 @@ def sweep(
             words += f"; errors of prsm check in {sum(errors.values())} more: {_listed(errors)}"
         return prose(words) + str(store)
 
-    found = checked(mechanism)
+    findings = checked(mechanism)
     results: dict[str, Any] = {
         "store": store,
         "points": points,
@@ -193,8 +193,8 @@ def sweep(
         "reasons": reasons,
         # Designs that did not fail, by the first error that `check` finds in them.
         "errors": errors,
-        # Of the mechanism as the file has it; each design has its own code.
-        "findings": list(dict.fromkeys(f.name for f in found if f.severity != "note")),
+        # Of the mechanism in the file; each design has its own code.
+        "findings": list(dict.fromkeys(f.name for f in findings if f.severity != "note")),
         "valid": failed < points,
     }
     if common.out is not None and len(axes) == 2:

@@ -1,4 +1,4 @@
-"""The verb that says which optional parts a file carries: explain."""
+"""The verb that lists the optional parts of a file: explain."""
 
 from typing import Annotated
 
@@ -11,7 +11,7 @@ from .._progress import counted, doing
 from .._tables import prose, terminal_width
 
 _DEFAULT = Common()
-_WITHOUT = "Parts are told by the name of the field; --numbers lists optional numbers too.\n"
+_WITHOUT = "Parts have the names of their fields; --numbers lists optional numbers too.\n"
 
 
 @app.command
@@ -33,17 +33,17 @@ def explain(
 ) -> int:
     """Which optional parts the file carries, which it leaves out and why, and what each costs.
 
-    A cost is that of the program with the part less that without it: equations in what JAX traces;
-    with --time also flops and bytes, memory, compiling and run time. --out writes explain.json and
-    explain.md.
+    The cost of a part is the difference between the program with it and without it: equations that
+    JAX traces; with --time also flops and bytes, memory, compiling and run time. --out writes
+    explain.json and explain.md.
     """
     mechanism = common.load(file)
     doing("counting parts")
-    found = run_explain(
+    explanation = run_explain(
         mechanism, programs=words_of(programs), numbers=numbers, time=time, progress=counted
     )
-    results = found.to_dict()
-    tables = found.tables(numbers)
+    results = explanation.to_dict()
+    tables = explanation.tables(numbers)
     if common.out is not None:
         results["files"] = save_tables(common.out, "explain", results, tables)
 

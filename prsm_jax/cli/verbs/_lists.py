@@ -25,10 +25,10 @@ def quantities(*, output: Output = _DEFAULT) -> int:
     ]
     rows = [tuple(entry.values()) for entry in known]
     output.check_targets()
-    found = TextTable("Quantities", ("name", "symbol", "SI unit", "description"), rows)
+    table = TextTable("Quantities", ("name", "symbol", "SI unit", "description"), rows)
     if output.out is not None:
-        save_tables(output.out, "quantities", {"quantities": known}, [found])
-    emit(output, {"quantities": known}, lambda: found.text(terminal_width()))
+        save_tables(output.out, "quantities", {"quantities": known}, [table])
+    emit(output, {"quantities": known}, lambda: table.text(terminal_width()))
     return 0
 
 
@@ -87,7 +87,7 @@ def _published_pictures(folder: Path, source: str | None) -> list[Path]:
     from ...report import published_figure, published_pressure, save_figure
     from ...validation import published_figures, published_pressures
 
-    # Everything that can fail comes before the folder.
+    # Everything that can fail is done before the folder is made.
     drawn = {figure.file_name: published_figure(figure) for figure in published_figures(source)}
     drawn |= {one.file_name: published_pressure(one) for one in published_pressures(source)}
     make_folder(folder)

@@ -20,7 +20,7 @@ from .._tables import table
 
 _DEFAULT = Common()
 _modes = eqx.filter_jit(run_modal)
-#: From this ratio of the last value to the first on, values are in equal ratios.
+#: If the largest value is at least this many times the smallest, values are spaced in equal ratios.
 _WIDE = 50.0
 
 
@@ -69,7 +69,7 @@ def loci_results(loci: FrequencyLoci) -> dict[str, Any]:
 def _values(
     mechanism: Mechanism, against: str, first: str | None, last: str | None, points: int
 ) -> np.ndarray:
-    """Values of the parameter from `--from` to `--to` [SI]; whole where they have to be."""
+    """Values of the parameter from `--from` to `--to` [SI]; integers if the parameter is one."""
     if first is None or last is None:
         raise PrsmError(f"--against {against}: give its range with --from and --to")
     ends = [
@@ -98,7 +98,7 @@ def _pictures(
 ) -> list[Path]:
     from ...report import frequency_loci_chart, mode_shapes, save_figure, save_mode_animations
 
-    # Everything that can fail comes before the folder.
+    # Everything that can fail is done before the folder is made.
     drawn = {"mode-shapes": mode_shapes(mechanism, modes, stage=stage)}
     if loci is not None:
         drawn["frequencies-against-" + loci.parameter.replace(".", "-")] = frequency_loci_chart(
@@ -136,13 +136,13 @@ def modal(
     last: Annotated[
         str | None, Parameter(name="--to", allow_leading_hyphen=True, help="Its last value.")
     ] = None,
-    points: Annotated[int, Parameter(help="Number of values in between and at the ends.")] = 201,
+    points: Annotated[int, Parameter(help="Number of values, both ends included.")] = 201,
     common: Common = _DEFAULT,
 ) -> int:
     """Natural frequencies and families of one stage; pictures of the modes with --out."""
     mechanism = common.load(file)
     if against is None and (first is not None or last is not None):
-        raise PrsmError("--from and --to: say which number they are of with --against")
+        raise PrsmError("--from and --to: name the number that they are for with --against")
     values = None if against is None else _values(mechanism, against, first, last, points)
     expect_programs("modal")
     modes = _modes(mechanism, stage=stage, shapes=shapes or common.out is not None)

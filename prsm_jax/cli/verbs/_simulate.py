@@ -1,4 +1,4 @@
-"""The verb simulate: time histories of a mission, and what a motor and a bearing see of it."""
+"""The verb simulate: time histories of a mission, and its demands on motor and mechanism."""
 
 import dataclasses
 from pathlib import Path
@@ -52,7 +52,7 @@ def _transient(
 
 
 def transient_results(run: Transient) -> dict[str, Any]:
-    """A transient by the names of the JSON; three more of them where the torque is prescribed."""
+    """A transient by the names of the JSON; three more if the torque is prescribed."""
     results = {
         "summary": _summary(run),
         "time_s": run.time,
@@ -121,7 +121,7 @@ def _numbers(run: Transient) -> dict[str, Any]:
 
 
 def _summary(run: Transient) -> dict[str, Any]:
-    """What a mission asks of motor and mechanism; peaks are those of the samples."""
+    """Demands of a mission on motor and mechanism; peaks are those of the samples."""
     return {"duration_s": run.time[-1] - run.time[0], **_numbers(run)}
 
 
@@ -144,16 +144,22 @@ def _mission(summary: dict[str, Any]) -> list[Line]:
 def simulate(
     file: str,
     *,
-    method: Annotated[MethodName, Parameter(help="How carriers are found over time.")] = "auto",
+    method: Annotated[
+        MethodName, Parameter(help="Method for the motion of the carriers over time.")
+    ] = "auto",
     samples: Annotated[
-        int | None, Parameter(help="Number of times in the result; default the file's, or 201.")
+        int | None, Parameter(help="Number of points in time; default the file's, or 201.")
     ] = None,
     rtol: Annotated[
         float | None,
-        Parameter(help="Relative tolerance of the steps, where the method takes any: 1e-8."),
+        Parameter(help="Relative tolerance of the steps, if the method takes one; default 1e-8."),
     ] = None,
-    atol: Annotated[float | None, Parameter(help="Absolute tolerance of the steps: 1e-10.")] = None,
-    max_steps: Annotated[int | None, Parameter(help="Steps allowed: 4096.")] = None,
+    atol: Annotated[
+        float | None, Parameter(help="Absolute tolerance of the steps; default 1e-10.")
+    ] = None,
+    max_steps: Annotated[
+        int | None, Parameter(help="Largest number of steps; default 4096.")
+    ] = None,
     animation: Annotated[
         bool, Parameter(help="With --out: an animated GIF of the stages in motion.")
     ] = True,
@@ -185,7 +191,7 @@ def simulate(
 
 
 def _moves_at_an_end(run: Transient) -> bool:
-    """Whether start and end say something: a mission is at standstill at both, but for rounding."""
+    """Whether it moves at start or end; a mission stands still at both, up to rounding."""
     speed = np.abs(np.asarray(run.screw_speed))
     return bool(speed[[0, -1]].max() > 1e-9 * speed.max())
 
@@ -201,11 +207,11 @@ def _ends(run: Transient) -> list[tuple[str, float, float]]:
 
 
 def _solver(solver: dict[str, Any]) -> str:
-    """How the integration went; a closed form has no steps."""
+    """Summary of the integration; a closed form has no steps."""
     words = solver["name"]
     if solver["steps"]:
         words += f": {solver['steps']} steps, {solver['rejected']} rejected"
     words = f"{words}, {solver['result']}"
     if solver["error_estimate"] is not None:
-        words += f"; error by neglect about {solver['error_estimate']:.1g}"
+        words += f"; estimated error about {solver['error_estimate']:.1g}"
     return words

@@ -50,27 +50,27 @@ def _range(modes: Modes, fmin: float | None, fmax: float | None, points: int) ->
         raise PrsmError(
             f"--fmin {first:.6g} --fmax {last:.6g}: must be 0 Hz or more, and fmin below fmax"
         )
-    # Zero has no place on a logarithmic axis.
+    # A logarithmic axis cannot start at 0.
     return np.geomspace(first, last, points) if first > 0 else np.linspace(first, last, points)
 
 
 def response_results(
-    found: FrequencyResponse, modes: Modes, law: str | None, stage: int
+    response: FrequencyResponse, modes: Modes, law: str | None, stage: int
 ) -> dict[str, Any]:
     """A frequency response by the names of the JSON."""
     return {
         "stage": stage,
-        "from": found.excitation,
-        "to": found.response,
-        "kind": found.kind,
-        "unit": found.unit,
+        "from": response.excitation,
+        "to": response.response,
+        "kind": response.kind,
+        "unit": response.unit,
         "damping": law,
-        "frequency_hz": found.frequency,
-        "real": found.value.real,
-        "imaginary": found.value.imag,
-        "magnitude_db": found.decibel,
-        "phase_rad": found.phase,
-        "at_pole": found.at_pole,
+        "frequency_hz": response.frequency,
+        "real": response.value.real,
+        "imaginary": response.value.imag,
+        "magnitude_db": response.decibel,
+        "phase_rad": response.phase,
+        "at_pole": response.at_pole,
         "natural_frequencies_hz": modes.frequencies,
         "families": modes.families,
         "multiplicities": modes.multiplicities,
@@ -96,11 +96,11 @@ def response(
         Parameter(name="--from", help="Where the force acts: 'screw u', 'nut x', 'roller 3 u', …"),
     ] = "screw u",
     target: Annotated[
-        str, Parameter(name="--to", help="Where the motion is taken, as --from.")
+        str, Parameter(name="--to", help="Where the motion is measured, written as --from.")
     ] = "nut u",
     fmin: Annotated[float | None, Parameter(help="Lowest frequency in Hz.")] = None,
     fmax: Annotated[float | None, Parameter(help="Highest frequency in Hz.")] = None,
-    points: Annotated[int, Parameter(help="Number of frequencies, in equal ratios.")] = 2001,
+    points: Annotated[int, Parameter(help="Number of frequencies, spaced in equal ratios.")] = 2001,
     kind: Annotated[Kind, Parameter(help="Displacement, velocity or acceleration.")] = "receptance",
     ratio: Annotated[
         float | None,
@@ -134,18 +134,18 @@ def response(
             (both.frequency[where], both.value[where], both.at_pole[where]),
         )
 
-    found, peaks = part(slice(None, points)), part(slice(points, None))
+    curve, peaks = part(slice(None, points)), part(slice(points, None))
     law = _LAWS[type(damping)]
     picture = None
-    if common.out is not None and np.asarray(found.value).any():
+    if common.out is not None and np.asarray(curve.value).any():
         from ...report import response_chart, save_figure
 
         make_folder(common.out)
-        figure = response_chart({law or "undamped": found}, modes)
+        figure = response_chart({law or "undamped": curve}, modes)
         picture = save_figure(figure, common.out / "response")[0]
 
     def text() -> str:
-        unit = f"|H| dB re 1 {found.unit}"
+        unit = f"|H| dB re 1 {curve.unit}"
         rows = [
             (modes.families[k], at_modes[index], modes.multiplicities[k], size, angle)
             for index, (k, size, angle) in enumerate(
@@ -165,16 +165,16 @@ def response(
             lines += prose(f"by symmetry a force at {source} does not move {target}")
         return lines + ("" if picture is None else f"picture: {picture}")
 
-    results = response_results(found, modes, law, stage)
+    results = response_results(curve, modes, law, stage)
     valid = emit(common, results, text, assumptions(mechanism, VIBRATION), checked(mechanism))
     return int(not valid)
 
 
-def campbell_results(found: Campbell, max_speed: float, stage: int) -> dict[str, Any]:
+def campbell_results(diagram: Campbell, max_speed: float, stage: int) -> dict[str, Any]:
     """A Campbell diagram by the names of the JSON."""
     return {
         "stage": stage,
-        "carrier_ratio": found.carrier_ratio,
+        "carrier_ratio": diagram.carrier_ratio,
         "max_speed_rpm": max_speed * 30 / np.pi,
         "orders": [
             {
@@ -183,11 +183,11 @@ def campbell_results(found: Campbell, max_speed: float, stage: int) -> dict[str,
                 "lobes": order.lobes,
                 "description": order.description,
             }
-            for order in found.orders
+            for order in diagram.orders
         ],
-        "frequencies_hz": found.modes.frequencies,
-        "families": found.modes.families,
-        "multiplicities": found.modes.multiplicities,
+        "frequencies_hz": diagram.modes.frequencies,
+        "families": diagram.modes.families,
+        "multiplicities": diagram.modes.multiplicities,
         "crossings": [
             {
                 "speed_rpm": crossing.speed_rpm,
@@ -199,13 +199,13 @@ def campbell_results(found: Campbell, max_speed: float, stage: int) -> dict[str,
                 "multiplicity": crossing.multiplicity,
                 "excited": crossing.excited,
             }
-            for crossing in found.crossings(max_speed)
+            for crossing in diagram.crossings(max_speed)
         ],
     }
 
 
 def _max_speed(mechanism: Mechanism, rpm: float | None) -> float:
-    """The end of the speed range [rad/s]: given, or one and a half times the operating speed."""
+    """The end of the speed range [rad/s]: given, or 1.5 times the operating speed, or 3000 rpm."""
     point = mechanism.operating_point
     if rpm is None:
         speed = 0.0 if point is None else 1.5 * abs(float(point.speed))
@@ -229,25 +229,25 @@ def campbell(
     ] = None,
     every: Annotated[
         bool,
-        Parameter(negative="", help="List crossings that the rollers' phases cancel, too."),
+        Parameter(negative="", help="Also list crossings that the phases of the rollers cancel."),
     ] = False,
     stage: _Stage = 1,
     common: Common = _DEFAULT,
 ) -> int:
-    """At which screw speeds do excitations from the kinematics meet natural frequencies?"""
+    """Screw speeds at which excitations from the kinematics meet natural frequencies."""
     mechanism = common.load(file)
     speed = _max_speed(mechanism, max_rpm)
     names = words_of(orders)
     expect_programs("campbell")
-    found = _campbell(
+    diagram = _campbell(
         mechanism, stage=stage, harmonics=harmonics, orders=None if names is None else tuple(names)
     )
     picture = None
-    if common.out is not None and found.crossings(speed):
+    if common.out is not None and diagram.crossings(speed):
         from ...report import campbell_chart, save_figure
 
         make_folder(common.out)
-        picture = save_figure(campbell_chart(found, speed), common.out / "campbell")[0]
+        picture = save_figure(campbell_chart(diagram, speed), common.out / "campbell")[0]
 
     def text() -> str:
         rows = [
@@ -260,16 +260,16 @@ def campbell(
                 one.multiplicity,
                 "yes" if one.excited else "no",
             )
-            for one in found.crossings(speed, excited_only=not every)
+            for one in diagram.crossings(speed, excited_only=not every)
         ]
         columns = ["rpm", "order", "harmonic", "f Hz", "family", "times", "excited"]
         title = f"Critical speeds up to {speed * 30 / np.pi:.6g} rpm: {file}, stage {stage}"
         lines = table(title, columns, rows) if rows else f"{title}\nnone\n"
-        orders = ", ".join(f"{one.name} {float(one.order):.5g}" for one in found.orders)
-        ratio = f"carrier ratio {float(found.carrier_ratio):.6g}"
+        orders = ", ".join(f"{one.name} {float(one.order):.5g}" for one in diagram.orders)
+        ratio = f"carrier ratio {float(diagram.carrier_ratio):.6g}"
         lines += prose(f"{ratio}; orders per turn of the screw: {orders}")
         return lines + ("" if picture is None else f"picture: {picture}")
 
-    results = campbell_results(found, speed, stage)
+    results = campbell_results(diagram, speed, stage)
     valid = emit(common, results, text, assumptions(mechanism, CRITICAL_SPEEDS), checked(mechanism))
     return int(not valid)
