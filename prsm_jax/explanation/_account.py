@@ -1,6 +1,6 @@
-"""What an analysis of a mechanism costs: counted in its traced program, measured in the compiled.
+"""Cost of an analysis of a mechanism: counted in the traced program, measured in the compiled one.
 
-Only what the numbers of a result need is counted: ranges that are checked for its code are not.
+Only operations that the numbers of a result need are counted; range checks for its code are not.
 """
 
 import time
@@ -29,12 +29,12 @@ _SAMPLING_S, _SAMPLES = 0.05, 20
 class Account:
     """Cost of one program.
 
-    - `equations`: of the traced program, those of loops once.
+    - `equations`: number in the traced program; those of loops count once.
     - `flops`, `bytes`: of the compiled program, as XLA counts them (loops once).
     - `memory_bytes`: what XLA reserves for results and intermediate numbers.
     - `compile_s`: processor time of compiling; `run_s`: shortest run, by the clock.
 
-    All but the first are `None` where nothing was compiled.
+    All but the first are `None` if nothing was compiled.
     """
 
     equations: int
@@ -45,27 +45,27 @@ class Account:
     run_s: float | None = None
 
 
-#: Fields of an account, which are those of a cost too.
+#: Fields of an account; a cost has the same.
 MEASURES = ("equations", "flops", "bytes", "memory_bytes", "compile_s", "run_s")
 _Analysis = Callable[[Mechanism], Any]
 
 
 def analysis_of(name: str, mechanism: Mechanism) -> _Analysis:
-    """The analysis of a name, as it is asked of a mechanism and of the same without a part.
+    """The analysis with a name, as a function of a mechanism, complete or without a part.
 
     **Arguments:**
 
     - `name`: of `PROGRAMS`.
-    - `mechanism`: the whole mechanism: it decides which stages vibrate.
+    - `mechanism`: the complete mechanism; it determines the stages that vibrate.
 
-    **Raises:** `MissingDataError` where it has no data for any of it.
+    **Raises:** `MissingDataError` if it has no data for any stage.
     """
     if name == "steady_state":
         return steady_state
     if name == "transient":
         return lambda one: simulate(one, throw=False)
     if name == "quantities":
-        # Without a part those that are left.
+        # Without a part: the quantities that remain.
         return lambda one: compute(one, available_quantities(one))
     stages, missing = [], None
     for number in range(1, len(mechanism.stages) + 1):
@@ -101,9 +101,9 @@ def compiled(analysis: _Analysis, mechanism: Mechanism, equations: int) -> Accou
 
     **Arguments:**
 
-    - `analysis`: of a mechanism.
+    - `analysis`: a function of a mechanism.
     - `mechanism`: the mechanism.
-    - `equations`: as counted.
+    - `equations`: their number, as counted by `traced`.
     """
     function, leaves = _flat(analysis, mechanism)
     lowered = jax.jit(function).lower(*leaves)
@@ -134,7 +134,7 @@ def number_paths(mechanism: Mechanism) -> list[tuple[str | int, ...]]:
 
 
 def _flat(analysis: _Analysis, mechanism: Mechanism):
-    """An analysis as a function of the numbers of a mechanism, and these."""
+    """An analysis as a function of the numbers of a mechanism, and these numbers."""
     numbers, rest = eqx.partition(mechanism, eqx.is_array)
     leaves, structure = jax.tree.flatten(numbers)
 
@@ -160,5 +160,5 @@ def equation_count(jaxpr: Any) -> int:
     return count
 
 
-#: What a mechanism that lacks a part may be refused for.
+#: Errors that a mechanism without a part may raise.
 REFUSALS = (PrsmError, ValueError)

@@ -1,4 +1,4 @@
-"""The entry: count programs with every part, and without each."""
+"""The function `explain`: counts programs with every part, and without each."""
 
 from collections.abc import Callable, Sequence
 
@@ -13,7 +13,7 @@ _DEFAULT = ("steady_state", "modes")
 
 
 class _Counted:
-    """One program of the whole mechanism, and of the same without a part."""
+    """One program, for the complete mechanism and without each part."""
 
     def __init__(self, name: str, mechanism: Mechanism, time: bool):
         self.analysis = analysis_of(name, mechanism)
@@ -21,22 +21,22 @@ class _Counted:
         self.whole, self.read = self._count(mechanism, None)
 
     def _count(self, mechanism: Mechanism, same: Account | None) -> tuple[Account, frozenset]:
-        found, read = traced(self.analysis, mechanism)
+        account, read = traced(self.analysis, mechanism)
         if not self.time:
-            return found, read
-        # A program that is not another one is not compiled again.
-        if same is not None and found.equations == same.equations:
+            return account, read
+        # A program with as many equations is the same one, and is not compiled again.
+        if same is not None and account.equations == same.equations:
             return same, read
-        return compiled(self.analysis, mechanism, found.equations), read
+        return compiled(self.analysis, mechanism, account.equations), read
 
-    def cost(self, place: Place, rest: Mechanism, given: bool) -> Cost:
+    def cost(self, place: Place, rest: Mechanism, has_numbers: bool) -> Cost:
         """Cost of the part at a place, whose absence leaves `rest`.
 
-        `given` says whether there are numbers in it: numbers that the program does not read cost
-        nothing.
+        `has_numbers` says whether the part has numbers; if the program reads none of them, the part
+        costs nothing.
         """
         depth = len(place.path)
-        if given and not any(path[:depth] == place.path for path in self.read):
+        if has_numbers and not any(path[:depth] == place.path for path in self.read):
             return Cost(self.whole, self.whole)
         try:
             return Cost(self.whole, self._count(rest, self.whole)[0])
@@ -52,9 +52,9 @@ def explain(
     time: bool = False,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> Explanation:
-    """Say which optional parts a mechanism carries, which it left out, and what each costs.
+    """List the optional parts of a mechanism, those that it leaves out, and the cost of each.
 
-    The cost of a part is that of a program of the mechanism less that of the same without the part.
+    The cost of a part is the difference between a program of the mechanism with it and without it.
     Programs are traced, which takes a fraction of a second each; with `time` they are compiled and
     run, which takes seconds to minutes.
 
@@ -63,10 +63,10 @@ def explain(
     - `mechanism`: the mechanism.
     - `programs`: analyses that are counted, from `steady_state`, `modes`, `transient` and
       `quantities` (all that there are data for); default the first two, and with `time` the
-      transient too where there is a scenario.
+      transient too if there is a scenario.
     - `numbers`: also count what each optional number costs.
     - `time`: also compile and run: flops, bytes, memory, compiling and run time.
-    - `progress`: told how many parts of how many are counted, and what.
+    - `progress`: called with the number of counted parts, their total, and the word "parts".
 
     **Raises:** `UnknownNameError` for an unknown program.
     """
@@ -77,19 +77,19 @@ def explain(
         if name not in PROGRAMS:
             raise UnknownNameError(f"unknown program {name!r}; {closest(name, PROGRAMS)}")
     counted: dict[str, _Counted] = {}
-    told = []
+    totals = []
     for name in programs:
         try:
             counted[name] = _Counted(name, mechanism, time)
-            told.append(Program(name, counted[name].whole))
+            totals.append(Program(name, counted[name].whole))
         except REFUSALS as error:
-            told.append(Program(name, None, str(error)))
-    found, everything = [], places(mechanism)
-    for done, place in enumerate(everything):
+            totals.append(Program(name, None, str(error)))
+    parts, all_places = [], places(mechanism)
+    for done, place in enumerate(all_places):
         if progress is not None:
-            progress(done, len(everything), "parts")
-        found.append(_part(place, mechanism, counted, numbers))
-    return Explanation(mechanism.title, tuple(told), tuple(found))
+            progress(done, len(all_places), "parts")
+        parts.append(_part(place, mechanism, counted, numbers))
+    return Explanation(mechanism.title, tuple(totals), tuple(parts))
 
 
 def _part(place: Place, mechanism: Mechanism, counted: dict[str, _Counted], numbers: bool) -> Part:
@@ -102,10 +102,10 @@ def _part(place: Place, mechanism: Mechanism, counted: dict[str, _Counted], numb
     before = assumptions(mechanism)
     assumed = tuple(one for one in assumptions(rest) if one not in before)
     depth = len(place.path)
-    given = any(path[:depth] == place.path for path in number_paths(mechanism))
-    costs = {name: one.cost(place, rest, given) for name, one in counted.items()}
+    has_numbers = any(path[:depth] == place.path for path in number_paths(mechanism))
+    costs = {name: one.cost(place, rest, has_numbers) for name, one in counted.items()}
     lost: tuple[str, ...] = ()
     if "quantities" in counted and costs["quantities"].absent is not counted["quantities"].whole:
-        left = set(available_quantities(rest))
-        lost = tuple(name for name in available_quantities(mechanism) if name not in left)
+        remaining = set(available_quantities(rest))
+        lost = tuple(name for name in available_quantities(mechanism) if name not in remaining)
     return Part(place, costs, assumed, lost)

@@ -1,4 +1,4 @@
-"""What `explain` returns: parts carried and left out, with their costs, as a result that prints."""
+"""Result of `explain`: parts carried and left out, with their costs; it can be printed."""
 
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -10,11 +10,11 @@ from ._places import Place
 
 @dataclass(frozen=True)
 class Cost:
-    """Cost of one part in one program: with the part less without it.
+    """Cost of one part in one program: the difference with and without the part.
 
-    - `present`: the program of the whole mechanism.
-    - `absent`: that of the mechanism without the part; `None` where there is none.
-    - `needed`: why there is none without the part, else `None`.
+    - `present`: the program of the complete mechanism.
+    - `absent`: the program of the mechanism without the part; `None` if there is none.
+    - `needed`: the reason why there is no program without the part, else `None`.
     """
 
     present: Account
@@ -22,7 +22,7 @@ class Cost:
     needed: str | None = None
 
     def difference(self, measure: str) -> int | float | None:
-        """With the part less without it, by the name of a field of `Account`."""
+        """Value with the part minus value without it, by the name of a field of `Account`."""
         if self.absent is None:
             return None
         pair = getattr(self.present, measure), getattr(self.absent, measure)
@@ -31,16 +31,16 @@ class Cost:
     @property
     def equations(self) -> int | None:
         """Equations that the part adds; `None` where the program needs it."""
-        found = self.difference("equations")
-        return None if found is None else int(found)
+        count = self.difference("equations")
+        return None if count is None else int(count)
 
 
 @dataclass(frozen=True)
 class Part:
-    """An optional part: its place, what it costs in each program, and what is assumed without it.
+    """An optional part: its place, its cost in each program, and the assumptions without it.
 
-    `costs` is empty for a part that is not there. `assumed` are the sentences of
-    `prsm_jax.assumptions` that the results rest on without the part and not with it.
+    `costs` is empty for a part that is absent. `assumed` are the sentences of
+    `prsm_jax.assumptions` that apply only without the part.
     """
 
     place: Place
@@ -122,7 +122,7 @@ class Explanation:
         return tuple(part for part in self.parts if not part.present)
 
     def part(self, name: str) -> Part:
-        """The part of a name. **Raises:** `KeyError` if there is none."""
+        """The part with a name. **Raises:** `KeyError` if there is none."""
         for one in self.parts:
             if one.name == name:
                 return one
@@ -134,7 +134,7 @@ class Explanation:
         return tuple(part.to_dict() for part in self.parts)
 
     def to_dict(self) -> dict[str, Any]:
-        """All of it by the keys of the JSON."""
+        """Everything by the keys of the JSON."""
         empty: dict[str, Any] = dict.fromkeys(MEASURES)
         programs = [
             {
@@ -154,14 +154,14 @@ class Explanation:
         - `numbers`: optional numbers too.
         """
         counted = [p for p in self.programs if p.account is not None]
-        # With what is compiled, or equations alone.
+        # All measures if programs were compiled, else only equations.
         shown = [m for m in MEASURES if any(getattr(p.account, m) is not None for p in counted)]
         rows = [(p.name, *(_of(p.account, m) for m in shown)) for p in self.programs]
         heads = ("", *map(_words, shown))
         if any(p.error for p in self.programs):
             rows = [(*row, p.error or "") for row, p in zip(rows, self.programs, strict=True)]
             heads = (*heads, "why there is none")
-        found = [TextTable("Programs", heads, rows)]
+        tables = [TextTable("Programs", heads, rows)]
         for number in (False, True) if numbers else (False,):
             carried = [p for p in self.carried if (p.place.kind == "number") == number]
             columns = [(p.name, m) for p in counted for m in shown]
@@ -178,11 +178,11 @@ class Explanation:
             if shown == ["equations"]:
                 title += ", and equations that each adds"
                 heads = [program.replace("_", " ") for program, _ in columns]
-            found.append(TextTable(title, ("", *heads, "without it"), cells))
+            tables.append(TextTable(title, ("", *heads, "without it"), cells))
             absent = [p for p in self.left_out if (p.place.kind == "number") == number]
             title = "Numbers not given" if number else "Parts left out, since they are not given"
-            found.append(TextTable(title, ("", "to have it, write", "without it"), _once(absent)))
-        return found
+            tables.append(TextTable(title, ("", "to have it, write", "without it"), _once(absent)))
+        return tables
 
     def text(self, width: int | None = None, numbers: bool = False) -> str:
         """Tables as plain text.
@@ -208,18 +208,18 @@ def _words(measure: str) -> str:
 
 
 def _once(parts: list[Part]) -> list[tuple[str, str, str]]:
-    """Name, what to write, and what is missed: once for all stages that lack the same."""
-    found: dict[tuple[str, str, str], list[str]] = {}
+    """Name, text to write, and what results miss: one row for all stages that lack a part."""
+    stages: dict[tuple[str, str, str], list[str]] = {}
     for part in parts:
         head, _, rest = part.name.partition(".")
         number, _, field = rest.partition(".")
         in_stage = head == "stage" and field != ""
         key = (f"stage.{field}" if in_stage else part.name, part.place.write, part.place.misses)
-        found.setdefault(key, []).append(number if in_stage else "")
-    several = len({n for numbers in found.values() for n in numbers if n}) > 1
+        stages.setdefault(key, []).append(number if in_stage else "")
+    several = len({n for numbers in stages.values() for n in numbers if n}) > 1
     return [
         (f"{name} (stage {', '.join(n)})" if several and n[0] else name, write, misses)
-        for (name, write, misses), n in found.items()
+        for (name, write, misses), n in stages.items()
     ]
 
 

@@ -1,7 +1,7 @@
-"""The places of a mechanism where an optional part may stand, found in its dataclasses.
+"""The places of a mechanism where an optional part may be, read from its dataclasses.
 
-Nothing is listed by name: a field that may be `None` (or an empty tuple of tables) is a place, and
-what is missed without it stands in the metadata of the field.
+There is no list of names: a field that may be `None` (or an empty tuple of tables) is a place, and
+its metadata say what results miss without the part.
 """
 
 import dataclasses
@@ -15,8 +15,8 @@ import equinox as eqx
 from ..file import TableChoice, is_law_field, module_classes, row_class, table_choices
 from ..mechanism import Mechanism
 
-#: Tables whose name in the file is not that of the field, and those whose classes are told apart
-#: by their keys, not by a key `law`.
+#: Tables whose name in the file is not the name of the field, and those whose classes are
+#: distinguished by their keys, not by a key `law`.
 _HEADERS = {"design_problem": "optimise"}
 _BY_KEYS = ("scenario",)
 _LISTS = ("duty_cycle",)
@@ -29,8 +29,8 @@ class Place:
     - `path`: fields and indices that lead to it from the mechanism.
     - `name`: the same as in names of numbers, such as `stage.1.friction.spin`.
     - `kind`: `table`, `number`, `list` (of tables) or `stage`.
-    - `present`: whether something stands there.
-    - `law`, `laws`: the law that stands there and those that may, where there are several.
+    - `present`: whether the part is there.
+    - `law`, `laws`: the law that is there, and the possible laws, if there are several.
     - `meaning`: what the part is.
     - `misses`: what results miss without it.
     - `write`: what to write in the file to have it.
@@ -52,23 +52,23 @@ def places(mechanism: Mechanism) -> tuple[Place, ...]:
 
     **Arguments:**
 
-    - `mechanism`: the mechanism; only what it consists of counts, not its numbers.
+    - `mechanism`: the mechanism; its parts count, not its numbers.
     """
-    found: list[Place] = []
+    optional: list[Place] = []
     for index, stage in enumerate(mechanism.stages):
         if index:
-            found.append(_stage(index))
-        found += _inside(stage, ("stages", index), f"stage.{index + 1}", "stage")
+            optional.append(_stage(index))
+        optional += _inside(stage, ("stages", index), f"stage.{index + 1}", "stage")
     if len(mechanism.stages) == 1:
-        found.append(dataclasses.replace(_stage(1), present=False))
+        optional.append(dataclasses.replace(_stage(1), present=False))
     rest = [one for one in _inside(mechanism, (), "", "") if one.path[0] != "stages"]
-    return (*found, *rest)
+    return (*optional, *rest)
 
 
 def without(mechanism: Mechanism, place: Place) -> Mechanism:
-    """The same mechanism with nothing at a place.
+    """The same mechanism without the part at a place.
 
-    **Raises:** `ValueError` if another part cannot be without it.
+    **Raises:** `ValueError` if another part needs it.
     """
     return _without(mechanism, place.path)
 
@@ -80,8 +80,8 @@ def _without(value: Any, path: tuple[str | int, ...]) -> Any:
             return (*value[:head], *value[head + 1 :])
         return (*value[:head], _without(value[head], tuple(rest)), *value[head + 1 :])
     inner = getattr(value, head)
-    nothing = () if isinstance(inner, tuple) else None
-    changed = _without(inner, tuple(rest)) if rest else nothing
+    empty = () if isinstance(inner, tuple) else None
+    changed = _without(inner, tuple(rest)) if rest else empty
     return dataclasses.replace(value, **{head: changed})
 
 
@@ -93,9 +93,9 @@ def _stage(index: int) -> Place:
         True,
         None,
         (),
-        "One planetary roller screw more, driven by the nut before it",
-        "fewer stages: less travel for a turn, and other losses",
-        "[[stage]] with all that a stage needs",
+        "Another planetary roller screw, driven by the nut before it",
+        "fewer stages: less travel per turn, and different losses",
+        "[[stage]] with all keys that a stage needs",
     )
 
 
@@ -186,12 +186,12 @@ def _any_of(classes: tuple[type, ...]) -> str:
 
 
 def _first(cls: type) -> str:
-    """The first sentence of what a class says about itself."""
+    """The first paragraph of the docstring of a class, up to ": force"."""
     paragraph = " ".join((cls.__doc__ or "").strip().partition("\n\n")[0].split())
     return paragraph.partition(": force")[0].rstrip(".")
 
 
 def _keys(choice: TableChoice) -> str:
-    """The keys that a table cannot be without."""
+    """The keys that a table needs, in brackets."""
     needed = [field.name for field, _, _ in choice.fields() if choice.needs(field)]
     return f" ({', '.join(needed)})" if needed else ""

@@ -1,4 +1,4 @@
-"""Checks of numbers at construction; numbers that are traced are not known and pass."""
+"""Checks of numbers at construction; traced numbers are not known and pass."""
 
 import jax.core
 import numpy as np

@@ -9,7 +9,7 @@ from ._limits import ANY, Limit
 
 
 def as_scalar(value) -> Array:
-    """A floating-point array of `value`, keeping the dtype of an array that is floating already."""
+    """`value` as a floating-point array; an array that is floating-point keeps its dtype."""
     if isinstance(value, int | float):
         # An explicit dtype: a weakly typed leaf would compile everything a second time.
         return jnp.asarray(value, dtype=jnp.result_type(float))
@@ -21,16 +21,16 @@ def _as_optional_scalar(value):
     return None if value is None else as_scalar(value)
 
 
-def _told(unit: str, description: str, limit: Limit | None, **more) -> dict:
+def _metadata(unit: str, description: str, limit: Limit | None, **more) -> dict:
     return {"unit": unit, "description": description, "limit": limit, **more}
 
 
 def number(unit: str, description: str, *, limit: Limit | None = None, **kwargs):
     """A required number (a differentiable leaf), with its SI unit, meaning and limit as metadata.
 
-    Without a limit that of the unit counts: a length is positive, a force anything finite.
+    Without a limit, the limit of the unit applies: a length is positive, a force is finite.
     """
-    return eqx.field(converter=as_scalar, metadata=_told(unit, description, limit), **kwargs)
+    return eqx.field(converter=as_scalar, metadata=_metadata(unit, description, limit), **kwargs)
 
 
 def optional_number(
@@ -43,14 +43,14 @@ def optional_number(
     return eqx.field(
         converter=_as_optional_scalar,
         default=None,
-        metadata=_told(unit, description, limit, law_decides=law_decides),
+        metadata=_metadata(unit, description, limit, law_decides=law_decides),
     )
 
 
 def part(without: str, **kwargs):
     """A part of the physics that may be absent; `None` leaves it untraced.
 
-    `without` says what results miss then (`prsm_jax.explain`).
+    `without` says what results lack then (`prsm_jax.explain`).
     """
     return eqx.field(default=None, metadata={"without": without}, **kwargs)
 
@@ -60,13 +60,13 @@ def _number_or_function(value):
 
 
 def driven(unit: str, description: str):
-    """A number, or a function of time (or of more, for a load) that takes its place."""
-    return eqx.field(converter=_number_or_function, metadata=_told(unit, description, ANY))
+    """A number, or a function of time (of more variables for a load) in its place."""
+    return eqx.field(converter=_number_or_function, metadata=_metadata(unit, description, ANY))
 
 
 def numbers(unit: str, description: str, *, limit: Limit | None = None):
     """A required list of numbers (one differentiable leaf)."""
-    return eqx.field(converter=as_scalar, metadata=_told(unit, description, limit, list=True))
+    return eqx.field(converter=as_scalar, metadata=_metadata(unit, description, limit, list=True))
 
 
 def _as_optional_numbers(value):
@@ -81,7 +81,7 @@ def optional_numbers(unit: str, description: str, *, limit: Limit | None = None)
     return eqx.field(
         converter=_as_optional_numbers,
         default=None,
-        metadata=_told(unit, description, limit, list=True),
+        metadata=_metadata(unit, description, limit, list=True),
     )
 
 
@@ -95,8 +95,8 @@ def choice(
 ):
     """A static choice: part of the pytree's structure, never traced.
 
-    One that is `implied` is written to a file only where it is not the default. One that may be
-    absent says what is missed then (`without`). A whole number has a limit.
+    An `implied` choice is written to a file only if it is not the default. `without` says what
+    results lack if the choice is absent. An integer has a limit.
     """
     metadata = {"description": description, "implied": implied, "limit": limit}
     if without is not None:

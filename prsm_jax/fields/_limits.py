@@ -1,4 +1,4 @@
-"""What a number may be: finite, and where its field or its unit says so, positive or in a range."""
+"""Limits of numbers: finite and, if the field or the unit says so, positive or in a range."""
 
 import math
 from dataclasses import dataclass
@@ -8,8 +8,8 @@ from dataclasses import dataclass
 class Limit:
     """The physical range of a number [SI], with the words that an error message uses.
 
-    A field declares its own (`number("1", "friction coefficient", limit=NOT_NEGATIVE)`); files,
-    numbers that are set in Python and traced ones are held to it.
+    A field declares its own (`number("1", "friction coefficient", limit=NOT_NEGATIVE)`); it applies
+    to files, to numbers that are set in Python and to traced ones.
     """
 
     lower: float
@@ -17,7 +17,7 @@ class Limit:
     allowed: str
     lower_allowed: bool = False
     upper_allowed: bool = False
-    #: What else a file's author is told.
+    #: A hint for the author of a file.
     hint: str = ""
 
     @property
@@ -38,20 +38,20 @@ NOT_NEGATIVE = Limit(0.0, math.inf, "0 or more", lower_allowed=True)
 SHARE = Limit(0.0, 1.0, "from 0 to 1", lower_allowed=True, upper_allowed=True)
 ACUTE_ANGLE = Limit(0.0, math.pi / 2, "between 0 and 90 deg, both excluded")
 SLANT = Limit(-math.pi / 2, math.pi / 2, "between -90 and 90 deg, both excluded")
-#: Enough for any roller screw, and few enough that a slip of the pen does not fill the memory.
+#: Enough for any roller screw, and few enough that a typing error does not fill the memory.
 ROLLERS = Limit(
     1.0, 1000.0, "a whole number from 1 to 1000", lower_allowed=True, upper_allowed=True
 )
 ROLLER_NUMBER = Limit(1.0, 1000.0, "a whole number from 1 to the number of rollers", True, True)
 COUNT = Limit(1.0, 100.0, "a whole number from 1 to 100", lower_allowed=True, upper_allowed=True)
-#: A chain of more threads than any roller has would only take time.
+#: More threads than any roller has; a longer chain would only take time.
 THREADS = Limit(1.0, 1000.0, "a whole number from 1 to 1000", True, True)
 
 SAMPLES = Limit(2.0, 1e6, "a whole number from 2 to 1000000", True, True)
 MANY = Limit(1.0, 1e6, "a whole number from 1 to 1000000", True, True)
 
 _UNIT = 'a bare number is in m, so give the unit, such as "10 mm"'
-#: No roller screw has threads of a metre; who writes so has left out the unit.
+#: No roller screw has threads of a metre: then the unit was left out.
 OF_A_THREAD = Limit(0.0, 1.0, "more than 0 and at most 1 m", upper_allowed=True, hint=_UNIT)
 _LENGTH = Limit(0.0, 100.0, "more than 0 and at most 100 m", upper_allowed=True, hint=_UNIT)
 STARTS = Limit(2.0, math.inf, "more than 2 (the screw radius is (starts - 2) r_R)")
@@ -60,7 +60,7 @@ DAMPING_RATIO = Limit(0.0, 1.0, "0 or more and less than 1", lower_allowed=True)
 INNER_SHARE = Limit(0.0, 1.0, "between 0 and 1, both excluded")
 SHARE_ABOVE_0 = Limit(0.0, 1.0, "more than 0 and at most 1", upper_allowed=True)
 
-#: Where a field declares none.
+#: Limits by unit, for fields that declare none.
 _BY_UNIT = {
     "m": _LENGTH,
     "s": POSITIVE,
@@ -68,7 +68,7 @@ _BY_UNIT = {
     "kg·m²": POSITIVE,
     "kg/m³": POSITIVE,
     "Pa": POSITIVE,
-    # A free body is a support of stiffness zero, and no contact one of the given stiffnesses.
+    # A support of stiffness 0 means a free body; a given contact stiffness of 0, no contact.
     "N/m": NOT_NEGATIVE,
     "N·s/m": NOT_NEGATIVE,
     "m/s": POSITIVE,

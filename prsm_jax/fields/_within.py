@@ -1,8 +1,8 @@
-"""Numbers known at construction are held to the limits that files are read with.
+"""Numbers known at construction are checked against the limits that apply to files.
 
-Inside a trace a number is not known, and passes; so does one that is not a number, which stands
-for one to come. `jax.tree`, `eqx.tree_at` and transformations build modules without `__init__`,
-and so without these checks.
+A traced number is not known, and passes; so does NaN, which stands for a number to be set later.
+`jax.tree`, `eqx.tree_at` and transformations build modules without `__init__`, and so
+without these checks.
 """
 
 import dataclasses
@@ -14,7 +14,7 @@ import numpy as np
 
 from ._limits import Limit, limit_of
 
-#: A negative stiffness is what some published models come to: `check` finds it, files refuse it.
+#: Some published models lead to a negative stiffness: `check` reports it, files refuse it.
 FREE_UNITS = ("N/m",)
 _EXAMPLES = {
     "m": "numbers in Python are in metres: 10 mm is 10e-3",
@@ -32,7 +32,7 @@ class Contradiction(ValueError):
 
 
 def _known(value: object) -> np.ndarray | None:
-    """A number or list of numbers, where all of it is known."""
+    """A number or list of numbers as an array, if all of it is known; else `None`."""
     if value is None or callable(value) or isinstance(value, jax.core.Tracer):
         return None
     try:
@@ -48,11 +48,11 @@ def check_number(
 
     **Arguments:**
 
-    - `owner`: what it belongs to, for the message.
+    - `owner`: the object it belongs to, for the message.
     - `name`: of the field or parameter.
     - `unit`: its SI unit.
     - `value`: the number or numbers; traced ones and NaN pass.
-    - `declared`: the limit that its field declares, if it does.
+    - `declared`: the limit that its field declares, if any.
 
     **Raises:** `ValueError` with name, value, what is allowed, and what to do.
     """
@@ -62,9 +62,9 @@ def check_number(
     limit = limit_of(unit, declared)
     for one in known.ravel().tolist():
         if one == one and not limit.admits(one):
-            given = f"{one:.6g} {unit}" if unit not in ("1", "*") else f"{one:.6g}"
+            text = f"{one:.6g} {unit}" if unit not in ("1", "*") else f"{one:.6g}"
             hint = _EXAMPLES.get(unit, "" if unit in ("1", "*") else f"give it in {unit}")
-            words = f"{owner}{name} is {given}; it must be {limit.allowed}"
+            words = f"{owner}{name} is {text}; it must be {limit.allowed}"
             raise ValueError(f"{words}; {hint}" if hint else f"{words}; change {name}")
 
 
@@ -104,7 +104,7 @@ def _mm(value: float) -> str:
 
 
 def check_stage(stage: Any) -> None:
-    """What numbers of a stage must satisfy together: a bore inside its cylinder, and the like.
+    """Check relations between the numbers of a stage, such as a bore inside its cylinder.
 
     **Arguments:**
 
@@ -122,8 +122,8 @@ def check_stage(stage: Any) -> None:
     _below(stage.roller, "roller", "bore_radius", roller_radius, "the roller's nominal radius")
     shaft = None if stage.strength is None else stage.strength.shaft
     root = None if shaft is None else _scalar(shaft.root_radius)
-    given = stage.screw.bore_radius
-    bore = 0.0 if given is None else _scalar(given)
+    bore_radius = stage.screw.bore_radius
+    bore = 0.0 if bore_radius is None else _scalar(bore_radius)
     if root is not None and bore is not None and not root > bore:
         message = f"must be more than the screw's bore_radius, {_mm(bore)}"
         raise Contradiction(("strength", "shaft", "root_radius"), root, message)

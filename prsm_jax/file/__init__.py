@@ -1,4 +1,4 @@
-"""The door: mechanisms from TOML files with units, and back. Only this room knows about files."""
+"""Mechanisms from TOML files with units, and back. Only this room knows the format of files."""
 
 from ._edit import edit as edit, source_text as source_text
 from ._examples import example_names as example_names, example_text as example_text

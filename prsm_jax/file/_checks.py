@@ -1,4 +1,4 @@
-"""What numbers must satisfy together, with the place in the file of the one that does not."""
+"""Relations between numbers; a violation names the place in the file of the number to change."""
 
 from ..mechanism import Contradiction, Mechanism, check_stage
 from .numbers import Misplaced

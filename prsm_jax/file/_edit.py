@@ -1,4 +1,4 @@
-"""Editing: a file with some of its numbers changed, its comments and its order kept."""
+"""Editing: changes numbers of a file, and keeps its comments and order."""
 
 import tomllib
 from collections.abc import Mapping, MutableMapping
@@ -12,7 +12,7 @@ from ._write import dumps
 
 
 def source_text(source: str) -> str:
-    """The text that a name of an example or a path stands for.
+    """The text of an example or of the file at a path.
 
     **Raises:** `FileError` if it cannot be read.
     """
@@ -22,8 +22,8 @@ def source_text(source: str) -> str:
 def edit(text: str, mechanism: Mechanism, quantity_units: Mapping[str, str] | None = None) -> str:
     """The text of a file, changed where `mechanism` differs from what it says.
 
-    What is not changed stays as it is, comments and the order of keys included; where the file
-    says something in a way that cannot be changed key by key, the mechanism is written anew.
+    The rest stays as it is, comments and the order of keys included; if the text cannot be changed
+    key by key, the mechanism is written anew.
 
     **Arguments:**
 
@@ -43,7 +43,7 @@ def edit(text: str, mechanism: Mechanism, quantity_units: Mapping[str, str] | No
     try:
         _change(document, before, tomllib.loads(anew))
         edited = tomlkit.dumps(document)
-        # Written in another way, the same mechanism: then the edited text says it, too.
+        # The edited text must describe the same mechanism.
         same = dumps(loads(edited), quantity_units) == anew
     except (FileError, KeyError, IndexError, TypeError):
         same = False
@@ -51,7 +51,7 @@ def edit(text: str, mechanism: Mechanism, quantity_units: Mapping[str, str] | No
 
 
 def _change(document: MutableMapping, before: Mapping[str, Any], after: Mapping[str, Any]) -> None:
-    """Carry what differs between two tables over to a third, which says the first in its way."""
+    """Apply the differences between two tables to a document that is equivalent to the first."""
     for key in before.keys() - after.keys():
         document.pop(key, None)
     for key, value in after.items():

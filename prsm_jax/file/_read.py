@@ -71,7 +71,7 @@ def loads(text: str, name: str = "<string>") -> Mechanism:
     **Arguments:**
 
     - `text`: the text.
-    - `name`: what error messages call it.
+    - `name`: its name in error messages.
 
     **Returns:** the mechanism, in SI units.
 
@@ -155,7 +155,7 @@ def _mechanism(table: "Table") -> Mechanism:
     check_together(mechanism)
     if optimise is None:
         return mechanism
-    # The names of its variables have a meaning only once there is a mechanism.
+    # The names of its variables can be looked up only once there is a mechanism.
     return dataclasses.replace(mechanism, design_problem=design_problem(optimise, mechanism))
 
 

@@ -1,8 +1,8 @@
 """The schema of a file, derived from the classes of the mechanism.
 
 One pydantic model per class, made from its dataclass fields and their metadata: a new field of
-the mechanism is a new key of the file, with its unit, its description and no second declaration.
-Only what differs between pytree and file is written out: `[[stage]]`, `[[duty_cycle]]` and
+the mechanism is a new key of the file, with its unit and description, without a second declaration.
+Only the differences between pytree and file are written out: `[[stage]]`, `[[duty_cycle]]` and
 `[optimise]`.
 """
 
@@ -56,7 +56,7 @@ def _number_or_choice(field: dataclasses.Field, hint, unit: str | None) -> Any:
 
 
 def _law_of(laws: Iterable[str], usual: str | None):
-    """How to find which member of a union a table means: by its key `law`."""
+    """Select the member of a union that a table describes, by its key `law`."""
     choices = ", ".join(f'"{name}"' for name in laws)
 
     def tag(data) -> str:
@@ -135,7 +135,7 @@ def _document(laws: tuple[tuple[str, type], ...]) -> type[Table]:
         "stage": (stages, Field(description="stages, as [[stage]]")),
         "duty_cycle": (phases | None, None),
         "optimise": (OptimiseTable | None, None),
-        # Read by `_scenario_table`: units there depend on where a profile stands.
+        # Read by `_scenario_table`: units there depend on the place of a profile.
         "scenario": (Any, None),
     }
     return create_model("Document", __base__=Table, **fields)

@@ -13,7 +13,7 @@ from ..mechanism import (
 from ._checks import check_together
 from .numbers import Misplaced, is_plain_number, one_line, read_integer, read_number, table_name
 
-#: Settings that are words rather than numbers, with what they may be.
+#: Settings that are words rather than numbers, with the allowed words.
 _CHOICES = {"curvature": CURVATURE_CONVENTIONS}
 
 
@@ -22,7 +22,7 @@ def _apply_choice(mechanism: Mechanism, key: str, text: str) -> Mechanism:
     *place, name = key.split(".")
     allowed = _CHOICES[name]
     if text not in allowed:
-        raise ValueError(f"{text!r} is none of {', '.join(allowed)}")
+        raise ValueError(f"{text!r} is not one of {', '.join(allowed)}")
     number = place[1] if len(place) == 2 else None
     if place[:1] not in ([], ["stage"]) or len(place) > 2:
         raise UnknownNameError(f"unknown parameter {key!r}; did you mean {name}?")
@@ -43,12 +43,12 @@ def _apply(mechanism: Mechanism, key: str, text: str) -> Mechanism:
     parameter = find_parameters(mechanism, key)[0]
     limit = parameter.limit
     if parameter.static:
-        whole = text.removeprefix("+").isascii() and text.removeprefix("+").isdigit()
-        value = read_integer(int(text) if whole and len(text) < 20 else text, limit)
+        is_integer = text.removeprefix("+").isascii() and text.removeprefix("+").isdigit()
+        value = read_integer(int(text) if is_integer and len(text) < 20 else text, limit)
     else:
         bare = float(text) if is_plain_number(text) else text
         value = read_number(bare, parameter.unit, limit)
-    # Settings that fit only together come one after the other.
+    # Unchecked: settings that are valid only together are applied one after the other.
     return set_parameter(mechanism, key, value, checked=False)
 
 
@@ -64,7 +64,7 @@ def apply_settings(
       and a value with a unit (`"lead=12 mm"`) or bare in SI.
     - `option`: what the user wrote, for messages; default `--set KEY=VALUE`.
 
-    **Returns:** the mechanism that has them all.
+    **Returns:** the mechanism with all settings.
 
     **Raises:** `FileError`, with one line that names the setting and what is allowed.
     """
@@ -81,7 +81,7 @@ def apply_settings(
         except (UnknownNameError, ValueError) as error:
             raise FileError(one_line(f"{shown}: {error}", 700)) from error
     try:
-        # After the last one: two settings may fit each other, but neither the old mechanism.
+        # After the last one: two settings may fit each other, but neither fits the old mechanism.
         check_together(mechanism)
     except Misplaced as error:
         place = f"{table_name(error.place[:-1])}: {error.place[-1]}"

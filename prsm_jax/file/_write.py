@@ -28,7 +28,7 @@ from .numbers import (
 
 
 def _string(text: str) -> str:
-    # JSON's escapes are TOML's, but for the one control character that JSON leaves as it is.
+    # JSON's escapes are valid in TOML; one control character must be escaped only in TOML.
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
@@ -44,7 +44,7 @@ def _number(value, unit: str, key: str) -> str:
 
 
 def _module(module: eqx.Module, header: str, units: Mapping[str, str] | None = None):
-    """The lines of a table: its own keys first, as TOML wants it, then its tables."""
+    """The lines of a table: its own keys first, as TOML requires, then its tables."""
     hints = typing.get_type_hints(type(module))
     inner: list[str] = []
     for field in dataclasses.fields(module):
@@ -85,13 +85,13 @@ def _inner_table(field: dataclasses.Field, value: eqx.Module, hint, header: str)
     law = next((name for name, choice in choices.items() if choice.holds(value)), None)
     if law is None:
         raise FileError(
-            f"{header} is of the class {_class_of(value)}, which no file knows; name the class "
+            f"{header} is of the class {_class_of(value)}, which files do not know; name the class "
             "with the decorator prsm_jax.friction_law"
         )
     lines = [f"law = {_string(law)}"] if law else []
     lines += list(_module(value, header))
     if not lines:
-        # A body without data is what its absence means, where the class says so by its default.
+        # A body without data means the same as no body, if the field's default is a body.
         return [] if isinstance(field.default, eqx.Module) else ["", f"[{header}]"]
     has_keys = lines[0] != ""
     return ["", f"[{header}]", *lines] if has_keys else lines
@@ -106,7 +106,7 @@ def _duty_cycle(duty_cycle: DutyCycle) -> Iterator[str]:
     fields = dataclasses.fields(duty_cycle)
     columns = [np.asarray(getattr(duty_cycle, field.name)) for field in fields]
     if any(column.ndim != 1 or len(column) != len(columns[0]) for column in columns):
-        raise FileError("duty_cycle has columns that are not of one length, or a batch of them")
+        raise FileError("duty_cycle has columns of different lengths, or a batch of them")
     for row in zip(*columns, strict=True):
         yield from ("", "[[duty_cycle]]")
         for field, value in zip(fields, row, strict=True):
@@ -194,16 +194,16 @@ def dump(
     path: str | Path,
     quantity_units: Mapping[str, str] | None = None,
 ) -> None:
-    """Write a mechanism to a TOML file, all of it or nothing.
+    """Write a mechanism to a TOML file, completely or not at all.
 
     **Arguments:**
 
     - `mechanism`: the mechanism, with concrete numbers.
-    - `path`: the file; one that is there is replaced.
+    - `path`: the file; an existing one is replaced.
     - `quantity_units`: as for `dumps`.
 
-    **Raises:** `FileError` if the mechanism cannot be written or the file not be made; a file that
-    was there is then as it was.
+    **Raises:** `FileError` if the mechanism cannot be written or the file cannot be made; an
+    existing file is then unchanged.
     """
     text = dumps(mechanism, quantity_units)
     target = Path(path)

@@ -1,11 +1,11 @@
-"""The process and its files: signals, forks, and files that are written whole.
+"""The process and its files: signals, forks, and files that are complete or absent.
 
-Importing it sets up this process: before JAX is imported, and for what is forked later.
+Importing it sets up this process and those forked from it later. It comes before JAX.
 """
 
 from . import (
-    _forked as _forked,  # what is forked later cannot calculate
-    _own_process as _own_process,  # before JAX, which takes seconds
+    _forked as _forked,  # processes forked later cannot calculate
+    _own_process as _own_process,  # before JAX, whose import takes seconds
 )
 from ._files import (
     folder_for_results as folder_for_results,

@@ -1,7 +1,7 @@
-"""Files and folders that are complete or not there, also where the process is stopped."""
+"""Files and folders that are complete or absent, even if the process is stopped."""
 
 import contextlib
-import ctypes  # here, for a thread that ends the process cannot import while JAX is imported
+import ctypes  # here: a thread that ends the process cannot import while JAX is imported
 import errno
 import os
 import secrets
@@ -15,25 +15,25 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NoReturn
 
-#: What is being made and would be left behind by a process that is stopped now.
+#: Paths that are being made; a process that is stopped now would leave them behind.
 _unfinished: set[Path] = set()
-#: Folders that were made for results and go away if there are none.
+#: Folders that were made for results and are removed if there are none.
 _empty: set[Path] = set()
-#: Held while what is finished takes its place, so that the process is not stopped in between.
+#: Held while a finished result is moved to its place, so that the process does not stop meanwhile.
 _placing = threading.RLock()
 _PATIENCE_S = 1.0
-#: How long a thread keeps the interpreter's lock where another wants it: Python's default, and in
-#: the last steps, which take a tenth of that.
+#: How long a thread keeps the interpreter's lock when another requests it [s]: Python's default,
+#: and during the last steps, which take a tenth of that.
 _USUAL_LOCK_S, _LOCK_S = 0.005, 0.3
-#: Time for calls to the system that have begun to end.
+#: Time in which system calls that have begun can end [µs].
 _PAUSE_US = 20_000
 _MOVED, _TRIES = ".moved-", 1000
 _OPEN_FILES = ("/dev/fd/", "/dev/stdin", "/dev/stdout", "/dev/stderr", "/proc/")
 
 
 @contextlib.contextmanager
-def _goes_away(path: Path) -> Iterator[Path]:
-    """A path that is gone afterwards, unless it was moved."""
+def _removed_afterwards(path: Path) -> Iterator[Path]:
+    """A path that is removed afterwards, unless it was moved."""
     _unfinished.add(path)
     try:
         yield path
@@ -51,10 +51,10 @@ def _remove(path: Path) -> None:
 
 
 def end_process(status: int) -> NoReturn:
-    """End the process at once; what is being made is removed, and nothing takes its place any more.
+    """End the process at once; unfinished files are removed, and no result is put in place.
 
-    Other threads still write. What they make is moved aside, with a file in its place that stops
-    them; the last steps are taken without letting another thread of Python run.
+    Other threads still write. Their files are moved aside, with an empty file in each place that
+    stops them; no other Python thread runs during the last steps.
     """
     try:
         _placing.acquire(timeout=_PATIENCE_S)
@@ -71,13 +71,13 @@ def end_process(status: int) -> NoReturn:
 def _last_steps(files: list[bytes], folders: list[bytes]) -> None:
     """Remove files and empty folders; the lock of the interpreter is not released meanwhile.
 
-    Another thread may be within a call to the system that makes a folder anew. That call ends
-    during the pause, which keeps the lock, and the second round removes the folder.
+    Another thread may be in a system call that makes a folder again. That call ends during the
+    pause, which keeps the lock, and the second round removes the folder.
     """
     unlink, rmdir, pause = os.unlink, os.rmdir, None
     if os.name == "posix":
         sys.setswitchinterval(_LOCK_S)
-        # Threads that wait already would ask for the lock after the former interval.
+        # Threads that already wait would request the lock after the former interval.
         time.sleep(2 * _USUAL_LOCK_S)
         library = ctypes.PyDLL(None)
         unlink, rmdir, pause = library.unlink, library.rmdir, library.usleep
@@ -94,9 +94,9 @@ def _last_steps(files: list[bytes], folders: list[bytes]) -> None:
 
 
 def _barred(path: Path) -> bool:
-    """Move aside what is at a path and put an empty file there.
+    """Move the file or folder at a path aside and put an empty file there.
 
-    Other threads still write, and would make anew the folder that is being removed.
+    Other threads still write, and would make the removed folder again.
     """
     for _ in range(_TRIES):
         with contextlib.suppress(OSError):
@@ -110,14 +110,15 @@ def _barred(path: Path) -> bool:
 
 
 def taking_place() -> contextlib.AbstractContextManager:
-    """While a finished result takes its place in several steps: they are all done or none."""
+    """Held while a finished result is put in place in several steps: all are done or none."""
     return _placing
 
 
 def is_written_through(path: Path) -> bool:
-    """Whether a path is a terminal, pipe or device, onto which a rename would destroy it.
+    """Whether a path is a terminal, pipe or device, which a rename onto it would destroy.
 
-    What this process has open already is also written to by others: `/dev/stdout` may be a file.
+    Files that this process has open count too, since others write to them: `/dev/stdout` may be
+    one.
     """
     if os.path.abspath(path).startswith(_OPEN_FILES):
         return True
@@ -129,9 +130,9 @@ def is_written_through(path: Path) -> bool:
 
 
 def real_path(path: Path) -> Path:
-    """Where a path leads when its links are followed; what is there need not exist.
+    """A path with its links followed; it need not exist.
 
-    **Raises:** `OSError` for links that lead in a circle.
+    **Raises:** `OSError` for circular links.
     """
     real = Path(os.path.realpath(path))
     if real.is_symlink():
@@ -141,11 +142,11 @@ def real_path(path: Path) -> Path:
 
 @contextlib.contextmanager
 def whole_file(target: Path) -> Iterator[Path]:
-    """A path to write to, which becomes `target` when all went well.
+    """A path to write to, which becomes `target` if nothing fails.
 
-    It lies beside the target, because only within one file system is a rename atomic. If anything
-    fails it goes away, and what was at the target is as it was. What a symbolic link points to is
-    replaced, not the link; a device or pipe is written to.
+    It lies beside the target, because a rename is atomic only within one file system. If anything
+    fails, it is removed and the target is unchanged. Of a symbolic link, the file that it points to
+    is replaced, not the link; a device or pipe is written to.
     """
     if is_written_through(target):
         with temporary_folder(Path(tempfile.gettempdir()), "prsm-jax-") as folder:
@@ -156,27 +157,27 @@ def whole_file(target: Path) -> Iterator[Path]:
         return
     target = real_path(target)
     partial = target.with_name(f".{target.name[:32]}.{secrets.token_hex(4)}.partial")
-    with _goes_away(partial):
+    with _removed_afterwards(partial):
         yield partial
         with _placing:
             with contextlib.suppress(OSError):
-                # Who may read the file stays as it was.
+                # The permissions of the file stay.
                 shutil.copymode(target, partial)
             os.replace(partial, target)
 
 
 @contextlib.contextmanager
 def temporary_folder(parent: Path, prefix: str) -> Iterator[Path]:
-    """A private folder beside what is to be made, gone afterwards."""
-    # Another process that stopped without a result may have taken the empty folder away.
+    """A private folder beside the future result, removed afterwards."""
+    # Another process that stopped without a result may have removed the empty folder.
     parent.mkdir(parents=True, exist_ok=True)
-    with _goes_away(Path(tempfile.mkdtemp(prefix=prefix, dir=parent))) as folder:
+    with _removed_afterwards(Path(tempfile.mkdtemp(prefix=prefix, dir=parent))) as folder:
         yield folder
 
 
 @contextlib.contextmanager
 def folder_for_results(folder: Path) -> Iterator[Path]:
-    """A folder to write into, made if it is not there; if nothing comes of it, it goes again."""
+    """A folder to write into, made if it does not exist, and removed if it stays empty."""
     try:
         yield make_folder(folder)
     finally:
@@ -184,14 +185,14 @@ def folder_for_results(folder: Path) -> Iterator[Path]:
 
 
 def make_folder(folder: Path) -> Path:
-    """A folder for results, made if it is not there; `remove_empty_folders` if none came."""
+    """A folder for results, made if it does not exist; see `remove_empty_folders`."""
     _empty.update(path for path in (folder, *folder.parents) if not path.exists())
     folder.mkdir(parents=True, exist_ok=True)
     return folder
 
 
 def remove_empty_folders() -> None:
-    """Take away the folders that were made here for results and have none."""
+    """Remove the folders that `make_folder` made and that are empty."""
     for path in sorted(_empty, key=lambda path: -len(path.parts)):
         with contextlib.suppress(OSError):
             path.rmdir()

@@ -1,9 +1,9 @@
-"""A forked process that cannot calculate says so, instead of waiting for ever.
+"""A forked process that cannot calculate raises an error instead of waiting for ever.
 
-A fork copies no threads, and JAX's backend is made of them: what it starts in the child waits for
-threads that are not there. So in the child of a process that has calculated, every operation of
-JAX fails with one line that names the remedy. A child that only starts a program, or that was
-forked before anything was calculated, does not notice.
+A fork copies no threads, and JAX's backend uses threads: a calculation in the child would wait for
+threads that do not exist. In the child of a process that has calculated, every operation of JAX
+therefore fails with one line that names the remedy. A child that only starts a program, or that was
+forked before the first calculation, is not affected.
 """
 
 import os
@@ -23,11 +23,11 @@ def _refuse(*args: Any, **options: Any) -> NoReturn:
 
 
 def _in_child() -> None:
-    """Have everything that JAX could do in this process raise the error.
+    """Make every operation of JAX in this process raise the error.
 
-    JAX asks for the current trace, and looks up compiled programs by it: a trace that refuses all
-    reaches compiled programs as well, and no other can be entered. None of this is public; where it
-    is not as it was, JAX's own warning at the fork remains.
+    JAX uses the current trace for operations, and to look up compiled programs. A trace that
+    refuses everything therefore stops compiled programs, too, and no other can be entered. None of
+    this is public; in a version of JAX that differs, only its own warning at the fork remains.
     """
     try:
         from jax._src import config, core, xla_bridge
@@ -39,7 +39,7 @@ def _in_child() -> None:
         names += ("process_custom_jvp_call", "process_custom_vjp_call")
         refusing = type("RefusingTrace", (core.Trace,), dict.fromkeys(names, _refuse))()
         core.trace_ctx.set_trace(refusing)
-        # Other threads of the child find it where they have not set one themselves.
+        # Other threads of the child use it unless they have set their own.
         if hasattr(core, "trace_state_strong_ref"):
             core.trace_state.set_global(refusing._weakref)
             core.trace_state_strong_ref.set_global(refusing)

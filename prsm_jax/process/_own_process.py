@@ -1,4 +1,4 @@
-"""What a process that is `prsm` itself sets before JAX is imported; no other process is touched."""
+"""Settings of a process that is `prsm` itself, made before JAX is imported."""
 
 import importlib.metadata
 import os
@@ -23,13 +23,13 @@ _BRIEF_VERBS = frozenset(
 def _compiler_flags() -> str:
     """Flags of XLA's CPU compiler for programs that run once or a few times.
 
-    Its older code generator for fused loops compiles in two thirds of the time, and what it makes
-    runs as fast here (sweeps, optimisations). JAX 0.10 is the last that is known to have it; a flag
+    Its older code generator for fused loops compiles in two thirds of the time, and its code runs
+    as fast here (sweeps, optimisations). JAX 0.10 is the last that is known to have it; a flag
     that the compiler does not know would end the process.
 
-    Of verbs that analyse one design a program runs for a millisecond and compiles for seconds: code
-    that is not optimised, in one piece, is there in half to three quarters of the time, running
-    included. Sweeps, searches and transients keep code that is.
+    For verbs that analyse one design, a program runs for a millisecond and compiles for seconds:
+    code that is not optimised, in one piece, takes half to three quarters of the time, running
+    included. Sweeps, searches and transients keep optimised code.
     """
     flags = []
     version = importlib.metadata.version("jaxlib").split(".")[:2]
@@ -43,11 +43,11 @@ def _compiler_flags() -> str:
 
 if _is_command_line():
     end_on_signals()
-    # Read where equinox is imported. Sample times that cannot be give NaN, no exception from inside
-    # a program: JAX does not keep a program that calls Python for the next run.
+    # Read when equinox is imported. Impossible sample times give NaN, not an exception from inside
+    # a program: JAX does not store a program that calls Python for the next run.
     os.environ.setdefault("EQX_ON_ERROR", "nan")
-    # Read where JAX is imported. XLA logs an alarm ("Very slow compile?") when a compilation takes
-    # minutes, which the line of progress shows anyway; what fails is an exception all the same.
+    # Read when JAX is imported. XLA logs an alarm ("Very slow compile?") when a compilation takes
+    # minutes, which the progress line shows anyway; failures still raise exceptions.
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
-    # The last of two flags counts: the user's.
+    # If a flag occurs twice, the last one counts: the user's.
     os.environ["XLA_FLAGS"] = f"{_compiler_flags()} {os.environ.get('XLA_FLAGS', '')}".strip()

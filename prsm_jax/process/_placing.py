@@ -1,4 +1,4 @@
-"""Finished files and folders take their place, whatever is there and whoever else is at it."""
+"""Puts finished files and folders in place, over older ones and beside other processes."""
 
 import contextlib
 import ctypes
@@ -20,10 +20,10 @@ _HERE, _EXCHANGE = -100, 2  # AT_FDCWD and RENAME_EXCHANGE of Linux
 
 @contextlib.contextmanager
 def placing_in(folder: Path) -> Iterator[None]:
-    """While results take their place in a folder: no signal stops it, another process waits."""
+    """Held while results are put into a folder: no signal stops it, another process waits."""
     with taking_place():
         lock = None
-        # A file system without locks is no reason to fail.
+        # A file system without locks is accepted.
         with contextlib.suppress(OSError):
             lock = os.open(folder, os.O_RDONLY)
             if fcntl is not None:
@@ -36,7 +36,7 @@ def placing_in(folder: Path) -> Iterator[None]:
 
 
 def put_file(finished: Path, target: Path) -> None:
-    """Move a finished file to its place; a link stays, and what it leads to is replaced."""
+    """Move a finished file to its place; of a link, the file that it points to is replaced."""
     if not (target.is_symlink() or is_written_through(target)):
         try:
             os.replace(finished, target)
@@ -49,13 +49,13 @@ def put_file(finished: Path, target: Path) -> None:
 
 
 def put_folder(finished: Path, target: Path, aside: Path) -> None:
-    """Move a finished folder to its place in one step where the system can.
+    """Move a finished folder to its place in one step if the system can.
 
     **Arguments:**
 
-    - `finished`: the folder; what was at the target may be here afterwards.
-    - `target`: its place; a link stays, and what it leads to is replaced.
-    - `aside`: where what was at the target may be afterwards, if not at `finished`.
+    - `finished`: the folder; the former target may be here afterwards.
+    - `target`: its place; of a link, the folder that it points to is replaced.
+    - `aside`: where the former target may be afterwards, if not at `finished`.
     """
     target = real_path(target)
     if _exchanged(finished, target):

@@ -1,4 +1,4 @@
-"""How programs are made: one for each structure, batches, labels of physics, precision."""
+"""How programs are compiled: one for each structure, batches, labels of physics, precision."""
 
 from ._batches import (
     AbstractResult as AbstractResult,

@@ -1,7 +1,7 @@
 """Results of one design and of a batch of them: the same properties for both.
 
 `jax.vmap` of a public function gives a result whose arrays all have the axes of the batch in front.
-What a result derives from its arrays is written for one design, and mapped here over those axes.
+Properties derived from these arrays are written for one design, and mapped here over those axes.
 """
 
 import abc
@@ -13,8 +13,8 @@ import equinox as eqx
 import jax
 import numpy as np
 
-_Given = ParamSpec("_Given")
-_Found = TypeVar("_Found")
+_Params = ParamSpec("_Params")
+_Return = TypeVar("_Return")
 _Own = TypeVar("_Own", bound="AbstractResult")
 
 
@@ -24,20 +24,20 @@ class AbstractResult(eqx.Module):
     @property
     @abc.abstractmethod
     def batch_shape(self) -> tuple[int, ...]:
-        """Axes of the batch that this result is of; empty for a single design."""
+        """Shape of the batch of designs; empty for a single design."""
 
 
 def mapped(
-    method: Callable[Concatenate[_Own, _Given], _Found],
-) -> Callable[Concatenate[_Own, _Given], _Found]:
+    method: Callable[Concatenate[_Own, _Params], _Return],
+) -> Callable[Concatenate[_Own, _Params], _Return]:
     """A method or property of one design that returns arrays, mapped over a batch of them."""
 
     @functools.wraps(method)
-    def run(result: _Own, /, *args: _Given.args, **kwargs: _Given.kwargs) -> _Found:
-        def of_one(one: _Own) -> _Found:
+    def run(result: _Own, /, *args: _Params.args, **kwargs: _Params.kwargs) -> _Return:
+        def of_one(one: _Own) -> _Return:
             return method(one, *args, **kwargs)
 
-        call: Callable[[_Own], _Found] = of_one
+        call: Callable[[_Own], _Return] = of_one
         for _ in result.batch_shape:
             call = jax.vmap(call)
         return call(result)
@@ -46,40 +46,40 @@ def mapped(
 
 
 def listed(
-    method: Callable[Concatenate[_Own, _Given], Any],
-) -> Callable[Concatenate[_Own, _Given], Any]:
+    method: Callable[Concatenate[_Own, _Params], Any],
+) -> Callable[Concatenate[_Own, _Params], Any]:
     """A method or property of one design that returns words or Python numbers.
 
     For a batch it gives a NumPy array of them, whose first axes are those of the batch.
     """
 
     @functools.wraps(method)
-    def run(result: _Own, /, *args: _Given.args, **kwargs: _Given.kwargs) -> Any:
+    def run(result: _Own, /, *args: _Params.args, **kwargs: _Params.kwargs) -> Any:
         shape = result.batch_shape
         if not shape:
             return method(result, *args, **kwargs)
-        found = [method(one, *args, **kwargs) for _, one in _designs(result)]
-        return np.reshape(np.asarray(found), shape + np.shape(found[0]))
+        values = [method(one, *args, **kwargs) for _, one in _designs(result)]
+        return np.reshape(np.asarray(values), shape + np.shape(values[0]))
 
     return run
 
 
 def each(
-    method: Callable[Concatenate[_Own, _Given], Any],
-) -> Callable[Concatenate[_Own, _Given], Any]:
-    """A method of one design that returns something of its own, as long as it happens to be.
+    method: Callable[Concatenate[_Own, _Params], Any],
+) -> Callable[Concatenate[_Own, _Params], Any]:
+    """A method of one design that returns an object whose length depends on the design.
 
     For a batch it gives a NumPy array of objects, one for each design.
     """
 
     @functools.wraps(method)
-    def run(result: _Own, /, *args: _Given.args, **kwargs: _Given.kwargs) -> Any:
+    def run(result: _Own, /, *args: _Params.args, **kwargs: _Params.kwargs) -> Any:
         if not result.batch_shape:
             return method(result, *args, **kwargs)
-        found = np.empty(result.batch_shape, object)
+        objects = np.empty(result.batch_shape, object)
         for index, one in _designs(result):
-            found[index] = method(one, *args, **kwargs)
-        return found
+            objects[index] = method(one, *args, **kwargs)
+        return objects
 
     return run
 

@@ -1,4 +1,4 @@
-"""Public functions that are compiled as a whole, wherever they are called from."""
+"""Public functions that run as one compiled program, wherever they are called from."""
 
 import functools
 from collections.abc import Callable
@@ -10,32 +10,32 @@ import jax.numpy as jnp
 import numpy as np
 from jax.core import Tracer
 
-_Given = ParamSpec("_Given")
-_Found = TypeVar("_Found")
+_Params = ParamSpec("_Params")
+_Return = TypeVar("_Return")
 _Tree = TypeVar("_Tree")
 
 
-def one_program(function: Callable[_Given, _Found]) -> Callable[_Given, _Found]:
-    """Have a public function run as one compiled program.
+def one_program(function: Callable[_Params, _Return]) -> Callable[_Params, _Return]:
+    """Run a public function as one compiled program.
 
-    Called operation by operation it takes hundreds of times as long. Under `jax.jit`, `jax.vmap`
-    and `jax.grad` of a user the program is part of his.
+    Operation by operation it takes hundreds of times as long. Under `jax.jit`, `jax.vmap` and
+    `jax.grad` of a user the program is part of the user's program.
 
-    Numbers are traced, Python's floats and NumPy's arrays too, so that a new one does not compile
-    anew; whatever else is given (integers, words, functions) is static and must be hashable.
+    Numbers are traced, including Python floats and NumPy arrays, so that a new value does not
+    compile again; other arguments (integers, words, functions) are static and must be hashable.
 
-    `jax.grad` and `jax.vjp` outside of any program run two: one for the value, and one for the
-    derivative that begins with the arguments. Between them JAX takes some 50 µs for every number.
+    `jax.grad` and `jax.vjp` outside of a program run two: one for the value, and one for the
+    derivative, which begins with the arguments. Between them JAX takes some 50 µs for every number.
     """
     program = one_program_where_possible(function)
     in_two = one_program_where_possible(_keeping_arguments(function))
 
     @functools.wraps(function)
-    def run(*args: _Given.args, **kwargs: _Given.kwargs) -> _Found:
+    def run(*args: _Params.args, **kwargs: _Params.kwargs) -> _Return:
         args, kwargs = traceable((args, kwargs))
         leaves, structure = jax.tree.flatten((args, kwargs))
         moving = [leaf if _moves(leaf) else None for leaf in leaves]
-        # Inside a program what is new is traced as well, whatever the arguments are.
+        # Inside a program new arrays are traced as well, whatever the arguments are.
         if all(leaf is None for leaf in moving) or isinstance(jnp.zeros(()), Tracer):
             return program(*args, **kwargs)
         known = [leaf if one is None else None for leaf, one in zip(leaves, moving, strict=True)]
@@ -44,20 +44,20 @@ def one_program(function: Callable[_Given, _Found]) -> Callable[_Given, _Found]:
     return run
 
 
-def _keeping_arguments(function: Callable[..., _Found]) -> Callable[..., _Found]:
-    """A function whose reverse mode keeps nothing but its arguments and calculates the rest anew.
+def _keeping_arguments(function: Callable[..., _Return]) -> Callable[..., _Return]:
+    """A function whose reverse mode stores only its arguments and calculates the rest again.
 
-    It takes the leaves of its arguments that are differentiated or mapped, those that are not, with
-    `None` in each other's places, and the structure of all.
+    It takes the leaves that are differentiated or mapped, the other leaves (each list has `None` in
+    the places of the other), and the structure of all arguments.
     """
     anew = eqx.filter_checkpoint(
-        lambda given: function(*given[0], **given[1]),
+        lambda arguments: function(*arguments[0], **arguments[1]),
         prevent_cse=False,  # type: ignore[call-arg]
     )
 
-    def run(moving, known, structure) -> _Found:
-        # Of a number that does not count JAX makes a derivative of 0 by itself, one by one, unless
-        # the program gives it.
+    def run(moving, known, structure) -> _Return:
+        # JAX itself makes the derivative 0 of each number without influence, one by one, unless the
+        # program returns it.
         numbers = [leaf for leaf in moving if leaf is not None]
         places = iter(jax.lax.optimization_barrier(numbers))
         leaves = [
@@ -75,30 +75,29 @@ def _moves(leaf) -> bool:
 
 
 def traceable(tree: _Tree) -> _Tree:
-    """With arrays of one kind in place of all numbers that a program is to take as its input.
+    """A copy with strongly typed arrays in place of all numbers that are input of a program.
 
-    Numbers in a user's own function stay what they are: an array where he has given a float could
-    be one that his function cannot take.
+    Floats in a user's own function stay floats: the function may not accept arrays.
     """
     return jax.tree.map(_traceable, tree, is_leaf=_is_of_a_user)
 
 
 def is_known(tree) -> bool:
-    """Whether numbers may be looked at: none is traced, nor would what is calculated of them be."""
+    """Whether all numbers are known: neither they nor results calculated from them are traced."""
     leaves = (*jax.tree.leaves(tree), jnp.zeros(()))
     return not any(isinstance(leaf, Tracer) for leaf in leaves)
 
 
-def one_program_where_possible(function: Callable[_Given, _Found]) -> Callable[_Given, _Found]:
-    """A part of a public function as one compiled program, of arguments that are `traceable`.
+def one_program_where_possible(function: Callable[_Params, _Return]) -> Callable[_Params, _Return]:
+    """A part of a public function as one compiled program; its arguments must be `traceable`.
 
-    Functions among them are told apart by what they are, not by what they do: they have to be pure.
-    With one that cannot be told apart, the part runs operation by operation.
+    Functions among them are compared by hash and equality, not by what they do: they must be pure.
+    With one that is not hashable, the part runs operation by operation.
     """
     program = eqx.filter_jit(function)
 
     @functools.wraps(function)
-    def run(*args: _Given.args, **kwargs: _Given.kwargs) -> _Found:
+    def run(*args: _Params.args, **kwargs: _Params.kwargs) -> _Return:
         return (program if _can_be_kept((args, kwargs)) else function)(*args, **kwargs)
 
     return run
@@ -128,7 +127,7 @@ def _traceable(value):
 
 
 def _strong(value):
-    # An array of JAX that was made of a Python number has a weak type, which is another program.
+    # A JAX array made of a Python number has a weak type, which needs another program.
     if isinstance(value, jax.Array) and value.weak_type:
         return jax.lax.convert_element_type(value, value.dtype)
     return value

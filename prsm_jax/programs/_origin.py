@@ -1,4 +1,4 @@
-"""What tells a definition that is run again from another of the same name."""
+"""Tells a definition that is run again from another one of the same name."""
 
 from typing import Any
 
@@ -6,7 +6,7 @@ from typing import Any
 def origin_of(definition: Any) -> tuple[str, str]:
     """Module and qualified name of a function or a class.
 
-    A cell of a notebook that is run twice defines the same thing anew, which then has the same
+    A notebook cell that is run twice defines the same function or class again, with the same
     origin.
     """
     return definition.__module__, definition.__qualname__

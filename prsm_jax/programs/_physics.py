@@ -1,8 +1,8 @@
 """Labels that make the physics visible in a trace.
 
 Every law is decorated with `physics("its_name")`. The name travels with the equations into the
-jaxpr, where `traced_physics` finds it again: that is how the tests show that physics which a scene
-does not mention leaves no trace, and how a profile is read.
+jaxpr, where `traced_physics` finds it: with it the tests show that physics that a scene does not
+mention is not traced; profiles show the same names.
 """
 
 import functools
@@ -47,17 +47,17 @@ def traced_physics(function: Callable, *args) -> set[str]:
 
 
 def _scopes(jaxpr) -> set[str]:
-    found: set[str] = set()
+    names: set[str] = set()
     for equation in jaxpr.eqns:
         for part in str(equation.source_info.name_stack).split("/"):
             # Transformations wrap the name: "jvp(physics:hertz)".
             if _PREFIX in part:
-                found.add(part.split(_PREFIX, 1)[1].rstrip(")"))
+                names.add(part.split(_PREFIX, 1)[1].rstrip(")"))
         for inner in jax.tree.leaves(
             list(equation.params.values()),
             is_leaf=lambda x: hasattr(x, "eqns") or hasattr(x, "jaxpr"),
         ):
             inner = getattr(inner, "jaxpr", inner)
             if hasattr(inner, "eqns"):
-                found |= _scopes(inner)
-    return found
+                names |= _scopes(inner)
+    return names

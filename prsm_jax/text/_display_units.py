@@ -1,4 +1,4 @@
-"""Units for the eye: SI numbers as an engineer writes them."""
+"""Display units: SI numbers as an engineer writes them."""
 
 import math
 from collections.abc import Iterable
@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from typing import SupportsFloat
 
 MINUS = "\N{MINUS SIGN}"
-#: A space that neither breaks a line nor is as wide as one between words.
+#: A non-breaking space that is narrower than a space between words.
 _THIN = "\N{NARROW NO-BREAK SPACE}"
 
 
 @dataclass(frozen=True)
 class DisplayUnit:
-    """A unit as it is shown, and how many of it make one SI unit."""
+    """A unit as it is shown, and the factor from SI to it."""
 
     label: str
     per_si: float
@@ -22,7 +22,7 @@ class DisplayUnit:
         return value * self.per_si
 
 
-#: For each SI unit the units it is shown in, the smallest first.
+#: Display units of each SI unit, the smallest first.
 _SHOWN: dict[str, tuple[DisplayUnit, ...]] = {
     "m": (
         DisplayUnit("µm", 1e6),
@@ -48,7 +48,7 @@ _SHOWN: dict[str, tuple[DisplayUnit, ...]] = {
     "m·rad/s": (DisplayUnit("mm·rpm", 1e3 * 30 / math.pi),),
     "1": (DisplayUnit("", 1.0),),
 }
-#: The smallest magnitude, in its own unit, for which the larger of two units is taken.
+#: The smallest magnitude, in the unit itself, for which a unit is taken instead of a smaller one.
 _WORTH = {
     "mm": 0.1,
     "m": 100.0,
@@ -71,9 +71,9 @@ def is_efficiency(quantity: str) -> bool:
 
 
 def state_without_efficiency(quantity: str, value: SupportsFloat) -> str:
-    """What a reader is told instead of an efficiency below 0; empty where there is an efficiency.
+    """The state shown instead of an efficiency below 0; empty if there is an efficiency.
 
-    The number of a thread that locks or jams is power that somebody else has to put in.
+    The number of a thread that locks or jams is power that has to be put in from elsewhere.
     """
     if not is_efficiency(quantity) or not float(value) < 0:
         return ""
@@ -105,7 +105,7 @@ def display_unit(
 
 
 def number(value: SupportsFloat, digits: int = 4) -> str:
-    """A number with so many significant digits, without an exponent where it can be read so."""
+    """A number with `digits` significant digits; an exponent only below 1e-4 and from 1e7 on."""
     value = float(value)
     if not math.isfinite(value):
         return "not defined" if math.isnan(value) else ("∞" if value > 0 else MINUS + "∞")
@@ -132,15 +132,15 @@ def in_unit(value: SupportsFloat, unit: DisplayUnit, digits: int = 4) -> str:
 
 
 def show(value: SupportsFloat, unit: str, quantity: str = "", digits: int = 4) -> str:
-    """An SI number in the unit that suits it, with the unit's label.
+    """An SI number in a suitable display unit, with the unit's label.
 
-    Of a thread that locks or jams the state is told instead of an efficiency.
+    For a thread that locks or jams, the state is shown instead of an efficiency.
     """
     state = state_without_efficiency(quantity, value) if unit == "1" else ""
     return state or in_unit(value, display_unit(unit, float(value), quantity), digits)
 
 
 def trimmed(value: SupportsFloat, decimals: int = 3) -> str:
-    """A dimension as on a drawing: no zeros at the end."""
+    """A dimension as on a drawing: without trailing zeros."""
     text = f"{float(value):.{decimals}f}".rstrip("0").rstrip(".")
     return ("0" if text in ("", "-0") else text).replace("-", MINUS)

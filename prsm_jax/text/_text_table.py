@@ -10,11 +10,11 @@ import numpy as np
 
 from ._plain_text import markdown, printable
 
-#: What stands where there is no number.
+#: Shown where there is no number.
 NOT_DEFINED = "–"
 _GAP = 2
 _NUMBER = re.compile(rf"[+-]?(\d+\.?\d*(e[+-]\d+)?|∞)|{NOT_DEFINED}")
-#: A column of words is not made narrower than this, nor is a shorter word than that broken.
+#: The least width of a column of words, and the length up to which a word is not broken.
 _NARROW, _LONG_WORD = 12, 40
 
 
@@ -33,9 +33,9 @@ def cell_text(value: Any) -> str:
 class TextTable:
     """A table; numbers stay numbers until it is printed.
 
-    Columns of numbers are right-aligned and never broken. A table wider than the space has its
-    columns of words wrapped, and if that is not enough, is printed in several parts which repeat
-    the first column.
+    Columns of numbers are right-aligned and never broken. If a table is too wide, its columns of
+    words are wrapped; if that is not enough, it is printed in several parts that repeat the first
+    column.
     """
 
     title: str
@@ -69,14 +69,14 @@ class TextTable:
         return bool(cells) and all(_NUMBER.fullmatch(text) for text in cells)
 
     def _least(self, cells: list[list[str]], column: int) -> int:
-        """The width below which a column cannot go without breaking a number or a short word."""
+        """The least width of a column at which no number and no short word is broken."""
         head = max(map(len, self.columns[column].split()), default=0)
         texts = [row[column] for row in cells]
         if self._numeric(column):
             return max(head, *map(len, texts))
         words = [len(word) for text in texts for word in text.split()]
-        longest, whole = max(words, default=0), max(map(len, texts), default=0)
-        return max(head, min(longest, _LONG_WORD), min(whole, _NARROW))
+        longest, widest = max(words, default=0), max(map(len, texts), default=0)
+        return max(head, min(longest, _LONG_WORD), min(widest, _NARROW))
 
     def _parts(self, cells: list[list[str]], width: int | None) -> list[list[int]]:
         """Which columns are printed side by side."""
@@ -102,12 +102,12 @@ class TextTable:
         if width is not None:
             least = {c: self._least(cells, c) for c in part}
             spare = width - _GAP * (len(part) - 1)
-            # Room is taken from the widest column that can give some.
+            # The widest column that can shrink is narrowed.
             while sum(widths.values()) > spare:
-                giving = [c for c in part if widths[c] > least[c]]
-                if not giving:
+                shrinkable = [c for c in part if widths[c] > least[c]]
+                if not shrinkable:
                     break
-                widths[max(giving, key=lambda c: widths[c])] -= 1
+                widths[max(shrinkable, key=lambda c: widths[c])] -= 1
 
         def line(texts: list[str], right: Sequence[bool]) -> list[str]:
             wrapped = [

@@ -1,6 +1,6 @@
 """Published numbers beside the computed ones, with verdicts.
 
-A paper is one module that registers functions of rows under the paper's name.
+Each paper has modules that register functions of rows under the paper's name.
 """
 
 from ._difference import (

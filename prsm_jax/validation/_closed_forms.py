@@ -1,4 +1,4 @@
-"""Named analytic references, which stand beside the papers."""
+"""Analytic references, in addition to the papers."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""Lengths, radii and stiffnesses of steel cylinders, by which printed masses are judged."""
+"""Lengths, radii and stiffnesses of steel cylinders, to check printed masses."""
 
 import numpy as np
 

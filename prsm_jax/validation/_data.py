@@ -1,4 +1,4 @@
-"""Tables of the papers, kept as package data."""
+"""Tables of the papers, stored as package data."""
 
 import csv
 from pathlib import Path

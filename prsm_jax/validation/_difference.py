@@ -1,7 +1,7 @@
-"""Rows that do not reproduce a printed number: why not, by how much at most, and on what evidence.
+"""Rows that do not reproduce a printed number: the reason, bounds of the difference, and evidence.
 
-Each builder decides its verdict by numbers: a computed number, or a piece of evidence, that leaves
-its bounds makes the row "not reproduced".
+Each builder decides its verdict by numbers: if a computed number or the evidence leaves its bounds,
+the row becomes "not reproduced".
 """
 
 import dataclasses
@@ -20,7 +20,7 @@ def _inside(value: float, bounds: Bounds) -> bool:
     low, high = bounds
     if not low <= high:
         raise ValueError(f"bounds are {bounds}; give the lower one first")
-    # Rounding at a bound that is the number itself, like a count.
+    # Allows for rounding where a bound is the number itself, such as a count.
     slack = 1e-12 * max(abs(low), abs(high))
     return bool(low - slack <= value <= high + slack)
 
@@ -36,8 +36,8 @@ def _bounded(
 ) -> Row:
     value, computed = _value(published), float(computed)
     difference = None if isinstance(value, str) else relative(computed, value)
-    found: Verdict = verdict if _inside(computed, between) else "not reproduced"
-    return Row("", item, value, computed, difference, found, note, unit, bounds=between)
+    decided: Verdict = verdict if _inside(computed, between) else "not reproduced"
+    return Row("", item, value, computed, difference, decided, note, unit, bounds=between)
 
 
 def differs(
@@ -51,16 +51,16 @@ def differs(
     evidence: float,
     evidence_between: Bounds,
 ) -> Row:
-    """A published number or statement from which the toolkit differs for a reason that is computed.
+    """A published number or statement that the toolkit contradicts, for a computed reason.
 
     **Arguments:**
 
     - `item`, `published`, `unit`: as `number`; a statement may be given in words.
     - `computed`: the toolkit's number.
-    - `between`: where it must stay.
-    - `because`: the reason, with what `evidence` is.
-    - `evidence`: what comes out with the reason put in, or the number that the reason rests on.
-    - `evidence_between`: where that must stay.
+    - `between`: bounds of the computed number.
+    - `because`: the reason, and the meaning of `evidence`.
+    - `evidence`: the result with the reason taken into account, or the number that supports it.
+    - `evidence_between`: bounds of the evidence.
     """
     row = _bounded("differs because", item, published, computed, unit, between, because)
     evidence = float(evidence)
@@ -73,7 +73,7 @@ def differs(
 def unexplained(
     item: str, published: str, computed: float, unit: str = "1", *, between: Bounds, note: str
 ) -> Row:
-    """A published number that the toolkit does not give, for no reason that it could compute.
+    """A published number that the toolkit does not give; the reason cannot be computed.
 
     **Arguments:** as `differs`; `note` says what was tried.
     """
@@ -85,7 +85,7 @@ def not_comparable(
 ) -> Row:
     """A published number that depends on data that the paper does not print.
 
-    **Arguments:** as `differs`; `missing` names them, and with what the computed number was made.
+    **Arguments:** as `differs`; `missing` names the data, and those used for the computed number.
     """
     return _bounded("not comparable", item, published, computed, unit, between, missing)
 
@@ -98,8 +98,8 @@ def fault(
     **Arguments:**
 
     - `computed`: the number with the fault.
-    - `own`: the number of the toolkit's own model, another one.
-    - `note`: which fault.
+    - `own`: the number of the toolkit's own model, which differs.
+    - `note`: the fault.
 
     **Raises:** `ValueError` if the toolkit gives the printed number as well.
     """
@@ -110,7 +110,7 @@ def fault(
 
 
 def _if_equal(verdict: Verdict, row: Row) -> Row:
-    """A row of two numbers with a verdict of its own, as long as they agree."""
+    """A row of two numbers with the given verdict, if they agree."""
     held: Verdict = verdict if row.verdict == "reproduced" else "not reproduced"
     return dataclasses.replace(row, verdict=held)
 
@@ -124,7 +124,7 @@ def formula(
     tolerance: float | None = None,
     note: str,
 ) -> Row:
-    """A formula of a paper or a textbook, evaluated here: no printed number, but a second way.
+    """A formula of a paper or a textbook, evaluated here as a second way, not a printed number.
 
     **Arguments:** as `number`; `value` is the formula's, to the digits that are compared.
     """
@@ -141,9 +141,9 @@ def consistent(
     tolerance: float | None = None,
     note: str,
 ) -> Row:
-    """Two statements of one paper that agree with each other; the toolkit has no part in them.
+    """Two statements of one paper that agree with each other; the toolkit is not involved.
 
-    **Arguments:** as `number`; `other` follows from what else the paper prints.
+    **Arguments:** as `number`; `other` follows from other printed data of the paper.
     """
     row = number(item, published, other, unit, tolerance=tolerance, note=note)
     return _if_equal("paper consistent", row)
@@ -152,8 +152,8 @@ def consistent(
 def inconsistent(
     item: str, published: str, other: float, unit: str = "1", *, between: Bounds, note: str
 ) -> Row:
-    """Two statements of one paper that contradict each other; the toolkit has no part in them.
+    """Two statements of one paper that contradict each other; the toolkit is not involved.
 
-    **Arguments:** as `consistent`; `between`: where `other` must stay.
+    **Arguments:** as `consistent`; `between`: bounds of `other`.
     """
     return _bounded("paper inconsistent", item, published, other, unit, between, note)

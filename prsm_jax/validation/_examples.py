@@ -1,7 +1,7 @@
-"""The shipped examples and how they are run here: one compiled program for many rows.
+"""The shipped examples, and their runs: one compiled program for many rows.
 
 Compiling dominates the run time, so both two-stage papers share one structure, and variations
-only change numbers.
+change only numbers.
 """
 
 import dataclasses
@@ -37,7 +37,7 @@ def example(name: str) -> Mechanism:
 def two_stages(name: str) -> Mechanism:
     """`li2020_two_stage` or `li2021_two_stage`, in one structure.
 
-    Li et al. 2021 neglect the friction of the thrust bearing; a coefficient of 0 says the same.
+    Li et al. 2021 neglect the friction of the thrust bearing, which is a coefficient of 0.
     """
     mechanism = dataclasses.replace(example(name), title="")
     first, second = mechanism.stages
@@ -86,7 +86,7 @@ def transient(name: str, *changes: tuple[str, float]) -> Transient:
 
 @functools.cache
 def steady(name: str, *changes: tuple[str, float], sense: float = 1.0) -> SteadyState:
-    """Steady state of a two-stage example; `sense` −1 lets the load drive the screw back."""
+    """Steady state of a two-stage example; with `sense` −1 the load drives the screw back."""
     mechanism = _varied(name, changes)
     point = mechanism.operating_point
     assert point is not None
@@ -128,7 +128,7 @@ def kinematics(name: str) -> tuple[StageKinematics, ...]:
 
 
 def knees(time: np.ndarray, curve: np.ndarray) -> list[float]:
-    """Where a rising curve bends over: its sharpest turns to the right, in order [s].
+    """Times at which a rising curve bends over, its minima of the second derivative, in order [s].
 
     **Arguments:**
 
@@ -142,7 +142,7 @@ def knees(time: np.ndarray, curve: np.ndarray) -> list[float]:
 
 
 def settling_time(run: Transient, stage: int, within: float) -> float:
-    """When a carrier comes, and stays, within a relative distance of its steady ratio [s].
+    """Time from which on a carrier stays within a relative distance of its steady ratio [s].
 
     **Arguments:**
 

@@ -14,7 +14,7 @@ from ._registry import sources
 class Curve:
     """One curve [SI] of a panel.
 
-    `case` is the place of its parameters among the figure's `cases`; `stage` is 0 for the whole
+    `case` is the index of its parameters in the figure's `cases`; `stage` is 0 for the whole
     mechanism.
     """
 
@@ -25,7 +25,7 @@ class Curve:
 
 @dataclasses.dataclass(frozen=True)
 class Mark:
-    """A value to compare with: a level along the panel, or a moment [s] in it."""
+    """A value to compare with: a level of the panel, or a time [s]."""
 
     words: str
     level: float | None = None
@@ -36,7 +36,7 @@ class Mark:
 
 @dataclasses.dataclass(frozen=True)
 class Panel:
-    """One diagram of a figure, over time; `right` has an axis of its own on the right."""
+    """One diagram of a figure, over time; `right` has its own axis on the right."""
 
     name: str
     symbol: str
@@ -57,7 +57,7 @@ class PublishedFigure:
     #: [s]
     time: np.ndarray
     panels: tuple[Panel, ...]
-    #: What each case is, where there are several.
+    #: Description of each case, if there are several.
     cases: tuple[str, ...] = ()
 
     @property
@@ -70,7 +70,7 @@ _T = TypeVar("_T")
 
 
 def chosen(registry: Mapping[str, _T], source: str | None) -> list[_T]:
-    """What a registry holds of one source, or of all of them.
+    """Entries of a registry for one source, or for all sources.
 
     **Raises:** `UnknownNameError` for a source that is not covered.
     """

@@ -1,4 +1,4 @@
-"""Lin and Parker 1999: the assembler on a structure that no roller screw paper made."""
+"""Lin and Parker 1999: the assembled matrices, tested on a structure from outside this field."""
 
 import functools
 from collections.abc import Iterator
@@ -25,8 +25,8 @@ _CITATION = (
 )
 #: Published frequencies [Hz] by number of planets: rotational (simple), translational (double).
 #: Second-hand: as an open-source model of drive trains quotes Table 2 (gfsReboucas/Drivetrain on
-#: GitHub, Lin_Parker_99.m, test_01); the paper itself was not at hand, so that a slip of a
-#: quotation cannot be told from a misprint. That model computes the same numbers as this one.
+#: GitHub, Lin_Parker_99.m, test_01); the paper itself was not available, so an error
+#: of the quotation cannot be distinguished from a misprint. That model computes the same numbers as this one.
 ROTATIONAL = {
     3: ("0.0", "1475.7", "1930.3", "2658.3", "7462.8", "11775.3"),
     4: ("0.0", "1536.6", "1970.6", "2625.7", "7773.6", "13071.1"),
@@ -39,7 +39,7 @@ TRANSLATIONAL = {
 }
 #: Planet modes, N − 3 times each, whatever N is.
 PLANET = ("1808.2", "5963.8", "6981.7")
-#: Those that the data do not give, and where the computed number must stay [Hz].
+#: Those that the data do not give, and bounds of the computed number [Hz].
 _DIFFERENT = {"1536.6": (1536.53, 1536.54), "727.0": (727.26, 727.27), "1091.0": (1091.16, 1091.17)}
 _PLANETS = (3, 4, 5)
 #: Number of planets, family and place in it.
@@ -103,7 +103,7 @@ def _slopes() -> tuple[dict[_Place, float], ...]:
     """
     step = 1e-6
     leaves = jax.tree.leaves(planetary_gear(3))
-    found: list[dict[_Place, float]] = []
+    derivatives: list[dict[_Place, float]] = []
     for place, leaf in enumerate(leaves):
         if float(leaf) == 0:
             continue
@@ -115,16 +115,16 @@ def _slopes() -> tuple[dict[_Place, float], ...]:
                 for value in (leaf * (1 + step), leaf * (1 - step))
             )
             slopes |= {key: (more[key] - less[key]) / (2 * step) for key in more}
-        found.append(slopes)
-    return tuple(found)
+        derivatives.append(slopes)
+    return tuple(derivatives)
 
 
-def collateral(wanted: _Place) -> float:
-    """What it costs to bring one frequency to its printed value by a number of Table 1.
+def collateral(target: _Place) -> float:
+    """Error of the other frequencies if a number of Table 1 brings one to its printed value.
 
-    The number that does it with the least harm is changed until the frequency is the printed one.
-    Returned is by how much another frequency of the three gears, printed and reproduced, is then
-    off at most, in units of half a printed digit, of which one is allowed.
+    Each number of Table 1 is changed until the frequency is the printed one. The result is the
+    largest error of the other frequencies of the three gears that are printed and reproduced, for
+    the number with the smallest such error, in units of half a printed digit; 1 is allowed.
     """
     printed = {
         (planets, family, index): value
@@ -135,19 +135,19 @@ def collateral(wanted: _Place) -> float:
     computed: dict[_Place, float] = {}
     for planets in _PLANETS:
         computed |= _frequencies(planetary_gear(planets))
-    missing = float(printed[wanted]) - computed[wanted]
+    missing = float(printed[target]) - computed[target]
     worst = []
     for slope in _slopes():
-        # Numbers that do not move the frequency at all would have to change without limit.
-        if abs(slope[wanted]) < 1e-3 * computed[wanted]:
+        # Numbers without influence on the frequency would have to change without limit.
+        if abs(slope[target]) < 1e-3 * computed[target]:
             continue
-        change = missing / slope[wanted]
-        away = [
+        change = missing / slope[target]
+        errors = [
             abs(computed[key] + change * slope[key] - float(value))
             for key, value in printed.items()
             if value not in _DIFFERENT
         ]
-        worst.append(max(away) / _HALF_DIGIT)
+        worst.append(max(errors) / _HALF_DIGIT)
     return min(worst)
 
 
@@ -156,7 +156,7 @@ def _reason(planets: int, family: str, index: int, printed: str, computed: float
     if printed not in _DIFFERENT:
         return None
     least = collateral((planets, family, index))
-    whole = float(printed) == round(computed)
+    is_rounded = float(printed) == round(computed)
     return differs(
         _item(planets, family, index),
         printed,
@@ -165,13 +165,13 @@ def _reason(planets: int, family: str, index: int, printed: str, computed: float
         between=_DIFFERENT[printed],
         evidence=least,
         evidence_between=(1.5, 1e3),
-        because=f"{_SECOND_HAND}. {abs(computed - float(printed)):.2f} Hz apart, where the others "
-        "agree within 0.05 Hz. No number of Table 1 accounts for it: the one that reaches the "
-        "printed value with the least harm moves another frequency, printed and reproduced, off "
-        "by the evidence, in units of half its last digit. "
+        because=f"{_SECOND_HAND}. The difference is {abs(computed - float(printed)):.2f} Hz; the others "
+        "agree within 0.05 Hz. No number of Table 1 explains it: if one of them is changed to reach "
+        "the printed value, the error of another frequency, printed and reproduced, is at least "
+        "the evidence, in units of half its last digit. "
         + (
             f"Rounded to whole hertz the computed number is the printed one, {printed}"
-            if whole
+            if is_rounded
             else f"The last digit would have to be {computed:.1f}"
         ),
     )
@@ -188,10 +188,10 @@ def _item(planets: int, family: str, index: int) -> str:
 def planetary_gear_frequencies() -> Iterator[Row]:
     """All 42 natural frequencies for 3, 4 and 5 planets, by family."""
     for planets in _PLANETS:
-        found = _frequencies(planetary_gear(planets))
+        solution = _frequencies(planetary_gear(planets))
         for family, frequencies in _by_family(planets).items():
             for index, printed in enumerate(frequencies):
-                computed = found[planets, family, index]
+                computed = solution[planets, family, index]
                 row = _reason(planets, family, index, printed, computed)
                 if row is None:
                     note = _SECOND_HAND

@@ -1,4 +1,4 @@
-"""Newton's equations of one stage, written out and solved apart from the rest of the toolkit."""
+"""Newton's equations of one stage, solved independently of the rest of the toolkit."""
 
 import dataclasses
 import functools
@@ -14,7 +14,7 @@ from ._examples import kinematics, scene
 
 @dataclasses.dataclass(frozen=True)
 class NewtonSolution:
-    """What Newton's equations give at every time; forces on one end of a roller, tangential."""
+    """Solution of Newton's equations at every time; tangential forces on one end of a roller."""
 
     #: ω̇ [rad/s²]
     carrier_acceleration: np.ndarray
@@ -36,8 +36,8 @@ def newton(name: str, stage: int, printed: bool = False) -> NewtonSolution:
 
     - `name`: a shipped example of these papers.
     - `stage`: index of the stage, from 0.
-    - `printed`: equation 17 as printed, without the ring gear's force and with the sign of the
-      inertia that stands there, instead of Newton's law.
+    - `printed`: equation 17 as printed, without the ring gear's force and with the printed
+      sign of the inertia, instead of Newton's law.
     """
     mechanism, run = scene(name)
     part = mechanism.stages[stage]

@@ -23,17 +23,17 @@ class PrintedEllipse:
 class PrintedPressure:
     """A largest pressure as a paper prints it."""
 
-    #: How it was found, for example "Hertz".
+    #: Method, for example "Hertz".
     name: str
     #: [Pa]; None where none is printed.
     value: float | None
-    #: What it has to be where it is a misprint [Pa].
+    #: The correct value if it is a misprint [Pa].
     correct: float | None = None
 
 
 @dataclasses.dataclass(frozen=True)
 class PressurePanel:
-    """One contact, solved on the true flanks, and what a paper prints of it."""
+    """One contact, solved on the true flanks, and the values that a paper prints for it."""
 
     #: Which contact it is, for example "screw side, 25 N".
     name: str
@@ -63,7 +63,7 @@ _FIGURES: dict[str, PressureFigureFunction] = {}
 
 
 def pressure_figures_of(name: str) -> Callable[[PressureFigureFunction], PressureFigureFunction]:
-    """Register the function that yields the pressure maps of one source, from a number of cells."""
+    """Register the function that yields the pressure maps of one source for a number of cells."""
 
     def register(function: PressureFigureFunction) -> PressureFigureFunction:
         _FIGURES[name] = function

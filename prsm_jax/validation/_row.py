@@ -1,4 +1,4 @@
-"""One published number beside the computed one, with a verdict that the numbers decide."""
+"""One published number beside the computed one, with a verdict decided by the numbers."""
 
 import dataclasses
 import decimal
@@ -19,8 +19,8 @@ Verdict: TypeAlias = Literal[
     "not comparable",
     "not reproduced",
 ]
-#: What a row can say; `docs/published_tables.md` has the meaning of each. "not reproduced" is what
-#: any of the others turns into when the numbers stop bearing it out.
+#: Possible verdicts; `docs/published_tables.md` has the meaning of each. Any of the others becomes
+#: "not reproduced" if the numbers no longer support it.
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
 Bounds: TypeAlias = tuple[float, float]
 
@@ -30,8 +30,8 @@ class Row:
     """A published number (or stated trend), the computed one, and the verdict.
 
     `tolerance` is the absolute difference that "reproduced" allows, in `unit`: half a unit of the
-    last printed digit unless the note says otherwise. For "misprint explained" it is that of the
-    corrected number. Trends are described in words and have neither difference nor tolerance.
+    last printed digit unless the note says otherwise. For "misprint explained" it is the tolerance
+    of the corrected number. Trends are described in words and have neither difference nor tolerance.
     """
 
     source: str
@@ -43,21 +43,21 @@ class Row:
     note: str
     unit: str = "1"
     tolerance: float | None = None
-    #: Between which the computed number of a row that differs must stay, in `unit`.
+    #: Bounds of the computed number of a row that differs, in `unit`.
     bounds: Bounds | None = None
-    #: What comes out with the reason of the note put in, or the number that the reason rests on;
-    #: the note says which. In `unit` where the published number is one.
+    #: The result with the reason of the note taken into account, or the number that supports the
+    #: reason; the note says which. In `unit` if it is a value of the published number.
     evidence: float | None = None
-    #: Between which `evidence` must stay.
+    #: Bounds of `evidence`.
     evidence_bounds: Bounds | None = None
-    #: The number of the toolkit's own model, where `computed` is that of a fault of the paper.
+    #: The number of the toolkit's own model, if `computed` follows from a fault of the paper.
     own: float | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """The row as JSON types."""
-        found = dataclasses.asdict(self)
+        row = dataclasses.asdict(self)
         pairs = ("bounds", "evidence_bounds")
-        return found | {name: found[name] and list(found[name]) for name in pairs}
+        return row | {name: row[name] and list(row[name]) for name in pairs}
 
 
 def half_unit(printed: str) -> float:
@@ -86,13 +86,13 @@ def number(
 
     **Arguments:**
 
-    - `item`: where it stands and what it is.
+    - `item`: its place in the paper, and its name.
     - `published`: as printed; its digits set the tolerance.
     - `computed`: the toolkit's number, in `unit`.
     - `tolerance`: absolute difference allowed instead; the note then says why.
     """
     value, computed = float(published), float(computed)
-    # A rounding of the sum itself must not decide a number that lies on the edge.
+    # Rounding errors of the difference must not decide a number at the edge of the tolerance.
     allowed = half_unit(published) * (1 + 1e-9) if tolerance is None else float(tolerance)
     verdict: Verdict = "reproduced" if abs(computed - value) <= allowed else "not reproduced"
     difference = relative(computed, value)
@@ -100,7 +100,7 @@ def number(
 
 
 def at_most(item: str, published: str, computed: float, unit: str = "1", *, note: str = "") -> Row:
-    """A printed upper bound; it counts as reproduced up to 5 % below it, where it says something.
+    """A printed upper bound; a number up to 5 % below it counts as reproduced.
 
     **Arguments:** as `number`.
     """
@@ -114,7 +114,7 @@ def at_most(item: str, published: str, computed: float, unit: str = "1", *, note
 def misprint(
     item: str, published: str, computed: float, unit: str = "1", *, correct: str, note: str
 ) -> Row:
-    """A printed number that cannot stand as it is, where the toolkit gives the corrected one.
+    """A printed number that is wrong, where the toolkit gives the corrected one.
 
     **Arguments:**
 
@@ -136,12 +136,12 @@ def misprint(
 
 
 def trend(item: str, published: str, computed: str, holds: bool | np.bool_, note: str = "") -> Row:
-    """A statement in words that the computed curves bear out or not.
+    """A statement in words that the computed curves confirm or not.
 
     **Arguments:**
 
-    - `published`, `computed`: the statement, and what was found, with numbers.
-    - `holds`: whether the computed numbers bear the statement out.
+    - `published`, `computed`: the statement, and the computed result with numbers.
+    - `holds`: whether the computed numbers confirm the statement.
     """
     verdict: Verdict = "trend reproduced" if bool(holds) else "not reproduced"
     return Row("", item, published, computed, None, verdict, note)

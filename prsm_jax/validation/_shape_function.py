@@ -1,4 +1,4 @@
-"""Contact shape function paper: what closed forms can check of its line contact."""
+"""Contact shape function paper: its line contact, checked by closed forms and by slices."""
 
 import dataclasses
 import functools
@@ -35,7 +35,7 @@ def line_contact() -> Iterator[Row]:
     per_length = np.pi / 2 * _PRESSURE * _HALF_WIDTH
     curvature = _PRESSURE / (_HALF_WIDTH * modulus)
     depth = 2 * per_length / (np.pi * modulus)
-    given = (
+    implied = (
         f"the printed pressure and half width imply a line load of {per_length:.1f} N/mm "
         "(p₀ = 2P/πB) and, for steel (E 210 GPa, ν 0.3, an assumption), cos ψ cos k a = "
         f"{curvature:.4f} /mm"
@@ -46,7 +46,7 @@ def line_contact() -> Iterator[Row]:
         depth,
         "mm",
         tolerance=1e-5,
-        note=f"by δ = 2P/(πE*); {given}. One unit of the last digit is allowed: the printed "
+        note=f"by δ = 2P/(πE*); {implied}. One unit of the last digit is allowed: the printed "
         "number seems cut off rather than rounded",
     )
     yield inconsistent(
@@ -76,8 +76,8 @@ def line_contact() -> Iterator[Row]:
             printed,
             100 * (model / reference - 1),
             "%",
-            note="from the two printed numbers; for those of the finite elements, whose size and "
-            "contact stiffness are not given, nothing is computed here",
+            note="from the two printed numbers; the finite elements themselves are not computed here, "
+            "because their size and contact stiffness are not given",
         )
 
 
@@ -157,7 +157,7 @@ def geometry() -> Iterator[Row]:
 
 
 _FORCE = 55.0
-#: What Table 3 changes, as directions in the geometry; the rollers grow away from the screw.
+#: Changes of Table 3 as directions in the geometry; a larger roller moves its axis outwards.
 _CHANGES: dict[str, tuple[str, ...]] = {
     "lead angle": ("lead_angle",),
     "roller radius": ("roller_minor_radius", "roller_major_radius", "centre_distance"),
@@ -193,7 +193,7 @@ def _implied_load(width: float) -> float:
 
 @functools.cache
 def _flatter_angle() -> float:
-    """Profile angle of both flanks that has the coefficient which Table 2 implies [rad].
+    """Profile angle of both flanks that gives the coefficient implied by Table 2 [rad].
 
     cos k a = sin j d/(2r(d − r)) for equal angles j = k, at the middle radius and without a lead.
     """
@@ -208,12 +208,12 @@ def _flatter_angle() -> float:
 def _solved(
     lead_angle: float, profile_angle: float | None = None, force: float = _FORCE
 ) -> tuple[LineContactResult, dict[str, float]]:
-    """Table 1's flanks with some lead angle [deg], and slopes of the pressure.
+    """Contact of Table 1's flanks with a given lead angle, and derivatives of the pressure.
 
     **Arguments:**
 
     - `lead_angle`: ψ [deg].
-    - `profile_angle`: of both flanks instead of Table 1's [rad].
+    - `profile_angle`: angle of both flanks instead of Table 1's [rad].
     - `force`: load on the flank [N].
     """
     contact, modulus = _flanks()
@@ -223,18 +223,16 @@ def _solved(
         contact = dataclasses.replace(
             contact, screw_profile_angle=angle, roller_profile_angle=angle
         )
-    nothing = jax.tree.map(jnp.zeros_like, contact)
+    zero = jax.tree.map(jnp.zeros_like, contact)
     one = as_scalar(1.0)
-    # A direction has no limits: it is not made as a contact is.
+    # A direction is not checked against limits, so it is not constructed as a contact is.
     columns = [
-        eqx.tree_at(
-            lambda c, names=names: [getattr(c, n) for n in names], nothing, [one] * len(names)
-        )
+        eqx.tree_at(lambda c, names=names: [getattr(c, n) for n in names], zero, [one] * len(names))
         for names in _CHANGES.values()
     ]
     directions = jax.tree.map(lambda *leaves: jnp.stack(leaves), *columns)
-    found, slopes = _solve(contact, modulus, directions, as_scalar(force))
-    return found, dict(zip(_CHANGES, np.asarray(slopes).tolist(), strict=True))
+    result, slopes = _solve(contact, modulus, directions, as_scalar(force))
+    return result, dict(zip(_CHANGES, np.asarray(slopes).tolist(), strict=True))
 
 
 @rows_of("shape_function")

@@ -7,7 +7,7 @@ from ._registry import sources
 from ._row import VERDICTS, Row, Verdict
 
 #: Widths of published, computed, difference and verdict, in a wide and in a narrow table; the item
-#: takes what is left, and each is wrapped.
+#: takes the remaining width, and each is wrapped.
 _WIDE, _NARROW = (20, 24, 9, 18), (13, 14, 9, 13)
 _GAP, _LEAST_WIDE = 2, 119
 
@@ -28,7 +28,7 @@ def _difference(row: Row) -> str:
     if row.relative_difference is None:
         return ""
     percent = 100 * row.relative_difference
-    # Below what any paper prints, digits would only show rounding.
+    # No paper prints so many digits; they would only show rounding.
     if abs(percent) < 1e-3:
         return "0 %"
     return f"{percent:+.2g} %" if abs(percent) < 99.5 else f"{percent:+.0f} %"
@@ -119,7 +119,7 @@ def markdown(rows: Sequence[Row]) -> str:
 
 
 def summary(rows: Sequence[Row]) -> dict[str, dict[Verdict, int]]:
-    """How often each verdict was given: by source, and under `"all"` altogether.
+    """Number of rows with each verdict, by source and, under `"all"`, in total.
 
     Every verdict is a key of every count, so that a missing one reads 0.
     """

@@ -41,19 +41,19 @@ def _contacts(stage: Stage, loads):
 def pairs_of_threads(name: str) -> dict[str, dict[str, PairOfThreads]]:
     """Contacts of one pair of threads of an example, by curvature convention and side.
 
-    Only thread and material of the example count: a roller with one loaded thread.
+    Only thread and material of the example are used: a roller with one loaded thread.
     """
-    whole = example(name).stages[0]
-    assert whole.material is not None
+    original = example(name).stages[0]
+    assert original.material is not None
     thread = Thread(
-        lead=whole.thread.lead,
-        starts=whole.thread.starts,
-        roller_radius=whole.thread.roller_radius,
-        contact_angle=whole.thread.contact_angle,
+        lead=original.thread.lead,
+        starts=original.thread.starts,
+        roller_radius=original.thread.roller_radius,
+        contact_angle=original.thread.contact_angle,
     )
-    material = dataclasses.replace(whole.material, density=None)
+    material = dataclasses.replace(original.material, density=None)
     stage = Stage(thread=thread, roller_count=1, material=material, engaged_threads=as_scalar(1.0))
-    found = _contacts(stage, jnp.asarray(LOADS))
+    contacts = _contacts(stage, jnp.asarray(LOADS))
     return {
         convention: {
             side: PairOfThreads(
@@ -64,5 +64,5 @@ def pairs_of_threads(name: str) -> dict[str, dict[str, PairOfThreads]]:
             )
             for side in ("screw", "nut")
         }
-        for convention, contact in found.items()
+        for convention, contact in contacts.items()
     }

@@ -14,8 +14,8 @@ ACTUATOR = file.example_text("actuator")
 #: What is replaced in the actuator's text, by what, and what the error says after the file name.
 CASES = [
     ('lead = "10 mm"', 'lead = "10 kg"',
-     r'\[\[stage\]\] 1 thread: lead = "10 kg": wrong unit: a mass where a length is wanted; give a '
-     r'string with a unit such as "10 mm", or a bare number in m'),
+     r'\[\[stage\]\] 1 thread: lead = "10 kg": wrong unit: a mass where a length is expected; give '
+     r'a string with a unit such as "10 mm", or a bare number in m'),
     ('lead = "10 mm"', 'leed = "10 mm"',
      r'\[\[stage\]\] 1 thread: leed = "10 mm": unknown key; did you mean lead\?'),
     ('lead = "10 mm"', "", r"\[\[stage\]\] 1 thread: lead: is missing; give the lead of screw"),
@@ -32,7 +32,7 @@ CASES = [
     ('lead = "10 mm"', "lead = 1e999", "not a finite number"),
     ('lead = "10 mm"', 'lead = "9e999 mm"', "not a finite number"),
     ('lead = "10 mm"', "lead = 1979-05-27", "lead = 1979-05-27: not a number"),
-    ('lead = "10 mm"', 'lead = "10"', "a plain number where a length is wanted"),
+    ('lead = "10 mm"', 'lead = "10"', "a plain number where a length is expected"),
     ('lead = "10 mm"', 'lead = "10 furlong"', "there is no unit 'furlong' here; give"),
     ('lead = "10 mm"', 'lead = "9**9**9**9 mm"', "cannot read the unit"),
     ("starts = 5", "starts = 2", r"starts = 2: must be more than 2"),
@@ -79,7 +79,7 @@ CASES = [
     ('name = "lead"', 'name = "support"', "unknown parameter 'support'"),
     ('name = "lead"', 'name = "length"', "parameter 'length' is ambiguous"),
     ('name = "lead"', 'name = "roller_count"', "a whole number cannot be varied"),
-    ('name = "lead"', 'name = "contact_angle"', "wrong unit: a length where an angle is wanted"),
+    ('name = "lead"', 'name = "contact_angle"', "wrong unit: a length where an angle is expected"),
     ('name = "contact_angle"', 'name = "lead"', "moves the same number as 'lead'"),
     ('lower = "5 mm"', 'lower = "5 deg"',
      r"\[\[optimise.variable\]\] 1: lower = .* an angle where"),
@@ -194,7 +194,7 @@ def test_settings_set():
 @pytest.mark.parametrize(
     ("setting", "message"),
     [
-        ("lead=3 kg", "--set lead=3 kg: wrong unit: a mass where a length is wanted"),
+        ("lead=3 kg", "--set lead=3 kg: wrong unit: a mass where a length is expected"),
         ("leed=3 mm", "--set leed=3 mm: unknown parameter 'leed'"),
         ("length=3 mm", "ambiguous"),
         ("lead", "must be KEY=VALUE"),

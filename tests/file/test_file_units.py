@@ -50,11 +50,11 @@ def test_units_read(text, unit, value):
 @pytest.mark.parametrize(
     ("text", "unit", "message"),
     [
-        ("10 kg", "m", "wrong unit: a mass where a length is wanted"),
-        ("10", "m", "wrong unit: a plain number where a length is wanted"),
-        ("25 Hz", "rad/s", "wrong unit: a frequency where an angular speed is wanted"),
-        ("1 N m/rad", "N/m", "wrong unit: a stiffness in rotation where a stiffness is wanted"),
-        ("1 deg", "1", "wrong unit: an angle where a plain number is wanted"),
+        ("10 kg", "m", "wrong unit: a mass where a length is expected"),
+        ("10", "m", "wrong unit: a plain number where a length is expected"),
+        ("25 Hz", "rad/s", "wrong unit: a frequency where an angular speed is expected"),
+        ("1 N m/rad", "N/m", "wrong unit: a stiffness in rotation where a stiffness is expected"),
+        ("1 deg", "1", "wrong unit: an angle where a plain number is expected"),
         ("1 m^9/s", "m", r"wrong unit: length\^9 time\^-1 where"),
         ("10 furlong", "m", "there is no unit 'furlong' here"),
         ("mm", "m", "not a number with a unit"),

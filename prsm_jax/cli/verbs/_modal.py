@@ -142,7 +142,7 @@ def modal(
     """Natural frequencies and families of one stage; pictures of the modes with --out."""
     mechanism = common.load(file)
     if against is None and (first is not None or last is not None):
-        raise PrsmError("--from and --to: name the number that they are for with --against")
+        raise PrsmError("--from and --to: give the name of their number with --against")
     values = None if against is None else _values(mechanism, against, first, last, points)
     expect_programs("modal")
     modes = _modes(mechanism, stage=stage, shapes=shapes or common.out is not None)

@@ -1,4 +1,4 @@
-"""How the classes of the mechanism become tables: what reading and writing agree on."""
+"""Mapping of classes of the mechanism to tables, shared by reading and writing."""
 
 import dataclasses
 import re
@@ -27,7 +27,7 @@ def row_class(hint) -> type[eqx.Module] | None:
 
 @dataclasses.dataclass(frozen=True)
 class TableChoice:
-    """One of the tables that may stand in a place of the file.
+    """One of the tables that are possible at a place of the file.
 
     - `cls`: class of the mechanism.
     - `law`: class of a law whose numbers stand in the same table, if there is one.
@@ -42,23 +42,23 @@ class TableChoice:
         return type(value) is self.cls and of_law
 
     def fields(self) -> list[tuple[dataclasses.Field, object, dict[str, str]]]:
-        """Fields of the table with type hint and units: of a law's numbers as they are there."""
+        """Fields of the table with type hints, and units that replace those of a law's numbers."""
         hints = typing.get_type_hints(self.cls)
-        found = []
+        entries = []
         for field in dataclasses.fields(self.cls):
             if not is_law_field(field):
                 of_radius = self.law is not None and self.law.load_independent
                 if not (of_radius and field.name == "radius"):
-                    found.append((field, hints[field.name], {}))
+                    entries.append((field, hints[field.name], {}))
                 continue
             assert self.law is not None
             own = typing.get_type_hints(self.law)
             units = field.metadata["units"]
-            found += [(one, own[one.name], units) for one in dataclasses.fields(self.law)]
-        return found
+            entries += [(one, own[one.name], units) for one in dataclasses.fields(self.law)]
+        return entries
 
     def needs(self, field: dataclasses.Field) -> bool:
-        """Whether the table cannot be without a field."""
+        """Whether the table needs a field."""
         if self.law is not None and field.name == "radius":
             return True
         no_default = field.default is dataclasses.MISSING
@@ -66,7 +66,7 @@ class TableChoice:
 
 
 def is_law_field(field: dataclasses.Field) -> bool:
-    """Whether a field is a law whose numbers stand in the same table as it."""
+    """Whether a field is a law whose numbers are in the table of the field's owner."""
     return bool(field.metadata.get("same_table"))
 
 
@@ -77,10 +77,10 @@ def unit_of(field: dataclasses.Field, units: dict[str, str]) -> str | None:
 
 
 def table_choices(hint: object) -> dict[str, TableChoice]:
-    """What may stand in a place of the file by the value of the key `law`; `""` without that key.
+    """Tables possible at a place of the file, by the value of the key `law`; `""` without the key.
 
-    Laws go by their names; other classes of a union by what the class says in `law`, else by its
-    name in lower case without the last word, if all share it.
+    Laws are listed by their names; other classes of a union by their attribute `law`, or else by
+    the class name in lower case, without the last word if all classes share it.
     """
     classes = module_classes(hint)
     if classes == (FrictionLaw,):
@@ -102,7 +102,7 @@ def table_choices(hint: object) -> dict[str, TableChoice]:
 
 
 def usual_law(hint: object) -> str | None:
-    """The law that a table without the key `law` means; `None` where it has to be named."""
+    """The law that a table without the key `law` means; `None` if it must be named."""
     for cls in module_classes(hint):
         for field in dataclasses.fields(cls):
             if is_law_field(field):

@@ -39,7 +39,7 @@ def table_name(place: Sequence[str | int]) -> str:
 
 def _follow(data, place: Place) -> tuple[list[str | int], object]:
     """The part of a place that is in the file, and the value there; `...` if there is none."""
-    found: list[str | int] = []
+    path: list[str | int] = []
     for index, part in enumerate(place):
         inside = (
             part in data
@@ -48,24 +48,24 @@ def _follow(data, place: Place) -> tuple[list[str | int], object]:
         )
         if inside:
             data = data[part]  # type: ignore[index]
-            found.append(part)
+            path.append(part)
         elif index == len(place) - 1:
-            return [*found, part], ...
-        # Otherwise pydantic's name for the member of a union, which is not in the file.
-    return found, data
+            return [*path, part], ...
+        # Otherwise it is pydantic's name of a union member, which is not in the file.
+    return path, data
 
 
 def _sentence(data, place: Place, message: str) -> str:
     path, value = _follow(data, place)
     if not path:
         return message
-    # A table that is at fault as a whole is named as a table, a key within its table.
+    # An error of a whole table names the table; an error of a key names table and key.
     if isinstance(path[-1], int) or isinstance(value, dict):
         return f"{one_line(table_name(path), 120)}: {message}"
     table = one_line(table_name(path[:-1]), 120)
     key = one_line(str(path[-1]), 60)
-    given = "" if value is ... else f" = {show(value)}"
-    return f"{table + ': ' if table else ''}{key}{given}: {message}"
+    assignment = "" if value is ... else f" = {show(value)}"
+    return f"{table + ': ' if table else ''}{key}{assignment}: {message}"
 
 
 def file_error(name: str, data, problems: Sequence[tuple[Place, str]]) -> FileError:

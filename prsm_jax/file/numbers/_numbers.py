@@ -1,7 +1,7 @@
 """Numbers between text and SI: read with their unit, written so that reading is exact.
 
 Both directions go through exact fractions and round once, so the text `24 mm` is the double
-nearest to 0.024, and seventeen digits are enough to give back any double in any unit.
+nearest to 0.024, and seventeen digits are enough to restore any double in any unit.
 """
 
 import math
@@ -65,7 +65,7 @@ def read_quantity(text: str, unit: str | None) -> float:
     - `text`: such as `"24 mm"` or `"1500 rpm"`.
     - `unit`: the SI unit whose dimension it must have, or `None` for any.
 
-    **Raises:** `ValueError` if the text is not a number with a unit, or of another dimension.
+    **Raises:** `ValueError` if the text is not a number with a unit, or has another dimension.
     """
     from ._units import kind_of, unit_factor
 
@@ -81,7 +81,7 @@ def read_quantity(text: str, unit: str | None) -> float:
         expected = unit_factor(unit)[1]
         if dimension != expected:
             raise ValueError(
-                f"wrong unit: {kind_of(dimension)} where {kind_of(expected)} is wanted; "
+                f"wrong unit: {kind_of(dimension)} where {kind_of(expected)} is expected; "
                 f"{wanted(unit)}"
             )
     value = _rounded(Fraction(number) * factor)
@@ -109,7 +109,7 @@ def read_number(value, unit: str | None, limit: Limit) -> float:
 def read_numbers(value, unit: str, limit: Limit) -> tuple[float, ...]:
     """The SI values of a list of numbers, each bare or a string with a unit.
 
-    **Raises:** `ValueError` if it is no list, empty, or holds a number that `read_number` refuses.
+    **Raises:** `ValueError` if it is not a list, is empty, or `read_number` refuses a number in it.
     """
     if not isinstance(value, list) or not value:
         raise ValueError(f"must be an array of numbers; for each of them {wanted(unit)}")
@@ -160,7 +160,7 @@ def _in_unit(value: float, factor: Fraction) -> str | None:
 
 
 def _length(text: str) -> int:
-    # A power of ten is shorter to write than to read.
+    # A power of ten is short, but harder to read.
     return len(text) + (4 if "e" in text else 0)
 
 
@@ -199,7 +199,7 @@ def bare_number(value: float) -> str:
 
 
 def round_in_unit(value: float, unit: str, digits: int) -> float:
-    """An SI value rounded to so many significant digits of the unit in which it is written.
+    """An SI value rounded to `digits` significant digits in the unit in which it is written.
 
     **Arguments:**
 

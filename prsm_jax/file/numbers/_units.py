@@ -1,7 +1,7 @@
-"""Units at the door: a small pint registry, and exact factors to SI.
+"""Units of files: a small pint registry, and exact factors to SI.
 
 The registry holds only the units of this field, which makes it quick to build (pint's own list
-takes forty times as long), and it counts the angle as a dimension of its own, so that `25 Hz` for
+takes forty times as long), and it treats the angle as a separate dimension, so that `25 Hz` for
 a speed in rad/s is an error instead of a factor of 2π.
 """
 
@@ -106,9 +106,9 @@ _KINDS = {
 
 @functools.cache
 def _registry() -> Any:
-    # Not `pint.UnitRegistry`: its parameters' bounds are names that exist for type checkers only,
-    # and what checks types while the program runs looks them up.
-    # pint's annotations know neither an empty registry nor exact numbers, both documented.
+    # Returns `Any`, not `pint.UnitRegistry`: the bounds of its type parameters exist for type
+    # checkers only, and run-time type checks would look them up.
+    # pint's annotations allow neither an empty registry nor exact numbers, both documented.
     registry = pint.UnitRegistry(None, non_int_type=Fraction)  # type: ignore[arg-type]
     registry.load_definitions(_DEFINITIONS.strip().splitlines())
     return registry
@@ -118,7 +118,7 @@ def _unit(name: str) -> tuple[Fraction, dict[str, Fraction]]:
     """Factor to SI and dimension of one unit with or without a prefix."""
     registry = _registry()
     try:
-        # Not `parse_units`: its expressions know more operators than the grammar here allows.
+        # Not `parse_units`: it accepts more operators than the grammar here.
         if not registry.parse_unit_name(name):
             raise KeyError(name)
         factor, base = registry.get_base_units(registry.Unit(name))
@@ -132,8 +132,8 @@ def _unit(name: str) -> tuple[Fraction, dict[str, Fraction]]:
 def unit_factor(expression: str) -> tuple[Fraction, Dimension]:
     """Factor to SI and dimension of a unit expression.
 
-    The grammar is products and quotients of units with whole powers below ten (`kg mm^2`,
-    `N·s/m`, `1/s`); nothing is evaluated, so no expression can be slow.
+    An expression is a product or quotient of units with integer powers below ten (`kg mm^2`,
+    `N·s/m`, `1/s`); no arithmetic is evaluated, so no expression is slow.
 
     **Arguments:**
 

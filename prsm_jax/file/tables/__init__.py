@@ -1,4 +1,4 @@
-"""Tables of a file that have rules of their own."""
+"""Tables of a file that have their own rules."""
 
 from ._optimise_table import OptimiseTable as OptimiseTable, design_problem as design_problem
 from ._scenario_table import scenario_of as scenario_of

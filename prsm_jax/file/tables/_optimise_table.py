@@ -1,4 +1,4 @@
-"""The `[optimise]` table: variables with bounds, objectives, constraints, how hard to search."""
+"""The `[optimise]` table: variables with bounds, objectives, constraints, search effort."""
 
 from typing import Annotated, Any
 
@@ -19,7 +19,7 @@ from ..numbers import Misplaced, read_integer, read_number
 from ._table import Table, checked, read_choice, read_name, read_tables
 
 _Name = Annotated[str, checked(read_name)]
-# A limit's unit belongs to the quantity, which only the rooms above know: any unit, taken to SI.
+# The unit of a limit depends on its quantity, which this room does not know: any unit, in SI.
 _Limit = Annotated[float, checked(read_number, None, ANY)]
 _Rows = BeforeValidator(read_tables)
 _STARTS = Limit(1.0, 10_000.0, "a whole number from 1 to 10000")
@@ -70,19 +70,19 @@ class OptimiseTable(Table):
 
 
 def _objectives(table: OptimiseTable) -> tuple[Objective, ...]:
-    given = [name for name in (*_SENSES, "objective") if getattr(table, name) is not None]
-    if len(given) != 1:
-        found = " and ".join(given) if given else "none"
+    keys = [name for name in (*_SENSES, "objective") if getattr(table, name) is not None]
+    if len(keys) != 1:
+        text = " and ".join(keys) if keys else "none"
         raise Misplaced(
             ("optimise",),
-            f"needs one of maximise, minimise and [[optimise.objective]]; found {found}",
+            f"needs one of maximise, minimise and [[optimise.objective]]; found {text}",
         )
     if table.objective is not None:
         return tuple(
             Objective(o.quantity, o.sense, o.weight)  # type: ignore[arg-type]
             for o in table.objective
         )
-    sense = given[0]
+    sense = keys[0]
     return (Objective(getattr(table, sense), sense),)  # type: ignore[arg-type]
 
 
@@ -115,7 +115,7 @@ def design_problem(table: OptimiseTable, mechanism: Mechanism) -> DesignProblem:
     **Arguments:**
 
     - `table`: the table.
-    - `mechanism`: whose parameters the variables name.
+    - `mechanism`: the mechanism whose parameters the variables name.
 
     **Raises:** `Misplaced` for a name, bound or limit that makes no sense, with its place.
     """

@@ -1,4 +1,4 @@
-"""The `[scenario]` table: how the screw is driven, what the nut works against, and for how long.
+"""The `[scenario]` table: drive of the screw, load on the nut, and duration.
 
 Its functions are tables with a key `kind`; their keys are the fields of the class of that kind.
 """
@@ -21,12 +21,12 @@ from ...mechanism import (
 from ..numbers import Misplaced, Place, read_integer, read_number
 from ._table import read_boolean, read_choice
 
-#: A plain number as one of several loads.
+#: The kind of a plain number as one of several loads.
 NUMBER = "number"
 
 
 def kinds_of(unit: str) -> dict[str, type]:
-    """What a function with values of this unit may be, by the key `kind`."""
+    """Classes of functions with values of this unit, by the key `kind`."""
     kinds = dict(PROFILES)
     if unit != "rad/s":
         kinds = {name: cls for name, cls in kinds.items() if not name.endswith("_move")}
@@ -36,15 +36,15 @@ def kinds_of(unit: str) -> dict[str, type]:
 def scenario_of(data: object) -> Scenario | TorqueScenario:
     """The scenario of a table.
 
-    **Raises:** `Misplaced` at the first thing that is wrong.
+    **Raises:** `Misplaced` at the first error.
     """
     place = ("scenario",)
     if not isinstance(data, dict):
         raise Misplaced(place, "must be a table of keys")
     drives = [name for name in ("speed", "torque") if name in data]
     if len(drives) != 1:
-        found = "both" if drives else "none"
-        raise Misplaced(place, f"needs either speed or torque; found {found}")
+        text = "both" if drives else "none"
+        raise Misplaced(place, f"needs either speed or torque; found {text}")
     cls = Scenario if drives == ["speed"] else TorqueScenario
     return _module(cls, data, place, "1")
 

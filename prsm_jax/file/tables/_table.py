@@ -1,4 +1,4 @@
-"""The base of every table of a file, and the pieces that its keys are made of."""
+"""The base of every table of a file, and the types of its keys."""
 
 from typing import Any, ClassVar
 
@@ -23,10 +23,10 @@ def problem(message: str, **context) -> PydanticCustomError:
 
 
 class Table(BaseModel):
-    """A table of the file: no key but the known ones."""
+    """A table of the file; only known keys are allowed."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, protected_namespaces=())
-    #: What of the mechanism the table fills, if anything.
+    #: The part of the mechanism that the table describes, if any.
     choice: ClassVar[TableChoice | None] = None
 
     @model_validator(mode="before")
@@ -91,7 +91,7 @@ def read_choice(value, allowed: tuple[str, ...]) -> str:
 
 
 def read_tables(value) -> list:
-    """An array of tables. **Raises:** a validation error if it is not, or empty."""
+    """An array of tables. **Raises:** a validation error if it is not one, or is empty."""
     if not isinstance(value, list) or not all(isinstance(row, dict) for row in value):
         raise problem("must be tables, each under a header in double brackets")
     if not value:
