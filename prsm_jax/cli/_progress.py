@@ -140,7 +140,7 @@ def expect_programs(*names: str, times: int = 1) -> None:
     if _current is not None:
         _current.programs.update(names)
         _current.total += times * len(names)
-        # Only before the first: later, tracing cannot be told from running.
+        # Only before the first: later, tracing cannot be distinguished from running.
         _current.compiling = _current.compiled == 0
 
 

@@ -42,7 +42,7 @@ def _patient(stream: TextIO | None, number: int) -> TextIO:
 
 
 def stdout_failure() -> OSError | None:
-    """Flush stdout, and return the error that kept text from it, if any.
+    """Flush stdout, and return the error that prevented output, if any.
 
     A reader that closes the pipe early (`head`, a pager) is not a failure.
     """

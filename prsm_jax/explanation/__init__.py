@@ -1,4 +1,4 @@
-"""Which optional parts a mechanism carries, which it left out, and what each costs."""
+"""Optional parts that a mechanism has, those that it leaves out, and the cost of each."""
 
 from ._account import PROGRAMS as PROGRAMS, Account as Account
 from ._explain import explain as explain

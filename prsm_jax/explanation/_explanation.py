@@ -92,7 +92,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Program:
-    """One program of the whole mechanism: its cost, or why there is none."""
+    """One program of the complete mechanism: its cost, or the reason why there is none."""
 
     name: str
     account: Account | None
@@ -105,7 +105,7 @@ def _of(account: Account | None, measure: str) -> int | float | None:
 
 @dataclass(frozen=True)
 class Explanation:
-    """Which optional parts a mechanism carries, which it left out and why, and what each costs."""
+    """Optional parts that a mechanism has, those left out and why, and the cost of each."""
 
     title: str
     programs: tuple[Program, ...]

@@ -142,7 +142,7 @@ def _place(
         key = field.name if unit == "1" else f"{field.name}, in {unit}"
         text = field.metadata["description"]
         return Place(
-            path, name, "number", present, None, (), text, f"nothing given: {text}",
+            path, name, "number", present, None, (), text, f"not given: {text}",
             f"[{header}] {key}",
         )  # fmt: skip
     misses = field.metadata["without"]

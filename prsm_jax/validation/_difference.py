@@ -51,7 +51,7 @@ def differs(
     evidence: float,
     evidence_between: Bounds,
 ) -> Row:
-    """A published number or statement that the toolkit contradicts, for a computed reason.
+    """A published number or statement from which the toolkit differs, for a computed reason.
 
     **Arguments:**
 
@@ -64,9 +64,9 @@ def differs(
     """
     row = _bounded("differs because", item, published, computed, unit, between, because)
     evidence = float(evidence)
-    held = row.verdict if _inside(evidence, evidence_between) else "not reproduced"
+    decided = row.verdict if _inside(evidence, evidence_between) else "not reproduced"
     return dataclasses.replace(
-        row, verdict=held, evidence=evidence, evidence_bounds=evidence_between
+        row, verdict=decided, evidence=evidence, evidence_bounds=evidence_between
     )
 
 
@@ -111,8 +111,8 @@ def fault(
 
 def _if_equal(verdict: Verdict, row: Row) -> Row:
     """A row of two numbers with the given verdict, if they agree."""
-    held: Verdict = verdict if row.verdict == "reproduced" else "not reproduced"
-    return dataclasses.replace(row, verdict=held)
+    decided: Verdict = verdict if row.verdict == "reproduced" else "not reproduced"
+    return dataclasses.replace(row, verdict=decided)
 
 
 def formula(

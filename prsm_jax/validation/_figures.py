@@ -49,7 +49,7 @@ class Panel:
 
 @dataclasses.dataclass(frozen=True)
 class PublishedFigure:
-    """A figure of a paper, computed anew."""
+    """A figure of a paper with computed curves."""
 
     source: str
     number: int

@@ -25,8 +25,9 @@ _CITATION = (
 )
 #: Published frequencies [Hz] by number of planets: rotational (simple), translational (double).
 #: Second-hand: as an open-source model of drive trains quotes Table 2 (gfsReboucas/Drivetrain on
-#: GitHub, Lin_Parker_99.m, test_01); the paper itself was not available, so an error
-#: of the quotation cannot be distinguished from a misprint. That model computes the same numbers as this one.
+#: GitHub, Lin_Parker_99.m, test_01); the paper itself was not available, so an error of the
+#: quotation cannot be distinguished from a misprint. That model computes the same numbers as this
+#: one.
 ROTATIONAL = {
     3: ("0.0", "1475.7", "1930.3", "2658.3", "7462.8", "11775.3"),
     4: ("0.0", "1536.6", "1970.6", "2625.7", "7773.6", "13071.1"),
@@ -165,10 +166,11 @@ def _reason(planets: int, family: str, index: int, printed: str, computed: float
         between=_DIFFERENT[printed],
         evidence=least,
         evidence_between=(1.5, 1e3),
-        because=f"{_SECOND_HAND}. The difference is {abs(computed - float(printed)):.2f} Hz; the others "
-        "agree within 0.05 Hz. No number of Table 1 explains it: if one of them is changed to reach "
-        "the printed value, the error of another frequency, printed and reproduced, is at least "
-        "the evidence, in units of half its last digit. "
+        because=f"{_SECOND_HAND}. The difference is "
+        f"{abs(computed - float(printed)):.2f} Hz; the others agree within 0.05 Hz. No number of "
+        "Table 1 explains it: if one of them is changed to reach the printed value, the error of "
+        "another frequency, printed and reproduced, is at least the evidence, in units of half its "
+        "last digit. "
         + (
             f"Rounded to whole hertz the computed number is the printed one, {printed}"
             if is_rounded

@@ -31,7 +31,7 @@ class Row:
 
     `tolerance` is the absolute difference that "reproduced" allows, in `unit`: half a unit of the
     last printed digit unless the note says otherwise. For "misprint explained" it is the tolerance
-    of the corrected number. Trends are described in words and have neither difference nor tolerance.
+    of the corrected number. Trends are described in words, without difference and tolerance.
     """
 
     source: str
@@ -46,7 +46,7 @@ class Row:
     #: Bounds of the computed number of a row that differs, in `unit`.
     bounds: Bounds | None = None
     #: The result with the reason of the note taken into account, or the number that supports the
-    #: reason; the note says which. In `unit` if it is a value of the published number.
+    #: reason; the note says which. In `unit` if it is comparable with the published number.
     evidence: float | None = None
     #: Bounds of `evidence`.
     evidence_bounds: Bounds | None = None

@@ -55,8 +55,8 @@ def line_contact() -> Iterator[Row]:
         np.pi * per_length / modulus,
         "mm",
         between=(5.79e-4, 5.81e-4),
-        note="a B² with the B before it is 2P/(πE*), so the second equality is wrong by π²/2; "
-        f"it contradicts the table as well, where 2P/(πE*) gives {depth:.3g} mm",
+        note="with the B of the equation before it, a B² is 2P/(πE*), so the second equality is "
+        f"wrong by π²/2; it contradicts the table as well, where 2P/(πE*) gives {depth:.3g} mm",
     )
     yield inconsistent(
         "the closure P = (2E*/π) δ against the line load in Table 2's pressure",
@@ -76,8 +76,8 @@ def line_contact() -> Iterator[Row]:
             printed,
             100 * (model / reference - 1),
             "%",
-            note="from the two printed numbers; the finite elements themselves are not computed here, "
-            "because their size and contact stiffness are not given",
+            note="from the two printed numbers; the finite elements are not computed here, because "
+            "their size and contact stiffness are not given",
         )
 
 
@@ -123,7 +123,7 @@ def geometry() -> Iterator[Row]:
         between=(0.0502, 0.0504),
         missing="Table 1's geometry by a = tan j d/(2r(d − r)) at the middle radius (ψ 5°, an "
         f"assumption: Table 1 leaves it empty). The least over the roller's radii and lead angles "
-        f"up to 10° is {least:.4f} /mm; the implied value would take a material "
+        f"up to 10° is {least:.4f} /mm; the implied value would need a material "
         f"{projected / implied:.2f} times as soft (none is given) or profile angles of "
         f"{np.degrees(_flatter_angle()):.1f}°",
     )
@@ -141,7 +141,7 @@ def geometry() -> Iterator[Row]:
         evidence_between=(0.7, 0.8),
         because="its last term, tan j/2, has no dimension, so the sum depends on the unit of "
         "length (evidence: in 1/mm, evaluated in metres); second-order expansion of the gap gives "
-        "the value beside",
+        "the computed value",
     )
     largest = _implied_load(overlap)
     yield inconsistent(
@@ -265,15 +265,14 @@ def solved_contact() -> Iterator[Row]:
             between=bounds,
             evidence=scale * float(getattr(flatter, name)),
             evidence_between=((1 - share) * float(printed), (1 + share) * float(printed)),
-            because="without a lead, where the whole zone of 2 mm bears. The printed numbers "
-            f"belong to {_implied_load(2.0):.1f} N and a flatter pair: with profile angles of "
-            f"{np.degrees(_flatter_angle()):.1f}° instead of 30° that load gives the evidence, "
-            f"within {100 * share:.0f} % of the printed number. With ψ 5° and "
-            f"equal profile angles the ring touches {np.degrees(abs(turned)):.1f}° away from the "
-            "line of centres, where its flank is not parallel to the screw's: the gap opens by "
-            f"{lost:.0f} µm over the zone, the ring bears on "
-            f"{100 * float(skewed.loaded_share):.0f} % of it, at its crest, and this is "
-            f"{edge:.4g} {unit} there",
+            because="computed without a lead, where the whole zone of 2 mm bears. The printed "
+            f"numbers belong to {_implied_load(2.0):.1f} N and a flatter pair: with profile angles "
+            f"of {np.degrees(_flatter_angle()):.1f}° instead of 30° that load gives the evidence, "
+            f"within {100 * share:.0f} % of the printed number. With ψ 5° and equal profile angles "
+            f"the ring touches {np.degrees(abs(turned)):.1f}° away from the line of centres, where "
+            f"its flank is not parallel to the screw's: the gap opens by {lost:.0f} µm over the "
+            f"zone, the ring bears on {100 * float(skewed.loaded_share):.0f} % of it, at its "
+            f"crest, and the value is {edge:.4g} {unit} there",
         )
 
 
@@ -295,9 +294,9 @@ def sensitivities() -> Iterator[Row]:
         between=(118.5, 119.3),
         evidence=float(skewed.loaded_share),
         evidence_between=(0.14, 0.16),
-        because="with equal profile angles the lead lets the ring bear at its crest, the more the "
-        f"larger it is (0 at ψ = 0, by symmetry; {1e-6 * pressure:.0f} MPa at 5°, where the share "
-        "of the zone in evidence bears)",
+        because="with equal profile angles a lead moves the contact to the crest of the ring, the "
+        "larger the lead, the more (the derivative is 0 at ψ = 0, by symmetry; the pressure is "
+        f"{1e-6 * pressure:.0f} MPa at 5°, where the share of the zone in evidence bears)",
     )
     yield trend(
         "Table 3: a larger roller radius",
@@ -313,9 +312,9 @@ def sensitivities() -> Iterator[Row]:
         f"{-1e-9 * straight['centre distance']:+.4g} MPa per mm closer at ψ = 0, "
         f"{-1e-9 * slopes['centre distance']:+.4g} at ψ 5°",
         straight["centre distance"] < 0,
-        "by the coefficient of the gap. At 20 mm the zone where the flanks overlap is as long as "
-        "it can be (crests end at roots), so it gets shorter either way, and the stress higher "
-        "still; the derivative is the mean of both sides",
+        "by the coefficient of the gap. At 20 mm the zone where the flanks overlap is longest "
+        "(crests end at roots); it gets shorter in both directions, which raises the stress "
+        "further; the derivative is the mean of both sides",
     )
     yield differs(
         "Table 3: profile angles, optimal at 30°",
@@ -325,8 +324,8 @@ def sensitivities() -> Iterator[Row]:
         between=(4.88, 4.92),
         evidence=1e-6 * np.pi / 180 * slopes["screw profile angle"],
         evidence_between=(890.0, 897.0),
-        because="at an optimum the derivative would be 0. Computed is that by both angles at "
-        f"ψ = 0; at ψ 5° it is {text('both profile angles', np.pi / 180, 'deg')}. What matters "
-        "most is that one angle fits the other: by the screw's alone it is the evidence, by the "
-        f"roller's alone {text('roller profile angle', np.pi / 180, 'deg')}, at ψ 5°",
+        because="at an optimum the derivative would be 0. Computed is the derivative by both "
+        f"angles at ψ = 0; at ψ 5° it is {text('both profile angles', np.pi / 180, 'deg')}. Most "
+        "important is that the angles match: the derivative by the screw's alone is the evidence, "
+        f"by the roller's alone {text('roller profile angle', np.pi / 180, 'deg')}, at ψ 5°",
     )

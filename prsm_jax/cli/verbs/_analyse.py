@@ -22,7 +22,7 @@ _steady_state = eqx.filter_jit(steady_state)
 
 @app.command
 def check(file: str, *, common: Common = _DEFAULT) -> int:
-    """Do the parts fit together, and are the numbers plausible? Exit status 1 if not."""
+    """Do the parts fit together, and are the numbers plausible? Exit status 1 on an error."""
     mechanism = common.load(file)
     findings, rests_on = checked(mechanism), assumptions(mechanism)
     rows = [(f.name, f.severity, f.stage, f.message) for f in findings]

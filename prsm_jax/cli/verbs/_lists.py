@@ -61,11 +61,11 @@ def validate(
     *,
     output: Output = _DEFAULT,
 ) -> int:
-    """Published numbers beside the computed ones, with verdicts; figures anew with --out."""
+    """Published numbers beside the computed ones, with verdicts; --out draws the figures."""
     from ...validation import markdown, table as validation_table, validate as run
 
     output.check_targets()
-    doing("computing published numbers anew")
+    doing("computing published numbers")
     rows = run(source) if source is not None else run()
     results: dict[str, Any] = {"rows": [row.to_dict() for row in rows]}
     if output.out is not None:
@@ -83,7 +83,7 @@ def validate(
 
 
 def _published_pictures(folder: Path, source: str | None) -> list[Path]:
-    """The figures of the papers, drawn anew."""
+    """Draw the figures of the papers."""
     from ...report import published_figure, published_pressure, save_figure
     from ...validation import published_figures, published_pressures
 

@@ -12,7 +12,7 @@ from .._row import Row, number, trend
 
 _NAME = "li2020_two_stage"
 _SPLINE, _BEARING = "spline.coefficient", "thrust_bearing.coefficient"
-#: Where the exact efficiencies beside equation 35's second form must stay.
+#: Bounds of the exact efficiencies that are compared with equation 35's second form.
 _SECOND_FORM = {0.10: (0.99354, 0.99355), 0.20: (0.98717, 0.98718)}
 _CITATION = (
     "X. Li, G. Liu, C. Song, X. Fu, S. Ma, Q. Wan, J. Northwestern Polytechnical Univ. 38 (2020) "
@@ -104,9 +104,9 @@ def forces() -> Iterator[Row]:
         note = "stage 1 carries the spline friction of stage 2 on top of the load"
         if name == "ring gear force" and index == 0:
             note = (
-                "the abstract says so of the parts' forces in general, the text on figure 9c of "
-                "the end only; here the moment balance of the roller, which Newton's and "
-                "Lagrange's forms fulfil alike, gives stage 2 the larger one at the start"
+                "the abstract states this for the parts' forces in general, the text on figure 9c "
+                "only for the end; here the moment balance of the roller, which both Newton's and "
+                "Lagrange's forms fulfil, gives stage 2 the larger force at the start"
             )
         yield trend(
             f"abstract: {name} {when}, stage 1 above stage 2",
@@ -181,7 +181,7 @@ def friction_coefficients() -> Iterator[Row]:
             between=(low, high),
             evidence=moved,
             evidence_between=(approximate - 5e-7, approximate + 5e-7),
-            because="the second form replaces the radius of the spline, "
-            f"{1e3 * radius:.2f} mm, by those of the screws, by leads {1e3 * other:.2f} mm: with a "
-            "spline of that radius the model gives the formula's value, the evidence",
+            because=f"the second form replaces the radius of the spline, {1e3 * radius:.2f} mm, by "
+            f"a mean of the screws' radii weighted by leads, {1e3 * other:.2f} mm: with a spline "
+            "of that radius the model gives the formula's value, the evidence",
         )

@@ -1,4 +1,4 @@
-"""Li et al. 2020: single stage with viscous friction, and what the text says of the curves."""
+"""Li et al. 2020: single stage with viscous friction, and statements of the text on the curves."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -56,12 +56,12 @@ def viscous_friction() -> Iterator[Row]:
     constant = inertia / (count * coefficient * drive @ drive)
     free = float(free_carrier_ratio(geometry))
     curve = np.asarray(run.carrier_ratio[0])
-    away = float(np.max(np.abs(curve - free * -np.expm1(-run.time / constant))))
+    deviation = float(np.max(np.abs(curve - free * -np.expm1(-run.time / constant))))
     yield trend(
         "figure 8: carrier ratio in time, one stage with viscous friction",
         "rises and settles",
-        f"ζ∞ (1 − exp(−t/τ)) with τ = {1e3 * constant:.4f} ms, within {away:.0e}",
-        away < 1e-5 and bool(np.all(np.diff(curve) > -1e-9)),
+        f"ζ∞ (1 − exp(−t/τ)) with τ = {1e3 * constant:.4f} ms, within {deviation:.0e}",
+        deviation < 1e-5 and bool(np.all(np.diff(curve) > -1e-9)),
         "the equation is linear, so its solution is known; the rest is interpolation between the "
         "steps",
     )
@@ -89,11 +89,11 @@ def steps_of_efficiency() -> Iterator[Row]:
     """Section 3.2, figure 9b."""
     run = transient(_NAME)
     efficiency = np.asarray(run.efficiency)
-    found = knees(np.asarray(run.time), efficiency)
+    knee_times = knees(np.asarray(run.time), efficiency)
     yield number(
-        "figure 9b: number of steps of the efficiency", "2", float(len(found)), tolerance=0.0
+        "figure 9b: number of steps of the efficiency", "2", float(len(knee_times)), tolerance=0.0
     )
-    for stage, knee in enumerate(found[:2]):
+    for stage, knee in enumerate(knee_times[:2]):
         loose, tight = (settling_time(run, stage, within) for within in (0.1, 0.01))
         share = float(np.interp(knee, run.time, run.carrier_ratio[stage]))
         share /= float(run.carrier_ratio[stage, -1])
@@ -177,7 +177,7 @@ def ring_gear_and_carrier() -> Iterator[Row]:
 
 
 def _spread(curves: Sequence[Any]) -> float:
-    """Largest relative difference between curves, of the largest value of the first."""
+    """Largest difference between curves, relative to the largest value of the first."""
     return float(np.max(np.ptp(np.stack(curves), axis=0)) / np.max(np.abs(curves[0])))
 
 

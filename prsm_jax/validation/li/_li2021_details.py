@@ -1,4 +1,4 @@
-"""Li et al. 2021: what the text says of the curves beside the numbers."""
+"""Li et al. 2021: statements of the text on the curves, in addition to the numbers."""
 
 from collections.abc import Iterator
 
@@ -49,7 +49,7 @@ def base_case_over_time() -> Iterator[Row]:
             f"at {1e3 * knee:.4f} ms, carrier within 5 % at "
             f"{1e3 * settling_time(run, stage, 0.05):.4f} ms",
             loose < knee < tight,
-            "the text gives 0.14 and 0.46 ms for the carriers; see the rows on those",
+            "the text gives 0.14 and 0.46 ms for the carriers; see their rows",
         )
     slip = [newton(_NAME, k).friction for k in (0, 1)]
     yield trend(
@@ -65,7 +65,7 @@ def base_case_over_time() -> Iterator[Row]:
         "rises",
         f"{second[0]:.0f} to {second[-1]:.0f} N",
         bool(np.all(np.diff(second) > -1e-6 * second[0])),
-        "nothing but its own axial friction changes it",
+        "only its own axial friction changes it",
     )
     friction = np.asarray(run.spline_friction[1])
     ratio = friction / torque
@@ -104,7 +104,7 @@ def equation_23() -> Iterator[Row]:
         evidence_between=(0.79, 0.81),
         because="equation 23 has the friction of one roller and no torque of the normal force; "
         f"with the friction of all rollers it gives {literal / stage.present_roller_count:.1f}, "
-        "with that torque, too, the evidence, as figure 3d shows",
+        "with that torque added, the evidence, as figure 3d shows",
     )
 
 
@@ -113,14 +113,14 @@ def friction_over_time() -> Iterator[Row]:
     """Section 3.2, figure 4."""
     base = transient(_NAME)
     threads, spline = transient(_NAME, (_THREAD, 0.2)), transient(_NAME, (_SPLINE, 0.3))
-    away = float(np.max(np.abs(spline.carrier_ratio - base.carrier_ratio)))
-    away /= float(base.carrier_ratio.max())
+    deviation = float(np.max(np.abs(spline.carrier_ratio - base.carrier_ratio)))
+    deviation /= float(base.carrier_ratio.max())
     yield trend(
         "figure 4a: spline friction 0.3 instead of 0.2 and the carrier ratios in time",
         "slight influence",
-        f"largest change {100 * away:.2g} %",
-        away < 0.02,
-        "of carrier 1; that of carrier 2 does not change",
+        f"largest change {100 * deviation:.2g} %",
+        deviation < 0.02,
+        "of carrier 1; the ratio of carrier 2 does not change",
     )
     late = int(np.searchsorted(base.time, 0.75e-3 * (1 - 1e-9)))
     growth = [

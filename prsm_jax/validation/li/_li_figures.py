@@ -91,7 +91,7 @@ def li2020() -> Iterator[PublishedFigure]:
 
 def _cut(run: Transient) -> SimpleNamespace:
     """The samples that the figures of Li et al. 2021 show."""
-    kept = int(np.searchsorted(run.time, _LAST * (1 + 1e-9)))
+    count = int(np.searchsorted(run.time, _LAST * (1 + 1e-9)))
     names = (
         "time",
         "carrier_ratio",
@@ -100,7 +100,7 @@ def _cut(run: Transient) -> SimpleNamespace:
         "screw_roller_axial_force",
         "spline_friction",
     )
-    return SimpleNamespace(**{name: np.asarray(getattr(run, name))[..., :kept] for name in names})
+    return SimpleNamespace(**{name: np.asarray(getattr(run, name))[..., :count] for name in names})
 
 
 @figures_of("li2021")

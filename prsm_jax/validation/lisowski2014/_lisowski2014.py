@@ -1,4 +1,4 @@
-"""Lisowski 2014: Hertz pressures of one pair of threads, and the finite elements beside them."""
+"""Lisowski 2014: Hertz pressures of one pair of threads, compared with finite elements."""
 
 from collections.abc import Iterator
 
@@ -25,9 +25,9 @@ ELEMENTS = {"screw": ("608", "1480", "1586"), "nut": (None, "879", "1531")}
 _ERRORS = {"screw": ("39.1", "17.6", "0.1"), "nut": (None, "28.0", "0.5")}
 _DISPLACEMENTS = {"screw": ("0.00654", "0.01306", "0.02616"), "nut": (None, "0.01519", "0.03064")}
 TABLES = {"screw": "Table 1", "nut": "Table 2"}
-#: What three-digit tables, or the fits of equations 8 and 9, of the Hertz coefficients leave open.
+#: Relative error of Hertz coefficients from three-digit tables, or from the fits of equations 8, 9.
 _COEFFICIENT_ERROR = 0.002
-#: What the rows below must stay near: pressures with the flanks' curvatures and with those of
+#: Expected values of the rows below: pressures with the flanks' curvatures and with those of
 #: equations 1 to 3 [MPa], and axial approaches with the latter [mm].
 BY_FLANKS = {"screw": (1350.9, 1702.0, 2144.4), "nut": (1138.1, 1434.0, 1806.7)}
 _BY_THEIR_RADII = {"screw": (1000.2, 1260.2, 1587.8), "nut": (969.9, 1221.9, 1539.6)}
@@ -71,7 +71,7 @@ def hertz_pressures() -> Iterator[Row]:
                     correct="1.54e3",
                     note=f"{printed} is the screw's value; 969 and 1221 MPa grow with the cube "
                     f"root of the load to {969 * 4 ** (1 / 3):.0f} and {1221 * 2 ** (1 / 3):.0f} "
-                    "MPa, and the printed 0.5 % to the finite elements' 1531 MPa asks for "
+                    "MPa, and the printed 0.5 % to the finite elements' 1531 MPa requires "
                     f"{1531 / 0.9955:.0f} to {1531 / 0.9945:.0f}; with the curvatures of the "
                     f"flanks it is {true:.1f} MPa",
                 )
@@ -99,10 +99,10 @@ def flank_curvatures() -> Iterator[Row]:
                 evidence=theirs,
                 evidence_between=(correct - allowed, correct + allowed),
                 because="equations 1 to 3 take ((d/2)² + p²)/p, the inverse torsion of a helix "
-                "with the lead 2πp, for a radius of the flank in the rolling direction; the "
-                f"flank's own, about d/(2 sin α₀), is smaller, and the pressure {ratio:.2f} times "
-                "as high at every load. The evidence is the pressure with their radii; it must be "
-                f"the printed one ({correct:.0f} MPa) within 0.2 %",
+                "with the lead 2πp, as the radius of the flank in the rolling direction; the "
+                f"flank's own radius, about d/(2 sin α₀), is smaller, and the pressure {ratio:.2f} "
+                "times as high at every load. The evidence is the pressure with their radii; it "
+                f"must be the printed one ({correct:.0f} MPa) within 0.2 %",
             )
 
 
@@ -165,11 +165,11 @@ def finite_elements() -> Iterator[Row]:
                 1e3 * load / float(contacts[side].axial_stiffness[index]),
                 "mm",
                 between=(0.999 * expected, 1.001 * expected),
-                note="computed is the Hertz approach of the two flanks in axial direction "
-                f"({by_flanks:.5f} mm with the curvatures of the flanks); the elements add the "
-                "elastic bodies between the contact and where the model is held. But an approach "
-                f"by Hertz and a linear spring, of {low:.3f} to {high:.3f} µm/N by the printed "
-                f"displacements one by one, leave {100 * rest:.0f} % of them open: they are "
+                note="the computed number is the Hertz approach of the two flanks in axial "
+                f"direction ({by_flanks:.5f} mm with the curvatures of the flanks); the elements "
+                "add the elastic bodies between the contact and the supports of the model. But a "
+                f"Hertz approach and a linear spring ({low:.3f} to {high:.3f} µm/N from each "
+                f"printed displacement) leave {100 * rest:.0f} % of them unexplained: they are "
                 "proportional to the load, as if the contact did not grow",
             )
     for load, printed in ((50.0, "1.16"), (100.0, "1.17")):
@@ -191,23 +191,24 @@ def finite_elements() -> Iterator[Row]:
             float(approach["nut"][index] / approach["screw"][index]),
             between=(0.9875, 0.9885),
             note="the finite elements' displacements double with the load (0.00654, 0.01306, "
-            "0.02616 mm), as those of elastic bodies would; the Hertz approach goes with "
+            "0.02616 mm), as those of elastic bodies do; the Hertz approach grows with "
             f"its 2/3 power ({screw[0]:.5f}, {screw[1]:.5f}, {screw[2]:.5f} mm on the screw side)",
         )
 
 
 def _hertz_and_springs(side: str) -> tuple[float, float, float]:
-    """What a linear spring beside the Hertz approach must be at each load [µm/N], least and most.
+    """Least and largest compliance [µm/N] of a linear spring in series with the Hertz approach.
 
-    And the share of the largest displacement that the softest and the stiffest differ by.
+    The spring accounts for the rest of the displacement at each load. The third number is the
+    difference between the two, as a share of the largest displacement over its load.
     """
     contact = pairs_of_threads("lisowski2014")["lisowski2014"][side]
-    given = [
+    compliances = [
         (load, float(printed) / load - 1e3 / float(contact.axial_stiffness[index]))
         for index, (load, printed) in enumerate(zip(LOADS, _DISPLACEMENTS[side], strict=True))
         if printed is not None
     ]
-    springs = [1e3 * spring for _, spring in given]
+    springs = [1e3 * spring for _, spring in compliances]
     last = float(_DISPLACEMENTS[side][-1] or 0) / LOADS[-1] * 1e3
     return min(springs), max(springs), (max(springs) - min(springs)) / last
 
@@ -246,8 +247,8 @@ def coefficients() -> Iterator[Row]:
         "-0.72576",
         (1 - others) / right**4,
         correct="-0.072",
-        note=f"a circle (90°) has m_H = 1; printed, the formula gives 1/m_H = {negative:.3f}. With "
-        f"−0.072576 it is within {100 * worst:.1f} % over 15° to 90°",
+        note=f"a circle (90°) has m_H = 1; as printed, the formula gives 1/m_H = {negative:.3f}. "
+        f"With −0.072576 it is within {100 * worst:.1f} % over 15° to 90°",
     )
     for degrees in (1.0, 45.0, 68.25, 90.0):
         angle = float(np.radians(degrees))
@@ -269,7 +270,7 @@ def coefficients() -> Iterator[Row]:
                     evidence=within,
                     evidence_between=(0.5, 0.7) if name.endswith("m_H") else (1.2, 1.3),
                     because="the polynomial fit fails for slender ellipses, below about 15°: from "
-                    "15° to 90° it is good to the percentage in evidence, and at 0°, where m_H "
+                    "15° to 90° its error is the percentage in evidence, and at 0°, where m_H "
                     "grows without limit and n_H vanishes, it ends at "
                     f"{fitted_coefficients(0.0)[0]:.4g} and {fitted_coefficients(0.0)[1]:.4g}",
                 )
@@ -289,7 +290,7 @@ def coefficients() -> Iterator[Row]:
         "1/m",
         between=(-40.7, -40.5),
         note="with A ≤ B, as equation 6 and the tables of coefficients need, the root is B − A; "
-        "computed is A − B by equations 1, 2 and 6 on the screw side",
+        "the computed number is A − B by equations 1, 2 and 6 on the screw side",
     )
 
 

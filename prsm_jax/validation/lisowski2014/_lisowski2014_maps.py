@@ -16,7 +16,7 @@ from .._thread_contacts import LOADS, pairs_of_threads
 from ._lisowski2014 import CORRECTED, ELEMENTS, HERTZ
 from ._lisowski2014_surfaces import EDGE_RADIUS, LOW, flanks
 
-#: Heights of the nut's thread between one that cuts the contact and one that does not [m].
+#: Heights of the nut's thread, from one that does not cut the contact to one that does [m].
 _HEIGHTS = (None, 0.075e-3, LOW)
 
 
@@ -32,10 +32,10 @@ def _printed(side: str, load: float) -> tuple[PrintedPressure, ...]:
     )
 
 
-def _ellipse(found: FlankContact, side: str, load: float) -> PrintedEllipse:
+def _ellipse(contact: FlankContact, side: str, load: float) -> PrintedEllipse:
     """By equations 1 to 7, φ = 0: the minor axis lies along the profile of the thread."""
     pair = pairs_of_threads("lisowski2014")["lisowski2014"][side]
-    index, plane = LOADS.index(load), found.plane
+    index, plane = LOADS.index(load), contact.plane
     profile = np.asarray(plane.origin[:2])
     along, across = (float(np.asarray(axis[:2]) @ profile) for axis in (plane.major, plane.minor))
     return PrintedEllipse(
@@ -50,9 +50,9 @@ def maps(cells: int) -> Iterator[PressureFigure]:
     """Tables 1 and 2, and the edge zone of section 4."""
 
     def panel(side: str, load: float) -> PressurePanel:
-        found = flanks(side, load, cells=cells)
+        contact = flanks(side, load, cells=cells)
         name = f"{side} side, {load:.0f} N"
-        return PressurePanel(name, found, _printed(side, load), _ellipse(found, side, load))
+        return PressurePanel(name, contact, _printed(side, load), _ellipse(contact, side, load))
 
     yield PressureFigure(
         "lisowski2014",
@@ -63,11 +63,11 @@ def maps(cells: int) -> Iterator[PressureFigure]:
 
     def edge(height: float | None) -> PressurePanel:
         if height is None:
-            found, name = flanks("nut", 50.0, cells=cells), "high thread"
+            contact, name = flanks("nut", 50.0, cells=cells), "high thread"
         else:
-            found = flanks("nut", 50.0, height, cells=cells)
+            contact = flanks("nut", 50.0, height, cells=cells)
             name = f"thread {1e3 * height:g} mm high"
-        return PressurePanel(name, found, _printed("nut", 50.0))
+        return PressurePanel(name, contact, _printed("nut", 50.0))
 
     yield PressureFigure(
         "lisowski2014",

@@ -1,4 +1,4 @@
-"""Lisowski 2014: pressures of the true flanks, beside the finite elements and Hertz theory."""
+"""Lisowski 2014: pressures of the true flanks, compared with finite elements and Hertz theory."""
 
 import dataclasses
 import functools
@@ -21,7 +21,7 @@ _CELLS = 32
 _EXTENT = 1.3
 #: Radius that the crests' edges are rounded by [m]; sharp ones have infinite pressures.
 EDGE_RADIUS = 0.2e-3
-#: Threads so high that no flank ends inside a contact, and as high as a fortieth of the pitch [m].
+#: Heights of threads: no flank ends inside a contact, and a fortieth of the pitch [m].
 _HIGH, LOW = 1e-3, 0.05e-3
 #: Element size of the paper [m].
 _ELEMENT = 1e-5
@@ -63,15 +63,17 @@ def flanks(
     stage = Stage(
         thread=thread, roller_count=1, material=stage.material, engaged_threads=as_scalar(1.0)
     )
-    found = _contact(stage, _mesh(thread), side, jnp.asarray(load), jnp.asarray(extent), cells)
-    if int(found.surface.code) != 0:
-        raise RuntimeError(f"no contact of the {side} side at {load} N: code {found.surface.code}")
-    return found
+    contact = _contact(stage, _mesh(thread), side, jnp.asarray(load), jnp.asarray(extent), cells)
+    if int(contact.surface.code) != 0:
+        raise RuntimeError(
+            f"no contact of the {side} side at {load} N: code {contact.surface.code}"
+        )
+    return contact
 
 
-def _share(found: FlankContact) -> float:
+def _share(contact: FlankContact) -> float:
     """Largest pressure over that of exact Hertz theory."""
-    return float(found.surface.max_pressure / found.hertz.max_pressure)
+    return float(contact.surface.max_pressure / contact.hertz.max_pressure)
 
 
 @rows_of("lisowski2014")
@@ -81,31 +83,31 @@ def true_flanks() -> Iterator[Row]:
         for load, printed in zip(LOADS, pressures, strict=True):
             if printed is None:
                 continue
-            found = flanks(side, load)
-            hertz = float(found.hertz.max_pressure) / 1e6
+            contact = flanks(side, load)
+            hertz = float(contact.hertz.max_pressure) / 1e6
             expected = BY_FLANKS[side][LOADS.index(load)]
             yield unexplained(
                 f"{TABLES[side]}: finite elements beside true flanks, {side} side, {load:.0f} N",
                 printed,
-                float(found.surface.max_pressure) / 1e6,
+                float(contact.surface.max_pressure) / 1e6,
                 "MPa",
-                # What 32 cells an axis leave open.
+                # Discretisation error of 32 cells per axis.
                 between=(0.998 * expected, 1.002 * expected),
                 note="half-space contact with the exact gap of the helicoids, within "
-                f"{100 * abs(_share(found) - 1):.2g} % of exact Hertz theory on the flanks' "
+                f"{100 * abs(_share(contact) - 1):.2g} % of exact Hertz theory on the flanks' "
                 f"curvatures ({hertz:.1f} MPa): neither the shape of the flanks nor the friction "
-                "between alike bodies lowers the pressure; the paper's Hertz column has helix-like "
-                "radii, and its elements agree with it at 100 N only",
+                "between bodies of one material lowers the pressure; the paper's Hertz column has "
+                "helix-like radii, and its elements agree with it at 100 N only",
             )
 
 
 @rows_of("lisowski2014")
 def edges() -> Iterator[Row]:
     """Section 4: the nut side's edge zone, and the size of the elements."""
-    whole, low = flanks("nut", 50.0), flanks("nut", 50.0, LOW)
+    high, low = flanks("nut", 50.0), flanks("nut", 50.0, LOW)
     assert low.flanks.body_edge is not None
     past = int(jnp.sum(low.surface.contact & (low.flanks.body_edge < 0)))
-    reach = 1e3 * _radial_reach(whole)
+    reach = 1e3 * _radial_reach(high)
     yield not_comparable(
         "section 4: the contact of roller and nut has an edge zone, 50 N; height of the nut's "
         "thread below which it has",
@@ -113,7 +115,7 @@ def edges() -> Iterator[Row]:
         reach,
         "mm",
         between=(0.1, 0.102),
-        missing="the ellipse reaches no further along the nut's radius, and heights of threads are "
+        missing="this is the reach of the ellipse along the nut's radius; heights of threads are "
         f"not printed. At {1e3 * LOW:g} mm {past} cells bear past its crest and the pressure is "
         f"{_share(low):.2f} times Hertz. A crest inside the contact would explain an open contact "
         "area, not the low "
@@ -122,7 +124,7 @@ def edges() -> Iterator[Row]:
     )
     for side, printed in (("screw", "39.1"), ("nut", "28.0")):
         load = 25.0 if side == "screw" else 50.0
-        # The shorter axis in cells of that size; the longer one has longer cells still.
+        # The minor axis has cells of that size; the major axis has longer ones.
         axis = float(flanks(side, load).hertz.semi_minor)
         coarse = flanks(side, load, _HIGH, _ELEMENT * _CELLS / 2 / axis)
         highest = float(jnp.max(coarse.surface.pressure) / coarse.hertz.max_pressure)
@@ -133,16 +135,16 @@ def edges() -> Iterator[Row]:
             "%",
             between=(0.05, 0.5),
             note=f"cells of {1e3 * float(coarse.surface.grid.spacing_x):.4f} by 0.01 mm, "
-            f"{2 * axis / _ELEMENT:.0f} across the ellipse's minor axis, leave this much in the "
-            "largest cell's pressure: the size of the elements alone does not explain the error; "
-            "that of their contact (the approach is only "
+            f"{2 * axis / _ELEMENT:.0f} across the ellipse's minor axis, cause this error of the "
+            "largest cell's pressure: the size of the elements alone does not explain the printed "
+            "error; an error of their contact (the approach is only "
             f"{1e6 * float(coarse.hertz.approach):.1f} µm) may",
         )
 
 
-def _radial_reach(found: FlankContact) -> float:
-    """How far the ellipse reaches from its centre along the radius of the nut [m]."""
-    plane, hertz = found.plane, found.hertz
+def _radial_reach(contact: FlankContact) -> float:
+    """Reach of the ellipse from its centre along the radius of the nut [m]."""
+    plane, hertz = contact.plane, contact.hertz
     radius = plane.origin[:2] / jnp.linalg.norm(plane.origin[:2])
     along = jnp.stack([jnp.sum(radius * plane.major[:2]), jnp.sum(radius * plane.minor[:2])])
     axes = jnp.stack([hertz.semi_major, hertz.semi_minor])

@@ -16,9 +16,9 @@ from .._thread_contacts import LOADS, pairs_of_threads
 
 #: Axial force on one thread at which contact stiffnesses are quoted [N].
 _THREAD_LOAD = LOADS[-1]
-#: Threads of one roller that are counted beside the published stiffnesses.
+#: Threads of one roller in the stiffnesses that are compared with the published ones.
 _THREADS = 16
-#: Where an identity leaves nothing but rounding.
+#: Tolerance of an identity: rounding only.
 _EXACT = 1e-9
 _CITATION = "L. Wu, S. Ma, P. Deng, Q. Huang, Electronics 11 (2022) 1395"
 
@@ -68,9 +68,9 @@ def dimensions() -> Iterator[Row]:
         evidence=7 / 2 / np.sin(np.pi / 4),
         evidence_between=(4.94, 4.97),
         because="the arc of equation 36 is centred on the roller's axis, r_R/sin 45°; 4.956 mm is "
-        f"that of a roller of {2 * 4.956 * np.sin(np.pi / 4):.2f} mm, not of {roller:.0f} mm "
-        "(the paper compares itself with one of 7 mm in section 4, whose r_R/sin 45° is the "
-        "evidence)",
+        f"the radius for a roller of {2 * 4.956 * np.sin(np.pi / 4):.2f} mm, not for one of "
+        f"{roller:.0f} mm (the paper compares itself with one of 7 mm in section 4, whose r_R/sin "
+        "45° is the evidence)",
     )
     module = roller / float(gear.roller_teeth)
     note = "exactly, 2 r_R/z"
@@ -105,7 +105,7 @@ def masses() -> Iterator[Row]:
         item = f"Table 4: moment of inertia of the {name}"
         note = "m r² with the nominal radius, the inertia of a thin ring"
         if body == "carrier":
-            note += "; right for a narrow annulus on the circle of the roller axes"
+            note += "; correct for a narrow annulus on the circle of the roller axes"
             yield number(item, printed, ring, "kg·m²", note=note)
             continue
         if body in ("screw", "roller"):
@@ -146,7 +146,7 @@ def stiffnesses() -> Iterator[Row]:
             between=bounds[side],
             missing="neither load, number of threads nor material are given. Equations 36 to 47 "
             f"give {pair[side]:.4g} N/m for one thread at an axial {_THREAD_LOAD:.0f} N (E 212 "
-            f"GPa, ν 0.29); here {_THREADS} of them. The printed number is that of "
+            f"GPa, ν 0.29); computed for {_THREADS} of them. The printed number is that of "
             f"{threads[side]:.2f} such threads, or of {_THREADS} at {loads[side]:.1f} N",
         )
     others = ", ".join(
@@ -171,7 +171,7 @@ def stiffnesses() -> Iterator[Row]:
         between=(1.6428e8, 1.6429e8),
         evidence=1.5 * width,
         evidence_between=(2.4635e8, 2.4645e8),
-        because="the printed value is 1.5 times that of one pair of teeth, the evidence",
+        because="the printed value is 1.5 times the stiffness of one pair of teeth (the evidence)",
     )
     meshing = dataclasses.replace(gear, mesh_factor=1.5)
     yield number(

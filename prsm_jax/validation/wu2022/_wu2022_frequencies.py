@@ -51,13 +51,13 @@ def _block_frequencies(stiffness, mass) -> list[float]:
 def stable_frequencies() -> dict[int, dict[str, float]]:
     """The toolkit's frequencies for Table 4 as printed, by number of rollers and column [Hz]."""
     stage = example("wu2022").stages[0]
-    found: dict[int, dict[str, float]] = {}
+    frequencies: dict[int, dict[str, float]] = {}
     for count in _COUNTS:
         system = _system(stage, count)
         carrier, rollers = carrier_mode(system), roller_modes(system)
         assert carrier is not None
         assert rollers is not None
-        found[count] = {
+        frequencies[count] = {
             "f1": float(carrier.frequencies[0]),
             **{
                 f"f{2 + k}": float(value)
@@ -69,7 +69,7 @@ def stable_frequencies() -> dict[int, dict[str, float]]:
             },
             "r": float(rollers.frequencies[0]),
         }
-    return found
+    return frequencies
 
 
 _FAMILY = {"f": "torsional mode", "t": "transverse mode", "r": "roller mode"}
@@ -97,9 +97,9 @@ def table_5() -> Iterator[Row]:
                 note += f"√|ω²| of an indefinite matrix, here ω² {'<' if negative else '>'} 0"
             if correct != printed:
                 note += (
-                    f"; digits transposed or wrong in print, {correct} stands elsewhere"
+                    f"; digits transposed or wrong in print, {correct} appears elsewhere"
                     if (mode == "r")
-                    else f"; printed for {correct}"
+                    else f"; printed instead of {correct}"
                 )
             item = f"Table 5, N = {count}: {mode}, {family}"
             own = stable_frequencies()[count][mode]
@@ -134,13 +134,13 @@ def closed_forms() -> Iterator[Row]:
         between=(22699.5, 22700.5),
         evidence=published_modes(stage, 7)["r"].frequency,
         evidence_between=(14080.5, 14081.5),
-        because="the equation adds all three stiffnesses, as it must; the tabulated frequency "
-        "follows with the screw's subtracted, the evidence",
+        because="the equation correctly adds all three stiffnesses; the tabulated frequency "
+        "follows if the screw's is subtracted (the evidence)",
     )
     yield misprint(
         "Table 6: multiplicity of the roller mode, N = 7",
         "6",
         float(rollers.multiplicity),
         correct="4",
-        note="headed m = N − 1; the text, and the number of roots, say N − 3",
+        note="the heading says m = N − 1; the text and the number of roots say N − 3",
     )

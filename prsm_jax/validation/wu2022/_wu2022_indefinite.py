@@ -12,14 +12,14 @@ from ._wu2022_matrix import eigen, published_matrices, published_modes, stable_m
 
 _COUNT = 7
 _DISPLACEMENT = 1e-6
-#: Displacements of one body, all else at rest: its place in q, and in how many directions.
+#: Displacements of one body, all others at rest: its index in q, and the directions.
 _ALONE = (
     ("screw moved sideways", 0, "in x and in y"),
     ("nut moved sideways", 6, "in x and in y"),
     ("ring gear turned", 5, ""),
     ("nut turned", 8, ""),
 )
-#: Energies of the published matrix and of springs and supports, which the rows must stay near [µJ].
+#: Expected energies of the published matrix, and of springs and supports [µJ].
 _ENERGIES = {
     "screw moved sideways": (-361.2, 361.5),
     "nut moved sideways": (-270.8, 493.6),
@@ -63,10 +63,10 @@ def indefinite() -> Iterator[Row]:
         "every ω² ≥ 0. All 60 frequencies and all ten shapes follow, to the printed digit, from a "
         "matrix whose mesh springs enter the diagonal with the wrong sign: − for translations, "
         "for the torsion of ring gear and nut, and for the rollers at the screw. Six ω² are then "
-        f"negative ({which}), and the tables print √|ω²|. They are no frequencies: displaced by "
-        f"one of these shapes the mechanism would not swing but run away, by a factor e within "
-        f"{time:.0f} µs at most. The stable model has the same springs with their sign; its "
-        "number below zero is the evidence, and its "
+        f"negative ({which}), and the tables print √|ω²|. They are not frequencies: displaced by "
+        "one of these shapes the mechanism would not vibrate; the displacement would grow by a "
+        f"factor e within {time:.0f} µs at most. The stable model has the same springs with the "
+        "correct sign; its number of eigenvalues below zero is the evidence, and its "
         f"lowest ω² is that of {np.sqrt(lowest[0]) / (2 * np.pi):.1f} Hz",
     )
     energies = static_energies()
@@ -83,5 +83,5 @@ def indefinite() -> Iterator[Row]:
             evidence_between=(gain - 0.1, gain + 0.1),
             because="½ K u² with the diagonal entry of the matrix"
             + (f", {directions}" if directions else "")
-            + f"; springs and support store {stored:+.4g} µJ in it, the evidence",
+            + f"; springs and support store {stored:+.4g} µJ (the evidence)",
         )

@@ -1,6 +1,6 @@
-"""The matrix behind Tables 5 and 6 of Wu et al. 2022, which is no stiffness matrix.
+"""The matrix behind Tables 5 and 6 of Wu et al. 2022, which is not a stiffness matrix.
 
-Kept apart from the toolkit's model on purpose: it exists to reproduce and explain those tables.
+It is separate from the toolkit's model on purpose: it exists to reproduce and explain those tables.
 """
 
 import dataclasses
@@ -32,20 +32,20 @@ class _Body:
 
 
 def _bodies(stage: Stage) -> tuple[_Body, ...]:
-    thread, given = stage.thread, stage.stiffness
-    assert given is not None
+    thread, stiffness = stage.thread, stage.stiffness
+    assert stiffness is not None
     projection = float(np.cos(float(thread.roller_helix_angle)) ** 2)
-    assert given.screw_roller is not None
-    assert given.nut_roller is not None
-    assert given.ring_roller is not None
+    assert stiffness.screw_roller is not None
+    assert stiffness.nut_roller is not None
+    assert stiffness.ring_roller is not None
     meshes = {
-        "screw": float(given.screw_roller) * projection,
-        "ring_gear": float(given.ring_roller),
-        "nut": float(given.nut_roller) * projection,
+        "screw": float(stiffness.screw_roller) * projection,
+        "ring_gear": float(stiffness.ring_roller),
+        "nut": float(stiffness.nut_roller) * projection,
     }
     assert stage.gear is not None
-    # α_s, α_r and α_n of equations 7 to 13, for which the paper prints no values: the transverse
-    # modes of Table 6 point where these put them.
+    # α_s, α_r and α_n of equations 7 to 13, for which the paper prints no values: these give
+    # the directions of the transverse modes of Table 6.
     thread_phase, gear_phase = float(thread.contact_angle), float(stage.gear.pressure_angle)
     bodies = []
     for name, mesh in meshes.items():
@@ -90,7 +90,7 @@ def _supports(stage: Stage, roller_count: int) -> np.ndarray:
 
 
 def _springs(stage: Stage, roller_count: int) -> Iterator[tuple[_Body, slice, int, np.ndarray]]:
-    """Every mesh spring: its body, where body and roller stand in q, and g on the body."""
+    """Every mesh spring: its body, the places of body and roller in q, and g on the body."""
     angles = 2 * np.pi * np.arange(roller_count) / roller_count
     for index, body in enumerate(_bodies(stage)):
         for roller, position in enumerate(angles):
@@ -100,7 +100,7 @@ def _springs(stage: Stage, roller_count: int) -> Iterator[tuple[_Body, slice, in
 
 
 def stable_matrices(stage: Stage, roller_count: int) -> tuple[np.ndarray, np.ndarray]:
-    """The toolkit's model, `Σ k g gᵀ` and supports, with the numbers and phases of the published.
+    """The toolkit's model, `Σ k g gᵀ` and supports, with data and phases of `published_matrices`.
 
     **Arguments and returns:** as `published_matrices`.
     """
@@ -116,11 +116,11 @@ def published_matrices(stage: Stage, roller_count: int) -> tuple[np.ndarray, np.
     """Matrix and mass diagonal that Tables 5 and 6 follow from, in the paper's coordinates.
 
     The springs stretch by `δ = gᵀq`, so a stiffness matrix has `+k g²` on the diagonal and
-    `±k g` in the couplings of body and roller. In this one the diagonal is negative for all
-    translations, for the torsion of ring gear and nut, and for the rollers as held by the screw,
-    and every coupling has the opposite sign. Frequencies fix the signs on the diagonal, mode
-    shapes those of the couplings and the phases of the contacts. A spring that is stretched then
-    gives energy back: the matrix is indefinite, and belongs to no elastic structure.
+    `±k g` in the couplings of body and roller. In this one the springs enter the diagonal
+    with a negative sign for all translations, for the torsion of ring gear and nut, and for the
+    rollers at the screw, and every coupling has the opposite sign. Frequencies determine the signs
+    on the diagonal; mode shapes, those of the couplings and the phases of the contacts. A stretched
+    spring then releases energy: the matrix is indefinite, not that of an elastic structure.
 
     **Arguments:**
 
@@ -156,10 +156,10 @@ class PublishedMode(NamedTuple):
 
 
 def published_modes(stage: Stage, roller_count: int) -> dict[str, PublishedMode]:
-    """The columns of Table 5, told apart by multiplicity.
+    """The columns of Table 5, distinguished by multiplicity.
 
     Simple roots are `f2` to `f5` (the carrier's `f1`), double ones `t1` to `t4`, the (N − 3)-fold
-    one `r`. The shapes of a column are as many as its root has multiplicity.
+    one `r`. A column has as many shapes as the multiplicity of its root.
 
     **Arguments:** as `published_matrices`.
     """
@@ -169,7 +169,7 @@ def published_modes(stage: Stage, roller_count: int) -> dict[str, PublishedMode]
     starts = [0, *(np.nonzero(np.diff(values) > near)[0] + 1).tolist(), len(values)]
     carrier = matrix[-1, -1] / mass[-1]
     corner = sum(b.corner_sign * b.mesh for b in _bodies(stage)) / ROLLER_MASS
-    found: dict[str, PublishedMode] = {}
+    columns: dict[str, PublishedMode] = {}
     simple: list[PublishedMode] = []
     double: list[PublishedMode] = []
     for start, stop in itertools.pairwise(starts):
@@ -177,14 +177,14 @@ def published_modes(stage: Stage, roller_count: int) -> dict[str, PublishedMode]
         frequency = float(np.sqrt(abs(value)) / (2 * np.pi))
         mode = PublishedMode(frequency, value < 0, vectors[:, start:stop])
         if abs(value - corner) < near:
-            found["r"] = mode
+            columns["r"] = mode
         elif abs(value - carrier) < near:
-            found["f1"] = mode
+            columns["f1"] = mode
         elif stop - start == 1:
             simple.append(mode)
         else:
             double.append(mode)
     for letter, first, modes in (("f", 2, simple), ("t", 1, double)):
         ordered = sorted(modes, key=lambda mode: mode.frequency)
-        found |= {f"{letter}{first + index}": mode for index, mode in enumerate(ordered)}
-    return found
+        columns |= {f"{letter}{first + index}": mode for index, mode in enumerate(ordered)}
+    return columns

@@ -1,4 +1,4 @@
-"""Wu et al. 2022: what the masses of Table 4 say about its support stiffnesses."""
+"""Wu et al. 2022: support stiffnesses of Table 4, checked by its masses."""
 
 from collections.abc import Iterator
 
@@ -16,7 +16,7 @@ _ROLLER_BENDING = 2.199e5
 
 @rows_of("wu2022")
 def lengths() -> Iterator[Row]:
-    """Table 4, mass and bending stiffness of screw and roller: either implies a length."""
+    """Table 4, mass and bending stiffness of screw and roller: each implies a length."""
     stage = example("wu2022").stages[0]
     material = stage.material
     assert material is not None
@@ -48,8 +48,8 @@ def lengths() -> Iterator[Row]:
             "kg",
             between=bounds,
             missing=f"neither length nor density are printed. The bending stiffness, {bending:.4g} "
-            "N/m, is that of a cantilever (fixed at one end, as in the paper's finite elements) "
-            f"of {1e3 * bent:.1f} mm at E 212 GPa; the mass at 7850 kg/m³ that of "
+            "N/m, belongs to a cantilever (fixed at one end, as in the paper's finite elements) "
+            f"of {1e3 * bent:.1f} mm at E 212 GPa; the mass at 7850 kg/m³ to a length of "
             f"{1e3 * weighed:.1f} mm"
             + (", the same within 1 %" if abs(bent / weighed - 1) < 0.015 else ""),
         )
@@ -57,7 +57,7 @@ def lengths() -> Iterator[Row]:
 
 @rows_of("wu2022")
 def torsional_stiffnesses() -> Iterator[Row]:
-    """Table 4, torsional stiffnesses, whose unit is neither the printed one nor the one used."""
+    """Table 4, torsional stiffnesses, whose unit is neither the printed nor the used one."""
     stage = example("wu2022").stages[0]
     thread, material = stage.thread, stage.material
     assert material is not None
@@ -82,11 +82,11 @@ def torsional_stiffnesses() -> Iterator[Row]:
         evidence_between=(6.0e4, 6.1e4),
         because="printed in N·m/rad but used on the displacement u = r θ, so it is in N/m. A solid "
         f"shaft of 24 mm and {length:.3f} m (its length by mass) has G I_p/l = "
-        f"{shaft * screw**2:.0f} N·m/rad, in N/m the value beside: the printed number is neither. "
-        f"Read in N/mm, 6.241e7 N/m, it is that of {1e3 * length * shaft / 6.241e7:.0f} mm, "
-        f"close to the {1e3 * bent:.0f} "
-        "mm of its bending stiffness: the factor 1000 looks lost (evidence: the stiffness of that "
-        "length in N/mm, 3 % from the printed number)",
+        f"{shaft * screw**2:.0f} N·m/rad, in N/m the computed value: the printed number is "
+        "neither. Read in N/mm, 6.241e7 N/m, it belongs to a length of "
+        f"{1e3 * length * shaft / 6.241e7:.0f} mm, close to the {1e3 * bent:.0f} mm of its bending "
+        "stiffness: a factor of 1000 seems to be lost (evidence: the stiffness of that length in "
+        "N/mm, 3 % from the printed number)",
     )
     width = solid_length(float(stage.roller.mass), float(thread.roller_radius))
     outer = sleeve_radius(float(stage.nut.mass), nut, width)
@@ -100,6 +100,6 @@ def torsional_stiffnesses() -> Iterator[Row]:
         evidence=1e-3 * sleeve,
         evidence_between=(7.69e6, 7.70e6),
         because=f"a sleeve of the nut's mass, as long as the roller ({1e3 * width:.1f} mm by its "
-        f"mass) and thus of {2e3 * outer:.1f} mm outside, has the value beside, and "
-        f"{sleeve * nut**2:.3g} N·m/rad: the printed number is near it in N/mm, the evidence",
+        f"mass) and thus of {2e3 * outer:.1f} mm outside diameter, has the computed value, "
+        f"{sleeve * nut**2:.3g} N·m/rad: the printed number is near it in N/mm (the evidence)",
     )

@@ -16,7 +16,7 @@ from ._wu2022_matrix import PublishedMode, eigen, published_modes, stable_matric
 _COUNT = 7
 #: Two decimals throughout; a printed "−2" or "0" stands for −2.00 and 0.00.
 _COARSEST = 0.005
-#: Angles tried about the least squares one when a double root leaves the orientation open [rad].
+#: Angles tried around the least squares angle when a double root leaves the orientation open [rad].
 _ANGLES = np.linspace(-0.02, 0.02, 1601)
 _NAMES = {"f": "torsional mode", "t": "transverse mode", "r": "roller mode"}
 _OPEN = {
@@ -26,20 +26,20 @@ _OPEN = {
 }
 
 
-def _aligned(shapes: np.ndarray, mass: np.ndarray, wanted: np.ndarray, allowed: np.ndarray):
-    """The mass-normalised member of an eigenspace that comes closest to a printed shape.
+def _aligned(shapes: np.ndarray, mass: np.ndarray, target: np.ndarray, allowed: np.ndarray):
+    """The mass-normalised member of an eigenspace that is closest to a printed shape.
 
     For a double root the least squares orientation is turned until the largest difference, in
-    units of what the printed digits allow, is smallest.
+    units of the difference that the printed digits allow, is smallest.
     """
-    weights = shapes.T @ (mass * wanted)
+    weights = shapes.T @ (mass * target)
     weights /= np.linalg.norm(weights)
     if shapes.shape[1] != 2:
         return shapes @ weights
     turned = np.cos(_ANGLES) * weights[:, None]
     turned += np.sin(_ANGLES) * np.array([[-weights[1]], [weights[0]]])
     candidates = shapes @ turned
-    worst = np.max(np.abs(candidates - wanted[:, None]) / allowed[:, None], axis=0)
+    worst = np.max(np.abs(candidates - target[:, None]) / allowed[:, None], axis=0)
     return candidates[:, np.argmin(worst)]
 
 
@@ -49,14 +49,14 @@ def assurance(shapes: np.ndarray, mass: np.ndarray, wanted: np.ndarray) -> float
     return float(weights @ weights / (wanted @ (mass * wanted)))
 
 
-def _most_similar(stage: Stage, wanted: np.ndarray) -> tuple[float, float, np.ndarray]:
+def _most_similar(stage: Stage, target: np.ndarray) -> tuple[float, float, np.ndarray]:
     """The stable model's mode most like a shape: frequency [Hz], assurance criterion, shapes."""
     matrix, mass = stable_matrices(stage, _COUNT)
     values, vectors = eigen(matrix, mass)
     near = 1e-9 * float(values[-1])
     starts = [0, *(np.nonzero(np.diff(values) > near)[0] + 1).tolist(), len(values)]
     groups = list(itertools.pairwise(starts))
-    alike = [assurance(vectors[:, start:stop], mass, wanted) for start, stop in groups]
+    alike = [assurance(vectors[:, start:stop], mass, target) for start, stop in groups]
     start, stop = groups[int(np.argmax(alike))]
     return float(np.sqrt(values[start])) / (2 * np.pi), max(alike), vectors[:, start:stop]
 
@@ -91,10 +91,10 @@ def table_6() -> Iterator[Row]:
             corrections.get((name, mode), line[mode])
             for name, line in zip(names, lines, strict=True)
         ]
-        wanted = np.array([float(text) for text in corrected])
+        target = np.array([float(text) for text in corrected])
         allowed = np.array([min(half_unit(text), _COARSEST) for text in corrected])
-        shape = _aligned(published.shapes, mass, wanted, allowed)
-        difference = np.abs(shape - wanted)
+        shape = _aligned(published.shapes, mass, target, allowed)
+        difference = np.abs(shape - target)
         family = "carrier mode" if mode == "f1" else _NAMES[mode[0]]
         frequency, likeness, stable = _most_similar(stage, shape)
         note = _note(published, frequency, likeness, float(difference.max()))
@@ -103,7 +103,7 @@ def table_6() -> Iterator[Row]:
             note += f"; {len(wrong)} of the entries with corrected digits, see below"
         item = f"Table 6: {mode}, {family}, entries of the shape to the printed digit"
         count = float(np.sum(difference <= allowed * (1 + 1e-9)))
-        ours = np.abs(_aligned(stable, mass, wanted, allowed) - wanted)
+        ours = np.abs(_aligned(stable, mass, target, allowed) - target)
         own = float(np.sum(ours <= allowed * (1 + 1e-9)))
         if own == len(printed):
             yield number(item, str(len(printed)), count, tolerance=0.0, note=note)
@@ -116,5 +116,5 @@ def table_6() -> Iterator[Row]:
                 float(shape[index]),
                 correct=corrected[index],
                 note="the other 15 entries of the mode, all reproduced, leave no freedom; a zero "
-                "behind the point is lost",
+                "after the decimal point is missing",
             )

@@ -20,7 +20,7 @@ from .._row import Row, trend
 _THREAD_LOAD = 100.0
 _RADII = np.linspace(2e-3, 10e-3, 9)
 _ANGLES = np.radians(np.linspace(30.0, 60.0, 13))
-#: Where Table 3 stands in them: 4 mm and 45°.
+#: Indices of Table 3's values in them: 4 mm and 45°.
 _RADIUS, _ANGLE = 2, 6
 
 
@@ -50,7 +50,7 @@ def _curves(mechanism: Mechanism, radii, angles):
 def curves() -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Thread stiffness (roller radius × contact angle × side), and frequencies by contact angle.
 
-    The contact stiffnesses of Table 4 are taken out, so that they follow from Hertz contact.
+    The contact stiffnesses of Table 4 are removed, so that they follow from Hertz contact.
     """
     mechanism = example("wu2022")
     stage = mechanism.stages[0]
@@ -59,8 +59,8 @@ def curves() -> tuple[np.ndarray, dict[str, np.ndarray]]:
     mechanism = dataclasses.replace(
         mechanism, stages=(dataclasses.replace(stage, stiffness=derived),)
     )
-    found = _curves(mechanism, jnp.asarray(_RADII), jnp.asarray(_ANGLES))
-    return jax.tree.map(np.asarray, found)
+    results = _curves(mechanism, jnp.asarray(_RADII), jnp.asarray(_ANGLES))
+    return jax.tree.map(np.asarray, results)
 
 
 def rises(curve: np.ndarray) -> bool:
@@ -138,10 +138,10 @@ def frequency_trends() -> Iterator[Row]:
         between=(55.0, 60.0),
         evidence=float(np.min(np.diff(squared, 2) / squared[1:-1])),
         evidence_between=(1e-3, 1e-2),
-        because="it goes with the root of the stiffness, which undoes the upward bend of figure "
+        because="it goes with the root of the stiffness, which cancels the upward bend of figure "
         f"11 ({_ends(lowest, 1.0, 'Hz')}): its square bends upwards throughout (evidence: the "
         "least second difference of the square over the square); modes with the gear's constant "
-        "stiffness beside the threads' bend upwards as they are",
+        "stiffness in addition to the threads' bend upwards themselves",
     )
     carrier = frequencies["carrier"][:, 0]
     yield differs(
@@ -152,7 +152,7 @@ def frequency_trends() -> Iterator[Row]:
         between=(0.0, 1e-6),
         evidence=float(stiffness[_RADIUS, -1, 0] / stiffness[_RADIUS, 0, 0]),
         evidence_between=(1.5, 5.0),
-        because=f"constant, {_ends(carrier, 1.0, 'Hz')}; computed is its change. The contact "
-        "stiffness grows by the factor in evidence; the carrier mode has no contact stiffness in "
-        "it (equation 58), so the figure must show another mode",
+        because=f"constant, {_ends(carrier, 1.0, 'Hz')}; the computed number is its change. The "
+        "contact stiffness grows by the factor in evidence; the carrier mode does not contain it "
+        "(equation 58), so the figure must show another mode",
     )
