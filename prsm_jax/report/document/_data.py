@@ -49,7 +49,7 @@ class ReportData:
     #: if all ellipses are taken to be whole.
     onsets: tuple[SideOnsets, ...] = ()
     modes: tuple[Modes, ...] | None = None
-    #: Steady states at the operating point, with the screw driving, and with the load driving it.
+    #: Steady states: operating point, screw driving, load driving the screw back.
     steady: SteadyState | None = None
     forward: SteadyState | None = None
     backward: SteadyState | None = None
