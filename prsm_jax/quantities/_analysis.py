@@ -1,4 +1,4 @@
-"""One analysis of a mechanism, evaluated piece by piece as quantities ask for it."""
+"""One analysis of a mechanism; each part is evaluated when a quantity needs it."""
 
 import contextlib
 from collections.abc import Callable, Iterable
@@ -51,12 +51,12 @@ from ..vibration import (
 )
 from ._stress_peaks import stress_peaks_of
 
-#: Under which load threads share: that of the operating point; or on one flank, a preload of two
-#: nuts included, the largest of all, or the constant one with the fatigue of the duty cycle; or
-#: none, where a nut with both flanks stands by itself.
+#: Load whose distribution among the threads is computed: that of the operating point; the largest
+#: load, or the equivalent one (constant, with the fatigue of the duty cycle), both on one flank and
+#: including the preload of two nuts; or none, for the unloaded position of a nut with both flanks.
 SharedLoad: TypeAlias = Literal["operating_point", "largest", "equivalent", "none"]
 _Made = TypeVar("_Made")
-#: Families that can be had one by one.
+#: Families of modes that can be computed separately.
 _FAMILIES: dict[str, Callable[[VibrationSystem], ModeGroup | None]] = {
     "carrier": carrier_mode,
     "torsional": torsional_modes,
@@ -68,7 +68,7 @@ _FAMILIES: dict[str, Callable[[VibrationSystem], ModeGroup | None]] = {
 class Analysis:
     """Intermediate results that quantities share; each is computed at most once, on demand.
 
-    Lives for one trace of one `compute`. What no quantity asks for is never traced.
+    Used for one trace of one `compute`. Parts that no quantity needs are never traced.
     """
 
     def __init__(
@@ -85,16 +85,16 @@ class Analysis:
         self._once: dict[tuple[str, int], Any] = {}
 
     def require(self, flag: Bool[Array, ""]) -> None:
-        """Let a quantity say, in a trace, whether the numbers it rests on can be used."""
+        """Record, in a trace, whether the numbers that a quantity depends on can be used."""
         self._flags.append(flag)
 
     @property
     def valid(self) -> Bool[Array, ""]:
         """Whether everything evaluated so far can be used; parts not evaluated are ignored.
 
-        False where the threads do not mesh, a contact would have to pull, the carrier or a contact
-        ellipse has no solution, or no such mechanism can be built: a dimension out of its range, or
-        rollers that overlap.
+        False where the threads do not mesh, a contact force would be tensile, the carrier or a
+        contact ellipse has no solution, or the mechanism cannot be built (a dimension out of its
+        range, or overlapping rollers).
         """
         stages = self.mechanism.stages
         built = [dimensions_possible(stage) & rollers_fit(stage) for stage in stages]
@@ -102,7 +102,7 @@ class Analysis:
 
     @property
     def computed(self) -> Bool[Array, ""]:
-        """As `valid`, for a search that keeps dimensions and gaps by itself."""
+        """As `valid`, without the checks of dimensions and gaps, which a search does itself."""
         # `cached_property` stores what has been evaluated under its own name.
         evaluated = self.__dict__
         flags = list(self._flags)
@@ -112,7 +112,7 @@ class Analysis:
             flags.append(self.steady.computed)
         if "contacts" in evaluated:
             flags += [
-                # NaN is told by the values themselves.
+                # NaN is detected in the values themselves.
                 jnp.logical_not(side.hertz.semi_major < 0)
                 for stage in self.contacts
                 for side in (stage.screw, stage.nut)
@@ -136,7 +136,7 @@ class Analysis:
                 )
             speed = self.mechanism.operating_point.speed
         speed = jnp.asarray(speed, self.mechanism.stages[0].thread.lead.dtype)
-        # NaN is told by the values themselves; a quotient by infinity is 0.
+        # NaN is detected in the values themselves; a division by infinity gives 0.
         self.require(jnp.logical_not(jnp.isinf(speed)))
         return speed
 
@@ -154,30 +154,30 @@ class Analysis:
 
     @cached_property
     def steady(self) -> SteadyState:
-        """Steady state in the sense of the operating point."""
+        """Steady state at the operating point, in its direction of power flow."""
         return steady_state(self.mechanism, self._speed, self._load, self.kinematics)
 
     def driven(self, sense: int) -> SteadyState:
         """Steady state when the screw drives (+1) or is driven back (−1) at the same speed."""
 
         def one() -> SteadyState:
-            found: SteadyState = jax.tree.map(
+            state: SteadyState = jax.tree.map(
                 lambda both: both[(1 - sense) // 2], self._both_senses
             )
-            self.require(found.computed)
-            return found
+            self.require(state.computed)
+            return state
 
         return self.once(("driven", sense), one)
 
     @cached_property
     def _both_senses(self) -> SteadyState:
-        """Driving and driven in one program, half as long as two."""
+        """Steady states driving and driven, in one program half as long as two."""
         speed = jnp.abs(self.speed)
 
         def turning(sense: Scalar) -> SteadyState:
-            # Both directions of motion begin at standstill, too.
-            given = sense * speed, self.load, self.kinematics
-            return steady_state(self.mechanism, *given, onset=sense)
+            # At standstill, `onset` selects the motion that is about to begin.
+            arguments = sense * speed, self.load, self.kinematics
+            return steady_state(self.mechanism, *arguments, onset=sense)
 
         return jax.vmap(turning)(jnp.asarray([1.0, -1.0], speed.dtype))
 
@@ -195,34 +195,34 @@ class Analysis:
         )
 
     def reference_contact(self, index: int) -> StageContact:
-        """Hertz contacts of a stage (from 0) under the load that capacities are scaled from."""
+        """Hertz contacts of a stage (from 0) under the load from which capacities are scaled."""
         stage = self.mechanism.stages[index]
         return self.once(
             ("reference_contact", index), lambda: reference_contact(stage, self.meshing(index))
         )
 
     def once(self, key: tuple[str, int], make: Callable[[], _Made]) -> _Made:
-        """What several quantities share of a stage: traced when first asked for."""
+        """A result of a stage that several quantities share; traced at the first call."""
         if key not in self._once:
             self._once[key] = make()
         return self._once[key]
 
     def meshing(self, index: int) -> Meshing | None:
-        """Meshing of a stage, where its curvatures come from it."""
+        """Meshing of a stage if its curvatures are computed from it, else `None`."""
         exact = self.mechanism.stages[index].curvature == "exact"
         return self.kinematics[index].meshing if exact else None
 
     @property
     def _asked(self) -> bool:
-        """Whether a speed or load was asked for, which then takes the place of the duty cycle."""
+        """Whether a speed or load was passed; it then replaces the duty cycle."""
         return self._speed is not None or self._load is not None
 
     @cached_property
     def spectrum(self) -> LoadSpectrum:
-        """What speed and load the mechanism lives with.
+        """Speeds and loads that determine fatigue and life.
 
-        Those of the duty cycle; of the operating point without one, or where another speed or load
-        was asked for.
+        Those of the duty cycle; those of the operating point without a duty cycle, or where a speed
+        or load was passed.
         """
         if self._asked:
             return constant_load(self.speed, self.signed_load)
@@ -246,7 +246,7 @@ class Analysis:
 
     @cached_property
     def threads(self) -> tuple[ThreadStiffness, ...]:
-        """Thread contact stiffness of every stage; contacts only where it is not given."""
+        """Thread contact stiffness of every stage; computed from contacts if not given."""
         return tuple(
             thread_stiffness(stage, lambda index=index: self._loaded(index))
             for index, stage in enumerate(self.mechanism.stages)
@@ -254,61 +254,61 @@ class Analysis:
 
     @cached_property
     def tangent_threads(self) -> tuple[ThreadStiffness, ...]:
-        """As `threads`, of a small further load."""
+        """As `threads`, but tangent stiffness, for a small additional load."""
         return tuple(
             thread_stiffness(stage, lambda index=index: self._loaded(index), tangent=True)
             for index, stage in enumerate(self.mechanism.stages)
         )
 
     def _loaded(self, index: int) -> StageContact | LoadDistribution:
-        """The threads of a stage under load, as the stage says that they share it."""
+        """Load distribution of a stage if it models load sharing, else its equal contacts."""
         if self.mechanism.stages[index].load_sharing is not None:
             return self.distribution(index)
         return self.contacts[index]
 
     def distribution(self, index: int, under: SharedLoad = "operating_point") -> LoadDistribution:
-        """How a stage (from 0) shares a load."""
+        """Distribution of a load among the threads of a stage (from 0)."""
         stage = self.mechanism.stages[index]
         key: tuple[int, SharedLoad] = (index, self._alike(stage, under))
         if key not in self._distributions:
             loads: dict[SharedLoad, Scalar] = {key[1]: self._shared_load(stage, key[1])}
-            # Those that will be asked for as well, in one program.
+            # Loads that will be needed later are solved in the same program.
             others: list[SharedLoad] = [self._alike(stage, other) for other in self._expected]
-            for one in others:
-                if one not in loads and (index, one) not in self._distributions:
+            for case in others:
+                if case not in loads and (index, case) not in self._distributions:
                     with contextlib.suppress(MissingDataError):
-                        loads[one] = self._shared_load(stage, one)
-            # Capacities look at the same contacts.
+                        loads[case] = self._shared_load(stage, case)
+            # Capacities use the same contacts.
             known = stage.engaged_threads is not None
-            found = stage_load_distributions(
+            distributions = stage_load_distributions(
                 stage,
                 list(loads.values()),
                 self.meshing(index),
                 False,
                 self.reference_contact(index) if known else None,
             )
-            for name, distribution in zip(loads, found, strict=True):
+            for name, distribution in zip(loads, distributions, strict=True):
                 self._distributions[index, name] = distribution
-                # Loose teeth need no balance without a load: `elastic` looks at it.
+                # With play, teeth need no equilibrium without a load: `elastic_of` checks it.
                 if name != "none":
                     self.require(distribution.converged)
         return self._distributions[key]
 
     def expect(self, loads: Iterable[SharedLoad]) -> None:
-        """Say under which loads `distribution` will be asked for, so that all are found at once."""
+        """Declare the loads that `distribution` will get, so that one program solves them all."""
         self._expected = tuple(dict.fromkeys((*self._expected, *loads)))
 
     def _alike(self, stage: Stage, under: SharedLoad) -> SharedLoad:
-        """The first of the loads that are one by structure: no distribution is traced twice."""
+        """The first of the loads that are equal by structure: no distribution is traced twice."""
         if under == "none":
             return under
-        one = self._asked or self.mechanism.duty_cycle is None
-        if not one or under == "operating_point":
+        single_load = self._asked or self.mechanism.duty_cycle is None
+        if not single_load or under == "operating_point":
             return under
         return "operating_point" if preload_of(stage) is None else "largest"
 
     def _shared_load(self, stage: Stage, under: SharedLoad) -> Scalar:
-        """An axial load [N] with its sign: that of the phase which counts most."""
+        """Axial load [N]; on two flanks, with the sign of the phase of largest load or damage."""
         if under == "operating_point":
             return self.signed_load
         if under == "none":
@@ -323,20 +323,20 @@ class Analysis:
             magnitude, loads = largest_flank_load(stage, self.demand[1]), spectrum.load
             if point is not None and not self._asked:
                 loads = jnp.append(loads, point.load)
-            harm = jnp.abs(loads)
+            severity = jnp.abs(loads)
         else:
-            pressed = largest_flank_load(stage, jnp.abs(spectrum.load))
-            magnitude = equivalent_load(eqx.tree_at(lambda s: s.load, spectrum, pressed))
-            loads, harm = spectrum.load, spectrum.weights ** (1 / 3) * jnp.abs(spectrum.load)
+            flank_loads = largest_flank_load(stage, jnp.abs(spectrum.load))
+            magnitude = equivalent_load(eqx.tree_at(lambda s: s.load, spectrum, flank_loads))
+            loads, severity = spectrum.load, spectrum.weights ** (1 / 3) * jnp.abs(spectrum.load)
         sharing = stage.load_sharing
         if sharing is None or not sharing.has_reverse_flanks:
             return magnitude
-        worst = loads[jnp.argmax(jax.lax.stop_gradient(harm))]
+        worst = loads[jnp.argmax(jax.lax.stop_gradient(severity))]
         return jnp.where(worst < 0, -magnitude, magnitude)
 
     @property
     def distributions(self) -> tuple[LoadDistribution, ...]:
-        """How every stage shares the load of the operating point."""
+        """Load distribution of every stage at the operating point."""
         return tuple(self.distribution(i) for i in range(len(self.mechanism.stages)))
 
     @cached_property
@@ -359,7 +359,7 @@ class Analysis:
 
     def _families(self, family: str):
         for index, system in enumerate(self.systems):
-            # One family by itself, where symmetry allows: the others are then not traced.
+            # With symmetry, one family is computed alone; the others are not traced.
             if system.symmetric:
                 group = self._by_itself(family, index)
             else:
@@ -374,19 +374,19 @@ class Analysis:
     @cached_property
     def modes(self) -> tuple[Modes, ...]:
         """All modes of every stage."""
-        found: list[Modes] = []
+        all_modes: list[Modes] = []
         for index, system in enumerate(self.systems):
             if system.symmetric:
                 modes = stage_modes(system)
                 self._once |= {(group.family, index): group for group in modes.groups}
-                found.append(modes)
+                all_modes.append(modes)
                 continue
-            found.append(stage_modes(system))
-        return tuple(found)
+            all_modes.append(stage_modes(system))
+        return tuple(all_modes)
 
     @property
     def symmetric(self) -> bool:
-        """Whether families are separate by symmetry in every stage."""
+        """Whether symmetry separates the families of modes in every stage."""
         return all(system.symmetric for system in self.systems)
 
     @cached_property

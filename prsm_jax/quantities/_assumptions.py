@@ -1,7 +1,7 @@
-"""What the numbers rest on, in plain sentences: only what those asked for assume.
+"""Assumptions behind the results, as plain sentences, for the requested quantities only.
 
-An assumption is a function of one stage that gives its sentence, or `None` where the stage does
-not assume it. Quantities name theirs in their declaration (`assumes=…`).
+An assumption is a function of one stage that returns its sentence, or `None` where it does not
+apply to the stage. Quantities name theirs in their declaration (`assumes=…`).
 """
 
 from collections.abc import Callable, Iterable
@@ -17,7 +17,7 @@ _ASSUMPTIONS: dict[str, Sentence] = {}
 
 
 def assumption(name: str) -> Callable[[Sentence], Sentence]:
-    """Add an assumption that quantities may name; the way to add one of your own.
+    """Add an assumption that quantities can name; use it to add your own.
 
     **Raises:** `ValueError` if the name is taken.
     """
@@ -32,9 +32,9 @@ def assumption(name: str) -> Callable[[Sentence], Sentence]:
 
 
 def known_assumption(name: str) -> str:
-    """The name of a registered assumption, as it is.
+    """Check that an assumption is registered, and return its name.
 
-    **Raises:** `ValueError` if there is none of this name.
+    **Raises:** `ValueError` if no assumption has this name.
     """
     if name not in _ASSUMPTIONS:
         raise ValueError(f"unknown assumption {name!r}; choose one of {', '.join(_ASSUMPTIONS)}")
@@ -42,27 +42,27 @@ def known_assumption(name: str) -> str:
 
 
 def sentences(mechanism: Mechanism, names: Iterable[str]) -> tuple[str, ...]:
-    """The sentences of assumptions, each once; a stage is named where others differ.
+    """Sentences of assumptions, each once; its stages are named unless it holds for all.
 
     **Arguments:**
 
-    - `mechanism`: the mechanism; only what it consists of counts, not its numbers.
-    - `names`: of the assumptions.
+    - `mechanism`: the mechanism; only its parts matter, not their numbers.
+    - `names`: names of the assumptions.
     """
     stages: dict[str, list[int]] = {}
     for name in names:
         for number, stage in enumerate(mechanism.stages, start=1):
-            found = _ASSUMPTIONS[name](stage)
-            if found is not None and number not in stages.setdefault(found, []):
-                stages[found].append(number)
-    whole = len(mechanism.stages)
+            text = _ASSUMPTIONS[name](stage)
+            if text is not None and number not in stages.setdefault(text, []):
+                stages[text].append(number)
+    stage_count = len(mechanism.stages)
 
-    def told(sentence: str, numbers: list[int]) -> str:
-        if len(numbers) == whole:
+    def with_stages(sentence: str, numbers: list[int]) -> str:
+        if len(numbers) == stage_count:
             return sentence
         return f"Stage {', '.join(map(str, sorted(numbers)))}: {sentence}"
 
-    return tuple(told(sentence, numbers) for sentence, numbers in stages.items())
+    return tuple(with_stages(sentence, numbers) for sentence, numbers in stages.items())
 
 
 def has_contacts(stage: Stage) -> bool:
@@ -89,8 +89,8 @@ def _equal(stage: Stage) -> str:
 
 
 def _derives_stiffness(stage: Stage) -> bool:
-    given = stage.stiffness
-    return given is None or given.screw_roller is None or given.nut_roller is None
+    stiffness = stage.stiffness
+    return stiffness is None or stiffness.screw_roller is None or stiffness.nut_roller is None
 
 
 def derives_static_capacity(stage: Stage) -> bool:
@@ -111,7 +111,7 @@ def derives_dynamic_capacity(stage: Stage) -> bool:
 
 @assumption("equal_contacts")
 def equal_contacts(stage: Stage) -> str | None:
-    """Of single contacts, whose load is the mean one whatever the stage has."""
+    """For single contacts, which always carry the mean thread load."""
     if not has_contacts(stage):
         return None
     if stage.load_sharing is None:
@@ -125,7 +125,7 @@ def equal_contacts(stage: Stage) -> str | None:
 
 @assumption("equal_friction")
 def equal_friction(stage: Stage) -> str | None:
-    """Of spin and rolling losses, which depend on the contact ellipses."""
+    """For spin and rolling losses, which depend on the contact ellipses."""
     if not (has_contact_losses(stage.friction) and has_contacts(stage)):
         return None
     if stage.load_sharing is None:
@@ -138,7 +138,7 @@ def equal_friction(stage: Stage) -> str | None:
 
 @assumption("equal_stiffness")
 def equal_stiffness(stage: Stage) -> str | None:
-    """Of thread stiffnesses, which follow the load distribution where there is one."""
+    """For thread stiffnesses, which depend on the load distribution if there is one."""
     if stage.load_sharing is not None or not (has_contacts(stage) and _derives_stiffness(stage)):
         return None
     return _equal(stage)
@@ -146,12 +146,13 @@ def equal_stiffness(stage: Stage) -> str | None:
 
 @assumption("secant_stiffness")
 def secant_stiffness(stage: Stage) -> str | None:
-    """Of the vibration model."""
+    """For the vibration model."""
     if not (_derives_stiffness(stage) and (has_contacts(stage) or stage.load_sharing is not None)):
         return None
     return (
-        "Thread contacts vibrate as springs of their secant stiffness F/δ under the operating "
-        "load, shafts rigid; about that load the tangent stiffness of a Hertz contact is 3/2 of it."
+        "For vibration, thread contacts are springs with their secant stiffness F/δ under the "
+        "operating load, and shafts are rigid; the tangent stiffness of a Hertz contact at that "
+        "load is 3/2 of it."
     )
 
 
@@ -160,39 +161,39 @@ def _equal_capacity(stage: Stage) -> str | None:
         return _equal(stage)
     if stage.load_sharing.split_nut is not None:
         return (
-            "Capacities, safety and life count the threads of one half of the split nut as if they "
-            "carried the same load, although the file has [stage.load_sharing]."
+            "For capacities, safety and life, all threads of one half of the split nut are taken "
+            "to carry the same load, although the file has [stage.load_sharing]."
         )
     return None
 
 
 @assumption("static_sharing")
 def static_sharing(stage: Stage) -> str | None:
-    """Of a static capacity that is derived."""
+    """For a static capacity that is computed from the contacts."""
     return _equal_capacity(stage) if derives_static_capacity(stage) else None
 
 
 @assumption("dent_sharing")
 def dent_sharing(stage: Stage) -> str | None:
-    """Of the permanent deformation, for which no capacity is needed."""
+    """For the permanent deformation, for which no capacity is needed."""
     return _equal_capacity(stage) if has_contacts(stage) and stage.strength is not None else None
 
 
 @assumption("cut_sharing")
 def cut_sharing(stage: Stage) -> str | None:
-    """Of how much of an ellipse is cut."""
+    """For the share of a contact ellipse that is cut."""
     return _equal_capacity(stage) if has_contacts(stage) and flanks_end(stage) else None
 
 
 @assumption("dynamic_sharing")
 def dynamic_sharing(stage: Stage) -> str | None:
-    """Of a dynamic capacity that is derived, and of all lives."""
+    """For a dynamic capacity that is computed from the contacts, and for all lives."""
     return _equal_capacity(stage) if derives_dynamic_capacity(stage) else None
 
 
 @assumption("static_criterion")
 def static_criterion(stage: Stage) -> str | None:
-    """What the static capacity is."""
+    """Definition of the static capacity."""
     if not derives_static_capacity(stage):
         return None
     return (
@@ -203,7 +204,7 @@ def static_criterion(stage: Stage) -> str | None:
 
 @assumption("life_theory")
 def life_theory(stage: Stage) -> str | None:
-    """What the dynamic capacity is."""
+    """Theory of the dynamic capacity."""
     if not derives_dynamic_capacity(stage):
         return None
     return (
@@ -215,47 +216,47 @@ def life_theory(stage: Stage) -> str | None:
 def _flanks(stage: Stage) -> str:
     if flanks_end(stage):
         at_edge = (
-            "which the file does not round (edge_radius): in elastic half-spaces it has no finite "
-            "value at a sharp edge."
+            "which the file does not round (edge_radius): in an elastic half-space the pressure "
+            "has no finite value at a sharp edge."
             if stage.thread.edge_radius is None
-            else "which edge_pressure has for the edge_radius of the file."
+            else "which edge_pressure includes for the edge_radius of the file."
         )
         return (
-            "Where a contact ellipse passes the crest or root of a flank, pressure, capacities and "
-            "life are those of the rest of it (finding contact_truncation), without the "
-            f"concentration of pressure at the edge, {at_edge}"
+            "Where a contact ellipse extends beyond the crest or root of a flank, pressure, "
+            "capacities and life are those of its remaining part (finding contact_truncation), "
+            f"without the concentration of pressure at the edge, {at_edge}"
         )
     return (
-        "Contact ellipses are taken to lie on the flanks as a whole, since the file does not say "
-        "where these end (screw_addendum, roller_addendum); in reality a long ellipse is cut "
+        "Contact ellipses are taken to lie completely on the flanks, since the file does not say "
+        "where flanks end (screw_addendum, roller_addendum); in reality a long ellipse is cut "
         "there, so its pressure is higher, and capacities and life are lower."
     )
 
 
 @assumption("edges")
 def edges(stage: Stage) -> str | None:
-    """Of the pressure at rounded crests."""
+    """For the pressure at rounded crests."""
     if not flanks_end(stage) or stage.thread.edge_radius is None:
         return None
     return (
-        "The pressure at rounded crests is that of elastic half-spaces: yielding of the "
-        "steel is left out, and a real edge, which has no material behind it, is less stiff."
+        "The pressure at rounded crests is that of elastic half-spaces: yielding of the steel is "
+        "left out, and a real edge, which has no material behind it, is less stiff."
     )
 
 
 @assumption("flanks_of_contacts")
 def flanks_of_contacts(stage: Stage) -> str | None:
-    """Of pressures."""
+    """For pressures."""
     return _flanks(stage) if has_contacts(stage) else None
 
 
 @assumption("flanks_of_static")
 def flanks_of_static(stage: Stage) -> str | None:
-    """Of a static capacity that is derived."""
+    """For a static capacity that is computed from the contacts."""
     return _flanks(stage) if derives_static_capacity(stage) else None
 
 
 @assumption("flanks_of_dynamic")
 def flanks_of_dynamic(stage: Stage) -> str | None:
-    """Of a dynamic capacity that is derived, and of all lives."""
+    """For a dynamic capacity that is computed from the contacts, and for all lives."""
     return _flanks(stage) if derives_dynamic_capacity(stage) else None

@@ -23,8 +23,8 @@ class Quantity:
     """A quantity with its name, symbol, SI unit, description and function of an `Analysis`.
 
     `dimensions` names the axes of its value: none for a number, `stage` or `mode` for an array;
-    `assumes` what its value may rest on (see `assumptions`), `shares` under which loads it asks how
-    threads share, where a stage says so.
+    `assumes` the assumptions that its value may depend on (see `assumptions`), `shares` the loads
+    whose distribution among the threads it needs, in stages that model load sharing.
     """
 
     name: str
@@ -50,14 +50,14 @@ def quantity(
     assumes: tuple[str, ...] = (),
     shares: tuple[SharedLoad, ...] = (),
 ) -> Callable[[Callable[[Analysis], Array]], Callable[[Analysis], Array]]:
-    """Add a function of an `Analysis` to the catalogue; the way to add a quantity of your own.
+    """Add a function of an `Analysis` to the catalogue; use it to add your own quantity.
 
     **Arguments:**
 
     - `name`, `symbol`, `unit`, `description`, `dimensions`: as in `Quantity`.
-    - `assumes`: names of assumptions that its value may rest on.
-    - `shares`: loads under which it asks `Analysis.distribution`; said here, one program finds all
-      of those that several quantities ask for.
+    - `assumes`: names of assumptions that its value may depend on.
+    - `shares`: loads for which it calls `Analysis.distribution`; if they are declared here, one
+      program solves those of all quantities.
 
     A function of the same module and name may be defined again, as when a cell of a notebook is run
     twice; the last one counts.
@@ -94,16 +94,16 @@ def find_quantity(name: str) -> Quantity:
 
 
 def assumptions(mechanism: Mechanism, quantities: Iterable[str] | None = None) -> tuple[str, ...]:
-    """What numbers of a mechanism rest on, such as equal sharing of the load, in sentences.
+    """Assumptions behind the numbers of a mechanism, such as equal load sharing, as sentences.
 
-    Nothing is evaluated: what the mechanism consists of decides.
+    Nothing is evaluated; the sentences depend only on the parts of the mechanism.
 
     **Arguments:**
 
     - `mechanism`: the mechanism.
     - `quantities`: names from the catalogue, also of components (`rating_life[1]`); default all.
 
-    **Returns:** the sentences, each once; of what the mechanism lacks the data for there is none.
+    **Returns:** the sentences, each once; none for results whose data the mechanism lacks.
 
     **Raises:** `UnknownNameError` for an unknown name.
     """
@@ -120,7 +120,7 @@ def compute(
     speed: float | Scalar | None = None,
     load: float | Scalar | None = None,
 ) -> dict[str, Array]:
-    """Evaluate quantities by name, and nothing that they do not need.
+    """Evaluate quantities by name, and only what they need.
 
     Jittable, differentiable and vmappable over a batched mechanism.
 
@@ -133,8 +133,8 @@ def compute(
     **Raises:** `UnknownNameError` for an unknown name; `MissingDataError`, naming the quantity,
     where the mechanism lacks data for it.
     """
-    wanted = _wanted(quantities)
-    return _named(wanted, _values(mechanism, wanted, speed, load))
+    selected = _find_all(quantities)
+    return _named(selected, _values(mechanism, selected, speed, load))
 
 
 @of_one_design
@@ -147,13 +147,13 @@ def compute_checked(
 ) -> tuple[dict[str, Array], Bool[Array, ""]]:
     """As `compute`, and whether the values can be used.
 
-    The flag is false where the threads do not mesh, a contact would have to pull, or a solver
-    below found nothing, where the values may look harmless all the same; and where a value is NaN
-    or infinite. It speaks only for what the quantities needed.
+    The flag is false where the threads do not mesh, a contact force would be tensile, or a solver
+    found no solution, even if the values look plausible; and where a value is NaN or infinite. It
+    covers only what the quantities needed.
     """
-    wanted = _wanted(quantities)
-    values, valid = _checked_values(mechanism, wanted, speed, load)
-    return _named(wanted, values), valid
+    selected = _find_all(quantities)
+    values, valid = _checked_values(mechanism, selected, speed, load)
+    return _named(selected, values), valid
 
 
 @of_one_design
@@ -166,59 +166,59 @@ def compute_coded(
 ) -> tuple[dict[str, Array], Int[Array, ""]]:
     """As `compute`, and why the values cannot be used: a code, whose reason is in `REASONS`.
 
-    0 where they can; a value that is not finite has a code of its own.
+    The code is 0 where they can; a value that is not finite has its own code.
     """
-    wanted = _wanted(quantities)
-    values, code = _coded_values(mechanism, wanted, speed, load)
-    return _named(wanted, values), code
+    selected = _find_all(quantities)
+    values, code = _coded_values(mechanism, selected, speed, load)
+    return _named(selected, values), code
 
 
-def _wanted(quantities: Iterable[str]) -> tuple[Quantity, ...]:
-    # What is compiled is kept by the quantities themselves: a name may be defined anew.
+def _find_all(quantities: Iterable[str]) -> tuple[Quantity, ...]:
+    # Programs are cached by quantity, not by name: a name may be redefined.
     return tuple(dict.fromkeys(find_quantity(name) for name in quantities))
 
 
-def _named(wanted: tuple[Quantity, ...], values: tuple[Array, ...]) -> dict[str, Array]:
-    # In the order asked for, which a compiled program does not keep in a dictionary.
-    return {quantity.name: value for quantity, value in zip(wanted, values, strict=True)}
+def _named(selected: tuple[Quantity, ...], values: tuple[Array, ...]) -> dict[str, Array]:
+    # In the requested order: a compiled program does not preserve the order of a dictionary.
+    return {quantity.name: value for quantity, value in zip(selected, values, strict=True)}
 
 
 @one_program
-def _values(mechanism: Mechanism, wanted: tuple[Quantity, ...], speed, load):
-    return tuple(_evaluated(Analysis(mechanism, speed, load), wanted).values())
+def _values(mechanism: Mechanism, selected: tuple[Quantity, ...], speed, load):
+    return tuple(_evaluated(Analysis(mechanism, speed, load), selected).values())
 
 
 @one_program
-def _checked_values(mechanism: Mechanism, wanted: tuple[Quantity, ...], speed, load):
-    values, valid = _checked(Analysis(mechanism, speed, load), wanted)
+def _checked_values(mechanism: Mechanism, selected: tuple[Quantity, ...], speed, load):
+    values, valid = _checked(Analysis(mechanism, speed, load), selected)
     return tuple(values.values()), valid
 
 
 @one_program
-def _coded_values(mechanism: Mechanism, wanted: tuple[Quantity, ...], speed, load):
+def _coded_values(mechanism: Mechanism, selected: tuple[Quantity, ...], speed, load):
     analysis = Analysis(mechanism, speed, load)
-    values, code = _coded(analysis, _evaluated(analysis, wanted))
+    values, code = _coded(analysis, _evaluated(analysis, selected))
     return tuple(values.values()), code
 
 
 def evaluate_checked(
     analysis: Analysis, quantities: Iterable[str]
 ) -> tuple[dict[str, Array], Bool[Array, ""]]:
-    """As `compute_checked`, of an analysis of which more is asked."""
-    return _checked(analysis, _wanted(quantities))
+    """As `compute_checked`, for an analysis that computes more in the same program."""
+    return _checked(analysis, _find_all(quantities))
 
 
 def _checked(
-    analysis: Analysis, wanted: Iterable[Quantity]
+    analysis: Analysis, selected: Iterable[Quantity]
 ) -> tuple[dict[str, Array], Bool[Array, ""]]:
-    values = _evaluated(analysis, wanted)
+    values = _evaluated(analysis, selected)
     return values, analysis.valid & _finite(values)
 
 
 def evaluate_coded(
     analysis: Analysis, quantities: Iterable[str]
 ) -> tuple[dict[str, Array], Int[Array, ""]]:
-    """As `compute_coded`, of an analysis of which more is asked."""
+    """As `compute_coded`, for an analysis that computes more in the same program."""
     return _coded(analysis, evaluate(analysis, quantities))
 
 
@@ -232,25 +232,25 @@ def _finite(values: dict[str, Array]) -> Bool[Array, ""]:
 
 
 def evaluate(analysis: Analysis, quantities: Iterable[str]) -> dict[str, Array]:
-    """Quantities of an analysis, which may give more to the same program.
+    """Evaluate quantities of an analysis that may compute more in the same program.
 
     **Arguments:**
 
-    - `analysis`: of the mechanism.
+    - `analysis`: analysis of the mechanism.
     - `quantities`: names from the catalogue.
 
     **Raises:** as `compute`.
     """
-    return _evaluated(analysis, _wanted(quantities))
+    return _evaluated(analysis, _find_all(quantities))
 
 
-def _evaluated(analysis: Analysis, wanted: Iterable[Quantity]) -> dict[str, Array]:
+def _evaluated(analysis: Analysis, selected: Iterable[Quantity]) -> dict[str, Array]:
     values = {}
-    analysis.expect(load for found in wanted for load in found.shares)
-    for found in wanted:
-        name = found.name
+    analysis.expect(load for entry in selected for load in entry.shares)
+    for entry in selected:
+        name = entry.name
         try:
-            values[name] = found.function(analysis)
+            values[name] = entry.function(analysis)
         except MissingDataError as error:
             raise MissingDataError(f"quantity {name!r}: {error}") from error
     return values
@@ -275,14 +275,14 @@ def available_quantities(
     **Raises:** `UnknownNameError` for an unknown name in `among`.
     """
     candidates = tuple(find_quantity(name) for name in (_CATALOGUE if among is None else among))
-    shapes = eqx.filter_eval_shape(lambda *given: given, mechanism, speed, load)
+    shapes = eqx.filter_eval_shape(lambda *arguments: arguments, mechanism, speed, load)
     leaves, structure = jax.tree.flatten(shapes)
     return _available(structure, tuple(leaves), candidates)
 
 
 @functools.lru_cache(maxsize=64)
 def _available(structure, leaves: tuple, candidates: tuple[Quantity, ...]) -> tuple[str, ...]:
-    # Which data there are is a matter of structure; a trace takes seconds.
+    # Which data exist depends only on the structure; a trace takes seconds.
     names: list[str] = []
 
     def try_all(mechanism: Mechanism, speed, load):

@@ -1,4 +1,4 @@
-"""Where contact ellipses reach the ends of their flanks: found once for all quantities."""
+"""Where contact ellipses reach the ends of flanks, computed once for all quantities."""
 
 from .. import strength
 from ..geometry import flanks_end
@@ -20,15 +20,15 @@ def onsets_anywhere(analysis: Analysis, index: int):
 
 
 def onsets_of(analysis: Analysis, index: int):
-    """As `onsets_anywhere`, of a contact point that has to lie on its flank."""
+    """As `onsets_anywhere`, but valid only if the contact points lie on their flanks."""
 
     def make():
-        found = onsets_anywhere(analysis, index)
-        for side in found or ():
+        onsets = onsets_anywhere(analysis, index)
+        for side in onsets or ():
             if side is not None:
-                # Beyond the end of a flank there is no contact point.
+                # There is no contact point beyond the end of a flank.
                 analysis.require(side.on_flank)
-        return found
+        return onsets
 
     return analysis.once(("onsets", index), make)
 

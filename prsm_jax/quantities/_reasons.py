@@ -7,7 +7,7 @@ from ..dynamics import STEADY_RESULTS
 from ..geometry import dimensions_possible, rollers_fit
 from ._analysis import Analysis
 
-#: By code; the last is for those who look at values.
+#: Reasons in the order of their codes; the last is for functions that check values.
 REASONS = (
     "successful",
     "impossible_dimension",
@@ -21,10 +21,10 @@ REASONS = (
 
 
 def code_of(analysis: Analysis) -> Int[Array, ""]:
-    """0 where an analysis is valid, else the place of the reason in `REASONS`.
+    """0 where an analysis is valid, else the index of the reason in `REASONS`.
 
-    As `Analysis.valid`, it looks at what has been evaluated so far, and at whether such a
-    mechanism can be built. Of several reasons the first in `REASONS` counts.
+    As `Analysis.valid`, it checks what has been evaluated so far, and whether the mechanism can
+    be built. Of several reasons the first in `REASONS` counts.
     """
     stages = analysis.mechanism.stages
     code = jnp.where(analysis.computed, 0, REASONS.index("not_computed"))

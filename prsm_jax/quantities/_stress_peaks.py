@@ -14,27 +14,27 @@ def stress_peaks_of(
 
     **Arguments:**
 
-    - `contacts`: of every stage.
+    - `contacts`: Hertz contacts of every stage.
     - `stages`: the stages.
     """
     # Both sides of all stages at once: one program for each measure.
     places = [(side, k) for side in ("screw", "nut") for k in range(len(contacts))]
     hertz = [getattr(contacts[k], side).hertz for side, k in places]
-    given = (
+    arguments = (
         jnp.stack([contact.semi_major for contact in hertz]),
         jnp.stack([contact.semi_minor for contact in hertz]),
         jnp.stack([contact.max_pressure for contact in hertz]),
         jnp.stack([material_of(stages[k], side).poisson_ratio for side, k in places]),
     )
-    found: dict[str, dict[AxisMeasure, StressPeak]] = {"screw": {}, "nut": {}}
+    by_side: dict[str, dict[AxisMeasure, StressPeak]] = {"screw": {}, "nut": {}}
     measures: tuple[AxisMeasure, ...] = ("von_mises", "max_shear")
     for measure in measures:
 
         def below(major, minor, pressure, ratio, measure: AxisMeasure = measure):
             return stress_peak_on_axis(major, minor, pressure, ratio, measure)
 
-        peaks = jax.vmap(below)(*given)
+        peaks = jax.vmap(below)(*arguments)
         count = len(contacts)
-        found["screw"][measure] = jax.tree.map(lambda leaf, n=count: leaf[:n], peaks)
-        found["nut"][measure] = jax.tree.map(lambda leaf, n=count: leaf[n:], peaks)
-    return found
+        by_side["screw"][measure] = jax.tree.map(lambda leaf, n=count: leaf[:n], peaks)
+        by_side["nut"][measure] = jax.tree.map(lambda leaf, n=count: leaf[n:], peaks)
+    return by_side

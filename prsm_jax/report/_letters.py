@@ -1,4 +1,4 @@
-"""Text in pictures: shown letter by letter, whatever letters there are."""
+"""Text in pictures: plain characters, also those that the font lacks."""
 
 import contextlib
 import re
@@ -14,7 +14,7 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 @contextlib.contextmanager
 def any_letter() -> Iterator[None]:
-    """A letter that the font lacks is drawn as a box, without a warning for each."""
+    """Draw characters that the font lacks as boxes, without warnings."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", r"Glyph \d+ .*missing from", UserWarning)
         warnings.filterwarnings("ignore", "Matplotlib currently does not support", UserWarning)
@@ -22,7 +22,7 @@ def any_letter() -> Iterator[None]:
 
 
 def write_powers_out(figure: Any) -> None:
-    """Powers of ten beside logarithmic axes, which matplotlib writes as formulas, as letters."""
+    """Write powers of ten on logarithmic axes as plain characters, not as formulas."""
     from matplotlib.ticker import LogFormatterMathtext, LogFormatterSciNotation
 
     class Powers(LogFormatterSciNotation):
@@ -38,6 +38,6 @@ def write_powers_out(figure: Any) -> None:
                 axis.set_minor_formatter(Powers(minor_thresholds=minor.minor_thresholds))
 
 
-def _power(found: re.Match) -> str:
-    sign, times, base, power = found.groups()
+def _power(match: re.Match) -> str:
+    sign, times, base, power = match.groups()
     return f"{sign and MINUS}{times + '·' if times else ''}{base}{power.translate(_RAISED)}"

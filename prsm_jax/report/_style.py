@@ -1,6 +1,6 @@
-"""House style of all pictures: sizes in millimetres on A4, colours that everyone can tell apart.
+"""House style of all pictures: sizes in millimetres on A4, colours for any colour vision.
 
-Pictures are built on `matplotlib.figure.Figure` itself; nothing here touches pyplot, and the
+Pictures are built on `matplotlib.figure.Figure` itself; pyplot is not used, and the
 style applies only while a picture is drawn.
 """
 
@@ -26,11 +26,11 @@ PAGE_WIDTH = 180.0
 TITLE, TEXT, SMALL = 9.0, 8.0, 7.0
 INK, MUTED, FAINT = "#1a1a1a", "#5f6368", "#d5d8dc"
 
-# The palette of Okabe and Ito, made to be told apart with any colour vision.
+# Palette of Okabe and Ito, distinguishable with any colour vision.
 _ORANGE, _SKY, _GREEN, _YELLOW = "#e69f00", "#56b4e9", "#009e73", "#f0e442"
 _BLUE, _VERMILION, _PURPLE, _GREY = "#0072b2", "#d55e00", "#cc79a7", "#8a8f94"
-#: Colours for things without a colour of their own, in this order, with a hatch each for print
-#: without colour and for more things than colours.
+#: Colours for items without a fixed colour, in this order, each with a hatch for print without
+#: colour and for more items than colours.
 SERIES = (_BLUE, _ORANGE, _GREEN, _VERMILION, _PURPLE, _SKY, _YELLOW, _GREY)
 HATCHES = ("", "////", "....", "\\\\\\\\", "xxxx", "----", "oooo", "++++")
 FAMILY_COLOURS = {
@@ -90,7 +90,7 @@ _RC: Any = {
     "lines.linewidth": 1.4,
     "figure.facecolor": "white",
     "savefig.facecolor": "white",
-    # A dollar in a title is a dollar: text from users is no formula.
+    # Text from users is not a formula: a dollar sign in a title stays a dollar sign.
     "text.parse_math": False,
     "text.usetex": False,
     # The same picture gives the same file.
@@ -101,7 +101,7 @@ _P = ParamSpec("_P")
 
 
 def drawn(picture: Callable[_P, Any]) -> Callable[_P, Any]:
-    """Draw a picture in the house style, and fix it: ticks are made when a figure is laid out."""
+    """Draw a picture and lay it out in the house style, since the layout creates the ticks."""
 
     @functools.wraps(picture)
     def styled(*args: _P.args, **kwargs: _P.kwargs) -> Any:
@@ -135,7 +135,7 @@ def page_figure(
 
 
 def place_axes(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:
-    """Axes at a place in millimetres from the lower left corner of the figure."""
+    """Axes at a position in millimetres from the lower left corner of the figure."""
     full_width, full_height = figure.get_size_inches() * 25.4
     return figure.add_axes(
         (left / full_width, bottom / full_height, width / full_width, height / full_height)
@@ -143,7 +143,7 @@ def place_axes(figure: Figure, left: float, bottom: float, width: float, height:
 
 
 def series_style(index: int) -> dict[str, Any]:
-    """Colour and hatch of the n-th of several things without a colour of their own."""
+    """Colour and hatch of the n-th of several items without a fixed colour."""
     turn = index // len(SERIES)
     return {
         "facecolor": SERIES[index % len(SERIES)],
@@ -169,7 +169,7 @@ def save_figure(
     - `formats`: `"png"`, `"svg"`, `"pdf"`.
     - `dpi`: resolution of PNG.
 
-    **Returns:** the paths written. A file is complete or not there.
+    **Returns:** the paths written. Each file is written completely or not at all.
     """
     import matplotlib
 

@@ -241,7 +241,7 @@ def test_shapes():
                 assert 100 * found == pytest.approx(float(share), abs=0.5001), (words, name)
             total = [sum(float(v[at]) for v in energies.values())]
             assert total == pytest.approx([1.0])
-    assert "holds 2 mJ" in chart.text("Displacements are exaggerated")
+    assert "energy of 2 mJ" in chart.text("Displacements are magnified")
     for axes in chart.axes:
         # Bodies and arrows: test_report_modes reads their places.
         chart.ignore([*axes.lines, *axes.patches])

@@ -234,7 +234,7 @@ def test_findings(sections, data):
     assert [table.caption for table in tables] == ["Findings: start", "Findings: optimum"]
     for table, one in zip(tables, (data, data.improved), strict=True):
         rows = [(f.severity, f.name.replace("_", " "), f.message) for f in one.findings]
-        assert_table(table, ("severity", "check", "what it says"), rows)
+        assert_table(table, ("severity", "check", "message"), rows)
 
 
 def test_findings_come_before_drawings_and_other_tables(data):
@@ -379,7 +379,7 @@ def test_steady(sections, data):
     assert_table(table, ("", ""), rows)
     assert "The load can drive the screw back." in section.paragraphs
     lost = sorted(((n, float(v)) for n, v in state.losses.items()), key=lambda pair: -pair[1])
-    lost.append(("together", sum(v for _, v in lost)))
+    lost.append(("total", sum(v for _, v in lost)))
     expected = [
         (name.replace("_", " "), (v, "W"), (v / float(state.input_power), "1", "whole"))
         for name, v in lost
@@ -392,7 +392,7 @@ def test_a_locked_mechanism_has_no_efficiency_of_the_load(data):
     section = next(s for s in report_sections(locked) if s.anchor == "steady")
     cells = dict(section.tables[0].rows)
     assert cells["efficiency, load drives"] == "self-locking"
-    assert any("locks itself" in words for words in section.paragraphs)
+    assert any("is self-locking" in words for words in section.paragraphs)
 
 
 def _in_state(state, name):

@@ -91,6 +91,6 @@ def test_what_check_keeps_the_optimum_from_is_named_as_a_limit(wu2022):
 
 def test_words_stand_on_the_left_and_numbers_on_the_right(pages):
     html, markdown = pages()
-    assert "| severity | check | what it says |\n|---|---|---|\n| warning |" in markdown
-    assert '<th scope="col" class="text">what it says</th>' in html
+    assert "| severity | check | message |\n|---|---|---|\n| warning |" in markdown
+    assert '<th scope="col" class="text">message</th>' in html
     assert "| quantity | before | after | change |\n|---|---:|---:|---:|\n" in markdown

@@ -171,13 +171,13 @@ def test_line_contact_shows_pressure_and_footprint():
     figure = line_contact_chart(flanks, line, _contact().surface)
     assert_printable(figure)
     assert axis_labels(figure) == [
-        "pressure on the middle in MPa",
+        "pressure at the middle in MPa",
         "distance from the roller axis in mm",
         "arc from the line of\ncentres in µm",
     ]
     above, below = figure.axes
     np.testing.assert_allclose(above.lines[0].get_ydata(), pressure * 1e-6)
     assert len(above.lines) == 2
-    assert "50 % of the flank bears" in above.get_title(loc="left")
+    assert "50 % of the flank is loaded" in above.get_title(loc="left")
     low, high = below.get_ylim()
     assert low < -450 < -350 < high

@@ -1,8 +1,8 @@
-"""Axial stiffnesses, named by what gives way and by secant or tangent.
+"""Axial stiffnesses, named by their elastic parts and by secant or tangent.
 
-A secant is F/x, the load over the travel that it causes; a tangent dF/dx, what a small further
-load meets. Contacts harden, so that a tangent is the larger one: 3/2 of the secant for Hertz
-points. Each group holds more that gives way than the one before: contacts, the nut, the axis.
+A secant is F/x, the load over the travel that it causes; a tangent is dF/dx, for a small additional
+load. Contacts stiffen with load, so the tangent is larger: 3/2 of the secant for Hertz point
+contacts. Each group includes more elastic parts than the one before: contacts, nut, axis.
 """
 
 import functools
@@ -16,9 +16,9 @@ from .._catalogue import quantity
 from .._nut_travel import elastic_of, nut_tangent_of
 
 _CONTACTS = (
-    "of the thread contacts, with their teeth where [stage.load_sharing.tooth] gives them, shafts "
-    "rigid, all stages in series; with [stage.load_sharing] each thread at the load that it "
-    "carries, else all alike"
+    "of the thread contacts, and of their teeth where [stage.load_sharing.tooth] is given; shafts "
+    "rigid, all stages in series; with [stage.load_sharing] each thread at its own load, else all "
+    "threads at the same load"
 )
 _NUT = (
     "of the nut: contacts, teeth, and the segments of screw, rollers and nut between the threads, "
@@ -73,19 +73,19 @@ def _of_axis(nuts: Callable[[Analysis], list[Scalar]]) -> Callable[[Analysis], S
 
 
 _LOADED: tuple[SharedLoad, ...] = ("operating_point",)
-#: A nut's secant is measured from where it stands without a load.
+#: The secant of a nut is measured from the position of the unloaded nut.
 _FROM_REST: tuple[SharedLoad, ...] = ("operating_point", "none")
 
 
 def _declare(
     name: str,
     symbol: str,
-    words: str,
+    description: str,
     function,
     assumes: tuple[str, ...] = (),
     shares: tuple[SharedLoad, ...] = _LOADED,
 ) -> None:
-    quantity(name, symbol, "N/m", words, assumes=assumes, shares=shares)(function)
+    quantity(name, symbol, "N/m", description, assumes=assumes, shares=shares)(function)
 
 
 _EQUAL = ("equal_stiffness",)
@@ -109,7 +109,7 @@ for _name, _symbol, _what, _function, _assumes, _shares in (
     (
         "nut_axial_stiffness_secant",
         "K_n",
-        f"secant F/x {_NUT}; x from where the nut stands without load",
+        f"secant F/x {_NUT}; x from the position of the unloaded nut",
         _of_nut(_nut_secants),
         (),
         _FROM_REST,
@@ -125,7 +125,7 @@ for _name, _symbol, _what, _function, _assumes, _shares in (
     (
         "axis_axial_stiffness_secant",
         "K_x",
-        f"secant F/x {_AXIS}; x from where the nut stands without load",
+        f"secant F/x {_AXIS}; x from the position of the unloaded nut",
         _of_axis(_nut_secants),
         (),
         _FROM_REST,

@@ -12,7 +12,7 @@ def _over_stages(analysis: Analysis, side: str, name: str):
 
 
 def _pressure(analysis: Analysis, side: str):
-    """Largest pressures of one side, above Hertz's where the end of a flank cuts the ellipse."""
+    """Largest pressures of one side, above Hertz's if the end of a flank cuts the ellipse."""
     return jnp.stack(
         [
             truncated_pressure(analysis, i, side, getattr(c, side).hertz.max_pressure)
@@ -25,9 +25,9 @@ def _pressure(analysis: Analysis, side: str):
     "max_pressure",
     "p₀",
     "Pa",
-    "largest pressure of the thread contacts, all threads sharing equally (that of the most loaded "
-    "thread is max_pressure_shared): Hertz, and more where the end of a flank cuts the ellipse; "
-    "without the concentration at that edge",
+    "largest pressure of the thread contacts, all threads equally loaded (for the most loaded "
+    "thread see max_pressure_shared): Hertz pressure, higher where the end of a flank cuts the "
+    "ellipse, without the concentration at that edge",
     assumes=("equal_contacts", "flanks_of_contacts"),
 )
 def max_pressure(analysis: Analysis):
@@ -110,7 +110,7 @@ def approach_nut(analysis: Analysis):
     "max_von_mises_screw",
     "σ_v,s",
     "Pa",
-    "largest reduced stress (von Mises) in the screw below a thread contact, without friction",
+    "largest equivalent stress (von Mises) in the screw below a thread contact, without friction",
     ("stage",),
     assumes=("equal_contacts",),
 )
@@ -122,7 +122,7 @@ def max_von_mises_screw(analysis: Analysis):
     "max_von_mises_nut",
     "σ_v,n",
     "Pa",
-    "largest reduced stress (von Mises) in the nut below a thread contact, without friction",
+    "largest equivalent stress (von Mises) in the nut below a thread contact, without friction",
     ("stage",),
     assumes=("equal_contacts",),
 )
@@ -182,7 +182,7 @@ def max_shear_depth_nut(analysis: Analysis):
     "thread_stiffness_screw",
     "k_sR",
     "N/m",
-    "thread contact stiffness of one roller with the screw; of the first where all are unlike",
+    "thread contact stiffness of one roller with the screw; of the first roller if they differ",
     ("stage",),
     assumes=("equal_stiffness",),
     shares=("operating_point",),
@@ -195,7 +195,7 @@ def thread_stiffness_screw(analysis: Analysis):
     "thread_stiffness_nut",
     "k_nR",
     "N/m",
-    "thread contact stiffness of one roller with the nut; of the first where all are unlike",
+    "thread contact stiffness of one roller with the nut; of the first roller if they differ",
     ("stage",),
     assumes=("equal_stiffness",),
     shares=("operating_point",),

@@ -1,4 +1,4 @@
-"""Quantities of how threads and rollers share the load."""
+"""Quantities of load sharing among threads and rollers."""
 
 import jax.numpy as jnp
 
@@ -69,8 +69,8 @@ def largest_thread_load(analysis: Analysis):
     "max_pressure_shared",
     "p₀_max",
     "Pa",
-    "largest pressure of all threads under the thread loads of [stage.load_sharing]; ends of "
-    "flanks count as in `max_pressure`",
+    "largest pressure of all threads under the thread loads of [stage.load_sharing]; cut ellipses "
+    "as in `max_pressure`",
     assumes=("flanks_of_contacts",),
     shares=("operating_point",),
 )
@@ -90,8 +90,8 @@ def max_pressure_shared(analysis: Analysis):
     "axial_deflection",
     "x",
     "m",
-    "axial deflection of the nut by the load: from where the nut stands without it, braced or at "
-    "the first contact with play and errors passed; all stages together",
+    "axial deflection of the nut under the load, from its unloaded position: preloaded, or at the "
+    "first contact after play and errors are taken up; sum of all stages",
     shares=("operating_point", "none"),
 )
 def axial_deflection(analysis: Analysis):

@@ -17,7 +17,7 @@ from .._catalogue import quantity
     "jamming_margin",
     "j",
     "1",
-    "1 − μ/μ_jam, the smallest of all stages: 1 without friction, at 0 a driving screw jams",
+    "1 − μ/μ_jam, smallest of all stages: 1 without friction; at 0 a driving screw jams",
 )
 def jamming_margin(analysis: Analysis):
     load = analysis.load if friction_needs_load(analysis.mechanism) else None
@@ -28,14 +28,14 @@ def jamming_margin(analysis: Analysis):
     "self_locking_margin",
     "s",
     "1",
-    "1 − 1/(factor of all friction at which the load is held): positive is driven back, negative "
-    "holds by itself",
+    "1 − 1/(factor on all friction at which the load just holds): positive if the load drives the "
+    "screw back, negative if self-locking",
 )
 def self_locking_margin(analysis: Analysis):
-    margin, found = _self_locking_margin(
+    margin, solved = _self_locking_margin(
         analysis.mechanism, analysis.kinematics, analysis.speed, analysis.load
     )
-    analysis.require(found)
+    analysis.require(solved)
     return margin
 
 
@@ -43,7 +43,7 @@ def self_locking_margin(analysis: Analysis):
     "critical_friction_coefficient",
     "μ_lock",
     "1",
-    "thread friction above which a load does not turn the screw",
+    "thread friction coefficient above which a load does not turn the screw",
     ("stage",),
 )
 def critical_friction_coefficient(analysis: Analysis):
@@ -54,7 +54,7 @@ def critical_friction_coefficient(analysis: Analysis):
     "jamming_friction_coefficient",
     "μ_jam",
     "1",
-    "thread friction at which a driving screw jams",
+    "thread friction coefficient at which a driving screw jams",
     ("stage",),
 )
 def jamming_friction_coefficient(analysis: Analysis):

@@ -53,7 +53,7 @@ def efficiency_backward(analysis: Analysis):
 )
 def carrier_ratio(analysis: Analysis):
     if not any(has_contact_losses(stage.friction) for stage in analysis.mechanism.stages):
-        # Geometry alone decides; no force needs to be known.
+        # The ratio depends on geometry only; no force is needed.
         return jnp.stack([free_carrier_ratio(geometry) for geometry in analysis.kinematics])
     return analysis.steady.carrier_ratio
 
@@ -67,7 +67,7 @@ def drive_torque(analysis: Analysis):
     "contact_force",
     "F",
     "N",
-    "normal force of the screw on one roller, all threads",
+    "normal force of the screw on one roller, sum of all threads",
     ("stage",),
     assumes=("equal_friction",),
 )
@@ -79,7 +79,7 @@ def contact_force(analysis: Analysis):
     "slip_speed",
     "‖v‖",
     "m/s",
-    "slip of the screw over the roller",
+    "sliding speed of the screw on the roller",
     ("stage",),
     assumes=("equal_friction",),
 )
@@ -111,7 +111,7 @@ def carrier_force(analysis: Analysis):
     return analysis.steady.carrier_force
 
 
-@quantity("loss_power", "P_loss", "W", "all modelled losses together", assumes=("equal_friction",))
+@quantity("loss_power", "P_loss", "W", "sum of all modelled losses", assumes=("equal_friction",))
 def loss_power(analysis: Analysis):
     return sum(analysis.steady.losses.values(), jnp.zeros_like(analysis.steady.efficiency))
 
@@ -155,13 +155,13 @@ def duty_efficiency(analysis: Analysis):
     phases = jax.vmap(
         lambda speed, load: steady_state(analysis.mechanism, speed, load, kinematics)
     )(duty.speed, duty.load)
-    output, given = (
+    output_energy, input_energy = (
         jnp.sum(power * duty.duration) for power in (phases.output_power, phases.input_power)
     )
-    # A cycle at standstill takes no energy, and has no efficiency.
-    moves = given != 0
+    # A cycle at standstill takes no energy and has no efficiency.
+    moves = input_energy != 0
     analysis.require(phases.computed.all() & load_spectrum(duty).possible & moves)
-    return output / jnp.where(moves, given, 1.0)
+    return output_energy / jnp.where(moves, input_energy, 1.0)
 
 
 def _duty(analysis: Analysis):

@@ -13,7 +13,7 @@ from .._analysis import Analysis
 from .._catalogue import quantity
 from ._strength import per_stage
 
-#: At standstill the torque is that of the motion about to begin [rad/s].
+#: Speed at standstill, where the torque is that of the motion about to begin [rad/s].
 _CREEP = 1e-6
 
 
@@ -21,8 +21,8 @@ _CREEP = 1e-6
     "axial_backlash",
     "j_a",
     "m",
-    "travel of the unloaded nut: measured, from thinned teeth and the meshing, or that of load "
-    "sharing; 0 with preload",
+    "free travel of the unloaded nut: measured, computed from thinned teeth and the meshing, or "
+    "that of load sharing; 0 with preload",
     ("stage",),
 )
 def axial_backlash(analysis: Analysis):
@@ -37,8 +37,8 @@ def axial_backlash(analysis: Analysis):
     "lost_motion",
     "j_F",
     "m",
-    "travel of the nut when the load turns round at a screw that stands still: backlash and "
-    "approach of the contacts, shafts rigid",
+    "travel of the nut when the load reverses and the screw is at rest: backlash and approach of "
+    "the contacts, shafts rigid",
     ("stage",),
     assumes=("equal_contacts",),
 )
@@ -59,8 +59,8 @@ def lost_motion(analysis: Analysis):
     "preload_opening_load",
     "F_lim",
     "N",
-    "axial load that frees one of two braced nuts, 2^{3/2} times the preload (as ISO 3408-5 for "
-    "ball screws)",
+    "axial load that unloads one of two preloaded nuts, 2^{3/2} times the preload (as ISO 3408-5 "
+    "for ball screws)",
     ("stage",),
 )
 def preload_opening_load(analysis: Analysis):
@@ -73,7 +73,7 @@ def preload_opening_load(analysis: Analysis):
     "preloaded_stiffness",
     "K_pr",
     "N/m",
-    "tangent stiffness of a braced pair of nuts under the load, contacts alone",
+    "tangent stiffness of a pair of preloaded nuts under the load, contacts only",
     ("stage",),
     assumes=("equal_contacts",),
 )
@@ -108,12 +108,12 @@ def _preload_torque(analysis: Analysis, index: int, stage: Stage) -> Scalar:
         (None, None, None),
         is_leaf=lambda leaf: leaf is None,
     )
-    alone = Mechanism((eqx.tree_at(lambda s: s.friction, stage, friction),))
+    single_stage = Mechanism((eqx.tree_at(lambda s: s.friction, stage, friction),))
     kinematics = (analysis.kinematics[index],)
     speed = jnp.abs(analysis.speed)
     speed = jnp.where(above_or_nan(speed), speed, _CREEP)
-    # The screw drives one nut against the preload, which helps it to turn in the other.
-    states = jax.vmap(lambda load: steady_state(alone, speed, load, kinematics))(
+    # The preload resists the turning of the screw in one nut and assists it in the other.
+    states = jax.vmap(lambda load: steady_state(single_stage, speed, load, kinematics))(
         jnp.stack([preload, -preload])
     )
     analysis.require(states.computed.all())

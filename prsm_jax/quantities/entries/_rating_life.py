@@ -1,4 +1,4 @@
-"""Quantities of rating life; what rests on standards of other machines says so."""
+"""Quantities of rating life; descriptions name the standards taken from other machines."""
 
 import jax.numpy as jnp
 
@@ -61,8 +61,8 @@ def _rating_life(analysis: Analysis, name: str):
     "rating_life",
     "L_10",
     "1",
-    "turns of the screw with a survival of 90 %, under the duty cycle or else the operating point "
-    "(as ISO 3408-5 for ball screws); ∞ without load",
+    "turns of the screw at 90 % reliability, under the duty cycle, or the operating point without "
+    "one (as ISO 3408-5 for ball screws); ∞ without load",
     ("stage",),
     assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
     shares=("equivalent",),
@@ -75,7 +75,7 @@ def rating_life(analysis: Analysis):
     "rating_life_time",
     "L_10h",
     "s",
-    "operating time with a survival of 90 %, standstill of the duty cycle included (as ISO 3408-5)",
+    "operating time at 90 % reliability, including standstill of the duty cycle (as ISO 3408-5)",
     ("stage",),
     assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
     shares=("equivalent",),
@@ -88,7 +88,7 @@ def rating_life_time(analysis: Analysis):
     "rating_life_distance",
     "L_10s",
     "m",
-    "travel of the nut on its screw with a survival of 90 % (as ISO 3408-5)",
+    "travel of the nut on its screw at 90 % reliability (as ISO 3408-5)",
     ("stage",),
     assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
     shares=("equivalent",),
@@ -101,7 +101,7 @@ def _life_factor(stage: Stage) -> Scalar:
     factor = strength.life_factor(stage)
     if factor is None:
         raise MissingDataError(
-            "the stage modifies its rating life by nothing; give reliability, "
+            "the stage has no factor that modifies its rating life; give reliability, "
             "life_modification_factor or oscillation_amplitude in [stage.strength]"
         )
     return factor
@@ -111,8 +111,8 @@ def _life_factor(stage: Stage) -> Scalar:
     "modified_rating_life",
     "L_nm",
     "1",
-    "turns of the screw at the reliability asked for, with given factors of lubrication and "
-    "material and that of oscillation (as ISO 281 for bearings)",
+    "turns of the screw at the required reliability, with the given factors for lubrication and "
+    "material and the factor for oscillation (as ISO 281 for bearings)",
     ("stage",),
     assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
     shares=("equivalent",),
@@ -124,7 +124,7 @@ def modified_rating_life(analysis: Analysis):
 
 def _required_life(stage: Stage) -> Scalar:
     if stage.strength is None or stage.strength.required_life is None:
-        raise MissingDataError("no life is asked for; give stage.strength.required_life")
+        raise MissingDataError("no required life; give stage.strength.required_life")
     return stage.strength.required_life
 
 
@@ -132,15 +132,19 @@ def _required_life(stage: Stage) -> Scalar:
     "life_ratio",
     "L/L_req",
     "1",
-    "rating life in time, modified as far as factors are given, over the life asked for, smallest "
+    "rating life in time, modified by the factors that are given, over the required life; smallest "
     "of all stages (as ISO 3408-5 for ball screws and ISO 281 for bearings)",
     assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
     shares=("equivalent",),
 )
 def life_ratio(analysis: Analysis):
     def factor(stage: Stage) -> Scalar:
-        found = strength.life_factor(stage)
-        return 1 / _required_life(stage) if found is None else found / _required_life(stage)
+        modification = strength.life_factor(stage)
+        return (
+            1 / _required_life(stage)
+            if modification is None
+            else modification / _required_life(stage)
+        )
 
     factors = per_stage(analysis, lambda _, stage: factor(stage))
     return jnp.min(strength.modified_life(_rating_life(analysis, "time"), factors))
@@ -191,8 +195,8 @@ def duty_cycle_damage(analysis: Analysis):
     "minimum_oscillation_amplitude",
     "φ_min",
     "rad",
-    "amplitude of a swinging screw below which contacts do not leave their own ellipse under the "
-    "largest load, and false brinelling is to be expected (as seen in bearings)",
+    "amplitude of an oscillating screw below which contacts stay within their own ellipse under "
+    "the largest load, so false brinelling is to be expected (as seen in bearings)",
     ("stage",),
     assumes=("equal_contacts",),
 )

@@ -27,27 +27,27 @@ def on_one_flank(analysis: Analysis, stage: Stage) -> Scalar:
 
 
 def _sides(analysis: Analysis, index: int, under: SharedLoad) -> tuple[SideLoads, ...]:
-    """How the threads of a stage share a load, where the file says so; both sides.
+    """Thread loads on both sides of a stage that models load sharing, else empty.
 
-    Not those of a split nut, which carry its preload too.
+    Empty for a split nut, too, whose threads also carry its preload.
     """
     sharing = analysis.mechanism.stages[index].load_sharing
     if sharing is None or sharing.split_nut is not None:
         return ()
-    found = analysis.distribution(index, under)
-    return found.screw, found.nut
+    distribution = analysis.distribution(index, under)
+    return distribution.screw, distribution.nut
 
 
 def sharing_factor_of(
     analysis: Analysis, index: int, under: SharedLoad = "largest"
 ) -> Scalar | float:
-    """Load of the most loaded thread over the mean, of the worse side, under one of the loads."""
+    """Load of the most loaded thread over the mean, on the worse side, under one of the loads."""
     factors = [side.thread_sharing_factor for side in _sides(analysis, index, under)]
     return jnp.max(jnp.stack(factors)) if factors else 1.0
 
 
 def _fatigue_factor(analysis: Analysis, index: int) -> Scalar | float:
-    """What unequal thread loads make of the capacity, of the worse side, under the mean load."""
+    """Factor of unequal thread loads on the capacity, worse side, under the equivalent load."""
     factors = [
         strength.fatigue_sharing_factor(
             jnp.where(side.loaded, side.thread_load, 0.0),
@@ -61,21 +61,21 @@ def _fatigue_factor(analysis: Analysis, index: int) -> Scalar | float:
 def _thread_shares(
     analysis: Analysis, index: int
 ) -> tuple[strength.ThreadShares, strength.ThreadShares] | None:
-    """Loads of all threads over their mean under the mean load, where they share unequally."""
-    found = []
+    """Thread loads over their mean under the equivalent load; `None` if all are equal."""
+    shares = []
     for side in _sides(analysis, index, "equivalent"):
         loads = jnp.ravel(side.thread_load)
         weights = jnp.ravel(jnp.broadcast_to(side.weight[:, None], side.thread_load.shape))
         weights = weights / jnp.sum(weights)
         mean = jnp.sum(weights * loads)
-        # Without load they are all alike.
-        alike = jnp.where(side.loaded, mean, 1.0)
-        found.append(strength.ThreadShares(jnp.where(side.loaded, loads / alike, 1.0), weights))
-    return (found[0], found[1]) if found else None
+        # Without load all shares are 1.
+        divisor = jnp.where(side.loaded, mean, 1.0)
+        shares.append(strength.ThreadShares(jnp.where(side.loaded, loads / divisor, 1.0), weights))
+    return (shares[0], shares[1]) if shares else None
 
 
 def static_capacity_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
-    # What is given needs no contacts.
+    # A given capacity needs no contacts.
     if stage.strength is None or stage.strength.static_capacity is not None:
         return strength.static_capacity(stage)
     return analysis.once(
@@ -166,7 +166,7 @@ def dynamic_capacity_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
 def truncated_fatigue_of(
     analysis: Analysis, index: int, stage: Stage
 ) -> strength.TruncatedFatigue | None:
-    """What the ends of the flanks make of the fatigue of a stage; `None` where they do nothing."""
+    """Effect of the ends of flanks on the fatigue of a stage; `None` where they have none."""
     if not flanks_end(stage) or stage.strength is None:
         return None
     if stage.strength.dynamic_capacity is not None:
@@ -189,8 +189,8 @@ def truncated_fatigue_of(
     "C_a",
     "N",
     "dynamic axial capacity for 1e6 turns: given, or estimated by the theory of ball bearings "
-    "(Lundberg and Palmgren), as no standard exists for roller screws, threads sharing as under "
-    "the equivalent load",
+    "(Lundberg and Palmgren), as no standard exists for roller screws; load sharing under the "
+    "equivalent load",
     ("stage",),
     assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
     shares=("equivalent",),
@@ -199,14 +199,14 @@ def dynamic_capacity(analysis: Analysis):
     return per_stage(analysis, lambda i, stage: dynamic_capacity_of(analysis, i, stage))
 
 
-#: Name, symbol, unit and description of what the screw alone decides.
+#: Name, symbol, unit, description and function of quantities of the screw alone.
 _OF_THE_SCREW = (
     (
         "buckling_load",
         "F_k",
         "N",
-        "axial load at which the screw buckles (Euler; Johnson where short and its yield strength "
-        "is given)",
+        "axial load at which the screw buckles (Euler; Johnson for a short screw whose yield "
+        "strength is given)",
         strength.buckling_load,
     ),
     (
@@ -220,7 +220,7 @@ _OF_THE_SCREW = (
         "critical_speed",
         "Ω_k",
         "rad/s",
-        "screw speed at its first bending frequency, where it whirls, the nut at its worst place",
+        "screw speed at its first bending frequency (whirling), nut at the worst position",
         strength.critical_speed,
     ),
     (
@@ -246,8 +246,8 @@ for _name, _symbol, _unit, _description, _function in _OF_THE_SCREW:
     "buckling_safety",
     "s_k",
     "1",
-    "buckling load over the largest load, as if it pressed, smallest of all stages (catalogues of "
-    "ball screws ask for 2); ∞ without load",
+    "buckling load over the largest load, taken as compressive; smallest of all stages (catalogues "
+    "of ball screws require 2); ∞ without load",
 )
 def buckling_safety(analysis: Analysis):
     loads = per_stage(analysis, lambda _, stage: strength.buckling_load(stage))

@@ -1,4 +1,4 @@
-"""Quantities of contact ellipses that pass the ends of their flanks."""
+"""Quantities of contact ellipses that extend beyond the ends of their flanks."""
 
 from ... import strength
 from ...mechanism import Scalar, Stage
@@ -23,7 +23,7 @@ def _at_operating_load(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     "τ",
     "1",
     "largest share of a contact ellipse's half-extent beyond the crest or root of a flank, under "
-    "the load of the operating point; 0 where nothing is cut",
+    "the load of the operating point; 0 if no ellipse is cut",
     ("stage",),
     assumes=("cut_sharing",),
     shares=("operating_point",),
@@ -37,7 +37,7 @@ def contact_truncation(analysis: Analysis):
     "τ_max",
     "1",
     "largest share of a contact ellipse's half-extent beyond the crest or root of a flank, under "
-    "the largest load of operating point and duty cycle; 0 where nothing is cut",
+    "the largest load of operating point and duty cycle; 0 if no ellipse is cut",
     ("stage",),
     assumes=("cut_sharing",),
     shares=("largest",),
@@ -70,8 +70,8 @@ def edge_pressure_of(analysis: Analysis, index: int, stage: Stage, largest: bool
 
 
 _EDGE = (
-    "largest pressure of the most loaded thread contact anywhere, that at crests rounded by "
-    "stage.thread.edge_radius included (elastic half-spaces; where steel yields it is less), under "
+    "largest pressure anywhere in the most loaded thread contact, including crests rounded by "
+    "stage.thread.edge_radius (elastic half-spaces; lower where steel yields), under "
 )
 
 
@@ -114,8 +114,8 @@ def truncation_load_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     "truncation_load",
     "F_τ",
     "N",
-    "axial load on one flank from which on a contact ellipse passes the crest or root of a flank, "
-    "threads sharing as under the largest load",
+    "axial load on one flank above which a contact ellipse extends beyond the crest or root of a "
+    "flank; load sharing under the largest load",
     ("stage",),
     assumes=("cut_sharing",),
     shares=("largest",),

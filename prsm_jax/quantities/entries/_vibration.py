@@ -19,11 +19,11 @@ def _lowest(groups):
 
 
 def _lowest_mesh_dominated(groups):
-    found = [
+    frequencies = [
         jnp.where(above_or_nan(group.mesh_energy_share, _DOMINANT), group.frequencies, jnp.inf)
         for group in groups
     ]
-    return jnp.min(jnp.concatenate(found))
+    return jnp.min(jnp.concatenate(frequencies))
 
 
 def _all(groups):
@@ -164,31 +164,30 @@ def lowest_mesh_transverse_frequency(analysis: Analysis):
 
 @quantity("gear_mesh_stiffness", "k_rR", "N/m", "gear mesh stiffness of one roller", ("stage",))
 def gear_mesh_stiffness(analysis: Analysis):
-    found = [ring_roller_stiffness(stage) for stage in analysis.mechanism.stages]
-    if any(stiffness is None for stiffness in found):
+    stiffnesses = [ring_roller_stiffness(stage) for stage in analysis.mechanism.stages]
+    if any(stiffness is None for stiffness in stiffnesses):
         raise MissingDataError("a stage has no gear; give [stage.gear]")
-    return jnp.stack([stiffness for stiffness in found if stiffness is not None])
+    return jnp.stack([stiffness for stiffness in stiffnesses if stiffness is not None])
 
 
 @quantity(
     "lowest_critical_speed",
     "Ω_c",
     "rad/s",
-    "lowest screw speed at which the gear mesh meets a torsional or transverse mode with most of "
-    "its strain energy in the contacts, whatever the phases of the rollers",
+    "lowest screw speed at which the gear mesh frequency equals that of a torsional or transverse "
+    "mode with most of its strain energy in the contacts, for any phases of the rollers",
     assumes=("equal_stiffness", "secant_stiffness", "equal_friction"),
     shares=("operating_point",),
 )
 def lowest_critical_speed(analysis: Analysis):
     ratios = carrier_ratio(analysis)
-    found = []
+    speeds = []
     for index, stage in enumerate(analysis.mechanism.stages):
         if stage.gear is None or stage.gear.roller_teeth is None or stage.ring_gear is None:
             raise MissingDataError(
-                "a stage has no teeth to mesh; give [stage.ring_gear] and roller_teeth in "
-                "[stage.gear]"
+                "a stage has no gear teeth; give [stage.ring_gear] and roller_teeth in [stage.gear]"
             )
         mesh = find_order(excitation_orders(stage, ratios[index]), "ring_gear_mesh")
         lowest = _lowest_mesh_dominated((analysis.torsional[index], analysis.transverse[index]))
-        found.append(2 * jnp.pi * lowest / mesh.order)
-    return jnp.min(jnp.stack(found))
+        speeds.append(2 * jnp.pi * lowest / mesh.order)
+    return jnp.min(jnp.stack(speeds))

@@ -1,4 +1,4 @@
-"""Animated GIFs: frames in one palette, written whole."""
+"""Animated GIFs: frames with one palette, written completely or not at all."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,7 +16,7 @@ def save_frames(target: Path, frames: Sequence[Any], seconds: float) -> Path:
 
     - `target`: where to write.
     - `frames`: Pillow pictures, one after the other.
-    - `seconds`: how long all of them take.
+    - `seconds`: duration of all frames [s].
     """
     with whole_file(target) as partial:
         frames[0].save(
@@ -24,7 +24,7 @@ def save_frames(target: Path, frames: Sequence[Any], seconds: float) -> Path:
             format="GIF",
             save_all=True,
             append_images=list(frames[1:]),
-            # GIF counts hundredths of a second; browsers take less than two of them for ten.
+            # GIF counts hundredths of a second; browsers replace fewer than two by ten.
             duration=10 * max(round(100 * seconds / len(frames)), 2),
             loop=0,
             optimize=False,
@@ -37,9 +37,9 @@ def indexed(pixels: np.ndarray, palette: np.ndarray) -> Any:
     from PIL import Image
 
     packed = pixels.astype(np.int64) @ (1 << 16, 1 << 8, 1)
-    colours, places = np.unique(packed, return_inverse=True)
+    colours, inverse = np.unique(packed, return_inverse=True)
     single = np.stack([colours >> 16, (colours >> 8) & 255, colours & 255], axis=1)
     nearest = np.argmin(np.sum((single[:, None] - palette[None]) ** 2, axis=2), axis=1)
-    picture = Image.fromarray(nearest[places].reshape(packed.shape).astype(np.uint8))
+    picture = Image.fromarray(nearest[inverse].reshape(packed.shape).astype(np.uint8))
     picture.putpalette(palette.astype(np.uint8).tobytes())
     return picture

@@ -1,4 +1,4 @@
-"""How the bodies of a stage move in one mode: what a picture of a mode shape shows."""
+"""Motion of the bodies of a stage in one mode, for pictures of mode shapes."""
 
 import math
 from collections.abc import Mapping
@@ -10,21 +10,20 @@ from ...mechanism import Mechanism
 from ...vibration import Modes
 from ..drawings import roller_places
 
-#: Without symmetry nothing says which roots belong together; closer than this share of
-#: themselves they are drawn as one.
-_TOGETHER = 1e-9
-#: A body that moves by less than this share of the largest displacement is at rest to the eye.
+#: Without symmetry, roots whose relative difference is below this are drawn as one repeated root.
+_SAME_ROOT = 1e-9
+#: A body that moves by less than this share of the largest displacement is taken to be at rest.
 _STILL = 1e-6
 
 
 @dataclass(frozen=True)
 class BodyMotion:
-    """One body at rest [mm], and how it moves in a mode of unit amplitude [1/√kg]."""
+    """One body: its rest position [mm] and its motion in a mode of unit amplitude [1/√kg]."""
 
     name: str
     #: The kind of body: a key of `BODY_COLOURS`.
     kind: str
-    #: Centre at rest, and radius of the circle on which its rotation is counted [mm].
+    #: Centre at rest, and radius of the circle on which its rotation is measured [mm].
     x: float
     y: float
     radius: float
@@ -39,14 +38,14 @@ class BodyMotion:
         return max(math.hypot(self.shift_x, self.shift_y), abs(self.turn))
 
     def placed(self, scale: float) -> tuple[float, float, float]:
-        """Centre [mm] and angle [rad] when displacements are drawn `scale` [mm √kg] times."""
+        """Centre [mm] and angle [rad] with displacements multiplied by `scale` [mm √kg]."""
         x, y = self.x + scale * self.shift_x, self.y + scale * self.shift_y
         return x, y, scale * self.turn / self.radius
 
 
 @dataclass(frozen=True)
 class ModeMotion:
-    """One mode as it is drawn; of a repeated root one of its shapes."""
+    """One mode as it is drawn; for a repeated root, one of its shapes."""
 
     #: Numbers of the first and the last of its entries in `Modes.frequencies`, from 1.
     first: int
@@ -75,9 +74,9 @@ class ModeMotion:
         return max(self.bodies, key=lambda body: body.largest)
 
     def amplitude(self, energy: float) -> float | None:
-        """Amplitude of the largest displacement when the mode holds this energy [J → m].
+        """Amplitude of the largest displacement when the mode has this energy [J → m].
 
-        `None` for a rigid motion, which holds none at any amplitude.
+        `None` for a rigid motion, whose vibration energy is zero at any amplitude.
         """
         if self.family == "rigid":
             return None
@@ -85,11 +84,11 @@ class ModeMotion:
 
 
 def mode_motions(mechanism: Mechanism, modes: Modes, stage: int = 1) -> tuple[ModeMotion, ...]:
-    """Every distinct mode, ascending.
+    """All distinct modes, in ascending order of frequency.
 
-    Of a double root the shape is drawn in which the body that moves most does so along x.
+    For a double root, the shape is drawn in which the body that moves most moves along x.
 
-    **Raises:** `ValueError` if the shapes were not asked for, or the stage is not there.
+    **Raises:** `ValueError` if the shapes were not computed, or the stage does not exist.
     """
     if not 1 <= stage <= len(mechanism.stages):
         raise ValueError(f"stage is {stage}; the mechanism has stages 1 to {len(mechanism.stages)}")
@@ -104,24 +103,24 @@ def mode_motions(mechanism: Mechanism, modes: Modes, stage: int = 1) -> tuple[Mo
     centre = 1e3 * float(mechanism.stages[stage - 1].thread.centre_distance)
     empty = tuple(
         (centre * math.cos(angle), centre * math.sin(angle))
-        for angle, there in roller_places(mechanism.stages[stage - 1])
-        if not there
+        for angle, present in roller_places(mechanism.stages[stage - 1])
+        if not present
     )
-    found, first = [], 0
+    motions, first = [], 0
     while first < len(frequencies):
         end = first + multiplicities[first]
         while not symmetric and end < len(frequencies):
             if families[first] == "rigid" or families[end] != families[first]:
                 break
-            if frequencies[end] > (1 + _TOGETHER) * frequencies[first]:
+            if frequencies[end] > (1 + _SAME_ROOT) * frequencies[first]:
                 break
             end += 1
         members = shapes[:, first:end]
         # The first roller mode is one harmonic around the screw; any other choice mixes several.
-        whole = symmetric and families[first] == "roller"
-        one = members[:, 0] if whole else _upright(names, masses, members)
-        chosen = dict(zip(names, one.tolist(), strict=True))
-        found.append(
+        harmonic = symmetric and families[first] == "roller"
+        shape = members[:, 0] if harmonic else _upright(names, masses, members)
+        chosen = dict(zip(names, shape.tolist(), strict=True))
+        motions.append(
             ModeMotion(
                 first=first + 1,
                 last=end,
@@ -134,11 +133,11 @@ def mode_motions(mechanism: Mechanism, modes: Modes, stage: int = 1) -> tuple[Mo
             )
         )
         first = end
-    return tuple(found)
+    return tuple(motions)
 
 
 def _upright(names: list[str], masses: np.ndarray, members: np.ndarray) -> np.ndarray:
-    """One shape of a root: along x if it translates, else that in which one roller moves most."""
+    """One shape of a root: along x if it translates, else the one in which a roller moves most."""
     energy = np.sum(masses[:, None] * members**2, axis=1)
     central = [i for i, name in enumerate(names) if name.endswith(" x")]
     both = {i: energy[i] + energy[i + 1] for i in central}
@@ -153,7 +152,7 @@ def _upright(names: list[str], masses: np.ndarray, members: np.ndarray) -> np.nd
 def _bodies(
     mechanism: Mechanism, modes: Modes, stage: int, shape: Mapping[str, float]
 ) -> tuple[BodyMotion, ...]:
-    """Bodies in the order of drawing; a coordinate that the model lacks does not move."""
+    """Bodies in the order of drawing; coordinates that the model lacks do not move."""
     system = modes.system
     assert system is not None
     thread = mechanism.stages[stage - 1].thread
@@ -174,14 +173,14 @@ def _bodies(
     central = [body.name for body in system.bodies]
     if system.carrier is not None:
         central.append("carrier")
-    found = {
+    central_bodies = {
         name: BodyMotion(
             name, name, 0.0, 0.0, radii[name], of(name, "x"), of(name, "y"), of(name, "u")
         )
         for name in central
     }
-    # Rollers that only rotate have no place of their own in the model: the carrier takes them with
-    # it, and has their mass.
+    # Rollers that only rotate do not translate in the model by themselves: they move with the
+    # carrier, which has their mass.
     carried = of("carrier", "u") if system.translation is None else 0.0
     rollers = []
     for number, angle in zip(
@@ -201,5 +200,10 @@ def _bodies(
                 of(name, "u"),
             )
         )
-    order = [found.get("nut"), found.get("ring_gear"), found.get("screw"), *rollers]
-    return tuple(body for body in (*order, found.get("carrier")) if body is not None)
+    order = [
+        central_bodies.get("nut"),
+        central_bodies.get("ring_gear"),
+        central_bodies.get("screw"),
+        *rollers,
+    ]
+    return tuple(body for body in (*order, central_bodies.get("carrier")) if body is not None)

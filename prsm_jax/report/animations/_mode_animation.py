@@ -1,4 +1,4 @@
-"""One mode swinging: an animated GIF."""
+"""One vibrating mode as an animated GIF."""
 
 import math
 from pathlib import Path
@@ -59,9 +59,9 @@ def save_mode_animation(
       the same picture.
     - `frames`: pictures in one period, an even number of at least 8.
 
-    **Returns:** the path written. The file is complete or not there.
+    **Returns:** the path written. The file is written completely or not at all.
 
-    **Raises:** `ValueError` for a mode or stage that is not there, shapes that were not asked for,
+    **Raises:** `ValueError` for a mode or stage that does not exist, shapes that were not computed,
     or too few frames; `MissingExtraError` without matplotlib.
     """
     _check(energy, frames)
@@ -110,7 +110,7 @@ def _save(target: Path, motion: ModeMotion, energy: float, frames: int) -> Path:
 
 
 def _pictures(motion: ModeMotion, energy: float, frames: int) -> list[Any]:
-    """All frames with one palette, from the extreme over rest to the other and back."""
+    """All frames with one palette, from one extreme through rest to the other and back."""
     figure = _still(motion, energy)
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from PIL import Image
@@ -118,7 +118,7 @@ def _pictures(motion: ModeMotion, energy: float, frames: int) -> list[Any]:
     figure.set_dpi(_DPI)
     canvas = FigureCanvasAgg(figure)
     view = MovingView(figure.axes[0], motion, arrows=False, line=0.9)
-    # What does not move is drawn once and lies under everything that does.
+    # Everything that does not move is drawn once, as the background.
     for artist in view.moving:
         artist.set_visible(False)
     canvas.draw()
@@ -126,7 +126,7 @@ def _pictures(motion: ModeMotion, energy: float, frames: int) -> list[Any]:
     for artist in view.moving:
         artist.set_visible(True)
     half: list[Any] = []
-    # The way back shows the same pictures as the way there.
+    # The second half of the period shows the same pictures in reverse order.
     for step in range(frames // 2 + 1):
         view.move(math.cos(2 * math.pi * step / frames))
         canvas.restore_region(behind)

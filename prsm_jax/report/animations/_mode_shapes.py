@@ -1,4 +1,4 @@
-"""Mode shapes as the mechanism moving: one panel for each distinct natural frequency."""
+"""Mode shapes drawn as motion of the bodies: one panel for each distinct frequency."""
 
 import math
 
@@ -44,21 +44,21 @@ def mode_shapes(
     """Draw all mode shapes of a stage, one panel for each distinct frequency.
 
     Every body is displaced and turned to one scale for each mode, which is printed beside the
-    frequency; at rest it is grey, and arrows show the way from there. Rotations are `θ = u / r` on
-    the body's own nominal circle, shown by its mark. Of a repeated root one shape is drawn. The
-    ring gear lies beside the nut in the mechanism and inside it in the picture; rollers that only
-    rotate go with the carrier.
+    frequency. The rest position is grey, and arrows show the displacement from it. Rotations are
+    `θ = u / r` on the body's own nominal circle, shown by its mark. For a repeated root one shape
+    is drawn. The ring gear lies beside the nut in the mechanism and inside it in the picture;
+    rollers that only rotate move with the carrier.
 
     **Arguments:**
 
     - `mechanism`: the mechanism.
     - `modes`: its modes, from `modal(mechanism, stage=stage, shapes=True)`.
     - `stage`: which stage, counted from 1.
-    - `energy`: what the mode holds when its displacements are as large as the picture says [J].
+    - `energy`: energy of the mode to which the printed magnification refers [J].
 
     **Returns:** a matplotlib figure, A4 wide.
 
-    **Raises:** `ValueError` if the shapes were not asked for, for a stage that is not there, or an
+    **Raises:** `ValueError` if the shapes were not computed, for a stage that does not exist, or an
     energy that is not positive; `MissingExtraError` without matplotlib.
     """
     motions = mode_motions(mechanism, modes, stage)
@@ -88,7 +88,7 @@ def mode_shapes(
 
 
 def check_energy(energy: float) -> None:
-    """An energy that gives an amplitude, or one line that says why not."""
+    """Check that an energy is positive and finite, so that it gives an amplitude."""
     if not 0 < energy < math.inf:
         raise ValueError(f"energy is {energy:g} J; give a positive one")
 
@@ -108,13 +108,13 @@ def frequency_words(motion: ModeMotion) -> str:
 
 
 def scale_words(motion: ModeMotion, energy: float) -> str:
-    """By how much displacements are exaggerated, against those at that energy [J]."""
+    """Magnification of displacements, relative to those at the given energy [J]."""
     amplitude = motion.amplitude(energy)
     if amplitude is None:
         return "displacements of any size"
     roller = next(body.radius for body in motion.bodies if body.kind == "roller")
     factor = DRAWN_SHARE * roller / (1e3 * amplitude)
-    # Two digits are what the eye can use.
+    # Two digits are enough.
     power = max(math.floor(math.log10(factor)) - 1, 0)
     return f"displacements ×{number(round(factor, -power), 2)}"
 
@@ -139,7 +139,7 @@ def _words(axes, motion: ModeMotion, energy: float) -> None:
 
 
 def _shares(motion: ModeMotion) -> list[str]:
-    """Which bodies move and which springs are strained, as much of it as a line holds."""
+    """Which bodies move and which springs are strained, as many as fit in a line."""
     moving = {readable(k) + ("s" if k == "roller" else ""): v for k, v in motion.kinetic.items()}
     strained: dict[str, float] = {}
     for name, share in motion.strain.items():
@@ -189,8 +189,8 @@ def _legend(figure: Figure, height: float, motions: tuple[ModeMotion, ...], ener
         borderpad=0,
     )
     words = (
-        f"Displacements are exaggerated as printed, from those at which the mode holds "
-        f"{1e3 * energy:g} mJ; of a repeated root one shape is drawn.\n"
+        f"Displacements are magnified as printed, relative to those at a mode energy of "
+        f"{1e3 * energy:g} mJ; for a repeated root one shape is drawn.\n"
         "Percentages are shares of kinetic and of strain energy."
     )
     if "ring_gear" in kinds:

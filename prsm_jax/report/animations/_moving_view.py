@@ -10,7 +10,7 @@ from ._body_motion import BodyMotion, ModeMotion
 #: Radial widths of the ring gear and of the nut, in roller radii: in the real mechanism the gear
 #: lies beside the nut, here inside it.
 _RING, _NUT = 0.55, 0.75
-#: Share of the roller radius by which the largest displacement is drawn.
+#: Drawn size of the largest displacement, as a share of the roller radius.
 DRAWN_SHARE = 0.75
 #: A body that moves by less than this share of the largest displacement gets no arrow.
 _ARROW = 0.08
@@ -46,11 +46,11 @@ class MovingView:
         self.move(1.0)
 
     def move(self, factor: float) -> None:
-        """Displace every body by so much of the drawn amplitude, from −1 to 1."""
+        """Displace every body by this share of the drawn amplitude, from −1 to 1."""
         self.place(lambda body: body.placed(factor * self.scale))
 
     def place(self, pose: Callable[[BodyMotion], tuple[float, float, float]]) -> None:
-        """Put every body at a centre [mm] and an angle from where it is at rest [rad]."""
+        """Place every body at a centre [mm] and an angle relative to its rest position [rad]."""
         from matplotlib.transforms import Affine2D
 
         for body, artists in self._moving:
@@ -75,7 +75,7 @@ class MovingView:
         return [r]
 
     def _mark(self, body: BodyMotion) -> float:
-        """Angle at which the mark of a body is that shows its rotation [rad]."""
+        """Angular position of the mark that shows the rotation of a body [rad]."""
         return math.atan2(body.y, body.x) if body.kind == "roller" else math.pi / 2
 
     def _rest(self, body: BodyMotion) -> None:
@@ -133,9 +133,9 @@ class MovingView:
 
     def _marks(self, body: BodyMotion, layer: float) -> list[Any]:
         """A bold radius that shows the rotation, and thin ones that show the body's frame."""
-        found = []
+        lines = []
         if body.kind == "carrier":
-            return found
+            return lines
         turns = 4 if len(self._outline(body)) == 1 else 12
         for inner, outer in self._mark_radii(body):
             for step in range(turns):
@@ -150,26 +150,26 @@ class MovingView:
                     solid_capstyle="butt",
                     zorder=layer,
                 )
-                found.append(line)
-        return found
+                lines.append(line)
+        return lines
 
     def _body_arrows(self, body: BodyMotion) -> list[Any]:
-        """From where a point is at rest to where the mode takes it at the drawn extreme."""
+        """Arrows from the rest position of a point to its position at the drawn extreme."""
         least = _ARROW * self._motion.largest
         x, y, angle = body.placed(self.scale)
-        found = []
+        arrows = []
         if math.hypot(body.shift_x, body.shift_y) > least:
-            found.append(self._arrow([(body.x, body.y), (x, y)]))
+            arrows.append(self._arrow([(body.x, body.y), (x, y)]))
         if abs(body.turn) > least:
             radii = self._outline(body)
-            # Not on the rim, where bodies touch; the carrier is nothing but a rim.
+            # Inside the rim, where bodies touch; the carrier is only a rim.
             inside = 1.0 if body.kind == "carrier" else 0.86
             radius = inside * radii[0] if len(radii) == 1 else sum(radii) / 2
             start = self._mark(body)
             turned = [start + angle * step / 12 for step in range(13)]
             path = [(x + radius * math.cos(t), y + radius * math.sin(t)) for t in turned]
-            found.append(self._arrow(path))
-        return found
+            arrows.append(self._arrow(path))
+        return arrows
 
     def _arrow(self, points: list[tuple[float, float]]) -> Any:
         from matplotlib.patches import FancyArrowPatch

@@ -1,4 +1,4 @@
-"""A transient in motion: screws that turn and travel, nuts, rollers that circle, as a GIF."""
+"""A transient as an animated GIF: turning and travelling screws, nuts, orbiting rollers."""
 
 import math
 from pathlib import Path
@@ -16,12 +16,12 @@ from ._stage_view import Pose, TelescopeView, turn_to, turning_view
 
 _SIDE, _OVER, _ALONG, _UNDER, _DPI = 62.0, 12.0, 40.0, 9.0, 110
 _SECONDS, _COLOURS = 4.0, 64
-#: The screw turns so much in the drawing, at most between two pictures and at least in all [rad].
+#: Drawn angle of the screw: at most between two pictures, and at least in total [rad].
 _STEP, _LEAST = math.radians(20.0), math.radians(270.0)
 
 
 def angle_scale(screw: np.ndarray) -> float:
-    """By how much turning is drawn larger, or smaller, so that the eye can follow it.
+    """Factor by which angles are drawn larger or smaller, so that the eye can follow them.
 
     **Arguments:**
 
@@ -30,16 +30,16 @@ def angle_scale(screw: np.ndarray) -> float:
     step, span = float(np.abs(np.diff(screw)).max()), float(np.ptp(screw))
     if span == 0:
         return 1.0
-    wanted = _STEP / step
-    if wanted < 1:
-        return 1 / math.ceil(1 / wanted)
-    return float(max(1, min(math.floor(wanted), math.ceil(_LEAST / span))))
+    ratio = _STEP / step
+    if ratio < 1:
+        return 1 / math.ceil(1 / ratio)
+    return float(max(1, min(math.floor(ratio), math.ceil(_LEAST / span))))
 
 
 def poses(
     mechanism: Mechanism, run: Transient, frames: int
 ) -> tuple[np.ndarray, list[Pose], float]:
-    """Times [s], what stands where at each, and the scale of the angles."""
+    """Times [s], the positions of all bodies at each, and the scale of the angles."""
     time = np.asarray(run.time)
     at = np.linspace(time[0], time[-1], frames)
     screw = np.interp(at, time, integrated(run, run.screw_speed))
@@ -48,19 +48,19 @@ def poses(
     carriers = [np.interp(at, time, integrated(run, run.carrier_speed[k])) for k in range(count)]
     starts = [float(stage.thread.starts) for stage in mechanism.stages]
     last = float(travel_per_turn(mechanism.stages, count))
-    whole = np.interp(at, time, travel_of(mechanism, run))
+    nut_travel = np.interp(at, time, travel_of(mechanism, run))
     shares = [float(travel_per_turn(mechanism.stages, k + 1)) / last for k in range(count)]
-    found = [
+    all_poses = [
         Pose(
             scale * float(screw[i]),
             tuple(scale * float(c[i]) for c in carriers),
-            # About its axis in the carrier's frame a roller turns at −n ω.
+            # In the carrier's frame a roller turns about its axis at −n ω.
             tuple(-n * scale * float(c[i]) for n, c in zip(starts, carriers, strict=True)),
-            tuple(1e3 * share * float(whole[i]) for share in shares),
+            tuple(1e3 * share * float(nut_travel[i]) for share in shares),
         )
         for i in range(frames)
     ]
-    return at, found, scale
+    return at, all_poses, scale
 
 
 @drawn
@@ -83,7 +83,7 @@ def _still(mechanism: Mechanism, words: str) -> Figure:
 
 
 def scale_words(scale: float) -> str:
-    """How large turning and travel are drawn."""
+    """The scale of turning and travel, as text."""
     if scale == 1:
         return "turning and travel to scale"
     drawn_as = f"{scale:g} times" if scale > 1 else f"1/{round(1 / scale)}"
@@ -95,17 +95,17 @@ def save_motion_animation(
 ) -> Path:
     """Write a transient as an animated GIF that repeats.
 
-    Above, every stage along the axis: screw and rollers turn, rollers circle with the carrier.
-    Below, all stages in half-section: each nut takes the next screw along. Turning that is too
-    fast or too small for the eye is drawn smaller or larger, and the picture says by how much.
+    Above, every stage seen along the axis: screw and rollers turn, rollers orbit with the carrier.
+    Below, all stages in half-section: each nut carries the next screw. Turning that is too fast or
+    too small for the eye is drawn smaller or larger, and the picture states the factor.
 
     **Arguments:**
 
     - `path`: where to write; the suffix becomes `.gif`.
-    - `mechanism`, `run`: what moves, and how.
+    - `mechanism`, `run`: the mechanism and its transient.
     - `frames`: number of pictures, equally spaced in time; at least 8.
 
-    **Returns:** the path written. The file is complete or not there.
+    **Returns:** the path written. The file is written completely or not at all.
 
     **Raises:** `ValueError` for too few frames; `MissingExtraError` without matplotlib.
     """
@@ -116,7 +116,7 @@ def save_motion_animation(
 
 
 def _pictures(mechanism: Mechanism, run: Transient, frames: int) -> list[Any]:
-    times, places, scale = poses(mechanism, run, frames)
+    times, all_poses, scale = poses(mechanism, run, frames)
     figure = _still(mechanism, scale_words(scale))
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from PIL import Image
@@ -125,16 +125,16 @@ def _pictures(mechanism: Mechanism, run: Transient, frames: int) -> list[Any]:
     canvas = FigureCanvasAgg(figure)
     *along, across = figure.axes
     views = [turning_view(axes, mechanism, k + 1) for k, axes in enumerate(along)]
-    travel = np.array([pose.travel for pose in places]).T
+    travel = np.array([pose.travel for pose in all_poses]).T
     telescope = TelescopeView(across, mechanism, travel)
     height = figure.get_size_inches()[1] * 25.4
     clock = display_unit("s", float(times[-1]))
     heading = figure.text(0.5, 1 - 4.5 / height, "", ha="center", va="center", fontsize=TEXT + 1)
-    found: list[Any] = []
+    pictures: list[Any] = []
     palette = np.zeros((0, 3), int)
     speeds = np.interp(times, np.asarray(run.time), np.asarray(run.screw_speed))
     rpm = DisplayUnit("rpm", 30 / math.pi)
-    for time, pose, speed in zip(times.tolist(), places, speeds.tolist(), strict=True):
+    for time, pose, speed in zip(times.tolist(), all_poses, speeds.tolist(), strict=True):
         for stage, view in enumerate(views, start=1):
             turn_to(view, pose, stage)
         telescope.move(pose)
@@ -144,7 +144,7 @@ def _pictures(mechanism: Mechanism, run: Transient, frames: int) -> list[Any]:
         )
         canvas.draw()
         picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
-        if not found:
+        if not pictures:
             palette = np.reshape(np.asarray(picture.quantize(_COLOURS).getpalette()), (-1, 3))
-        found.append(indexed(np.asarray(picture), palette))
-    return found
+        pictures.append(indexed(np.asarray(picture), palette))
+    return pictures

@@ -13,13 +13,13 @@ from ._body_motion import BodyMotion, ModeMotion
 from ._moving_view import MovingView
 
 _EDGE = "#3c4043"
-#: Room between two nuts that stand one behind the other, in roller radii.
+#: Gap between two nuts in a row, in roller radii.
 _GAP = 1.0
 
 
 @dataclass(frozen=True)
 class Pose:
-    """Where everything is: angles from the start [rad], travel of each nut [mm]."""
+    """Positions of all bodies: angles from the start [rad], travel of each nut [mm]."""
 
     screw: float
     carriers: tuple[float, ...]
@@ -46,8 +46,8 @@ def turning_view(axes: Axes, mechanism: Mechanism, stage: int) -> MovingView:
         BodyMotion("nut", "nut", 0.0, 0.0, nut, **still),
         BodyMotion("screw", "screw", 0.0, 0.0, screw, **still),
     ]
-    for number, (angle, there) in enumerate(places, start=1):
-        if there:
+    for number, (angle, present) in enumerate(places, start=1):
+        if present:
             x, y = centre * math.cos(angle), centre * math.sin(angle)
             bodies.append(BodyMotion(f"roller {number}", "roller", x, y, roller, **still))
     bodies.append(BodyMotion("carrier", "carrier", 0.0, 0.0, centre, **still))
@@ -74,9 +74,9 @@ def turn_to(view: MovingView, pose: Pose, stage: int) -> None:
 
 
 class TelescopeView:
-    """Half-section of all stages along their common axis, each screw carried by the nut before.
+    """Half-section of all stages along their common axis, each screw carried by the nut before it.
 
-    Lengths that the mechanism does not give are drawn as the travel needs them.
+    Lengths that the mechanism does not give are drawn as long as the travel requires.
     """
 
     def __init__(self, axes: Axes, mechanism: Mechanism, travel: np.ndarray):
@@ -113,7 +113,7 @@ class TelescopeView:
         return [artist for _, _, artists in self._moving for artist in artists]
 
     def move(self, pose: Pose) -> None:
-        """Shift every screw and nut to its travel; threads run along as the screw turns."""
+        """Shift every screw and nut by its travel; threads move along as the screw turns."""
         from matplotlib.transforms import Affine2D
 
         for stage, body, artists in self._moving:
@@ -128,7 +128,7 @@ class TelescopeView:
             for artist in artists:
                 artist.set_transform(place)
                 if body == "thread":
-                    # Lines end where their screw does; a clip does not follow by itself.
+                    # Lines end at the ends of their screw; a clip path does not follow by itself.
                     artist.set_clip_path(self._screws[stage])
 
     def _box(self, left: float, right: float, low: float, high: float, body: str, layer: int):
@@ -148,7 +148,7 @@ class TelescopeView:
     def _screw(self, stage: int, dims: DrawingDimensions, left: float, right: float) -> None:
         inner = dims.bore_radius or 0.0
         if stage:
-            # A later screw is a tube around the one before.
+            # A later screw is a tube around the one before it.
             inner = max(inner, self._dims[stage - 1].screw_radius)
         box = self._box(left, right, inner, dims.screw_radius, "screw", 2 + 4 * stage)
         self._moving.append((stage, "screw", [box]))

@@ -16,16 +16,16 @@ def contact_ellipses(
     contacts: Mapping[str, StageContact],
     largest: Mapping[str, tuple[float, float]] | None = None,
 ) -> Figure:
-    """Draw the contact ellipses of screw and nut side, all to one scale.
+    """Draw the contact ellipses of screw and nut side, all to the same scale.
 
-    The major axis is drawn horizontally, whatever its direction in the thread. Ellipses are drawn
-    whole, with the pressure of Hertz, even if a flank ends within them.
+    The major axis is drawn horizontally, whatever its direction in the thread. Whole ellipses are
+    drawn, with the Hertz pressure, even if a flank ends within them.
 
     **Arguments:**
 
     - `contacts`: by label, for example `{"before": …, "after": …}`.
-    - `largest`: largest pressures on the screw and on the nut side by label, ends of flanks
-        regarded [Pa]; default those of the whole ellipses.
+    - `largest`: largest pressures on the screw and on the nut side by label, with the effect of
+        the ends of flanks [Pa]; default those of the whole ellipses.
 
     **Returns:** a matplotlib figure; lengths in mm or µm, pressure in MPa.
 
@@ -44,7 +44,7 @@ def contact_ellipses(
     unit = display_unit("m", longest)
     x_limit, y_limit = 1.2 * unit(longest), 1.25 * unit(widest)
     x_limit, y_limit = max(x_limit, 1e-12), max(y_limit, 1e-12)
-    # 66 mm is what a column of the page leaves for the axes themselves.
+    # A column of the page leaves 66 mm for the axes themselves.
     height = 66.0 * y_limit / x_limit + 16.0
     figure = page_figure(height * len(contacts) + 14.0)
     grid = figure.subplots(len(contacts), 2, squeeze=False, sharex=True, sharey=True)
@@ -54,16 +54,17 @@ def contact_ellipses(
             axes, contact = grid[row, column], hertz[label, side]
             image = _ellipse(axes, contact, unit, x_limit, y_limit, max(highest, 1e-12))
             axes.set_title(f"{label}: {side} side" if len(contacts) > 1 else f"{side} side")
-            whole = float(contact.max_pressure)
-            pressure = whole if largest is None else float(largest[label][column])
+            hertz_pressure = float(contact.max_pressure)
+            pressure = hertz_pressure if largest is None else float(largest[label][column])
             axes.set_xlabel(
                 f"along the major axis in {unit.label}\n"
                 f"p₀ = {in_unit(pressure, display_unit('Pa'))}, "
                 f"a = {in_unit(contact.semi_major, unit, 3)}, "
                 f"b = {in_unit(contact.semi_minor, unit, 3)}"
                 + (
-                    f"\ncut by the end of a flank; whole: {in_unit(whole, display_unit('Pa'))}"
-                    if pressure > whole
+                    f"\ncut by the end of a flank; whole ellipse: "
+                    f"{in_unit(hertz_pressure, display_unit('Pa'))}"
+                    if pressure > hertz_pressure
                     else ""
                 )
             )

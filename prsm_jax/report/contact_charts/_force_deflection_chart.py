@@ -12,11 +12,11 @@ _DASHES: tuple[str, ...] = ("-", "--", "-.", ":")
 
 
 def _parts(load: np.ndarray, deflection: np.ndarray, slope: np.ndarray) -> list[slice]:
-    """Points between which a curve of the stiffness is drawn: two parts if there is play.
+    """Parts in which the stiffness curve is drawn: two if there is play, else one.
 
-    Between the flanks no point carries load. There the nut travels farther than the stiffnesses at
-    the two smallest loads account for; without play it is at most 3/2 of it, as the contacts'
-    stiffness falls to 0.
+    In the play no point carries load: the nut travels farther than the stiffnesses at the two
+    smallest loads account for. Without play it travels at most 3/2 of that, as the stiffness of the
+    contacts falls to 0.
     """
     if not load.min() < 0 < load.max():
         return [slice(None)]
@@ -74,7 +74,7 @@ def force_deflection_chart(curves: Mapping[str, ForceDeflection]) -> Figure:
     for axes in (above, below):
         axes.grid()
     above.set_title("Axial load over deflection of the nut")
-    above.set_xlabel(f"deflection from where nominal forward flanks touch, in {length.label}")
+    above.set_xlabel(f"deflection from contact of the nominal forward flanks in {length.label}")
     above.set_ylabel(f"axial load in {force.label}")
     below.set_title("Tangent stiffness: contacts, teeth and shafts")
     below.set_xlabel(f"axial load in {force.label}")

@@ -15,17 +15,17 @@ from .._style import FREE, INK, MUTED, SERIES, SMALL, Figure, drawn, page_figure
 def line_contact_chart(
     contact: LineContact, line: LineContactResult, surface: SurfaceContact | None = None
 ) -> Figure:
-    """Draw the pressure along the contact line and where on the flank the contact is.
+    """Draw the pressure along the contact line and the position of the contact on the flank.
 
-    Above, the pressure on the middle of every slice over the distance from the roller axis; below,
-    the contact's width about the place where the slice's gap is narrowest.
+    Above, the pressure at the middle of every slice over the distance from the roller axis; below,
+    the width of the contact about the narrowest point of the gap of every slice.
 
     **Arguments:**
 
     - `contact`: the flanks.
     - `line`: from `prsm_jax.contact.line_contact`.
     - `surface`: the same contact on a half-space, from `prsm_jax.halfspace.ring_contact`, whose
-      pressure rises where the zone ends.
+      pressure rises at the ends of the zone.
 
     **Returns:** a matplotlib figure; lengths in mm or µm, pressures in MPa.
 
@@ -40,22 +40,22 @@ def line_contact_chart(
         rows = np.max(np.asarray(surface.pressure), axis=1) * 1e-6
         # The grid runs along the ring's generator, about the middle of the zone.
         along = np.asarray(surface.grid.x) * float(np.cos(contact.roller_profile_angle))
-        place = (radius[0] + radius[-1]) / 2 + along * 1e3
-        bears = rows > 0
+        position = (radius[0] + radius[-1]) / 2 + along * 1e3
+        in_contact = rows > 0
         above.plot(
-            place[bears],
-            rows[bears],
+            position[in_contact],
+            rows[in_contact],
             color=SERIES[1],
             ls="none",
             marker="o",
             markersize=2.6,
-            label="half-space; at a sharp end it rises with the grid",
+            label="half-space; at a sharp end it rises as the grid is refined",
         )
     above.set_ylim(bottom=0)
-    above.set_ylabel("pressure on the middle in MPa")
+    above.set_ylabel("pressure at the middle in MPa")
     above.set_title(
         f"Largest by slices {in_unit(line.max_pressure, display_unit('Pa'))}, "
-        f"{100 * float(line.loaded_share):.0f} % of the flank bears"
+        f"{100 * float(line.loaded_share):.0f} % of the flank is loaded"
     )
     above.legend(loc="best")
     above.grid(True)
@@ -67,7 +67,7 @@ def line_contact_chart(
         radius, middle - wide, middle + wide, where=half > 0, facecolor=FREE, edgecolor="none"
     )
     below.plot(radius, middle, color=INK, lw=0.8, ls="--")
-    # The footprint is a fraction of a millimetre wide, wherever it lies.
+    # The footprint is only a fraction of a millimetre wide.
     loaded = half > 0
     if loaded.any():
         low, high = (middle - wide)[loaded].min(), (middle + wide)[loaded].max()
@@ -75,7 +75,7 @@ def line_contact_chart(
     below.set_ylabel(f"arc from the line of\ncentres in {unit.label}")
     below.set_xlabel("distance from the roller axis in mm")
     below.text(
-        0.005, 0.04, "dashed: narrowest place of every slice",
+        0.005, 0.04, "dashed: narrowest point of every slice",
         transform=below.transAxes, ha="left", va="bottom", fontsize=SMALL, color=MUTED,
     )  # fmt: skip
     below.grid(True)

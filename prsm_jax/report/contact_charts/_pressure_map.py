@@ -24,7 +24,7 @@ def _first(contacts: Mapping[str, Any], name: str):
 
 @drawn
 def pressure_map(contacts: Mapping[str, FlankContact]) -> Figure:
-    """Draw the pressure over the tangent plane, one panel per contact, all to one scale.
+    """Draw the pressure over the tangent plane, one panel per contact, all to the same scale.
 
     The dashed line is the Hertz ellipse under the same load; the dotted line, where it crosses the
     panel, is the crest of a thread, beyond which there is no flank.
@@ -140,7 +140,7 @@ def pressure_profiles(contacts: Mapping[str, FlankContact]) -> Figure:
         hertz, grid = contact.hertz, contact.surface.grid
         pressure = np.asarray(contact.surface.pressure) * 1e-6
         middle = grid.shape[0] // 2, grid.shape[1] // 2
-        # Even numbers of cells have none on the axis: the mean of both beside it.
+        # With an even number of cells none lies on the axis: take the mean of both beside it.
         lines = [
             (pressure[:, middle[1]] + pressure[:, -1 - middle[1]]) / 2,
             (pressure[middle[0]] + pressure[-1 - middle[0]]) / 2,

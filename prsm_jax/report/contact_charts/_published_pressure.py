@@ -1,4 +1,4 @@
-"""Maps of contacts whose pressures a paper prints, with the printed values below them."""
+"""Pressure maps of contacts in a paper, with the printed pressures below them."""
 
 from typing import Any
 
@@ -9,9 +9,9 @@ from ...validation import PressureFigure, PressurePanel
 from .._style import INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure
 from ._pressure_map import draw_map
 
-_PAGE, _SCALE = 180.0, 22.0  # mm: width, and what the scale of pressures takes of it
+_PAGE, _SCALE = 180.0, 22.0  # mm: width, and its part for the colour bar
 _BELOW, _ABOVE, _LEGEND = 22.0, 6.0, 12.0  # mm: words below and above a panel, title and legend
-#: Half of what is seen over the largest ellipse.
+#: Half-width of the view over that of the largest ellipse.
 _ROOM = 1.12
 _ELLIPSE: dict[str, Any] = {"ls": "--", "lw": 0.9, "color": INK}
 _PRINTED: dict[str, Any] = {"ls": "-.", "lw": 1.1, "color": SERIES[3]}
@@ -22,9 +22,9 @@ _CREST: dict[str, Any] = {"ls": ":", "lw": 1.4, "color": SERIES[3]}
 def published_pressure(figure: PressureFigure) -> Figure:
     """Draw contacts of a paper on the true flanks, all to one scale of length and of pressure.
 
-    Below each map stand the largest pressure, the printed ones and how far these are from it. The
-    dashed line is the Hertz ellipse with the curvatures of the flanks, the other one that of the
-    paper; the dotted line, where it crosses a map, the crest of a thread.
+    Below each map are the largest pressure, the printed ones and their deviation from it. The
+    dashed line is the Hertz ellipse with the curvatures of the flanks, the dash-dotted one that of
+    the paper; the dotted line, where it crosses a map, is the crest of a thread.
 
     **Arguments:**
 

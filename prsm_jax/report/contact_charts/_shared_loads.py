@@ -1,4 +1,4 @@
-"""How one stage shares its load, and its force–deflection curve, as reports show them."""
+"""Load distribution and force–deflection curve of one stage, as reports show them."""
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -6,7 +6,7 @@ import jax.numpy as jnp
 from ...load_sharing import ForceDeflection, LoadDistribution, force_deflection, load_distribution
 from ...mechanism import Mechanism, Scalar
 
-#: Points of a force–deflection curve, and how far it goes over the load.
+#: Points of a force–deflection curve, and its largest load over the load of the distribution.
 _POINTS, _BEYOND = 61, 1.5
 
 _load_distribution = eqx.filter_jit(load_distribution)
@@ -16,7 +16,7 @@ _force_deflection = eqx.filter_jit(force_deflection)
 def shared_loads(
     mechanism: Mechanism, load: Scalar, stage: int
 ) -> tuple[LoadDistribution, ForceDeflection]:
-    """The distribution under a load, and the curve up to half as much again on either side.
+    """Load distribution under a load, and force–deflection curve up to 1.5 times that load.
 
     **Arguments:**
 
@@ -27,7 +27,7 @@ def shared_loads(
     sharing = mechanism.stages[stage - 1].load_sharing
     most = _BEYOND * jnp.abs(load)
     both = sharing is not None and sharing.has_reverse_flanks
-    # Closer together about no load, where the stiffness of a contact grows from 0.
+    # Denser about zero load, where the stiffness of a contact grows from 0.
     place = jnp.linspace(-1.0 if both else 0.0, 1.0, _POINTS)
     loads = most * jnp.sign(place) * jnp.abs(place) ** 1.5
     curve = _force_deflection(mechanism, loads, stage=stage)

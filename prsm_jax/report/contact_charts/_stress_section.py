@@ -1,4 +1,4 @@
-"""Reduced stress below any pressure on a grid, in section."""
+"""Section of the von Mises stress below any pressure on a grid."""
 
 from itertools import pairwise
 from typing import Literal
@@ -12,9 +12,9 @@ from .._style import INK, SMALL, Figure, drawn, page_figure
 
 @drawn
 def stress_section(stress: SubsurfaceStress, along: Literal["x", "y"] = "x") -> Figure:
-    """Draw von Mises' stress below a contact of true surfaces, in a plane through the largest.
+    """Draw the von Mises stress below a contact of true surfaces, in a plane through its maximum.
 
-    Thin lines are drawn at the values that the colour bar names.
+    Thin lines are drawn at the values that are printed at the colour bar.
 
     **Arguments:**
 
@@ -22,7 +22,7 @@ def stress_section(stress: SubsurfaceStress, along: Literal["x", "y"] = "x") -> 
     - `along`: the axis of the grid that the section follows.
 
     **Returns:** a matplotlib figure; lengths in mm or µm, stress in MPa. A cross marks the largest
-    stress of the points, which the section passes through.
+    stress of all points; the section passes through it.
 
     **Raises:** `ValueError` for another axis or fewer than two depths; `MissingExtraError` without
     matplotlib.
@@ -34,13 +34,13 @@ def stress_section(stress: SubsurfaceStress, along: Literal["x", "y"] = "x") -> 
     depths = np.asarray(stress.depths)
     if len(depths) < 2:
         raise ValueError(f"the stress has {len(depths)} depth; a section needs at least two")
-    reduced = np.asarray(stress.von_mises) * 1e-6
-    peak = np.unravel_index(np.argmax(reduced), reduced.shape)
+    equivalent = np.asarray(stress.von_mises) * 1e-6
+    peak = np.unravel_index(np.argmax(equivalent), equivalent.shape)
     if along == "x":
-        positions, other, section = stress.grid.x, stress.grid.y[peak[2]], reduced[:, :, peak[2]]
+        positions, other, section = stress.grid.x, stress.grid.y[peak[2]], equivalent[:, :, peak[2]]
         index = peak[1]
     else:
-        positions, other, section = stress.grid.y, stress.grid.x[peak[1]], reduced[:, peak[1], :]
+        positions, other, section = stress.grid.y, stress.grid.x[peak[1]], equivalent[:, peak[1], :]
         index = peak[2]
     positions = np.asarray(positions)
     unit = display_unit("m", float(positions.max()))
@@ -59,7 +59,7 @@ def stress_section(stress: SubsurfaceStress, along: Literal["x", "y"] = "x") -> 
     axes.set_aspect("equal")
     name = "y" if along == "x" else "x"
     place = "middle" if abs(float(other)) < 1e-12 else f"{name} = {in_unit(other, unit, 3)}"
-    largest = in_unit(float(reduced[peak]) * 1e6, display_unit("Pa"))
+    largest = in_unit(float(equivalent[peak]) * 1e6, display_unit("Pa"))
     axes.set_title(f"section at {place}")
     axes.set_xlabel(
         f"{along} in {unit.label}\nlargest {largest} at a depth of "

@@ -1,4 +1,4 @@
-"""Reduced stress below a thread contact in section, without and with friction."""
+"""Section of the von Mises stress below a thread contact, without and with friction."""
 
 import functools
 from typing import Literal
@@ -44,10 +44,10 @@ def subsurface_chart(
     friction: float = 0.1,
     along: SectionAxis = "major",
 ) -> Figure:
-    """Draw von Mises' stress below a Hertz contact, without friction and in full sliding.
+    """Draw the von Mises stress below a Hertz contact, without friction and in full sliding.
 
     The section contains the axis of the contact and the direction in which the other body drags
-    this one, to the right. A cross marks the maximum.
+    this one, which points to the right. A cross marks the maximum.
 
     **Arguments:**
 
@@ -69,7 +69,7 @@ def subsurface_chart(
         raise ValueError("the contact carries no load; a section has nothing to show")
     if along == "minor":
         axes = axes[::-1]
-    given = (
+    arguments = (
         jnp.asarray(axes),
         jnp.asarray(float(contact.max_pressure)),
         jnp.asarray(float(poisson_ratio)),
@@ -80,7 +80,7 @@ def subsurface_chart(
     points = jnp.asarray(np.stack([grid[:, 0], np.zeros(len(grid)), grid[:, 1]], axis=-1))
     sections = []
     for coefficient in (0.0, float(friction)):
-        field, peak = _program()(points, *given, jnp.asarray([coefficient, 0.0]))
+        field, peak = _program()(points, *arguments, jnp.asarray([coefficient, 0.0]))
         sections.append((coefficient, 1e-6 * np.asarray(field).reshape(_ROWS, _COLUMNS), peak))
 
     unit = display_unit("m", axes[0])
@@ -108,7 +108,7 @@ def subsurface_chart(
 
 
 def _decorate(panel, unit, semi_axis: float, peak: StressPeak) -> None:
-    """The loaded part of the surface, the place of the maximum, and its numbers."""
+    """The loaded part of the surface, and the maximum with its value and depth."""
     panel.set_aspect("equal")
     panel.invert_yaxis()
     panel.plot(

@@ -16,9 +16,10 @@ _FORWARD, _REVERSE = SERIES[0], SERIES[1]
 def thread_load_chart(found: LoadDistribution) -> Figure:
     """Draw how threads share the load, screw side above, nut side below.
 
-    With equal rollers one stands for all, as bars; the flanks that a positive load presses point
-    up, the opposite flanks down. Unequal rollers are maps of rollers over threads, one for each
-    flank that is modelled, all in one colour scale, with the sums of each roller beside them.
+    Equal rollers are drawn as bars of one roller: loads of the forward flanks, which a positive
+    load presses, point up, those of the opposite flanks down. Unequal rollers are drawn as maps of
+    rollers over threads, one for each modelled flank, all with the same colour scale, with the sum
+    of each roller beside them.
 
     **Arguments:**
 
@@ -32,16 +33,16 @@ def thread_load_chart(found: LoadDistribution) -> Figure:
     return _bars(found) if len(found.rollers) == 1 else _maps(found)
 
 
-def _title(found: LoadDistribution) -> str:
-    load = in_unit(found.load, display_unit("N", float(found.load)), 3)
+def _title(distribution: LoadDistribution) -> str:
+    load = in_unit(distribution.load, display_unit("N", float(distribution.load)), 3)
     return f"Load per thread under {load}"
 
 
-def _bars(found: LoadDistribution) -> Figure:
+def _bars(distribution: LoadDistribution) -> Figure:
     figure = page_figure(110)
     rows = figure.subplots(2, 1, sharex=True)
     for axes, (name, words) in zip(rows, _SIDES, strict=True):
-        side: SideLoads = getattr(found, name)
+        side: SideLoads = getattr(distribution, name)
         forward = np.asarray(side.forward)[0]
         threads = np.arange(1, len(forward) + 1)
         axes.bar(threads, forward, width=0.7, color=_FORWARD, label="forward flanks")
@@ -52,13 +53,13 @@ def _bars(found: LoadDistribution) -> Figure:
             axes.axhline(0, color=INK, lw=0.6)
         _mean_line(axes, side, len(forward))
         factor = number(float(side.thread_sharing_factor), 3)
-        axes.set_title(f"{_title(found)}: {words}, largest over mean {factor}")
+        axes.set_title(f"{_title(distribution)}: {words}, largest over mean {factor}")
         axes.set_ylabel("axial load in N")
         axes.yaxis.set_major_formatter(lambda value, _: f"{abs(value):g}")
         axes.grid(axis="y")
-    rows[1].set_xticks(_ticks(len(np.asarray(found.screw.forward)[0])))
+    rows[1].set_xticks(_ticks(len(np.asarray(distribution.screw.forward)[0])))
     rows[1].set_xlabel("thread, from the end where the screw's force enters")
-    rows[1].set_xlim(0.3, np.asarray(found.screw.forward).shape[1] + 0.7)
+    rows[1].set_xlim(0.3, np.asarray(distribution.screw.forward).shape[1] + 0.7)
     handles, labels = rows[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=3)
     return figure
@@ -78,23 +79,23 @@ def _ticks(count: int, most: int = 25) -> np.ndarray:
     return np.unique(np.where(ticks == 0, 1, ticks))
 
 
-def _flanks_of(found: LoadDistribution, name: str) -> list[tuple[str, np.ndarray]]:
-    """Loads on each flank that one side has, a row per roller."""
-    side: SideLoads = getattr(found, name)
+def _flanks_of(distribution: LoadDistribution, name: str) -> list[tuple[str, np.ndarray]]:
+    """Loads on each modelled flank of one side, a row per roller."""
+    side: SideLoads = getattr(distribution, name)
     pairs = [("forward flanks", side.forward), ("opposite flanks", side.reverse)]
     return [
-        (words, np.asarray(found.by_roller(values)[1]))
+        (words, np.asarray(distribution.by_roller(values)[1]))
         for words, values in pairs
         if values is not None
     ]
 
 
-def _maps(found: LoadDistribution) -> Figure:
+def _maps(distribution: LoadDistribution) -> Figure:
     from matplotlib.colors import LinearSegmentedColormap
 
-    numbers, _ = found.by_roller(found.screw.forward)
-    sides = [(name, words, _flanks_of(found, name)) for name, words in _SIDES]
-    # One map for each flank: in a difference of the two what wedges a roller would disappear.
+    numbers, _ = distribution.by_roller(distribution.screw.forward)
+    sides = [(name, words, _flanks_of(distribution, name)) for name, words in _SIDES]
+    # One map for each flank: their difference would hide the forces that wedge a roller.
     largest = max(values.max() for *_, flanks in sides for _, values in flanks) or 1.0
     scale = LinearSegmentedColormap.from_list("load", ["#ffffff", "#cfe3f1", _FORWARD, "#00263d"])
     columns = len(sides[0][2])
@@ -126,10 +127,10 @@ def _maps(found: LoadDistribution) -> Figure:
         axes.set_xlabel(f"thread, from the end where{between}the screw's force enters")
     grid[1, -1].set_xlabel("load of a roller in N")
     factors = [
-        f"{words} {number(float(getattr(found, name).thread_sharing_factor), 3)}"
+        f"{words} {number(float(getattr(distribution, name).thread_sharing_factor), 3)}"
         for name, words in _SIDES
     ]
-    title = f"{_title(found)}; largest over mean: {', '.join(factors)}"
+    title = f"{_title(distribution)}; largest over mean: {', '.join(factors)}"
     figure.suptitle(title, x=0.01, ha="left", fontsize=TITLE, fontweight="bold")
     handles, labels = grid[0, -1].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=4)
@@ -142,7 +143,7 @@ def _maps(found: LoadDistribution) -> Figure:
 
 
 def _sums(axes: Axes, sums: list[np.ndarray]) -> None:
-    """What each roller bears in all: forward flanks to the right, opposite ones to the left."""
+    """Total load of each roller: forward flanks to the right, opposite ones to the left."""
     places = range(len(sums[0]))
     axes.barh(places, sums[0], height=0.7, color=_FORWARD, label="forward flanks")
     net = sums[0]

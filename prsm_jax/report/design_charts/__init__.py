@@ -1,4 +1,4 @@
-"""Charts of a design: life, limits, sensitivities, sweeps, what an optimiser changed."""
+"""Charts of a design: life, limits, sensitivities, sweeps, changes by an optimiser."""
 
 from ._life_chart import life_chart as life_chart
 from ._optimisation import (

@@ -1,4 +1,4 @@
-"""Load spectrum and rating life: what loads the threads, what uses them up, how long they last."""
+"""Load spectrum, damage by phase, and rating life."""
 
 from collections.abc import Callable
 from typing import Any
@@ -13,7 +13,7 @@ from ...strength import LoadSpectrum, TruncatedFatigue
 from ...text import display_unit, in_unit, number
 from .._style import FREE, INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure
 
-#: Up to so many phases are told apart by number.
+#: Largest number of phases that are numbered.
 _MOST_NAMED = 8
 #: A bar narrower than this share is too narrow for its number.
 _NAMED_SHARE = 0.03
@@ -29,18 +29,18 @@ def life_chart(
     """Draw a load spectrum, the damage of its phases, and the life against the load.
 
     Above, the phases in order of their load over their share of the turning, with the equivalent
-    load, and below each the share of the damage that it does. Beside them the basic rating life
-    with the point of the equivalent load, the constant load with the same life. Magnitudes count,
-    on one flank. The life is $10^6 (C_a/F)^3$, and the equivalent load the cubic mean, as long as
-    no contact ellipse passes the end of a flank.
+    load; below each, its share of the damage. Beside them, the basic rating life with the point of
+    the equivalent load, which is the constant load with the same life. Loads are magnitudes, on one
+    flank. The life is $10^6 (C_a/F)^3$, and the equivalent load the cubic mean, as long as no
+    contact ellipse extends beyond the end of a flank.
 
     **Arguments:**
 
     - `capacity`: dynamic capacity C_a [N].
     - `spectrum`: the loads, of a duty cycle or a transient (`load_spectrum`).
-    - `static_capacity`: C_0a [N], where the line of the life ends.
-    - `fatigue`: `strength.truncated_fatigue` of the stage, where flanks end: then life and damage
-      go by how much of the ellipses each load leaves on the flanks.
+    - `static_capacity`: C_0a [N], where the life line ends.
+    - `fatigue`: `strength.truncated_fatigue` of the stage, where flanks end: life and damage then
+      depend on the part of the ellipses that remains on the flanks under each load.
 
     **Returns:** a matplotlib figure; loads in N or kN, lives in turns of the screw.
 
@@ -50,16 +50,16 @@ def life_chart(
     share = np.asarray(spectrum.weights, float)
     rated = float(capacity)
     if not loads.max() > 0:
-        raise ValueError("the spectrum has no load, so its life has no end; nothing can be drawn")
+        raise ValueError("the spectrum has no load, so its life is infinite; nothing can be drawn")
 
     def comparable(forces: np.ndarray) -> np.ndarray:
-        """Loads whose lives go by the cube."""
+        """Loads whose lives follow the cube law."""
         if fatigue is None:
             return forces
-        # To one of few lengths, so that one program serves nearly all.
+        # Padded to one of few lengths, so that one compiled program serves nearly all.
         padded = np.pad(forces, (0, -len(forces) % _POINTS), mode="edge")
-        found = _comparable_load(fatigue, jnp.asarray(padded), jnp.asarray(rated))
-        return np.asarray(found)[: len(forces)]
+        result = _comparable_load(fatigue, jnp.asarray(padded), jnp.asarray(rated))
+        return np.asarray(result)[: len(forces)]
 
     mean = _constant_load(comparable, np.sum(share * comparable(loads) ** 3) ** (1 / 3))
     order = np.argsort(-loads, kind="stable")
@@ -70,15 +70,15 @@ def life_chart(
     unit = display_unit("N", loads)
     width, height = 100 * share[order], loads[order]
     start = np.cumsum(width) - width
-    harm = share[order] * comparable(height) ** 3
-    harm = 100 * harm / harm.sum()
-    for axes, values in ((bars, unit(height)), (damage, harm)):
+    damage_share = share[order] * comparable(height) ** 3
+    damage_share = 100 * damage_share / damage_share.sum()
+    for axes, values in ((bars, unit(height)), (damage, damage_share)):
         axes.bar(
             start, values, width, align="edge", facecolor=FREE, edgecolor="white", linewidth=0.5
         )
         axes.grid(axis="y")
     if len(loads) <= _MOST_NAMED:
-        _name_phases(damage, start + width / 2, harm, order, width)
+        _name_phases(damage, start + width / 2, damage_share, order, width)
     bars.axhline(unit(mean), color=INK, linestyle="--", linewidth=1.0)
     bars.text(
         100,
@@ -89,7 +89,7 @@ def life_chart(
         fontsize=SMALL,
     )
     bars.set_ylim(0, 1.18 * unit(height.max()))
-    damage.set_ylim(0, 1.3 * harm.max())
+    damage.set_ylim(0, 1.3 * damage_share.max())
     damage.set_xlim(0, 100)
     bars.set_ylabel(f"load in {unit.label}")
     damage.set_ylabel("damage in %")
@@ -107,7 +107,7 @@ def life_chart(
     return figure
 
 
-#: Points of a grid that is narrowed so many times about a load.
+#: Points of a grid, and how many times it is narrowed about a load.
 _POINTS, _TIMES = 64, 4
 
 
@@ -116,19 +116,19 @@ def _comparable_load(fatigue: TruncatedFatigue, forces: Array, capacity: Array) 
     return fatigue.comparable_load(forces, capacity)
 
 
-def _constant_load(comparable: Callable[[np.ndarray], np.ndarray], wanted: float) -> float:
-    """The load with the fatigue of a mean: where `comparable`, which rises, has this value."""
-    low, high = wanted, wanted
-    while comparable(np.asarray([low]))[0] > wanted:
+def _constant_load(comparable: Callable[[np.ndarray], np.ndarray], target: float) -> float:
+    """The load at which `comparable`, an increasing function, has the value of the mean."""
+    low, high = target, target
+    while comparable(np.asarray([low]))[0] > target:
         low /= 2
-    while comparable(np.asarray([high]))[0] < wanted:
+    while comparable(np.asarray([high]))[0] < target:
         high *= 2
     for _ in range(_TIMES):
         forces = np.linspace(low, high, _POINTS)
-        place = np.clip(np.searchsorted(comparable(forces), wanted), 1, _POINTS - 1)
+        place = np.clip(np.searchsorted(comparable(forces), target), 1, _POINTS - 1)
         low, high = forces[place - 1], forces[place]
     ends = np.asarray([low, high])
-    return float(np.interp(wanted, comparable(ends), ends))
+    return float(np.interp(target, comparable(ends), ends))
 
 
 def _name_phases(axes: Axes, centres, heights, order, widths) -> None:
@@ -192,7 +192,7 @@ def _life_line(
 
 
 def _plain_decades(axes: Axes) -> None:
-    """Whole numbers on an axis of few decades, none between them."""
+    """Plain numbers at the major ticks of an axis of few decades, none at the minor ones."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))

@@ -1,4 +1,4 @@
-"""An optimisation as a report tells it: before and after, limits, and what holds it there."""
+"""Summary of an optimisation: designs before and after, limits, and active constraints."""
 
 import dataclasses
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ class Change:
     upper: float | None = None
     #: `"lower"` or `"upper"` where the value after lies on that bound.
     at_bound: str = ""
-    #: Of a design variable: what follows when it moves, and what stays as it is.
+    #: For a design variable: parameters that change with it, and parameters that stay constant.
     follows: tuple[str, ...] = ()
     stays: tuple[str, ...] = ()
 
@@ -49,7 +49,7 @@ class Limit:
 
 @dataclass(frozen=True)
 class Optimisation:
-    """What was changed, what came of it, and how sure that is."""
+    """Changes by an optimisation, its results and its convergence."""
 
     #: Name of the objective and its unit; the first of `quantities` is its value.
     objective: str
@@ -65,29 +65,29 @@ class Optimisation:
     message: str = ""
     #: Largest relative violation of a limit by iteration; empty if it is not known.
     violations: tuple[float, ...] = ()
-    #: False for the best design found where none keeps every limit.
+    #: False if the best design found violates a limit.
     feasible: bool = True
 
     @property
     def active(self) -> tuple[str, ...]:
-        """What holds the optimum where it is: active limits and bounds, in words."""
-        held = [
+        """Active limits and bounds at the optimum, in words."""
+        constraints = [
             f"{readable(c.quantity)} at {show(c.limit, c.unit, c.quantity)}"
             for c in self.limits
             if c.active
         ]
-        held += [
+        constraints += [
             f"{readable(v.name)} at its {v.at_bound} bound of {show(v.after, v.unit)}"
             for v in self.variables
             if v.at_bound
         ]
-        return tuple(held)
+        return tuple(constraints)
 
     def in_a_sentence(self) -> str:
-        """What the optimisation means, for someone who reads one sentence."""
+        """The result of the optimisation in one sentence."""
         if not self.feasible:
             why = self.message.removeprefix("no feasible design found").lstrip(";: ")
-            return f"No feasible design: {why or 'limits are broken'}."
+            return f"No feasible design: {why or 'limits are violated'}."
         main = self.quantities[0]
         verb = "rises" if main.after > main.before else "falls"
         change = (
@@ -96,9 +96,12 @@ class Optimisation:
             f"{show(main.after, main.unit, main.name)}"
         )
         if main.after == main.before:
-            change = f"{readable(main.name).capitalize()} stays as it was"
+            change = f"{readable(main.name).capitalize()} is unchanged"
         if not self.converged:
-            return f"{change}; the search stopped before it converged, so better may be possible."
+            return (
+                f"{change}; the search stopped before it converged, so a better design may be "
+                "possible."
+            )
         if self.active:
             words = self.active
             if len(words) == 1:
@@ -114,7 +117,7 @@ class Optimisation:
 
 
 def summarise_optimisation(optimum: Optimum) -> Optimisation:
-    """Collect what a report says about an optimisation.
+    """Collect the summary of an optimisation for a report.
 
     **Arguments:**
 
@@ -133,7 +136,7 @@ def summarise_optimisation(optimum: Optimum) -> Optimisation:
         for c in optimum.constraints
         if c.name != objective
     ]
-    # What `check` would call an error limits a design as much as what the problem names.
+    # Errors of `check` limit a design as much as the constraints of the problem.
     margins = [
         dataclasses.replace(margin, name=f"check: {margin.name}")
         for margin in optimum.margins
@@ -187,7 +190,7 @@ def _limit(report: ConstraintReport, scale: float) -> Limit:
 
 
 def signed_change(quantity: str, unit: str, difference: float) -> str:
-    """A difference of a quantity with its sign; of an efficiency in percentage points."""
+    """A difference of a quantity with its sign; for an efficiency in percentage points."""
     if unit == "1" and is_efficiency(quantity):
         text = f"{number(100 * abs(difference), 3)} points"
     else:
@@ -196,10 +199,10 @@ def signed_change(quantity: str, unit: str, difference: float) -> str:
 
 
 def relative_change(change: Change) -> str:
-    """By how much a number moved: per cent, or percentage points for an efficiency."""
+    """Change of a number in per cent, or in percentage points for an efficiency."""
     if is_efficiency(change.name):
         if min(change.before, change.after) < 0:
-            # A thread that locks has no efficiency that a difference could be taken of.
+            # A self-locking thread has no efficiency, so there is no difference.
             return ""
         return signed_change(change.name, change.unit, change.after - change.before)
     if change.before == 0:

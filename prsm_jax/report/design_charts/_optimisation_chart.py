@@ -1,4 +1,4 @@
-"""How an optimisation went: the objective by iteration, and how close each limit is."""
+"""Course of an optimisation: the objective by iteration, and the use of each limit."""
 
 import math
 from collections.abc import Sequence
@@ -13,8 +13,8 @@ from .._style import ACTIVE, FREE, INK, SERIES, SMALL, Figure, drawn, page_figur
 def limit_use(value: float, limit: float, upper: bool) -> float:
     """The share of a limit that is used: 1 at the limit, above 1 beyond it.
 
-    Value over limit for an upper limit, limit over value for a lower one; without a meaning, and
-    NaN, where a sign or a zero makes it so.
+    Value over limit for an upper limit, limit over value for a lower one; NaN where a sign or a
+    zero makes the ratio meaningless.
     """
     numerator, denominator = (value, limit) if upper else (limit, value)
     if denominator == 0 or numerator * denominator < 0:
@@ -23,7 +23,7 @@ def limit_use(value: float, limit: float, upper: bool) -> float:
 
 
 def is_upper_limit(constraint: Any) -> bool:
-    """Whether a constraint's limit is an upper one; from its `sense`, or from which side holds."""
+    """Whether a constraint's limit is an upper one; from its `sense`, or else from its value."""
     sense = getattr(constraint, "sense", None)
     if sense in ("upper", "lower"):
         return sense == "upper"
@@ -49,13 +49,13 @@ def optimisation_chart(
     **Arguments:**
 
     - `history`: objective after each iteration [SI], the start first.
-    - `constraints`: objects with `quantity`, `value`, `limit` [SI], `active`, and if they have it
+    - `constraints`: objects with `quantity`, `value`, `limit` [SI], `active`, and optionally
       `unit` and `sense` (`"upper"`, `"lower"`, `"equal"`). May be empty.
-    - `objective`: what the objective is called.
+    - `objective`: name of the objective.
     - `unit`: its SI unit.
-    - `violations`: largest relative violation of a limit after each iteration; designs outside of
-      the limits are drawn hollow.
-    - `feasible`: false where the design at the end breaks a limit, and is no optimum.
+    - `violations`: largest relative violation of a limit after each iteration; designs that
+      violate limits are drawn hollow.
+    - `feasible`: false where the final design violates a limit, and is not an optimum.
 
     **Returns:** a matplotlib figure.
 
@@ -84,7 +84,7 @@ def optimisation_chart(
     note = ""
     if outside.any():
         left.plot(iterations[outside], shown(values[outside]), mfc="white", **dots)
-        note = "\nhollow: outside of the limits"
+        note = "\nhollow: limits violated"
     left.set_xlabel(f"iteration (number){note}")
     suffix = f" in {shown.label}" if shown.label else ""
     left.set_ylabel(readable(objective) + suffix)

@@ -1,4 +1,4 @@
-"""A figure of a paper, computed anew, with the printed values marked."""
+"""A recomputed figure of a paper, with the printed values marked."""
 
 from typing import Any
 
@@ -17,8 +17,8 @@ _PANEL, _EXTRA = 62.0, 22.0
 def published_figure(figure: PublishedFigure) -> Figure:
     """Draw a published figure: the toolkit's curves on the paper's axes.
 
-    Colours tell the cases apart (or the stages, if there is one case), dashes the stages. Dotted
-    lines are the values that the paper's text prints.
+    Colours distinguish the cases (or the stages, if there is one case), dashes the stages. Dotted
+    lines are values printed in the text of the paper.
 
     **Arguments:**
 
@@ -64,7 +64,7 @@ def _page(figure: PublishedFigure) -> Figure:
 
 
 def _style(stage: int, case: int, cases: int) -> dict[str, Any]:
-    """Later cases are thinner, so that curves on top of each other are all seen."""
+    """Later cases are thinner, so that all overlapping curves are visible."""
     dashes = _DASHES.get(stage, ":")
     if cases <= 1 and stage == 0:
         return {"color": INK, "ls": dashes, "lw": 1.2}
@@ -100,12 +100,12 @@ def _ends_near(panel: Panel, level: float | None) -> bool:
     """Whether curves are nearer to a level in the end than at the start."""
     if level is None:
         return False
-    away = np.array([np.abs(curve.y[[0, -1]] - level) for curve in panel.curves]).min(axis=0)
-    return bool(away[1] < away[0])
+    distance = np.array([np.abs(curve.y[[0, -1]] - level) for curve in panel.curves]).min(axis=0)
+    return bool(distance[1] < distance[0])
 
 
 def _right(axes: Axes, panel: Panel, time: np.ndarray) -> None:
-    """A second axis for curves of another unit; its own colour says which they are."""
+    """A second axis for curves of another unit, in the colour of these curves."""
     other = axes.twinx()
     colour = SERIES[2]
     for curve in panel.curves:
@@ -118,7 +118,7 @@ def _right(axes: Axes, panel: Panel, time: np.ndarray) -> None:
 
 
 def _mark(axes: Axes, mark: Mark, clock: DisplayUnit, left: bool) -> None:
-    """A dotted line, its words at the end where the curves are farther away."""
+    """A dotted line, labelled at the end where the curves are farther away."""
     style = {"color": _MARK, "lw": 0.9, "ls": (0, (1, 1.5)), "zorder": 1}
     words = {"fontsize": SMALL, "color": _MARK}
     if mark.level is not None:

@@ -1,4 +1,4 @@
-"""Buckling load and permissible speed of a screw over its length, as catalogues have them."""
+"""Buckling load and permissible speed of a screw over its length, as in catalogues."""
 
 import dataclasses
 
@@ -24,7 +24,7 @@ def _curves(stage: Stage, lengths):
     )
 
 
-def _held(stage: Stage, end_conditions: str) -> Stage:
+def _with_ends(stage: Stage, end_conditions: str) -> Stage:
     assert stage.strength is not None
     assert stage.strength.shaft is not None
     shaft = dataclasses.replace(stage.strength.shaft, end_conditions=end_conditions)
@@ -37,11 +37,11 @@ def shaft_limits_chart(
     load: Scalar | float | None = None,
     speed: Scalar | float | None = None,
 ) -> Figure:
-    """Draw what a screw bears over its unsupported length, for all ways to hold its ends.
+    """Draw the limits of a screw over its unsupported length, for all end conditions.
 
-    Beside each other the buckling load (Euler; Johnson where short, if a yield strength is given)
-    and the permissible speed (a share of the critical speed, or the DN limit); the ends as the
-    file has them are drawn thick.
+    On the left the buckling load (Euler; Johnson where short, if a yield strength is given), on the
+    right the permissible speed (a share of the critical speed, or the DN limit); the end conditions
+    of the file are drawn thick.
 
     **Arguments:**
 
@@ -62,7 +62,7 @@ def shaft_limits_chart(
     assert stage.strength is not None
     assert stage.strength.shaft is not None
     for index, ends in enumerate(END_CONDITIONS):
-        curves = _curves(_held(stage, ends), jnp.asarray(lengths))
+        curves = _curves(_with_ends(stage, ends), jnp.asarray(lengths))
         chosen = ends == stage.strength.shaft.end_conditions
         for axes, values, unit in zip(panels, curves, (kilonewtons, rpm), strict=True):
             axes.loglog(
@@ -92,7 +92,7 @@ def shaft_limits_chart(
 
 
 def _dn_limit(axes: Axes, stage: Stage, length: float, rpm: DisplayUnit) -> None:
-    """Says what cuts the speeds off, where anything does."""
+    """Label the DN limit, which cuts the speeds off, if there is one."""
     assert stage.strength is not None
     assert stage.strength.shaft is not None
     limit = stage.strength.shaft.dn_limit

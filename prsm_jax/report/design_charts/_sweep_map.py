@@ -19,19 +19,19 @@ def sweep_map(
 ) -> Figure:
     """Draw contours of a quantity over two axes of a sweep, with its optimum.
 
-    Axes beyond the two are held where the optimum lies. Designs that failed are crossed, and those
-    in which `check` finds an error are dotted; the optimum is one of the others, if there are any.
+    Further axes are fixed at the optimum. Crosses mark designs that failed, dots those in which
+    `check` finds an error; the optimum is one of the others, if there are any.
 
     **Arguments:**
 
     - `dataset`: an `xarray.Dataset` from a sweep; units are in the attribute `units`.
-    - `quantity`: name of a variable in it that has no axes but those of the sweep.
+    - `quantity`: name of a variable in it that has only the axes of the sweep.
     - `x`, `y`: the two axes; default the first two of the quantity.
-    - `sense`: which end is the optimum.
+    - `sense`: whether the optimum is the largest or the smallest value.
 
     **Returns:** a matplotlib figure.
 
-    **Raises:** `ValueError` for a name that is not there, fewer than two axes, or when no design
+    **Raises:** `ValueError` for an unknown name, fewer than two axes, or when no design
     succeeded; `MissingExtraError` without matplotlib.
     """
     if quantity not in dataset:
@@ -52,7 +52,7 @@ def sweep_map(
     usable = np.isfinite(values) & ~flawed.values
     usable = usable if usable.any() else np.isfinite(values)
     best = np.unravel_index(pick(np.where(usable, values, np.nan)), values.shape)
-    held = {
+    other_axes = {
         str(d): int(i)
         for d, i in zip(data.dims, best, strict=True)
         if d not in chosen and data.sizes[d] > 1
@@ -60,7 +60,7 @@ def sweep_map(
     fixed = {d: int(i) for d, i in zip(data.dims, best, strict=True) if d not in chosen}
     plane, dots = (one.isel(fixed).transpose(chosen[1], chosen[0]) for one in (data, flawed))
     dots = np.argwhere(dots.values & np.isfinite(np.asarray(plane.values, dtype=float)))
-    return _draw(data, plane, dots, quantity, chosen, best, held, sense)
+    return _draw(data, plane, dots, quantity, chosen, best, other_axes, sense)
 
 
 def _flawed(dataset: Any, data: Any) -> Any:
@@ -78,7 +78,7 @@ def _axis(data: Any, name: str):
     return unit(coordinate), unit, label
 
 
-def _draw(data, plane, dots, quantity: str, chosen, best, held, sense: str) -> Figure:
+def _draw(data, plane, dots, quantity: str, chosen, best, other_axes, sense: str) -> Figure:
     values = np.asarray(plane.values, dtype=float)
     finite = values[np.isfinite(values)]
     unit = display_unit(
@@ -130,10 +130,10 @@ def _draw(data, plane, dots, quantity: str, chosen, best, held, sense: str) -> F
     axes.set_ylabel(y_label)
     axes.set_title(f"{readable(quantity)[:1].upper()}{readable(quantity)[1:]}")
     figure.legend(loc="outside lower center", ncols=3, fontsize=SMALL)
-    if held:
+    if other_axes:
         words = ", ".join(
             f"{readable(name)} {in_unit(float(data[name].values[i]), _axis(data, name)[1])}"
-            for name, i in held.items()
+            for name, i in other_axes.items()
         )
         axes.text(1.0, 1.02, f"at {words}", transform=axes.transAxes, ha="right", fontsize=SMALL)
     return figure

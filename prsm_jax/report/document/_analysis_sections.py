@@ -38,7 +38,7 @@ def _designs(data: ReportData, part: str, index: int | None = None) -> dict:
 
 
 def _of_stage(data: ReportData, index: int) -> tuple[str, str]:
-    """Suffixes of a picture's name and of words for one stage of several."""
+    """Suffixes of the name and caption of a picture for one of several stages."""
     if len(data.mechanism.stages) == 1:
         return "", ""
     return f"_stage_{index + 1}", f", stage {index + 1}"
@@ -93,15 +93,15 @@ def contact_section(data: ReportData) -> Section | None:
     pictures = tuple(
         Picture(
             f"contact_ellipses{_of_stage(data, i)[0]}",
-            f"Contact ellipses of one thread{_of_stage(data, i)[1]}, to one scale.",
+            f"Contact ellipses of one thread{_of_stage(data, i)[1]}, to the same scale.",
             lambda i=i: contact_ellipses(_designs(data, "contacts", i), _pressures(data, i)),
         )
         for i in range(len(data.contacts))
     )
-    words = ("One thread contact on either side of a roller, all loaded threads sharing equally.",)
+    words = ("One thread contact on each side of a roller, all engaged threads equally loaded.",)
     if cut:
         words += (
-            "Ends of flanks cut ellipses here: p₀ is the largest pressure of what is left of them; "
+            "Ends of flanks cut ellipses here: p₀ is the largest pressure of the remaining part; "
             "semi-axes, approach and stiffnesses are those of whole ellipses.",
         )
     table = Table("Thread contacts", head, tuple(rows))
@@ -116,9 +116,9 @@ def vibration_section(data: ReportData) -> Section | None:
     for index, modes in enumerate(data.modes):
         suffix, words = _of_stage(data, index)
         designs = [elastic_modes(m) for m in _designs(data, "modes", index).values()]
-        found, rigid = designs[0]
+        frequencies, rigid = designs[0]
         rows = []
-        for (family, count), (value, multiplicity) in found.items():
+        for (family, count), (value, multiplicity) in frequencies.items():
             share = _mesh_share(modes, family, value)
             cells = [f"{family} {count}", number(value, 5), str(multiplicity), f"{share:.0f}"]
             if len(designs) > 1:
@@ -134,7 +134,7 @@ def vibration_section(data: ReportData) -> Section | None:
         pictures.append(
             Picture(
                 f"frequencies{suffix}",
-                f"Natural frequencies by family{words}; ×2 marks a repeated one.",
+                f"Natural frequencies by family{words}; ×2 marks a repeated frequency.",
                 lambda index=index: frequency_chart(_designs(data, "modes", index)),
             )
         )
@@ -153,25 +153,25 @@ def vibration_section(data: ReportData) -> Section | None:
 
 
 def _mesh_share(modes, family: str, value: float) -> float:
-    # Without symmetry all modes but the carrier's are in one group.
+    # Without symmetry all modes except the carrier's are in one group.
     group = modes.group(family) or modes.group("coupled")
     frequencies = np.asarray(group.frequencies)
     return 100 * float(np.asarray(group.mesh_energy_share)[np.abs(frequencies - value).argmin()])
 
 
 def steady_section(data: ReportData) -> Section | None:
-    """Efficiency, torque, forces, and where the power goes."""
+    """Efficiency, torque, forces and losses."""
     if data.steady is None or data.forward is None or data.backward is None:
         return None
     state = data.steady
     paragraphs = []
     if not bool(state.valid):
-        paragraphs.append(f"These numbers are not to be used: {state.result}.")
+        paragraphs.append(f"Do not use these numbers: {state.result}.")
     backward = efficiency_text(data.backward)
     if backward.endswith("%"):
         paragraphs.append("The load can drive the screw back.")
     elif backward == "self-locking":
-        paragraphs.append("The mechanism locks itself: the load alone does not turn the screw.")
+        paragraphs.append("The mechanism is self-locking: the load alone does not turn the screw.")
     rows = [
         ("efficiency, screw drives", efficiency_text(data.forward)),
         ("efficiency, load drives", backward),
@@ -198,20 +198,20 @@ def steady_section(data: ReportData) -> Section | None:
     if state.losses and source > 0:
         lost = [(readable(n), float(v)) for n, v in state.losses.items()]
         lost.sort(key=lambda item: -item[1])
-        lost.append(("together", sum(v for _, v in lost)))
+        lost.append(("total", sum(v for _, v in lost)))
         table = tuple((n, number(v), f"{100 * v / source:.3f}") for n, v in lost)
         tables.append(Table("Losses", ("loss", "power in W", "share of the input in %"), table))
     if data.improved is not None and data.improved.steady is not None:
         chart = _designs(data, "steady")
     else:
         chart = {"screw drives": data.forward, "load drives": data.backward}
-    pictures = [Picture("losses", "Where the power goes.", lambda: loss_chart(chart))]
+    pictures = [Picture("losses", "Power balance and losses.", lambda: loss_chart(chart))]
     forward = data.forward
     if steady_flow(forward).total > 0:
         pictures.append(
             Picture(
                 "power_flow",
-                "Power from the motor to the load, the screw driving.",
+                "Power flow from the motor to the load when the screw drives.",
                 lambda: power_flow_chart(steady_flow(forward)),
             )
         )
@@ -219,7 +219,7 @@ def steady_section(data: ReportData) -> Section | None:
 
 
 def transient_section(data: ReportData) -> Section | None:
-    """How the rollers come up to speed, or what happens in a scenario."""
+    """Run-up of the rollers, or the course of a scenario."""
     run = data.transient
     if run is None:
         return None
@@ -243,8 +243,8 @@ def transient_section(data: ReportData) -> Section | None:
     pictures = []
     if settling:
         paragraphs = (
-            "The screw runs at full speed from the start and the rollers from rest, so the threads "
-            "slide until the carriers have come up to speed.",
+            "The screw runs at full speed from the start and the rollers start from rest, so the "
+            "threads slide until the carriers have come up to speed.",
         )
         pictures.append(
             Picture(
@@ -256,12 +256,12 @@ def transient_section(data: ReportData) -> Section | None:
     pictures += [
         Picture(
             "histories",
-            "Motion, torque, load and forces in time.",
+            "Motion, torque, load and forces over time.",
             lambda: history_chart(data.mechanism, run),
         ),
         Picture(
             "powers",
-            "Powers in time: supply, work on the load, losses and change of kinetic energy.",
+            "Powers over time: supply, work on the load, losses and change of kinetic energy.",
             lambda: power_history_chart(data.mechanism, run),
         ),
     ]

@@ -1,4 +1,4 @@
-"""What the numbers of each section rest on."""
+"""Assumptions behind the numbers of each section."""
 
 import dataclasses
 
@@ -6,7 +6,7 @@ from ...quantities import assumptions, catalogue
 from ._data import ReportData
 from ._section import Section
 
-#: Quantities that sections show by their anchors; those of the others are found in the data.
+#: Quantities that sections show, by anchor; those of other sections come from the data.
 _SHOWN = {
     "summary": ("max_pressure", "efficiency"),
     "contact": ("max_pressure", "approach_screw", "approach_nut", "semi_major_screw"),
@@ -22,8 +22,10 @@ def _shown(section: Section, data: ReportData) -> tuple[str, ...]:
     if section.anchor == "sensitivity":
         return tuple(data.sensitivity.quantities)
     if section.anchor == "optimisation" and data.optimisation is not None:
-        found = data.optimisation
-        names = [one.name for one in found.quantities] + [one.quantity for one in found.limits]
+        optimisation = data.optimisation
+        names = [one.name for one in optimisation.quantities] + [
+            one.quantity for one in optimisation.limits
+        ]
         return (*names, *(_SHOWN["summary"] if data.contacts is not None else ()))
     return _SHOWN.get(section.anchor, ())
 

@@ -26,7 +26,7 @@ from ..contact_charts import (
 from ._pressures import truncated_pressures, whole_pressures
 
 _SIDES = ("screw", "nut")
-#: Below a contact that slides where the thread has no Coulomb friction.
+#: Friction coefficient for the stress below contacts if the thread has no Coulomb friction.
 _USUAL_FRICTION = 0.1
 
 _flank_contact = eqx.filter_jit(flank_contact)
@@ -43,13 +43,13 @@ def _friction(stage: Stage) -> float:
 
 
 def _true_flanks(stage: Stage, load, cells: int) -> dict[str, FlankContact]:
-    found = {}
+    contacts = {}
     for side in _SIDES:
         contact = _flank_contact(stage, side, load, (cells, cells))
-        # A flank that is out of the grid, or no load: there is nothing to draw.
+        # Nothing to draw: no load, or a flank outside the grid.
         if int(contact.surface.code) == 0:
-            found[f"{side} side"] = contact
-    return found
+            contacts[f"{side} side"] = contact
+    return contacts
 
 
 def _line_contact(stage: Stage, load) -> Figure:
@@ -57,7 +57,7 @@ def _line_contact(stage: Stage, load) -> Figure:
     line = _line(stage, load)
     modulus = contact_modulus(material_of(stage, "screw"), material_of(stage, "roller"))
     surface = _ring_contact(stage.line_contact, line.axial_force, modulus, slices=line)
-    # A solution that was not found is not drawn.
+    # A surface without a solution is not drawn.
     return line_contact_chart(stage.line_contact, line, surface if bool(surface.found) else None)
 
 
@@ -68,7 +68,7 @@ def contact_pictures(
 
     For each stage: `contact-ellipses`; `pressure-map` and `pressure-profiles` on the true flanks;
     `stress-screw` and `stress-nut` below the surfaces; `line-contact` of rings;
-    `thread-loads` and `force-deflection` where the stage says how it shares its load.
+    `thread-loads` and `force-deflection` if the stage models load sharing.
 
     **Arguments:**
 
@@ -90,10 +90,10 @@ def contact_pictures(
         label = short_label(mechanism.title) or "thread contact"
         pressures = truncated_pressures(_side_onsets(stage), whole_pressures(pair))
         figures["contact-ellipses" + suffix] = contact_ellipses({label: pair}, {label: pressures})
-        true = _true_flanks(stage, shared, cells)
-        if true:
-            figures["pressure-map" + suffix] = pressure_map(true)
-            figures["pressure-profiles" + suffix] = pressure_profiles(true)
+        flank_contacts = _true_flanks(stage, shared, cells)
+        if flank_contacts:
+            figures["pressure-map" + suffix] = pressure_map(flank_contacts)
+            figures["pressure-profiles" + suffix] = pressure_profiles(flank_contacts)
         for side in _SIDES:
             hertz = getattr(pair, side).hertz
             if float(hertz.max_pressure) > 0:
@@ -102,8 +102,8 @@ def contact_pictures(
         if stage.line_contact is not None:
             figures["line-contact" + suffix] = _line_contact(stage, shared)
         if stage.load_sharing is not None:
-            found, curve = shared_loads(mechanism, shared, number)
-            figures["thread-loads" + suffix] = thread_load_chart(found)
+            distribution, curve = shared_loads(mechanism, shared, number)
+            figures["thread-loads" + suffix] = thread_load_chart(distribution)
             figures["force-deflection" + suffix] = force_deflection_chart({label: curve})
     return figures
 
@@ -122,7 +122,7 @@ def save_contact_pictures(
 
     **Raises:** as `contact_pictures`.
     """
-    # Everything that can fail comes before the folder.
+    # Everything that can fail runs before the folder is made.
     figures = contact_pictures(mechanism, load, cells=cells)
     place = Path(folder)
     make_folder(place)

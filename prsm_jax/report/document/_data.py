@@ -1,4 +1,4 @@
-"""What a report is about: one analysis, every part of it optional."""
+"""Data of a report: one analysis, every part of it optional."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -49,16 +49,16 @@ class ReportData:
     #: if all ellipses are taken to be whole.
     onsets: tuple[SideOnsets, ...] = ()
     modes: tuple[Modes, ...] | None = None
-    #: At the operating point, and with the screw driving and the load driving it back.
+    #: Steady states: operating point, screw driving, load driving the screw back.
     steady: SteadyState | None = None
     forward: SteadyState | None = None
     backward: SteadyState | None = None
     transient: Transient | None = None
     #: Quantities of strength and life by name.
     strength: Mapping[str, Array] | None = None
-    #: What the ends of the flanks make of the fatigue of each stage; empty where no life is known.
+    #: Effect of the ends of flanks on the fatigue of each stage; empty without a rating life.
     fatigue: tuple[TruncatedFatigue | None, ...] = ()
-    #: Shared loads, and force–deflection curves, of those stages (from 0) that say how they share.
+    #: Load distributions and force–deflection curves of stages (from 0) that model load sharing.
     shared: Mapping[int, LoadDistribution] = field(default_factory=dict)
     deflections: Mapping[int, ForceDeflection] = field(default_factory=dict)
     #: Result of `sensitivity`.
@@ -76,7 +76,7 @@ class ReportData:
 
     @property
     def label(self) -> str:
-        """The title as it stands in pictures."""
+        """The title as shown in pictures."""
         return short_label(self.title)
 
     @property
@@ -86,12 +86,12 @@ class ReportData:
 
     @property
     def ends(self) -> tuple[str, str]:
-        """What the designs before and after are called; no optimum where limits are broken."""
+        """Names of the designs before and after; "best found" if limits are violated."""
         return ("before", "after") if self.feasible else ("before", "best found")
 
     @property
     def later(self) -> str:
-        """Head of a column of the other design, beside that of this one."""
+        """Head of the column of the improved design."""
         return "after the optimisation" if self.feasible else "best found"
 
 
@@ -100,7 +100,7 @@ _meshings = eqx.filter_jit(lambda mechanism: tuple(mesh(s.thread) for s in mecha
 _modal = eqx.filter_jit(modal)
 _steady = eqx.filter_jit(steady_state)
 
-#: What the section on strength tells, where the file has the data.
+#: Quantities in the section on strength, as far as the file has their data.
 STRENGTH = (
     "static_capacity",
     "static_safety",
@@ -131,7 +131,7 @@ STRENGTH = (
 def _contacts(
     mechanism: Mechanism, meshings: tuple[Meshing, ...]
 ) -> tuple[tuple[StageContact, ...], tuple[SideOnsets, ...]]:
-    """Contacts under the operating load, and where flanks end, of every stage."""
+    """Contacts under the operating load, and onsets of cut ellipses, of every stage."""
     load = jnp.abs(load_of(mechanism, None))
     stages = tuple(zip(mechanism.stages, meshings, strict=True))
     contacts = tuple(stage_contact(stage, load, meshing) for stage, meshing in stages)
@@ -152,8 +152,8 @@ def analyse(
 ) -> ReportData:
     """Analyse a mechanism at its operating point for a report.
 
-    A part for which the mechanism lacks data is left out, with the reason; so is one whose analysis
-    fails, which the report says at its top.
+    A part for which the mechanism lacks data is left out, with the reason. A part whose analysis
+    fails is left out, too, and the report says so at its top.
 
     **Arguments:**
 
@@ -167,7 +167,7 @@ def analyse(
     """
     left_out: list[tuple[str, str]] = []
     faults: list[tuple[str, str]] = []
-    given, mechanism = mechanism, _written_out(mechanism)
+    original, mechanism = mechanism, _written_out(mechanism)
 
     def attempt(part: str, function: Callable, *args) -> Any:
         try:
@@ -175,7 +175,7 @@ def analyse(
         except (MissingDataError, PrsmError, ValueError) as error:
             left_out.append((part, str(error)))
         except Exception as error:
-            # Hours of other work are not lost with one part of the report.
+            # A fault in one part of the report must not lose hours of other work.
             faults.append((part, words_of_fault(error)))
         return None
 
@@ -194,7 +194,7 @@ def analyse(
         after = analyse(improved, title=_title_after(optimisation), transient=transient)
         faults += [(f"{part} {after.title}", words) for part, words in after.faults]
     return ReportData(
-        mechanism=given,
+        mechanism=original,
         title=short_heading(title or mechanism.title) or "Planetary roller screw mechanism",
         findings=findings,
         meshings=meshings,
@@ -228,7 +228,7 @@ def _written_out(mechanism: Mechanism) -> Mechanism:
     """The same mechanism with every design variable present as a number of its own.
 
     A variable that follows from others while it is absent (the roller's profile radius) is present
-    after an optimisation; written out before it as well, both run through the same programs.
+    after an optimisation; if it is written out before, too, both designs use the same programs.
     """
     if mechanism.design_problem is not None:
         for variable in mechanism.design_problem.variables:
@@ -284,11 +284,11 @@ def _strength(mechanism: Mechanism) -> _Strength:
 def _shared(
     mechanism: Mechanism,
 ) -> tuple[dict[int, LoadDistribution], dict[int, ForceDeflection]]:
-    """Of every stage with load sharing, its loads and its curve up to half as much again."""
+    """Load distributions and curves (up to 1.5 times the load) of stages with load sharing."""
     load = load_of(mechanism, None)
-    found = {
+    pairs = {
         index: shared_loads(mechanism, load, index + 1)
         for index, stage in enumerate(mechanism.stages)
         if stage.load_sharing is not None
     }
-    return {i: pair[0] for i, pair in found.items()}, {i: pair[1] for i, pair in found.items()}
+    return {i: pair[0] for i, pair in pairs.items()}, {i: pair[1] for i, pair in pairs.items()}

@@ -31,7 +31,7 @@ def _elasticity(table) -> np.ndarray:
 
 
 def sensitivity_section(data: ReportData) -> Section | None:
-    """What a millimetre or a degree does, and what a per cent does."""
+    """Derivatives per millimetre or degree, and elasticities in per cent."""
     table = data.sensitivity
     if table is None:
         return None
@@ -53,10 +53,10 @@ def sensitivity_section(data: ReportData) -> Section | None:
         label = readable(name) + (f" in {shown.label}" if shown.label else "")
         state = state_without_efficiency(name, value)
         if state:
-            # No efficiency, and so no change of one.
-            nothing = ("not defined",) * len(steps)
-            rows.append((label, state, *nothing))
-            relative.append((readable(name), *nothing))
+            # Without an efficiency, its derivatives are not defined.
+            undefined = ("not defined",) * len(steps)
+            rows.append((label, state, *undefined))
+            relative.append((readable(name), *undefined))
             continue
         cells, signed = [], []
         for j, (parameter, step) in enumerate(zip(table.parameters, steps, strict=True)):
@@ -96,17 +96,17 @@ def sensitivity_section(data: ReportData) -> Section | None:
     words = ("Exact derivatives at the operating point, by automatic differentiation.",)
     if kinks:
         words += (
-            "Kinks: where a cell has two numbers, the derivative below the present value of the "
-            "parameter differs from that above it, because a maximum or a limit changes from one "
-            "term to another there.",
+            "Kinks: where a cell has two numbers, the derivatives below and above the present "
+            "value of the parameter differ, because a maximum or a limit changes there from one "
+            "term to another.",
         )
     if not bool(getattr(table, "valid", True)):
-        words += ("These numbers are not to be used: the analysis behind them is not valid.",)
+        words += ("Do not use these numbers: the analysis behind them is not valid.",)
     return Section("sensitivity", "Sensitivities", words, tables, (picture,))
 
 
 def _share(table, column: int, value: float, slope: float) -> float:
-    """Elasticity of a slope; without one where stages differ in the parameter."""
+    """Elasticity of a slope; not defined (NaN) where stages differ in the parameter."""
     present = np.unique(np.asarray(table.parameter_values[column], dtype=float))
     return slope * float(present[0]) / value if value and present.size == 1 else np.nan
 
@@ -118,32 +118,32 @@ def _signed(value: float) -> str:
 
 
 def optimisation_section(data: ReportData) -> Section | None:
-    """Before and after, limits and their use, and how well the optimum is known."""
-    found = data.optimisation
-    if found is None:
+    """Designs before and after, use of the limits, and convergence of the search."""
+    result = data.optimisation
+    if result is None:
         return None
-    words = [found.in_a_sentence()]
-    if not found.converged and (found.feasible or found.active):
-        active = ", ".join(found.active) or "none: the optimum lies inside the permitted range"
+    words = [result.in_a_sentence()]
+    if not result.converged and (result.feasible or result.active):
+        active = ", ".join(result.active) or "none: the optimum lies inside the permitted range"
         words.append(f"Active: {active}.")
-    if found.kkt_residual is not None:
+    if result.kkt_residual is not None:
         words.append(
-            f"First-order optimality (KKT residual): {number(found.kkt_residual, 2)}; 0 is an "
-            f"exact optimum. The search {'converged' if found.converged else 'did not converge'}"
-            f"{_reason(found.message)}."
+            f"First-order optimality (KKT residual): {number(result.kkt_residual, 2)}; 0 is an "
+            f"exact optimum. The search {'converged' if result.converged else 'did not converge'}"
+            f"{_reason(result.message)}."
         )
     pictures = [
         Picture(
             "optimisation",
             "Objective by iteration, and the use of each limit at "
-            f"{'the optimum' if found.feasible else 'the best design found'}.",
+            f"{'the optimum' if result.feasible else 'the best design found'}.",
             lambda: optimisation_chart(
-                found.history,
-                found.limits,
-                objective=found.objective,
-                unit=found.objective_unit,
-                violations=found.violations,
-                feasible=found.feasible,
+                result.history,
+                result.limits,
+                objective=result.objective,
+                unit=result.objective_unit,
+                violations=result.violations,
+                feasible=result.feasible,
             ),
         )
     ]
@@ -155,7 +155,7 @@ def optimisation_section(data: ReportData) -> Section | None:
             pictures.append(
                 Picture(
                     f"before_after_stage_{i}" if many else "before_after",
-                    f"{ends[0]} and {ends[1].lower()}, to one scale"
+                    f"{ends[0]} and {ends[1].lower()}, to the same scale"
                     + (f", stage {i}." if many else "."),
                     lambda i=i: cross_section(
                         {ends[0]: data.mechanism, ends[1]: improved}, stage=i
@@ -163,25 +163,25 @@ def optimisation_section(data: ReportData) -> Section | None:
                 )
             )
     return Section(
-        "optimisation", "Optimisation", tuple(words), _tables(found, data), tuple(pictures)
+        "optimisation", "Optimisation", tuple(words), _tables(result, data), tuple(pictures)
     )
 
 
 def _reason(message: str) -> str:
-    """Why a search ended, unless that is the residual that has been named already."""
+    """Why a search ended; empty if the message repeats the residual already stated."""
     return "" if not message or message.startswith("KKT residual") else f": {message}"
 
 
-def _worth(found: Optimisation, limit: Limit) -> str:
-    """Change of the best objective when the limit is raised by one per cent of itself."""
+def _worth(result: Optimisation, limit: Limit) -> str:
+    """Change of the best objective if the limit is raised by one per cent."""
     if not limit.active or limit.worth == 0:
         return ""
     gain = 0.01 * abs(limit.limit) * limit.worth
-    return signed_change(found.objective, found.objective_unit, gain)
+    return signed_change(result.objective, result.objective_unit, gain)
 
 
 def _further(data: ReportData) -> list[Change]:
-    """Quantities of the contact and the steady state beside those that the optimiser looked at."""
+    """Quantities of contact and steady state, in addition to those of the optimiser."""
     after = data.improved
     if after is None:
         return []
@@ -204,9 +204,9 @@ def _listed(names: Sequence[str]) -> str:
     return ", ".join(map(readable, names)) or "nothing"
 
 
-def _tables(found: Optimisation, data: ReportData) -> tuple[Table, ...]:
+def _tables(result: Optimisation, data: ReportData) -> tuple[Table, ...]:
     variables = []
-    for v in found.variables:
+    for v in result.variables:
         shown = display_unit(v.unit, [v.before, v.after, v.lower or 0.0, v.upper or 0.0])
         bounds = ""
         if v.lower is not None and v.upper is not None:
@@ -215,8 +215,8 @@ def _tables(found: Optimisation, data: ReportData) -> tuple[Table, ...]:
         before, after = in_unit(v.before, shown, 5), in_unit(v.after, shown, 5)
         dependents = (_listed(v.follows), _listed(v.stays))
         variables.append((readable(v.name), before, after, bounds, note, *dependents))
-    known = {q.name for q in found.quantities}
-    compared = [*found.quantities, *(q for q in _further(data) if q.name not in known)]
+    known = {q.name for q in result.quantities}
+    compared = [*result.quantities, *(q for q in _further(data) if q.name not in known)]
     quantities = [
         (
             readable(q.name),
@@ -228,7 +228,7 @@ def _tables(found: Optimisation, data: ReportData) -> tuple[Table, ...]:
     ]
     signs = {"upper": "at most", "lower": "at least", "equal": "equal to"}
     limits = []
-    for c in found.limits:
+    for c in result.limits:
         shown = display_unit(c.unit, [c.value, c.limit], c.quantity)
         use = f"{100 * c.use:.1f} %" if np.isfinite(c.use) else ""
         limits.append(
@@ -238,7 +238,7 @@ def _tables(found: Optimisation, data: ReportData) -> tuple[Table, ...]:
                 f"{signs[c.sense]} {in_unit(c.limit, shown)}",
                 use,
                 "active" if c.active else "not active",
-                _worth(found, c),
+                _worth(result, c),
             )
         )
     tables = [
@@ -250,10 +250,10 @@ def _tables(found: Optimisation, data: ReportData) -> tuple[Table, ...]:
         Table("Quantities", ("quantity", *data.ends, "change"), tuple(quantities)),
     ]
     if limits:
-        where = "at the optimum" if found.feasible else "best found"
+        where = "at the optimum" if result.feasible else "best found"
         head = ("quantity", where, "limit", "use of the limit", "", "objective for +1 %")
         if not any(row[-1] for row in limits):
-            # No limit is active, so none is worth anything.
+            # No limit is active, so none affects the objective.
             head, limits = head[:-1], [row[:-1] for row in limits]
         tables.append(Table("Constraints", head, tuple(limits)))
     return tuple(tables)

@@ -1,4 +1,4 @@
-"""The mechanism, its operating point, and what the checks found."""
+"""The mechanism, its operating point, and the findings of the checks."""
 
 import math
 
@@ -12,7 +12,7 @@ from ._section import Picture, Section, Table
 
 
 def mechanism_section(data: ReportData) -> Section:
-    """What was analysed."""
+    """The mechanism and its operating point."""
     stages = data.mechanism.stages
     columns = [dict(_stage_rows(stage)) for stage in stages]
     names = list(dict.fromkeys(name for column in columns for name in column))
@@ -45,13 +45,13 @@ def mechanism_section(data: ReportData) -> Section:
 
 
 def findings_section(data: ReportData) -> Section:
-    """What the checks have to say, of the design and of the one that came of its optimisation."""
+    """Findings of the checks, for the design and for the optimised one."""
     designs = {"": data.findings}
     if data.improved is not None:
         after = "optimum" if data.feasible else "best found"
         designs = {"start": data.findings, after: data.improved.findings}
     many = len(data.mechanism.stages) > 1
-    head = ("severity", *(("stage",) if many else ()), "check", "what it says")
+    head = ("severity", *(("stage",) if many else ()), "check", "message")
     words, tables = [], []
     for name, findings in designs.items():
         if findings is None:
@@ -81,8 +81,8 @@ def _stage_rows(stage: Stage):
     def angle(value) -> str:
         return f"{trimmed(math.degrees(float(value)), 2)}°"
 
-    there, places = stage.present_roller_count, stage.roller_count
-    yield "rollers", str(there) if there == places else f"{there} in {places} places"
+    present, positions = stage.present_roller_count, stage.roller_count
+    yield "rollers", str(present) if present == positions else f"{present} in {positions} places"
     yield "thread starts of screw and nut", trimmed(float(thread.starts))
     yield "lead", length(thread.lead)
     yield "pitch", length(thread.pitch)
@@ -97,10 +97,10 @@ def _stage_rows(stage: Stage):
     yield "roller profile radius", length(thread.profile_radius)
     yield "helix angle of the screw", angle(thread.screw_helix_angle)
     yield "clearance between rollers", length(roller_clearance(stage))
-    for body, words in (("screw", "screw"), ("roller", "roller"), ("nut", "nut")):
+    for body, label in (("screw", "screw"), ("roller", "roller"), ("nut", "nut")):
         value = getattr(stage, body).length
         if value is not None:
-            yield f"length of the {words}", length(value)
+            yield f"length of the {label}", length(value)
     if stage.engaged_threads is not None:
         yield "loaded threads of a roller, each side", trimmed(float(stage.engaged_threads))
     if stage.material is not None:
@@ -111,9 +111,9 @@ def _stage_rows(stage: Stage):
         )
     yield "curvatures of the contact", stage.curvature
     try:
-        roller, whole = float(body_mass(stage, "roller")), float(stage_mass(stage))
+        roller, total = float(body_mass(stage, "roller")), float(stage_mass(stage))
     except MissingDataError:
         return
     unit = display_unit("kg", roller)
     yield "mass of a roller", f"{unit(roller):.3g} {unit.label}"
-    yield "mass of the stage", show(whole, "kg")
+    yield "mass of the stage", show(total, "kg")

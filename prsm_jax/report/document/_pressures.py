@@ -1,4 +1,4 @@
-"""Largest contact pressures, as the quantities of the same names have them."""
+"""Largest contact pressures, equal to the quantities of the same names."""
 
 import numpy as np
 from jaxtyping import Array, Float
@@ -22,7 +22,7 @@ def truncated_pressures(
 
     **Arguments:**
 
-    - `onsets`: where flanks end; `None` if they do not.
+    - `onsets`: where ellipses reach the ends of flanks; `None` if flanks have no ends.
     - `whole`: pressures of whole ellipses on the screw and on the nut side [Pa].
     """
     screw, nut = (
@@ -51,8 +51,8 @@ def largest_pressure(data: ReportData) -> float:
 def largest_shared_pressure(data: ReportData, index: int) -> float:
     """`max_pressure_shared` of one stage (from 0): that of its most loaded thread [Pa]."""
     shared = data.shared[index]
-    whole = shared.screw.max_pressure, shared.nut.max_pressure
-    return max(truncated_pressures(_onsets(data, index), whole))
+    pressures = shared.screw.max_pressure, shared.nut.max_pressure
+    return max(truncated_pressures(_onsets(data, index), pressures))
 
 
 def any_cut(data: ReportData) -> bool:

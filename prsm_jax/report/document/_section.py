@@ -9,7 +9,7 @@ from ...text import short_heading
 
 
 def words_of_fault(error: Exception) -> str:
-    """A fault of this program in one line, as a user can pass it on."""
+    """A fault of this program in one line, for a user to report."""
     words = short_heading(str(error))
     return f"{type(error).__name__}: {words}" if words else type(error).__name__
 
@@ -28,14 +28,14 @@ class Table:
 
     @property
     def text_columns(self) -> tuple[int, ...]:
-        """The first column, and those of which most cells do not begin with a number."""
-        found = [0]
+        """The first column, and those in which most cells do not begin with a number."""
+        columns = [0]
         for index in range(1, len(self.head)):
             cells = [row[index] for row in self.rows if row[index]]
             words = [cell for cell in cells if not _NUMBER.match(cell)]
             if 2 * len(words) > len(cells):
-                found.append(index)
-        return tuple(found)
+                columns.append(index)
+        return tuple(columns)
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Section:
-    """A heading with paragraphs, what the numbers rest on, tables and pictures under it."""
+    """A heading with paragraphs, tables, assumptions and pictures."""
 
     anchor: str
     title: str
@@ -58,5 +58,5 @@ class Section:
     pictures: tuple[Picture, ...] = ()
     #: Sentences from `prsm_jax.assumptions`, printed beneath the tables.
     assumptions: tuple[str, ...] = ()
-    #: What is missing because of a fault of this program, as sentences.
+    #: Parts missing because of a fault of this program, as sentences.
     faults: tuple[str, ...] = ()

@@ -30,12 +30,12 @@ _own: dict[str, tuple[str, _Maker]] = {}
 def report_section(anchor: str, title: str) -> Callable[[_Maker], _Maker]:
     """Add a section of your own to the report, before the provenance.
 
-    The function makes it of the report's data, or returns `None` where they have nothing for it. It
-    may be defined again, as when a cell of a notebook is run twice.
+    The function makes it from the report's data, or returns `None` if they contain nothing for it.
+    It may be defined again, as when a cell of a notebook is run twice.
 
     **Arguments:**
 
-    - `anchor`: its name in links; no other section's.
+    - `anchor`: its name in links, different from those of other sections.
     - `title`: its heading.
 
     **Raises:** `ValueError` if another section has the anchor.
@@ -72,21 +72,21 @@ def _sections() -> tuple[tuple[str, str, _Maker], ...]:
 
 
 def report_sections(data: ReportData) -> tuple[Section, ...]:
-    """Every section that the data have something for, in the order of reading.
+    """All sections for which there are data, in the order of reading.
 
-    A section whose making fails is there all the same, and says so.
+    A section that cannot be made is included, and says so.
     """
     *first, last = _sections()
     own = [(anchor, title, make) for anchor, (title, make) in _own.items()]
-    wanted = (*first, *own, last)
-    sections = [_made(anchor, title, data, make) for anchor, title, make in wanted]
+    makers = (*first, *own, last)
+    sections = [_made(anchor, title, data, make) for anchor, title, make in makers]
     return tuple(section for section in sections if section is not None)
 
 
 def _made(
     anchor: str, title: str, data: ReportData, make: Callable[[ReportData], Section | None]
 ) -> Section | None:
-    """A section with what its numbers rest on, or one that says why it could not be made."""
+    """A section with its assumptions, or one that says why it could not be made."""
     try:
         section = make(data)
         return None if section is None else with_assumptions(section, data)
@@ -124,7 +124,7 @@ def _summary(data: ReportData) -> Section:
 
 
 def _pressure_in_a_sentence(data: ReportData) -> str:
-    """Of equal sharing, and of the most loaded thread where the file says how threads share."""
+    """Largest pressure: at equal sharing, and of the most loaded thread if it is modelled."""
     equal = show(largest_pressure(data), "Pa")
     if len(data.shared) < len(data.mechanism.stages):
         return f"The largest contact pressure is {equal}."
@@ -148,8 +148,8 @@ def _need_attention(design: str, findings: tuple[Finding, ...] | None) -> list[s
     )
     names = ", ".join(f"{n} ({k})" if k > 1 else n for n, k in counts.items())
     kinds = collections.Counter(f.severity for f in serious)
-    found = " and ".join(f"{k} {kind}{'s' * (k > 1)}" for kind, k in sorted(kinds.items()))
-    return [f"The checks{design} found {found}: {names}."]
+    counted = " and ".join(f"{k} {kind}{'s' * (k > 1)}" for kind, k in sorted(kinds.items()))
+    return [f"The checks{design} found {counted}: {names}."]
 
 
 def _provenance(data: ReportData) -> Section:

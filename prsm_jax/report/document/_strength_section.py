@@ -1,4 +1,4 @@
-"""Strength and life, and how threads share the load, as sections of a report."""
+"""Strength and life, and load sharing, as sections of a report."""
 
 from collections.abc import Mapping
 
@@ -34,7 +34,7 @@ def _suffix(data: ReportData, index: int) -> tuple[str, str]:
 
 
 def strength_section(data: ReportData) -> Section | None:
-    """Capacities, safety, life, limits of the shaft, play: what the file has the data for."""
+    """Capacities, safety, life, limits of the shaft, play: those that the file has data for."""
     if not data.strength:
         return None
     improved = None if data.improved is None else data.improved.strength
@@ -51,8 +51,8 @@ def strength_section(data: ReportData) -> Section | None:
             rows.append(tuple(cells))
     head = ("", "symbol", "value", *((data.later,) if improved else ()))
     words = (
-        "No standard exists for planetary roller screws: capacities and life are the practice of "
-        "ball bearings and ball screws (ISO 76, ISO 281, ISO 3408-5), carried over to the contacts "
+        "No standard exists for planetary roller screws: capacities and life follow the practice "
+        "for ball bearings and ball screws (ISO 76, ISO 281, ISO 3408-5), applied to the contacts "
         "computed here.",
     )
     table = Table("Strength and life", head, tuple(rows))
@@ -65,19 +65,19 @@ def _strength_pictures(data: ReportData) -> tuple[Picture, ...]:
     cycle = mechanism.duty_cycle
     for index, stage in enumerate(mechanism.stages):
         suffix, words = _suffix(data, index)
-        # Without a life there is none to draw: then the preload is not known either.
+        # Without a life there is no chart: then the preload is not known either.
         drawn = None
         fatigue = data.fatigue[index] if data.fatigue else None
         if cycle is not None and "dynamic_capacity" in values and "rating_life" in values:
             capacity = float(np.ravel(values["dynamic_capacity"])[index])
-            drawn, whose = _pressed(stage, cycle, capacity, fatigue)
+            drawn, note = _pressed(stage, cycle, capacity, fatigue)
         if drawn is not None and bool(jnp.any(drawn.load != 0)):
             static = values.get("static_capacity")
             ends = None if static is None else float(np.ravel(static)[index])
             pictures.append(
                 Picture(
                     f"life{suffix}",
-                    f"Loads of the duty cycle, the damage they do, and the life{words}.{whose}"
+                    f"Loads of the duty cycle, their damage, and the life{words}.{note}"
                     + _cut_at_capacity(values, index),
                     lambda c=capacity, s=ends, d=drawn, f=fatigue: life_chart(c, d, s, f),
                 )
@@ -86,7 +86,7 @@ def _strength_pictures(data: ReportData) -> tuple[Picture, ...]:
             pictures.append(
                 Picture(
                     f"shaft_limits{suffix}",
-                    f"What the screw bears over its unsupported length{words}; the points are the "
+                    f"Limits of the screw over its unsupported length{words}; the points are the "
                     "largest load and speed of operating point and duty cycle.",
                     lambda s=stage: shaft_limits_chart(s, *_demand(mechanism)),
                 )
@@ -95,7 +95,7 @@ def _strength_pictures(data: ReportData) -> tuple[Picture, ...]:
 
 
 def _cut_at_capacity(values: Mapping[str, Array], index: int) -> str:
-    """Why a line of lives is not straight where ellipses are cut."""
+    """Why a life line is not straight where ellipses are cut."""
     onset = values.get("truncation_load")
     if onset is None or np.ravel(onset)[index] >= np.ravel(values["dynamic_capacity"])[index]:
         return ""
@@ -107,7 +107,7 @@ def _cut_at_capacity(values: Mapping[str, Array], index: int) -> str:
 
 
 def _demand(mechanism: Mechanism) -> tuple[Scalar | None, Scalar | None]:
-    """Largest load and speed, as far as anything is given."""
+    """Largest load and speed; `None` without duty cycle and operating point."""
     if mechanism.duty_cycle is None and mechanism.operating_point is None:
         return None, None
     speed, load = largest_demand(mechanism, spectrum_of(mechanism))
@@ -117,29 +117,29 @@ def _demand(mechanism: Mechanism) -> tuple[Scalar | None, Scalar | None]:
 def _pressed(
     stage: Stage, cycle: DutyCycle, capacity: float, fatigue: TruncatedFatigue | None
 ) -> tuple[LoadSpectrum, str]:
-    """The loads that a life chart draws, and in words which flanks they press."""
+    """The loads of a life chart, and a sentence on the flanks that carry them."""
     spectrum, preload = load_spectrum(cycle), preload_of(stage)
     if preload is None:
         if not bool(jnp.any(spectrum.load > 0) & jnp.any(spectrum.load < 0)):
             return spectrum, ""
         return spectrum, (
-            " Magnitudes count, as if on one flank; the table keeps the loads of both flanks apart."
+            " Loads are magnitudes, as if on one flank; the table treats the two flanks separately."
         )
     both = flank_loads(spectrum.load, preload)
     cubes = [
         load if fatigue is None else fatigue.comparable_load(load, jnp.asarray(capacity))
         for load in both
     ]
-    harm = [jnp.sum(spectrum.weights * load**3) for load in cubes]
-    worse = both[0 if harm[0] >= harm[1] else 1]
+    damage = [jnp.sum(spectrum.weights * load**3) for load in cubes]
+    worse = both[0 if damage[0] >= damage[1] else 1]
     return eqx.tree_at(lambda s: s.load, spectrum, worse), (
-        " The loads are those of the flanks that are loaded more, preload included; the table "
-        "adds up the flanks on both sides."
+        " The loads are those of the more heavily loaded flanks, preload included; the table adds "
+        "up the flanks on both sides."
     )
 
 
 def sharing_section(data: ReportData) -> Section | None:
-    """How threads and rollers share the load, where the file says how they are held."""
+    """Load sharing among threads and rollers, in stages that model it."""
     if not data.shared:
         return None
     tables, pictures = [], []
@@ -147,7 +147,7 @@ def sharing_section(data: ReportData) -> Section | None:
         suffix, words = _suffix(data, index)
         spacer, tangent = shared.spacer_force, shared.tangent_stiffness
         assert tangent is not None
-        largest, whole = largest_shared_pressure(data, index), float(shared.max_pressure)
+        largest, uncut = largest_shared_pressure(data, index), float(shared.max_pressure)
         rows = [
             ("largest over mean thread load, screw", number(shared.screw.thread_sharing_factor)),
             ("largest over mean thread load, nut", number(shared.nut.thread_sharing_factor)),
@@ -156,8 +156,8 @@ def sharing_section(data: ReportData) -> Section | None:
             ("deflection", show(shared.elastic.deflection, "m")),
             ("axial stiffness dF/dx", show(tangent, "N/m")),
         ]
-        if largest > whole:
-            rows.insert(4, ("largest pressure of a whole ellipse", show(whole, "Pa")))
+        if largest > uncut:
+            rows.insert(4, ("largest pressure of a whole ellipse", show(uncut, "Pa")))
         if spacer is not None:
             rows.append(("force in the spacer", show(spacer, "N")))
         tables.append(Table(f"Shared loads{words}", ("", ""), tuple(rows)))
@@ -178,7 +178,7 @@ def sharing_section(data: ReportData) -> Section | None:
                 )
             )
     words = (
-        "Shafts, teeth and contacts give way, so threads do not share the load equally. The "
-        "threads count from the end of the nut where the screw's force enters.",
+        "Shafts, teeth and contacts are elastic, so threads do not share the load equally. Threads "
+        "are numbered from the end of the nut where the screw's force enters.",
     )
     return Section("load_sharing", "Load sharing", words, tuple(tables), tuple(pictures))

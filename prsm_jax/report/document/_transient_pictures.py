@@ -28,20 +28,20 @@ def save_transient_pictures(
     """Write every picture of a transient: overview, histories, forces, powers, energy, motion.
 
     `transient`, `histories`, `force-orbit`, `powers` and `energy-flow` as PNG and SVG, and
-    `motion.gif`. The overview `transient` is only of a screw at constant speed, the energy flow not
-    of one that never moves.
+    `motion.gif`. The overview `transient` is written only for a screw at constant speed, the energy
+    flow not for one that never moves.
 
     **Arguments:**
 
     - `folder`: where to write; made if it is not there.
-    - `mechanism`, `run`: what moved, and how.
+    - `mechanism`, `run`: the mechanism and its transient.
     - `animation`: whether to write the animation.
 
     **Returns:** the paths written.
 
     **Raises:** `MissingExtraError` without matplotlib.
     """
-    # Everything that can fail comes before the folder.
+    # Everything that can fail runs before the folder is made.
     figures = {
         "force-orbit": force_orbit(mechanism, run, _forces(mechanism, run)),
         "histories": history_chart(mechanism, run),

@@ -29,8 +29,8 @@ def write_report(
 
     `report.html` holds everything and can be sent alone; `report.md` refers to `figures/`, where
     each picture lies as PNG and SVG. Everything is made beside the directory and moved in when it
-    is complete, so a disk that is full or a signal leaves nothing; other files in the directory
-    stay. A section or picture whose making fails is missing, and the report says so at its top.
+    is complete, so a full disk or a signal leaves no partial report; other files in the directory
+    stay. A section or picture that cannot be made is missing, and the report says so at its top.
 
     **Arguments:**
 
@@ -39,7 +39,7 @@ def write_report(
     - `attachments`: text of further files that belong to the report (JSON, the optimised
       mechanism), by file name; written with it and linked from it.
     - `dpi`: resolution of the PNG pictures.
-    - `on_fault`: is told of each part that is missing because of a fault; default a warning.
+    - `on_fault`: called for each part that is missing because of a fault; default a warning.
 
     **Returns:** the path of `report.html`.
 
@@ -83,7 +83,7 @@ def _environment():
         keep_trailing_newline=True,
     )
     environment.filters["md"] = lambda text: markdown(str(text))
-    # A path is a link in Markdown and HTML alike.
+    # Paths are quoted as links in Markdown and in HTML.
     environment.filters["link"] = lambda path: quote(path, safe="/")
     return environment
 
@@ -91,7 +91,7 @@ def _environment():
 def _build(
     folder: Path, data: ReportData, files: dict[str, str], environment, dpi: int
 ) -> tuple[str, ...]:
-    """Write everything; returns what is missing because of a fault, as sentences."""
+    """Write everything; return what is missing because of a fault, as sentences."""
     sections = report_sections(data)
     figures = folder / "figures"
     figures.mkdir()
@@ -120,7 +120,7 @@ def _build(
     }
     for name in ("report.html", "report.md"):
         text = environment.get_template(f"{name}.jinja").render(values)
-        # Half a character, which only Python's own text can hold, is no reason to lose the rest.
+        # A lone surrogate, which only Python strings can hold, must not lose the rest.
         (folder / name).write_text(text, encoding="utf-8", errors="replace")
     for name, text in files.items():
         (folder / name).write_text(text, encoding="utf-8")
@@ -130,9 +130,9 @@ def _build(
 def _draw(
     sections: tuple[Section, ...], folder: Path, dpi: int, lost: dict[str, tuple[str, ...]]
 ) -> dict[str, str]:
-    """Draw every picture; the SVG of each as text to be embedded.
+    """Draw every picture; return the SVG of each as text to be embedded.
 
-    A picture that cannot be drawn is a sentence in `lost`, by the anchor of its section.
+    A picture that cannot be drawn adds a sentence to `lost`, by the anchor of its section.
     """
     embedded = {}
     for section in sections:
@@ -153,7 +153,7 @@ def _draw(
 
 
 def _move_in(building: Path, target: Path) -> None:
-    # A temporary directory is private; a report is as readable as what its maker usually makes.
+    # A temporary directory is private; a report gets the usual permissions of its user.
     mask = os.umask(0)
     os.umask(mask)
     building.chmod(0o777 & ~mask)

@@ -1,4 +1,4 @@
-"""The half-section along the axis, with every thread at its place."""
+"""The half-section along the axis, with every thread at its position."""
 
 import numpy as np
 
@@ -50,13 +50,13 @@ def _fill(sheet: Sheet, xs, ys, body: str, hatch: str = "", **kwargs) -> None:
 
 
 def _screw(sheet: Sheet, dims: DrawingDimensions, half: float) -> None:
-    whole = dims.screw_length is not None and dims.screw_length / 2 <= half
-    end = dims.screw_length / 2 if whole and dims.screw_length is not None else half
+    complete = dims.screw_length is not None and dims.screw_length / 2 <= half
+    end = dims.screw_length / 2 if complete and dims.screw_length is not None else half
     centres = tooth_centres(dims, -end, end, shifted=True)
     along, radius = screw_profile(dims, centres)
     bore = dims.bore_radius or 0.0
     root = dims.screw_radius - dims.screw_dedendum
-    if whole:
+    if complete:
         left = right = np.array([[end, root], [end, bore]])
     else:
         left = right = _break_line(end, root, bore)

@@ -28,12 +28,12 @@ _WORDS = 17.0
 
 @drawn
 def cross_section(mechanisms: Mapping[str, Mechanism], *, stage: int = 1) -> Figure:
-    """Draw one or two mechanisms to one scale, side by side.
+    """Draw one or two mechanisms to the same scale, side by side.
 
     Each has a view along the axis (screw with its bore, rollers at their places, nut, pitch circle
     of the gear, carriers, contact points from the meshing), a half-section along the axis and a
     few pitches enlarged: straight flanks of screw and nut, convex arcs of the roller. Bodies are
-    drawn at their nominal radii. What a mechanism does not give is drawn broken off and named.
+    drawn at their nominal radii. Parts without given dimensions are drawn broken off and named.
 
     **Arguments:**
 
@@ -42,8 +42,8 @@ def cross_section(mechanisms: Mapping[str, Mechanism], *, stage: int = 1) -> Fig
 
     **Returns:** a matplotlib figure, A4 wide; dimensions in mm.
 
-    **Raises:** `ValueError` without a mechanism, with more than two, or for a stage that is not
-    there; `MissingExtraError` without matplotlib.
+    **Raises:** `ValueError` without a mechanism, with more than two, or for a stage that does not
+    exist; `MissingExtraError` without matplotlib.
     """
     if not 1 <= len(mechanisms) <= 2:
         raise ValueError(
@@ -52,7 +52,7 @@ def cross_section(mechanisms: Mapping[str, Mechanism], *, stage: int = 1) -> Fig
         )
     dims = {label: drawing_dimensions(m, stage) for label, m in mechanisms.items()}
     every = list(dims.values())
-    # One mechanism spreads over the page: along the axis beside across it.
+    # One mechanism fills the page: its axial section lies beside its transverse view.
     width = (PAGE_WIDTH - 2 * _MARGIN - _GUTTER) / 2
     widest = max(
         max(2 * d.drawn_outer_radius, 2 * _axial_section.drawn_half_length(d)) for d in every
@@ -158,8 +158,8 @@ def _legend(
     figure.text(
         *_at(figure, PAGE_WIDTH / 2, 4.0),
         f"Dimensions in mm; bodies at their nominal radii. On A4: views {_ratio(scale)}, detail "
-        f"{_ratio(detail_scale)}.\nThe gear's pitch circle is the nut's nominal one; contacts with "
-        "the screw are projected into the detail.",
+        f"{_ratio(detail_scale)}.\nThe pitch circle of the gear is the nominal circle of the nut; "
+        "contacts with the screw are projected into the detail.",
         fontsize=SMALL,
         color=MUTED,
         ha="center",

@@ -6,7 +6,7 @@ from typing import TypeAlias
 
 from .._style import INK, MUTED, SMALL, Axes, Figure, place_axes
 
-#: On the drawing or on paper [mm].
+#: A length on the drawing or on paper [mm].
 Length: TypeAlias = float | int
 
 _CHAIN = (0, (9, 2, 1.5, 2))

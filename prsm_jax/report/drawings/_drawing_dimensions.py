@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from ...geometry import mesh
 from ...mechanism import Mechanism, Stage
 
-#: Share of the height of a pointed tooth that a thread has whose addendum is not given.
+#: Addendum of a thread where it is not given, as a share of the height of a pointed tooth.
 _USUAL_ADDENDUM = 0.7
 #: A wall that is not given is drawn this thick, in roller radii, and broken off.
 _BROKEN_WALL = 1.0
@@ -14,7 +14,7 @@ _BROKEN_WALL = 1.0
 
 @dataclass(frozen=True)
 class ContactPoint:
-    """Where a roller touches, in the transverse plane with the roller's axis at (a, 0) [mm]."""
+    """Contact point of a roller in the transverse plane, the roller's axis at (a, 0) [mm]."""
 
     x: float
     y: float
@@ -22,10 +22,10 @@ class ContactPoint:
 
 @dataclass(frozen=True)
 class DrawingDimensions:
-    """Dimensions of one stage [mm, rad]; `None` is not given by the mechanism."""
+    """Dimensions of one stage [mm, rad]; `None` if the mechanism does not give them."""
 
     roller_count: int
-    #: Angle around the screw of every roller that is there, and of every empty place [rad].
+    #: Angle around the screw of every roller present, and of every empty place [rad].
     roller_angles: tuple[float, ...]
     empty_angles: tuple[float, ...]
     starts: float
@@ -55,34 +55,34 @@ class DrawingDimensions:
     carrier_outer_radius: float | None
     carrier_length: float | None
     carrier_count: int
-    #: Absent where screw and roller have no common normal.
+    #: `None` where screw and roller have no common normal.
     screw_contact: ContactPoint | None
     nut_contact: ContactPoint | None
 
     @property
     def drawn_outer_radius(self) -> float:
-        """Outer radius of the nut, or of the piece of it that is drawn [mm]."""
+        """Outer radius of the nut, or of its drawn piece [mm]."""
         if self.nut_outer_radius is not None:
             return self.nut_outer_radius
         return self.nut_radius + _BROKEN_WALL * self.roller_radius
 
     @property
     def drawn_roller_length(self) -> float:
-        """Length of the roller, or of the piece of it that is drawn [mm]."""
+        """Length of the roller, or of its drawn piece [mm]."""
         if self.roller_length is not None:
             return self.roller_length
         return 16 * self.pitch + 2 * (self.gear_width or 0.0)
 
     @property
     def drawn_nut_length(self) -> float:
-        """Length of the nut, or of the piece of it that is drawn [mm]."""
+        """Length of the nut, or of its drawn piece [mm]."""
         if self.nut_length is not None:
             return self.nut_length
         return 1.3 * self.drawn_roller_length
 
     @property
     def not_given(self) -> tuple[str, ...]:
-        """What the drawing has to leave open, in words."""
+        """Dimensions that the drawing leaves open, in words."""
         lengths = {
             "screw": self.screw_length,
             "roller": self.roller_length,
@@ -97,7 +97,7 @@ def _millimetres(value) -> float | None:
 
 
 def _heights(stage: Stage) -> tuple[float, float, float, float]:
-    """Addenda of screw and roller, dedenda of screw and roller [mm], no tooth past its point."""
+    """Addenda and dedenda of screw and roller [mm], up to those of a pointed tooth."""
     thread = stage.thread
     pointed = 0.98e3 * float(thread.pitch) / 4 / math.tan(float(thread.flank_angle))
     usual = _USUAL_ADDENDUM * pointed
@@ -110,26 +110,26 @@ def _heights(stage: Stage) -> tuple[float, float, float, float]:
 
 
 def roller_places(stage: Stage) -> list[tuple[float, bool]]:
-    """Angle of every roller's place, and whether it is taken."""
+    """Angle of every place of a roller, and whether it has one."""
     unequal = {roller.number: roller for roller in stage.unequal_roller}
-    found = []
+    places = []
     for number in range(1, stage.roller_count + 1):
         angle, roller = 2 * math.pi * (number - 1) / stage.roller_count, unequal.get(number)
         if roller is not None and roller.position_offset is not None:
             angle += float(roller.position_offset)
-        found.append((angle, roller is None or not roller.missing))
-    return found
+        places.append((angle, roller is None or not roller.missing))
+    return places
 
 
 def drawing_dimensions(mechanism: Mechanism, stage: int = 1) -> DrawingDimensions:
-    """Collect what the drawing of a stage shows.
+    """Collect the dimensions for the drawing of a stage.
 
     **Arguments:**
 
     - `mechanism`: the mechanism.
     - `stage`: which stage, counted from 1.
 
-    **Raises:** `ValueError` for a stage that is not there.
+    **Raises:** `ValueError` for a stage that does not exist.
     """
     import equinox as eqx
 
@@ -149,8 +149,8 @@ def drawing_dimensions(mechanism: Mechanism, stage: int = 1) -> DrawingDimension
     places = roller_places(chosen)
     return DrawingDimensions(
         roller_count=chosen.present_roller_count,
-        roller_angles=tuple(angle for angle, there in places if there),
-        empty_angles=tuple(angle for angle, there in places if not there),
+        roller_angles=tuple(angle for angle, present in places if present),
+        empty_angles=tuple(angle for angle, present in places if not present),
         starts=float(thread.starts),
         lead=1e3 * float(thread.lead),
         pitch=1e3 * float(thread.pitch),

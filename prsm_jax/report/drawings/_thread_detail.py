@@ -70,9 +70,9 @@ def draw_thread_detail(sheet: Sheet, dims: DrawingDimensions) -> None:
 
 
 def _contact_marks(sheet: Sheet, dims: DrawingDimensions, between) -> None:
-    """Loaded flanks: of the roller's teeth the right-hand ones at the screw, left-hand at the nut.
+    """Loaded flanks of the roller's teeth: right-hand ones at the screw, left-hand at the nut.
 
-    The contact with the screw lies beside this plane and is shown where it projects.
+    The contact with the screw lies outside this plane and is shown in projection.
     """
     style = {"ls": "", "marker": "o", "ms": 3.2, "mec": "white", "mew": 0.4, "zorder": 5}
     left, right = sheet.axes.get_xlim()
@@ -97,7 +97,7 @@ def _pitch(sheet: Sheet, dims: DrawingDimensions) -> None:
 
 
 def _flank_angle(sheet: Sheet, dims: DrawingDimensions) -> None:
-    """At a screw tooth: between the transverse plane and the flank, drawn on into the body."""
+    """Angle between transverse plane and flank of a screw tooth, extended into the body."""
     from matplotlib.patches import Arc
 
     angle = dims.flank_angle

@@ -77,9 +77,9 @@ def nut_profile(dims: DrawingDimensions, centres):
 def tooth_centres(dims: DrawingDimensions, start: float, end: float, shifted: bool):
     """Axial positions of whole teeth between two ends [mm].
 
-    The roller's single thread shows its teeth towards the nut half a pitch (`shifted`) from those
-    towards the screw; the screw's teeth stand in the gaps of the latter, the nut's in those of
-    the former.
+    The teeth of the roller's single thread towards the nut are half a pitch (`shifted`) from those
+    towards the screw; the screw's teeth lie in the gaps of the latter, the nut's in the gaps of the
+    former.
     """
     shift = 0.5 if shifted else 0.0
     first = math.ceil(start / dims.pitch + 0.5 - shift)

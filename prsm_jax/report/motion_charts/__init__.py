@@ -1,4 +1,4 @@
-"""Charts of what turns: histories, forces, losses, flow of power."""
+"""Charts of motion: histories, forces, losses, power flow."""
 
 from ._efficiency import efficiency_text as efficiency_text, share_text as share_text
 from ._force_orbit import force_orbit as force_orbit

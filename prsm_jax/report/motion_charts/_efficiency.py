@@ -1,4 +1,4 @@
-"""An efficiency as a reader sees it: a percentage, or the state that has none."""
+"""Efficiency as text: a percentage, or the name of a state without efficiency."""
 
 from typing import SupportsFloat
 
@@ -10,9 +10,9 @@ _STATES = {"self_locking": _SELF_LOCKING}
 
 
 def efficiency_text(state: SteadyState) -> str:
-    """The efficiency of a steady state in per cent, or the state where there is none.
+    """The efficiency of a steady state in per cent, or the name of the state if it has none.
 
-    What stands for the efficiency of a thread that locks or jams is a number without meaning.
+    For a thread that locks or jams, the number in `efficiency` has no meaning.
     """
     if not state.has_efficiency:
         name: str = state.result_name
@@ -21,7 +21,7 @@ def efficiency_text(state: SteadyState) -> str:
 
 
 def share_text(efficiency: SupportsFloat) -> str:
-    """An efficiency of a moving mechanism in per cent; below 0 its thread locks."""
+    """An efficiency of a moving mechanism in per cent; below 0 it is self-locking."""
     value = float(efficiency)
     if value != value:
         return "not defined"

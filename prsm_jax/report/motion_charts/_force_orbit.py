@@ -1,4 +1,4 @@
-"""Forces on a roller over time, as they turn and grow in the frame of its carrier."""
+"""Paths of the forces on a roller over time, in the frame of its carrier."""
 
 import math
 from typing import Any
@@ -14,7 +14,7 @@ _NORMAL = (
     ("screw_normal_on_roller", "screw, normal", 1, 0),
     ("nut_on_roller", "nut", 1, 2),
 )
-#: Both ends of a roller together, so that all forces of the picture add up to its inertia.
+#: Sums of both ends of a roller, so that all forces of the picture add up to its inertia force.
 _OTHERS = (
     ("screw_friction_on_roller", "screw, friction", 1, 3),
     ("ring_gear_on_roller", "ring gear, both ends", 2, 4),
@@ -28,14 +28,14 @@ _ROW, _EXTRA = 68.0, 22.0
 def force_orbit(mechanism: Mechanism, run: Transient, forces: BodyForces | None = None) -> Figure:
     """Draw the forces on one roller of every stage, in the frame of its carrier, over time.
 
-    Each curve is the path of the tip of a force, from a hollow dot at the start to a full one in
-    the end, true in direction. On the left the normal forces of the threads in the plane through
-    the axes of screw and roller; on the right all others across the axis.
+    Each curve is the path of the tip of a force, from a hollow dot at the start to a full one at
+    the end, true in direction. On the left are the normal forces of the threads in the plane
+    through the axes of screw and roller, on the right all others in the transverse plane.
 
     **Arguments:**
 
-    - `mechanism`, `run`: what moved, and how.
-    - `forces`: from `body_forces`, if known already.
+    - `mechanism`, `run`: the mechanism and its transient.
+    - `forces`: from `body_forces`, if computed already.
 
     **Returns:** a matplotlib figure; forces in N or kN.
 

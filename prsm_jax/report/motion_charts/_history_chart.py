@@ -1,4 +1,4 @@
-"""Everything a transient says, in time, with the phases shaded in which the mechanism sticks."""
+"""All histories of a transient over time, with shaded phases in which the mechanism sticks."""
 
 import dataclasses
 from collections.abc import Iterable
@@ -14,12 +14,12 @@ from .._style import INK, MUTED, SERIES, Axes, Figure, drawn, page_figure
 _DASHES = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (6, 1.5, 1.5, 1.5)))
 _STICK = "#dfe3e8"
 _ROW, _EXTRA = 33.0, 26.0
-#: Below this share of the largest power an efficiency says nothing.
+#: Below this share of the largest power an efficiency is meaningless.
 _IDLE = 1e-3
 
 
 def travel_of(mechanism: Mechanism, run: Transient) -> np.ndarray:
-    """Travel of the last nut from where it started [m]."""
+    """Travel of the last nut from its start [m]."""
     if run.position is not None:
         return np.asarray(run.position)
     per_radian = float(travel_per_turn(mechanism.stages, len(mechanism.stages)))
@@ -38,13 +38,13 @@ def sticking_phases(run: Transient) -> list[tuple[float, float]]:
     if run.phases is None:
         return []
     start, end, mode = (np.asarray(a) for a in (run.phases.start, run.phases.end, run.phases.mode))
-    kept = (mode == 0) & (end > start)
-    return [(float(a), float(b)) for a, b in zip(start[kept], end[kept], strict=True)]
+    sticking = (mode == 0) & (end > start)
+    return [(float(a), float(b)) for a, b in zip(start[sticking], end[sticking], strict=True)]
 
 
 @dataclasses.dataclass(frozen=True)
 class _History:
-    """One diagram: curves of one quantity [SI], one for each stage or one."""
+    """One diagram: curves of one quantity [SI], one for each stage or a single one."""
 
     name: str
     curves: np.ndarray
@@ -68,7 +68,7 @@ def _stages(name: str, curves: Any, unit: str) -> _History:
 
 
 def _while_moving(run: Transient, curves: Any) -> np.ndarray:
-    """Nothing where the mechanism sticks or stands."""
+    """Curves that are NaN where the mechanism sticks or is at rest."""
     return np.where(np.asarray(run.screw_speed) == 0, np.nan, np.asarray(curves))
 
 
@@ -80,7 +80,7 @@ def _efficiency(mechanism: Mechanism, run: Transient) -> _History:
     )
     share = np.where(power > _IDLE * max(power.max(), 1e-300), np.asarray(run.efficiency), np.nan)
     unit = DisplayUnit("%", 100.0)
-    # While masses are accelerated or give energy back the ratio of powers leaves these limits.
+    # While masses are accelerated or return energy, the ratio of powers leaves these limits.
     return _History("efficiency", share[None], unit, 0, (-5.0, 105.0))
 
 
@@ -107,10 +107,10 @@ def _is_constant(history: _History) -> bool:
 
 @drawn
 def history_chart(mechanism: Mechanism, run: Transient) -> Figure:
-    """Draw speed, travel, torque, load, efficiency, carriers and forces in time.
+    """Draw speed, travel, torque, load, efficiency, carriers and forces over time.
 
-    Phases in which the mechanism sticks are shaded. What does not change is named in the heading
-    instead of being drawn.
+    Phases in which the mechanism sticks are shaded. Quantities that do not change are named in the
+    heading instead of being drawn.
 
     **Arguments:**
 
@@ -137,7 +137,7 @@ def history_chart(mechanism: Mechanism, run: Transient) -> Figure:
         axes.set_xlim(0, time[-1])
     for axes in grid.ravel()[len(shown) :]:
         axes.set_visible(False)
-    # The lowest of each column has the time, also over a place that is empty.
+    # The lowest diagram of each column has the time, also above an empty place.
     for axes in (grid[-1, 0], grid[-1 if len(shown) % 2 == 0 else -2, 1]):
         axes.set_xlabel(f"time in {clock.label}")
         axes.tick_params(axis="x", labelbottom=True)

@@ -1,4 +1,4 @@
-"""Where the power goes: output and every loss by name."""
+"""Power balance: output and every loss by name."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -8,7 +8,7 @@ from ...text import display_unit, in_unit, number
 from .._style import LOSS_COLOURS, MUTED, SERIES, SMALL, Figure, drawn, page_figure, readable
 
 _OUTPUT = "#b8d8c8"
-#: Hatches tell losses apart in print without colour.
+#: Hatches distinguish losses in print without colour.
 _HATCHES = {
     "spin": "////",
     "rolling_hysteresis": "....",
@@ -27,8 +27,8 @@ def loss_style(name: str, index: int = 0) -> dict[str, Any]:
 def loss_chart(states: Mapping[str, SteadyState]) -> Figure:
     """Draw the power balance of one or several steady states.
 
-    Above, output and losses as shares of the power that drives; below, the losses alone in W. When
-    the mechanism locks itself, both ends put power in, and the losses are 100 % of that.
+    Above, output and losses as shares of the input power; below, the losses alone in W. When the
+    mechanism is self-locking, both ends supply power, and the losses are 100 % of it.
 
     **Arguments:**
 

@@ -1,4 +1,4 @@
-"""Where power or energy comes from and where it goes, every loss by name."""
+"""Sources and sinks of power or energy, with every loss by name."""
 
 import dataclasses
 from collections.abc import Mapping
@@ -9,10 +9,10 @@ from ...dynamics import SteadyState, Transient, travel_per_turn
 from ...mechanism import Mechanism
 from ._history_chart import integrated
 
-#: What stays in moving masses is no energy below this share of all that flowed: the trapezoidal
-#: rule leaves so much where they start and end at rest.
+#: Energy that remains in moving masses is ignored below this share of the total flow: the
+#: trapezoidal rule leaves as much where they start and end at rest.
 _ROUNDING = 1e-4
-#: Names of the terms that are no losses.
+#: Names of the terms that are not losses.
 MOTOR, LOAD, KINETIC = "motor", "load", "moving masses"
 BRISTLES = "bristles"
 
@@ -31,10 +31,10 @@ class PowerFlow:
         return sum(self.sources.values(), 0.0)
 
 
-def _flow(given: Mapping[str, tuple[float, float]], unit: str) -> PowerFlow:
-    """From (into the mechanism, out of it) by name."""
-    sources = {name: into for name, (into, _) in given.items() if into > 0}
-    sinks = {name: out for name, (_, out) in given.items() if out > 0}
+def _flow(terms: Mapping[str, tuple[float, float]], unit: str) -> PowerFlow:
+    """Flow from pairs (into the mechanism, out of it) by name."""
+    sources = {name: into for name, (into, _) in terms.items() if into > 0}
+    sinks = {name: out for name, (_, out) in terms.items() if out > 0}
     return PowerFlow(sources, sinks, unit)
 
 
@@ -44,35 +44,35 @@ def steady_flow(state: SteadyState, load_drives: bool = False) -> PowerFlow:
     **Arguments:**
 
     - `state`: the steady state.
-    - `load_drives`: whether it is one in which the load drives the screw back.
+    - `load_drives`: whether the load drives the screw back in this state.
     """
     lost = {name: (0.0, float(power)) for name, power in state.losses.items()}
-    given, useful = float(state.input_power), float(state.output_power)
+    input_power, output_power = float(state.input_power), float(state.output_power)
     driving, driven = (LOAD, MOTOR) if load_drives else (MOTOR, LOAD)
-    # A mechanism that locks itself takes power from both ends.
-    ends = {driving: (given, 0.0), driven: (max(-useful, 0.0), max(useful, 0.0))}
+    # A self-locking mechanism takes power from both ends.
+    ends = {driving: (input_power, 0.0), driven: (max(-output_power, 0.0), max(output_power, 0.0))}
     return _flow({**ends, **lost}, "W")
 
 
 @dataclasses.dataclass(frozen=True)
 class PowerHistory:
-    """Powers in time [W], into the mechanism positive; losses are what they take."""
+    """Powers over time [W], positive into the mechanism; losses are positive as dissipated."""
 
     time: np.ndarray
     motor: np.ndarray
     load: np.ndarray
     losses: Mapping[str, np.ndarray]
-    #: Of the moving masses, positive where they give energy back.
+    #: Power of the moving masses, positive where they return energy.
     kinetic: np.ndarray
-    #: Of the bristles between threads; zero without such a law.
+    #: Power of the bristles between threads; zero without such a law.
     bristles: np.ndarray
 
 
 def power_history(mechanism: Mechanism, run: Transient) -> PowerHistory:
     """Powers of a transient.
 
-    The rate of the kinetic energy is what is left of the balance, whose residual the transient
-    reports.
+    The rate of the kinetic energy is the remainder of the power balance, whose residual the
+    transient reports.
     """
     speed = np.asarray(run.screw_speed)
     travel = float(travel_per_turn(mechanism.stages, len(mechanism.stages)))
@@ -89,9 +89,9 @@ def power_history(mechanism: Mechanism, run: Transient) -> PowerHistory:
 def energy_flow(mechanism: Mechanism, run: Transient) -> PowerFlow:
     """Energy flow of a whole transient [J].
 
-    What the motor gives and what it takes back while it brakes are counted apart, and so for the
-    load. Moving masses count with what is left in them, or taken out of them, in the end, unless
-    that is less than a ten-thousandth of all.
+    Energy that the motor supplies and energy that it takes back while it brakes are counted
+    separately; likewise for the load. Moving masses count with their net gain or loss of energy at
+    the end, unless that is less than a ten-thousandth of the total.
     """
     powers = power_history(mechanism, run)
 

@@ -1,4 +1,4 @@
-"""Power from motor to load as bands whose widths are its shares, and powers stacked in time."""
+"""Power from motor to load as bands with widths to scale, and powers stacked over time."""
 
 from typing import Any
 
@@ -23,7 +23,7 @@ _WORDS = {
     (BRISTLES, True): "from bristles",
     (BRISTLES, False): "into bristles",
 }
-#: Height of everything that flows, and least distance between two lines of words [mm].
+#: Height of the total flow, and least distance between two labels [mm].
 _TALL, _LINE = 46.0, 8.4
 #: Along the page [mm]: words, blocks and trunk from the left.
 _LEFT, _BLOCK, _TRUNK, _RIGHT = 38.0, 3.0, (60.0, 96.0), 136.0
@@ -40,7 +40,7 @@ def _label(name: str, source: bool) -> str:
 
 
 def _spread(heights: list[float]) -> list[float]:
-    """Tops of blocks from the upper edge down, apart enough for their words [mm]."""
+    """Tops of blocks from the upper edge down, with enough space for their labels [mm]."""
     tops, below = [], 0.0
     for height in heights:
         middle = max(below + height / 2, (tops[-1][1] + _LINE) if tops else 0.0)
@@ -51,7 +51,7 @@ def _spread(heights: list[float]) -> list[float]:
 
 @drawn
 def power_flow_chart(flow: PowerFlow, title: str = "Power flow") -> Figure:
-    """Draw a flow from its sources on the left to its sinks on the right, in width to scale.
+    """Draw a flow from its sources on the left to its sinks on the right, with widths to scale.
 
     **Arguments:**
 
@@ -176,9 +176,9 @@ def _band(
 
 @drawn
 def power_history_chart(mechanism: Mechanism, run: Transient) -> Figure:
-    """Draw powers in time: above zero where they go, stacked, below zero where they come from.
+    """Draw stacked powers over time: sinks above zero, sources below zero.
 
-    Both halves have the same height at every moment; that is the power balance.
+    Both halves have the same height at every instant; that is the power balance.
 
     **Arguments:**
 
@@ -197,7 +197,7 @@ def power_history_chart(mechanism: Mechanism, run: Transient) -> Figure:
         BRISTLES: powers.bristles,
     }
     size = max(float(np.abs(p).max()) for p in (*ends.values(), *powers.losses.values()))
-    # Rounding of the balance is no power.
+    # Rounding errors of the balance are not drawn.
     ends = {n: p for n, p in ends.items() if float(np.abs(p).max()) > 1e-6 * max(size, 1e-300)}
     unit, clock = display_unit("W", size), display_unit("s", float(powers.time[-1]))
     time = clock(powers.time)
@@ -223,7 +223,7 @@ def power_history_chart(mechanism: Mechanism, run: Transient) -> Figure:
     axes.set_xlim(0, time[-1])
     axes.set_xlabel(f"time in {clock.label}")
     axes.set_ylabel(f"power in {unit.label}")
-    axes.set_title("Power: where it goes (above zero) and where it comes from (below)")
+    axes.set_title("Power: sinks (above zero) and sources (below)")
     axes.grid(True)
     figure.legend(
         handles=list(handles.values()),

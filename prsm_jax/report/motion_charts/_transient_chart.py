@@ -1,4 +1,4 @@
-"""Efficiency, carrier ratio and drive torque in time."""
+"""Efficiency, carrier ratio and drive torque over time."""
 
 import numpy as np
 
@@ -17,8 +17,8 @@ def settling_time(transient: Transient, tolerance: float = 0.01) -> float | None
     - `transient`: the time histories.
     - `tolerance`: relative to the last value.
 
-    **Returns:** the first sample from which on it holds, or `None` if that is only the last one,
-    so that nothing can be said.
+    **Returns:** time of the first sample from which this holds; `None` if that is the last sample,
+    so that the settling time is unknown.
     """
     ratio = np.asarray(transient.carrier_ratio)
     last = ratio[:, -1:]

@@ -21,28 +21,28 @@ _WIDTH, _HEIGHT = 180.0, 150.0
 _LEFT, _BOTTOM, _RIGHT, _TOP = 17.0, 11.0, 42.0, 9.0
 #: Height of a line of small text [mm].
 _LINE = 3.2
-#: Crossings that are numbered and listed; more would not be read.
+#: Largest number of crossings that are numbered and listed.
 _LISTED = 24
 _COLUMNS = 2
-#: Where the number of a crossing may stand: distance from the dot [points], direction.
+#: Possible positions of the number of a crossing: distance from the dot [points], direction.
 _REACHES = (4.0, 9.0, 14.0, 20.0, 27.0)
 _TURNS = tuple(np.radians([90, 270, 135, 45, 225, 315, 180, 0, 110, 70, 250, 290]))
-#: Lines whose names fit beside the chart.
+#: Number of lines whose names fit beside the chart.
 _NAMED = 36
-#: Lines of the harmonics, in turn.
+#: Line styles of the harmonics, in turn.
 _DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (6, 2, 1, 2)))
 
 
-def _spread(wanted: list[float], step: float, lowest: float, highest: float) -> list[float]:
-    """Places next to the wanted ones, ascending, at least a step apart and inside the range."""
-    places: list[float] = []
-    for value in wanted:
-        places.append(max(value, places[-1] + step if places else lowest))
+def _spread(desired: list[float], step: float, lowest: float, highest: float) -> list[float]:
+    """Positions close to the desired ones, ascending, at least a step apart and in the range."""
+    positions: list[float] = []
+    for value in desired:
+        positions.append(max(value, positions[-1] + step if positions else lowest))
     limit = highest
-    for index in range(len(places) - 1, -1, -1):
-        places[index] = min(places[index], limit)
-        limit = places[index] - step
-    return places
+    for index in range(len(positions) - 1, -1, -1):
+        positions[index] = min(positions[index], limit)
+        limit = positions[index] - step
+    return positions
 
 
 def _in_words(crossing: Crossing) -> str:
@@ -59,8 +59,8 @@ def campbell_chart(campbell: Campbell, max_speed: float) -> Figure:
 
     Both axes are logarithmic, because orders differ by a factor of a hundred: order lines are then
     parallel. Natural frequencies are horizontal lines in the colour of their family; fundamentals
-    are drawn through, harmonics dashed; orders that meet nothing are left out. A full dot is a
-    crossing that the phases of the rollers let the order excite, a ring one that they cancel. The
+    are solid, harmonics dashed; orders without a crossing are left out. A full dot is a crossing
+    that the order excites with the phases of the rollers, a ring one that these phases cancel. The
     first full dots by speed are numbered and listed under the chart.
 
     **Arguments:**
@@ -129,7 +129,7 @@ def campbell_chart(campbell: Campbell, max_speed: float) -> Figure:
 
 
 def _plain_ticks(axis) -> None:
-    """Ticks at 1, 2, 5 in every decade, written out."""
+    """Ticks at 1, 2, 5 in every decade, as plain numbers."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
@@ -138,7 +138,7 @@ def _plain_ticks(axis) -> None:
 
 
 def _draw_orders(axes, lines, excited: set, rpm: float) -> None:
-    """Order lines, their names where they leave the axes on the right."""
+    """Order lines, with their names where they leave the axes on the right."""
     low, high = np.log(axes.get_ylim())
     first = axes.get_xlim()[0]
     for end, _, harmonic in lines:
@@ -165,7 +165,7 @@ def _draw_orders(axes, lines, excited: set, rpm: float) -> None:
 
 
 def _draw_frequencies(axes, campbell: Campbell) -> list:
-    """Horizontal lines with their frequencies at the left; the boxes of the words in pixels."""
+    """Horizontal lines with their frequencies at the left; returns the boxes of these [pixels]."""
     from matplotlib.transforms import Bbox
 
     modes = campbell.modes
@@ -181,9 +181,9 @@ def _draw_frequencies(axes, campbell: Campbell) -> list:
     values = sorted(shown)
     scale = axes.figure.dpi / 72
     step = 8.2 * scale / axes.bbox.height
-    wanted = [(np.log(value) - low) / (high - low) + 0.55 * step for value in values]
+    desired = [(np.log(value) - low) / (high - low) + 0.55 * step for value in values]
     boxes = []
-    for value, place in zip(values, _spread(wanted, step, 0.0, 1.0), strict=True):
+    for value, place in zip(values, _spread(desired, step, 0.0, 1.0), strict=True):
         family, times = shown[value]
         axes.axhline(value, color=FAMILY_COLOURS[family], lw=1.2, zorder=2)
         words = f"{value:,.0f} Hz".replace(",", "\u202f") + (f" ×{times}" if times > 1 else "")
@@ -204,7 +204,7 @@ def _draw_frequencies(axes, campbell: Campbell) -> list:
 
 
 def _place_numbers(axes, points: list[tuple[float, float]], words: list) -> None:
-    """Numbers beside their dots, each where it covers neither words, a number nor a dot."""
+    """Numbers beside their dots, where they cover as few words, numbers and dots as possible."""
     from matplotlib.transforms import Bbox
 
     figure = axes.figure
@@ -214,19 +214,19 @@ def _place_numbers(axes, points: list[tuple[float, float]], words: list) -> None
     taken = words + [Bbox.from_extents(x - half, y - half, x + half, y + half) for x, y in dots]
     for number, (x, y) in enumerate(dots, start=1):
         width, height = (4.7 * len(str(number)) + 1) * scale, 8.0 * scale
-        found = None
+        best = None
         for reach in _REACHES:
             for turn in _TURNS:
                 aside = (reach * scale + width / 2) * np.cos(turn)
                 up = (reach * scale + height / 2) * np.sin(turn)
                 box = Bbox.from_bounds(x + aside - width / 2, y + up - height / 2, width, height)
                 covered = sum(_common(box, other) for other in [*taken, *_outside(axes, box)])
-                if found is None or covered < found[0]:
-                    found = (covered, box, aside / scale, up / scale, reach)
-            if found is not None and found[0] == 0:
+                if best is None or covered < best[0]:
+                    best = (covered, box, aside / scale, up / scale, reach)
+            if best is not None and best[0] == 0:
                 break
-        assert found is not None
-        _, box, aside, up, reach = found
+        assert best is not None
+        _, box, aside, up, reach = best
         taken.append(box)
         far = reach > _REACHES[0]
         pointer = {"arrowstyle": "-", "color": MUTED, "lw": 0.4, "shrinkA": 0, "shrinkB": 2}
@@ -251,7 +251,7 @@ def _common(first, second) -> float:
 
 
 def _outside(axes, box) -> list:
-    """The box itself if it leaves the axes, as if it covered something."""
+    """The box itself if it leaves the axes, which counts as covering something."""
     frame = axes.bbox
     inside = frame.x0 < box.x0 and box.x1 < frame.x1 and frame.y0 < box.y0 and box.y1 < frame.y1
     return [] if inside else [box]

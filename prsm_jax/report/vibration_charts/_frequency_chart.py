@@ -16,16 +16,16 @@ def elastic_modes(modes: Modes) -> tuple[dict[tuple[str, int], tuple[float, int]
     drawing, numbers from 1; and the number of rigid-body modes.
     """
     families, frequencies = modes.families, [float(f) for f in modes.frequencies]
-    found: dict[tuple[str, int], tuple[float, int]] = {}
+    elastic: dict[tuple[str, int], tuple[float, int]] = {}
     for family in _ORDER:
         at, number = 0, 0
         while at < len(families):
             times = modes.multiplicities[at]
             if families[at] == family:
                 number += 1
-                found[family, number] = (frequencies[at], times)
+                elastic[family, number] = (frequencies[at], times)
             at += times
-    return found, families.count("rigid")
+    return elastic, families.count("rigid")
 
 
 @drawn
@@ -33,7 +33,7 @@ def frequency_chart(modes: Mapping[str, Modes]) -> Figure:
     """Draw the natural frequencies of one or several designs as stems on a logarithmic axis.
 
     One row for each mode, by family; designs lie under each other in the row. Rigid-body modes
-    have no place on a logarithmic axis and are counted under it.
+    cannot be shown on a logarithmic axis; their number is given under it.
 
     **Arguments:**
 
@@ -47,20 +47,20 @@ def frequency_chart(modes: Mapping[str, Modes]) -> Figure:
         raise ValueError("frequency_chart needs at least one set of modes")
     designs = {label: elastic_modes(m) for label, m in modes.items()}
     rows = sorted(
-        {key for found, _ in designs.values() for key in found},
+        {key for elastic, _ in designs.values() for key in elastic},
         key=lambda key: (_ORDER.index(key[0]), key[1]),
     )
-    every = [f for found, _ in designs.values() for f, _ in found.values()]
+    every = [f for elastic, _ in designs.values() for f, _ in elastic.values()]
     step = 3.6 * len(designs) + 2.4
     figure = page_figure(step * len(rows) + 26)
     axes = figure.add_subplot()
     axes.set_xscale("log")
     axes.set_xlim(min(every) / 2.5, max(every) * 5)
     for index, (family, number) in enumerate(rows):
-        for turn, (found, _) in enumerate(designs.values()):
-            if (family, number) not in found:
+        for turn, (elastic, _) in enumerate(designs.values()):
+            if (family, number) not in elastic:
                 continue
-            value, multiplicity = found[family, number]
+            value, multiplicity = elastic[family, number]
             y = index + (turn - (len(designs) - 1) / 2) * 3.6 / step
             last = turn == len(designs) - 1
             colour = FAMILY_COLOURS[family]

@@ -28,15 +28,15 @@ _ENLARGED = 2
 def frequency_loci_chart(loci: FrequencyLoci) -> Figure:
     """Draw natural frequencies against a parameter.
 
-    Curves of one family never cross: where they come close they veer, and the closest such places
-    are enlarged beside the chart. Without symmetry every curve has the mixture of the families'
-    colours that its shape has.
+    Curves of one family never cross: where they come close they veer, and the closest veerings are
+    enlarged beside the chart. Without symmetry the colour of every curve mixes the colours of the
+    families in the proportions of its shape.
 
     **Arguments:**
 
     - `loci`: the curves, from `frequency_loci`.
 
-    **Returns:** a matplotlib figure; the parameter in the unit that suits it, frequencies in Hz or
+    **Returns:** a matplotlib figure; the parameter in a suitable unit, frequencies in Hz or
     kHz. Rigid motions are left out; so are values at which the thread does not mesh.
 
     **Raises:** `ValueError` if no value gives a frequency; `MissingExtraError` without matplotlib.
@@ -72,11 +72,11 @@ def frequency_loci_chart(loci: FrequencyLoci) -> Figure:
 
 
 def _equal_ratios(values: np.ndarray) -> bool:
-    """Whether the values were chosen for a logarithmic axis."""
+    """Whether the values have equal ratios, as chosen for a logarithmic axis."""
     if (values <= 0).any() or len(values) < 3:
         return False
     ratios = values[1:] / values[:-1]
-    # A single step may be off by rounding only; equal differences over a narrow range are not.
+    # Ratios may differ by rounding only; equal differences over a narrow range do not pass.
     return bool(np.ptp(ratios) < 1e-6 * abs(ratios[0] - 1))
 
 
@@ -119,7 +119,7 @@ def _curves(axes: Axes, loci: FrequencyLoci, unit: DisplayUnit, hertz: DisplayUn
 
 
 def _mixed(axes: Axes, xs: np.ndarray, ys: np.ndarray, shares: np.ndarray, marks: bool) -> None:
-    """A curve in pieces, each in the mixture of colours of its shape."""
+    """A curve in pieces, each in the mixed colour of its shape."""
     from matplotlib.collections import LineCollection
     from matplotlib.colors import to_rgb
 
@@ -145,18 +145,18 @@ def _enlarge(
     hertz: DisplayUnit,
     index: int,
 ) -> None:
-    """The surroundings of the place where two curves veer, and a frame around it in the chart."""
+    """An enlarged view of the veering of two curves, and its frame in the chart."""
     from matplotlib.patches import Rectangle
 
     rows = np.asarray(loci.frequencies[veering.family])
     low, high = rows[:, veering.lower], rows[:, veering.lower + 1]
     values, gap = np.asarray(loci.values), high - low
-    # As far as the curves have parted to twice their least distance, alike on both sides.
-    away = np.abs(values - values[veering.at])
-    parted = away[gap > 2 * gap[veering.at]]
-    reach = float(parted.min()) if parted.size else float(away.max())
-    reach = max(reach, 1.01 * float(np.sort(away)[min(4, len(away) - 1)]))
-    near = away <= reach
+    # Up to where the curves are twice their least distance apart, equal on both sides.
+    distance = np.abs(values - values[veering.at])
+    separated = distance[gap > 2 * gap[veering.at]]
+    reach = float(separated.min()) if separated.size else float(distance.max())
+    reach = max(reach, 1.01 * float(np.sort(distance)[min(4, len(distance) - 1)]))
+    near = distance <= reach
     bottom, top = float(low[near].min()), float(high[near].max())
     margin = 0.12 * (top - bottom)
     _curves(axes, loci, unit, hertz)

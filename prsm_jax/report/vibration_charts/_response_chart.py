@@ -10,9 +10,9 @@ from ...vibration import Modes
 from .._style import FAINT, FAMILY_COLOURS, INK, SERIES, Figure, drawn, page_figure
 
 _HEIGHT = 120.0
-#: Line styles, so that several responses are told apart without colour.
+#: Line styles, to distinguish several responses without colour.
 _DASHES = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (5, 1.5, 1, 1.5)))
-#: What is this far below the largest value is not shown [dB].
+#: Values this far below the largest one are not shown [dB].
 _DEPTH = 180.0
 
 
@@ -20,11 +20,11 @@ _DEPTH = 180.0
 def response_chart(
     responses: Mapping[str, FrequencyResponse], modes: Modes | None = None
 ) -> Figure:
-    """Draw the magnitude and the phase of one or several frequency responses over each other.
+    """Draw the magnitude and the phase of one or several frequency responses in one chart.
 
     Magnitude in dB re 1 SI unit (1 m/N for a receptance), phase in degrees. The frequency axis is
-    logarithmic unless it starts at zero. What is infinite, at a pole of an undamped system, leaves
-    a gap.
+    logarithmic unless it starts at zero. Infinite values, at the poles of an undamped system, leave
+    gaps.
 
     **Arguments:**
 
@@ -38,21 +38,21 @@ def response_chart(
     """
     if not responses:
         raise ValueError("response_chart needs at least one response")
-    kinds = {found.kind for found in responses.values()}
+    kinds = {response.kind for response in responses.values()}
     if len(kinds) > 1:
         raise ValueError(f"the responses are of kinds {', '.join(sorted(kinds))}; draw one kind")
     first = next(iter(responses.values()))
     figure = page_figure(_HEIGHT)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2.2, 1))
     highest = -np.inf
-    for index, (label, found) in enumerate(responses.items()):
-        hertz, size = np.asarray(found.frequency), np.array(found.decibel)
-        angle = np.degrees(np.asarray(found.phase))
+    for index, (label, response) in enumerate(responses.items()):
+        hertz, size = np.asarray(response.frequency), np.array(response.decibel)
+        angle = np.degrees(np.asarray(response.phase))
         size[~np.isfinite(size)] = np.nan
         if np.isnan(size).all():
             raise ValueError(
-                f"nothing moves at {found.response} under a force at {found.excitation}; by "
-                "symmetry some pairs do not feel each other: choose another pair"
+                f"nothing moves at {response.response} under a force at {response.excitation}; "
+                "symmetry decouples some pairs: choose another pair"
             )
         highest = max(highest, float(np.nanmax(size)))
         style: dict[str, Any] = {
@@ -62,7 +62,7 @@ def response_chart(
         }
         upper.plot(hertz, size, label=label, zorder=3, **style)
         lower.plot(hertz, _without_jumps(angle), zorder=3, **style)
-    hertz = np.concatenate([np.asarray(found.frequency) for found in responses.values()])
+    hertz = np.concatenate([np.asarray(response.frequency) for response in responses.values()])
     if hertz.min() > 0:
         upper.set_xscale("log")
     upper.set_xlim(hertz.min(), hertz.max())
@@ -76,7 +76,7 @@ def response_chart(
     lower.xaxis.set_major_formatter(lambda value, _: f"{value:,.0f}".replace(",", " "))
     for axes in (upper, lower):
         axes.grid(axis="both", which="major", color=FAINT)
-    pairs = {(found.excitation, found.response) for found in responses.values()}
+    pairs = {(response.excitation, response.response) for response in responses.values()}
     title = f"{first.response} under a force at {first.excitation}" if len(pairs) == 1 else ""
     upper.set_title(title or "Frequency responses")
     inside = None
@@ -85,7 +85,7 @@ def response_chart(
         inside.get_frame().set_edgecolor("none")
     handles = [] if modes is None else _mark(upper, lower, modes)
     if handles and inside is not None:
-        # A second legend takes the place of the first, unless that is kept by itself.
+        # A second legend replaces the first unless that is added as an artist.
         upper.add_artist(inside)
     if handles:
         upper.legend(
@@ -100,7 +100,7 @@ def response_chart(
 
 
 def _without_jumps(angle: np.ndarray) -> np.ndarray:
-    """Phases with a gap where they wrap from −180° to 180°, which is no motion at all."""
+    """Phases with a gap where they wrap from −180° to 180°, which is not a real change."""
     angle = angle.astype(float)
     angle[1:][np.abs(np.diff(angle)) > 300] = np.nan
     return angle
