@@ -32,8 +32,8 @@ mechanism = prsm.load("actuator")
 report.cross_section({"as it is": mechanism})
 
 # %% [markdown]
-# Everything is a frozen pytree of numbers in SI units. What the file did not mention is `None`, and
-# none of it is computed. Does the mechanism fit together?
+# Everything is a frozen pytree of numbers in SI units. Parts that are not in the file are `None`
+# and are not computed. Does the mechanism fit together?
 
 # %%
 for finding in prsm.check(mechanism):
@@ -86,7 +86,7 @@ print(f"d efficiency / d contact angle {float(np.radians(thread.contact_angle)):
 print(f"d efficiency / d friction      {float(slope.stages[0].friction.thread.coefficient):+.3f}")
 
 # %% [markdown]
-# and the same as a table, for the quantities that a designer asks about:
+# The same as a chart, for the quantities that interest a designer:
 
 # %%
 names = [variable.name for variable in mechanism.design_problem.variables]
@@ -105,8 +105,8 @@ print(best)
 assert best.converged
 
 # %% [markdown]
-# It is better in every respect that was asked for: the first design broke four of the limits. What
-# holds it back is named, with what a little more of it would be worth.
+# It is better in every requested respect: the first design violated four of the limits. The
+# constraints that limit the optimum are listed, with the gain from a slightly wider limit.
 
 # %%
 for constraint in best.constraints:
@@ -119,8 +119,8 @@ report.cross_section({"before": mechanism, "after": best.mechanism})
 
 # %% [markdown]
 # ## Around the optimum
-# A sweep over lead and contact angle, everything else as in the optimum: inside the limits on
-# pressure and torque (the rest is left white) nothing is better.
+# A sweep over lead and contact angle, everything else as in the optimum: no design inside the
+# limits on pressure and torque is better (all others are left white).
 
 # %%
 data = prsm.sweep(

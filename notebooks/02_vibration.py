@@ -49,21 +49,20 @@ report.mode_shapes(mechanism, modes)
 
 # %% [markdown]
 # Torsional modes turn all rollers alike. Transverse ones move the bodies on the axis sideways and
-# come in pairs, one for x and one for y. In roller modes nothing but rollers moves, and the
-# carrier has a mode of its own. The multiplicities 1, 2 and N − 3 follow from the symmetry; no
-# tolerance decides what is repeated.
+# come in pairs, one for x and one for y. In roller modes only the rollers move, and the carrier has
+# a mode of its own. The multiplicities 1, 2 and N − 3 follow from the symmetry; no tolerance
+# decides which roots are repeated.
 #
-# Every body is drawn to one scale, and at rest in grey. The factor is that of the displacements at
-# which the mode holds 1 mJ, so a small factor means a soft mode. Moving pictures are clearer
-# still:
+# All bodies are drawn to one scale, and at rest in grey. The factor magnifies the displacements at
+# which the mode holds 1 mJ, so a small factor means a soft mode. Animations are clearer still:
 
 # %%
 folder = tempfile.mkdtemp()
 Image(report.save_mode_animation(f"{folder}/mode", mechanism, modes, 5, frames=16).read_bytes())
 
 # %% [markdown]
-# What holds a mode? The lowest one is a mode of the supports: a designer who wants it higher need
-# not look at the threads.
+# Which springs hold a mode? The lowest mode is one of the supports: to raise its frequency, a
+# designer need not change the threads.
 
 # %%
 strain = modes.strain_energy_shares()
@@ -75,8 +74,9 @@ for k in (0, 2, 4, 6, 7, 8, 10, 14, 15):
 
 # %% [markdown]
 # ## Which curves cross, and which veer
-# Modes of different families do not feel each other, so their frequencies cross. Two of one family
-# approach, exchange their shapes and part. Following each family by itself keeps the curves whole.
+# Modes of different families are not coupled, so their frequencies cross. Two modes of one family
+# approach, exchange their shapes and separate. Each family is followed by itself, so curves are not
+# mixed up at crossings.
 
 # %%
 loci = prsm.frequency_loci(
@@ -87,8 +87,8 @@ report.frequency_loci_chart(loci)
 # %% [markdown]
 # ## Derivatives where roots repeat
 # Let roller 3 wear: its contacts become softer by a share $t$. At $t = 0$ the stage is symmetric
-# and has double and fourfold roots, which the wear splits. First the plain way, as anyone would
-# write it: the mass-scaled matrix and a dense eigensolver.
+# and has double and fourfold roots, which the wear splits. First the plain, usual way: the
+# mass-scaled matrix and a dense eigensolver.
 
 # %%
 system = modes.system
@@ -132,11 +132,11 @@ for row in zip(
     print("{:9.1f} {:8.1f} {:12.1f} {:8.1f} {:17.1f} {:8.1f}".format(*cells))
 
 # %% [markdown]
-# The plain slopes of the double and the fourfold roots belong to whatever vectors the eigensolver
-# happened to return. They look harmless and they are wrong; only their sums over a root are right.
-# Here they follow from the small eigenproblem $\Phi^T(K' - \lambda M')\Phi$ in the subspace of the
-# root, and agree with differences on both sides. `jax.grad` of `dense_modes` gives what does exist
-# in every direction, the mean over the root.
+# The plain slopes of the double and the fourfold roots depend on the vectors that the eigensolver
+# happened to return. They look plausible but are wrong; only their sums over a root are right. Here
+# they follow from the small eigenproblem $\Phi^T(K' - \lambda M')\Phi$ in the subspace of the root,
+# and agree with differences on both sides. `jax.grad` of `dense_modes` gives the derivative that
+# exists in every direction: the mean over the root.
 
 # %%
 error = jnp.abs(ours.forward - forward).max(), jnp.abs(ours.backward - backward).max()
@@ -150,10 +150,10 @@ assert max(error) < 0.1
 assert abs(means[10] - forward[10:14].mean()) < 0.1
 
 # %% [markdown]
-# Anything with eigenvectors is worse. Take the share of the strain energy of the lowest transverse
-# pair that is in the nut's threads. It is the same whatever pair of vectors is chosen, and smooth,
-# but the plain derivative divides by the gap between two equal roots. Here no shape turns within
-# its cluster, so nothing is divided by zero.
+# Derivatives through eigenvectors are worse. An example is the share of the strain energy of the
+# lowest transverse pair that is in the nut's threads. It is smooth and does not depend on the
+# chosen pair of vectors, but the plain derivative divides by the gap between two equal roots. Here
+# shapes do not rotate within their cluster, so there is no division by zero.
 
 # %%
 springs = spring_network(system).springs
@@ -195,7 +195,7 @@ print(f"d f / d nut support: {float(supports.radial_stiffness) * 1e6:.3f} Hz per
 
 # %% [markdown]
 # ## Rollers that differ, are missing, or move sideways
-# A file may say so. Two rollers are enough to see what symmetry was worth: every pair has split,
+# A file can define this. Two such rollers are enough to break the symmetry: every pair has split,
 # and modes that were pure are mixed.
 
 # %%
@@ -216,8 +216,9 @@ mixed = modal(damaged, shapes=True)
 report.mode_shapes(damaged, mixed)
 
 # %% [markdown]
-# Each curve has at every point the mixture of the families' colours that its shape has. The green
-# one that climbs is roller 2 by itself, which meets one family after the other.
+# The colour at each point of a curve mixes the colours of the families as its shape mixes the
+# families. The green curve that rises is roller 2 by itself, which meets one family after the
+# other.
 
 # %%
 worn_roller = prsm.frequency_loci(
@@ -226,8 +227,8 @@ worn_roller = prsm.frequency_loci(
 report.frequency_loci_chart(worn_roller)
 
 # %% [markdown]
-# Table 4 of the paper lists a bending stiffness of the roller that its model never uses. Given as
-# the stiffness of the roller's pins it lets rollers move in translation, as planets do in a gear:
+# Table 4 of the paper lists a bending stiffness of the roller that its model never uses. If it is
+# given as the stiffness of the roller's pins, rollers move in translation, like planets in a gear:
 
 # %%
 moving = prsm.loads(text + '\n[stage.roller.support]\nradial_stiffness = "2.199e5 N/m"\n')
@@ -237,8 +238,8 @@ print(", ".join(f"{free.frequencies[k]:.0f} {free.families[k]}" for k in range(5
 
 # %% [markdown]
 # ## Forced vibration
-# With 1 % of critical damping in every mode: the nut's answer to a torque and to a sideways force
-# at the screw. A torque finds the torsional modes only.
+# The response of the nut to a torque and to a sideways force at the screw, with 1 % of critical
+# damping in every mode. A torque excites the torsional modes only.
 
 # %%
 hertz = jnp.geomspace(100.0, 5e4, 2000)
@@ -283,7 +284,7 @@ for row in rows:
         print(f"{row.item.split(': ')[1]}: {row.computed:+.1f} {row.unit}")
 
 # %% [markdown]
-# The parameters of Table 4 have faults as well, which `prsm.check` finds in anybody's file:
+# The parameters of Table 4 have faults as well, which `prsm.check` finds in any file:
 
 # %%
 for finding in prsm.check(mechanism):

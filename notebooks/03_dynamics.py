@@ -43,16 +43,16 @@ print(f"efficiency {100 * steady.efficiency:.2f} %, torque {steady.drive_torque:
 print("carrier over screw speed:", ", ".join(f"{r:.6f}" for r in steady.carrier_ratio))
 
 # %% [markdown]
-# The steady state is algebra: the carriers turn as fast as the geometry of the contacts makes them,
-# whatever the friction. Where does the power of the motor go?
+# The steady state is algebra: the geometry of the contacts determines the speed of the carriers,
+# independently of the friction. Where does the power of the motor go?
 
 # %%
 report.power_flow_chart(report.steady_flow(steady), "Power in the steady state")
 
 # %% [markdown]
 # ## How the rollers come up to speed
-# The screw turns at full speed from the start, the rollers stand. Friction drives them: each
-# carrier settles within a fraction of a millisecond, first that of stage 1, and the efficiency
+# The screw turns at full speed from the start, while the rollers are at rest. Friction drives them:
+# each carrier settles within a fraction of a millisecond, first that of stage 1, and the efficiency
 # rises in two steps.
 
 # %%
@@ -63,9 +63,9 @@ print(run.solver.name, "-", choose_method(mechanism, scene).reason)
 report.history_chart(mechanism, run)
 
 # %% [markdown]
-# The ring gear changes the tooth flank on the way: its force goes through zero. The path of the
-# forces on one roller shows why. At first friction pulls the roller along; once it rolls, what is
-# left of the friction points outwards, and the pins of the carrier hold against it.
+# Meanwhile the contact in the ring gear changes to the other tooth flank: its force goes through
+# zero. The path of the forces on one roller shows why. At first friction pulls the roller along;
+# once it rolls, the remaining friction points outwards, and the pins of the carrier balance it.
 
 # %%
 report.force_orbit(mechanism, run)
@@ -77,7 +77,8 @@ Image(report.save_motion_animation(f"{folder}/motion", mechanism, run, frames=30
 # %% [markdown]
 # ## Which solver, and how wrong is it?
 # At constant speed and load Coulomb friction has a solution in closed form, which makes the true
-# error of every integrator visible. Nominal tolerances say little: these are all asked for 10⁻⁶.
+# error of every integrator visible. The tolerance alone says little about the error: all of these
+# runs use 10⁻⁶.
 
 # %%
 exact = simulate(mechanism, scene, method="closed_form").carrier_ratio
@@ -88,13 +89,13 @@ for method in ("explicit", "rosenbrock"):
     print(f"{other.solver.name:24} {int(other.solver.steps):6d}   {error:.1e}")
 
 # %% [markdown]
-# Left alone, `simulate` chooses by the scene, and `choose_method` says why. For the mission below,
-# seconds against carriers that settle in microseconds, it takes quasi-steady carriers: it
-# integrates nothing and estimates what that neglects.
+# By default, `simulate` chooses a method for the scenario, and `choose_method` says why. The
+# mission below lasts seconds and carriers settle in microseconds, so it takes quasi-steady
+# carriers: it integrates nothing and estimates the resulting error.
 #
 # ## A mission with reversals
-# Forth and back, three times, as fast as limits of speed, acceleration and jerk allow, against a
-# spring and a mass: the load drives on the way back.
+# Forth and back, twice, as fast as limits of speed, acceleration and jerk allow, against a spring
+# and a mass: the load drives on the way back.
 
 # %%
 move = SCurveMoveProfile(
@@ -139,9 +140,9 @@ report.history_chart(mechanism, stuck)
 
 # %% [markdown]
 # ## Derivatives
-# Of the efficiency, of the largest contact force of stage 1, of the time in which carrier 2 comes
-# within 1 % of its speed, and of the energy lost while they settle: by forward mode, against
-# central differences. Peak and settling time are smooth functions of the samples.
+# Forward mode is compared with central differences for the efficiency, the largest contact force of
+# stage 1, the time in which carrier 2 comes within 1 % of its speed, and the energy lost while the
+# carriers settle. Peak and settling time are smooth functions of the samples.
 
 # %%
 NAMES = ("stage.1.lead", "stage.2.lead", "stage.2.carrier.inertia", "stage.2.spline.coefficient")
@@ -186,8 +187,8 @@ assert wrong.max() < 1e-4
 
 # %% [markdown]
 # ## Many designs at once
-# One compiled program for 1,600 designs: how friction in the threads and the split of the lead
-# decide how long the mechanism takes to settle.
+# One compiled program computes 1,600 designs: it shows how the settling time depends on thread
+# friction and on the split of the lead.
 
 # %%
 friction, first_lead = np.linspace(0.05, 0.2, 40), np.linspace(5e-3, 15e-3, 40)
@@ -216,10 +217,10 @@ report.sweep_map(
 
 # %% [markdown]
 # ## Improving a design with its gradient
-# Which flank angles lose least energy in the mission? For two angles forward mode is the cheaper
-# way through the whole mission, and a quasi-Newton method needs a handful of steps. One plain
-# stage has its best angle at $45° - \tfrac12\arctan\mu$ when the screw drives, and at
-# $45° + \tfrac12\arctan\mu$ when the load does; this mission has both.
+# Which flank angles lose least energy in the mission? For two angles forward mode is cheaper than
+# reverse mode, and a quasi-Newton method needs a few steps. A single stage has its best angle at
+# $45° - \tfrac12\arctan\mu$ when the screw drives, and at $45° + \tfrac12\arctan\mu$ when the load
+# does; this mission has both.
 
 # %%
 short = dataclasses.replace(mission, samples=101)

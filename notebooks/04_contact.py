@@ -14,10 +14,10 @@
 # %% [markdown]
 # # Contact: from closed forms to true surfaces, shared loads, strength and life
 #
-# Every number of a roller screw goes through contacts of a fraction of a millimetre. Hertz theory
-# answers in a closed form; where a flank ends, where threads share unequally or where rings touch
-# along a line, more is needed. One mechanism shows it all: an actuator of 10 rollers with 20 loaded
-# threads each, under 12 kN.
+# The whole load of a roller screw passes through contacts of a fraction of a millimetre. Hertz
+# theory gives a closed form; where a flank ends, where threads share the load unequally or where
+# rings touch along a line, more is needed. One mechanism shows it all: an actuator of 10 rollers
+# with 20 loaded threads each, under 12 kN.
 
 # %%
 import dataclasses
@@ -64,16 +64,17 @@ for method in ("antoine", "power", "lisowski", "hamrock_brewe", "hamrock_brewe_l
 # %% [markdown]
 # ## Below the surface
 # Rolling contacts fail where the shear stress is largest, below the surface: a hardened layer must
-# be deeper than that. Friction moves the maximum upwards and adds a tension at the trailing edge.
+# be deeper than this place. Friction moves the maximum upwards and adds a tension at the trailing
+# edge.
 
 # %%
 report.subsurface_chart(pair.screw.hertz, stage.material.poisson_ratio, friction=0.2)
 
 # %% [markdown]
 # ## True flanks
-# The same contact solved on a grid, with the exact gap of two helicoids. On whole, smooth flanks
-# Hertz theory is right to a part in a thousand. A low crest cuts the contact off, and the pressure
-# piles up at its edge, rounded here by 0.1 mm.
+# The same contact solved on a grid, with the exact gap of two helicoids. On complete, smooth flanks
+# Hertz theory is accurate to one part in a thousand. A low crest cuts the contact off, and the
+# pressure rises at its edge, which is rounded here by 0.1 mm.
 
 # %%
 solve = eqx.filter_jit(
@@ -92,8 +93,8 @@ report.pressure_map({"whole flank": whole, "crest 0.08 mm high": cut})
 # %% [markdown]
 # ## Threads and rollers share the load
 # Shafts stretch and are compressed, so the threads at the ends carry more than those in the middle.
-# The nut here is in two halves, braced against each other: no backlash, and the opposite flanks of
-# one half unload as the load grows. Past the opening load the nut is softer.
+# The nut here has two halves that are preloaded against each other: there is no backlash, and the
+# opposite flanks of one half unload as the load grows. Above the opening load the nut is softer.
 
 # %%
 braced = prsm.load("actuator_load_sharing")
@@ -117,9 +118,9 @@ assert abs(work - stored) < 1e-3 * stored
 # %% [markdown]
 # ## Rings in line contact
 # Rollers of rings touch the screw along a line. In every slice the gap is a parabola, and every
-# slice a Hertz line contact. Flanks with the same profile angle are not parallel, because the
-# screw's has a lead: the load goes to one end, and tenths of a degree decide the pressure.
-# All of it can be differentiated: these are exact sensitivities of the largest pressure.
+# slice is a Hertz line contact. Flanks with the same profile angle are not parallel, because the
+# screw's has a lead: the load goes to one end, and tenths of a degree decide the pressure. All of
+# it can be differentiated: these are exact sensitivities of the largest pressure.
 
 # %%
 rings = prsm.load("ring_roller").stages[0]
@@ -158,8 +159,8 @@ report.life_chart(
 )
 
 # %% [markdown]
-# What a design variable does to the life is one gradient: life goes with a high power of pressure
-# and stress, so small changes count.
+# One gradient shows how the design variables change the life: life depends on a high power of
+# pressure and stress, so small changes matter.
 
 # %%
 life = jax.jit(jax.grad(lambda m: jnp.log(prsm.compute(m, ["rating_life"])["rating_life"][0])))

@@ -14,9 +14,9 @@
 # %% [markdown]
 # # Accuracy and speed: what does a digit cost?
 #
-# An approximation saves time and costs digits; a tolerance does; single precision does. Which of
-# them is worth it? `prsm bench` measures every method of this package and its rivals against
-# references of higher precision, and writes them into one JSON, which this notebook reads. Then it
+# Approximations, loose tolerances and single precision save time and cost digits. Which of them are
+# worth it? `prsm bench` measures every method of this package and its rivals against references of
+# higher precision, and writes the results into one JSON file, which this notebook reads. Then it
 # measures three things itself.
 
 # %%
@@ -41,7 +41,7 @@ for case in results["cases"]:
 
 # %% [markdown]
 # ## Do the defaults lie on the front?
-# A method is worth having if none is both faster and as accurate. Of the defaults these are:
+# A method is on the front if no other is both faster and as accurate. Defaults on the front:
 
 # %%
 rows = [(key, row) for key, p in problems.items() for row in p["results"] if row["default"]]
@@ -87,16 +87,17 @@ def chart(case, problem):
 chart("hertz", "range")
 
 # %% [markdown]
-# **Answer for contacts:** exact theory costs what the approximations cost. Integrated transients
-# are another matter: each digit costs steps, and where the closed form applies it beats them all.
+# **Answer for contacts:** exact theory costs as much as the approximations. Integrated transients
+# are different: each digit costs steps, and where the closed form applies it is better than all of
+# them.
 
 # %%
 chart("transient", "settle")
 
 # %% [markdown]
 # ## One at a time, or many at once?
-# A call from Python costs some tens of microseconds, whatever it calculates. Efficiency of a
-# design, in batches of growing size, on this machine:
+# A call from Python costs some tens of microseconds, whatever it calculates. The chart shows the
+# run time of the efficiency of a design, in batches of growing size, on this machine:
 
 # %%
 mechanism = prsm.load("wu2022")
@@ -138,9 +139,9 @@ line(sizes, each, "designs in a batch", "run time per design [µs]", "Efficiency
 # **Answer:** map over hundreds or thousands of designs at once.
 #
 # ## Exact derivatives, or differences?
-# The error of central differences falls with the square of the step until rounding takes over.
-# There is a best step, it is another one for each quantity, and it gives eight or nine digits.
-# Automatic differentiation has no step.
+# The error of central differences falls with the square of the step until rounding takes over. The
+# best step is different for each quantity, and it gives eight or nine digits. Automatic
+# differentiation has no step.
 
 # %%
 slope = jax.jit(jax.grad(efficiency))
@@ -172,5 +173,4 @@ assert abs(pair[1] / pair[0] - 1) < 1e-5
 
 # %% [markdown]
 # **What to choose when:** the defaults first. Batches for sweeps, exact derivatives always,
-# approximations where a published formula is to be reproduced, single precision for maps of very
-# many designs.
+# approximations to reproduce a published formula, single precision for maps of very many designs.

@@ -1,9 +1,9 @@
-"""An approximation of the contact ellipse: a circle, for contacts that are nearly one."""
+"""An approximation of the contact ellipse: a circle, for contacts that are nearly circular."""
 
 import jax.numpy as jnp
 
 
 def circle(anisotropy):
-    """κ = 1 and K = E = π/2 whatever the curvatures: exact for a ball on a plane only."""
+    """κ = 1 and K = E = π/2 for any curvatures: exact for a ball on a plane only."""
     one = jnp.ones_like(anisotropy)
     return one, jnp.pi / 2 * one, jnp.pi / 2 * one

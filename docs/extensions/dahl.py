@@ -1,4 +1,4 @@
-"""A friction law with a state: Dahl's, a contact that is a spring until it slips."""
+"""A friction law with a state: Dahl's, a contact that acts as a spring until it slips."""
 
 import jax.numpy as jnp
 
@@ -9,7 +9,7 @@ from prsm_jax.friction import StatefulFrictionLaw
 
 @friction_law("dahl")
 class DahlFriction(StatefulFrictionLaw):
-    """Force per normal force σ z with ż = v − σ |v| z/μ (Dahl 1968); steady slip is Coulomb's."""
+    """Force per normal force σ z, ż = v − σ |v| z/μ (Dahl 1968); Coulomb's law in steady slip."""
 
     coefficient: Scalar = number("1", "friction coefficient, μ")
     stiffness: Scalar = number("1/m", "stiffness per normal force, σ")
@@ -26,7 +26,7 @@ class DahlFriction(StatefulFrictionLaw):
         relative = self.stiffness / self.coefficient * contact.deflection
         if contact.held is None:
             return contact.slip - speed * relative
-        # An ellipse that spins holds less along its slip, and settles the faster for it.
+        # Spin reduces the friction along the slip, and the deflection settles faster.
         length = jnp.sqrt(jnp.sum(contact.held**2) + 1e-30)
         return speed / length * (contact.held - relative)
 

@@ -10,8 +10,8 @@ from prsm_jax.fields import NOT_NEGATIVE, Scalar, number
 class SolidLubricantFriction(FrictionLaw):
     """A film of constant shear strength (MoS₂): μ = τ₀/p̄ + α with the mean pressure p̄ = 2/3 p₀.
 
-    Bowden and Tabor 1950. Higher pressure means less friction. Next to no load the film no longer
-    covers the contact: below ten times its strength the pressure counts as that.
+    Bowden and Tabor 1950. Higher pressure means less friction. At very small loads the film no
+    longer covers the contact: a mean pressure below ten times its strength is raised to that.
     """
 
     asks = ("pressure",)

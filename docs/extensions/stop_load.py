@@ -1,4 +1,4 @@
-"""A load of the nut's motion: a spring and a damper that the nut meets at a position."""
+"""A load that depends on the nut's motion: a stop with a spring and a damper."""
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -7,7 +7,7 @@ from prsm_jax.fields import Scalar, number
 
 
 class StopLoad(eqx.Module):
-    """A constant load, and past a position a stop of rubber."""
+    """A constant load and, beyond a position, a stop of rubber."""
 
     load: Scalar = number("N", "load before the stop")
     position: Scalar = number("m", "position of the nut at which it meets the stop")

@@ -229,7 +229,7 @@ CLAIMS += [
     Claim(HERTZ, "from {} on the maximum is at the trailing edge", _edge_friction),
     Claim(HERTZ, "by about $L/(2\\pi d\\tan j)$ ({}° in the example)", _moved),
     Claim(HERTZ, "the gap opens by {} µm over 2 mm", lambda: _opening()[:1]),
-    Claim(HERTZ, "and {} % of the zone carries everything", lambda: _opening()[1:]),
+    Claim(HERTZ, "and {} % of the zone carries the whole load", lambda: _opening()[1:]),
     Claim(HERTZ, "$\\tan^2 k = \\tan^2 j + \\tan^2\\psi$ ({}°)", _matched),
     Claim(
         HERTZ,

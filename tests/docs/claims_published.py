@@ -267,7 +267,7 @@ CLAIMS += [
     ),
     Claim(PAGE, "with {} instead of {} rad/s²", _equation_17),
     Claim(PAGE, "an efficiency of {}, or of {} with all rollers", _equation_23),
-    Claim(PAGE, "which costs {} to {} %.", _second_form),
+    Claim(PAGE, "which gives an error of {} to {} %.", _second_form),
     Claim(
         PAGE,
         "({}, {} and {} MPa for 999, 1259 and 1585)",

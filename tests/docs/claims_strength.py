@@ -120,13 +120,13 @@ CLAIMS = [
     *(_table_line(side, *one) for one in _CUT for side in ("screw", "nut")),
     Claim(
         STRENGTH,
-        "The laminae are above the half-spaces at the contact point by {} to {} %",
+        "the pressure of the laminae differs from the half-spaces by {} to {} %",
         lambda: [min(_errors(1, 2)), max(_errors(1, 2))],
         slow=True,
     ),
     Claim(
         STRENGTH,
-        "law of the edges is within {} % of them in these lines",
+        "law of the edges is within {} % of the half-spaces in these rows",
         lambda: [max(abs(one) for one in _errors(4, 5))],
         rounded=False,
         least=0.5,

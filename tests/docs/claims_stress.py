@@ -165,7 +165,7 @@ CLAIMS = [
         "of both",
         _slopes,
     ),
-    Claim(HERTZ, "{} slices leave {} of the pressure of an edge contact", _by_slices),
+    Claim(HERTZ, "with {} slices the error is {} of the pressure of an edge contact", _by_slices),
     Claim(SURFACES, "| 256 × 256 | {} | {} |", lambda: list(_grid_errors(256))),
     Claim(SURFACES, "it gives {} $p_0$ at {} $a$ on 32 × 32 cells", _sphere),
     Claim(SURFACES, "cells, {} % less than in closed form", _off_sphere),
