@@ -36,8 +36,8 @@ def _outputs(numbers):
         load=500.0,
     )
     found = equilibrium(bare, numbers["load"])
-    forward, _ = bare.screw.loads(found.state.screw_approach, found.state.wedge[:, None])
-    force = forward[0] + bare.film * (found.state.screw_approach - bare.screw.centre)[0]
+    forward, _ = bare.screw.loads(found.state.screw_approach, found.state.radial_shift[:, None])
+    force = forward[0] + bare.regularisation * (found.state.screw_approach - bare.screw.centre)[0]
     return jnp.append(force, found.state.nut_force[3])
 
 
