@@ -112,7 +112,7 @@ def test_a_contact_that_just_opens():
 def test_where_a_nut_stands_without_load(backlash):
     """Braced by thick rollers, or with play: both modes against differences."""
     got, forward, reverse = _rest(array(backlash))
-    assert bool(got.braced) == (backlash < 0)
+    assert bool(got.preloaded) == (backlash < 0)
     step = 1e-9
     after, before = (_rest(array(backlash + sign * step))[0] for sign in (1, -1))
     difference = (float(after.rest) - float(before.rest)) / (2 * step)
