@@ -374,7 +374,7 @@ def test_deflection_with_play_starts_at_the_first_contact():
     assert float(forward.rest) == pytest.approx(rest.min(), rel=1e-12)
     back = (2e-5 - errors.max(axis=1)) - errors.max(axis=1)
     assert float(backward.rest) == pytest.approx(-back.min(), rel=1e-12)
-    assert not bool(forward.preloaded | backward.braced)
+    assert not bool(forward.preloaded | backward.preloaded)
     nothing = at(array(0.0), array(2e-5))
     assert float(nothing.deflection) == 0
     # As the play closes into a fit without any, the balance without load goes on from there.
