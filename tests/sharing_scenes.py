@@ -13,7 +13,7 @@ from prsm_jax.load_sharing import (
     equilibrium as _equilibrium,
     force_deflection as _force_deflection,
     load_distribution as _load_distribution,
-    with_units,
+    regularised,
 )
 from prsm_jax.mechanism import LoadSharing, Nut, Screw, ThreadTooth
 
@@ -54,22 +54,25 @@ def chains(
         screw,
         roller,
         nut,
-        film=array(0.0),
-        force_unit=array(1.0),
-        guide=array(0.0),
+        regularisation=array(0.0),
+        typical_force=array(1.0),
+        radial_regularisation=array(0.0),
         same_end=same_end,
         **more,
     )
-    units = with_units(bare, load=array(load))
+    units = regularised(bare, load=array(load))
     return dataclasses.replace(
-        bare, film=units.film, force_unit=units.force_unit, guide=units.guide
+        bare,
+        regularisation=units.regularisation,
+        typical_force=units.typical_force,
+        radial_regularisation=units.radial_regularisation,
     )
 
 
 def loads_of(bare, found):
     """Net loads of screw and nut side of one roller per class [N]."""
-    wedge = found.state.wedge
-    apart = 0.0 if wedge is None else wedge[:, None]
+    radial_shift = found.state.radial_shift
+    apart = 0.0 if radial_shift is None else radial_shift[:, None]
     sides = (
         bare.screw.loads(found.state.screw_approach, apart),
         bare.nut.loads(found.state.nut_approach, -apart),

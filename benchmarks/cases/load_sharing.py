@@ -12,7 +12,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from prsm_jax.load_sharing import Chains, Flanks, equilibrium, with_units
+from prsm_jax.load_sharing import Chains, Flanks, equilibrium, regularised
 
 from ..harness import Case, Method, Prepared, Problem, Reference
 
@@ -53,7 +53,7 @@ def _loads(load, gap, weights, tolerance):
     bare = Chains(
         jnp.asarray(weights, dtype), flanks, flanks, screw, roller, nut, unit, unit, 0 * unit
     )
-    chains = with_units(bare, load=load)
+    chains = regularised(bare, load=load)
     found = equilibrium(chains, load, tolerance=tolerance)
     forward, _ = chains.screw.loads(found.state.screw_approach, 0.0)
     return forward

@@ -6,7 +6,7 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
-from prsm_jax.load_sharing import Chains, Flanks, equilibrium, with_units
+from prsm_jax.load_sharing import Chains, Flanks, equilibrium, regularised
 
 #: Load on one thread contact [N].
 _EACH = 60.0
@@ -54,7 +54,7 @@ def sharing(threads: int, rollers: int):
         screw, roller, nut = (jnp.full((threads - 1,), value) for value in _SEGMENTS)
         unit = jnp.ones(())
         bare = Chains(jnp.ones(rollers), flanks, flanks, screw, roller, nut, unit, unit, 0 * unit)
-        chains = with_units(bare, load=load)
+        chains = regularised(bare, load=load)
         found = equilibrium(chains, load, tolerance=1e-12)
         first, _ = chains.screw.loads(found.state.screw_approach, 0.0)
         between = found.state.approach[None] - found.state.screw_approach

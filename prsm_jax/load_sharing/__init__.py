@@ -23,11 +23,11 @@ from ._force_deflection import (
 )
 from ._stage_chains import (
     StageChains as StageChains,
+    regularised as regularised,
     roller_classes as roller_classes,
     segment_compliances as segment_compliances,
     stage_chains as stage_chains,
     tooth_compliances as tooth_compliances,
-    with_units as with_units,
 )
 from ._unloaded import (
     ElasticDeflection as ElasticDeflection,

@@ -1,16 +1,16 @@
-r"""Chains of threads: what is unknown, what has to balance, and the energy it comes from.
+r"""Chains of threads: unknowns, equations of balance, and the energy that they minimise.
 
-Rollers that are alike form one class and are stood for by one of them. At thread i, $d_{ji}$ is
+Equal rollers form one class, represented by one of them. At thread i, $d_{ji}$ is
 the axial approach of the screw's and the roller's teeth, $D_i$ that of the screw's and the nut's,
 so $D_i - d_{ji}$ that of roller and nut; $R_{ji}$ is the force in all rollers of class j between
-threads i and i + 1, and $N_i$ what the rollers have given to the nut up to there. Approaches
-instead of displacements keep stiff contacts on soft shafts exact, and forces instead of elongations
-stiff shafts: segments may be rigid.
+threads i and i + 1, and $N_i$ the force that the rollers transmit to the nut up to there. With
+approaches as unknowns, in place of displacements, stiff contacts on soft shafts stay exact; with
+forces, in place of elongations, so do stiff shafts: segments may be rigid.
 
 Flanks are inclined, so a roller that moves outward by $\rho$ leaves the screw's flanks on both
-sides by $\rho\tan\alpha$ and presses as far into the nut's. Where both flanks of a thread are
-modelled this `wedge` of each class is an unknown too: it is what carries the preload of a split
-nut on to the screw. With one flank it would change nothing, because a roller is free axially.
+sides by $\rho\tan\alpha$ and approaches the nut's by the same amount. Where both flanks of a
+thread are modelled, this `radial_shift` of each class is an unknown too: it transmits the preload
+of a split nut to the screw. With one flank it changes nothing, because a roller is free axially.
 """
 
 from collections.abc import Callable
@@ -25,20 +25,20 @@ from ..mechanism import Scalar
 from ..programs import physics
 from ._flank_law import flank_energy, flank_force, flank_force_and_slope
 
-#: What is prescribed: the axial load, the deflection, or the preload that the spacer has to make (a
-#: load once it is made, see `Chains.sought`).
+#: The prescribed quantity: axial load, deflection, or preload by a spacer whose offset is unknown
+#: (the load again where the offset is known, see `Chains.offset_unknown`).
 Control: TypeAlias = Literal["load", "deflection", "preload"]
 
 
 class Teeth(NamedTuple):
-    """What teeth do on one side, a row per class; the last two only with both flanks."""
+    """Forces of the teeth on one side, a row per class; the last two only with both flanks."""
 
     #: Net axial force, and its slope over the approach [N, N/m].
     force: Float[Array, "classes threads"]
     slope: Float[Array, "classes threads"]
     #: Force on both flanks together, and the difference of their slopes [N, N/m].
-    press: Float[Array, "classes threads"] | None = None
-    lean: Float[Array, "classes threads"] | None = None
+    force_sum: Float[Array, "classes threads"] | None = None
+    slope_difference: Float[Array, "classes threads"] | None = None
 
 
 #: Force and slope of one kind of flanks; forces on forward and reverse flanks of one side.
@@ -46,7 +46,7 @@ Law: TypeAlias = tuple[Array, Array]
 Loads: TypeAlias = tuple[Array, Array | None]
 
 
-class Pressed(NamedTuple):
+class FlankApproach(NamedTuple):
     """Flanks at an approach, with their compliances."""
 
     approach: Float[Array, "classes threads"]
@@ -54,24 +54,24 @@ class Pressed(NamedTuple):
     tooth: Float[Array, "classes #threads"] | None
 
 
-def _once(law: Callable, flanks: list[Pressed]) -> list:
-    """A law of several flanks, written out once where they have the same compliances."""
+def _evaluate_alike(law: Callable, flanks: list[FlankApproach]) -> list:
+    """A law of several flanks, compiled once where they have the same compliances."""
     kinds = {(one.hertz is None, one.tooth is None) for one in flanks}
     if len(kinds) > 1:
         return [law(*one) for one in flanks]
-    like = flanks[0].approach.shape
+    shape = flanks[0].approach.shape
 
-    def side_by_side(values):
+    def stacked(values):
         if values[0] is None:
             return None
-        return jnp.stack([jnp.broadcast_to(value, like) for value in values])
+        return jnp.stack([jnp.broadcast_to(value, shape) for value in values])
 
-    found = law(*map(side_by_side, zip(*flanks, strict=True)))
-    return [jax.tree.map(lambda x, k=k: x[k], found) for k in range(len(flanks))]
+    values_of_all = law(*map(stacked, zip(*flanks, strict=True)))
+    return [jax.tree.map(lambda x, k=k: x[k], values_of_all) for k in range(len(flanks))]
 
 
-def _apart(wedge: Float[Array, " classes"] | None):
-    return 0.0 if wedge is None else wedge[:, None]
+def _gap_opening(radial_shift: Float[Array, " classes"] | None):
+    return 0.0 if radial_shift is None else radial_shift[:, None]
 
 
 class Flanks(eqx.Module):
@@ -93,54 +93,59 @@ class Flanks(eqx.Module):
             return self.gap
         return (self.gap - self.reverse_gap) / 2
 
-    def _approaches(self, approach, apart):
-        """Of the forward and the reverse flanks [m]; the latter only where they are modelled."""
-        forward = approach - self.gap - apart
-        return forward, None if self.reverse_gap is None else -approach - self.reverse_gap - apart
+    def _approaches(self, approach, opening):
+        """Of forward and reverse flanks [m]; `None` for reverse flanks that are not modelled."""
+        forward = approach - self.gap - opening
+        return forward, None if self.reverse_gap is None else -approach - self.reverse_gap - opening
 
-    def loads(self, approach: Float[Array, "classes threads"], apart):
+    def loads(self, approach: Float[Array, "classes threads"], opening):
         """Force on forward and reverse flanks, with derivatives to everything [N].
 
         **Arguments:**
 
         - `approach`: of the two teeth [m].
-        - `apart`: by how much the roller's wedge has opened the gaps of this side [m].
+        - `opening`: gap that the roller's radial shift has opened on this side [m].
         """
-        forward, reverse = self._approaches(approach, apart)
+        forward, reverse = self._approaches(approach, opening)
         load = flank_force(forward, self.hertz, self.tooth)
         if reverse is None:
             return load, None
         return load, flank_force(reverse, self.hertz, self.tooth)
 
-    def pressed(self, approach: Float[Array, "classes threads"], apart) -> list[Pressed]:
+    def approaches(self, approach: Float[Array, "classes threads"], opening) -> list[FlankApproach]:
         """The flanks that are modelled: forward, then reverse."""
-        found = self._approaches(approach, apart)
-        return [Pressed(one, self.hertz, self.tooth) for one in found if one is not None]
+        both = self._approaches(approach, opening)
+        return [FlankApproach(one, self.hertz, self.tooth) for one in both if one is not None]
 
     def teeth(
-        self, approach: Float[Array, "classes threads"], film: Scalar, laws: list[Law]
+        self, approach: Float[Array, "classes threads"], regularisation: Scalar, laws: list[Law]
     ) -> Teeth:
-        """Forces and slopes, for the search, from those of the flanks in `pressed`."""
-        held = film * (approach - self.centre)
+        """Forces and slopes, for the search, from those of the flanks in `approaches`."""
+        spring = regularisation * (approach - self.centre)
         force, slope = laws[0]
         if len(laws) == 1:
-            return Teeth(force + held, slope + film)
+            return Teeth(force + spring, slope + regularisation)
         back, back_slope = laws[1]
         return Teeth(
-            force - back + held, slope + back_slope + film, force + back, slope - back_slope
+            force - back + spring,
+            slope + back_slope + regularisation,
+            force + back,
+            slope - back_slope,
         )
 
-    def force(self, approach: Float[Array, "classes threads"], film: Scalar, loads: Loads) -> Teeth:
+    def force(
+        self, approach: Float[Array, "classes threads"], regularisation: Scalar, loads: Loads
+    ) -> Teeth:
         """Forces with derivatives to everything, from those of `flank_loads`; without slopes."""
         forward, reverse = loads
-        held = film * (approach - self.centre)
+        spring = regularisation * (approach - self.centre)
         if reverse is None:
-            return Teeth(forward + held, forward)
-        return Teeth(forward - reverse + held, forward, forward + reverse)
+            return Teeth(forward + spring, forward)
+        return Teeth(forward - reverse + spring, forward, forward + reverse)
 
-    def energy(self, approach: Float[Array, "classes threads"], apart):
+    def energy(self, approach: Float[Array, "classes threads"], opening):
         """Energy stored in the flanks and teeth [J]."""
-        forward, reverse = self._approaches(approach, apart)
+        forward, reverse = self._approaches(approach, opening)
         energy = flank_energy(forward, self.hertz, self.tooth)
         if reverse is not None:
             energy = energy + flank_energy(reverse, self.hertz, self.tooth)
@@ -158,25 +163,25 @@ class Chains(eqx.Module):
     screw_segment: Float[Array, " segments"]
     roller_segment: Float[Array, " segments"]
     nut_segment: Float[Array, " segments"]
-    #: Stiffness of a film between teeth that keeps loose ones in their place [N/m].
-    film: Scalar
-    #: A typical force on one thread [N]; only tolerances rest on it.
-    force_unit: Scalar
-    #: Stiffness with which a roller is kept from wedging, against ρ tan α [N/m].
-    guide: Scalar
-    #: By how much the spacer of a split nut is too long [m]; `None` for a nut in one piece.
+    #: Stiffness of the regularising springs that hold unloaded teeth in place [N/m].
+    regularisation: Scalar
+    #: A typical force on one thread [N], for tolerances only.
+    typical_force: Scalar
+    #: Stiffness of the spring that holds a roller radially, against ρ tan α [N/m].
+    radial_regularisation: Scalar
+    #: Excess length of the spacer of a split nut [m]; `None` for a nut in one piece.
     offset: Scalar | None = None
-    #: 1 where the spacer's offset is sought that makes a preload, 0 where a load is prescribed on
-    #: top of `offset`; only `"preload"` looks at it, and `None` stands for 1.
-    sought: Scalar | None = None
-    #: After which segment the nut is split, from 0.
+    #: 1 where the spacer's offset for a preload is unknown, 0 where `offset` is known and a load is
+    #: prescribed; only `"preload"` uses it, and `None` stands for 1.
+    offset_unknown: Scalar | None = None
+    #: Index of the segment at which the nut is split, from 0.
     split: int | None = eqx.field(static=True, default=None)
     #: Whether the nut's force is taken at the end where the screw's enters.
     same_end: bool = eqx.field(static=True, default=True)
 
 
 class State(eqx.Module):
-    """Unknowns of the chains, or as many residuals."""
+    """Unknowns of the chains, or their residuals."""
 
     #: d, approach of screw and roller teeth [m].
     screw_approach: Float[Array, "classes threads"]
@@ -184,10 +189,10 @@ class State(eqx.Module):
     approach: Float[Array, " threads"]
     #: R, force in the rollers of a class [N].
     roller_force: Float[Array, "classes segments"]
-    #: N, force given to the nut so far [N].
+    #: N, force transmitted to the nut up to each segment [N].
     nut_force: Float[Array, " segments"]
     #: ρ tan α of each class [m]; `None` where threads have one flank.
-    wedge: Float[Array, " classes"] | None = None
+    radial_shift: Float[Array, " classes"] | None = None
     #: The load [N] or the spacer's offset [m] where it is not prescribed.
     control: Scalar | None = None
 
@@ -205,9 +210,9 @@ def load_and_offset(chains: Chains, state: State, control: Control, value: Scala
     assert state.control is not None
     if control == "deflection":
         return state.control, offset
-    if chains.sought is None:
+    if chains.offset_unknown is None:
         return jnp.zeros_like(value), state.control
-    return (1 - chains.sought) * value, offset + chains.sought * state.control
+    return (1 - chains.offset_unknown) * value, offset + chains.offset_unknown * state.control
 
 
 def screw_force(state: State, load: Scalar) -> Float[Array, " segments"]:
@@ -216,7 +221,7 @@ def screw_force(state: State, load: Scalar) -> Float[Array, " segments"]:
 
 
 def deflection_of(chains: Chains, state: State, load: Scalar, offset: Scalar) -> Scalar:
-    """Travel of the screw, where its force enters, towards the nut, where its is taken [m]."""
+    """Travel of the screw at its loaded end towards the nut at its supported end [m]."""
     travel = state.approach[-1] + jnp.sum(chains.screw_segment * screw_force(state, load))
     if chains.same_end:
         travel = travel - jnp.sum(chains.nut_segment * (state.nut_force - load)) + offset
@@ -225,27 +230,27 @@ def deflection_of(chains: Chains, state: State, load: Scalar, offset: Scalar) ->
 
 def forces_and_slopes(chains: Chains, state: State) -> tuple[Teeth, Teeth]:
     """Forces and slopes of all teeth of one roller per class: screw side, then nut side."""
-    apart = _apart(state.wedge)
-    screw = chains.screw.pressed(state.screw_approach, apart)
-    nut = chains.nut.pressed(state.nut_approach, -apart)
-    laws = _once(flank_force_and_slope, [*screw, *nut])
+    opening = _gap_opening(state.radial_shift)
+    screw = chains.screw.approaches(state.screw_approach, opening)
+    nut = chains.nut.approaches(state.nut_approach, -opening)
+    laws = _evaluate_alike(flank_force_and_slope, [*screw, *nut])
     return (
-        chains.screw.teeth(state.screw_approach, chains.film, laws[: len(screw)]),
-        chains.nut.teeth(state.nut_approach, chains.film, laws[len(screw) :]),
+        chains.screw.teeth(state.screw_approach, chains.regularisation, laws[: len(screw)]),
+        chains.nut.teeth(state.nut_approach, chains.regularisation, laws[len(screw) :]),
     )
 
 
 def flank_loads(chains: Chains, state: State) -> tuple[Loads, Loads]:
     """Forces on forward and reverse flanks, screw side and nut side, differentiable [N]."""
-    apart = _apart(state.wedge)
-    screw = chains.screw.pressed(state.screw_approach, apart)
-    nut = chains.nut.pressed(state.nut_approach, -apart)
-    found = _once(flank_force, [*screw, *nut])
+    opening = _gap_opening(state.radial_shift)
+    screw = chains.screw.approaches(state.screw_approach, opening)
+    nut = chains.nut.approaches(state.nut_approach, -opening)
+    forces = _evaluate_alike(flank_force, [*screw, *nut])
 
     def of_side(forces: list[Array]) -> Loads:
         return forces[0], forces[1] if len(forces) > 1 else None
 
-    return of_side(found[: len(screw)]), of_side(found[len(screw) :])
+    return of_side(forces[: len(screw)]), of_side(forces[len(screw) :])
 
 
 @physics("thread_chains")
@@ -257,71 +262,75 @@ def balance(
     screw: Teeth,
     nut: Teeth,
 ) -> State:
-    """What the unknowns leave over, given the forces on the teeth: the gradient of an energy.
+    """Residual of the balance for given forces on the teeth: the gradient of an energy.
 
-    Forces on each tooth's neighbourhood [N], closing of each mesh of the chains [m], and the
-    prescribed value; the Jacobian is symmetric.
+    Sum of the forces on each tooth [N], mesh error of each loop of the chains [m], and error of
+    the prescribed value. The Jacobian is symmetric.
     """
     load, offset = load_and_offset(chains, state, control, value)
     weight = chains.weight[:, None]
-    roller, given = state.roller_force, state.nut_force
+    roller, nut_force = state.roller_force, state.nut_force
     in_screw = chains.screw_segment * screw_force(state, load)
-    in_nut = chains.nut_segment * (given - load if chains.same_end else given)
+    in_nut = chains.nut_segment * (nut_force - load if chains.same_end else nut_force)
     closing = state.approach[1:] - state.approach[:-1] + in_screw - in_nut
     if chains.split is not None:
         closing = closing.at[chains.split].add(offset)
     closing_roller = state.screw_approach[:, 1:] - state.screw_approach[:, :-1] + in_screw[None, :]
     closing_roller = closing_roller - chains.roller_segment[None, :] / weight * roller
-    wedge = None
-    if state.wedge is not None:
-        assert screw.press is not None
-        assert nut.press is not None
-        assert chains.guide is not None
-        wedge = chains.weight * (
-            jnp.sum(nut.press - screw.press, axis=1) + chains.guide * state.wedge
+    radial_shift = None
+    if state.radial_shift is not None:
+        assert screw.force_sum is not None
+        assert nut.force_sum is not None
+        assert chains.radial_regularisation is not None
+        radial_shift = chains.weight * (
+            jnp.sum(nut.force_sum - screw.force_sum, axis=1)
+            + chains.radial_regularisation * state.radial_shift
         )
-    left = None
+    control_residual = None
     if control == "deflection":
-        left = value - deflection_of(chains, state, load, offset)
+        control_residual = value - deflection_of(chains, state, load, offset)
     elif control == "preload":
         assert chains.split is not None
-        left = given[chains.split] - value
-        if chains.sought is not None:
+        control_residual = nut_force[chains.split] - value
+        if chains.offset_unknown is not None:
             assert state.control is not None
-            # Without a preload to be found the unknown offset stays 0.
-            left = chains.sought * left + (1 - chains.sought) * state.control
+            # Where the offset is known its change stays 0.
+            control_residual = (
+                chains.offset_unknown * control_residual
+                + (1 - chains.offset_unknown) * state.control
+            )
     return State(
         screw_approach=weight * (screw.force - nut.force)
         - _differences(roller, jnp.zeros_like(value)),
-        approach=jnp.sum(weight * nut.force, axis=0) - _differences(given, load),
+        approach=jnp.sum(weight * nut.force, axis=0) - _differences(nut_force, load),
         roller_force=closing_roller,
         nut_force=closing,
-        wedge=wedge,
-        control=left,
+        radial_shift=radial_shift,
+        control=control_residual,
     )
 
 
 def _differences(cumulated: Float[Array, "... segments"], last: Scalar):
-    """What each thread adds, from the sums after each but the last."""
+    """Contribution of each thread, from the cumulated sums and the last total."""
     edge = (*cumulated.shape[:-1], 1)
     ends = (jnp.zeros(edge, cumulated.dtype), jnp.broadcast_to(last, edge))
-    whole = jnp.concatenate([ends[0], cumulated, ends[1]], axis=-1)
-    return whole[..., 1:] - whole[..., :-1]
+    padded = jnp.concatenate([ends[0], cumulated, ends[1]], axis=-1)
+    return padded[..., 1:] - padded[..., :-1]
 
 
 def residual(chains: Chains, state: State, control: Control, value: Scalar) -> State:
     """`balance` with the forces of the flanks, differentiable in everything."""
     on_screw, on_nut = flank_loads(chains, state)
-    screw = chains.screw.force(state.screw_approach, chains.film, on_screw)
-    nut = chains.nut.force(state.nut_approach, chains.film, on_nut)
+    screw = chains.screw.force(state.screw_approach, chains.regularisation, on_screw)
+    nut = chains.nut.force(state.nut_approach, chains.regularisation, on_nut)
     return balance(chains, state, control, value, screw, nut)
 
 
 def stored_energy(chains: Chains, state: State, load: Scalar) -> Scalar:
-    """Elastic energy in flanks, teeth, screw, rollers and nut (not in film and guide) [J]."""
-    apart = _apart(state.wedge)
-    flanks = chains.screw.energy(state.screw_approach, apart)
-    flanks = flanks + chains.nut.energy(state.nut_approach, -apart)
+    """Elastic energy in flanks, teeth, screw, rollers and nut (without regularisation) [J]."""
+    opening = _gap_opening(state.radial_shift)
+    flanks = chains.screw.energy(state.screw_approach, opening)
+    flanks = flanks + chains.nut.energy(state.nut_approach, -opening)
     weight = chains.weight[:, None]
     in_nut = state.nut_force - load if chains.same_end else state.nut_force
     shafts = jnp.sum(chains.screw_segment * screw_force(state, load) ** 2)

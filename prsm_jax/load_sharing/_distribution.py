@@ -12,6 +12,7 @@ from ..contact import StageContact, load_of
 from ..geometry import Meshing
 from ..mechanism import Mechanism, Scalar, Stage, of_one_design
 from ..programs import AbstractResult, mapped
+from ._block_tridiagonal import control_column
 from ._chains import (
     Chains,
     Control,
@@ -22,9 +23,8 @@ from ._chains import (
     stored_energy,
 )
 from ._equilibrium import Equilibrium, equilibrium, linear_response
-from ._ladder import control_column
 from ._side_loads import SideLoads, side_loads
-from ._stage_chains import UNITS, StageChains, sharing_of, stage_chains, with_units_of
+from ._stage_chains import StageChains, regularisation_of, regularised, sharing_of, stage_chains
 from ._unloaded import ElasticDeflection, elastic_deflection
 
 
@@ -42,13 +42,13 @@ class LoadDistribution(AbstractResult):
     #: play, errors or preload it is not 0 without a load: see `elastic`.
     deflection: Scalar
     #: Tangent stiffness between screw and nut dF/dx, shafts and teeth included [N/m]; `None` where
-    #: it was not asked for (see `tangent_stiffness`).
+    #: it was not computed (see `tangent_stiffness`).
     tangent_stiffness: Scalar | None
     #: Force in the spacer of a split nut [N]; `None` for a nut in one piece.
     spacer_force: Scalar | None
     chains: Chains
     equilibrium: Equilibrium
-    #: Whether threads mesh, and the balance was found; else loads and deflections are NaN.
+    #: Whether threads mesh and the balance converged; else loads and deflections are NaN.
     converged: Bool[Array, ""]
     #: Numbers of the rollers of each class, from 1.
     rollers: tuple[tuple[int, ...], ...] = eqx.field(static=True)
@@ -61,7 +61,7 @@ class LoadDistribution(AbstractResult):
     @property
     @mapped
     def elastic(self) -> ElasticDeflection:
-        """What the load itself does to `deflection`: without preload, play and errors."""
+        """The part of `deflection` that the load causes, without preload, play and errors."""
         return elastic_deflection(self.chains, self.load, self.deflection)
 
     @property
@@ -104,9 +104,9 @@ class LoadDistribution(AbstractResult):
 def tangent_stiffness(chains: Chains, state: State) -> Scalar:
     """Stiffness between the ends where screw and nut are loaded, dF/dx [N/m]."""
     column = control_column(chains, state, "deflection")
-    unloaded = None if state.wedge is None else jnp.zeros_like(state.wedge)
+    unloaded = None if state.radial_shift is None else jnp.zeros_like(state.radial_shift)
     right = eqx.tree_at(
-        lambda s: (s.wedge, s.control), column, (unloaded, None), is_leaf=lambda x: x is None
+        lambda s: (s.radial_shift, s.control), column, (unloaded, None), is_leaf=lambda x: x is None
     )
     change = linear_response(chains, state, jax.tree.map(jnp.negative, right))
     pairs = zip(jax.tree.leaves(right), jax.tree.leaves(change), strict=True)
@@ -115,47 +115,49 @@ def tangent_stiffness(chains: Chains, state: State) -> Scalar:
 
 
 def _each(function: Callable, values: Array, *more):
-    """A function of scalars, applied to each of some values side by side, or to a single one."""
+    """A function of scalars, mapped over an array of values or applied to a single one."""
     return (jax.vmap(function) if values.ndim else function)(values, *more)
 
 
-def _braced_first(
-    whole: StageChains, preload: Scalar, values: Float[Array, "*values"]
+def _preload_first(
+    chains_of_stage: StageChains, preload: Scalar, values: Float[Array, "*values"]
 ) -> tuple[StageChains, Equilibrium]:
-    """The spacer that makes the preload, then the loads on top: one program, run twice."""
+    """The spacer's offset for the preload, then the loads: one program, run twice."""
 
-    def at(offset: Scalar, sought: Scalar, value: Scalar):
+    def solve(offset: Scalar, offset_unknown: Scalar, value: Scalar):
         chains = eqx.tree_at(
-            lambda c: (c.offset, c.sought),
-            whole.chains,
-            (offset, sought),
+            lambda c: (c.offset, c.offset_unknown),
+            chains_of_stage.chains,
+            (offset, offset_unknown),
             is_leaf=lambda x: x is None,
         )
-        chains = with_units_of(chains, load=(1 - sought) * value, preload=sought * value)
-        return UNITS(chains), equilibrium(chains, value, "preload")
+        chains = regularised(
+            chains, load=(1 - offset_unknown) * value, preload=offset_unknown * value
+        )
+        return regularisation_of(chains), equilibrium(chains, value, "preload")
 
-    def turn(offset: Scalar, given):
-        sought, values = given
-        found = _each(lambda value: at(offset, sought, value), values)
-        return offset + jnp.ravel(found[1].state.control)[0], found
+    def step(offset: Scalar, given):
+        offset_unknown, values = given
+        results = _each(lambda value: solve(offset, offset_unknown, value), values)
+        return offset + jnp.ravel(results[1].state.control)[0], results
 
-    nothing = jnp.zeros_like(preload)
-    sought = jnp.asarray([1.0, 0.0], preload.dtype)
+    no_offset = jnp.zeros_like(preload)
+    offset_unknown = jnp.asarray([1.0, 0.0], preload.dtype)
     both = jnp.stack([jnp.broadcast_to(preload, values.shape), values])
-    _, found = jax.lax.scan(turn, nothing, (sought, both))
-    spacer, (units, loaded) = (jax.tree.map(lambda x, k=k: x[k], found) for k in range(2))
-    offset = jnp.ravel(spacer[1].state.control)[0]
-    whole = eqx.tree_at(
-        lambda w: (w.chains.offset, w.meshing_converged, *UNITS(w.chains)),
-        whole,
-        (offset, whole.meshing_converged & jnp.all(spacer[1].result == 0), *units),
+    _, results = jax.lax.scan(step, no_offset, (offset_unknown, both))
+    preloading, (units, loaded) = (jax.tree.map(lambda x, k=k: x[k], results) for k in range(2))
+    offset = jnp.ravel(preloading[1].state.control)[0]
+    chains_of_stage = eqx.tree_at(
+        lambda w: (w.chains.offset, w.meshing_converged, *regularisation_of(w.chains)),
+        chains_of_stage,
+        (offset, chains_of_stage.meshing_converged & jnp.all(preloading[1].result == 0), *units),
         is_leaf=lambda x: x is None,
     )
-    return whole, loaded
+    return chains_of_stage, loaded
 
 
 def balanced(
-    whole: StageChains,
+    chains_of_stage: StageChains,
     stage: Stage,
     values: Float[Array, "*values"],
     control: Control = "load",
@@ -166,46 +168,50 @@ def balanced(
 
     **Arguments:**
 
-    - `whole`: chains of the stage.
-    - `stage`: the stage, whose split nut may have a preload that is made first.
+    - `chains_of_stage`: chains of the stage.
+    - `stage`: the stage; the preload of its split nut, if any, is applied first.
     - `values`: axial loads [N] or deflections [m], or a single one.
-    - `control`: which of them.
-    - `tangent`: whether to find the tangent stiffness as well.
+    - `control`: whether `values` are loads or deflections.
+    - `tangent`: whether to compute the tangent stiffness as well.
     """
     split = sharing_of(stage).split_nut
     preload = None if split is None else split.preload
     if preload is not None and control == "load":
-        whole, found = _braced_first(whole, preload, values)
+        chains_of_stage, equilibria = _preload_first(chains_of_stage, preload, values)
     else:
         if preload is not None:
-            whole, _ = _braced_first(whole, preload, jnp.zeros_like(preload))
+            chains_of_stage, _ = _preload_first(chains_of_stage, preload, jnp.zeros_like(preload))
 
         def solve(value: Scalar):
-            chains = with_units_of(whole.chains, **{control: value})
-            return UNITS(chains), equilibrium(chains, value, control)
+            chains = regularised(chains_of_stage.chains, **{control: value})
+            return regularisation_of(chains), equilibrium(chains, value, control)
 
-        units, found = _each(solve, values)
-        whole = eqx.tree_at(lambda w: UNITS(w.chains), whole, units)
+        units, equilibria = _each(solve, values)
+        chains_of_stage = eqx.tree_at(lambda w: regularisation_of(w.chains), chains_of_stage, units)
 
-    def describe(value: Scalar, found: Equilibrium, units) -> LoadDistribution:
-        of_one = eqx.tree_at(lambda w: UNITS(w.chains), whole, units)
-        return _described(of_one, found, value, control, tangent)
+    def describe(value: Scalar, equilibria: Equilibrium, units) -> LoadDistribution:
+        of_one = eqx.tree_at(lambda w: regularisation_of(w.chains), chains_of_stage, units)
+        return _described(of_one, equilibria, value, control, tangent)
 
-    return _each(describe, values, found, UNITS(whole.chains))
+    return _each(describe, values, equilibria, regularisation_of(chains_of_stage.chains))
 
 
 def _described(
-    whole: StageChains, found: Equilibrium, value: Scalar, control: Control, tangent: bool
+    chains_of_stage: StageChains,
+    balance: Equilibrium,
+    value: Scalar,
+    control: Control,
+    tangent: bool,
 ) -> LoadDistribution:
-    chains = whole.chains
-    converged = found.converged & whole.meshing_converged
-    # Where a search that found nothing has ended is no distribution.
-    state = jax.tree.map(lambda x: jnp.where(converged, x, jnp.nan), found.state)
+    chains = chains_of_stage.chains
+    converged = balance.converged & chains_of_stage.meshing_converged
+    # The last state of a search that did not converge is not a distribution.
+    state = jax.tree.map(lambda x: jnp.where(converged, x, jnp.nan), balance.state)
     load, offset = load_and_offset(chains, state, control, value)
-    free = eqx.tree_at(lambda s: s.control, state, None, is_leaf=lambda x: x is None)
+    unknowns = eqx.tree_at(lambda s: s.control, state, None, is_leaf=lambda x: x is None)
     if control == "load":
-        # The offset of a spacer that is made is no unknown any more.
-        found = eqx.tree_at(lambda e: e.state, found, free)
+        # The offset of the spacer is known now.
+        balance = eqx.tree_at(lambda e: e.state, balance, unknowns)
     spacer = None
     if chains.split is not None:
         spacer = state.nut_force[chains.split]
@@ -213,16 +219,16 @@ def _described(
             spacer = spacer - load
     on_screw, on_nut = flank_loads(chains, state)
     return LoadDistribution(
-        screw=side_loads(whole, "screw", on_screw),
-        nut=side_loads(whole, "nut", on_nut),
+        screw=side_loads(chains_of_stage, "screw", on_screw),
+        nut=side_loads(chains_of_stage, "nut", on_nut),
         load=load,
         deflection=deflection_of(chains, state, load, offset),
-        tangent_stiffness=tangent_stiffness(chains, free) if tangent else None,
+        tangent_stiffness=tangent_stiffness(chains, unknowns) if tangent else None,
         spacer_force=spacer,
         chains=chains,
-        equilibrium=found,
+        equilibrium=balance,
         converged=converged,
-        rollers=whole.rollers,
+        rollers=chains_of_stage.rollers,
     )
 
 
@@ -252,14 +258,14 @@ def stage_load_distributions(
     tangent: bool = True,
     contact: StageContact | None = None,
 ) -> list[LoadDistribution]:
-    """`stage_load_distribution` for several loads, in one program that is as large as that of one.
+    """`stage_load_distribution` for several loads, in one program of the size of a single one.
 
     **Arguments:**
 
     - `stage`: the stage; needs `load_sharing`, materials, and sections or segment stiffnesses.
     - `loads`: axial loads [N].
     - `meshing`: its meshing, if known already.
-    - `tangent`: whether to find the tangent stiffness of each as well.
+    - `tangent`: whether to compute the tangent stiffness of each as well.
     - `contact`: contacts of the stage under some load above 0, if known already.
 
     **Raises:** `MissingDataError` if data are missing.
@@ -267,10 +273,10 @@ def stage_load_distributions(
     values = loads[0] if len(loads) == 1 else jnp.stack(loads)
     if not sharing_of(stage).has_reverse_flanks:
         values = jnp.abs(values)
-    found = balanced(stage_chains(stage, meshing, contact), stage, values, tangent=tangent)
+    distributions = balanced(stage_chains(stage, meshing, contact), stage, values, tangent=tangent)
     if len(loads) == 1:
-        return [found]
-    return [jax.tree.map(lambda leaf, k=k: leaf[k], found) for k in range(len(loads))]
+        return [distributions]
+    return [jax.tree.map(lambda leaf, k=k: leaf[k], distributions) for k in range(len(loads))]
 
 
 @of_one_design
@@ -280,8 +286,8 @@ def load_distribution(
     """How the threads and rollers of one stage share the axial load.
 
     Chains of screw, rollers and nut with one node per engaged thread; between them thread teeth
-    and Hertz contacts, which only press. Differentiable in forward and reverse mode through the
-    set of threads that touch, and vmappable.
+    and Hertz contacts, which carry compression only. Differentiable in forward and reverse mode,
+    also where the set of loaded threads changes, and vmappable.
 
     **Arguments:**
 
@@ -290,7 +296,7 @@ def load_distribution(
       reverse flanks are modelled (`backlash`, `split_nut`).
     - `stage`: which stage, counted from 1. Each carries the whole load.
 
-    **Returns:** a `LoadDistribution`; `converged` tells whether it may be used.
+    **Returns:** a `LoadDistribution`; `converged` tells whether it is valid.
 
     **Raises:** `MissingDataError` if data are missing; `ValueError` for a stage that is not there.
     """

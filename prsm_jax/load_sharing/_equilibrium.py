@@ -2,8 +2,8 @@ r"""Equilibrium of the chains: Newton on a convex energy, with implicit derivati
 
 The unknowns satisfy the linear equations (closing of the meshes) after the first step and then for
 good; along a step $(\Delta q, \Delta Q)$ the energy has the slope $r_q(t)\cdot\Delta q$, which
-never falls, so a step that overshoots is cut where that slope is small. A film far softer than any
-contact keeps loose teeth in place, so that the energy is strictly convex.
+never falls, so a step that overshoots is cut where that slope is small. Regularising springs, far
+softer than any contact, hold unloaded teeth in place and make the energy strictly convex.
 """
 
 import functools
@@ -16,6 +16,7 @@ from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Bool, Int
 
 from ..mechanism import Scalar
+from ._block_tridiagonal import solve_linear
 from ._chains import (
     Chains,
     Control,
@@ -26,13 +27,12 @@ from ._chains import (
     residual,
 )
 from ._flank_law import flank_approach
-from ._ladder import solve_linear
 
-#: What a step may leave of the energy's slope along it.
+#: A step is cut while more than this share of the energy's slope along it remains.
 _SLOPE_LEFT = 0.5
 _MOST_CUTS = 60
-#: Share of the typical force that the film may take before the result code says so.
-_FILM_SHARE = 1e-4
+#: Share of the typical force above which the regularising springs change the result code.
+_REGULARISATION_SHARE = 1e-4
 
 
 class Equilibrium(eqx.Module):
@@ -42,8 +42,8 @@ class Equilibrium(eqx.Module):
     #: Largest unbalanced force over the largest force [1].
     error: Scalar
     steps: Int[Array, ""]
-    #: Result code: 0 in balance, 1 steps used up, 2 not finite, 3 in balance only with the film
-    #: (loads so small against play and errors that no precision is left).
+    #: Result code: 0 in balance, 1 steps used up, 2 not finite, 3 in balance only with the
+    #: regularising springs (loads too small against play and errors to be resolved).
     result: Int[Array, ""]
 
     @property
@@ -53,12 +53,12 @@ class Equilibrium(eqx.Module):
 
 
 class _Point(NamedTuple):
-    """A state with the forces and slopes of its teeth and what they leave over."""
+    """A state with the forces and slopes of its teeth and the residual of the balance."""
 
     state: State
     screw: Teeth
     nut: Teeth
-    left: State
+    residual: State
 
 
 def default_tolerance(dtype) -> float:
@@ -75,12 +75,12 @@ def _moved(state: State, step: State, share: Scalar) -> State:
     return jax.tree.map(lambda a, b: a + share * b, state, step)
 
 
-def _energy_slope(left: State, step: State) -> Scalar:
-    along = jnp.sum(left.screw_approach * step.screw_approach)
-    along = along + jnp.sum(left.approach * step.approach)
-    if left.wedge is None or step.wedge is None:
-        return along
-    return along + jnp.sum(left.wedge * step.wedge)
+def _energy_slope(residual: State, step: State) -> Scalar:
+    slope = jnp.sum(residual.screw_approach * step.screw_approach)
+    slope = slope + jnp.sum(residual.approach * step.approach)
+    if residual.radial_shift is None or step.radial_shift is None:
+        return slope
+    return slope + jnp.sum(residual.radial_shift * step.radial_shift)
 
 
 def _start(chains: Chains, control: Control, value: Scalar) -> _Point:
@@ -91,7 +91,7 @@ def _start(chains: Chains, control: Control, value: Scalar) -> _Point:
     zero = jnp.zeros_like(value)
     count = chains.screw.gap.shape[1]
     classes = chains.weight.shape[0]
-    nothing = State(
+    unloaded = State(
         jnp.zeros((classes, count), zero.dtype),
         jnp.zeros((count,), zero.dtype),
         jnp.zeros((classes, count - 1), zero.dtype),
@@ -99,25 +99,25 @@ def _start(chains: Chains, control: Control, value: Scalar) -> _Point:
         None if chains.screw.reverse_gap is None else jnp.zeros((classes,), zero.dtype),
         None if control == "load" else zero,
     )
-    sense = jnp.sign(value) if control == "load" and chains.split is None else zero
+    direction = jnp.sign(value) if control == "load" and chains.split is None else zero
 
     def spring(flanks):
-        unit = jnp.broadcast_to(chains.force_unit, flanks.gap.shape)
-        stiffness = unit / flank_approach(unit, flanks.hertz, flanks.tooth)
+        force = jnp.broadcast_to(chains.typical_force, flanks.gap.shape)
+        stiffness = force / flank_approach(force, flanks.hertz, flanks.tooth)
         centre = flanks.centre
         if flanks.reverse_gap is not None:
-            centre = centre + sense * (flanks.gap + flanks.reverse_gap) / 2
-        even = None if flanks.reverse_gap is None else jnp.zeros_like(unit)
-        return Teeth(-stiffness * centre, stiffness, even, even)
+            centre = centre + direction * (flanks.gap + flanks.reverse_gap) / 2
+        zeros = None if flanks.reverse_gap is None else jnp.zeros_like(force)
+        return Teeth(-stiffness * centre, stiffness, zeros, zeros)
 
     screw, nut = spring(chains.screw), spring(chains.nut)
-    return _Point(nothing, screw, nut, balance(chains, nothing, control, value, screw, nut))
+    return _Point(unloaded, screw, nut, balance(chains, unloaded, control, value, screw, nut))
 
 
 def _error(chains: Chains, point: _Point) -> Scalar:
-    """Largest unbalanced force, and largest gap in a closed mesh, over the largest there are."""
+    """Largest unbalanced force and largest mesh error, over the largest force and length."""
     tiny = jnp.finfo(point.state.approach.dtype)
-    state, left = point.state, point.left
+    state, residual = point.state, point.residual
     weight = chains.weight[:, None]
     forces = [
         weight * point.screw.force,
@@ -125,8 +125,8 @@ def _error(chains: Chains, point: _Point) -> Scalar:
         state.roller_force,
         state.nut_force,
     ]
-    largest = jnp.maximum(_largest(forces), 1e-3 * chains.force_unit)
-    # Rounding of an approach, by which a stiff tooth's force cannot be known better.
+    largest = jnp.maximum(_largest(forces), 1e-3 * chains.typical_force)
+    # Rounding of an approach limits the accuracy of a stiff tooth's force.
     round_screw = weight * point.screw.slope * _magnitude(chains.screw, state.screw_approach)
     round_nut = (
         weight
@@ -134,13 +134,15 @@ def _error(chains: Chains, point: _Point) -> Scalar:
         * (_magnitude(chains.nut, state.nut_approach) + jnp.abs(state.screw_approach))
     )
     allowed = 4 * tiny.eps
-    over = [
-        jnp.abs(left.screw_approach) - allowed * (round_screw + round_nut),
-        jnp.abs(left.approach) - allowed * jnp.sum(round_nut, axis=0),
+    excess = [
+        jnp.abs(residual.screw_approach) - allowed * (round_screw + round_nut),
+        jnp.abs(residual.approach) - allowed * jnp.sum(round_nut, axis=0),
     ]
-    if left.wedge is not None:
-        over.append(jnp.abs(left.wedge) - allowed * jnp.sum(round_screw + round_nut, axis=1))
-    unbalanced = _largest([jnp.maximum(x, 0.0) for x in over]) / largest
+    if residual.radial_shift is not None:
+        excess.append(
+            jnp.abs(residual.radial_shift) - allowed * jnp.sum(round_screw + round_nut, axis=1)
+        )
+    unbalanced = _largest([jnp.maximum(x, 0.0) for x in excess]) / largest
     lengths = [
         state.screw_approach,
         state.approach,
@@ -149,14 +151,14 @@ def _error(chains: Chains, point: _Point) -> Scalar:
         chains.roller_segment * largest,
     ]
     longest = jnp.maximum(_largest(lengths), tiny.tiny)
-    open_ = _largest([left.roller_force, left.nut_force]) / longest
-    return jnp.maximum(unbalanced, open_)
+    mesh_error = _largest([residual.roller_force, residual.nut_force]) / longest
+    return jnp.maximum(unbalanced, mesh_error)
 
 
-def _held_by_film(chains: Chains, state: State) -> Bool[Array, ""]:
-    """Whether the film takes a noticeable part of the typical force."""
-    away = [state.screw_approach - chains.screw.centre, state.nut_approach - chains.nut.centre]
-    return chains.film * _largest(away) > _FILM_SHARE * chains.force_unit
+def _carried_by_regularisation(chains: Chains, state: State) -> Bool[Array, ""]:
+    """Whether a regularising spring carries a noticeable share of the typical force."""
+    offsets = [state.screw_approach - chains.screw.centre, state.nut_approach - chains.nut.centre]
+    return chains.regularisation * _largest(offsets) > _REGULARISATION_SHARE * chains.typical_force
 
 
 def _magnitude(flanks, approach):
@@ -179,44 +181,45 @@ class _Bracket(NamedTuple):
 
 
 class _Search(NamedTuple):
-    """Where the search stands: the last point that was kept, the step from it, the next share."""
+    """State of the search: the last accepted point, the step from it, the next share."""
 
     point: _Point
     error: Scalar
     steps: Int[Array, ""]
-    #: Step from the point, and whether one is still to be found.
+    #: Step from the point, and whether the next step has to be computed.
     step: State
     arrived: Bool[Array, ""]
     bracket: _Bracket
 
 
-def _whole_step(slope: Scalar) -> _Bracket:
+def _full_step(slope: Scalar) -> _Bracket:
     one, none = jnp.ones_like(slope), jnp.zeros_like(slope)
     return _Bracket(one, none, slope, one, slope, jnp.zeros_like(slope, dtype=int))
 
 
-def _closer(bracket: _Bracket, slope: Scalar) -> _Bracket:
+def _next_share(bracket: _Bracket, slope: Scalar) -> _Bracket:
     """The next share of a step that overshot, by false position and bisection in turn."""
     share, low, low_slope, high, high_slope, cuts = bracket
-    past = slope > 0
-    low, low_slope = jnp.where(past, low, share), jnp.where(past, low_slope, slope)
-    high, high_slope = jnp.where(past, share, high), jnp.where(past, slope, high_slope)
+    overshot = slope > 0
+    low, low_slope = jnp.where(overshot, low, share), jnp.where(overshot, low_slope, slope)
+    high, high_slope = jnp.where(overshot, share, high), jnp.where(overshot, slope, high_slope)
     secant = low + (high - low) * low_slope / (low_slope - high_slope)
-    # A tooth that has just closed is stiffer by orders than the film: search by decades too.
+    # A tooth that has just closed is stiffer than its regularising spring by orders of magnitude:
+    # search by decades too.
     half = jnp.where(low > 0, (low + high) / 2, high / 10)
     share = jnp.where(cuts % 2 == 0, secant, half)
     return _Bracket(share, low, low_slope, high, high_slope, cuts + 1)
 
 
-def _select(which: Bool[Array, ""], first, second):
-    return jax.tree.map(lambda a, b: jnp.where(which, a, b), first, second)
+def _select(condition: Bool[Array, ""], first, second):
+    return jax.tree.map(lambda a, b: jnp.where(condition, a, b), first, second)
 
 
 def _search(
     chains: Chains, control: Control, value: Scalar, tolerance: float, max_steps: int
 ) -> tuple[State, Scalar, Scalar]:
-    """Newton steps and their cuts in one loop, so that each part is written out once."""
-    # Where all but rounding is in balance a cut would chase noise, and in a batch hold up all.
+    """Newton steps and their cuts in one loop, so that each part is compiled once."""
+    # Near rounding a cut follows noise, and in a batch all designs would wait for it.
     worth_cutting = max(tolerance, 1e3 * default_tolerance(value.dtype))
 
     def goes_on(search: _Search):
@@ -225,25 +228,25 @@ def _search(
 
     def body(search: _Search) -> _Search:
         start = search.point
-        right = jax.tree.map(jnp.negative, start.left)
-        found = solve_linear(chains, (start.screw, start.nut), control, right)
-        step = _select(search.arrived, found, search.step)
-        first = _energy_slope(start.left, step)
-        bracket = _select(search.arrived, _whole_step(first), search.bracket)
+        right = jax.tree.map(jnp.negative, start.residual)
+        newton_step = solve_linear(chains, (start.screw, start.nut), control, right)
+        step = _select(search.arrived, newton_step, search.step)
+        first = _energy_slope(start.residual, step)
+        bracket = _select(search.arrived, _full_step(first), search.bracket)
         point = _point(chains, _moved(start.state, step, bracket.share), control, value)
-        slope = _energy_slope(point.left, step)
-        far = _SLOPE_LEFT * jnp.abs(first)
-        outside = (slope > far) | ((slope < -far) & (bracket.cuts > 0))
+        slope = _energy_slope(point.residual, step)
+        limit = _SLOPE_LEFT * jnp.abs(first)
+        outside = (slope > limit) | ((slope < -limit) & (bracket.cuts > 0))
         worthwhile = (search.error > worth_cutting) & (search.steps > 0) & (first < 0)
-        left = (bracket.cuts < _MOST_CUTS) & (bracket.high > bracket.low)
-        kept = ~(worthwhile & outside & left)
+        cuts_left = (bracket.cuts < _MOST_CUTS) & (bracket.high > bracket.low)
+        accepted = ~(worthwhile & outside & cuts_left)
         return _Search(
-            _select(kept, point, start),
-            jnp.where(kept, _error(chains, point), search.error),
-            jnp.where(kept, search.steps + 1, search.steps),
+            _select(accepted, point, start),
+            jnp.where(accepted, _error(chains, point), search.error),
+            jnp.where(accepted, search.steps + 1, search.steps),
             step,
-            kept,
-            _closer(bracket, slope),
+            accepted,
+            _next_share(bracket, slope),
         )
 
     start = _start(chains, control, value)
@@ -253,10 +256,10 @@ def _search(
         jnp.zeros_like(value, dtype=int),
         start.state,
         jnp.ones_like(value, dtype=bool),
-        _whole_step(jnp.zeros_like(value)),
+        _full_step(jnp.zeros_like(value)),
     )
-    found = jax.lax.while_loop(goes_on, body, search)
-    return found.point.state, found.error, (found.steps - 1).astype(value.dtype)
+    search = jax.lax.while_loop(goes_on, body, search)
+    return search.point.state, search.error, (search.steps - 1).astype(value.dtype)
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1, 2))
@@ -280,27 +283,29 @@ def response(chains: Chains, state: State, control: Control, value: Scalar, righ
     The system is symmetric, so reverse mode solves it with the same elimination.
     """
 
-    # One vector: reverse mode wants every part of the right-hand side to be linear in what is
-    # differentiated, and some of the parts do not depend on it.
-    flat, whole = ravel_pytree(right)
+    # One vector: reverse mode needs every part of the right-hand side to be linear in the
+    # differentiated numbers, and some parts do not depend on them.
+    flat, unravel = ravel_pytree(right)
 
     def linear(vector):
-        left = jax.jvp(lambda s: residual(chains, s, control, value), (state,), (whole(vector),))
-        return ravel_pytree(left[1])[0]
+        product = jax.jvp(
+            lambda s: residual(chains, s, control, value), (state,), (unravel(vector),)
+        )
+        return ravel_pytree(product[1])[0]
 
     def solve(_, vector):
         teeth = forces_and_slopes(chains, state)
-        return ravel_pytree(solve_linear(chains, teeth, control, whole(vector)))[0]
+        return ravel_pytree(solve_linear(chains, teeth, control, unravel(vector)))[0]
 
-    return whole(jax.lax.custom_linear_solve(linear, flat, solve, symmetric=True))
+    return unravel(jax.lax.custom_linear_solve(linear, flat, solve, symmetric=True))
 
 
 @jax.custom_jvp
 def linear_response(chains: Chains, state: State, right: State) -> State:
     """Change of the unknowns at a prescribed load for a right-hand side A x = y.
 
-    Differentiable in everything: A dx = dy − dA x. What differentiation needs is traced only where
-    there is any.
+    Differentiable in everything: A dx = dy − dA x. Derivatives of A are traced only where they are
+    needed.
     """
     return solve_linear(chains, forces_and_slopes(chains, state), "load", right)
 
@@ -308,16 +313,16 @@ def linear_response(chains: Chains, state: State, right: State) -> State:
 @linear_response.defjvp
 def _linear_response_jvp(primals, tangents):
     chains, state, right = primals
-    found = linear_response(chains, state, right)
+    solution = linear_response(chains, state, right)
     # A does not depend on the load itself.
-    load = jnp.zeros_like(chains.film)
+    load = jnp.zeros_like(chains.regularisation)
 
-    def along(chains, state):
-        return jax.jvp(lambda s: residual(chains, s, "load", load), (state,), (found,))[1]
+    def product(chains, state):
+        return jax.jvp(lambda s: residual(chains, s, "load", load), (state,), (solution,))[1]
 
-    _, turned = jax.jvp(along, (chains, state), tangents[:2])
-    moved = jax.tree.map(lambda a, b: a - b, tangents[2], turned)
-    return found, response(chains, state, "load", load, moved)
+    _, matrix_change = jax.jvp(product, (chains, state), tangents[:2])
+    right_change = jax.tree.map(lambda a, b: a - b, tangents[2], matrix_change)
+    return solution, response(chains, state, "load", load, right_change)
 
 
 def equilibrium(
@@ -333,19 +338,19 @@ def equilibrium(
     **Arguments:**
 
     - `chains`: the chains.
-    - `value`: what is prescribed: axial load [N], deflection [m], or force in the spacer [N].
-    - `control`: which of them.
+    - `value`: prescribed axial load [N], deflection [m], or force in the spacer [N].
+    - `control`: which of the three is prescribed.
     - `tolerance`: on the unbalanced force over the largest force; default 1e-12 (1e-5 in single
       precision). Rounding of approaches is allowed on top.
     - `max_steps`: Newton steps allowed.
 
     **Returns:** an `Equilibrium`, differentiable in `chains` and `value` in either mode; in a
-    trace its `result` tells whether it may be used.
+    trace its `result` tells whether it is valid.
     """
     if tolerance is None:
         tolerance = default_tolerance(value.dtype)
     state, error, count = _find(control, tolerance, max_steps, chains, value)
     finite = jnp.isfinite(error)
-    result = jnp.where(_held_by_film(chains, state), 3, 0)
+    result = jnp.where(_carried_by_regularisation(chains, state), 3, 0)
     result = jnp.where(finite, jnp.where(error <= tolerance, result, 1), 2)
     return Equilibrium(state, error, count.astype(jnp.int32), result.astype(jnp.int32))

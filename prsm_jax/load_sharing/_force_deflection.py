@@ -20,8 +20,8 @@ class ForceDeflection(AbstractResult):
 
     #: [N]
     load: Float[Array, " points"]
-    #: Travel of screw towards nut from where nominal forward flanks touch, play and what the
-    #: preload makes of it included [m].
+    #: Travel of screw towards nut from where nominal forward flanks touch, with play and the
+    #: shift by the preload [m].
     deflection: Float[Array, " points"]
     #: dF/dx [N/m].
     tangent_stiffness: Float[Array, " points"]
@@ -70,9 +70,13 @@ def force_deflection(
 
 @eqx.filter_jit
 def _curve(stage: Stage, values: Float[Array, " points"], control: Control) -> ForceDeflection:
-    found = balanced(stage_chains(stage), stage, values, control)
-    assert found.tangent_stiffness is not None
-    energy = jax.vmap(lambda one: one.stored_energy)(found)
+    distribution = balanced(stage_chains(stage), stage, values, control)
+    assert distribution.tangent_stiffness is not None
+    energy = jax.vmap(lambda one: one.stored_energy)(distribution)
     return ForceDeflection(
-        found.load, found.deflection, found.tangent_stiffness, energy, found.converged
+        distribution.load,
+        distribution.deflection,
+        distribution.tangent_stiffness,
+        energy,
+        distribution.converged,
     )

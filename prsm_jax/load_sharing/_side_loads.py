@@ -1,4 +1,4 @@
-"""Loads between rollers and screw, or rollers and nut, and what they do to the contacts."""
+"""Loads between rollers and screw, or rollers and nut, with their pressures and stiffnesses."""
 
 from typing import Literal
 
@@ -11,9 +11,9 @@ from ..programs import AbstractResult, mapped
 from ._chains import Flanks, Loads
 from ._stage_chains import StageChains
 
-#: Share of a typical force, in double and single precision, below which there is none: well above
-#: the film's.
-_NOTHING = {True: 1e-9, False: 1e-3}
+#: Share of a typical force, in double and single precision, below which a force counts as 0: well
+#: above the forces of the regularising springs.
+_ZERO_FORCE = {True: 1e-9, False: 1e-3}
 
 
 class SideLoads(AbstractResult):
@@ -26,12 +26,12 @@ class SideLoads(AbstractResult):
     #: Largest Hertz pressure of each thread [Pa].
     max_pressure: Float[Array, "classes threads"]
     #: Axial secant stiffness of one roller of each class, its threads in parallel and its
-    #: `stiffness_factor` in it [N/m]; 0 for a roller that carries nothing.
+    #: `stiffness_factor` included [N/m]; 0 for a roller without load.
     stiffness: Float[Array, " classes"]
     #: How many rollers each class stands for.
     weight: Float[Array, " classes"]
-    #: A typical force on one thread [N], which tells a load from rounding; `None` if not known.
-    force_unit: Scalar | None = None
+    #: A typical force on one thread [N], to tell a load from rounding; `None` if not known.
+    typical_force: Scalar | None = None
     #: As `stiffness`, but tangent [N/m]; `None` if not known.
     tangent: Float[Array, " classes"] | None = None
 
@@ -58,8 +58,8 @@ class SideLoads(AbstractResult):
     def roller_stiffness(self) -> Scalar:
         """Axial secant stiffness of one roller of the first class [N/m].
 
-        The nominal ones; where all are unlike, the first roller. Those of the others are in
-        `stiffness`.
+        That of the nominal rollers, or of the first roller if all differ. Those of the other
+        classes are in `stiffness`.
         """
         return self.stiffness[0]
 
@@ -85,15 +85,15 @@ class SideLoads(AbstractResult):
     @property
     @mapped
     def loaded(self) -> Bool[Array, ""]:
-        """Whether the threads bear more than rounding."""
-        return above_or_nan(self._mean_thread_load, self._nothing)
+        """Whether the threads carry more than rounding."""
+        return above_or_nan(self._mean_thread_load, self._zero_force)
 
     @property
-    def _nothing(self) -> Scalar | float:
-        """Up to here a force is rounding, or that of the film which keeps loose teeth [N]."""
-        if self.force_unit is None:
+    def _zero_force(self) -> Scalar | float:
+        """Limit below which a force is rounding or a force of the regularising springs [N]."""
+        if self.typical_force is None:
             return 0.0
-        return _NOTHING[self.weight.dtype == jnp.float64] * self.force_unit
+        return _ZERO_FORCE[self.weight.dtype == jnp.float64] * self.typical_force
 
     @property
     @mapped
@@ -104,12 +104,12 @@ class SideLoads(AbstractResult):
         return self._ratio(jnp.max(jnp.abs(load)), mean)
 
     def _ratio(self, part: Scalar, whole: Scalar) -> Scalar:
-        loaded = above_or_nan(whole, self._nothing)
+        loaded = above_or_nan(whole, self._zero_force)
         return jnp.where(loaded, part / jnp.where(loaded, whole, 1.0), 1.0)
 
 
 def _positive_root(value: Array) -> Array:
-    """Cube root of loads; 0, with derivative 0, where there is none."""
+    """Cube root of loads; 0, with derivative 0, without load."""
     loaded = above_or_nan(value)
     return jnp.where(loaded, jnp.cbrt(jnp.where(loaded, value, 1.0)), 0.0)
 
@@ -122,11 +122,16 @@ def _stiffness(force: Array, flanks: Flanks, hertz_share: float = 1.0) -> Array:
     return root / (soft if flanks.tooth is None else soft + flanks.tooth * root)
 
 
-def side_loads(whole: StageChains, side: Literal["screw", "nut"], loads: Loads) -> SideLoads:
+def side_loads(
+    chains_of_stage: StageChains, side: Literal["screw", "nut"], loads: Loads
+) -> SideLoads:
     """Loads, pressures and stiffnesses of one side, from the forces on its flanks."""
-    flanks: Flanks = getattr(whole.chains, side)
+    flanks: Flanks = getattr(chains_of_stage.chains, side)
     forward, reverse = loads
-    unit, normal = getattr(whole, f"{side}_unit_contact"), getattr(whole, f"{side}_normal")
+    unit, normal = (
+        getattr(chains_of_stage, f"{side}_unit_contact"),
+        getattr(chains_of_stage, f"{side}_normal"),
+    )
     stiffness, tangent = _stiffness(forward, flanks), _stiffness(forward, flanks, 2 / 3)
     largest = forward
     if reverse is not None:
@@ -139,6 +144,6 @@ def side_loads(whole: StageChains, side: Literal["screw", "nut"], loads: Loads) 
         max_pressure=unit.max_pressure * _positive_root(largest * normal),
         stiffness=jnp.sum(stiffness, axis=1),
         tangent=jnp.sum(tangent, axis=1),
-        weight=whole.chains.weight,
-        force_unit=whole.chains.force_unit,
+        weight=chains_of_stage.chains.weight,
+        typical_force=chains_of_stage.chains.typical_force,
     )

@@ -19,17 +19,17 @@ from ._chains import Chains, Flanks
 from ._flank_law import flank_approach, flank_force
 from ._yamamoto import ToothCompliance, tooth_compliance
 
-#: Stiffness of the film over that of a typical contact, in double and single precision, and how
-#: much softer still it may be where play and errors are large against approaches.
-_FILM = {True: 1e-12, False: 1e-6}
+#: Stiffness of the regularising springs over that of a typical contact, in double and single
+#: precision, and the factor by which they may be softer where play and errors are large.
+_REGULARISATION = {True: 1e-12, False: 1e-6}
 _SOFTEST = 1e-2
-#: Guidance of a roller between its carriers over the stiffness of all its threads: enough to tell
-#: how far it has wedged where that makes no difference, too little to bear load where it does.
-_GUIDE = 1e-7
+#: Radial stiffness of a roller's support over the stiffness of all its threads: enough to determine
+#: its radial position where threads leave it free, too little to carry load elsewhere.
+_RADIAL_REGULARISATION = 1e-7
 
 
 class StageChains(eqx.Module):
-    """The chains of a stage, and what turns forces on threads into pressures."""
+    """The chains of a stage, and the contacts that relate forces on threads to pressures."""
 
     chains: Chains
     #: Hertz contacts of screw and nut side under a normal force of 1 N.
@@ -57,7 +57,7 @@ def sharing_of(stage: Stage) -> LoadSharing:
 
 
 def roller_classes(stage: Stage) -> tuple[tuple[int, ...], ...]:
-    """Numbers of the rollers that share alike: the nominal ones first, then each other one."""
+    """Numbers of the rollers of each class: the nominal ones first, then each unequal one."""
     unequal = {
         roller.number: roller
         for roller in stage.unequal_roller
@@ -77,11 +77,11 @@ def segment_compliances(stage: Stage) -> dict[str, Scalar]:
     **Raises:** `MissingDataError` without stiffness, material or wall thickness.
     """
     sharing, thread = sharing_of(stage), stage.thread
-    found = {}
+    compliances = {}
     for body in ("screw", "roller", "nut"):
-        given = getattr(sharing, f"{body}_segment_stiffness")
-        if given is not None:
-            found[body] = 1 / given
+        stiffness = getattr(sharing, f"{body}_segment_stiffness")
+        if stiffness is not None:
+            compliances[body] = 1 / stiffness
             continue
         tooth = sharing.tooth
         depth = 0.0 if tooth is None else getattr(tooth, f"{body}_dedendum")
@@ -92,8 +92,8 @@ def segment_compliances(stage: Stage) -> dict[str, Scalar]:
             bore = getattr(stage, body).bore_radius
             inner, outer = 0.0 if bore is None else bore, radius - depth
         area = jnp.pi * (outer**2 - inner**2)
-        found[body] = thread.pitch / (material_of(stage, body).youngs_modulus * area)
-    return found
+        compliances[body] = thread.pitch / (material_of(stage, body).youngs_modulus * area)
+    return compliances
 
 
 def tooth_compliances(stage: Stage) -> dict[str, ToothCompliance] | None:
@@ -125,14 +125,15 @@ def _teeth(stage: Stage) -> dict[str, Scalar] | None:
     if compliances is None or tooth is None:
         return None
     teeth = {}
-    for body, found in compliances.items():
-        spread = tooth.radial_length
-        if spread is None:
-            # Each turn of a ring bears one contact per roller, each turn of a roller one per side.
+    for body, compliance in compliances.items():
+        length = tooth.radial_length
+        if length is None:
+            # Each turn of screw and nut has one contact per roller, each turn of a roller one per
+            # side.
             sharers = 1 if body == "roller" else stage.present_roller_count
-            spread = 2 * jnp.pi * getattr(stage.thread, f"{body}_radius") / sharers
-        own = (found.total - found.radial) / tooth.effective_length
-        teeth[body] = own + found.radial / spread
+            length = 2 * jnp.pi * getattr(stage.thread, f"{body}_radius") / sharers
+        own = (compliance.total - compliance.radial) / tooth.effective_length
+        teeth[body] = own + compliance.radial / length
     return teeth
 
 
@@ -159,7 +160,7 @@ def _flanks(
     """Gaps and compliances of one side, a row per class."""
     sharing, dtype = sharing_of(stage), stage.thread.lead.dtype
     count = sharing.thread_count
-    # Teeth of screw and roller close the gap before them and open the one behind.
+    # A pitch error closes the gap in front of a tooth and opens the one behind it.
     bodies = ("screw", "roller") if side == "screw" else ("roller", "nut")
     behind, ahead = (getattr(sharing, f"{body}_pitch_error") for body in bodies)
     shift = _sum([_negative(behind), ahead], count, dtype)
@@ -172,8 +173,8 @@ def _flanks(
         values = [getattr(unequal.get(numbers[0]), name, None) for numbers in rollers]
         if all(value is None for value in values):
             return None
-        like = jnp.full((), default, dtype)
-        return jnp.stack([like if value is None else value for value in values])[:, None]
+        default_value = jnp.full((), default, dtype)
+        return jnp.stack([default_value if value is None else value for value in values])[:, None]
 
     classes = len(rollers)
     thinning = per_class("tooth_thinning", 0.0)
@@ -209,16 +210,15 @@ def _under_one_newton(side: ThreadContactSide) -> HertzContact:
     )
 
 
-def with_units(
+def regularised(
     chains: Chains,
     load: Scalar | None = None,
     deflection: Scalar | None = None,
     preload: Scalar | None = None,
 ) -> Chains:
-    """The chains with a typical force on a thread, and a film that suits it.
+    """The chains with a typical force on a thread, and regularising springs of suitable stiffness.
 
-    Differentiated like everything else: what the film alone transmits, such as the play behind
-    loaded flanks, changes loads by a billionth, and by another billionth if the film were constant.
+    The springs are differentiated too. They change loads by about 1e-9.
     """
     zero = jnp.zeros((), chains.weight.dtype)
     load, deflection, preload = (
@@ -243,32 +243,28 @@ def with_units(
     force = jnp.where(force > 0, force, 1.0)
     length = zero
     for side in sides:
-        unit = jnp.broadcast_to(force, (*chains.weight.shape, 1))
-        length = length + jnp.mean(flank_approach(unit, side.hertz, side.tooth)) / 2
-    film = jnp.maximum(force / (length + span), _SOFTEST * force / length)
-    film = _FILM[zero.dtype == jnp.float64] * film
-    return eqx.tree_at(UNITS, chains, (film, force, _GUIDE * force / length * count))
+        forces = jnp.broadcast_to(force, (*chains.weight.shape, 1))
+        length = length + jnp.mean(flank_approach(forces, side.hertz, side.tooth)) / 2
+    regularisation = jnp.maximum(force / (length + span), _SOFTEST * force / length)
+    regularisation = _REGULARISATION[zero.dtype == jnp.float64] * regularisation
+    radial = _RADIAL_REGULARISATION * force / length * count
+    return eqx.tree_at(regularisation_of, chains, (regularisation, force, radial))
 
 
-def UNITS(chains: Chains):
-    """What `with_units` sets, for `eqx.tree_at`."""
-    return chains.film, chains.force_unit, chains.guide
-
-
-def with_units_of(chains: Chains, **prescribed: Scalar) -> Chains:
-    """The chains, with all their derivatives, and the units that `with_units` finds."""
-    return eqx.tree_at(UNITS, chains, UNITS(with_units(chains, **prescribed)))
+def regularisation_of(chains: Chains):
+    """The numbers that `regularised` sets, for `eqx.tree_at`."""
+    return chains.regularisation, chains.typical_force, chains.radial_regularisation
 
 
 def stage_chains(
     stage: Stage, meshing: Meshing | None = None, contact: StageContact | None = None
 ) -> StageChains:
-    """The chains of a stage, without units (see `with_units`).
+    """The chains of a stage, without regularisation (see `regularised`).
 
     **Arguments:**
 
     - `stage`: the stage; needs `load_sharing`, materials, and sections or segment stiffnesses.
-    - `meshing`: its meshing, if known already; only the `"exact"` curvatures look at it.
+    - `meshing`: its meshing, if known already; only the `"exact"` curvatures use it.
     - `contact`: its contacts under some load above 0, if known already.
 
     **Raises:** `MissingDataError` if data are missing.
@@ -305,9 +301,9 @@ def stage_chains(
         screw_segment=compliances["screw"],
         roller_segment=compliances["roller"],
         nut_segment=compliances["nut"],
-        film=jnp.zeros((), dtype),
-        force_unit=jnp.ones((), dtype),
-        guide=jnp.zeros((), dtype),
+        regularisation=jnp.zeros((), dtype),
+        typical_force=jnp.ones((), dtype),
+        radial_regularisation=jnp.zeros((), dtype),
         offset=offset,
         split=split,
         same_end=sharing.mounting == "same_end",

@@ -1,4 +1,4 @@
-"""Where a nut stands without a load: what its deflection under one is measured from."""
+"""Position of the nut without load: the reference of its elastic deflection."""
 
 from typing import NamedTuple
 
@@ -9,31 +9,31 @@ from jaxtyping import Array, Bool, Float
 from ..mechanism import Scalar
 from ._chains import Chains, deflection_of
 from ._equilibrium import equilibrium
-from ._stage_chains import with_units_of
+from ._stage_chains import regularised
 
 
 class ElasticDeflection(NamedTuple):
-    """What a load itself does to the travel of screw towards nut."""
+    """Travel of screw towards nut that the load causes."""
 
-    #: From where the nut stands without the load [m].
+    #: Measured from the position without load [m].
     deflection: Scalar
-    #: Load over this deflection [N/m]; 0 without load, where only a tangent has a meaning.
+    #: Load over this deflection [N/m]; 0 without load, where only the tangent is defined.
     secant_stiffness: Scalar
-    #: Where the nut stands without the load, from where nominal forward flanks touch [m].
+    #: Position without load, from where nominal forward flanks touch [m].
     rest: Scalar
-    #: Whether flanks press on each other without a load; else there is play, and `rest` is where
-    #: they first touch in the direction of the load.
-    braced: Bool[Array, ""]
+    #: Whether flanks carry load without an external load; else there is play, and `rest` is where
+    #: flanks first touch in the direction of the load.
+    preloaded: Bool[Array, ""]
     #: Whether the balance without a load was found (none is needed where there is play).
     converged: Bool[Array, ""]
 
 
 def first_contacts(chains: Chains) -> tuple[Scalar, Scalar | None]:
-    """Travels of a rigid screw at which its first thread is gripped, forward and backward [m].
+    """Travels of a rigid screw to its first contact, forward and backward [m].
 
-    A roller is free along its axis and radially, so that of one class only the least gap on either
-    side counts. The sum of both is the play of the nut; below 0 it is braced. The second is `None`
-    without reverse flanks.
+    A roller is free axially and radially, so only the smallest gap on either side of a class
+    counts. The sum of both travels is the play of the nut; if it is below 0 the nut is preloaded.
+    The second is `None` without reverse flanks.
     """
     shift: Float[Array, " threads"] = jnp.zeros_like(chains.screw.gap[0])
     if chains.split is not None and chains.offset is not None:
@@ -57,15 +57,15 @@ class Resting(NamedTuple):
 
 
 def _balance(chains: Chains, offset: Scalar) -> Resting:
-    nothing = jnp.zeros_like(offset)
-    found = equilibrium(with_units_of(chains, load=nothing), nothing)
-    return Resting(deflection_of(chains, found.state, nothing, offset), found.converged)
+    load = jnp.zeros_like(offset)
+    unloaded = equilibrium(regularised(chains, load=load), load)
+    return Resting(deflection_of(chains, unloaded.state, load, offset), unloaded.converged)
 
 
 def _rest(
     chains: Chains, load: Scalar, resting: Resting | None
 ) -> tuple[Scalar, Bool[Array, ""], Bool[Array, ""]]:
-    """Where the nut stands before it takes a load of this sign; whether braced, and found."""
+    """Position before a load of this sign; whether preloaded; whether the position is valid."""
     forward, backward = first_contacts(chains)
     if backward is None:
         return forward, jnp.asarray(False), jnp.asarray(True)
@@ -73,11 +73,11 @@ def _rest(
     touching = jnp.where(load < 0, -backward, forward)
     if not chains.same_end:
         touching = touching - offset
-    braced = forward + backward < 0
+    preloaded = forward + backward < 0
     if resting is None:
         resting = _balance(chains, offset)
-    # With play there is only the film that holds the teeth, and the balance is not used.
-    return jnp.where(braced, resting.travel, touching), braced, ~braced | resting.converged
+    # With play only regularising springs hold the teeth, and the balance is not used.
+    return jnp.where(preloaded, resting.travel, touching), preloaded, ~preloaded | resting.converged
 
 
 # One program where a user asks a distribution for it.
@@ -85,10 +85,10 @@ def _rest(
 def elastic_deflection(
     chains: Chains, load: Scalar, travel: Scalar, resting: Resting | None = None
 ) -> ElasticDeflection:
-    """The travel that a load causes, measured from where the nut stands without it.
+    """Travel that a load causes, from the unloaded (or preloaded) position, after play is taken up.
 
-    That is the balance without a load where a split nut or too thick rollers brace it, else where
-    flanks first touch in the load's direction, play and errors passed.
+    The reference is the balance without load if a split nut or thick rollers preload it, else the
+    first contact of flanks in the direction of the load.
 
     **Arguments:**
 
@@ -97,10 +97,10 @@ def elastic_deflection(
     - `travel`: of screw towards nut under it, from where nominal forward flanks touch [m].
     - `resting`: the balance without a load, if known already.
     """
-    rest, braced, converged = _rest(chains, load, resting)
+    rest, preloaded, converged = _rest(chains, load, resting)
     rest = jnp.where(converged, rest, jnp.nan)
     loaded = load != 0
-    deflection = jnp.where(loaded | braced, travel - rest, 0.0)
-    moved = loaded & (deflection != 0)
-    secant = jnp.where(moved, load / jnp.where(moved, deflection, 1.0), 0.0)
-    return ElasticDeflection(deflection, secant, rest, braced, converged)
+    deflection = jnp.where(loaded | preloaded, travel - rest, 0.0)
+    deflected = loaded & (deflection != 0)
+    secant = jnp.where(deflected, load / jnp.where(deflected, deflection, 1.0), 0.0)
+    return ElasticDeflection(deflection, secant, rest, preloaded, converged)

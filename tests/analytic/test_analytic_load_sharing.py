@@ -344,7 +344,7 @@ def test_deflection_of_a_braced_nut_is_that_of_the_load_alone():
     for load in (100.0, -100.0):
         found = load_distribution(one, array(load))
         elastic = found.elastic
-        assert bool(elastic.braced & elastic.converged)
+        assert bool(elastic.preloaded & elastic.converged)
         assert float(elastic.rest) == pytest.approx(float(resting.deflection), rel=1e-9)
         # The tangent itself changes by 2e-4 over these loads.
         assert float(found.secant_stiffness) == pytest.approx(tangent, rel=3e-4)
@@ -374,14 +374,14 @@ def test_deflection_with_play_starts_at_the_first_contact():
     assert float(forward.rest) == pytest.approx(rest.min(), rel=1e-12)
     back = (2e-5 - errors.max(axis=1)) - errors.max(axis=1)
     assert float(backward.rest) == pytest.approx(-back.min(), rel=1e-12)
-    assert not bool(forward.braced | backward.braced)
+    assert not bool(forward.preloaded | backward.preloaded)
     nothing = at(array(0.0), array(2e-5))
     assert float(nothing.deflection) == 0
     # As the play closes into a fit without any, the balance without load goes on from there.
     least = -(rest.min() + back.min() - 2e-5)
     braced, loose = (at(array(1.0), array(least + 1e-12 * sign)) for sign in (-1, 1))
-    assert bool(braced.braced & braced.converged)
-    assert not bool(loose.braced)
+    assert bool(braced.preloaded & braced.converged)
+    assert not bool(loose.preloaded)
     # The soft guidance of a roller that has to wedge by 1 µm bends contacts by some 10 pm.
     assert float(braced.rest) == pytest.approx(float(loose.rest), abs=1e-10)
 

@@ -19,7 +19,7 @@ from benchmarks.load.growth import exponent, of_rows
 from benchmarks.load.page import write_page
 from benchmarks.load.sharing import sharing
 from benchmarks.load.tasks import TASKS
-from prsm_jax.load_sharing import Chains, Flanks, equilibrium, with_units
+from prsm_jax.load_sharing import Chains, Flanks, equilibrium, regularised
 from prsm_jax.numerics import _stretches
 from prsm_jax.numerics._stretches import over_samples
 
@@ -129,7 +129,7 @@ def test_the_program_of_rollers_with_play_is_linear_in_their_number():
         unit = jnp.ones(())
         shaft = jnp.full(4, 1e-10)
         bare = Chains(jnp.ones(rollers), flanks, flanks, shaft, shaft, shaft, unit, unit, unit)
-        chains = with_units(bare, load=100.0 * unit)
+        chains = regularised(bare, load=100.0 * unit)
         return counted(eqx.filter_jit(equilibrium), chains, 100.0 * unit).equations
 
     first, second, third = (equations(rollers) for rollers in (17, 20, 23))

@@ -12,7 +12,7 @@ from scenes import array, example
 from sharing_scenes import HERTZ, SEGMENT, TOOTH, chains, equilibrium, loads_of
 
 import prsm_jax as prsm
-from prsm_jax.load_sharing import equilibrium as solve, with_units
+from prsm_jax.load_sharing import equilibrium as solve, regularised
 
 _ERRORS = np.random.default_rng(8).normal(size=(1, 12)) * 2e-6
 _CONTACTS = (1e-12, 1e-6, 1.0, 1e6, 1e12)
@@ -32,9 +32,12 @@ def _grid(scale, segment, load, errors):
             tooth=TOOTH * scale,
             segments=(segment, segment, segment),
         )
-        units = with_units(bare, load=load)
+        units = regularised(bare, load=load)
         bare = dataclasses.replace(
-            bare, film=units.film, force_unit=units.force_unit, guide=units.guide
+            bare,
+            regularisation=units.regularisation,
+            typical_force=units.typical_force,
+            radial_regularisation=units.radial_regularisation,
         )
         found = solve(bare, load)
         screw, _ = bare.screw.loads(found.state.screw_approach, 0.0)

@@ -36,8 +36,8 @@ def _outputs(numbers):
         load=500.0,
     )
     found = equilibrium(bare, numbers["load"])
-    forward, _ = bare.screw.loads(found.state.screw_approach, found.state.wedge[:, None])
-    force = forward[0] + bare.film * (found.state.screw_approach - bare.screw.centre)[0]
+    forward, _ = bare.screw.loads(found.state.screw_approach, found.state.radial_shift[:, None])
+    force = forward[0] + bare.regularisation * (found.state.screw_approach - bare.screw.centre)[0]
     return jnp.append(force, found.state.nut_force[3])
 
 
@@ -112,7 +112,7 @@ def test_a_contact_that_just_opens():
 def test_where_a_nut_stands_without_load(backlash):
     """Braced by thick rollers, or with play: both modes against differences."""
     got, forward, reverse = _rest(array(backlash))
-    assert bool(got.braced) == (backlash < 0)
+    assert bool(got.preloaded) == (backlash < 0)
     step = 1e-9
     after, before = (_rest(array(backlash + sign * step))[0] for sign in (1, -1))
     difference = (float(after.rest) - float(before.rest)) / (2 * step)

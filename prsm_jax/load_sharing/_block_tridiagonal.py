@@ -1,7 +1,8 @@
-"""Linear response of the chains: elimination from the first thread to the last.
+"""Linear response of the chains: block-tridiagonal elimination from the first thread to the last.
 
-What hangs below a segment acts on the next thread like one stiffness matrix A; a segment in series
-turns it into (A⁻¹ + C)⁻¹ = A (I + C A)⁻¹, which is regular from rigid segments to no shaft at all.
+The threads below a segment act on the next thread like one stiffness matrix A; a segment in series
+turns it into (A⁻¹ + C)⁻¹ = A (I + C A)⁻¹, which is regular for any stiffness of the
+segments, 0 and infinity included.
 All matrices are those of spring networks, so elimination needs no pivoting.
 """
 
@@ -13,9 +14,9 @@ from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float
 
 from ._chains import Chains, Control, State, Teeth
-from ._wide_ladder import Ladder, eliminate as wide_eliminate, gauss_jordan
+from ._large_block_tridiagonal import BlockTridiagonal, eliminate as eliminate_large, gauss_jordan
 
-#: Up to here a thread's matrix is written out number by number, which is fast in batches.
+#: Largest matrix of a thread that is written out number by number, which is fast in batches.
 _LARGEST = 4
 
 
@@ -116,59 +117,60 @@ def _eliminate(chains: Chains, teeth: tuple[Teeth, Teeth], rights: list[State]) 
     screw, nut = (chains.weight[:, None] * side.slope for side in teeth)
     size = screw.shape[0] + 1
     if size > _LARGEST:
-        return _eliminate_wide(chains, screw, nut, rights)
+        return _eliminate_large(chains, screw, nut, rights)
     gamma = [chains.roller_segment / weight for weight in chains.weight] + [chains.nut_segment]
-    # A number of each right-hand side lies beside those of the others, so that all of them are
-    # written out once.
+    # Right-hand sides lie in the last axis, so that the elimination is compiled once for all.
     forces = _numbers(
         [list(one.screw_approach) for one in rights], [one.approach for one in rights]
     )
     meshes = _numbers([list(one.roller_force) for one in rights], [one.nut_force for one in rights])
-    nothing = jnp.zeros_like(forces[0][0]), jnp.zeros_like(screw[0, 0])
+    zeros = jnp.zeros_like(forces[0][0]), jnp.zeros_like(screw[0, 0])
 
-    def joined(below, thread):
+    def add_thread(below, thread):
         (matrix, carried), (screw_row, nut_row, force) = below, thread
         matrix = _Numbers.plus(_Numbers.thread(screw_row, nut_row), matrix)
         return matrix, _Numbers.less(carried, force)
 
-    def up(below, given):
-        thread, mesh, gamma_row, segment = given
-        matrix, carried = joined(below, thread)
+    def up(below, segment_data):
+        thread, mesh, gamma_row, segment = segment_data
+        matrix, carried = add_thread(below, thread)
         inverse, reduced = _Numbers.series(matrix, gamma_row, segment)
         above = _Numbers.less(carried, _Numbers.times(matrix, mesh))
         return (reduced, _Numbers.times_transposed(inverse, above)), (matrix, inverse, carried)
 
-    def down(above, given):
-        (matrix, inverse, carried), mesh, gamma_row, segment = given
-        along = _Numbers.along(gamma_row, segment, carried)
-        here = _Numbers.times(inverse, _Numbers.less(_Numbers.less(above, mesh), along))
-        return here, (here, _Numbers.add(_Numbers.times(matrix, here), carried))
+    def down(above, segment_data):
+        (matrix, inverse, carried), mesh, gamma_row, segment = segment_data
+        elongation = _Numbers.along(gamma_row, segment, carried)
+        change = _Numbers.times(inverse, _Numbers.less(_Numbers.less(above, mesh), elongation))
+        return change, (change, _Numbers.add(_Numbers.times(matrix, change), carried))
 
     threads = list(screw), list(nut), forces
     segments = meshes, gamma, chains.screw_segment
-    start = [[nothing[1]] * size] * size, [nothing[0]] * size
-    below, kept = jax.lax.scan(up, start, (jax.tree.map(lambda x: x[:-1], threads), *segments))
-    matrix, carried = joined(below, jax.tree.map(lambda x: x[-1], threads))
+    start = [[zeros[1]] * size] * size, [zeros[0]] * size
+    below, eliminated = jax.lax.scan(
+        up, start, (jax.tree.map(lambda x: x[:-1], threads), *segments)
+    )
+    matrix, carried = add_thread(below, jax.tree.map(lambda x: x[-1], threads))
     last = _Numbers.solve(matrix, [-x for x in carried])
-    _, (changes, inner) = jax.lax.scan(down, last, (kept, *segments), reverse=True)
+    _, (changes, inner) = jax.lax.scan(down, last, (eliminated, *segments), reverse=True)
     ends = [jnp.asarray(x)[None] for x in last]
-    whole = [jnp.concatenate(pair) for pair in zip(changes, ends, strict=True)]
-    approaches, shafts = jnp.stack(whole), jnp.stack(inner)
+    with_last = [jnp.concatenate(pair) for pair in zip(changes, ends, strict=True)]
+    approaches, shafts = jnp.stack(with_last), jnp.stack(inner)
     return [
         State(approaches[:-1, :, k], approaches[-1, :, k], shafts[:-1, :, k], shafts[-1, :, k])
         for k in range(len(rights))
     ]
 
 
-def _eliminate_wide(chains: Chains, screw: Array, nut: Array, rights: list[State]) -> list[State]:
+def _eliminate_large(chains: Chains, screw: Array, nut: Array, rights: list[State]) -> list[State]:
     """As `_eliminate`, for more classes of rollers than can be written out."""
     gamma = _columns(chains.roller_segment[None, :] / chains.weight[:, None], chains.nut_segment)
     forces = [_columns(right.screw_approach, right.approach) for right in rights]
     meshes = [_columns(right.roller_force, right.nut_force) for right in rights]
-    ladder = Ladder(
+    system = BlockTridiagonal(
         screw.T, nut.T, gamma, chains.screw_segment, jnp.stack(forces, -1), jnp.stack(meshes, -1)
     )
-    changes, inner = wide_eliminate(jax.tree.map(lambda values: values[..., None], ladder))
+    changes, inner = eliminate_large(jax.tree.map(lambda values: values[..., None], system))
     return [
         State(
             changes[:, :-1, i, 0].T, changes[:, -1, i, 0], inner[:, :-1, i, 0].T, inner[:, -1, i, 0]
@@ -178,18 +180,20 @@ def _eliminate_wide(chains: Chains, screw: Array, nut: Array, rights: list[State
 
 
 def control_column(chains: Chains, state: State, control: Control) -> State:
-    """Derivative of the balance to the unknown load or offset; its own row as well."""
-    zeros = bare(jax.tree.map(jnp.zeros_like, state))
+    """Column of the Jacobian for the unknown load or offset, with its diagonal element."""
+    zeros = thread_unknowns(jax.tree.map(jnp.zeros_like, state))
     segment, nut = chains.screw_segment, chains.nut_segment
     if control == "preload":
         assert chains.split is not None
-        sought = jnp.ones_like(chains.film) if chains.sought is None else chains.sought
+        offset_unknown = chains.offset_unknown
+        if offset_unknown is None:
+            offset_unknown = jnp.ones_like(chains.regularisation)
         return State(
             zeros.screw_approach,
             zeros.approach,
             zeros.roller_force,
-            zeros.nut_force.at[chains.split].set(sought),
-            control=1 - sought,
+            zeros.nut_force.at[chains.split].set(offset_unknown),
+            control=1 - offset_unknown,
         )
     closing = segment + nut if chains.same_end else segment
     return State(
@@ -211,27 +215,27 @@ def _inner_product(first: State, second: State) -> Array:
     return sum((jnp.sum(a * b) for a, b in pairs[1:]), jnp.sum(pairs[0][0] * pairs[0][1]))
 
 
-def _wedge_columns(chains: Chains, teeth: tuple[Teeth, Teeth], like: State):
-    """Derivatives of the balance to the wedge of each class, and of the wedges to themselves."""
+def _radial_shift_columns(chains: Chains, teeth: tuple[Teeth, Teeth], like: State):
+    """Columns of the Jacobian for the radial shift of each class, and its diagonal elements."""
     screw, nut = teeth
-    assert screw.lean is not None
-    assert nut.lean is not None
-    columns, own = [], []
+    assert screw.slope_difference is not None
+    assert nut.slope_difference is not None
+    columns, diagonal = [], []
     for index in range(chains.weight.shape[0]):
-        here = (jnp.arange(chains.weight.shape[0]) == index).astype(like.approach.dtype)
-        weight = (chains.weight * here)[:, None]
+        selected = (jnp.arange(chains.weight.shape[0]) == index).astype(like.approach.dtype)
+        weight = (chains.weight * selected)[:, None]
         columns.append(
             State(
-                -weight * (screw.lean + nut.lean),
-                jnp.sum(weight * nut.lean, axis=0),
+                -weight * (screw.slope_difference + nut.slope_difference),
+                jnp.sum(weight * nut.slope_difference, axis=0),
                 jnp.zeros_like(like.roller_force),
                 jnp.zeros_like(like.nut_force),
             )
         )
-        # The film moves with the teeth, not with their flanks.
-        stiff = jnp.sum(screw.slope[index] + nut.slope[index] - 2 * chains.film) + chains.guide
-        own.append(chains.weight[index] * stiff)
-    return columns, own
+        # Regularising springs depend on the approach of the teeth, not on the radial shift.
+        stiffness = jnp.sum(screw.slope[index] + nut.slope[index] - 2 * chains.regularisation)
+        diagonal.append(chains.weight[index] * (stiffness + chains.radial_regularisation))
+    return columns, diagonal
 
 
 def solve_linear(
@@ -243,67 +247,75 @@ def solve_linear(
 
     - `chains`: the chains.
     - `teeth`: slopes of the teeth of one roller per class, screw side and nut side.
-    - `control`: what is prescribed.
+    - `control`: the prescribed quantity.
     - `right`: right-hand side, in the layout of the residual.
     """
     columns: list[State] = []
-    own: list[Any] = []
-    wanted: list[Any] = []
-    if right.wedge is not None:
-        columns, own = _wedge_columns(chains, teeth, right)
-        wanted = [right.wedge[i] for i in range(right.wedge.shape[0])]
+    diagonal: list[Any] = []
+    targets: list[Any] = []
+    if right.radial_shift is not None:
+        columns, diagonal = _radial_shift_columns(chains, teeth, right)
+        targets = [right.radial_shift[i] for i in range(right.radial_shift.shape[0])]
     if control != "load":
         column = control_column(chains, right, control)
-        columns, own = [*columns, column], [*own, column.control]
-        wanted = [*wanted, right.control]
+        columns, diagonal = [*columns, column], [*diagonal, column.control]
+        targets = [*targets, right.control]
     plain, *responses = _eliminate(chains, teeth, [right, *columns])
     if not columns:
         return plain
-    # What couples to everything at once: a small dense system after the elimination.
+    # Unknowns that couple to all threads: a small dense system after the elimination.
     if len(columns) > _LARGEST:
-        extra = _bordered(columns, own, wanted, plain, responses)
-        return _without(plain, responses, extra, control)
+        coupled = _bordered(columns, diagonal, targets, plain, responses)
+        return _with_coupled_unknowns(plain, responses, coupled, control)
     matrix = [[-_inner_product(one, other) for other in responses] for one in columns]
-    for index, value in enumerate(own):
+    for index, value in enumerate(diagonal):
         matrix[index][index] = matrix[index][index] + value
     vector = [
-        value - _inner_product(one, plain) for value, one in zip(wanted, columns, strict=True)
+        value - _inner_product(one, plain) for value, one in zip(targets, columns, strict=True)
     ]
-    return _without(plain, responses, _Numbers.solve(matrix, vector), control)
+    return _with_coupled_unknowns(plain, responses, _Numbers.solve(matrix, vector), control)
 
 
 def _bordered(
-    columns: list[State], own: list[Any], wanted: list[Any], plain: State, responses: list[State]
+    columns: list[State],
+    diagonal: list[Any],
+    targets: list[Any],
+    plain: State,
+    responses: list[State],
 ) -> list[Any]:
-    """The dense system of many columns by products of matrices: a product for each pair of them
-    would be a program that grows with their square."""
+    """The dense system of many columns by products of matrices.
+
+    A product for each pair of columns would make the program grow with the square of their number.
+    """
     border = jnp.stack([_flat(one) for one in columns])
-    found = jnp.stack([_flat(one) for one in responses])
-    square = jnp.diag(jnp.stack(own)) - border @ found.T
-    vector = jnp.stack(wanted) - border @ _flat(plain)
+    solutions = jnp.stack([_flat(one) for one in responses])
+    square = jnp.diag(jnp.stack(diagonal)) - border @ solutions.T
+    vector = jnp.stack(targets) - border @ _flat(plain)
     return list(gauss_jordan(square, vector[:, None])[:, 0])
 
 
 def _flat(state: State) -> Float[Array, " unknowns"]:
-    return ravel_pytree(bare(state))[0]
+    return ravel_pytree(thread_unknowns(state))[0]
 
 
-def _without(plain: State, responses: list[State], extra: list[Any], control: Control) -> State:
-    """The response less those to what couples to everything, which is then known."""
-    moved = bare(plain)
-    for share, response in zip(extra, responses, strict=True):
-        moved = jax.tree.map(lambda a, b, c=share: a - c * b, moved, bare(response))
-    wedges = len(extra) - (control != "load")
+def _with_coupled_unknowns(
+    plain: State, responses: list[State], coupled: list[Any], control: Control
+) -> State:
+    """The response with the coupled unknowns, after they are solved for."""
+    total = thread_unknowns(plain)
+    for share, response in zip(coupled, responses, strict=True):
+        total = jax.tree.map(lambda a, b, c=share: a - c * b, total, thread_unknowns(response))
+    shifts = len(coupled) - (control != "load")
     return State(
-        moved.screw_approach,
-        moved.approach,
-        moved.roller_force,
-        moved.nut_force,
-        jnp.stack(extra[:wedges]) if wedges else None,
-        None if control == "load" else extra[-1],
+        total.screw_approach,
+        total.approach,
+        total.roller_force,
+        total.nut_force,
+        jnp.stack(coupled[:shifts]) if shifts else None,
+        None if control == "load" else coupled[-1],
     )
 
 
-def bare(state: State) -> State:
-    """The unknowns of the chains alone."""
+def thread_unknowns(state: State) -> State:
+    """The unknowns of the threads, without radial shifts and control."""
     return State(state.screw_approach, state.approach, state.roller_force, state.nut_force)
