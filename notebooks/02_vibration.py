@@ -79,7 +79,7 @@ for k in (0, 2, 4, 6, 7, 8, 10, 14, 15):
 # mixed up at crossings.
 
 # %%
-loci = prsm.frequency_loci(
+loci = prsm.vibration.frequency_loci(
     mechanism, "screw.support.radial_stiffness", np.geomspace(1e8, 6e10, 201)
 )
 report.frequency_loci_chart(loci)
@@ -199,7 +199,7 @@ print(f"d f / d nut support: {float(supports.radial_stiffness) * 1e6:.3f} Hz per
 # and modes that were pure are mixed.
 
 # %%
-text = prsm.example_text("wu2022")
+text = prsm.file.example_text("wu2022")
 damaged = prsm.loads(
     text
     + """
@@ -221,7 +221,7 @@ report.mode_shapes(damaged, mixed)
 # other.
 
 # %%
-worn_roller = prsm.frequency_loci(
+worn_roller = prsm.vibration.frequency_loci(
     damaged, "unequal_roller.2.stiffness_factor", np.linspace(0.1, 1.9, 201)
 )
 report.frequency_loci_chart(worn_roller)

@@ -104,7 +104,7 @@ move = SCurveMoveProfile(
 there_and_back = SequenceProfile([move], repeats=4, reversing=True)
 mission = prsm.Scenario(
     speed=there_and_back,
-    load=prsm.HingeLoad(constant=500.0, stiffness=3e4, mass=50.0),
+    load=prsm.scenario.HingeLoad(constant=500.0, stiffness=3e4, mass=50.0),
     duration=float(there_and_back.duration),
     samples=801,
 )
@@ -126,7 +126,7 @@ report.power_flow_chart(report.energy_flow(mechanism, flight), "Energy of the wh
 # %%
 shaken = prsm.TorqueScenario(
     torque=SineProfile(12.0, 5.0),
-    load=prsm.HingeLoad(stiffness=2.5e5, mass=20.0),
+    load=prsm.scenario.HingeLoad(stiffness=2.5e5, mass=20.0),
     duration=0.4,
     samples=401,
 )
@@ -158,10 +158,10 @@ def at(values):
 def figures(values):
     design = at(values)
     run = prsm.simulate(design, scene, method="closed_form", throw=False)
-    settled, _ = prsm.settling_time(run.time, run.carrier_ratio[1], band=0.01)
-    peak = prsm.peak(run.screw_roller_axial_force[0])
+    settled, _ = prsm.dynamics.settling_time(run.time, run.carrier_ratio[1], band=0.01)
+    peak = prsm.dynamics.peak(run.screw_roller_axial_force[0])
     efficiency = prsm.steady_state(design, 100.0, 5000.0).efficiency
-    return jnp.stack([efficiency, peak, settled, prsm.energy(run, "loss")])
+    return jnp.stack([efficiency, peak, settled, prsm.dynamics.energy(run, "loss")])
 
 
 start = jnp.stack([prsm.get_parameter(mechanism, name) for name in NAMES])
@@ -199,7 +199,7 @@ def slowest(coefficient, lead):
     design = prsm.set_parameter(design, "stage.1.lead", lead)
     design = prsm.set_parameter(design, "stage.2.lead", 0.02 - lead)
     run = prsm.simulate(design, scene, method="closed_form", throw=False)
-    return prsm.settling_time(run.time, run.carrier_ratio, band=0.01)[0].max()
+    return prsm.dynamics.settling_time(run.time, run.carrier_ratio, band=0.01)[0].max()
 
 
 grid = jax.jit(jax.vmap(jax.vmap(slowest, (None, 0)), (0, None)))(friction, first_lead)
@@ -230,7 +230,7 @@ def energy_lost(angles):
     design = prsm.set_parameter(mechanism, "stage.1.contact_angle", angles[0])
     design = prsm.set_parameter(design, "stage.2.contact_angle", angles[1])
     run = prsm.simulate(design, short, method="quasi_steady", throw=False)
-    return prsm.energy(run, "loss")
+    return prsm.dynamics.energy(run, "loss")
 
 
 slopes_and_value = jax.jit(jax.jacfwd(lambda x: 2 * (energy_lost(x),), has_aux=True))

@@ -154,7 +154,7 @@ for name, value in values.items():
 # %%
 report.life_chart(
     values["dynamic_capacity"][0],
-    prsm.load_spectrum(mechanism.duty_cycle),
+    prsm.strength.load_spectrum(mechanism.duty_cycle),
     values["static_capacity"][0],
 )
 

@@ -166,7 +166,7 @@ assert error.min() < 1e-7
 # Single precision has seven digits, and sums and differences leave fewer.
 
 # %%
-small = prsm.to_precision(mechanism, jnp.float32)
+small = prsm.programs.to_precision(mechanism, jnp.float32)
 pair = [float(prsm.steady_state(m).efficiency) for m in (mechanism, small)]
 print(f"efficiency {pair[0]:.9f} in float64, {pair[1]:.9f} in float32")
 assert abs(pair[1] / pair[0] - 1) < 1e-5

@@ -10,8 +10,32 @@ and limits), `numerics` (methods), `programs` (how JAX compiles them), `text` an
 """
 
 from . import process as process  # isort: skip # before JAX
-from .programs import to_precision as to_precision  # isort: skip # it enables float64
+from . import programs as programs  # isort: skip # it enables float64
 
+from typing import TYPE_CHECKING
+
+from . import (
+    contact as contact,
+    dynamics as dynamics,
+    explanation as explanation,
+    fields as fields,
+    file as file,
+    findings as findings,
+    friction as friction,
+    geometry as geometry,
+    halfspace as halfspace,
+    load_sharing as load_sharing,
+    mechanism as mechanism,
+    optimisation as optimisation,
+    quantities as quantities,
+    response as response,
+    scenario as scenario,
+    sensitivities as sensitivities,
+    stiffness as stiffness,
+    strength as strength,
+    sweeps as sweeps,
+    vibration as vibration,
+)
 from ._errors import (
     FileError as FileError,
     MissingDataError as MissingDataError,
@@ -20,102 +44,95 @@ from ._errors import (
     UnknownNameError as UnknownNameError,
 )
 from ._version import __version__ as __version__
-from .contact import hertz_contact as hertz_contact, thread_contacts as thread_contacts
+from .contact import thread_contacts as thread_contacts
 from .dynamics import (
-    BodyForces as BodyForces,
     ClosedForm as ClosedForm,
     Diffrax as Diffrax,
-    HingeLoad as HingeLoad,
-    Kvaerno as Kvaerno,
+    Explicit as Explicit,
+    Implicit as Implicit,
     QuasiSteady as QuasiSteady,
     Rodasp as Rodasp,
     Scenario as Scenario,
     SteadyState as SteadyState,
     TorqueScenario as TorqueScenario,
     Transient as Transient,
-    Tsitouras as Tsitouras,
-    body_forces as body_forces,
-    choose_method as choose_method,
-    energy as energy,
-    integral as integral,
-    mean_efficiency as mean_efficiency,
-    peak as peak,
-    settling_time as settling_time,
     simulate as simulate,
     steady_state as steady_state,
 )
-from .explanation import Explanation as Explanation, explain as explain
+from .explanation import explain as explain
 from .file import (
     dump as dump,
     dumps as dumps,
     example_names as example_names,
-    example_text as example_text,
     load as load,
     loads as loads,
 )
 from .findings import check as check
 from .friction import FrictionLaw as FrictionLaw, friction_law as friction_law
-from .geometry import Finding as Finding, mesh as mesh
-from .halfspace import flank_contact as flank_contact, solve_contact as solve_contact
+from .geometry import mesh as mesh
 from .load_sharing import (
-    ForceDeflection as ForceDeflection,
     LoadDistribution as LoadDistribution,
     force_deflection as force_deflection,
     load_distribution as load_distribution,
 )
 from .mechanism import (
-    AerodynamicLoad as AerodynamicLoad,
-    ConstantProfile as ConstantProfile,
-    Constraint as Constraint,
-    DesignProblem as DesignProblem,
-    FrictionLoad as FrictionLoad,
     Mechanism as Mechanism,
-    Objective as Objective,
-    OperatingPoint as OperatingPoint,
-    PositionTableLoad as PositionTableLoad,
-    SCurveMoveProfile as SCurveMoveProfile,
-    SequenceProfile as SequenceProfile,
-    SineProfile as SineProfile,
     Stage as Stage,
-    SumLoad as SumLoad,
-    TableProfile as TableProfile,
-    Thread as Thread,
-    TrapezoidalMoveProfile as TrapezoidalMoveProfile,
-    TrapezoidalProfile as TrapezoidalProfile,
-    Variable as Variable,
     all_parameters as all_parameters,
     get_parameter as get_parameter,
     set_parameter as set_parameter,
 )
 from .optimisation import Optimum as Optimum, optimise as optimise
-from .process import end_on_signals as end_on_signals
-from .programs import traced_physics as traced_physics
 from .quantities import (
-    Quantity as Quantity,
     assumptions as assumptions,
-    available_quantities as available_quantities,
     catalogue as catalogue,
     compute as compute,
     quantity as quantity,
 )
 from .response import (
-    Campbell as Campbell,
-    FrequencyResponse as FrequencyResponse,
-    MeshResponse as MeshResponse,
     campbell as campbell,
     frequency_response as frequency_response,
-    mesh_response as mesh_response,
 )
 from .sensitivities import Sensitivity as Sensitivity, sensitivity as sensitivity
-from .strength import (
-    equivalent_load as equivalent_load,
-    load_spectrum as load_spectrum,
-    rating_life as rating_life,
-)
 from .sweeps import sweep as sweep
 from .vibration import (
-    FrequencyLoci as FrequencyLoci,
     Modes as Modes,
-    frequency_loci as frequency_loci,
     modal as modal,
 )
+
+if not TYPE_CHECKING:
+    #: Names that were at the top in the first release, by the room where they are now.
+    _MOVED = {
+        "contact": "hertz_contact",
+        "dynamics": (
+            "BodyForces body_forces choose_method energy integral mean_efficiency peak "
+            "settling_time"
+        ),
+        "explanation": "Explanation",
+        "file": "example_text",
+        "findings": "Finding",
+        "halfspace": "flank_contact solve_contact",
+        "load_sharing": "ForceDeflection",
+        "mechanism": "Constraint DesignProblem Objective OperatingPoint Thread Variable",
+        "process": "end_on_signals",
+        "programs": "to_precision traced_physics",
+        "quantities": "Quantity available_quantities",
+        "response": "Campbell FrequencyResponse MeshResponse mesh_response",
+        "scenario": (
+            "AerodynamicLoad ConstantProfile FrictionLoad HingeLoad PositionTableLoad "
+            "SCurveMoveProfile SequenceProfile SineProfile SumLoad TableProfile "
+            "TrapezoidalMoveProfile TrapezoidalProfile"
+        ),
+        "strength": "equivalent_load load_spectrum rating_life",
+        "vibration": "FrequencyLoci frequency_loci",
+    }
+
+    def __getattr__(name: str):
+        import warnings
+
+        for room, names in _MOVED.items():
+            if name in names.split():
+                place = f"{__name__}.{room}.{name}"
+                warnings.warn(f"{__name__}.{name} is now {place}", DeprecationWarning, stacklevel=2)
+                return getattr(globals()[room], name)
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -48,7 +48,9 @@ class Quantities:
 
     def __init__(self, mechanism, quantities=None):
         self.names, self.values, build = numbers_of(mechanism)
-        wanted = prsm.available_quantities(mechanism) if quantities is None else quantities
+        wanted = (
+            prsm.quantities.available_quantities(mechanism) if quantities is None else quantities
+        )
 
         def evaluate(vector):
             found, code = compute_coded(build(vector), wanted)

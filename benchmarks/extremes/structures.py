@@ -472,7 +472,9 @@ def half_space() -> Structure:
         values, codes = {}, {}
         assert m.operating_point is not None
         for side in ("screw", "nut"):
-            found = prsm.flank_contact(m.stages[0], side, m.operating_point.load, (24, 24))
+            found = prsm.halfspace.flank_contact(
+                m.stages[0], side, m.operating_point.load, (24, 24)
+            )
             surface = found.surface
             for name in ("max_pressure", "approach", "load"):
                 values[f"{name}_{side}"] = getattr(surface, name)

@@ -36,7 +36,7 @@ class Sample(NamedTuple):
 def quantity_names(example: str) -> tuple[str, ...]:
     """Names of the quantities that an example has, without those that are not real numbers."""
     mechanism = prsm.load(example)
-    found = prsm.compute(mechanism, prsm.available_quantities(mechanism))
+    found = prsm.compute(mechanism, prsm.quantities.available_quantities(mechanism))
     real = [name for name, value in found.items() if jnp.issubdtype(value.dtype, jnp.floating)]
     return tuple(sorted(real))
 

@@ -56,7 +56,7 @@ class Task:
 
 
 #: Up, a plateau, down, and a dwell: 0.36 s, and in it samples that no bend of the speed hits.
-_CYCLE = prsm.TrapezoidalProfile(*map(jnp.asarray, (200.0, 0.03, 0.24, 0.03, 0.06)))
+_CYCLE = prsm.scenario.TrapezoidalProfile(*map(jnp.asarray, (200.0, 0.03, 0.24, 0.03, 0.06)))
 _PERIOD, _SAMPLES = 0.36, 13
 #: A pattern of speeds and loads, one point a second, that a recorded day repeats [s].
 _PATTERN = 600
@@ -79,7 +79,7 @@ def _reversals(method: Any, steps: int, width: float) -> Callable[[int], Work]:
         two = base(width)
 
         def scenario(strokes: int) -> prsm.Scenario:
-            profile = prsm.SequenceProfile((_CYCLE,), repeats=strokes, reversing=True)
+            profile = prsm.scenario.SequenceProfile((_CYCLE,), repeats=strokes, reversing=True)
             duration = jnp.asarray(strokes * _PERIOD)
             return prsm.Scenario(
                 profile, jnp.asarray(7e3), duration, samples=strokes * _SAMPLES + 1
@@ -124,9 +124,9 @@ def _day(hours: int) -> Work:
     def scenario(times: int) -> prsm.Scenario:
         seconds = jnp.arange(times * _PATTERN + 1.0)
 
-        def repeated(values: np.ndarray) -> prsm.TableProfile:
+        def repeated(values: np.ndarray) -> prsm.scenario.TableProfile:
             closed = np.append(np.tile(values, times), values[0])
-            return prsm.TableProfile(seconds, jnp.asarray(closed), "linear")
+            return prsm.scenario.TableProfile(seconds, jnp.asarray(closed), "linear")
 
         duration = jnp.asarray(float(times * _PATTERN))
         samples = 3 * times * _PATTERN + 1

@@ -59,8 +59,8 @@ CASES: dict[str, tuple[str, str]] = {
     "many_transients": (
         "Transients of many designs",
         "Map the closed form or the quasi-steady balance where they apply: pass "
-        "`method=prsm.choose_method(…).method`, because inside `vmap` no number is known and "
-        "RODASP is taken. Integrate only what has to be integrated, in chunks of some hundred "
+        "`method=prsm.dynamics.choose_method(…).method`, because inside `vmap` no number is known "
+        "and RODASP is taken. Integrate only what has to be integrated, in chunks of some hundred "
         "designs, for a batch takes as many steps as its slowest member; as many threads as there "
         "are cores, each with chunks of its own, halve the time on two.",
     ),
@@ -96,8 +96,8 @@ REASONS: dict[tuple[str, str], str] = {
         "rule",
     ): "The default has to hold for long ellipses too: see the next charts.",
     ("many_transients", "RODASP"): (
-        "Inside `vmap` no number is known, so that RODASP is taken; pass what `prsm.choose_method` "
-        "gives outside."
+        "Inside `vmap` no number is known, so that RODASP is taken; pass what "
+        "`prsm.dynamics.choose_method` gives outside."
     ),
     (
         "many_transients",

@@ -20,7 +20,7 @@ _FREQUENCIES = (500.0, 1000.0, 2000.0)
 
 
 def _all(mechanism):
-    return prsm.compute(mechanism, prsm.available_quantities(mechanism))
+    return prsm.compute(mechanism, prsm.quantities.available_quantities(mechanism))
 
 
 def _quantity(name: str):

@@ -40,13 +40,13 @@ from .solvers import (
     Auto as Auto,
     ClosedForm as ClosedForm,
     Diffrax as Diffrax,
+    Explicit as Explicit,
     Gradient as Gradient,
-    Kvaerno as Kvaerno,
+    Implicit as Implicit,
     Method as Method,
     MethodName as MethodName,
     QuasiSteady as QuasiSteady,
     Rodasp as Rodasp,
-    Tsitouras as Tsitouras,
 )
 from .speed_drive import (
     MethodChoice as MethodChoice,

@@ -3,6 +3,7 @@
 Does it fit together, can it be made, does it last, and do its numbers make sense?
 """
 
+from ..geometry import Finding as Finding
 from ._check import (
     check as check,
     check_from as check_from,

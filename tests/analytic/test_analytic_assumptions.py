@@ -134,10 +134,10 @@ def test_the_finding_warns_where_strength_rests_on_equal_shares():
 def test_the_finding_is_a_note_without_strength_and_limits():
     mechanism = dataclasses.replace(_design(strength=None), design_problem=None)
     assert _finding(mechanism).severity == "note"
-    problem = prsm.DesignProblem(
-        (prsm.Variable("lead", 5e-3, 2e-2),),
-        (prsm.Objective("efficiency", "maximise"),),
-        (prsm.Constraint("max_pressure", upper=2e9),),
+    problem = prsm.mechanism.DesignProblem(
+        (prsm.mechanism.Variable("lead", 5e-3, 2e-2),),
+        (prsm.mechanism.Objective("efficiency", "maximise"),),
+        (prsm.mechanism.Constraint("max_pressure", upper=2e9),),
     )
     limited = dataclasses.replace(mechanism, design_problem=problem)
     assert _finding(limited).severity == "warning"

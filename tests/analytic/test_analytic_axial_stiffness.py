@@ -45,7 +45,7 @@ def _mechanism(rigid=False, **supports):
         nut=nut,
         strength=Strength(shaft=shaft),
     )
-    return prsm.Mechanism((stage,), prsm.OperatingPoint(100.0, 12e3))
+    return prsm.Mechanism((stage,), prsm.mechanism.OperatingPoint(100.0, 12e3))
 
 
 @pytest.fixture(scope="module")

@@ -44,11 +44,11 @@ _RPM = np.array([50.0, 100.0])
 
 
 def _torque(mechanism):
-    return prsm.body_forces(mechanism, prsm.steady_state(mechanism))
+    return prsm.dynamics.body_forces(mechanism, prsm.steady_state(mechanism))
 
 
 def _forces_over_time(mechanism):
-    return prsm.body_forces(mechanism, prsm.simulate(mechanism, throw=False))
+    return prsm.dynamics.body_forces(mechanism, prsm.simulate(mechanism, throw=False))
 
 
 def _stress(mechanism):
@@ -87,10 +87,14 @@ MADE = {
         lambda m: prsm.frequency_response(m, "screw u", "nut u", jnp.asarray([10.0, 20.0])),
         "FrequencyResponse",
     ),
-    "mesh_response": ("wu2022", lambda m: prsm.mesh_response(m, jnp.asarray(_RPM)), "MeshResponse"),
+    "mesh_response": (
+        "wu2022",
+        lambda m: prsm.response.mesh_response(m, jnp.asarray(_RPM)),
+        "MeshResponse",
+    ),
     "frequency_loci": (
         "wu2022",
-        lambda m: prsm.frequency_loci(m, "screw.mass", [0.2, 0.3, 0.4]),
+        lambda m: prsm.vibration.frequency_loci(m, "screw.mass", [0.2, 0.3, 0.4]),
         "FrequencyLoci",
     ),
     "subsurface_stress": ("wu2022", _stress, "SubsurfaceStress"),

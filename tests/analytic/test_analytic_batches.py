@@ -55,10 +55,10 @@ def test_transients():
     runs, one = eqx.filter_jit(jax.vmap(program))(batch), [program(m) for m in each]
     _agree(_read(runs.solver, ["result"]), [_read(run.solver, ["result"]) for run in one])
     for read in (
-        prsm.mean_efficiency,
-        lambda run: prsm.energy(run, "loss"),
-        lambda run: prsm.integral(run.time, run.drive_torque),
-        lambda run: prsm.settling_time(run.time, run.drive_torque)[0],
+        prsm.dynamics.mean_efficiency,
+        lambda run: prsm.dynamics.energy(run, "loss"),
+        lambda run: prsm.dynamics.integral(run.time, run.drive_torque),
+        lambda run: prsm.dynamics.settling_time(run.time, run.drive_torque)[0],
     ):
         _agree(read(runs), [read(run) for run in one])
 
@@ -114,7 +114,7 @@ def test_a_new_number_compiles_nothing_anew():
 def test_quantities_come_in_the_order_asked_for():
     mechanism = prsm.load("wu2022")
     names = ["lowest_torsional_frequency", "carrier_ratio", "lowest_frequency"]
-    names = [name for name in names if name in prsm.available_quantities(mechanism)]
+    names = [name for name in names if name in prsm.quantities.available_quantities(mechanism)]
     assert len(names) > 1
     assert list(prsm.compute(mechanism, names)) == names
     assert list(prsm.compute(mechanism, names[::-1])) == names[::-1]

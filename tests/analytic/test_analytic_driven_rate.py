@@ -112,7 +112,7 @@ def test_states_that_follow_a_leader(stiffness):
 def test_steps_end_before_the_screw_reverses():
     """Two strokes of two stages with Coulomb friction; 420 steps and 133 rejected ones before."""
     mechanism = prsm.load("li2021_two_stage")
-    swing = prsm.SineProfile(amplitude=jnp.asarray(100.0), frequency=jnp.asarray(5.0))
+    swing = prsm.scenario.SineProfile(amplitude=jnp.asarray(100.0), frequency=jnp.asarray(5.0))
     scenario = prsm.Scenario(swing, jnp.asarray(1e3), jnp.asarray(0.2), samples=21)
 
     def run(rtol):

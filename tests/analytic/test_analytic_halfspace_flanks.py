@@ -451,11 +451,13 @@ def test_misuse_of_flanks_is_refused():
 def test_only_what_is_asked_for_is_traced():
     """Normal contact, gap of flanks, slip and stress have labels of their own."""
     _, gap, found = _on_grid(100.0, 100.0)
-    normal = prsm.traced_physics(_solve, found.grid, gap)
+    normal = prsm.programs.traced_physics(_solve, found.grid, gap)
     assert normal == {"halfspace_contact"}
-    flanks = prsm.traced_physics(lambda one: flank_contact(one, "nut", 100.0, SHAPE), _STAGE)
+    flanks = prsm.programs.traced_physics(
+        lambda one: flank_contact(one, "nut", 100.0, SHAPE), _STAGE
+    )
     assert flanks == {"halfspace_contact", "flank_gap", "hertz", "meshing"}
-    assert "partial_slip" in prsm.traced_physics(
+    assert "partial_slip" in prsm.programs.traced_physics(
         lambda g: partial_slip(found, g, MODULUS, 0.1, 1.0), gap
     )
 

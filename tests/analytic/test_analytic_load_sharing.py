@@ -443,7 +443,9 @@ def test_unequal_and_missing_rollers():
 
 def test_only_what_a_stage_mentions_is_traced():
     def physics(one):
-        return prsm.traced_physics(lambda m: prsm.compute(m, ["thread_stiffness_screw"]), one)
+        return prsm.programs.traced_physics(
+            lambda m: prsm.compute(m, ["thread_stiffness_screw"]), one
+        )
 
     shared = mechanism(sharing_stage())
     assert {"thread_chains", "flank_force", "tooth_compliance"} <= physics(shared)

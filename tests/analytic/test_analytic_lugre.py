@@ -180,7 +180,9 @@ def test_derivatives_in_both_modes():
 
 @eqx.filter_jit
 def _driven(one, torque, duration):
-    scenario = prsm.TorqueScenario(torque, prsm.HingeLoad(array(300.0)), duration, samples=101)
+    scenario = prsm.TorqueScenario(
+        torque, prsm.scenario.HingeLoad(array(300.0)), duration, samples=101
+    )
     return prsm.simulate(one, scenario, rtol=1e-7, atol=1e-9, method="rosenbrock", throw=False)
 
 
@@ -212,6 +214,6 @@ def test_prescribed_torque_without_events():
 def test_other_friction_that_jumps_is_refused():
     first = stage(friction=Friction(thread=LAW))
     second = stage(friction=Friction(thread=LAW, spline=SplineFriction(0.1, 12e-3)))
-    scenario = prsm.TorqueScenario(array(1.0), prsm.HingeLoad(array(300.0)), array(1.0))
+    scenario = prsm.TorqueScenario(array(1.0), prsm.scenario.HingeLoad(array(300.0)), array(1.0))
     with pytest.raises(ValueError, match=r"stage 2: friction\.spline jumps there"):
         prsm.simulate(mechanism(first, second), scenario)

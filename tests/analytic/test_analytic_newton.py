@@ -167,7 +167,7 @@ def _both(mechanism, kinematics, speed, acceleration, load, carrier_speed):
         "carrier_force": jnp.stack([s.carrier_force for s in supports]),
     }
     instant = Instant(speed, carrier_speed, load, acceleration)
-    forces = prsm.body_forces(mechanism, instant, kinematics)
+    forces = prsm.dynamics.body_forces(mechanism, instant, kinematics)
     newton = {name: getattr(forces, name) for name in (*forces.__dataclass_fields__, *DERIVED)}
     at_screw, at_roller = zip(
         *(_positions(k, s.flank) for k, s in zip(kinematics, states, strict=True)), strict=True
@@ -477,7 +477,7 @@ def test_through_standstill_and_reversal():
 
     scenario = prsm.Scenario(speed, 7e3, 0.2, samples=81)
     run = simulate(two, scenario, method="quasi_steady")
-    found = eqx.filter_jit(prsm.body_forces)(two, run)
+    found = eqx.filter_jit(prsm.dynamics.body_forces)(two, run)
     assert found.screw_normal_on_roller.shape == (2, 81, 3)
     assert np.all(found.solved)
     for name, expected in (
@@ -495,7 +495,7 @@ def test_steady_state():
     """Without an acceleration no mass is needed, except for the rollers' centripetal force."""
     two = example("li2020_two_stage")
     steady = steady_state(two)
-    found = eqx.filter_jit(prsm.body_forces)(two, steady)
+    found = eqx.filter_jit(prsm.dynamics.body_forces)(two, steady)
     assert bool(found.solved)
     for name, expected in (
         ("screw_contact_force", steady.contact_force),
@@ -520,7 +520,7 @@ def test_nothing_loaded_and_nothing_rubbing():
     )
     instant = Instant(array(100.0), array([0.0, 30.0]), array(0.0))
     for one in (two, smooth):
-        found = jax.tree.map(np.asarray, eqx.filter_jit(prsm.body_forces)(one, instant))
+        found = jax.tree.map(np.asarray, eqx.filter_jit(prsm.dynamics.body_forces)(one, instant))
         assert bool(found.solved)
         assert all(np.all(np.isfinite(leaf)) for leaf in jax.tree.leaves(found))
         assert np.all(np.abs(found.carrier_acceleration) < 1e-12)
@@ -541,7 +541,7 @@ def test_derivatives_of_forces():
     along = jax.tree.map(lambda leaf: leaf * array(rng.uniform(-1, 1)), start)
 
     def forces(numbers):
-        found = prsm.body_forces(*eqx.combine(numbers, rest))
+        found = prsm.dynamics.body_forces(*eqx.combine(numbers, rest))
         parts = (found.ring_gear_on_roller[0, 1], found.pin_on_roller[1, 0])
         return jnp.stack([*parts, found.anti_rotation_torque[0], found.carrier_acceleration[1]])
 
@@ -575,8 +575,8 @@ def test_masses_are_asked_for_only_where_they_matter(settled):
     two = example("li2020_two_stage")
     bare = eqx.tree_at(lambda m: m.stages[0].roller, two, Roller())
     if settled:
-        found = eqx.filter_eval_shape(prsm.body_forces, bare, steady_state(bare))
+        found = eqx.filter_eval_shape(prsm.dynamics.body_forces, bare, steady_state(bare))
         assert found.pin_on_roller.shape == (2, 3)
         return
     with pytest.raises(prsm.MissingDataError, match="roller has neither mass"):
-        prsm.body_forces(bare, Instant(array(1.0), array([0.0, 0.0]), array(1.0)))
+        prsm.dynamics.body_forces(bare, Instant(array(1.0), array([0.0, 0.0]), array(1.0)))

@@ -43,7 +43,7 @@ def compilations():
 
 
 ONE, OTHER = (mechanism(stage(roller_count=n), speed=speed) for n, speed in ((7, 90.0), (7, 80.0)))
-SINE = prsm.SineProfile
+SINE = prsm.scenario.SineProfile
 
 
 class Ramp(eqx.Module):
@@ -98,11 +98,11 @@ def test_what_follows_from_a_transient_is_one_program_too():
 
     def numbers(one, run):
         return (
-            prsm.energy(run, "loss"),
-            prsm.mean_efficiency(run),
-            prsm.peak(run.drive_torque),
-            prsm.settling_time(run.time, run.carrier_ratio[0], 0.02),
-            prsm.body_forces(one, run),
+            prsm.dynamics.energy(run, "loss"),
+            prsm.dynamics.mean_efficiency(run),
+            prsm.dynamics.peak(run.drive_torque),
+            prsm.dynamics.settling_time(run.time, run.carrier_ratio[0], 0.02),
+            prsm.dynamics.body_forces(one, run),
         )
 
     with compilations() as made:
@@ -154,7 +154,9 @@ def test_gradient_by_a_number_that_no_argument_shows():
     """A user's function has it from around it; differences are of the same number in a profile."""
 
     def profile(slope):
-        return prsm.TableProfile([0.0, 1e-3], jnp.stack([array(90.0), 90.0 + slope * 1e-3]))
+        return prsm.scenario.TableProfile(
+            [0.0, 1e-3], jnp.stack([array(90.0), 90.0 + slope * 1e-3])
+        )
 
     def work(slope, speed):
         run = prsm.simulate(ONE, _step(speed(slope)), method="quasi_steady", throw=False)

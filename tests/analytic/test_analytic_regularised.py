@@ -22,7 +22,9 @@ def _one(width):
 
 @eqx.filter_jit
 def _held(one):
-    scenario = prsm.TorqueScenario(array(0.0), prsm.HingeLoad(array(LOAD)), array(0.2), samples=21)
+    scenario = prsm.TorqueScenario(
+        array(0.0), prsm.scenario.HingeLoad(array(LOAD)), array(0.2), samples=21
+    )
     return prsm.simulate(one, scenario, rtol=1e-8, atol=1e-10, method="rosenbrock", throw=False)
 
 

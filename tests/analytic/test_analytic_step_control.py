@@ -102,13 +102,13 @@ def test_in_single_precision_reverse_takes_the_steps_that_forward_took():
     "speed",
     [
         # Eight strokes in eight intervals: at the ends of all of them the screw stands still.
-        prsm.SequenceProfile(
-            (prsm.TrapezoidalProfile(*map(jnp.asarray, (200.0, 0.03, 0.24, 0.03, 0.06))),),
+        prsm.scenario.SequenceProfile(
+            (prsm.scenario.TrapezoidalProfile(*map(jnp.asarray, (200.0, 0.03, 0.24, 0.03, 0.06))),),
             repeats=8,
             reversing=True,
         ),
         # Four periods in eight intervals: sine of whole multiples of π.
-        prsm.SineProfile(amplitude=200.0, frequency=4 / 2.88, mean=0.0),
+        prsm.scenario.SineProfile(amplitude=200.0, frequency=4 / 2.88, mean=0.0),
     ],
     ids=["strokes", "sine"],
 )
@@ -123,7 +123,9 @@ def test_scales_of_a_speed_that_is_zero_at_equal_intervals(speed):
 
 def test_derivatives_take_the_steps_of_the_values():
     """A drive with bends: steps of the record are those taken, and both modes one derivative."""
-    ramps = prsm.TableProfile(jnp.asarray([0.0, 2e-4, 3e-4]), jnp.asarray([0.0, 100.0, 50.0]))
+    ramps = prsm.scenario.TableProfile(
+        jnp.asarray([0.0, 2e-4, 3e-4]), jnp.asarray([0.0, 100.0, 50.0])
+    )
     scenario = prsm.Scenario(ramps, jnp.asarray(7e3), jnp.asarray(3e-4), samples=7)
     base = structures._chain(1)
     part = base.stages[0]

@@ -64,7 +64,7 @@ def one(thread_friction=0.7, bearing=0.0, rollers=1.0):
 def scenario(drive, duration, load=300.0, speed=0.0):
     return prsm.TorqueScenario(
         drive,
-        prsm.HingeLoad(array(load)),
+        prsm.scenario.HingeLoad(array(load)),
         array(duration),
         initial_speed=array(speed),
         samples=SAMPLES,
@@ -289,7 +289,7 @@ def test_the_closed_form_needs_a_speed():
 
 
 def test_the_choice_is_named():
-    choice = prsm.choose_method(one(), scenario(torque(), 0.1))
+    choice = prsm.dynamics.choose_method(one(), scenario(torque(), 0.1))
     assert choice.method == "rosenbrock"
     assert "carriers are states" in choice.reason
 

@@ -32,7 +32,7 @@ def _one(coefficient=0.08):
 
 def _scenario(mean=0.0, amplitude=0.0, frequency=FREQUENCY, load=None, duration=1.0, start=0.0):
     torque = Swing(array(mean), array(amplitude), array(frequency))
-    hinge = prsm.HingeLoad(array(LOAD)) if load is None else load
+    hinge = prsm.scenario.HingeLoad(array(LOAD)) if load is None else load
     position = array(start)
     return prsm.TorqueScenario(torque, hinge, array(duration), initial_position=position)
 
@@ -148,7 +148,7 @@ def test_spring_load_swings_and_sticks():
     """
     one = _one(0.02)
     lower, upper = _limits(one, 2000.0)
-    load = prsm.HingeLoad(array(2000.0), array(5e5))
+    load = prsm.scenario.HingeLoad(array(2000.0), array(5e5))
     balance = (lower + upper) / 2
     run = _run(one, _scenario(balance, load=load, duration=0.2, start=1e-3))
     assert int(run.solver.code) == 0
@@ -192,7 +192,7 @@ def test_running_out_of_phases_is_reported():
 
 def test_spring_load_through_no_load():
     """A nut between two springs, swung by the torque: the flanks change as it passes the middle."""
-    one, load = _one(0.02), prsm.HingeLoad(array(0.0), array(5e5), array(50.0))
+    one, load = _one(0.02), prsm.scenario.HingeLoad(array(0.0), array(5e5), array(50.0))
     run, other = (
         _run(one, _scenario(0.0, sign * AMPLITUDE, load=load, duration=0.5)) for sign in (1, -1)
     )
@@ -266,8 +266,8 @@ def test_a_pulse_much_shorter_than_a_step():
     def run(width):
         times = jnp.stack([0 * width, begin + 0 * width, begin + edge, begin + width])
         times = jnp.concatenate([times, times[-1:] + edge])
-        torque = prsm.TableProfile(times, array([0.0, 0.0, size, size, 0.0]))
-        load = prsm.HingeLoad(array(LOAD))
+        torque = prsm.scenario.TableProfile(times, array([0.0, 0.0, size, size, 0.0]))
+        load = prsm.scenario.HingeLoad(array(LOAD))
         scenario = prsm.TorqueScenario(torque, load, array(0.2), samples=samples)
         return prsm.simulate(one, scenario, throw=False)
 

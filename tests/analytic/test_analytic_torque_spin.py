@@ -34,7 +34,7 @@ def one(spins=True, sliding=SLIDING, rollers=1.0):
 
 def scenario(amplitude=3.0, frequency=2.0, duration=DURATION, samples=SAMPLES):
     swing = Swing(array(0.0), array(amplitude), array(frequency))
-    load = prsm.HingeLoad(array(LOAD))
+    load = prsm.scenario.HingeLoad(array(LOAD))
     return prsm.TorqueScenario(swing, load, array(duration), samples=samples, most_phases=10)
 
 

@@ -16,12 +16,14 @@ def test_peak_of_a_parabola_is_exact_wherever_the_samples_fall():
     # In the second and in the last but one of the samples as well.
     for place in (0.2, 0.4321, 0.5, 0.1, 0.9):
         history = jnp.asarray(3.0 - 7 * (time - place) ** 2)
-        assert float(prsm.peak(history)) == pytest.approx(3.0, rel=1e-13)
+        assert float(prsm.dynamics.peak(history)) == pytest.approx(3.0, rel=1e-13)
         # The slope of the peak by a uniform rise is 1, spread over three samples.
-        assert float(jnp.sum(jax.grad(prsm.peak)(history))) == pytest.approx(1.0, rel=1e-12)
-    assert float(prsm.peak(jnp.asarray([3.0, 2.0, 1.0]))) == 3.0
-    assert float(prsm.peak(jnp.asarray([1.0, 2.0, 3.0]))) == 3.0
-    two = prsm.peak(jnp.asarray([[0.0, 1.0, 0.0], [5.0, 4.0, 1.0]]))
+        assert float(jnp.sum(jax.grad(prsm.dynamics.peak)(history))) == pytest.approx(
+            1.0, rel=1e-12
+        )
+    assert float(prsm.dynamics.peak(jnp.asarray([3.0, 2.0, 1.0]))) == 3.0
+    assert float(prsm.dynamics.peak(jnp.asarray([1.0, 2.0, 3.0]))) == 3.0
+    two = prsm.dynamics.peak(jnp.asarray([[0.0, 1.0, 0.0], [5.0, 4.0, 1.0]]))
     np.testing.assert_allclose(two, [1.0, 5.0])
 
 
@@ -33,7 +35,7 @@ def test_peak_converges_with_the_samples():
         # Wherever the peak lies between two samples.
         shift = np.linspace(0, 1 / (count - 1), 9)[:, None]
         time = np.linspace(0, 1, count) + shift
-        found = prsm.peak(jnp.asarray(np.sin(2.9 * time) * np.exp(-time)))
+        found = prsm.dynamics.peak(jnp.asarray(np.sin(2.9 * time) * np.exp(-time)))
         errors.append(np.max(np.abs(np.asarray(found) - expected)))
     assert errors[0] < 1e-4
     assert errors[2] < errors[0] / 4**2.5
@@ -45,7 +47,7 @@ def test_settling_time_of_an_exponential_is_exact():
 
     def settle(constant):
         history = 1 - jnp.exp(-time / constant)
-        return prsm.settling_time(time, history, 0.02, jnp.ones(()))
+        return prsm.dynamics.settling_time(time, history, 0.02, jnp.ones(()))
 
     found, settles = settle(array(0.1))
     assert bool(settles)
@@ -57,24 +59,24 @@ def test_settling_time_of_an_exponential_is_exact():
 
 def test_settling_time_where_nothing_crosses():
     time = jnp.linspace(0.0, 1.0, 5)
-    at_once, settles = prsm.settling_time(time, jnp.ones(5))
+    at_once, settles = prsm.dynamics.settling_time(time, jnp.ones(5))
     assert float(at_once) == 0.0
     assert not bool(settles)
-    never, settles = prsm.settling_time(time, time, 0.02, array(2.0))
+    never, settles = prsm.dynamics.settling_time(time, time, 0.02, array(2.0))
     assert float(never) == 1.0
     assert not bool(settles)
-    step, settles = prsm.settling_time(time, jnp.asarray([0.0, 0.0, 1.0, 1.0, 1.0]), 0.1)
+    step, settles = prsm.dynamics.settling_time(time, jnp.asarray([0.0, 0.0, 1.0, 1.0, 1.0]), 0.1)
     # A straight line from 0 to 1 between 0.25 and 0.5.
     assert float(step) == pytest.approx(0.25 + 0.9 * 0.25)
     assert bool(settles)
-    slopes = jax.grad(lambda h: prsm.settling_time(time, h)[0])(jnp.ones(5))
+    slopes = jax.grad(lambda h: prsm.dynamics.settling_time(time, h)[0])(jnp.ones(5))
     assert np.all(np.isfinite(slopes))
 
 
 @pytest.mark.parametrize("count", [4, 5, 8, 9])
 def test_integral_is_exact_for_cubics(count):
     time = jnp.linspace(0.0, 2.0, count)
-    found = prsm.integral(time, jnp.stack([time**3 - time, jnp.ones_like(time)]))
+    found = prsm.dynamics.integral(time, jnp.stack([time**3 - time, jnp.ones_like(time)]))
     np.testing.assert_allclose(found, [2.0, 2.0], rtol=1e-13)
 
 
@@ -121,16 +123,16 @@ def _numbers(changes):
 
 
 def _judged(run):
-    settled, _ = prsm.settling_time(run.time, run.carrier_ratio[0], 0.05)
+    settled, _ = prsm.dynamics.settling_time(run.time, run.carrier_ratio[0], 0.05)
     return jnp.stack(
         [
-            prsm.mean_efficiency(run),
-            prsm.peak(run.ring_gear_force[0]) / 100,
-            prsm.peak(run.contact_force[0]) / 1000,
+            prsm.dynamics.mean_efficiency(run),
+            prsm.dynamics.peak(run.ring_gear_force[0]) / 100,
+            prsm.dynamics.peak(run.contact_force[0]) / 1000,
             settled * 1e4,
-            prsm.energy(run) * 10,
-            prsm.energy(run, "loss") * 10,
-            prsm.energy(run, "thread_sliding") * 10,
+            prsm.dynamics.energy(run) * 10,
+            prsm.dynamics.energy(run, "loss") * 10,
+            prsm.dynamics.energy(run, "thread_sliding") * 10,
         ]
     )
 
@@ -138,19 +140,21 @@ def _judged(run):
 def test_energies_of_a_transient_balance():
     """Drive, load, losses and kinetic energy, to the order of the quadrature."""
     run = eqx.filter_jit(_run)(jnp.zeros(6), array(100.0), array(0.4e-3), "rosenbrock", "both")
-    drive, load, loss = (float(prsm.energy(run, name)) for name in ("drive", "load", "loss"))
+    drive, load, loss = (
+        float(prsm.dynamics.energy(run, name)) for name in ("drive", "load", "loss")
+    )
     kinetic = float(
-        prsm.integral(run.time, run.drive_torque * run.screw_speed - run.load_power) - loss
+        prsm.dynamics.integral(run.time, run.drive_torque * run.screw_speed - run.load_power) - loss
     )
     assert 0 < kinetic < 0.5 * drive
     assert drive - load - loss == pytest.approx(kinetic, rel=1e-12)
-    assert loss == pytest.approx(float(prsm.energy(run, "thread_sliding")), rel=1e-15)
-    assert float(prsm.mean_efficiency(run)) == pytest.approx(load / drive, rel=1e-14)
+    assert loss == pytest.approx(float(prsm.dynamics.energy(run, "thread_sliding")), rel=1e-15)
+    assert float(prsm.dynamics.mean_efficiency(run)) == pytest.approx(load / drive, rel=1e-14)
     inertia = prsm.dynamics.carrier_inertia(ONE.stages[0])
     speed = float(run.carrier_speed[0, -1])
     assert kinetic == pytest.approx(0.5 * float(inertia) * speed**2, rel=1e-4)
     with pytest.raises(prsm.UnknownNameError, match="did you mean"):
-        prsm.energy(run, "thread_slidin")
+        prsm.dynamics.energy(run, "thread_slidin")
 
 
 @pytest.mark.slow

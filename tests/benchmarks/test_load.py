@@ -91,8 +91,8 @@ def test_a_sequence_costs_the_same_however_often_it_is_repeated():
     times = jnp.linspace(0.0, 3.0, 50)
 
     def operations(repeats):
-        part = prsm.TrapezoidalProfile(*map(jnp.asarray, (200.0, 0.03, 0.24, 0.03, 0.06)))
-        profile = prsm.SequenceProfile((part,), repeats, reversing=True)
+        part = prsm.scenario.TrapezoidalProfile(*map(jnp.asarray, (200.0, 0.03, 0.24, 0.03, 0.06)))
+        profile = prsm.scenario.SequenceProfile((part,), repeats, reversing=True)
         return counted(jax.vmap(lambda time: profile(time)), times).operations
 
     assert operations(10_000) == operations(10)

@@ -32,8 +32,9 @@ def design(tmp_path_factory):
     """The path of a design whose threads share equally without a word on it."""
     mechanism = scenes.example("actuator")
     stage = dataclasses.replace(mechanism.stages[0], load_sharing=None)
-    problem = prsm.DesignProblem(
-        (prsm.Variable("lead", 9e-3, 11e-3),), (prsm.Objective("max_pressure", "minimise"),)
+    problem = prsm.mechanism.DesignProblem(
+        (prsm.mechanism.Variable("lead", 9e-3, 11e-3),),
+        (prsm.mechanism.Objective("max_pressure", "minimise"),),
     )
     mechanism = dataclasses.replace(
         mechanism, stages=(stage,), duty_cycle=None, design_problem=problem

@@ -45,7 +45,7 @@ def test_what_it_says_to_write_makes_the_part(tmp_path):
     """The keys that it names are those that a file needs."""
     lacking = {p.name: p for p in places(example("li2021_two_stage"))}
     assert lacking["stage.1.friction.drag"].write == "[stage.friction.drag] (torque)"
-    text = prsm.example_text("li2021_two_stage")
+    text = prsm.file.example_text("li2021_two_stage")
     head, last = text.rsplit("[stage.friction.spline]", 1)
     more = prsm.loads(f"{head}[stage.friction.drag]\ntorque = 1\n[stage.friction.spline]{last}")
     assert {p.name: p.present for p in places(more)}["stage.2.friction.drag"]

@@ -165,7 +165,7 @@ def test_a_bore_wider_than_the_screw_is_refused_wherever_it_comes_from():
     assert "stage.screw.bore_radius is 500 mm" in found[0].message
 
 
-_PROFILE = prsm.TrapezoidalProfile(100.0, 1e-2, 2e-2, dwell_time=1e-2)
+_PROFILE = prsm.scenario.TrapezoidalProfile(100.0, 1e-2, 2e-2, dwell_time=1e-2)
 
 
 @pytest.mark.parametrize(

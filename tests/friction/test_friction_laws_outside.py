@@ -151,7 +151,7 @@ def test_a_law_that_asks_in_vain_is_coulombs_in_every_method(scene, method):
 def test_newton_and_lagrange_agree_with_a_law_that_asks(more):
     one = _one(_solid(), rolling_hysteresis=RollingHysteresis(array(0.01)), **more)
     run = simulate(one, SCENES["speed"], method="rosenbrock")
-    bodies = prsm.body_forces(one, run)
+    bodies = prsm.dynamics.body_forces(one, run)
     np.testing.assert_allclose(
         np.linalg.norm(np.asarray(bodies.screw_normal_on_roller), axis=-1),
         np.asarray(run.contact_force),
@@ -341,7 +341,9 @@ def _with_law(name):
 
 def test_physics_that_a_law_does_not_ask_for_is_not_traced():
     def traced(law):
-        return prsm.traced_physics(lambda one: prsm.steady_state(one).efficiency, _one(law))
+        return prsm.programs.traced_physics(
+            lambda one: prsm.steady_state(one).efficiency, _one(law)
+        )
 
     assert "hertz" not in traced(CoulombFriction(array(0.05)))
     assert "hertz" not in traced(RollingTraction(array(0.1), array(0.5)))
@@ -359,8 +361,8 @@ def test_the_closed_form_of_settling_is_for_constant_coefficients():
 
     scene = prsm.Scenario(array(100.0), array(LOAD), array(1e-3), samples=11)
     own, known = (_one(law) for law in (Constant(), CoulombFriction(0.05)))
-    assert prsm.choose_method(own, scene).method == "closed_form"
-    assert prsm.choose_method(_one(_solid()), scene).method == "rosenbrock"
+    assert prsm.dynamics.choose_method(own, scene).method == "closed_form"
+    assert prsm.dynamics.choose_method(_one(_solid()), scene).method == "rosenbrock"
     runs = [simulate(one, scene) for one in (own, known)]
     np.testing.assert_allclose(runs[0].carrier_ratio, runs[1].carrier_ratio, rtol=1e-13)
 

@@ -25,7 +25,7 @@ FOLDER = Path(__file__).parent
 def _computed(name):
     """Every quantity that an example has the data for, as plain lists."""
     mechanism = file.load(name)
-    names = prsm.available_quantities(mechanism)
+    names = prsm.quantities.available_quantities(mechanism)
     program = eqx.filter_jit(lambda m: prsm.compute(m, names))
     return {key: np.asarray(value).tolist() for key, value in program(mechanism).items()}
 

@@ -38,7 +38,7 @@ def _differences(mechanism, quantities):
 def _results(name):
     """Chosen quantities, values, both Jacobians and differences, all to relative changes."""
     mechanism = shipped(name)
-    available = prsm.available_quantities(mechanism)
+    available = prsm.quantities.available_quantities(mechanism)
     chosen = tuple(quantity for quantity in QUANTITIES if quantity in available)
     values, by_forward = forward(mechanism, chosen)
     _, by_reverse = reverse(mechanism, chosen, values.size)

@@ -84,8 +84,8 @@ def _end(values, stages, gradient, rtol=1e-7):
     times = array([0.0, 0.0123, 0.0123 + 1e-9, 0.05])
     torque = jnp.stack([values[1], values[1], values[1] / 4, values[1] / 4])
     scenario = prsm.TorqueScenario(
-        prsm.TableProfile(times, torque),
-        prsm.HingeLoad(array(300.0)),
+        prsm.scenario.TableProfile(times, torque),
+        prsm.scenario.HingeLoad(array(300.0)),
         array(0.05),
         samples=5,
         most_phases=3,

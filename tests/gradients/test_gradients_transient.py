@@ -105,7 +105,7 @@ def _swinging(values, gradient, *, quasi_steady=False):
     one = prsm.set_parameter(one, "roller.inertia", values[2] * 1e-6)
     swing = Swing(array(0.0), values[1], array(2.0))
     scenario = prsm.TorqueScenario(
-        swing, prsm.HingeLoad(array(300.0)), array(0.4), samples=5, most_phases=3
+        swing, prsm.scenario.HingeLoad(array(300.0)), array(0.4), samples=5, most_phases=3
     )
     problem = torque_problem(one, scenario)
     times = jnp.linspace(0.0, 0.4, 5)

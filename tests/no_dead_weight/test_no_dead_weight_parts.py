@@ -55,7 +55,12 @@ def undescribed(cls):
 
 def test_every_optional_field_says_what_is_missed_without_it():
     classes = _classes() | set(friction_laws().values())
-    assert {Stage, prsm.Thread, prsm.mechanism.LuGreFriction, prsm.mechanism.SplitNut} <= classes
+    assert {
+        Stage,
+        prsm.mechanism.Thread,
+        prsm.mechanism.LuGreFriction,
+        prsm.mechanism.SplitNut,
+    } <= classes
     assert not [name for cls in classes for name in undescribed(cls)]
 
 
@@ -100,7 +105,7 @@ def test_no_optional_field_of_an_example_is_left_out(name):
 
 def _tables(name, place):
     """An example's own text with a part taken out of it; `None` where it is not a part of that."""
-    document = tomlkit.parse(prsm.example_text(name))
+    document = tomlkit.parse(prsm.file.example_text(name))
     # What is to be optimised takes long to read.
     document.pop("optimise", None)
     path: list = [

@@ -70,7 +70,7 @@ ALWAYS = {"steady_state", "meshing", "gear_tooth_force"}
 
 
 def _steady(one):
-    return prsm.traced_physics(prsm.steady_state, one)
+    return prsm.programs.traced_physics(prsm.steady_state, one)
 
 
 def _two_stages(friction):
@@ -94,7 +94,7 @@ def test_each_loss_is_traced_in_transients_only_where_it_is_modelled(name):
 
     # The carrier's balance is a differential equation here.
     expected = ({label} | company) - {"carrier_balance"}
-    found = prsm.traced_physics(run, _two_stages(friction))
+    found = prsm.programs.traced_physics(run, _two_stages(friction))
     assert found & (ALL_LABELS - {"carrier_balance"}) == expected
     assert {"carrier_dynamics", "carrier_inertia"} <= found
 
@@ -105,7 +105,7 @@ def test_bristles_are_states_only_where_threads_have_them():
     scenario = prsm.Scenario(array(100.0), array(7e3), array(1e-3), samples=3)
 
     def run(one, method):
-        return prsm.traced_physics(
+        return prsm.programs.traced_physics(
             lambda m: prsm.simulate(m, scenario, method=method, throw=False).efficiency, one
         )
 
@@ -137,8 +137,8 @@ def test_a_transient_traces_its_own_method_only(method):
         return prsm.simulate(one, scenario, method=method, throw=False).efficiency
 
     one = mechanism(stage())
-    steady = prsm.traced_physics(lambda m: run(m, array(100.0)), one)
-    moving = prsm.traced_physics(lambda m: run(m, _Ramp()), one)
+    steady = prsm.programs.traced_physics(lambda m: run(m, array(100.0)), one)
+    moving = prsm.programs.traced_physics(lambda m: run(m, _Ramp()), one)
     balanced = method == "quasi_steady"
     assert ("quasi_steady" in steady) == ("quasi_steady" in moving) == balanced
     assert "carrier_balance" not in steady
@@ -159,10 +159,10 @@ def test_forces_on_every_part_are_traced_on_request_only(name):
     def run(m):
         return prsm.simulate(m, scenario, method="explicit", throw=False)
 
-    assert not prsm.traced_physics(run, one) & NEWTON
+    assert not prsm.programs.traced_physics(run, one) & NEWTON
     assert not _steady(one) & NEWTON
     instant = prsm.dynamics.Instant(array(100.0), array([20.0, 30.0]), array(7e3))
-    found = prsm.traced_physics(prsm.body_forces, one, instant)
+    found = prsm.programs.traced_physics(prsm.dynamics.body_forces, one, instant)
     laws = ({label} | company) - {"carrier_balance"}
     assert found == {"meshing", "gear_tooth_force"} | NEWTON | laws
 
@@ -171,8 +171,10 @@ def test_forces_at_constant_speed_leave_the_masses_of_screws_untraced():
     moving = prsm.dynamics.Instant(array(100.0), array([20.0]), array(7e3), array(1e3))
     steady = eqx.tree_at(lambda i: i.screw_acceleration, moving, None)
     one = mechanism(stage())
-    assert "screw_inertia" in prsm.traced_physics(prsm.body_forces, one, moving)
-    assert "screw_inertia" not in prsm.traced_physics(prsm.body_forces, one, steady)
+    assert "screw_inertia" in prsm.programs.traced_physics(prsm.dynamics.body_forces, one, moving)
+    assert "screw_inertia" not in prsm.programs.traced_physics(
+        prsm.dynamics.body_forces, one, steady
+    )
 
 
 class _Ramp(eqx.Module):
@@ -185,7 +187,7 @@ class _Ramp(eqx.Module):
 @pytest.mark.parametrize(("speed", "traced"), [(array(100.0), False), (_Ramp(), True)])
 def test_constant_speed_leaves_inertia_but_the_carriers_untraced(speed, traced):
     scenario = prsm.Scenario(speed, array(7e3), array(1e-3), samples=3)
-    found = prsm.traced_physics(
+    found = prsm.programs.traced_physics(
         lambda m: prsm.simulate(m, scenario, method="explicit", throw=False).drive_torque,
         mechanism(stage()),
     )
@@ -230,7 +232,7 @@ def _wu(**parts):
 
 
 def _modal(one):
-    return prsm.traced_physics(prsm.modal, one)
+    return prsm.programs.traced_physics(prsm.modal, one)
 
 
 BLOCKS = {
@@ -284,7 +286,7 @@ def test_the_scene_decides_between_the_two_paths():
 
 def test_shapes_are_traced_on_request_only():
     one = example("wu2022")
-    found = prsm.traced_physics(lambda m: prsm.modal(m, shapes=True).shapes, one)
+    found = prsm.programs.traced_physics(lambda m: prsm.modal(m, shapes=True).shapes, one)
     assert found == BLOCKS | {"dense_assembly"}
     assert "dense_assembly" not in _modal(one)
 
@@ -298,7 +300,7 @@ def test_rollers_that_translate():
 
 def test_one_family_alone():
     """A quantity of one family does not trace the others."""
-    found = prsm.traced_physics(
+    found = prsm.programs.traced_physics(
         lambda m: prsm.compute(m, ["lowest_torsional_frequency"]), example("wu2022")
     )
     assert "torsional_modes" in found
@@ -315,7 +317,7 @@ def test_three_rollers_have_no_roller_modes():
 )
 def test_only_exact_curvatures_need_the_meshing(convention, meshed):
     one = mechanism(stage(curvature=convention))
-    found = prsm.traced_physics(lambda m: prsm.compute(m, ["max_pressure"]), one)
+    found = prsm.programs.traced_physics(lambda m: prsm.compute(m, ["max_pressure"]), one)
     assert found == {"hertz"} | ({"meshing"} if meshed else set())
 
 
@@ -384,7 +386,9 @@ NEEDS = {
 
 @pytest.mark.parametrize("name", NEEDS)
 def test_a_quantity_evaluates_nothing_that_it_does_not_need(name):
-    found = prsm.traced_physics(lambda m: prsm.compute(m, [name]), equal_shares("actuator"))
+    found = prsm.programs.traced_physics(
+        lambda m: prsm.compute(m, [name]), equal_shares("actuator")
+    )
     assert found == NEEDS[name]
 
 
@@ -405,16 +409,18 @@ SHARED = (
 @pytest.mark.parametrize("name", NEEDS)
 def test_only_what_looks_at_the_shared_load_traces_it(name):
     """The shipped actuator says how its threads share."""
-    found = prsm.traced_physics(lambda m: prsm.compute(m, [name]), example("actuator"))
+    found = prsm.programs.traced_physics(lambda m: prsm.compute(m, [name]), example("actuator"))
     chains = {"thread_chains", "flank_force", "tooth_compliance"}
     assert found == NEEDS[name] | (chains if name in SHARED else set())
 
 
 def test_carrier_ratio_without_contact_losses_is_geometry():
     one = mechanism(stage())
-    assert prsm.traced_physics(lambda m: prsm.compute(m, ["carrier_ratio"]), one) == {"meshing"}
+    assert prsm.programs.traced_physics(lambda m: prsm.compute(m, ["carrier_ratio"]), one) == {
+        "meshing"
+    }
     lossy = mechanism(stage(friction=FIRST_STAGE_LOSSES))
-    assert "steady_state" in prsm.traced_physics(
+    assert "steady_state" in prsm.programs.traced_physics(
         lambda m: prsm.compute(m, ["carrier_ratio"]), lossy
     )
 
@@ -473,7 +479,7 @@ def test_the_search_finds_labels_inside_transformations():
         (eqx.filter_grad(efficiency), one),
         (eqx.filter_vmap(efficiency), batch),
     ):
-        assert {"coulomb_friction", "meshing"} <= prsm.traced_physics(function, argument)
+        assert {"coulomb_friction", "meshing"} <= prsm.programs.traced_physics(function, argument)
 
 
 def test_real_sharing_is_cheap_enough_for_everybody():
@@ -505,7 +511,7 @@ def test_no_end_of_a_flank_where_none_is_given():
     one, laws = screw_of_30_mm(5e-3), {"flank_ends", "truncation"}
 
     def asked(scene, quantities):
-        return prsm.traced_physics(lambda m: prsm.compute(m, quantities), scene)
+        return prsm.programs.traced_physics(lambda m: prsm.compute(m, quantities), scene)
 
     assert laws <= asked(one, names)
     assert not laws & asked(without_addenda(one), names)

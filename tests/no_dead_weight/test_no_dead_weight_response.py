@@ -23,7 +23,7 @@ def _damped(law):
 
 
 def _response(mechanism, **options):
-    return prsm.traced_physics(
+    return prsm.programs.traced_physics(
         lambda m: prsm.frequency_response(m, "screw u", "nut u", [100.0, 200.0], **options).value,
         mechanism,
     )
@@ -49,14 +49,18 @@ def test_damping_leaves_no_trace_in_natural_frequencies_and_operation(name):
     stage = dataclasses.replace(one.stages[0], damping=ModalDamping(0.02))
     damped = dataclasses.replace(one, stages=(stage,))
     for analysis in (prsm.modal, functools.partial(prsm.compute, quantities=["efficiency"])):
-        assert prsm.traced_physics(analysis, damped) == prsm.traced_physics(analysis, one)
+        assert prsm.programs.traced_physics(analysis, damped) == prsm.programs.traced_physics(
+            analysis, one
+        )
 
 
 def test_a_chart_of_speeds_solves_no_response():
-    given = prsm.traced_physics(
+    given = prsm.programs.traced_physics(
         lambda m: prsm.campbell(m, carrier_ratio=0.375).critical_speeds, example("wu2022")
     )
     assert "campbell" in given
     assert not given & {"meshing", "carrier_ratio", "direct_response", "mesh_excitation"}
-    steady = prsm.traced_physics(lambda m: prsm.campbell(m).critical_speeds, example("wu2022"))
+    steady = prsm.programs.traced_physics(
+        lambda m: prsm.campbell(m).critical_speeds, example("wu2022")
+    )
     assert {"meshing", "carrier_ratio"} <= steady

@@ -22,7 +22,7 @@ from prsm_jax.strength import (
 
 
 def test_life_of_a_duty_cycle(actuator):
-    picture = life_chart(6e4, prsm.load_spectrum(actuator.duty_cycle), 9e4)
+    picture = life_chart(6e4, prsm.strength.load_spectrum(actuator.duty_cycle), 9e4)
     assert_printable(picture)
     assert {
         "load in kN",
@@ -116,7 +116,7 @@ def test_the_life_in_a_report_is_drawn_with_the_preload(actuator):
     play = AxialPlay(preload_force=8e3)
     braced = eqx.tree_at(lambda m: m.stages[0].strength.play, actuator, play)
     capacity = jnp.asarray(6e4)
-    life = rating_life(braced.stages[0], capacity, prsm.load_spectrum(braced.duty_cycle))
+    life = rating_life(braced.stages[0], capacity, prsm.strength.load_spectrum(braced.duty_cycle))
     values = {"dynamic_capacity": capacity[None], "rating_life": life.revolutions[None]}
 
     def drawn(one, given):
@@ -129,7 +129,7 @@ def test_the_life_in_a_report_is_drawn_with_the_preload(actuator):
     assert_printable(figure)
     *_, line = figure.axes
     mean = 1e3 * float(line.lines[2].get_xdata()[0])
-    spectrum = prsm.load_spectrum(braced.duty_cycle)
+    spectrum = prsm.strength.load_spectrum(braced.duty_cycle)
     means = [
         float(np.cbrt(jnp.sum(spectrum.weights * load**3)))
         for load in braced_loads(spectrum.load, jnp.asarray(8e3))

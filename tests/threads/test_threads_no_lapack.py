@@ -45,7 +45,7 @@ def test_the_test_sees_lapack():
 def test_quantities(name):
     """Every quantity of every example."""
     mechanism = example(name)
-    names = prsm.available_quantities(mechanism)
+    names = prsm.quantities.available_quantities(mechanism)
     assert not _called(lambda m: prsm.compute(m, names), mechanism)
 
 
@@ -53,7 +53,7 @@ def test_quantities(name):
 def test_derivatives_of_quantities(name):
     """In both modes, by a parameter that everything depends on."""
     mechanism = example(name)
-    names = prsm.available_quantities(mechanism)
+    names = prsm.quantities.available_quantities(mechanism)
 
     def values(lead):
         return prsm.compute(prsm.set_parameter(mechanism, "lead", lead), names)
@@ -135,4 +135,6 @@ def test_responses_and_contacts():
     assert not _called(prsm.campbell, mechanism)
     shared = example("actuator_load_sharing")
     assert not _called(prsm.load_distribution, shared)
-    assert not _called(lambda m: prsm.flank_contact(m.stages[0], "screw", 100.0, (8, 8)), shared)
+    assert not _called(
+        lambda m: prsm.halfspace.flank_contact(m.stages[0], "screw", 100.0, (8, 8)), shared
+    )

@@ -67,13 +67,13 @@ class Rodasp(Integrating):
     word: ClassVar[str] = "rosenbrock"
 
 
-class Kvaerno(Integrating):
+class Implicit(Integrating):
     """Kvaerno 5/4 with Newton's iteration: any stiffness, the reference."""
 
     word: ClassVar[str] = "implicit"
 
 
-class Tsitouras(Integrating):
+class Explicit(Integrating):
     """Tsitouras 5/4, explicit: not for stiff scenes."""
 
     word: ClassVar[str] = "explicit"
@@ -135,7 +135,7 @@ class OwnSolver(NamedTuple):
 
 
 _BY_WORD: dict[str, type[Method]] = {
-    cls.word: cls for cls in (Auto, ClosedForm, QuasiSteady, Rodasp, Tsitouras, Kvaerno)
+    cls.word: cls for cls in (Auto, ClosedForm, QuasiSteady, Rodasp, Explicit, Implicit)
 }
 
 
