@@ -7,11 +7,11 @@ $$K\,(1 - l/g) = \frac{2 E^*}{3\pi\rho}\,l^{3/2},\qquad
 p_\text{edge} = x \frac{E^*}{\pi\rho}\,l + \frac{2K}{g}\frac{\sqrt{l}}{x},\qquad x\tanh x = 1,$$
 
 with g the part of the half-extent beyond the edge. This is the solution of a half-plane with the
-slope of a parabola beyond the edge: at $y = l v^2$ from the end of the contact its pressure is $E^*
-l/(\pi\rho)\,[v + \tfrac12(1-v^2)\ln\lvert(1+v)/(1-v)\rvert]$, largest at $v = 1/x$, in addition to
-the pressure of the contact without an edge, $2K/g\,\sqrt{y}$. For a shallow cut K → $p_0
-g/\sqrt{2s}$, with s the half-extent. For deeper cuts, which are no longer long and narrow, K has a
-factor that is fitted to elastic half-spaces; it is the only fit here. All pressures are
+slope of a parabola beyond the edge: at $y = l v^2$ from the end of the contact its pressure is
+$E^* l/(\pi\rho)\,[v + \tfrac12(1-v^2)\ln\lvert(1+v)/(1-v)\rvert]$, largest at $v = 1/x$, in
+addition to the pressure of the contact without an edge, $2K/g\,\sqrt{y}$. For a shallow cut K →
+$p_0 g/\sqrt{2s}$, with s the half-extent. For deeper cuts, which are no longer long and narrow, K
+has a factor that is fitted to elastic half-spaces; it is the only fit here. All pressures are
 proportional to $p_0$, so load-independent numbers describe an edge: the Hertz pressure at which the
 ellipse reaches it, the steepness $E^* s/p_0\rho$ and the shape of the ellipse.
 """

@@ -173,8 +173,9 @@ def _risk_beyond_jvp(primals, tangents):
 def _ratio(first: Real, second: Real) -> Real:
     """σ of σ³ (1 − f(t₁/σ) − f(t₂/σ)) = 1, in closed form.
 
-    With a cut at one end only: 2σ³ + 3tσ² − t³ = 4, a cubic with the root `σ = t cosh(arcosh(1 +
-    8/t³)/3) − t/2`. With cuts at both ends: `3 (t₁ + t₂) σ² = 4 + t₁³ + t₂³`.
+    With a cut at one end only: 2σ³ + 3tσ² − t³ = 4, a cubic with the root
+    `σ = t cosh(arcosh(1 + 8/t³)/3) − t/2`. With cuts at both ends:
+    `3 (t₁ + t₂) σ² = 4 + t₁³ + t₂³`.
     """
     near, far = jnp.minimum(first, second), jnp.maximum(first, second)
     # The cube root of w + √(w² − 1), with w² − 1 free of cancellation.

@@ -25,10 +25,10 @@ from ._stribeck import StribeckCurve
 class LuGreFriction(StribeckCurve, StatefulFrictionLaw):
     """Bristles between the threads that bend before they slip (Canudas de Wit et al. 1995).
 
-    Deflection z and force of one roller, both vectors in the tangent plane of the contact: `ż = v −
-    σ₀ |v| z / g(v)` with `g = μ + (μ_s − μ) e^{−(v/v_S)²}`, and `F (σ₀ z + σ₁ ż) + σ₂ v`. In steady
-    slip this is Stribeck's law; at rest the contact is a spring of stiffness F σ₀. It passes
-    smoothly through standstill and reversal and holds the load.
+    Deflection z and force of one roller, both vectors in the tangent plane of the contact:
+    `ż = v − σ₀ |v| z / g(v)` with `g = μ + (μ_s − μ) e^{−(v/v_S)²}`, and `F (σ₀ z + σ₁ ż) + σ₂ v`.
+    In steady slip this is Stribeck's law; at rest the contact is a spring of stiffness F σ₀. It
+    passes smoothly through standstill and reversal and holds the load.
 
     Stiffness and damping are per unit of normal force. `σ₁ = 2 √(σ₀ m / F)` is critical damping for
     a mass m held by a force F. Constant damping gives a large force when slip begins suddenly, and
@@ -64,8 +64,8 @@ class LuGreFriction(StribeckCurve, StatefulFrictionLaw):
     def deflection_rate(self, contact: Deflected) -> Float[Array, "3"]:
         """Rate of deflection of the bristles, `ż = v − σ₀ |v| z / g(v)` [m/s].
 
-        With spin, the bristles approach the force of combined slip and spin, `g(Φ) T` with `T =
-        ∂Φ/∂v`, and the faster the larger the share of spin: `ż = |v|/|T| (T − σ₀ z/g(Φ))`.
+        With spin, the bristles approach the force of combined slip and spin, `g(Φ) T` with
+        `T = ∂Φ/∂v`, and the faster the larger the share of spin: `ż = |v|/|T| (T − σ₀ z/g(Φ))`.
         """
         slip, deflection, gradient, mean_speed = contact
         speed, stiffness = length_few(slip), self.bristle_stiffness

@@ -81,10 +81,10 @@ def _triangle(flanks: FlankGeometry, slope: Scalar) -> tuple[ContactTriangle, Sc
     """The triangle of the axes and the contact; the residual in s, and its derivative.
 
     The arc has the slope s at the roller radius `r = r_R + ρ (s/√(1 + s²) − sin α)`. Where both
-    gradients are equal, the angle T between the radii of screw and roller has `cos T = (s tan α − h
-    h_R/(r r_s'))/|∇z|²` with the reduced leads h and h_R, so that the law of cosines is a quadratic
-    equation for the screw radius r_s'. The remaining condition is that both flanks are equally
-    steep, `s² + (h_R/r)² = tan²α + (h/r_s')²`.
+    gradients are equal, the angle T between the radii of screw and roller has
+    `cos T = (s tan α − h h_R/(r r_s'))/|∇z|²` with the reduced leads h and h_R, so that the law of
+    cosines is a quadratic equation for the screw radius r_s'. The remaining condition is that both
+    flanks are equally steep, `s² + (h_R/r)² = tan²α + (h/r_s')²`.
     """
     distance, steep = flanks.centre_distance, flanks.slope
     cosine = 1 / jnp.sqrt(1 + slope**2)

@@ -120,8 +120,9 @@ def equilibrium(
 ) -> Pressures:
     """Pressures under a load [N] or at an approach [m].
 
-    Derivatives are those of the solution with the set of cells in contact fixed: `K ṗ = δ̇ − K̇ p −
-    ġ` there, one more conjugate-gradient solution, in forward and in reverse mode.
+    Derivatives are those of the solution with the set of cells in contact fixed:
+    `K ṗ = δ̇ − K̇ p − ġ` there, one more conjugate-gradient solution, in forward and in reverse
+    mode.
 
     **Arguments:** as in `solve_contact`.
     """

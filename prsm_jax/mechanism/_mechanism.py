@@ -53,8 +53,8 @@ class Stage(Limited):
 
     `roller_count` is the number of evenly spaced places; `present_roller_count` is the number of
     rollers in them. The load is shared equally by the rollers present, independent of their
-    stiffness, and by all their engaged threads, unless `load_sharing` defines it; `sharing =
-    "equal"` states that equal shares are intended.
+    stiffness, and by all their engaged threads, unless `load_sharing` defines it;
+    `sharing = "equal"` states that equal shares are intended.
 
     **Raises:** `ValueError` at construction for a roller count below 1, unequal rollers that do not
     fit it, an unknown curvature convention or `sharing`, and for known numbers that are out of

@@ -40,11 +40,11 @@ def preload_force(stage: Stage) -> Scalar:
 def backlash(stage: Stage, meshing: Meshing | None = None) -> Scalar:
     r"""Axial travel of the unloaded nut relative to a fixed screw [m].
 
-    As measured; or the play between screw and rollers plus that between rollers and nut: $2 g + t_s
-    + 2 t_R + t_n$ with the axial gap g per flank that the meshing leaves between teeth of half a
-    pitch (it is negative on the screw's side and 0 on the nut's) and the thinning t of the teeth of
-    screw, roller and nut; or else the backlash of load sharing. 0 if the nut is preloaded. Negative
-    where teeth interfere.
+    As measured; or the play between screw and rollers plus that between rollers and nut:
+    $2 g + t_s + 2 t_R + t_n$ with the axial gap g per flank that the meshing leaves between teeth
+    of half a pitch (it is negative on the screw's side and 0 on the nut's) and the thinning t of
+    the teeth of screw, roller and nut; or else the backlash of load sharing. 0 if the nut is
+    preloaded. Negative where teeth interfere.
 
     **Arguments:**
 

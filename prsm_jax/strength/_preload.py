@@ -1,8 +1,8 @@
 r"""Two nuts preloaded against each other: their loads, the load that opens one, their stiffness.
 
 Both are Hertz point contacts, $F = k\,\delta^{3/2}$. Under the preload $F_p$ the approach of each
-is $\delta_0$; a load $F$ moves the screw by $x = s\,\delta_0$ and changes their loads to $F_p (1
-\pm s)^{3/2}$, so that $f = F/F_p = (1+s)^{3/2} - (1-s)^{3/2}$ as long as both touch.
+is $\delta_0$; a load $F$ moves the screw by $x = s\,\delta_0$ and changes their loads to
+$F_p (1 \pm s)^{3/2}$, so that $f = F/F_p = (1+s)^{3/2} - (1-s)^{3/2}$ as long as both touch.
 """
 
 import math
@@ -40,9 +40,9 @@ def relative_displacement(load_ratio: Float[Array, "*batch"]) -> Float[Array, "*
     r"""Displacement s = x/δ₀ of the screw between two preloaded nuts, in closed form.
 
     With $q = \sqrt{1 - s^2}$ the square of the balance is the cubic $q^3 + 3 q^2 + f^2/2 - 4 = 0$,
-    whose root by Viète is $q = 2\cos\theta - 1$ with $\sin(3\theta/2) = f/\sqrt 8$; then $s = 2
-    \sin(\theta/2)\sqrt{2\cos\theta}$. Above $f = \sqrt 8$ one nut carries the load alone, $s =
-    f^{2/3} - 1$: value and slope are continuous.
+    whose root by Viète is $q = 2\cos\theta - 1$ with $\sin(3\theta/2) = f/\sqrt 8$; then
+    $s = 2 \sin(\theta/2)\sqrt{2\cos\theta}$. Above $f = \sqrt 8$ one nut carries the load alone,
+    $s = f^{2/3} - 1$: value and slope are continuous.
 
     **Arguments:**
 

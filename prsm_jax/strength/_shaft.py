@@ -124,10 +124,10 @@ def slenderness_ratio(stage: Stage, length: Scalar | None = None) -> Scalar:
 def buckling_load(stage: Stage, length: Scalar | None = None) -> Scalar:
     r"""Axial load at which the screw buckles [N].
 
-    With the slenderness $s$ = effective length over radius of gyration, Euler's $\sigma = \pi^2
-    E/s^2$ above $s_1 = \sqrt{2\pi^2 E/\sigma_y}$, and below it Johnson's parabola $\sigma =
-    \sigma_y (1 - \sigma_y s^2/(4\pi^2 E))$, which joins at $\sigma_y/2$ with the same slope
-    (Timoshenko and Gere 1961; Johnson 1893). Euler alone if no yield strength is given.
+    With the slenderness $s$ = effective length over radius of gyration, Euler's
+    $\sigma = \pi^2 E/s^2$ above $s_1 = \sqrt{2\pi^2 E/\sigma_y}$, and below it Johnson's parabola
+    $\sigma = \sigma_y (1 - \sigma_y s^2/(4\pi^2 E))$, which joins at $\sigma_y/2$ with the same
+    slope (Timoshenko and Gere 1961; Johnson 1893). Euler alone if no yield strength is given.
 
     Range: a straight screw loaded on its axis, with the section of the thread's root. A factor of
     safety must be added (catalogues of ball screws use 2).

@@ -18,8 +18,8 @@ from ...fields import (
 class Thread(Limited):
     r"""Threads of screw, rollers and nut of one stage.
 
-    Five numbers are free; everything else follows from them, so the identity $r_n = r_s + 2 r_R = n
-    r_R$ always holds:
+    Five numbers are free; everything else follows from them, so the identity
+    $r_n = r_s + 2 r_R = n r_R$ always holds:
 
     | free | follows when it changes |
     |---|---|
