@@ -58,8 +58,8 @@ class LineContactResult(eqx.Module):
     max_half_width: Scalar
     #: Share of the contact zone that carries load.
     loaded_share: Scalar
-    #: Largest line load over its mean on the loaded part: 1 if all slices share alike, 2 for a
-    #: load that falls linearly from an edge.
+    #: Largest line load over its mean on the loaded part: 1 if all slices carry equal loads, 2 for
+    #: a load that falls linearly from an edge.
     edge_ratio: Scalar
     #: Coefficient of determination of the fit of a parabola to the exact gap, at the slice with
     #: the largest pressure over the width of its contact.
@@ -171,7 +171,7 @@ def line_contact_under_force(
     share = jnp.where(partly, above / jnp.where(partly, span, 1.0), jnp.where(above > 0, 1.0, 0.0))
     loaded_share = jnp.mean(share)
     mean_load = jnp.mean(per_slice) / jnp.where(above_or_nan(loaded_share), loaded_share, 1.0)
-    bears = above_or_nan(mean_load)
+    has_load = above_or_nan(mean_load)
     worst = jnp.argmax(pressure)
     radius = slices.radius[worst]
     fit = fit_parabola(
@@ -193,7 +193,9 @@ def line_contact_under_force(
         max_pressure=jnp.max(pressure),
         max_half_width=jnp.max(half_width),
         loaded_share=loaded_share,
-        edge_ratio=jnp.where(bears, jnp.max(line_load) / jnp.where(bears, mean_load, 1.0), 1.0),
+        edge_ratio=jnp.where(
+            has_load, jnp.max(line_load) / jnp.where(has_load, mean_load, 1.0), 1.0
+        ),
         parabola_fit=fit.determination,
         converged=slices.converged & root_converged,
     )

@@ -50,7 +50,7 @@ class Sliding(eqx.Module):
     def _of(self, name: str) -> Scalar:
         if name not in self.asked:
             raise ValueError(
-                f"a friction law uses {name}, which it does not ask for; add it to the law's "
+                f"a friction law uses {name}, which it does not request; add it to the law's "
                 f'asks = ("{name}",)'
             )
         return self.asked[name]

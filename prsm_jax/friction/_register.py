@@ -35,11 +35,11 @@ def friction_law(name: str) -> Callable[[_Law], _Law]:
     def decorate(cls: _Law) -> _Law:
         if not (isinstance(cls, type) and issubclass(cls, FrictionLaw)):
             raise TypeError(f"friction law {name!r}: {cls!r} must be a class of FrictionLaw")
-        known = _LAWS.get(name)
-        if known is not None and origin_of(known) != origin_of(cls):
+        registered = _LAWS.get(name)
+        if registered is not None and origin_of(registered) != origin_of(cls):
             raise ValueError(
-                f"friction law {name!r}: {known.__module__}.{known.__qualname__} has this name; "
-                "choose another"
+                f"friction law {name!r}: {registered.__module__}.{registered.__qualname__} has "
+                "this name; choose another"
             )
         check_asked(cls, cls.asks)
         for field in dataclasses.fields(cls):

@@ -45,15 +45,15 @@ class FrictionAtRadius(Limited):
     radius: eqx.AbstractVar[Scalar | None]
 
     def __check_init__(self):
-        law, own = self.law, type(self).__name__
+        law, owner = self.law, type(self).__name__
         if law.has_state or law.asks:
             reason = "has a state" if law.has_state else f"asks for {', '.join(law.asks)}"
             raise ValueError(
-                f"{own}: the law {type(law).__name__} {reason}, which only threads give; choose "
+                f"{owner}: the law {type(law).__name__} {reason}, which only threads give; choose "
                 "another law"
             )
         if self.radius is None and not law.load_independent:
-            raise ValueError(f"{own}: radius is missing; the law {type(law).__name__} needs it")
+            raise ValueError(f"{owner}: radius is missing; the law {type(law).__name__} needs it")
 
     @property
     def arm(self) -> Scalar:

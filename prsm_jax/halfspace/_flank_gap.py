@@ -225,7 +225,7 @@ def flank_gap(thread: Thread, plane: TangentPlane, side: Side, grid: Grid) -> Fl
         body, roller = _crests(thread, side, foot[0], foot[1])
         edges = tuple(None if edge is None else stretch * edge for edge in (body, roller))
         on_roller = foot + (lower if side == "screw" else upper) * plane.normal
-        # Where the gap does not exist either, it is NaN.
+        # Where there is no gap, the gap is NaN in any case.
         past = past_roller_arc(flanks, on_roller[0], on_roller[1])
         return upper - lower, ~past, *edges
 

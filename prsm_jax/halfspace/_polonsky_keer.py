@@ -9,7 +9,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..mechanism import Scalar
 
-#: What is prescribed: the sum of all pressures, or the approach of the bodies.
+#: The prescribed quantity: the sum of all pressures, or the approach of the bodies.
 Control: TypeAlias = Literal["load", "approach"]
 
 

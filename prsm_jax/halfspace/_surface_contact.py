@@ -13,7 +13,7 @@ from ._equilibrium import equilibrium
 from ._grid import Grid
 from ._peak import peak_pressure
 
-#: What the result codes of a surface contact mean, and what to do.
+#: Result codes of a surface contact: meaning, and what to do.
 RESULTS = {
     0: "contact found",
     1: "not converged: raise max_iterations or tolerance, and check that all numbers are finite",
@@ -74,8 +74,8 @@ def within_small_strains(
     - `modulus`: contact modulus E* [Pa].
     """
     small = hertz_pressure <= _LARGEST_STRAIN * modulus
-    known = jnp.isfinite(hertz_pressure) & jnp.isfinite(modulus)
-    return dataclasses.replace(surface, code=jnp.where(small | ~known, surface.code, 4))
+    finite = jnp.isfinite(hertz_pressure) & jnp.isfinite(modulus)
+    return dataclasses.replace(surface, code=jnp.where(small | ~finite, surface.code, 4))
 
 
 def _rim(field: Bool[Array, "nx ny"]) -> Bool[Array, ""]:
@@ -110,7 +110,8 @@ def solve_contact(
     - `modulus`: contact modulus E* [Pa].
     - `load`: normal force [N]; or
     - `approach`: approach of the bodies δ, measured from gap = 0 [m].
-    - `material`: cells with material on both sides; elsewhere there is no pressure. Default all.
+    - `material`: cells with material on both sides; elsewhere there is no pressure. Default: all
+      cells.
     - `tolerance`: largest violation of the contact conditions over the largest displacement.
     - `max_iterations`: steps allowed on every grid.
 

@@ -94,7 +94,7 @@ def find_root_of(
     - `residual`: function of the arguments and the unknown; its value, and its derivative with
       respect to the unknown. It must be a function of a module, not a closure: the root is
       differentiable with respect to the arguments only, in forward and reverse mode, to any order.
-    - `arguments`: what the residual depends on.
+    - `arguments`: the arguments of the residual.
     - `guess`, `tolerance`, `max_steps`: as in `find_root`.
 
     **Returns:** the root (the last iterate if not converged), and whether it converged.

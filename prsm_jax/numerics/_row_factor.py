@@ -50,9 +50,9 @@ def row_factor(matrix: Stack) -> Inexact[Array, "columns columns batch"]:
         first = _marked(row, rows)
         top = _taken(column, row, 0)
         size = jnp.abs(top)
-        some = size > 0
-        phase = top / jnp.where(some, size, 1.0).astype(dtype)
-        phase = jnp.where(some, phase, jnp.ones_like(phase))
+        nonzero = size > 0
+        phase = top / jnp.where(nonzero, size, 1.0).astype(dtype)
+        phase = jnp.where(nonzero, phase, jnp.ones_like(phase))
         normal = column + jnp.where(first, phase * norm.astype(dtype), jnp.zeros_like(phase))
         # Compared this way round, NaN stays NaN.
         empty = norm <= least

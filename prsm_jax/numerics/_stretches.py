@@ -23,7 +23,7 @@ def over_samples(function: Callable[..., Any], *rows: Any) -> Any:
     - `function`: of one sample.
     - `rows`: pytrees of arrays, samples along the first axis of each.
 
-    **Returns:** what the function gives, with samples along the first axis of every array.
+    **Returns:** the results, with samples along the first axis of every array.
     """
     count = len(jax.tree.leaves(rows)[0])
     if count <= LONGEST:

@@ -46,9 +46,9 @@ class SineProfile(eqx.Module):
         """Integral from 0 to a time; without a frequency the function is constant."""
         turns = self.frequency != 0
         pulsation = 2 * jnp.pi * jnp.where(turns, self.frequency, 1.0)
-        swung = (jnp.cos(self.phase) - jnp.cos(self._turned(time))) / pulsation
-        swung = jnp.where(turns, swung, jnp.sin(self.phase) * time)
-        return self.mean * time + self.amplitude * swung
+        oscillating = (jnp.cos(self.phase) - jnp.cos(self._turned(time))) / pulsation
+        oscillating = jnp.where(turns, oscillating, jnp.sin(self.phase) * time)
+        return self.mean * time + self.amplitude * oscillating
 
     @property
     def break_times(self) -> Float[Array, " breaks"]:
@@ -120,8 +120,8 @@ class ConstantProfile(AbstractSegmentedProfile):
         check_positive("ConstantProfile", hold_time=self.hold_time)
 
     def _segments(self) -> _Segments:
-        one, none = self.value[None], jnp.zeros_like(self.value)[None]
-        return _Segments(self.hold_time[None], one, none, none)
+        one, zero = self.value[None], jnp.zeros_like(self.value)[None]
+        return _Segments(self.hold_time[None], one, zero, zero)
 
 
 class TrapezoidalProfile(AbstractSegmentedProfile):
@@ -148,11 +148,11 @@ class TrapezoidalProfile(AbstractSegmentedProfile):
 
 
 def _trapezoid(peak, rise, hold, fall, dwell) -> _Segments:
-    none = jnp.zeros_like(peak)
+    zero = jnp.zeros_like(peak)
     return _Segments(
         length=jnp.stack([rise, hold, fall, dwell]),
-        value=jnp.stack([none, peak, peak, none]),
-        slope=jnp.stack([peak / rise, none, -peak / fall, none]),
+        value=jnp.stack([zero, peak, peak, zero]),
+        slope=jnp.stack([peak / rise, zero, -peak / fall, zero]),
         curvature=jnp.zeros_like(peak, shape=4),
     )
 
@@ -221,14 +221,14 @@ class SCurveMoveProfile(AbstractSegmentedProfile):
         ramp = jnp.maximum(ramp, 0.0)
         peak = steepest * (bend + ramp)
         hold = jnp.maximum(distance / peak - (2 * bend + ramp), 0.0)
-        low, high, none = steepest * bend / 2, peak - steepest * bend / 2, jnp.zeros_like(peak)
+        low, high, zero = steepest * bend / 2, peak - steepest * bend / 2, jnp.zeros_like(peak)
         sign = jnp.sign(self.angle_moved)
         return _Segments(
             length=jnp.stack([bend, ramp, bend, hold, bend, ramp, bend, self.dwell_time]),
-            value=sign * jnp.stack([none, low, high, peak, peak, high, low, none]),
+            value=sign * jnp.stack([zero, low, high, peak, peak, high, low, zero]),
             slope=sign
-            * jnp.stack([none, steepest, steepest, none, none, -steepest, -steepest, none]),
-            curvature=sign * jnp.stack([jerk, none, -jerk, none, -jerk, none, jerk, none]),
+            * jnp.stack([zero, steepest, steepest, zero, zero, -steepest, -steepest, zero]),
+            curvature=sign * jnp.stack([jerk, zero, -jerk, zero, -jerk, zero, jerk, zero]),
         )
 
 

@@ -87,8 +87,8 @@ def preload_of(stage: Stage) -> Scalar | None:
 def is_braced(stage: Stage) -> bool:
     """Whether two nuts, or the halves of one, are preloaded; the force need not be known."""
     play = None if stage.strength is None else stage.strength.play
-    stated = play is not None and play.preload_force is not None
-    return stated or split_nut_of(stage) is not None
+    force_given = play is not None and play.preload_force is not None
+    return force_given or split_nut_of(stage) is not None
 
 
 def thread_share(stage: Stage) -> float:
@@ -133,6 +133,6 @@ def axial_approach(
     """
     if contact is None:
         contact = reference_contact(stage, meshing)
-    of_one = REFERENCE_LOAD / (stage.present_roller_count * engaged_threads(stage))
+    contact_load = REFERENCE_LOAD / (stage.present_roller_count * engaged_threads(stage))
     compliance = 1 / contact.screw.axial_stiffness + 1 / contact.nut.axial_stiffness
-    return of_one * compliance * positive_power(jnp.abs(load) / REFERENCE_LOAD, 2 / 3)
+    return contact_load * compliance * positive_power(jnp.abs(load) / REFERENCE_LOAD, 2 / 3)

@@ -85,11 +85,11 @@ def edge_pressure(
         sides = side_onsets(stage, meshing, contact)
     known_sides(sides)
     assert sides is not None
-    of_threads = jnp.abs(load) * sharing_factor / thread_share(stage)
+    effective_load = jnp.abs(load) * sharing_factor / thread_share(stage)
     return jnp.max(
         jnp.stack(
             [
-                largest_pressure(side.pressure(of_threads), side.onsets, edges)
+                largest_pressure(side.pressure(effective_load), side.onsets, edges)
                 for side, edges in zip(sides, side_edges(stage, meshing, contact), strict=True)
                 if side is not None
             ]

@@ -87,8 +87,8 @@ def load_spectrum(source: DutyCycle | History) -> LoadSpectrum:
     if isinstance(source, DutyCycle):
         return LoadSpectrum(source.load, jnp.abs(source.speed) * source.duration, source.duration)
     steps = jnp.diff(source.time)
-    none = jnp.zeros_like(steps[:1])
-    weights = (jnp.concatenate([steps, none]) + jnp.concatenate([none, steps])) / 2
+    zero = jnp.zeros_like(steps[:1])
+    weights = (jnp.concatenate([steps, zero]) + jnp.concatenate([zero, steps])) / 2
     return LoadSpectrum(source.load, jnp.abs(source.screw_speed) * weights, weights)
 
 
@@ -143,7 +143,7 @@ def equivalent_load(spectrum: LoadSpectrum | DutyCycle | History) -> Scalar:
 
     **Arguments:**
 
-    - `spectrum`: a load spectrum, or what `load_spectrum` takes: a duty cycle or a transient.
+    - `spectrum`: a load spectrum, a duty cycle or a transient.
     """
     if not isinstance(spectrum, LoadSpectrum):
         spectrum = load_spectrum(spectrum)

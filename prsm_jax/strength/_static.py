@@ -39,7 +39,7 @@ def static_capacity(
     bearing steel, for which 4200 MPa is the nearest.
 
     For one nut of a preloaded pair; half as much for the half of a split nut. Range: hardened steel
-    (58 HRC and more), all threads alike, no friction.
+    (58 HRC and more), equal threads, no friction.
 
     **Arguments:**
 

@@ -150,9 +150,9 @@ def contact_truncation(
     **Raises:** `MissingDataError` if no flank has an end, or if materials or engaged threads are
     not given.
     """
-    of_threads = jnp.abs(load) * sharing_factor / thread_share(stage)
+    effective_load = jnp.abs(load) * sharing_factor / thread_share(stage)
     shares = [
-        truncation(side.pressure(of_threads), side.onsets)
+        truncation(side.pressure(effective_load), side.onsets)
         for side in known_sides(side_onsets(stage, meshing, contact))
     ]
     return jnp.max(jnp.stack(shares))
@@ -318,7 +318,7 @@ class TruncatedFatigue(eqx.Module):
 
 
 def _excess(arguments: tuple[TruncatedFatigue, Scalar], share: Scalar) -> tuple[Scalar, Scalar]:
-    fatigue, whole = arguments
+    fatigue, untruncated = arguments
     return jax.jvp(
-        lambda x: x * fatigue.load_factor(x * whole) - 1, (share,), (jnp.ones_like(share),)
+        lambda x: x * fatigue.load_factor(x * untruncated) - 1, (share,), (jnp.ones_like(share),)
     )
