@@ -113,7 +113,7 @@ class FrictionLaw(Limited):
 
     @property
     def viscous_resistance(self) -> Scalar | None:
-        """Friction force per slip speed without a normal force [N·s/m]; `None` if none."""
+        """Friction force per slip speed, independent of the load [N·s/m]; `None` if none."""
         return None
 
 

@@ -67,7 +67,8 @@ def friction_laws(*, of_threads: bool = True) -> dict[str, type[FrictionLaw]]:
 
     **Arguments:**
 
-    - `of_threads`: all laws, which threads may have; otherwise only laws of splines and bearings.
+    - `of_threads`: true for laws of threads, which are all; false for those of splines and
+      bearings.
     """
     known = sorted(_LAWS.items())
     return {name: cls for name, cls in known if of_threads or not (cls.has_state or cls.asks)}

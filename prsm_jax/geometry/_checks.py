@@ -15,9 +15,9 @@ Severity = Literal["error", "warning", "note"]
 class Finding:
     """One result of a check of a mechanism.
 
-    `error`: the mechanism cannot be built, does not mesh, or has stiffnesses that no structure has;
-    `warning`: it can be built, but not as drawn, or its numbers contradict each other; `note`: for
-    information.
+    `error`: the mechanism cannot be built, does not mesh, or has stiffnesses that no structure can
+    have; `warning`: it can be built, but not as drawn, or its numbers contradict each other;
+    `note`: for information.
     """
 
     name: str
@@ -51,8 +51,8 @@ def roller_major_radius(thread: Thread) -> Scalar:
 def carrier_clearance(stage: Stage) -> Scalar:
     """Radial gap between the carrier's annulus, centred on the roller axes, and the screw [m].
 
-    Without an addendum the screw ends at its nominal radius; without a width of the carrier its
-    width is 0.
+    Without an addendum the screw ends at its nominal radius; without a radial width of the carrier,
+    width 0 is used.
     """
     thread, carrier = stage.thread, stage.carrier
     gap = thread.centre_distance - thread.screw_radius

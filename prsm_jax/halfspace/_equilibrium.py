@@ -16,7 +16,8 @@ from ._grid import Grid
 from ._polonsky_keer import Control, Pressures, constrained_conjugate_gradients
 from ._preconditioner import apply_symbol, stiffness_symbol
 
-#: Grids with at least twice as many cells in both directions are first solved with half the cells.
+#: Grids with at least twice as many cells in both directions are first solved with half the cells
+#: per direction.
 _COARSEST = 32
 #: Residual of the linear system of the derivatives, relative.
 _DERIVATIVE_TOLERANCE = 1e-11
@@ -36,7 +37,7 @@ def _first_guess(grid: Grid, gap, control: Control, target, modulus) -> Float[Ar
 
 
 def _search(grid, gap, material, control, target, modulus, tolerance, max_iterations) -> Pressures:
-    """Constrained conjugate gradients, started from the solution on a grid with half the cells.
+    """Constrained conjugate gradients, started on a grid with half the cells per direction.
 
     For a load the target is Σp on both grids: a coarse cell has four times the area.
     """

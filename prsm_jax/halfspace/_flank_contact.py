@@ -95,9 +95,9 @@ def flank_contact(
     - `extent`: half the grid over the semi-axes of the Hertz ellipse.
     - `heights`: sum of the roughness or waviness of both surfaces, positive outwards, so a peak
       reduces the gap: an array, or a function of the coordinates x and y on the grid [m].
-    - `edge_radius`: rounding radius of the edges at the crests; default: that of the thread, if
-      any. The rounding begins at the crest, and no cell is excluded [m]. The result is
-      differentiable in it and in the addenda.
+    - `edge_radius`: rounding radius of the edges at the crests [m]; default: that of the thread, if
+      any. The rounding begins at the crest, and no cell is excluded. The result is differentiable
+      in it and in the addenda.
     - `meshing`: the thread's meshing, if already known.
     - `tolerance`, `max_iterations`: as in `solve_contact`.
 

@@ -58,7 +58,7 @@ class Stage(Limited):
 
     **Raises:** `ValueError` at construction for a roller count below 1, unequal rollers that do not
     fit it, an unknown curvature convention or `sharing`, and for known numbers that are out of
-    range or exclude each other (a bore wider than its screw). Traced numbers are not checked:
+    range or exclude each other (a bore wider than its screw). Traced numbers cannot be refused:
     results then carry a code, and `prsm_jax.check` gives findings.
     """
 

@@ -210,7 +210,7 @@ def side_risks(
 def fatigue_sharing_factor(
     thread_loads: Float[Array, "*threads"], weights: Float[Array, "*threads"] | None = None
 ) -> Scalar:
-    r"""Reduction of the capacity by unequal thread loads: $(\overline{q^{10/3}})^{3/10} \ge 1$.
+    r"""Divisor of the capacity for unequal thread loads: $(\overline{q^{10/3}})^{3/10} \ge 1$.
 
     q is a thread's load over the mean; Lundberg and Palmgren's risk is proportional to its 10/3
     power. 1 without load.

@@ -36,7 +36,7 @@ def reliability_factor(reliability: Scalar) -> Scalar:
 
 
 def swept_share(stage: Stage, amplitude: Scalar) -> Scalar:
-    """Share of a track that the contacts of an oscillating screw roll over, of the shortest tracks.
+    """Smallest share of a track that the contacts of an oscillating screw roll over.
 
     With an oscillation of ±φ, N contacts roll over N (1 − ζ) φ/π of a track of the screw and N ζ
     φ/π of a track of the nut; a flank of a roller has one contact, which rolls over n ζ φ/π. At

@@ -136,8 +136,8 @@ def _walk(
 ) -> Iterator[tuple[tuple[str, ...], dict, bool]]:
     """Yield (path, metadata, static) of every number that is present in a module.
 
-    `unit` replaces the unit `*`, that of the function if the module is one. `units` maps the units
-    that are others where the module is used.
+    `unit` replaces the unit `*` of a function's numbers. `units` maps units that differ where the
+    module is used.
     """
     for field in dataclasses.fields(module):
         value = getattr(module, field.name)
