@@ -1,4 +1,4 @@
-"""Thread contacts of a whole mechanism."""
+"""Thread contacts of a mechanism."""
 
 import jax.numpy as jnp
 
@@ -10,9 +10,9 @@ from .hertz import HertzMethod
 
 
 def load_of(mechanism: Mechanism, load: float | Scalar | None) -> Scalar:
-    """The axial load: given, or that of the operating point [N].
+    """The axial load `load`, or the load of the operating point if it is None [N].
 
-    **Raises:** `MissingDataError` if there is neither.
+    **Raises:** `MissingDataError` if both are missing.
     """
     if load is None:
         if mechanism.operating_point is None:
@@ -34,12 +34,12 @@ def thread_contacts(
 ) -> tuple[StageContact, ...]:
     """Hertz contacts of screw and nut side of every stage, under a static load.
 
-    The stages are in series, so each carries the whole load; friction is left out here.
+    The stages are in series, so each carries the full load; friction is not included.
 
     **Arguments:**
 
     - `mechanism`: the mechanism, with materials and engaged threads.
-    - `load`: axial load [N]; default that of the operating point. Its magnitude counts.
+    - `load`: axial load [N]; default: load of the operating point. The sign is ignored.
     - `method`: Hertz method.
 
     **Raises:** `MissingDataError` if load, materials or engaged threads are not given.

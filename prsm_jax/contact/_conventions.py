@@ -1,4 +1,4 @@
-"""Where the contact curvatures and the normal force come from: three named conventions."""
+"""Contact curvatures and normal force by three named conventions."""
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -8,7 +8,7 @@ from ..mechanism import CurvatureConvention, Scalar, Thread
 
 
 class ContactFrame(eqx.Module):
-    """What a Hertz contact needs to know of the geometry on one side of the roller."""
+    """Geometry on one side of the roller, as needed by a Hertz contact."""
 
     curvature: RelativeCurvature
     #: Normal force per axial force of the contact, F_n/F_a.
@@ -16,7 +16,7 @@ class ContactFrame(eqx.Module):
 
 
 def _from_principal_sums(first: Scalar, second: Scalar, factor: Scalar) -> ContactFrame:
-    """A frame from the summed curvatures in two aligned principal planes; rolling in the second."""
+    """Frame from curvature sums in two aligned principal planes; rolling in the second."""
     curvature = RelativeCurvature(
         total=(first + second) / 2,
         difference_squared=((first - second) / 2) ** 2,
@@ -29,8 +29,8 @@ def _from_principal_sums(first: Scalar, second: Scalar, factor: Scalar) -> Conta
 def _lisowski2014(thread: Thread) -> tuple[ContactFrame, ContactFrame]:
     """Lisowski 2014, equations 1 to 3 and 7 (corrected signs), φ = 0.
 
-    The radii in the rolling plane are printed helix-like, `((d/2)² + p²)/p`; they are reproduced,
-    not recommended.
+    The source prints the radii in the rolling plane helix-like, `((d/2)² + p²)/p`; they are
+    reproduced, not recommended.
     """
     pitch, sine = thread.pitch, jnp.sin(thread.flank_angle)
 

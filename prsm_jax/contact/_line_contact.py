@@ -20,15 +20,15 @@ Edges = Float[Array, " edges"]
 
 
 class SliceGeometry(eqx.Module):
-    """What the slices of a line contact are before any load, at their edges."""
+    """Geometry of the slices of an unloaded line contact, at the edges of the slices."""
 
     #: Distance from the roller axis [m].
     radius: Edges
-    #: Arc coordinate of the narrowest place, from the line of centres [m].
+    #: Arc coordinate of the smallest gap, from the line of centres [m].
     arc: Edges
-    #: Normal gap when the narrowest slice touches [m].
+    #: Normal gap at the first touch of any slice [m].
     gap: Edges
-    #: Normal gap along the arc, half its second derivative [1/m].
+    #: Half the second derivative of the normal gap along the arc [1/m].
     coefficient: Edges
     #: Axial force per unit of normal force.
     normal: Edges
@@ -36,14 +36,14 @@ class SliceGeometry(eqx.Module):
 
 
 class LineContactResult(eqx.Module):
-    """A line contact under an axial force: slice by slice, and as a whole."""
+    """Line contact under an axial force: per slice, and in total."""
 
     slices: SliceGeometry
     #: Normal force per length of the contact line [N/m].
     line_load: Edges
     #: Half-width of the contact [m].
     half_width: Edges
-    #: Pressure on the middle of the contact [Pa].
+    #: Pressure in the middle of the contact width [Pa].
     pressure: Edges
     #: Depth of contact, how far the undeformed flanks overlap [m].
     depth: Edges
@@ -58,8 +58,8 @@ class LineContactResult(eqx.Module):
     max_half_width: Scalar
     #: Share of the contact zone that carries load.
     loaded_share: Scalar
-    #: Largest line load over its mean on the loaded part: 1 if all slices share alike, 2 for a
-    #: load that falls linearly from an edge.
+    #: Largest line load over its mean on the loaded part: 1 if all slices carry equal loads, 2 for
+    #: a load that falls linearly from an edge.
     edge_ratio: Scalar
     #: Coefficient of determination of the fit of a parabola to the exact gap, at the slice with
     #: the largest pressure over the width of its contact.
@@ -69,7 +69,7 @@ class LineContactResult(eqx.Module):
 
 @physics("line_contact_geometry")
 def slice_geometry(contact: LineContact, edges: int = _EDGES) -> SliceGeometry:
-    """Cut the zone where both flanks are there into slices of equal radial width.
+    """Divide the zone in which both flanks exist into slices of equal radial width.
 
     **Arguments:**
 
@@ -80,7 +80,7 @@ def slice_geometry(contact: LineContact, edges: int = _EDGES) -> SliceGeometry:
     share = jnp.linspace(0.0, 1.0, edges, dtype=inner.dtype)
     radius = inner + share * (outer - inner)
     vertex = jax.vmap(lambda r: ring_vertex(contact, r))(radius)
-    # From the first touch on: heights themselves are arbitrary.
+    # Relative to the first touch; absolute heights are arbitrary.
     gap = vertex.normal * (vertex.gap - jnp.min(vertex.gap))
     return SliceGeometry(
         radius=radius,
@@ -93,7 +93,7 @@ def slice_geometry(contact: LineContact, edges: int = _EDGES) -> SliceGeometry:
 
 
 def _overlap_per_slice(overlap: Edges) -> Float[Array, " slices"]:
-    """Mean of max(0, u) over slices between whose edges u is linear; exact, and smooth in u."""
+    """Mean of max(0, u) over each slice, u linear between its edges; exact, and smooth in u."""
     lower, upper = jnp.minimum(overlap[:-1], overlap[1:]), jnp.maximum(overlap[:-1], overlap[1:])
     crossed = below_or_nan(lower) & above_or_nan(upper)
     height = jnp.where(crossed, upper - lower, 1.0)
@@ -108,20 +108,20 @@ def line_contact_under_force(
     """Line contact of a screw with a ring without a lead, by shape functions.
 
     In every slice at the distance r from the roller axis the gap along the arc is a parabola. Each
-    slice is a Hertz line contact of its own: with the normal coefficient A and the line load P,
-    `B² = 2P/(π E* A)`, `p₀ = 2P/(π B)`, and its depth of contact is `A B² = 2P/(π E*)`, so that
-    the line load is `P(r) = (π E*/2) (δ − e(r))` where that is positive, and 0 elsewhere, for the
-    gap e(r). The force is the integral of P over the contact line; δ follows from the force.
+    slice is an independent Hertz line contact: with the normal coefficient A and the line load P,
+    `B² = 2P/(π E* A)` and `p₀ = 2P/(π B)`, and its depth of contact is `A B² = 2P/(π E*)`. So with
+    the gap e(r) the line load is `P(r) = (π E*/2) (δ − e(r))` where this is positive, and 0
+    elsewhere. The force is the integral of P over the contact line; δ follows from the force.
 
-    Slices do not know of their neighbours: the free ends of a line have no stress concentration
+    Slices do not influence their neighbours: the free ends of a line have no stress concentration
     here, and δ is not the approach of two half-spaces, which grows with the logarithm of the
-    length. Where `edge_ratio` is near 2 or `loaded_share` is small, the flanks bear on an edge;
-    what happens there is a matter for a contact solver on the true surfaces.
+    length. Where `edge_ratio` is near 2 or `loaded_share` is small, the flanks bear on an edge,
+    which requires a contact solver on the true surfaces.
 
     **Arguments:**
 
     - `contact`: the flanks.
-    - `axial_force`: on this contact [N]; at or below zero it is open.
+    - `axial_force`: axial force on this contact [N]; at or below zero the contact is open.
     - `modulus`: contact modulus E* [Pa].
     - `edges`: number of slices plus one.
 
@@ -137,8 +137,8 @@ def line_contact_under_force(
     loaded = above_or_nan(axial_force)
     force = jnp.where(loaded, axial_force, 1.0)
 
-    # In units of the approach that shares the load over all slices, however deep they overlap:
-    # it overestimates the force, from where Newton's steps on a convex function cannot overshoot.
+    # In units of the approach at which all slices share the load, negative overlaps included. There
+    # the force is overestimated, so Newton's steps on a convex function cannot overshoot.
     mean_axial = jnp.mean(axial)
     mean_gap = jnp.mean(axial * (slices.gap[:-1] + slices.gap[1:]) / 2) / mean_axial
     unit = force / (spring * length * (edges - 1) * mean_axial) + mean_gap
@@ -146,7 +146,7 @@ def line_contact_under_force(
     def carried(approach: Scalar) -> Scalar:
         return spring * length * jnp.sum(axial * _overlap_per_slice(approach - slices.gap))
 
-    scaled, found = find_root(
+    scaled, root_converged = find_root(
         lambda share: carried(share * unit) / force - 1,
         jnp.ones_like(unit),
         tolerance=1e-12 if unit.dtype == jnp.float64 else 1e-5,
@@ -171,7 +171,7 @@ def line_contact_under_force(
     share = jnp.where(partly, above / jnp.where(partly, span, 1.0), jnp.where(above > 0, 1.0, 0.0))
     loaded_share = jnp.mean(share)
     mean_load = jnp.mean(per_slice) / jnp.where(above_or_nan(loaded_share), loaded_share, 1.0)
-    bears = above_or_nan(mean_load)
+    has_load = above_or_nan(mean_load)
     worst = jnp.argmax(pressure)
     radius = slices.radius[worst]
     fit = fit_parabola(
@@ -193,19 +193,21 @@ def line_contact_under_force(
         max_pressure=jnp.max(pressure),
         max_half_width=jnp.max(half_width),
         loaded_share=loaded_share,
-        edge_ratio=jnp.where(bears, jnp.max(line_load) / jnp.where(bears, mean_load, 1.0), 1.0),
+        edge_ratio=jnp.where(
+            has_load, jnp.max(line_load) / jnp.where(has_load, mean_load, 1.0), 1.0
+        ),
         parabola_fit=fit.determination,
-        converged=slices.converged & found,
+        converged=slices.converged & root_converged,
     )
 
 
 def line_contact(stage: Stage, load: Scalar, edges: int = _EDGES) -> LineContactResult:
-    """Line contact of one ring with the screw, all rings of all rollers sharing equally.
+    """Line contact of one ring with the screw; all rings of all rollers share the load equally.
 
     **Arguments:**
 
     - `stage`: the stage; needs `line_contact`, materials and `engaged_threads`.
-    - `load`: axial load of the stage [N]; its magnitude counts.
+    - `load`: axial load of the stage [N]; its sign is ignored.
     - `edges`: number of slices plus one.
 
     **Returns:** a `LineContactResult`; see `line_contact_under_force`.

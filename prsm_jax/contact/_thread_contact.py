@@ -12,7 +12,7 @@ from .hertz import HertzContact, HertzMethod, contact_modulus, hertz_contact
 
 
 class ThreadContactSide(eqx.Module):
-    """One thread contact on one side of a roller, all engaged threads sharing equally."""
+    """One thread contact on one side of a roller; all engaged threads share the load equally."""
 
     hertz: HertzContact
     normal_force: Scalar
@@ -23,7 +23,7 @@ class ThreadContactSide(eqx.Module):
 
     @property
     def roller_tangent_stiffness(self) -> Scalar:
-        """As `roller_stiffness`, but dF/dδ, 3/2 of F/δ for a Hertz point [N/m]."""
+        """Tangent stiffness dF/dδ of one roller, 3/2 of F/δ for a Hertz contact [N/m]."""
         return 1.5 * self.roller_stiffness
 
 
@@ -62,7 +62,7 @@ def side_contact(
 def contact_side(
     hertz: HertzContact, normal_force: Scalar, frame: ContactFrame, threads: Scalar
 ) -> ThreadContactSide:
-    """One contact with the stiffness of as many threads of a roller."""
+    """One contact, with the stiffness of this number of threads of a roller."""
     axial = hertz.stiffness / frame.normal_per_axial**2
     return ThreadContactSide(hertz, normal_force, axial, axial * threads)
 
@@ -72,9 +72,9 @@ def contact_pair(
     frames: tuple[ContactFrame, ContactFrame],
     forces: tuple[Scalar, Scalar],
 ) -> tuple[HertzContact, HertzContact]:
-    """Hertz contacts of the screw and the nut side, in a program half as large as that of two.
+    """Hertz contacts of the screw and the nut side, in half the program size of two calls.
 
-    Where programs are large anyway; the other way is faster in batches of small ones.
+    For large programs; two calls of `side_contact` are faster in batches of small programs.
 
     **Arguments:**
 
@@ -82,7 +82,7 @@ def contact_pair(
     - `frames`: of both sides.
     - `forces`: normal forces [N].
     """
-    given = [
+    inputs = [
         (
             force,
             frame.curvature.total,
@@ -91,7 +91,7 @@ def contact_pair(
         )
         for side, frame, force in zip(("screw", "nut"), frames, forces, strict=True)
     ]
-    force, total, difference, modulus = (jnp.stack(pair) for pair in zip(*given, strict=True))
+    force, total, difference, modulus = (jnp.stack(pair) for pair in zip(*inputs, strict=True))
     both = jax.vmap(hertz_contact)(force, total, difference, modulus)
     screw, nut = (jax.tree.map(lambda leaf, k=k: leaf[k], both) for k in range(2))
     return screw, nut
@@ -113,7 +113,7 @@ def stage_contact(
 
     - `stage`: the stage; needs materials and `engaged_threads`.
     - `load`: axial load on the nut [N].
-    - `meshing`: its meshing, if known already; only the `"exact"` convention looks at it.
+    - `meshing`: its meshing, if already known; used only by the `"exact"` convention.
     - `method`: Hertz method.
 
     **Raises:** `MissingDataError` if materials or engaged threads are not given.

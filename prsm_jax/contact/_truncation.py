@@ -1,18 +1,18 @@
-r"""Contact ellipses that pass the end of a flank: what the rest of the ellipse carries.
+r"""Contact ellipses that extend beyond the end of a flank: load on the remaining part.
 
-A law of laminae, calibrated on Hertz. Cut into laminae along the edge, each lamina of the contact
-keeps the pressure that Hertz gives it at the common approach of the bodies; the laminae beyond the
-edge carry nothing. So at a given approach the contact loses the load of the part that is cut off,
+A lamina model, calibrated to Hertz contacts. The contact is divided into laminae along the edge.
+Each lamina keeps the Hertz pressure at the common approach of the bodies; laminae beyond the edge
+carry no load. So at a given approach the contact loses the load of the part that is cut off,
 
 $$F = F_H(\delta)\,\bigl(1 - \textstyle\sum f(t)\bigr),\qquad f(t) = \tfrac14 (1-t)^2 (2+t),$$
 
-with $t$ the distance to the edge over the half-extent of the ellipse towards it, and under a given
-load the bodies approach further and the largest pressure rises. The half-extent is in proportion to
-the Hertz pressure, so one number describes an end: the Hertz pressure at which the ellipse reaches
-it. Nothing here is traced where no flank ends.
+with $t$ the distance to the edge over the half-extent of the ellipse towards it. Under a given load
+the bodies approach further and the largest pressure rises. The half-extent is proportional to the
+Hertz pressure, so one number describes an end: the Hertz pressure at which the ellipse reaches it.
+For flanks without ends none of this is traced.
 
-The concentration of pressure at the edge itself is no part of the law: for a sharp edge it has no
-finite value, and for a rounded one it depends on the rounding (`docs/strength.md` gives both).
+The model does not include the pressure concentration at the edge itself: at a sharp edge it has no
+finite value, and at a rounded edge it depends on the rounding (`docs/strength.md` gives both).
 """
 
 import math
@@ -28,19 +28,20 @@ from ..numerics import above_or_nan, below_or_nan
 from ..programs import physics
 from .hertz import HertzContact
 
-#: Hertz pressures at which the ellipse reaches the nearest end, one for each way [Pa].
+#: Hertz pressures at which the ellipse reaches the nearest end, one per direction [Pa].
 Onsets: TypeAlias = tuple[Scalar, ...]
 Real = Float[Array, "*batch"]
 
-#: Below this anisotropy (a² − b²)/(B − A) is that of a circle, to its square.
+#: Below this anisotropy (a² − b²)/(B − A) takes its value at the circle; the error of s² is of
+#: second order.
 _CIRCULAR = 1e-5
-#: Least distance to an end over the half-extent. A contact point beyond its flank has no pressure
-#: there at all; what calls says so with a flag, and its numbers stay finite.
+#: Least distance to an end over the half-extent, which keeps results finite. A contact point beyond
+#: its flank has no pressure; the calling function sets a flag for it.
 _LEAST = 0.01
-#: Farther than any ellipse reaches.
+#: Upper limit of this ratio; no ellipse reaches such an end.
 _FAR = 1e3
 #: Integral of (1 − y²)^{9/2} from 0 to 1.
-_WHOLE = 63 * math.pi / 512
+_HALF_INTEGRAL = 63 * math.pi / 512
 
 
 def half_extent(hertz: HertzContact, curvature: RelativeCurvature, end: FlankEnd) -> Scalar:
@@ -62,7 +63,7 @@ def half_extent(hertz: HertzContact, curvature: RelativeCurvature, end: FlankEnd
     rate = jnp.where(
         elongated, (major - minor) * (major + minor) / difference, 8 / 3 * major**2 / total
     )
-    # Between b² and a² but for rounding.
+    # Between b² and a², up to rounding.
     square = (major**2 + minor**2) / 2 - rate * (coefficient - total / 2)
     loaded = above_or_nan(square)
     return jnp.where(loaded, jnp.sqrt(jnp.where(loaded, square, 1.0)), 0.0)
@@ -71,7 +72,7 @@ def half_extent(hertz: HertzContact, curvature: RelativeCurvature, end: FlankEnd
 def onset_pressure(hertz: HertzContact, curvature: RelativeCurvature, end: FlankEnd) -> Scalar:
     """Hertz pressure at which the ellipse reaches an end [Pa].
 
-    Semi-axes and pressure both go with the cube root of the load, so any load serves.
+    Semi-axes and pressure are both proportional to the cube root of the load, so any load will do.
 
     **Arguments:**
 
@@ -86,7 +87,7 @@ def onset_pressure(hertz: HertzContact, curvature: RelativeCurvature, end: Flank
 def onset_pressures(
     hertz: HertzContact, curvature: RelativeCurvature, ends: tuple[FlankEnd, ...]
 ) -> Onsets:
-    """Hertz pressures at which the ellipse reaches the nearest end, for each way that has one.
+    """Hertz pressures at which the ellipse reaches the nearest end, one per direction.
 
     **Arguments:**
 
@@ -109,7 +110,7 @@ def _reach(pressure: Real, onset: Scalar) -> Real:
 
 
 def truncation(pressure: Real, onsets: Onsets) -> Real:
-    """Largest share of the ellipse's half-extent beyond an end, 1 − t; 0 where nothing is cut.
+    """Largest share of the ellipse's half-extent beyond an end, 1 − t; 0 if no end is reached.
 
     Continuous; its derivative has a step where the ellipse reaches the end, and is 0 before. Above
     1 where the contact point itself lies beyond the end.
@@ -144,7 +145,7 @@ def load_beyond(reach: Real) -> Real:
 def risk_beyond(reach: Real) -> Real:
     r"""Share of a Hertz contact's fatigue risk beyond a line along the rolling direction.
 
-    Risks of laminae go with $p^{c+1-h} = p^9$, so it is
+    The risk of a lamina is proportional to $p^{c+1-h} = p^9$, so the share is
     $\int_t^1 (1-y^2)^{9/2} dy / \int_{-1}^1 (1-y^2)^{9/2} dy$: the summation over laminae of
     ISO/TS 16281 with the exponents of point contacts.
 
@@ -157,7 +158,7 @@ def risk_beyond(reach: Real) -> Real:
     integral = 126 * angle
     for order, factor in ((2, 105.0), (4, 30.0), (6, 7.5), (8, 1.25), (10, 0.1)):
         integral = integral + factor * jnp.sin(order * angle)
-    return jnp.where(below_or_nan(reach, 1.0), (1 - integral / (512 * _WHOLE)) / 2, 0.0)
+    return jnp.where(below_or_nan(reach, 1.0), (1 - integral / (512 * _HALF_INTEGRAL)) / 2, 0.0)
 
 
 @risk_beyond.defjvp
@@ -165,15 +166,16 @@ def _risk_beyond_jvp(primals, tangents):
     (reach,), (tangent,) = primals, tangents
     inside = jnp.minimum(reach, 1.0)
     density = (1 - inside) * (1 + inside)
-    return risk_beyond(reach), -jnp.sqrt(density) * density**4 / (2 * _WHOLE) * tangent
+    return risk_beyond(reach), -jnp.sqrt(density) * density**4 / (2 * _HALF_INTEGRAL) * tangent
 
 
 @jax.custom_jvp
 def _ratio(first: Real, second: Real) -> Real:
     """σ of σ³ (1 − f(t₁/σ) − f(t₂/σ)) = 1, in closed form.
 
-    Cut at one end only, 2σ³ + 3tσ² − t³ = 4, a cubic whose root is
-    `σ = t cosh(arcosh(1 + 8/t³)/3) − t/2`; cut at both, `3 (t₁ + t₂) σ² = 4 + t₁³ + t₂³`.
+    With a cut at one end only: 2σ³ + 3tσ² − t³ = 4, a cubic with the root
+    `σ = t cosh(arcosh(1 + 8/t³)/3) − t/2`. With cuts at both ends:
+    `3 (t₁ + t₂) σ² = 4 + t₁³ + t₂³`.
     """
     near, far = jnp.minimum(first, second), jnp.maximum(first, second)
     # The cube root of w + √(w² − 1), with w² − 1 free of cancellation.
@@ -196,10 +198,10 @@ def _ratio_jvp(primals, tangents):
 
 
 def pressure_ratio(pressure: Real, onsets: Onsets) -> Real:
-    """Largest pressure of the truncated contact over that of Hertz under the same load, σ ≥ 1.
+    """Largest pressure of the truncated contact over the Hertz pressure of the same load, σ ≥ 1.
 
-    Its approach is σ² times, and the load that presses an untruncated ellipse as much is σ³ times
-    as large. Continuous with its first derivative where the ellipse reaches an end; exactly 1
+    The approach is σ² times as large. An untruncated ellipse has the same pressure at σ³ times the
+    load. Value and first derivative are continuous where the ellipse reaches an end; exactly 1
     before.
 
     **Arguments:**
@@ -216,7 +218,7 @@ def pressure_ratio(pressure: Real, onsets: Onsets) -> Real:
 def share_within(pressure: Real, onsets: Onsets) -> Real:
     """Share of a Hertz contact's load within the flanks, 1 − Σ f(t), at this pressure.
 
-    The load that presses the truncated contact as much over that of the whole ellipse.
+    The load of the truncated contact over the load of the full ellipse, at equal largest pressure.
 
     **Arguments:**
 
@@ -230,9 +232,10 @@ def share_within(pressure: Real, onsets: Onsets) -> Real:
 
 
 def risk_ratio(pressure: Real, onsets: Onsets) -> Real:
-    """Fatigue risk of the truncated contact over that of the whole ellipse under the same load.
+    """Fatigue risk of the truncated contact over the risk of the full ellipse under the same load.
 
-    `σ¹⁰ (1 − Σ w(t))`: the risk of a whole ellipse goes with p¹⁰, and what is cut off has none.
+    `σ¹⁰ (1 − Σ w(t))`: the risk of a full ellipse is proportional to p¹⁰, and the part cut off has
+    none.
 
     **Arguments:**
 

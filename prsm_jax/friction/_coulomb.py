@@ -30,8 +30,8 @@ class CoulombFriction(FrictionLaw):
 class RegularisedCoulombFriction(FrictionLaw):
     """Coulomb friction smoothed over a small slip: force μ F v / √(v² + ε²).
 
-    Differentiable through standstill and reversal. It lets a loaded contact creep where Coulomb
-    friction would hold it, and misses about μ F ε of power while it does.
+    Differentiable through standstill and reversal. A loaded contact creeps where Coulomb friction
+    would hold it; meanwhile the error of the power is about μ F ε.
     """
 
     smooth_at_standstill: ClassVar[bool] = True

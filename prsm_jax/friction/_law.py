@@ -1,8 +1,9 @@
-"""What a friction law is: one class with one method, in this package or in a user's own file.
+"""Interface of friction laws: one class with one method, of this package or of a user's own file.
 
-A law is a frozen pytree of its numbers. It says what friction coefficient a sliding contact has;
-the direction of the force, its balance with the load and everything that follows are the same for
-all laws. A law lists in `asks` what it needs beyond the slip speed; nothing else is computed.
+A law is a frozen pytree of its numbers. It gives the friction coefficient of a sliding contact; the
+direction of the force, its balance with the load and everything that follows are the same for all
+laws. A law lists in `asks` the quantities that it needs besides the slip speed; no others are
+computed.
 """
 
 import abc
@@ -18,22 +19,22 @@ from ..fields import (
 )
 from ..numerics import dot_few
 
-#: What a law may ask for, with unit and meaning.
+#: Quantities that a law may request, with unit and meaning.
 ASKED = {
-    "normal_force": "N: normal force of one roller, all its threads together",
-    "pressure": "Pa: largest Hertz pressure of the screw side, the threads loaded equally",
+    "normal_force": "N: normal force of one roller, summed over its threads",
+    "pressure": "Pa: largest Hertz pressure of the screw side, with equally loaded threads",
     "rolling_speed": "m/s: mean speed of both surfaces through the contact (entrainment)",
 }
 
 
 class Sliding(eqx.Module):
-    """A sliding contact as a friction law sees it.
+    """State of a sliding contact, the input of a friction law.
 
     **Arguments:**
 
-    - `speed`: slip speed, 0 or more; where the ellipse spins too, the mean of the local ones [m/s].
-    - `asked`: what the law asks for (`FrictionLaw.asks`), by name.
-    - `squared_speed`: its square, where that is known by itself: unlike the speed it is smooth at
+    - `speed`: slip speed, 0 or more; with spin, the mean of the local slip speeds [m/s].
+    - `asked`: the quantities requested by the law (`FrictionLaw.asks`), by name.
+    - `squared_speed`: square of the speed, if known independently: unlike the speed it is smooth at
       standstill [m²/s²].
     """
 
@@ -49,14 +50,14 @@ class Sliding(eqx.Module):
     def _of(self, name: str) -> Scalar:
         if name not in self.asked:
             raise ValueError(
-                f"a friction law uses {name}, which it does not ask for; add it to the law's "
+                f"a friction law uses {name}, which it does not request; add it to the law's "
                 f'asks = ("{name}",)'
             )
         return self.asked[name]
 
     @property
     def normal_force(self) -> Scalar:
-        """Normal force of one roller, all its threads together [N]."""
+        """Normal force of one roller, summed over its threads [N]."""
         return self._of("normal_force")
 
     @property
@@ -71,17 +72,19 @@ class Sliding(eqx.Module):
 
 
 class FrictionLaw(Limited):
-    """Base of all friction laws: force `μ F` against the slip, and `c v` beside it.
+    """Base of all friction laws: force `μ F` against the slip, plus `c v`.
 
     A law is a class with its numbers as fields (`prsm_jax.number`) and `friction_coefficient`. The
-    decorator `prsm_jax.friction_law` gives it the name by which files know it. Class attributes
-    declare its kind:
+    decorator `prsm_jax.friction_law` gives it the name that files use. Class attributes declare its
+    kind:
 
-    - `smooth_at_standstill`: friction passes through 0 smoothly as the slip changes its sign (it
-      is proportional to slow slip). Other friction jumps there, and can hold a load at rest.
-    - `load_independent`: there is no part in proportion to the normal force.
-    - `constant`: the coefficient never changes; settling then has a closed form.
-    - `asks`: what it needs beside the slip speed, of `normal_force`, `pressure`, `rolling_speed`.
+    - `smooth_at_standstill`: friction passes through 0 smoothly when the slip changes its sign (it
+      is proportional to slow slip). The friction of other laws jumps there, and can hold a load at
+      rest.
+    - `load_independent`: no part is proportional to the normal force.
+    - `constant`: the coefficient is constant; settling then has a closed form.
+    - `asks`: what it needs besides the slip speed: any of `normal_force`, `pressure`,
+      `rolling_speed`.
     """
 
     law: ClassVar[str] = ""
@@ -97,32 +100,32 @@ class FrictionLaw(Limited):
 
         **Arguments:**
 
-        - `sliding`: slip speed, and what the law asks for.
+        - `sliding`: slip speed, and the quantities in `asks`.
         """
 
     def coefficient_per_speed(self, sliding: Sliding) -> Scalar:
         """μ/v of a law that is smooth at standstill [s/m]; v is never 0 here.
 
-        Its first derivative at standstill is right in any case. A law that gives the quotient in
-        closed form, by `sliding.square`, has higher derivatives there, too.
+        The first derivative at standstill is always correct. If a law gives the quotient in closed
+        form, from `sliding.square`, higher derivatives there are correct, too.
         """
         return self.friction_coefficient(sliding) / sliding.speed
 
     @property
     def viscous_resistance(self) -> Scalar | None:
-        """Friction force per slip speed that needs no normal force [N·s/m]; `None` if none."""
+        """Friction force per slip speed, independent of the load [N·s/m]; `None` if none."""
         return None
 
 
 class Deflected(NamedTuple):
-    """Slip of the screw over one roller, and how far what lies between them is deflected."""
+    """Slip of the screw relative to one roller, and deflection of the layer between them."""
 
     #: [m/s].
     slip: Float[Array, "3"]
     #: In the tangent plane of the contact [m].
     deflection: Float[Array, "3"]
-    #: Friction of slip and spin together per unit of μ F, a vector shorter than 1, and the mean
-    #: local slip speed [m/s]; `None` where no spin is modelled.
+    #: Friction of combined slip and spin per unit of μ F, a vector of magnitude below 1, and the
+    #: mean local slip speed [m/s]; `None` if spin is not modelled.
     held: Float[Array, "3"] | None = None
     mean_speed: Scalar | None = None
 
@@ -130,9 +133,9 @@ class Deflected(NamedTuple):
 class StatefulFrictionLaw(FrictionLaw):
     """A law with a state: a deflection z in the tangent plane of each contact [m].
 
-    In steady slip it is `friction_coefficient`. It passes through standstill by its state.
+    Its friction in steady slip is `friction_coefficient`. The state carries it through standstill.
 
-    **Raises:** `ValueError` if it asks for more than slip and deflection.
+    **Raises:** `ValueError` if it requests more than slip and deflection.
     """
 
     smooth_at_standstill: ClassVar[bool] = True
@@ -141,22 +144,22 @@ class StatefulFrictionLaw(FrictionLaw):
     def __check_init__(self):
         if self.asks:
             raise ValueError(
-                f"{type(self).__name__}: asks for {', '.join(self.asks)}; a law with a state knows "
-                "slip and deflection only, so leave asks empty"
+                f"{type(self).__name__}: asks for {', '.join(self.asks)}; a law with a state "
+                "receives only slip and deflection, so leave asks empty"
             )
 
     @property
     @abc.abstractmethod
     def deflection_scale(self) -> Scalar:
-        """Deflection of the size that the state reaches [m]."""
+        """Typical magnitude of the deflection [m]."""
 
     @abc.abstractmethod
     def deflection_rate(self, contact: Deflected) -> Float[Array, "3"]:
-        """How fast the state changes, ż [m/s]."""
+        """Rate of change of the state, ż [m/s]."""
 
     @abc.abstractmethod
     def deflected_friction(self, contact: Deflected) -> Float[Array, "3"]:
-        """Friction per normal force on the way to steady slip [1]."""
+        """Friction per normal force before steady slip is reached [1]."""
 
     def stored_power(self, contact: Deflected) -> Scalar:
         """Rate at which the state stores energy, per normal force [m/s]; 0 if it stores none."""
@@ -164,9 +167,9 @@ class StatefulFrictionLaw(FrictionLaw):
 
 
 def check_asked(cls: type, names: Sequence[str]) -> None:
-    """**Raises:** `ValueError` if a law asks for what nothing can tell."""
+    """**Raises:** `ValueError` if a law requests an unknown quantity."""
     for name in names:
         if name not in ASKED:
             raise ValueError(
-                f"friction law {cls.__name__}: asks for {name!r}; choose of {', '.join(ASKED)}"
+                f"friction law {cls.__name__}: asks for {name!r}; choose from {', '.join(ASKED)}"
             )

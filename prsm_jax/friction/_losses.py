@@ -1,4 +1,4 @@
-"""The friction of one stage: each loss is there only if the scene names it."""
+"""Friction of one stage: each loss is modelled only if the input defines it."""
 
 import equinox as eqx
 
@@ -17,8 +17,8 @@ from ._screw_friction import Drag, SplineFriction, ThrustBearingFriction
 class SpinFriction(Limited):
     """Spin of the contact ellipses about the common normal (screw and nut side).
 
-    The coefficient is that of the nut side, which spins without sliding. The screw side slides and
-    spins at once: the law of the threads rubs there.
+    The coefficient applies to the nut side, which spins without sliding. The screw side slides and
+    spins simultaneously: there the friction law of the threads applies.
     """
 
     coefficient: Scalar = number(
@@ -35,14 +35,14 @@ class RollingHysteresis(Limited):
 
 
 class Friction(eqx.Module):
-    """All losses of one stage; `None` is not modelled and leaves no trace."""
+    """All losses of one stage; a loss that is `None` is not modelled and not traced."""
 
     thread: FrictionLaw | None = part(
-        "no sliding loss in the threads, and nothing that drives the carriers against losses"
+        "no sliding loss in the threads, and no force that drives the carriers against losses"
     )
-    spin: SpinFriction | None = part("no loss of contact ellipses that spin about their normal")
+    spin: SpinFriction | None = part("no loss by spin of the contact ellipses about their normal")
     rolling_hysteresis: RollingHysteresis | None = part(
-        "no loss of rolling, so that carriers settle where geometry puts them"
+        "no rolling loss, so that carriers settle at the speed given by geometry"
     )
     spline: SplineFriction | None = part(
         "no axial force and no loss in the spline of a screw that moves axially"

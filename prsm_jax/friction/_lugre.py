@@ -2,7 +2,7 @@
 
 Canudas de Wit, Olsson, Åström, Lischinsky, A new model for control of systems with friction, IEEE
 Transactions on Automatic Control 40 (1995) 419–425, here per unit of normal force and for a vector
-of slip. The deflection z lies in the tangent plane of the contact, as the slip does.
+of slip. The deflection z lies in the tangent plane of the contact, like the slip.
 """
 
 import jax.numpy as jnp
@@ -27,13 +27,13 @@ class LuGreFriction(StribeckCurve, StatefulFrictionLaw):
 
     Deflection z and force of one roller, both vectors in the tangent plane of the contact:
     `ż = v − σ₀ |v| z / g(v)` with `g = μ + (μ_s − μ) e^{−(v/v_S)²}`, and `F (σ₀ z + σ₁ ż) + σ₂ v`.
-    Steady slip is Stribeck's law; at rest the contact is a spring of stiffness F σ₀. It passes
-    through standstill and reversal smoothly, holding the load.
+    In steady slip this is Stribeck's law; at rest the contact is a spring of stiffness F σ₀. It
+    passes smoothly through standstill and reversal and holds the load.
 
-    Stiffness and damping are those per unit of normal force. `σ₁ = 2 √(σ₀ m / F)` is critical
-    damping for a mass m that a force F holds. Constant damping pulls hard where slip begins at
-    once, and the contact may then give energy unless σ₂ ≥ σ₁ F (μ_s − μ)/μ (Barabanov and Ortega
-    2000); with a damping speed v_d it fades with slip, `σ₁ e^{−(v/v_d)²}`.
+    Stiffness and damping are per unit of normal force. `σ₁ = 2 √(σ₀ m / F)` is critical damping for
+    a mass m held by a force F. Constant damping gives a large force when slip begins suddenly, and
+    the contact may then supply energy unless σ₂ ≥ σ₁ F (μ_s − μ)/μ (Barabanov and Ortega 2000);
+    with a damping speed v_d the damping decreases with slip, `σ₁ e^{−(v/v_d)²}`.
     """
 
     static_coefficient: Scalar = number(
@@ -48,7 +48,7 @@ class LuGreFriction(StribeckCurve, StatefulFrictionLaw):
         "s/m", "damping of the bristles per normal force, σ₁", limit=NOT_NEGATIVE
     )
     damping_speed: Scalar | None = optional_number(
-        "m/s", "slip speed over which the bristles' damping fades, v_d; constant if not given"
+        "m/s", "slip speed over which bristle damping decreases, v_d; constant damping if not given"
     )
     viscous_coefficient: Scalar | None = optional_number(
         "N·s/m",
@@ -58,25 +58,24 @@ class LuGreFriction(StribeckCurve, StatefulFrictionLaw):
 
     @property
     def deflection_scale(self) -> Scalar:
-        """Deflection at which bristles hold the most, μ_s/σ₀ [m]."""
+        """Deflection at the largest force of the bristles, μ_s/σ₀ [m]."""
         return self.static_coefficient / self.bristle_stiffness
 
     def deflection_rate(self, contact: Deflected) -> Float[Array, "3"]:
-        """How fast bristles bend, `ż = v − σ₀ |v| z / g(v)` [m/s].
+        """Rate of deflection of the bristles, `ż = v − σ₀ |v| z / g(v)` [m/s].
 
-        In an ellipse that spins too, bristles settle where their force is that of slip and spin
-        together, `g(Φ) T` with `T = ∂Φ/∂v`, and the faster the more of the slip is spin:
-        `ż = |v|/|T| (T − σ₀ z/g(Φ))`.
+        With spin, the bristles approach the force of combined slip and spin, `g(Φ) T` with
+        `T = ∂Φ/∂v`, and the faster the larger the share of spin: `ż = |v|/|T| (T − σ₀ z/g(Φ))`.
         """
-        slip, deflection, held, mean_speed = contact
+        slip, deflection, gradient, mean_speed = contact
         speed, stiffness = length_few(slip), self.bristle_stiffness
-        if held is None or mean_speed is None:
-            settled = self.friction_coefficient(Sliding(speed))
-            return slip - stiffness * speed / settled * deflection
-        length = length_few(held)
+        if gradient is None or mean_speed is None:
+            steady_coefficient = self.friction_coefficient(Sliding(speed))
+            return slip - stiffness * speed / steady_coefficient * deflection
+        length = length_few(gradient)
         rate = speed / jnp.where(length > 0, length, 1.0)
-        settled = self.friction_coefficient(Sliding(mean_speed))
-        return rate * (held - stiffness / settled * deflection)
+        steady_coefficient = self.friction_coefficient(Sliding(mean_speed))
+        return rate * (gradient - stiffness / steady_coefficient * deflection)
 
     def deflected_friction(self, contact: Deflected) -> Float[Array, "3"]:
         """Friction per normal force, σ₀ z + σ₁ ż."""

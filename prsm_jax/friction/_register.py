@@ -1,4 +1,4 @@
-"""Friction laws by name: what files, `--set` and the schema know."""
+"""Friction laws by name, for files, `--set` and the schema."""
 
 import dataclasses
 import re
@@ -14,37 +14,38 @@ _LAWS: dict[str, type[FrictionLaw]] = {}
 
 
 def friction_law(name: str) -> Callable[[_Law], _Law]:
-    """Name a class of friction law, so that files can hold it as `law = "name"`.
+    """Register a class of friction law by a name, for `law = "name"` in files.
 
-    The same class may be defined again, as when a cell of a notebook is run twice; the last one
-    counts.
+    The same class may be defined again, e.g. if a cell of a notebook is run twice; the last one is
+    used.
 
     **Arguments:**
 
     - `name`: lower-case words joined by underscores.
 
-    **Raises:** `TypeError` if the class is no `FrictionLaw`; `ValueError` if the name is not one or
-    another class has it, if `asks` holds an unknown name, or a field is no number.
+    **Raises:** `TypeError` if the class is not a `FrictionLaw`; `ValueError` if the name is
+    malformed or used by another class, if `asks` contains an unknown name, or if a field is not a
+    number.
     """
     if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
         raise ValueError(f"friction law {name!r}: a name is lower-case words joined by underscores")
 
-    # No type check at run time: the sentence below says it better.
+    # No type check at run time: the message below is clearer.
     @typing.no_type_check
     def decorate(cls: _Law) -> _Law:
         if not (isinstance(cls, type) and issubclass(cls, FrictionLaw)):
             raise TypeError(f"friction law {name!r}: {cls!r} must be a class of FrictionLaw")
-        known = _LAWS.get(name)
-        if known is not None and origin_of(known) != origin_of(cls):
+        registered = _LAWS.get(name)
+        if registered is not None and origin_of(registered) != origin_of(cls):
             raise ValueError(
-                f"friction law {name!r}: {known.__module__}.{known.__qualname__} has this name; "
-                "choose another"
+                f"friction law {name!r}: {registered.__module__}.{registered.__qualname__} has "
+                "this name; choose another"
             )
         check_asked(cls, cls.asks)
         for field in dataclasses.fields(cls):
             if field.name in ("law", "radius"):
                 raise ValueError(
-                    f"friction law {name!r}: a field is called {field.name}, as one of splines and "
+                    f"friction law {name!r}: the field name {field.name} is used by splines and "
                     "bearings; choose another name"
                 )
             if "unit" not in field.metadata:
@@ -62,11 +63,12 @@ def friction_law(name: str) -> Callable[[_Law], _Law]:
 def friction_laws(*, of_threads: bool = True) -> dict[str, type[FrictionLaw]]:
     """All named laws in the order of their names.
 
-    Those of splines and bearings have no state, and know the slip speed alone.
+    Laws of splines and bearings have no state and use only the slip speed.
 
     **Arguments:**
 
-    - `of_threads`: whether threads rub by it.
+    - `of_threads`: true for laws of threads, which are all; false for those of splines and
+      bearings.
     """
     known = sorted(_LAWS.items())
     return {name: cls for name, cls in known if of_threads or not (cls.has_state or cls.asks)}

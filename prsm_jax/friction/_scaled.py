@@ -8,12 +8,12 @@ from ._losses import Friction
 
 
 class ScaledFriction(FrictionLaw):
-    """Any law times a factor; of a law with a state that of steady slip."""
+    """Any law times a factor; of a law with a state its steady slip."""
 
     inner: FrictionLaw
     factor: Scalar
 
-    # What the class of another law declares follows from the inner law here.
+    # Other laws declare these in their class; here they follow from the inner law.
     @property
     def law(self) -> str:  # pyright: ignore[reportIncompatibleVariableOverride]
         """Name of the inner law."""
@@ -40,12 +40,12 @@ class ScaledFriction(FrictionLaw):
         return self.inner.asks
 
     def friction_coefficient(self, sliding: Sliding) -> Scalar:
-        """That of the inner law times the factor."""
+        """Coefficient of the inner law times the factor."""
         return self.factor * self.inner.friction_coefficient(sliding)
 
     @property
     def viscous_resistance(self) -> Scalar | None:
-        """That of the inner law times the factor [N·s/m]."""
+        """Resistance of the inner law times the factor [N·s/m]."""
         resistance = self.inner.viscous_resistance
         return None if resistance is None else self.factor * resistance
 
@@ -53,18 +53,18 @@ class ScaledFriction(FrictionLaw):
 def scaled_friction(friction: Friction, factor: Scalar) -> Friction:
     """All friction of a stage times a factor."""
 
-    # Not `dataclasses.replace`: that would run converters, which a batched leaf may not pass.
+    # Not `dataclasses.replace`: it would run converters, which may reject a batched leaf.
     def strengths(one: Friction) -> list:
-        found = []
+        coefficients = []
         if one.spin is not None:
-            found.append(one.spin.coefficient)
+            coefficients.append(one.spin.coefficient)
         if one.rolling_hysteresis is not None:
-            found.append(one.rolling_hysteresis.loss_factor)
+            coefficients.append(one.rolling_hysteresis.loss_factor)
         if one.drag is not None:
-            found.append(one.drag.torque)
+            coefficients.append(one.drag.torque)
             if one.drag.viscous_coefficient is not None:
-                found.append(one.drag.viscous_coefficient)
-        return found
+                coefficients.append(one.drag.viscous_coefficient)
+        return coefficients
 
     def laws(one: Friction) -> list:
         holders = [one.thread, one.spline and one.spline.law]

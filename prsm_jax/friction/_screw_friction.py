@@ -1,4 +1,4 @@
-"""Friction beside the threads: any law at the radius of a spline or a thrust bearing; drag."""
+"""Friction outside the threads: any law at the radius of a spline or a thrust bearing; drag."""
 
 from typing import Any
 
@@ -30,7 +30,7 @@ def _law_field(**units: str) -> Any:
 
 
 def _radius(description: str) -> Any:
-    """The radius, which is there unless the law needs no force."""
+    """The radius, required unless the law is independent of the load."""
     return optional_number("m", description, law_decides=True)
 
 
@@ -38,22 +38,22 @@ class FrictionAtRadius(Limited):
     """A friction law, and the radius at which it acts. The law's numbers are attributes, too.
 
     **Raises:** `ValueError` without a radius if the law needs one, or with a law that has a state
-    or asks for more than the slip speed.
+    or requests more than the slip speed.
     """
 
     law: eqx.AbstractVar[FrictionLaw]
     radius: eqx.AbstractVar[Scalar | None]
 
     def __check_init__(self):
-        law, own = self.law, type(self).__name__
+        law, owner = self.law, type(self).__name__
         if law.has_state or law.asks:
-            what = "has a state" if law.has_state else f"asks for {', '.join(law.asks)}"
+            reason = "has a state" if law.has_state else f"asks for {', '.join(law.asks)}"
             raise ValueError(
-                f"{own}: the law {type(law).__name__} {what}, which only threads give; choose "
+                f"{owner}: the law {type(law).__name__} {reason}, which only threads give; choose "
                 "another law"
             )
         if self.radius is None and not law.load_independent:
-            raise ValueError(f"{own}: radius is missing; the law {type(law).__name__} needs it")
+            raise ValueError(f"{owner}: radius is missing; the law {type(law).__name__} needs it")
 
     @property
     def arm(self) -> Scalar:
@@ -77,7 +77,8 @@ class SplineFriction(FrictionAtRadius):
 class ThrustBearingFriction(FrictionAtRadius):
     """Friction of the thrust bearing of the screw, in the previous nut or the housing.
 
-    Its slip speed is that of the screw at the radius. What is viscous is a torque c Ω [N·m·s].
+    Its slip speed is the speed of the screw at the radius. The viscous part is a torque c Ω, c in
+    N·m·s.
     """
 
     law: FrictionLaw = _law_field(**{"N·s/m": "N·m·s"})
@@ -85,7 +86,7 @@ class ThrustBearingFriction(FrictionAtRadius):
 
 
 class Drag(Limited):
-    """A drag torque on the screw whatever the load (seals, lubricant): constant, and c Ω."""
+    """Drag torque on the screw, independent of the load (seals, lubricant): constant, and c Ω."""
 
     torque: Scalar = number("N·m", "constant drag torque", limit=NOT_NEGATIVE)
     viscous_coefficient: Scalar | None = optional_number(
@@ -93,6 +94,6 @@ class Drag(Limited):
     )
     width: Scalar | None = optional_number(
         "rad/s",
-        "speed over which the constant torque changes its sign; at once if not given",
+        "speed over which the constant torque changes its sign; step change if not given",
         limit=POSITIVE,
     )

@@ -9,7 +9,7 @@ from ._register import friction_law
 
 
 class StribeckCurve(FrictionLaw):
-    """Steady slip of the laws whose coefficient falls from a static to a sliding one."""
+    """Steady slip of laws whose coefficient falls from a static to a sliding one."""
 
     static_coefficient: eqx.AbstractVar[Scalar]
     coefficient: eqx.AbstractVar[Scalar]
@@ -41,6 +41,6 @@ class StribeckFriction(StribeckCurve):
     stribeck_speed: Scalar = number("m/s", "slip speed of the transition, v_S")
     viscous_coefficient: Scalar | None = optional_number(
         "N·s/m",
-        "viscous friction coefficient, c; in a thread that of one roller",
+        "viscous friction coefficient, c; in a thread: per roller",
         limit=NOT_NEGATIVE,
     )

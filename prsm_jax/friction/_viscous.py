@@ -15,13 +15,13 @@ from ._register import friction_law
 
 @friction_law("viscous")
 class ViscousFriction(FrictionLaw):
-    """Viscous friction: force c v against the slip, whatever the normal force."""
+    """Viscous friction: force c v against the slip, independent of the normal force."""
 
     smooth_at_standstill: ClassVar[bool] = True
     load_independent: ClassVar[bool] = True
     coefficient: Scalar = number(
         "N·s/m",
-        "viscous friction coefficient, c; in a thread that of one roller",
+        "viscous friction coefficient, c; in a thread: per roller",
         limit=NOT_NEGATIVE,
     )
 

@@ -1,4 +1,4 @@
-"""Thread geometry: where the flanks touch, how they are curved, and whether parts fit."""
+"""Thread geometry: contact points and curvatures of the flanks, and whether parts fit."""
 
 from ._checks import (
     Finding as Finding,

@@ -1,4 +1,4 @@
-"""What a finding is, and whether the parts of a stage fit: gaps and ranges as numbers."""
+"""Findings, and whether the parts of a stage fit: gaps and ranges as numbers."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -13,10 +13,11 @@ Severity = Literal["error", "warning", "note"]
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing an engineer should know about a mechanism.
+    """One result of a check of a mechanism.
 
-    `error`: it cannot be built, does not mesh or is no structure; `warning`: it can, but not as
-    drawn, or its numbers contradict each other; `note`: for information.
+    `error`: the mechanism cannot be built, does not mesh, or has stiffnesses that no structure can
+    have; `warning`: it can be built, but not as drawn, or its numbers contradict each other;
+    `note`: for information.
     """
 
     name: str
@@ -25,14 +26,14 @@ class Finding:
     value: float
     limit: float
     message: str
-    #: Whether it says that no such mechanism can be built, so that other results mean nothing.
+    #: Whether such a mechanism cannot be built; other results are then meaningless.
     impossible: bool = False
 
 
 def roller_clearance(stage: Stage) -> Scalar:
     """Free gap between neighbouring rollers, 2 a sin(π/N) − 2 r_major [m].
 
-    The major radius is the nominal one where no addendum is given.
+    Without an addendum the major radius is the nominal radius.
     """
     thread = stage.thread
     return 2 * thread.centre_distance * jnp.sin(
@@ -50,8 +51,8 @@ def roller_major_radius(thread: Thread) -> Scalar:
 def carrier_clearance(stage: Stage) -> Scalar:
     """Radial gap between the carrier's annulus, centred on the roller axes, and the screw [m].
 
-    The screw ends at its nominal radius where no addendum is given; without a carrier's width the
-    gap is that of a carrier of none.
+    Without an addendum the screw ends at its nominal radius; without a radial width of the carrier,
+    width 0 is used.
     """
     thread, carrier = stage.thread, stage.carrier
     gap = thread.centre_distance - thread.screw_radius
@@ -61,17 +62,17 @@ def carrier_clearance(stage: Stage) -> Scalar:
 
 
 def dimension_names(thread: Thread) -> tuple[str, ...]:
-    """Names of the numbers that `dimension_margins` gives, by structure; nothing is traced."""
+    """Names of the numbers that `dimension_margins` gives; nothing is traced."""
     last = () if thread.roller_profile_radius is None else ("roller_profile_radius",)
     return ("lead", "starts", "roller_radius", "contact_angle", *last)
 
 
 def dimension_margins(thread: Thread) -> dict[str, Scalar]:
-    """How far each number of the thread is inside its physical range, by name; 0 at its end.
+    """Margin of each number of the thread within its physical range, by name; 0 at the end.
 
-    Lead and radii are more than 0, starts more than 2 (the screw's radius is (n − 2) r_R), and the
-    contact angle lies between 0 and π/2. These are the limits that files are read with, for
-    numbers that are set in Python or traced.
+    Lead and radii are above 0, starts above 2 (the screw's radius is (n − 2) r_R), and the contact
+    angle lies between 0 and π/2. These are the limits that apply to files, here for numbers that
+    are set in Python or traced.
     """
     angle = thread.contact_angle
     margins = {
@@ -86,10 +87,10 @@ def dimension_margins(thread: Thread) -> dict[str, Scalar]:
 
 
 def bore_margins(stage: Stage) -> dict[str, Scalar]:
-    """What is left between bore and thread of the bodies with a bore, by body [m].
+    """Wall thickness between bore and thread of the bodies with a bore, by body [m].
 
-    Of the screw down to the root, where that is given, else to the nominal radius, as files are
-    checked.
+    For the screw it is measured to the root if given, else to the nominal radius, as in the check
+    of files.
     """
     margins = {}
     if stage.screw.bore_radius is not None:
@@ -103,7 +104,7 @@ def bore_margins(stage: Stage) -> dict[str, Scalar]:
 
 
 def dimensions_possible(stage: Stage) -> Bool[Array, ""]:
-    """Whether numbers are in their ranges and bores inside; false where the thread's are NaN."""
+    """Whether numbers are in range and bores fit; false where numbers of the thread are NaN."""
     margins = dimension_margins(stage.thread) | bore_margins(stage)
     within = jnp.stack([margin > 0 for margin in margins.values()]).all()
     return within & numbers_possible(stage)

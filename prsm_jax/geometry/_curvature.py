@@ -10,7 +10,7 @@ from ._flanks import Slope, SymmetricTensor
 class RelativeCurvature(eqx.Module):
     """The gap A x² + B y² (A ≤ B) between two surfaces, measured along their common normal.
 
-    Held as symmetric functions of A and B, which stay smooth when the contact becomes circular.
+    Stored as symmetric functions of A and B, which stay smooth when the contact becomes circular.
     """
 
     #: A + B, half the sum of the four principal curvatures [1/m].
@@ -19,8 +19,8 @@ class RelativeCurvature(eqx.Module):
     difference_squared: Scalar
     #: Gap coefficient in the rolling direction, between A and B [1/m].
     rolling: Scalar
-    #: Mixed gap coefficient of the rolling direction and the tangent across it, which is turned
-    #: from the former by a right angle about the normal; 0 where both are principal [1/m].
+    #: Mixed gap coefficient of the rolling direction and the tangent across it, which is at a right
+    #: angle to it about the normal; 0 where both are principal [1/m].
     twist: Scalar
 
 
@@ -61,8 +61,8 @@ def direction_coefficient(
 
     - `hessian`: the Hessian of the axial gap over the transverse plane [1/m].
     - `direction`: x and y of a unit vector in the tangent plane.
-    - `normal_axial`: axial component of the unit normal, positive; it turns axial gaps into those
-        along the normal.
+    - `normal_axial`: axial component of the unit normal, positive; it converts axial gaps to gaps
+      along the normal.
     """
     x, y = direction
     return normal_axial / 2 * (x**2 * hessian.xx + 2 * x * y * hessian.xy + y**2 * hessian.yy)
@@ -71,14 +71,14 @@ def direction_coefficient(
 def tangent_tensor(
     slope: Slope, hessian: SymmetricTensor
 ) -> tuple[SymmetricTensor, SymmetricTensor]:
-    """Curvature tensor S of the gap in the tangent plane, and how that plane lies.
+    """Curvature tensor S of the gap in the tangent plane, and the orientation of this plane.
 
     **Arguments:**
 
     - `slope`: the common gradient of both surfaces over the transverse plane.
     - `hessian`: the Hessian of the axial gap over the transverse plane [1/m].
 
-    **Returns:** S = cos γ G^{-1/2} H G^{-1/2} [1/m], and G^{-1/2}, which takes orthonormal
+    **Returns:** S = cos γ G^{-1/2} H G^{-1/2} [1/m], and G^{-1/2}, which maps orthonormal
     coordinates of the tangent plane to transverse ones.
     """
     x, y = slope

@@ -12,7 +12,7 @@ from ._curvature import direction_coefficient
 from ._flanks import SymmetricTensor, flanks_of, nut_side_hessian, screw_side_hessian
 from ._meshing import Meshing, ThreadContact
 
-#: Towards which side of the contact an end lies: that of the roller's axis, or the other one.
+#: Direction of an end from the contact point: towards the roller axis or away from it.
 Way: TypeAlias = Literal["to_roller_axis", "from_roller_axis"]
 
 
@@ -22,8 +22,8 @@ class FlankEnd(eqx.Module):
     #: From the contact point to the end, along the tangent plane and at right angles to the end;
     #: negative where the contact lies beyond it [m].
     distance: Scalar
-    #: Coefficient of the gap in that direction, between A and B; `None` stands for that across the
-    #: rolling direction [1/m].
+    #: Coefficient of the gap in that direction, between A and B; `None` stands for the direction
+    #: across rolling [1/m].
     coefficient: Scalar | None
     #: `"crest"` or `"root"`, and of which body: `"screw"`, `"nut"` or `"roller"`.
     kind: str = eqx.field(static=True)
@@ -61,13 +61,13 @@ def _roots(stage: Stage) -> dict[str, Scalar]:
 
 def _radii(stage: Stage, side: str) -> Iterator[_Radius]:
     thread, roots = stage.thread, _roots(stage)
-    # The nut's thread grows inwards, and is as high as the screw's.
-    grows = 1.0 if side == "screw" else -1.0
+    # The nut's thread points inwards, and is as high as the screw's.
+    outward = 1.0 if side == "screw" else -1.0
     nominal = thread.screw_radius if side == "screw" else thread.nut_radius
     if thread.screw_addendum is not None:
-        yield _Radius(nominal + grows * thread.screw_addendum, "crest", side)
+        yield _Radius(nominal + outward * thread.screw_addendum, "crest", side)
     if side in roots:
-        yield _Radius(nominal - grows * roots[side], "root", side)
+        yield _Radius(nominal - outward * roots[side], "root", side)
     if thread.roller_addendum is not None:
         yield _Radius(thread.roller_radius + thread.roller_addendum, "crest", "roller")
     if "roller" in roots:
@@ -83,7 +83,7 @@ def _from_nominal(thread: Thread, end: _Radius) -> Scalar:
 def _from_contact(
     contact: ThreadContact, end: _Radius, hessian: SymmetricTensor
 ) -> tuple[Scalar, Scalar]:
-    """Distance from the contact point in the tangent plane, and the gap's coefficient that way."""
+    """Distance from the contact point in the tangent plane, and the gap's coefficient along it."""
     if end.body == "roller":
         radius, angle = contact.roller_contact_radius, contact.roller_angle_position
         # About the roller axis, from which x points to the screw axis.
@@ -92,24 +92,24 @@ def _from_contact(
         radius, angle = contact.contact_radius, contact.contact_angle_position
         radial = jnp.cos(angle), jnp.sin(angle)
     x, y, z = contact.normal[0], contact.normal[1], contact.normal[2]
-    lifted = radial[0] * x + radial[1] * y
-    # The radius grows along the tangent plane's steepest direction by this much per length.
-    rate = jnp.sqrt(1 - lifted**2)
-    along = (radial[0] - lifted * x) / rate, (radial[1] - lifted * y) / rate
-    missing = end.radius - radius
+    radial_normal = radial[0] * x + radial[1] * y
+    # Increase of the radius per length, along the steepest direction of the tangent plane.
+    rate = jnp.sqrt(1 - radial_normal**2)
+    along = (radial[0] - radial_normal * x) / rate, (radial[1] - radial_normal * y) / rate
+    radial_distance = end.radius - radius
     outer = (end.kind == "crest") != (end.body == "nut")
-    distance = (missing if outer else -missing) / rate
+    distance = (radial_distance if outer else -radial_distance) / rate
     return distance, direction_coefficient(hessian, along, jnp.abs(z))
 
 
 def _way(end: _Radius) -> Way:
-    """Threads of screw and nut grow towards the roller axis, those of the roller away from it."""
+    """Threads of screw and nut point towards the roller axis, those of the roller away from it."""
     towards = (end.kind == "crest") != (end.body == "roller")
     return "to_roller_axis" if towards else "from_roller_axis"
 
 
 def end_names(stage: Stage) -> tuple[tuple[str, str, str], ...]:
-    """Side, kind and body of the ends that `flank_ends` gives, by structure; nothing is traced."""
+    """Side, kind and body of the ends that `flank_ends` gives; nothing is traced."""
     thread, names = stage.thread, []
     crests = {"screw": thread.screw_addendum, "nut": thread.screw_addendum}
     crests["roller"] = thread.roller_addendum
@@ -124,7 +124,7 @@ def end_names(stage: Stage) -> tuple[tuple[str, str, str], ...]:
 
 
 def flanks_end(stage: Stage) -> bool:
-    """Whether a stage says where a flank of its threads ends: by an addendum or a root."""
+    """Whether a stage defines an end of its flanks, by an addendum or a root."""
     return bool(end_names(stage))
 
 
@@ -151,20 +151,20 @@ def _ends(
 def flank_ends(
     stage: Stage, meshing: Meshing | None = None
 ) -> tuple[tuple[FlankEnd, ...], tuple[FlankEnd, ...]]:
-    """Ends of the flanks on the screw and on the nut side, as far as the stage gives them.
+    """Ends of the flanks on the screw and on the nut side, as far as the stage defines them.
 
     Crests by `screw_addendum` (the nut's thread is as high as the screw's) and `roller_addendum`;
-    roots by the dedenda of `load_sharing.tooth` and by `strength.shaft.root_radius`. An end is
-    a helix; within a contact it is a straight line in the tangent plane, to the contact's size
-    over the body's radius.
+    roots by the dedenda of `load_sharing.tooth` and by `strength.shaft.root_radius`. An end is a
+    helix; within a contact it is taken as a straight line in the tangent plane, with an error of
+    the order of the contact's size over the body's radius.
 
     **Arguments:**
 
     - `stage`: the stage.
-    - `meshing`: its meshing; without it contacts lie at the nominal radii, as curvature conventions
-        other than `"exact"` have it.
+    - `meshing`: its meshing; without it contacts lie at the nominal radii, as in curvature
+      conventions other than `"exact"`.
 
-    **Returns:** the ends of either side; none where nothing is given, and then nothing is traced.
+    **Returns:** the ends of each side; without any, nothing is traced.
     """
     sides = []
     for side in ("screw", "nut"):

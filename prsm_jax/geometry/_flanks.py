@@ -15,12 +15,12 @@ from jaxtyping import Array, Bool
 
 from ..mechanism import Scalar, Thread
 
-#: Gradient (∂z/∂x, ∂z/∂y) of a height over the transverse plane. Like `SymmetricTensor` plain
-#: numbers rather than an array: a batch of designs then runs in one fused loop without a copy.
+#: Gradient (∂z/∂x, ∂z/∂y) of a height over the transverse plane. Plain numbers rather than an
+#: array, like `SymmetricTensor`: a batch of designs then runs in one fused loop without a copy.
 Slope: TypeAlias = tuple[Scalar, Scalar]
 
 
-#: (ρ² − d²)/ρ² where the roller's arc counts as ended.
+#: Value of (ρ² − d²)/ρ² at which the roller's arc is taken to end.
 _ARC_END = 1e-4
 
 
@@ -33,7 +33,7 @@ class SymmetricTensor(NamedTuple):
 
 
 class FlankGeometry(eqx.Module):
-    """The numbers by which the flanks of one stage are described."""
+    """Numbers that describe the flanks of one stage."""
 
     #: Slope tan α of screw and nut in the axial section, and of the roller at its nominal radius.
     slope: Scalar
@@ -91,8 +91,7 @@ def flanks_of(thread: Thread) -> FlankGeometry:
 def _arc(flanks: FlankGeometry, radius: Scalar) -> tuple[Scalar, Scalar]:
     """Height √(ρ² − d²) of the roller's profile arc and its offset d from the arc's centre [m].
 
-    Beyond the end of the arc (|d| > ρ) there is no flank; there the height is that of the
-    shallowest arc that still rises.
+    Beyond the end of the arc (|d| > ρ) there is no flank; there the height is limited to 0.01 ρ.
     """
     offset = radius - flanks.arc_centre
     # A hundredth of ρ above its end the arc is already steeper than any thread flank.
@@ -101,7 +100,7 @@ def _arc(flanks: FlankGeometry, radius: Scalar) -> tuple[Scalar, Scalar]:
 
 
 def past_roller_arc(flanks: FlankGeometry, x: Scalar, y: Scalar) -> Bool[Array, ""]:
-    """Whether the roller's profile arc ends before the point (x, y); addenda are another matter.
+    """Whether the roller's profile arc ends before the point (x, y); addenda are not considered.
 
     **Arguments:**
 
@@ -160,7 +159,7 @@ def _helicoid_hessian(
 def _hessians(
     flanks: FlankGeometry, x: Scalar, y: Scalar, roller_reduced_lead: Scalar
 ) -> tuple[SymmetricTensor, SymmetricTensor]:
-    """Hessians of the straight flank, and of the roller's counted in depths."""
+    """Hessians of the straight flank, and of the roller flank measured as a depth."""
     _, straight = _polar(x, y)
     radius, roller = _polar(x - flanks.centre_distance, y)
     height, offset = _arc(flanks, radius)
@@ -189,7 +188,7 @@ def nut_contact_hessian(flanks: FlankGeometry) -> SymmetricTensor:
     """`nut_side_hessian` where roller and nut touch [1/m].
 
     That is on the line of centres at the nominal radii, where the arc of the roller has the slope
-    tan α and `f = ρ cos α`: an eighth of the operations, and of those of its derivatives.
+    tan α and `f = ρ cos α`: this takes an eighth of the operations, also in derivatives.
     """
     nut = 1 / flanks.nut_radius
     roller = 1 / (flanks.nut_radius - flanks.centre_distance)

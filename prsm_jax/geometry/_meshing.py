@@ -1,4 +1,4 @@
-"""Where the threads touch: the points of common normal between roller, screw and nut."""
+"""Contact points of the threads: points of common normal between roller, screw and nut."""
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -33,8 +33,8 @@ class ThreadContact(eqx.Module):
     contact_angle_position: Scalar
     roller_contact_radius: Scalar
     roller_angle_position: Scalar
-    #: Parts of `normal`: plain numbers, for XLA computes what makes an array anew for each of its
-    #: entries (six times the run time of a Hessian).
+    #: Parts of `normal`: plain numbers, because XLA recomputes the inputs of an array for each of
+    #: its entries (six times the run time of a Hessian).
     normal_parts: tuple[Scalar, Scalar, Scalar]
     curvature: RelativeCurvature
 
@@ -47,8 +47,8 @@ class ThreadContact(eqx.Module):
 class Meshing(eqx.Module):
     """Contacts of one roller with screw and nut.
 
-    `converged` is the result code of the root search; a design without a common normal leaves it
-    `False` and its numbers are not to be used.
+    `converged` is the result code of the root search; for a design without a common normal it is
+    `False`, and the numbers must not be used.
     """
 
     screw: ThreadContact
@@ -63,7 +63,7 @@ class ContactTriangle(eqx.Module):
 
     roller_radius: Scalar
     screw_radius: Scalar
-    #: 1/|∇z|² by the roller's flank.
+    #: 1/|∇z|² of the roller's flank.
     flatness: Scalar
 
 
@@ -81,10 +81,10 @@ def _triangle(flanks: FlankGeometry, slope: Scalar) -> tuple[ContactTriangle, Sc
     """The triangle of the axes and the contact; the residual in s, and its derivative.
 
     The arc has the slope s at the roller radius `r = r_R + ρ (s/√(1 + s²) − sin α)`. Where both
-    gradients are one vector, the angle T between the radii of screw and roller has
+    gradients are equal, the angle T between the radii of screw and roller has
     `cos T = (s tan α − h h_R/(r r_s'))/|∇z|²` with the reduced leads h and h_R, so that the law of
-    cosines is a quadratic equation for the screw radius r_s'. What remains is that both flanks are
-    equally steep, `s² + (h_R/r)² = tan²α + (h/r_s')²`.
+    cosines is a quadratic equation for the screw radius r_s'. The remaining condition is that both
+    flanks are equally steep, `s² + (h_R/r)² = tan²α + (h/r_s')²`.
     """
     distance, steep = flanks.centre_distance, flanks.slope
     cosine = 1 / jnp.sqrt(1 + slope**2)
@@ -98,7 +98,7 @@ def _triangle(flanks: FlankGeometry, slope: Scalar) -> tuple[ContactTriangle, Sc
     # r_s'² + 2 r_s' half + r² − a² − twist = 0
     half = roller * steep * slope * flatness
     twist = 2 * flanks.reduced_lead * flanks.roller_reduced_lead * flatness
-    # Beyond the screw axis there is no triangle; a search that strays there stays finite.
+    # Beyond the screw axis there is no triangle; the floor keeps a search there finite.
     square = half**2 + (distance - roller) * (distance + roller) + twist
     root = jnp.sqrt(jnp.maximum(square, 1e-4 * distance**2))
     screw = root - half
@@ -113,7 +113,7 @@ def _triangle(flanks: FlankGeometry, slope: Scalar) -> tuple[ContactTriangle, Sc
 
 
 def _steepness(flanks: FlankGeometry, slope: Scalar) -> tuple[Scalar, Scalar]:
-    """By how much the roller is steeper than the screw, squared, and the derivative in s."""
+    """Squared steepness of the roller minus that of the screw, and its derivative in s."""
     _, residual, derivative = _triangle(flanks, slope)
     return residual, derivative
 
@@ -124,7 +124,7 @@ def contact_point(flanks: FlankGeometry, slope: Scalar) -> tuple[ContactTriangle
     **Arguments:**
 
     - `flanks`: of the stage.
-    - `slope`: slope s of the roller's profile; the root of the equal steepness makes it a contact.
+    - `slope`: slope s of the roller's profile; at the root of `_steepness` it is a contact point.
 
     **Returns:** the radii there, and (x, y) about the screw axis, roller axis at (a, 0) [m].
     """
@@ -152,7 +152,7 @@ def mesh(thread: Thread) -> Meshing:
 
     On the screw side the flanks touch where their gradients over the transverse plane are equal:
     same direction and same steepness. The direction is solved in closed form, which leaves one
-    equation for the slope of the roller's profile, regular down to zero lead. Derivatives go
+    equation, for the slope of the roller's profile, regular down to zero lead. Derivatives go
     through its root by the implicit function theorem. On the nut side, roller and nut have the same
     helix angle, so the contact lies on the line of centres at the nominal radii, exactly.
     Equations: common normal of two helicoids, as in Fu et al. 2017 and Jones and Velinsky 2013,
@@ -163,19 +163,20 @@ def mesh(thread: Thread) -> Meshing:
     - `thread`: the thread geometry.
 
     **Returns:** a `Meshing`; `converged` is false where the flanks do not touch in a point (the
-    roller's profile is too flat for so steep a helix); the numbers are finite, not to be used.
+    roller's profile is too flat for so steep a helix); the numbers are then finite but must not be
+    used.
     """
     flanks = flanks_of(thread)
     distance = flanks.centre_distance
     start = starting_slope(flanks)
-    profile_slope, found = find_root_of(
+    profile_slope, converged = find_root_of(
         _steepness,
         flanks,
         start,
         tolerance=1e-12 if distance.dtype == jnp.float64 else 1e-5,
         max_steps=_MAXIMUM_STEPS,
     )
-    triangle, x, y = contact_point(flanks, jnp.where(found, profile_slope, start))
+    triangle, x, y = contact_point(flanks, jnp.where(converged, profile_slope, start))
     slope = helicoid_slope(flanks.slope, flanks.reduced_lead, x, y)
     screw = ThreadContact(
         contact_radius=triangle.screw_radius,
@@ -196,8 +197,9 @@ def mesh(thread: Thread) -> Meshing:
         normal_parts=_unit_normal(nut_slope, -1.0),
         curvature=relative_curvature(nut_slope, nut_contact_hessian(flanks)),
     )
-    # A root beyond the screw axis has no triangle, and where the gap has a saddle flanks intersect.
+    # A root beyond the screw axis has no triangle, and where the gap has a saddle point, the flanks
+    # intersect.
     bend = screw.curvature
     touches = (screw.roller_contact_radius < distance) & (bend.total**2 > bend.difference_squared)
     possible = (flanks.slope > 0) & (bend.total > 0)
-    return Meshing(screw, nut, screw_side_gap(flanks, x, y), found & touches & possible)
+    return Meshing(screw, nut, screw_side_gap(flanks, x, y), converged & touches & possible)

@@ -1,10 +1,10 @@
-"""Gap between a screw's flank and that of a ring: a helicoid against a cone.
+"""Gap between the flanks of a screw and a ring: a helicoid against a cone.
 
 The screw axis is the origin, the roller axis lies at (d, 0). A point is given by its distance r
 from the roller axis and the arc y = r φ from the line of centres. The ring has no lead: its flank
 is a cone with the profile angle k, and its height depends on r alone. The screw's flank is straight
-in the axial section, with the profile angle j, and its lead is that of the lead angle ψ at the mean
-radius of the flank.
+in the axial section, with the profile angle j, and its lead follows from the lead angle ψ at the
+mean radius of the flank.
 """
 
 import equinox as eqx
@@ -18,11 +18,11 @@ from ..programs import physics
 
 
 class RingVertex(eqx.Module):
-    """Where a slice of ring and screw is narrowest, and how the gap opens from there."""
+    """Smallest gap in a slice of ring and screw, and its growth from there."""
 
-    #: Arc coordinate of the narrowest place, from the line of centres [m].
+    #: Arc coordinate of the smallest gap, from the line of centres [m].
     arc: Scalar
-    #: Axial gap there; only differences between slices mean something [m].
+    #: Axial gap there; only differences between slices are meaningful [m].
     gap: Scalar
     #: Quadratic coefficient of the axial gap along the arc, half its second derivative [1/m].
     coefficient: Scalar
@@ -62,8 +62,8 @@ def ring_gap(contact: LineContact, radius: Scalar, arc: Scalar) -> Scalar:
     """
     turn, distance = arc / radius, contact.centre_distance
     x, y = distance - radius * jnp.cos(turn), radius * jnp.sin(turn)
-    # Not by `hypot`: XLA's CPU compiler gets its second derivative wrong in some slices of a batch
-    # when its optimisation is switched off, as the tests have it.
+    # Not by `hypot`: XLA's CPU compiler gives a wrong second derivative in some slices of a batch
+    # when its optimisation is off, as in the tests.
     return (
         jnp.tan(contact.screw_profile_angle) * jnp.sqrt(x**2 + y**2)
         + lead_per_radian(contact) * jnp.arctan2(y, x)
@@ -74,9 +74,9 @@ def ring_gap(contact: LineContact, radius: Scalar, arc: Scalar) -> Scalar:
 def shape_coefficient(contact: LineContact, radius: Scalar) -> Scalar:
     """Quadratic coefficient of the gap on the line of centres, `tan j · d/(2 r (d − r))` [1/m].
 
-    Exact to second order there. It leaves out that the lead moves the narrowest place away from
-    the line of centres, by the angle L/(2π d tan j), where the coefficient is a little smaller;
-    `ring_vertex` has the coefficient of that place.
+    Exact to second order there. It neglects that the lead moves the smallest gap away from the line
+    of centres, by the angle L/(2π d tan j), where the coefficient is slightly smaller;
+    `ring_vertex` gives the coefficient there.
     """
     distance = contact.centre_distance
     slope = jnp.tan(contact.screw_profile_angle)
@@ -85,7 +85,7 @@ def shape_coefficient(contact: LineContact, radius: Scalar) -> Scalar:
 
 @physics("ring_vertex")
 def ring_vertex(contact: LineContact, radius: Scalar) -> RingVertex:
-    """The narrowest place of the slice at one distance from the roller axis.
+    """Smallest gap of the slice at one distance from the roller axis.
 
     The root of the gap's slope, differentiable by the implicit function theorem.
 
@@ -129,15 +129,15 @@ def fit_parabola(
     **Arguments:**
 
     - `contact`, `radius`: flanks and slice.
-    - `vertex`: its narrowest place.
+    - `vertex`: its smallest gap.
     - `half_width`: half the range of the fit [m].
     - `points`: evenly spaced points.
     """
     along = jnp.linspace(-1.0, 1.0, points, dtype=radius.dtype)
     gap = jax.vmap(lambda share: ring_gap(contact, radius, vertex.arc + share * half_width))(along)
-    # Centred first: a gap of nanometres rides on a height of centimetres.
+    # Subtract the height first: the gap is nanometres, the height centimetres.
     gap = gap - vertex.gap
-    # Orthogonal on this grid: 1, u, and u² less its mean.
+    # Orthogonal on this grid: 1, u, and u² minus its mean.
     quadratic = along**2 - jnp.mean(along**2)
     linear = jnp.sum(along * gap) / jnp.sum(along**2)
     bend = jnp.sum(quadratic * gap) / jnp.sum(quadratic**2)
@@ -147,7 +147,7 @@ def fit_parabola(
 
 
 def contact_zone(contact: LineContact) -> tuple[Scalar, Scalar]:
-    """Distances from the roller axis between which both flanks are there [m]."""
+    """Distances from the roller axis between which both flanks exist [m]."""
     distance = contact.centre_distance
     inner = jnp.maximum(contact.roller_minor_radius, distance - contact.screw_major_radius)
     return inner, jnp.minimum(contact.roller_major_radius, distance - contact.screw_minor_radius)
@@ -157,7 +157,8 @@ def matched_profile_angle(contact: LineContact) -> Scalar:
     """Profile angle k of a ring whose flank is parallel to the screw's, at the zone's middle [rad].
 
     A screw with a lead touches a ring away from the line of centres, where its flank is steeper
-    along the ring's generator: `tan²k = tan²j + (L/2πρ)²`. With k = j a ring bears at its crest.
+    along the ring's generator: `tan²k = tan²j + (L/2πρ)²`. With k = j a ring makes contact at its
+    crest.
 
     **Arguments:**
 

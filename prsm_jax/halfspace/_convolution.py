@@ -1,9 +1,9 @@
 """Influence of loaded rectangles on all others: discrete convolution by FFT, not periodic.
 
-The influence of a uniformly loaded rectangle is the second difference of an antiderivative over
-its four corners. On a grid all rectangles share their corners, so one array of corner values holds
-the whole influence matrix. The grid is doubled for the transform, so that nothing wraps around
-(Liu, Wang and Liu 2000): the convolution is exact to rounding.
+The influence of a uniformly loaded rectangle is the second difference of an antiderivative over its
+four corners. On a grid all rectangles share their corners, so one array of corner values holds the
+whole influence matrix. The grid is doubled for the transform to avoid wrap-around (Liu, Wang and
+Liu 2000): the convolution is exact to rounding.
 """
 
 from collections.abc import Callable
@@ -13,7 +13,7 @@ from jaxtyping import Array, Float, Inexact
 
 from ._grid import Grid
 
-#: Of two coordinates relative to a corner [m], broadcast against each other.
+#: Function of two coordinates relative to a corner [m], broadcast against each other.
 Antiderivative = Callable[[Float[Array, "cx 1"], Float[Array, "1 cy"]], Array]
 
 
@@ -21,11 +21,11 @@ def _fast_length(least: int) -> int:
     """The smallest even product of 2, 3 and 5 that is at least `least`."""
     length = least + least % 2
     while True:
-        rest = length
+        remainder = length
         for factor in (2, 3, 5):
-            while rest % factor == 0:
-                rest //= factor
-        if rest == 1:
+            while remainder % factor == 0:
+                remainder //= factor
+        if remainder == 1:
             return length
         length += 2
 
@@ -61,7 +61,7 @@ def spectrum(field: Float[Array, "nx ny"]) -> Inexact[Array, "ky kx"]:
 
 
 def field_of(transform: Inexact[Array, "ky kx"], shape: tuple[int, ...]) -> Float[Array, "nx ny"]:
-    """Back from the doubled grid to the cells of the grid; what lies outside is left out."""
+    """Field on the cells of the grid from its transform on the doubled grid."""
     rows = jnp.fft.ifft(transform, axis=1)[:, : shape[0]].T
     return jnp.fft.irfft(rows, n=_padded(shape)[1], axis=1)[:, : shape[1]]
 
@@ -69,6 +69,6 @@ def field_of(transform: Inexact[Array, "ky kx"], shape: tuple[int, ...]) -> Floa
 def convolve(
     transform: Inexact[Array, "ky kx"], field: Float[Array, "nx ny"]
 ) -> Float[Array, "nx ny"]:
-    """Effect of a loaded field, by the transform of `influence`."""
-    loaded = spectrum(field)
-    return field_of(loaded * transform.astype(loaded.dtype), field.shape)
+    """Effect of a load field, by the transform of `influence`."""
+    load_spectrum = spectrum(field)
+    return field_of(load_spectrum * transform.astype(load_spectrum.dtype), field.shape)

@@ -16,7 +16,8 @@ from ._grid import Grid
 from ._polonsky_keer import Control, Pressures, constrained_conjugate_gradients
 from ._preconditioner import apply_symbol, stiffness_symbol
 
-#: A grid with at least twice as many cells both ways is first solved with half of them.
+#: Grids with at least twice as many cells in both directions are first solved with half the cells
+#: per direction.
 _COARSEST = 32
 #: Residual of the linear system of the derivatives, relative.
 _DERIVATIVE_TOLERANCE = 1e-11
@@ -28,7 +29,7 @@ def _halved(field: Float[Array, "nx ny"]) -> Float[Array, "mx my"]:
 
 
 def _first_guess(grid: Grid, gap, control: Control, target, modulus) -> Float[Array, "nx ny"]:
-    """Even pressure for a load; in proportion to the overlap, of about its size, at an approach."""
+    """Uniform pressure for a load; for an approach, proportional to the overlap."""
     if control == "load":
         return jnp.ones_like(gap)
     shorter = jnp.minimum(grid.shape[0] * grid.spacing_x, grid.shape[1] * grid.spacing_y)
@@ -36,9 +37,9 @@ def _first_guess(grid: Grid, gap, control: Control, target, modulus) -> Float[Ar
 
 
 def _search(grid, gap, material, control, target, modulus, tolerance, max_iterations) -> Pressures:
-    """Constrained conjugate gradients, started from the solution on a grid of half as many cells.
+    """Constrained conjugate gradients, started on a grid with half the cells per direction.
 
-    Both are stated in Σp for a load: a coarse cell has four times the area.
+    For a load the target is Σp on both grids: a coarse cell has four times the area.
     """
     nx, ny = grid.shape
     start, iterations = _first_guess(grid, gap, control, target, modulus), 0
@@ -50,16 +51,16 @@ def _search(grid, gap, material, control, target, modulus, tolerance, max_iterat
             control,
             target / 4 if control == "load" else target,
             modulus,
-            # What the coarser grid itself is good for.
+            # The accuracy of the coarser grid.
             jnp.maximum(tolerance, 1e-3),
             max_iterations,
         )
         finer = jnp.repeat(jnp.repeat(coarse.pressure, 2, axis=0), 2, axis=1)
-        found = jnp.any(material & (finer > 0))
-        start, iterations = jnp.where(found, finer, start), coarse.iterations
+        solved = jnp.any(material & (finer > 0))
+        start, iterations = jnp.where(solved, finer, start), coarse.iterations
     transform = normal_influence(grid) / modulus
     symbol = stiffness_symbol(grid) * modulus
-    found = constrained_conjugate_gradients(
+    solved = constrained_conjugate_gradients(
         functools.partial(convolve, transform),
         functools.partial(apply_symbol, symbol),
         jnp.mean(symbol),
@@ -71,7 +72,7 @@ def _search(grid, gap, material, control, target, modulus, tolerance, max_iterat
         tolerance,
         max_iterations,
     )
-    return found._replace(iterations=found.iterations + iterations)
+    return solved._replace(iterations=solved.iterations + iterations)
 
 
 def _rigid(grid: Grid, gap, pressure, modulus) -> Float[Array, "nx ny"]:
@@ -86,17 +87,17 @@ def _conjugate_gradients(
     target = _DERIVATIVE_TOLERANCE**2 * jnp.sum(right**2)
 
     def step(state):
-        solution, rest, direction, product, iterations = state
+        solution, residual, direction, product, iterations = state
         image = system(direction)
         curvature = jnp.sum(direction * image)
-        # A right-hand side that is rounding alone has no direction to go.
+        # A right-hand side of rounding errors alone gives no search direction.
         ends = curvature == 0
         length = jnp.where(ends, 0.0, product / jnp.where(ends, 1.0, curvature))
-        solution, rest = solution + length * direction, rest - length * image
-        steepest = precondition(rest)
-        following = jnp.where(ends, 0.0, jnp.sum(rest * steepest))
+        solution, residual = solution + length * direction, residual - length * image
+        steepest = precondition(residual)
+        following = jnp.where(ends, 0.0, jnp.sum(residual * steepest))
         direction = steepest + following / product * direction
-        return solution, rest, direction, following, iterations + 1
+        return solution, residual, direction, following, iterations + 1
 
     def unfinished(state):
         under_way = (state[3] != 0) & (state[4] < max_iterations)
@@ -120,10 +121,11 @@ def equilibrium(
 ) -> Pressures:
     """Pressures under a load [N] or at an approach [m].
 
-    Derivatives are those of the solution with the cells in contact held: `K ṗ = δ̇ − K̇ p − ġ` there,
-    one more system of conjugate gradients, in forward and in reverse mode.
+    Derivatives are those of the solution with the set of cells in contact fixed:
+    `K ṗ = δ̇ − K̇ p − ġ` there, one more conjugate-gradient solution, in forward and in reverse
+    mode.
 
-    **Arguments:** as `solve_contact`.
+    **Arguments:** as in `solve_contact`.
     """
     scaled = target / grid.cell_area if control == "load" else target
     return _search(grid, gap, material, control, scaled, modulus, tolerance, max_iterations)
@@ -133,15 +135,15 @@ def equilibrium(
 def _equilibrium_jvp(control, max_iterations, primals, tangents):
     grid, gap, target, modulus, _, _ = primals
     grid_dot, gap_dot, target_dot, modulus_dot, _, _ = tangents
-    found = equilibrium(control, max_iterations, *primals)
-    pressure = found.pressure
+    pressures = equilibrium(control, max_iterations, *primals)
+    pressure = pressures.pressure
     contact = (pressure > 0).astype(pressure.dtype)
     count = jnp.maximum(jnp.sum(contact), 1.0)
     transform = normal_influence(grid) / modulus
     symbol = stiffness_symbol(grid) * modulus
 
     def spread(values):
-        """Onto the cells in contact; under a load, without changing the sum of pressures."""
+        """Projected onto the cells in contact; under a load, with a sum of 0."""
         values = values * contact
         return values - contact * (jnp.sum(values) / count) if control == "load" else values
 
@@ -169,7 +171,8 @@ def _equilibrium_jvp(control, max_iterations, primals, tangents):
     solved = jax.lax.custom_linear_solve(
         system,
         right,
-        # In reverse mode a sum of all pressures leaves nothing but rounding here, off the mean too.
+        # In reverse mode a sum of all pressures leaves only rounding here, with a mean that is not
+        # 0.
         lambda system, right: _conjugate_gradients(
             precondition, max_iterations, system, spread(right) if control == "load" else right
         ),
@@ -180,10 +183,10 @@ def _equilibrium_jvp(control, max_iterations, primals, tangents):
     if control == "load":
         moved = convolve(transform, pressure_dot) + explicit
         approach_dot = jnp.sum(moved * contact) / count
-    no_change: Any = np.zeros(found.iterations.shape, jax.dtypes.float0)
-    return found, Pressures(
+    no_change: Any = np.zeros(pressures.iterations.shape, jax.dtypes.float0)
+    return pressures, Pressures(
         pressure_dot,
         approach_dot,
         no_change,
-        jnp.zeros_like(found.residual),
+        jnp.zeros_like(pressures.residual),
     )

@@ -21,24 +21,24 @@ Heights = (
 )
 
 
-#: Half the grid over the relative radius of curvature where a contact without load has no ellipse.
+#: Half the grid over the relative radius of curvature, for a contact without load (no ellipse).
 _UNLOADED = 1e-4
 
 
 class FlankContact(eqx.Module):
-    """One thread contact of a roller with true surfaces, beside its Hertz contact."""
+    """One thread contact of a roller with true surfaces, and its Hertz contact."""
 
     surface: SurfaceContact
     flanks: FlankGap
     plane: TangentPlane
-    #: The same normal force, or the approach that was given, on the osculating paraboloids.
+    #: Contact of the osculating paraboloids, under the same normal force or at the given approach.
     hertz: HertzContact
     #: Normal force per axial force of the contact, F_n/F_a.
     normal_per_axial: Scalar
 
 
 def _rounded(flanks: FlankGap, edge_radius: Scalar) -> Float[Array, "nx ny"]:
-    """Gap with rounded edges: past the crest the flank recedes by s²/2ρ."""
+    """Gap with rounded edges: beyond the crest the flank recedes by s²/2ρ."""
     gap = flanks.gap
     for edge in (flanks.body_edge, flanks.roller_edge):
         if edge is not None:
@@ -74,31 +74,31 @@ def flank_contact(
     The gap is that of the exact flanks along their common normal. The grid lies in the tangent
     plane along the principal directions of the gap and covers a multiple of the Hertz ellipse. The
     flanks end at the crests of screw (nut) and roller where `screw_addendum` and `roller_addendum`
-    are given; the nut's thread is taken as high as the screw's. A half-space has material past
-    such an edge, so the pressure close to a sharp one is singular and rises as the grid is
-    refined, and the true, free edge is more compliant: use `edge_radius`, or read the pressure
-    away from it.
+    are given; the nut's thread is taken as high as the screw's. A half-space has material beyond
+    such an edge, so the pressure close to a sharp edge is singular and rises as the grid is
+    refined, and the real, free edge is more compliant: use `edge_radius`, or evaluate the pressure
+    away from the edge.
 
     The axial load is shared equally by rollers and threads, as in `stage_contact`. Curvatures and
-    normals are always the exact ones, whatever the stage's convention. Without a load there is no
-    pressure, and the result code is 3; under a load that no half-space stands for it is 4.
+    normals are always exact, independent of the stage's convention. Without a load there is no
+    pressure, and the result code is 3; under a load too large for the half-space model it is 4.
 
     **Arguments:**
 
     - `stage`: the stage; needs materials, and `engaged_threads` for a load.
     - `side`: `"screw"` or `"nut"`.
-    - `load`: axial load on the nut [N]; its magnitude counts; or
+    - `load`: axial load on the nut [N]; its sign is ignored; or
     - `approach`: approach of the two flanks of this contact along their common normal, 0 where
-      smooth ones touch [m]. The grid is that of the Hertz ellipse at this approach, so peaks of
-      rough flanks that touch before, at an approach of 0 or less, want a load instead.
+      smooth flanks touch [m]. The grid is that of the Hertz ellipse at this approach. Rough flanks,
+      whose peaks touch earlier, at an approach of 0 or less, need a load instead.
     - `shape`: number of cells along the major and the minor axis of the ellipse.
     - `extent`: half the grid over the semi-axes of the Hertz ellipse.
-    - `heights`: roughness or waviness of both surfaces together, positive outwards, so a peak
-      lowers the gap: an array, or a function of the coordinates x and y on the grid [m].
-    - `edge_radius`: radius by which the crests' edges are rounded, by default that of the thread
-      if it has one; the rounding begins at the crest, and nothing is cut off [m]. The result is
-      differentiable in it and in the addenda.
-    - `meshing`: the thread's meshing, if known already.
+    - `heights`: sum of the roughness or waviness of both surfaces, positive outwards, so a peak
+      reduces the gap: an array, or a function of the coordinates x and y on the grid [m].
+    - `edge_radius`: rounding radius of the edges at the crests [m]; default: that of the thread, if
+      any. The rounding begins at the crest, and no cell is excluded. The result is differentiable
+      in it and in the addenda.
+    - `meshing`: the thread's meshing, if already known.
     - `tolerance`, `max_iterations`: as in `solve_contact`.
 
     **Raises:** `MissingDataError` if materials or engaged threads are not given; `ValueError` for

@@ -27,12 +27,12 @@ _SURFACES = {
     "screw": (screw_side_heights, screw_side_hessian),
     "nut": (nut_side_heights, nut_side_hessian),
 }
-#: Newton steps along the normal. Slopes differ by less than a tenth over a contact, so the first
-#: leaves some hundredths of a micrometre and the third rounding.
+#: Newton steps along the normal. Slopes differ by less than a tenth over a contact, so the error is
+#: some hundredths of a micrometre after the first and rounding after the third.
 _STEPS = 3
-#: Distance from a flank, over that from the contact point, up to which a point is on it.
+#: Largest distance from a flank of a point on it, over the distance from the contact point.
 _LARGEST_MISS = 1e-4
-#: The same at the contact point, in last digits of its coordinates.
+#: The same at the contact point, over the rounding of its coordinates.
 _ROUNDING = 16.0
 
 
@@ -42,13 +42,13 @@ class TangentPlane(eqx.Module):
     Coordinates [x, y, z] about the axis of screw and nut, roller axis at (a, 0).
     """
 
-    #: The contact point; z is that of the flank, whatever the axial play [m].
+    #: The contact point; z is on the flank, independent of the axial play [m].
     origin: Float[Array, "3"]
     #: Direction of the least relative curvature, in which the contact is longest.
     major: Float[Array, "3"]
     #: Direction of the largest relative curvature.
     minor: Float[Array, "3"]
-    #: Common normal, upwards along the axis.
+    #: Common normal, towards positive z.
     normal: Float[Array, "3"]
     #: Second derivatives of the gap: along the major direction, along the minor one, mixed [1/m].
     curvatures: Float[Array, "3"]
@@ -70,7 +70,7 @@ class FlankGap(eqx.Module):
 def checked_side(side: str) -> Side:
     """A side of the roller by name.
 
-    **Raises:** `ValueError` for anything but `"screw"` and `"nut"`.
+    **Raises:** `ValueError` for anything except `"screw"` and `"nut"`.
     """
     if side not in _SURFACES:
         raise ValueError(f"the side is {side!r}; choose 'screw' or 'nut'")
@@ -80,8 +80,8 @@ def checked_side(side: str) -> Side:
 def tangent_plane(thread: Thread, meshing: Meshing, side: Side) -> TangentPlane:
     """Tangent plane and principal directions at the contact of one side.
 
-    The directions are held in derivatives: turning the grid changes no result, and at a circular
-    contact they are arbitrary.
+    The directions are constant in derivatives: rotating the grid does not change a result, and at a
+    circular contact they are arbitrary.
 
     **Arguments:**
 
@@ -98,9 +98,9 @@ def tangent_plane(thread: Thread, meshing: Meshing, side: Side) -> TangentPlane:
         -contact.normal[1] / contact.normal[2],
     )
     tensor, whitening = tangent_tensor((slope_x, slope_y), hessian(flanks, x, y))
-    held = jax.lax.stop_gradient(tensor)
-    # Half the angle of the deviator; 0 at a circle, where arctan2 gives it by itself.
-    steep = jnp.arctan2(2 * held.xy, held.xx - held.yy) / 2
+    constant = jax.lax.stop_gradient(tensor)
+    # Half the angle of the deviator; 0 at a circle, as arctan2 returns.
+    steep = jnp.arctan2(2 * constant.xy, constant.xx - constant.yy) / 2
 
     def direction(angle):
         cosine, sine = jnp.cos(angle), jnp.sin(angle)
@@ -112,7 +112,7 @@ def tangent_plane(thread: Thread, meshing: Meshing, side: Side) -> TangentPlane:
     mean, half = (tensor.xx + tensor.yy) / 2, (tensor.xx - tensor.yy) / 2
     # cos and sin of twice the angle. The major direction is a quarter of a turn behind the minor.
     double_cosine, double_sine = cosine**2 - sine**2, 2 * cosine * sine
-    apart = half * double_cosine + tensor.xy * double_sine
+    half_difference = half * double_cosine + tensor.xy * double_sine
     mixed = half * double_sine - tensor.xy * double_cosine
     upper, lower = heights(flanks, x, y)
     upwards = jnp.stack([-slope_x, -slope_y, jnp.ones_like(slope_x)])
@@ -121,14 +121,14 @@ def tangent_plane(thread: Thread, meshing: Meshing, side: Side) -> TangentPlane:
         major=direction(steep - jnp.pi / 2),
         minor=direction(steep),
         normal=upwards / jnp.sqrt(1 + slope_x**2 + slope_y**2),
-        curvatures=jnp.stack([mean - apart, mean + apart, mixed]),
+        curvatures=jnp.stack([mean - half_difference, mean + half_difference, mixed]),
     )
 
 
 def _height_along_normal(
     surface: Callable[[Scalar, Scalar], Scalar], plane: TangentPlane, foot: Float[Array, "3"]
 ) -> Scalar:
-    """Where the normal through a point of the tangent plane meets a surface z(x, y) [m]."""
+    """Distance along the normal from a point of the tangent plane to a surface z(x, y) [m]."""
     shift = surface(plane.origin[0], plane.origin[1]) - plane.origin[2]
 
     def above(distance):
@@ -141,21 +141,22 @@ def _height_along_normal(
             distance = distance - value / slope
         return distance
 
-    # Derivatives are those of the root: differentiated steps are programs four times as large.
-    found = jax.lax.custom_root(
+    # Derivatives are those of the root: differentiating the steps makes the program four times as
+    # large.
+    height = jax.lax.custom_root(
         above,
         jnp.zeros_like(foot[0]),
         search,
         lambda linear, right: right / linear(jnp.ones_like(right)),
     )
-    # Past the end of the roller's arc, or where it bends too much for so few steps, there is no
-    # gap, and whoever uses it is told so by what is not finite.
-    away = jnp.max(jnp.abs(jax.lax.stop_gradient(foot - plane.origin)))
-    # At the contact point itself rounding of the coordinates is all that is left.
+    # Beyond the end of the roller's arc, or where it bends too much for so few steps, the gap is
+    # NaN.
+    offset = jnp.max(jnp.abs(jax.lax.stop_gradient(foot - plane.origin)))
+    # At the contact point itself only rounding of the coordinates remains.
     rounding = _ROUNDING * jnp.finfo(foot.dtype).eps * jnp.max(jnp.abs(plane.origin))
-    allowed = _LARGEST_MISS * away + jax.lax.stop_gradient(rounding)
-    missed = jnp.abs(above(jax.lax.stop_gradient(found))) > allowed
-    return jnp.where(missed, jnp.nan, found)
+    allowed = _LARGEST_MISS * offset + jax.lax.stop_gradient(rounding)
+    missed = jnp.abs(above(jax.lax.stop_gradient(height))) > allowed
+    return jnp.where(missed, jnp.nan, height)
 
 
 def _paraboloid(
@@ -167,9 +168,10 @@ def _paraboloid(
 
 
 def _is_minute(plane: TangentPlane, grid: Grid) -> Bool[Array, ""]:
-    """Whether the paraboloid is nearer to the gap than the difference of two rounded heights.
+    """Whether the paraboloid is more accurate than the difference of two rounded heights.
 
-    Over the gap κL²/2, the paraboloid is wrong by about κL and a difference of heights by ε|r|/κL².
+    Relative to the gap κL²/2, the error of the paraboloid is about κL, and that of the difference
+    of heights about ε|r|/κL².
     """
     half = jnp.maximum(grid.shape[0] * grid.spacing_x, grid.shape[1] * grid.spacing_y) / 2
     rounding = jnp.finfo(half.dtype).eps * jnp.max(jnp.abs(plane.origin))
@@ -197,10 +199,10 @@ def _crests(thread: Thread, side: Side, x: Scalar, y: Scalar) -> tuple[Scalar | 
 def flank_gap(thread: Thread, plane: TangentPlane, side: Side, grid: Grid) -> FlankGap:
     """Gap of the loaded flanks of one side over a grid in their tangent plane.
 
-    Both flanks are cut by the same normals, exactly: no parabola, no small angles. The bodies are
-    shifted along their axes until they touch. On a grid so small (tens of nanometres) that rounding
-    of the flanks' heights is more of the gap than what bends beyond second order, it is the
-    osculating paraboloid; either error is then about 1e-6 of the gap.
+    Both flanks are intersected with the same normals, exactly: no parabola, no small angles. The
+    bodies are shifted along their axes until they touch. On a very small grid (tens of nanometres),
+    where rounding of the flanks' heights exceeds the terms beyond second order, it is the
+    osculating paraboloid; both errors are then about 1e-6 of the gap.
 
     **Arguments:**
 
@@ -223,7 +225,7 @@ def flank_gap(thread: Thread, plane: TangentPlane, side: Side, grid: Grid) -> Fl
         body, roller = _crests(thread, side, foot[0], foot[1])
         edges = tuple(None if edge is None else stretch * edge for edge in (body, roller))
         on_roller = foot + (lower if side == "screw" else upper) * plane.normal
-        # Where there is no gap either, that is told by what is not finite.
+        # Where there is no gap, the gap is NaN in any case.
         past = past_roller_arc(flanks, on_roller[0], on_roller[1])
         return upper - lower, ~past, *edges
 

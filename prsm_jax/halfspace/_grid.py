@@ -1,4 +1,4 @@
-"""The grid of equal rectangles on which pressures and gaps of a half-space contact live."""
+"""Grid of equal rectangles for the pressures and gaps of a half-space contact."""
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -54,13 +54,13 @@ class Grid(eqx.Module):
 
 
 def grid_over(shape: tuple[int, int], half_length: Scalar, half_width: Scalar) -> Grid:
-    """The grid of so many cells that covers ±`half_length` by ±`half_width`.
+    """Grid of `shape` cells that covers ±`half_length` by ±`half_width`.
 
     **Arguments:**
 
     - `shape`: number of cells along x and y.
     - `half_length`, `half_width`: half the extent along x and y [m].
 
-    **Raises:** `ValueError` for a shape that is no grid.
+    **Raises:** `ValueError` for a shape that is not two numbers of at least 4.
     """
     return Grid(shape, 2 * half_length / shape[0], 2 * half_width / shape[1])

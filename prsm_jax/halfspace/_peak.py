@@ -1,4 +1,4 @@
-"""The largest pressure between the cells' centres, as a differentiable number."""
+"""Largest pressure, interpolated between the cells' centres and differentiable."""
 
 import jax
 import jax.numpy as jnp
@@ -10,10 +10,10 @@ from ..mechanism import Scalar
 def peak_pressure(pressure: Float[Array, "nx ny"]) -> Scalar:
     """Largest pressure: the vertex of a paraboloid through p² at the largest cell's neighbours.
 
-    p² is a paraboloid in every Hertz contact, so this is exact there up to the pressures' own
-    error, wherever the largest value falls between the centres. Where the paraboloid has no vertex
-    within one cell (an edge, a single cell), it is the largest cell's own value. The derivative
-    holds the largest cell and is that of the vertex's height.
+    p² is a paraboloid in every Hertz contact, so this is exact there up to the error of the
+    pressures, wherever the maximum lies between the centres. Where the paraboloid has no vertex
+    within one cell (an edge, a single cell), the result is the value of the largest cell. The
+    derivative is that of the vertex's height, with the largest cell fixed.
 
     **Arguments:**
 

@@ -9,12 +9,12 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..mechanism import Scalar
 
-#: What is prescribed: the sum of all pressures, or the approach of the bodies.
+#: The prescribed quantity: the sum of all pressures, or the approach of the bodies.
 Control: TypeAlias = Literal["load", "approach"]
 
 
 class Pressures(NamedTuple):
-    """Where a search for the pressures ended."""
+    """Result of a search for the pressures."""
 
     pressure: Float[Array, "nx ny"]
     approach: Scalar
@@ -32,13 +32,13 @@ class _State(NamedTuple):
     approach: Scalar
     residual: Scalar
     direction: Float[Array, "nx ny"]
-    #: Sum of squares of the last step's gaps in contact, infinite to start afresh.
+    #: Sum of squares of the last step's gaps in contact; infinite for a restart.
     previous: Scalar
     iterations: Int[Array, ""]
 
 
 def _mean(values: Float[Array, "nx ny"], where: Float[Array, "nx ny"]) -> Scalar:
-    """Mean over a set given by ones and zeros; 0 over nothing."""
+    """Mean over a set given by ones and zeros; 0 if it is empty."""
     return jnp.sum(values * where) / jnp.maximum(jnp.sum(where), 1.0)
 
 
@@ -56,16 +56,16 @@ def constrained_conjugate_gradients(
 ) -> Pressures:
     """Pressures p ≥ 0 with g = K p + gap − δ ≥ 0 and p g = 0 on all cells with material.
 
-    Conjugate gradients on the cells in contact; a cell whose pressure would be negative leaves,
-    one that overlaps without pressure enters, and the directions start afresh then. They are
-    preconditioned, which the original method is not. Two products with K per step, one where no
-    cell changes sides.
+    Conjugate gradients on the cells in contact; a cell whose pressure would become negative leaves,
+    a cell that overlaps without pressure enters, and the directions are then restarted. Unlike in
+    the original method they are preconditioned. Two products with K per step, one if the set does
+    not change.
 
     **Arguments:**
 
     - `influence`: the product K p, symmetric and positive definite.
     - `stiffness`: approximately its inverse, symmetric and positive definite.
-    - `cell_stiffness`: what that gives for a single cell [Pa/m].
+    - `cell_stiffness`: the value of `stiffness` for a single cell [Pa/m].
     - `gap`: before deformation [m].
     - `material`: cells that can carry pressure.
     - `control`, `target`: `"load"` and the sum of all pressures [Pa], or `"approach"` and δ [m].
@@ -74,7 +74,7 @@ def constrained_conjugate_gradients(
     - `max_iterations`: steps allowed.
     """
 
-    # Without any pressure the bodies just touch, whatever constant the gap holds.
+    # Without any pressure the bodies just touch, for any constant in the gap.
     nearest = jnp.min(gap, where=material, initial=jnp.inf)
     nearest = jnp.where(jnp.isfinite(nearest), nearest, 0.0)
 
@@ -111,9 +111,11 @@ def constrained_conjugate_gradients(
         curvature = jnp.sum(centred * direction)
         length = jnp.sum(state.gap * direction) / jnp.where(curvature > 0, curvature, 1.0)
         moved = pressure - length * direction
-        kept = jnp.maximum(moved, 0.0)
-        entering = material & (kept <= 0) & (state.gap < 0)
-        following, factor = loaded(jnp.where(entering, -length * cell_stiffness * state.gap, kept))
+        clipped = jnp.maximum(moved, 0.0)
+        entering = material & (clipped <= 0) & (state.gap < 0)
+        following, factor = loaded(
+            jnp.where(entering, -length * cell_stiffness * state.gap, clipped)
+        )
         changed = jnp.any(entering | (moved < 0))
         displacement = jax.lax.cond(
             changed,

@@ -1,4 +1,4 @@
-"""Approximate inverse of the influence matrix, which makes conjugate gradients short."""
+"""Approximate inverse of the influence matrix, which saves steps of conjugate gradients."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -7,11 +7,11 @@ from ._grid import Grid
 
 
 def stiffness_symbol(grid: Grid) -> Float[Array, "kx ky"]:
-    """Pressure that makes a wave of unit displacement on a half-space, |k|/2, for E* = 1 [1/m].
+    """Pressure amplitude of a wave of unit displacement on a half-space, |k|/2, for E* = 1 [1/m].
 
-    Without the influence of the grid's rim and periodic, so on a grid that is not doubled: cheap,
-    and near enough to the inverse that the number of steps hardly grows with that of the cells.
-    Waves longer than the grid count as twice its length.
+    Periodic and without edge effects, so on a grid that is not doubled: cheap, and so close to the
+    inverse that the number of steps hardly grows with the number of cells. Waves longer than the
+    grid are treated as waves of twice its length.
 
     **Arguments:**
 
@@ -27,6 +27,6 @@ def stiffness_symbol(grid: Grid) -> Float[Array, "kx ky"]:
 def apply_symbol(
     symbol: Float[Array, "kx ky"], field: Float[Array, "nx ny"]
 ) -> Float[Array, "nx ny"]:
-    """The field with each of its waves multiplied."""
+    """The field with each of its waves multiplied by the symbol."""
     waves = jnp.fft.rfft2(field)
     return jnp.fft.irfft2(waves * symbol.astype(waves.dtype), s=field.shape)

@@ -1,9 +1,9 @@
 """Stress below uniformly loaded rectangles: pressure (Love 1929) and shear traction, closed form.
 
-Each function gives antiderivatives of the six stresses by a point load; their differences over the
-four corners are the stresses by a rectangle. They follow from the potentials of Boussinesq and
-Cerruti (Johnson 1985, section 3.2). z points into the body, tension is positive. X and Y are never
-0, and differences over opposite corners are free of the logarithms' singular parts.
+Each function gives antiderivatives of the six stresses due to a point load; their differences over
+the four corners are the stresses due to a rectangle. They follow from the potentials of Boussinesq
+and Cerruti (Johnson 1985, section 3.2). z points into the body, tension is positive. X and Y are
+never 0, and differences over opposite corners are free of the logarithms' singular parts.
 """
 
 import jax.numpy as jnp
@@ -29,7 +29,7 @@ def _solid_angle(x: Array, y: Array, depth: Scalar, radius: Array) -> Array:
 
 
 def pressure_stress(x: Corners, y: Corners, depth: Scalar, poisson_ratio: Scalar) -> Components:
-    """Stresses by pressure, at a depth z ≥ 0."""
+    """Stresses due to pressure, at a depth z ≥ 0."""
     radius, across_x, across_y = _radii(x, y, depth)
     slope = -_solid_angle(x, y, depth, radius)
     bend_xx = -x * y / (radius * across_x)
@@ -50,7 +50,7 @@ def pressure_stress(x: Corners, y: Corners, depth: Scalar, poisson_ratio: Scalar
 
 
 def shear_stress(x: Corners, y: Corners, depth: Scalar, poisson_ratio: Scalar) -> Components:
-    """Stresses by traction on the body in the direction of x, at a depth z ≥ 0."""
+    """Stresses due to traction on the body in the direction of x, at a depth z ≥ 0."""
     radius, across_x, across_y = _radii(x, y, depth)
     below = radius + depth
     # φ = ∬ 1/R, F = ∬ ln(R + z), F₁ = ∬ (z ln(R + z) − R), differentiated as named.

@@ -1,4 +1,4 @@
-"""Contact of a ring and a screw on the grid: what the slices of a line contact leave out."""
+"""Contact of a ring and a screw on the grid, without the simplifications of slices."""
 
 import jax
 import jax.numpy as jnp
@@ -10,7 +10,7 @@ from ..programs import physics
 from ._grid import Grid
 from ._surface_contact import SurfaceContact, solve_contact, within_small_strains
 
-#: Half the width of the grid over that of the widest slice, and its length over the zone's.
+#: Width of the grid over that of the widest slice, and its length over that of the zone.
 _WIDER, _LONGER = 2.5, 1.05
 
 
@@ -25,19 +25,19 @@ def ring_contact(
 ) -> SurfaceContact:
     """The flanks of a ring and a screw in contact on an elastic half-space.
 
-    The gap is that of the exact flanks, counted along the arc from every slice's narrowest place.
-    Unlike the slices of `line_contact`, every place feels all the others: the pressure rises where
-    the zone ends although the flanks are straight, and evens out along the line where they are not
-    parallel. Both bodies count as half-spaces past the ends, too; a crest that is a free edge is
-    softer there.
+    The gap is that of the exact flanks, along the arc from the smallest gap of every slice. Unlike
+    the slices of `line_contact`, all points influence each other: the pressure rises at the ends of
+    the zone although the flanks are straight, and evens out along the line where they are not
+    parallel. Both bodies are half-spaces beyond the ends, too; a real crest, with a free edge, is
+    more compliant there.
 
-    The rise at a sharp end has no limit: it grows slowly as the grid gets finer, until the edge
-    that is broken in reality is resolved.
+    The rise at a sharp end has no limit: it grows slowly as the grid becomes finer, down to the
+    size at which real edges are rounded.
 
     **Arguments:**
 
     - `contact`: the flanks.
-    - `axial_force`: on this contact [N].
+    - `axial_force`: axial force on this contact [N].
     - `modulus`: contact modulus E* [Pa].
     - `shape`: cells along the contact line and across it.
     - `slices`: the same contact by slices, if known; it sets the extent of the grid.
@@ -49,7 +49,7 @@ def ring_contact(
     inner, outer = contact_zone(contact)
     along = jnp.cos(contact.roller_profile_angle)
     length, width = _LONGER * (outer - inner) / along, 2 * _WIDER * slices.max_half_width
-    # How far and where the grid reaches says nothing about the contact.
+    # The extent of the grid is not part of the contact: no derivatives.
     length, width = jax.lax.stop_gradient((length, width))
     grid = Grid(shape, length / shape[0], width / shape[1])
     radius = (inner + outer) / 2 + grid.x * along

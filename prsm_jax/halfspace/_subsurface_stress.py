@@ -14,7 +14,7 @@ from ._convolution import field_of, influence, spectrum
 from ._grid import Grid
 from ._rectangle_stress import pressure_stress, shear_stress
 
-#: Which of the six components stands where in the tensor.
+#: Index of the component at each place of the tensor.
 _FULL = ((0, 3, 5), (3, 1, 4), (5, 4, 2))
 
 
@@ -29,7 +29,7 @@ class SubsurfaceStress(AbstractResult):
 
     @property
     def batch_shape(self) -> tuple[int, ...]:
-        """Axes of the batch that these stresses are of; empty for a single design."""
+        """Batch axes of these stresses; empty for a single design."""
         return self.depths.shape[:-1]
 
     @property
@@ -43,8 +43,8 @@ class SubsurfaceStress(AbstractResult):
     def max_von_mises(self) -> tuple[Scalar, Scalar]:
         """Largest von Mises stress of all points [Pa] and its depth [m].
 
-        Between the depths by a parabola through the largest of each of three of them; at the first
-        or last depth the value there.
+        Interpolated by a parabola through the maxima at three depths; at the first or last depth
+        the value there.
         """
         largest = jnp.max(self.von_mises, axis=(1, 2))
         index = jnp.argmax(largest)
@@ -67,7 +67,7 @@ class SubsurfaceStress(AbstractResult):
 
 
 def _swapped(x, y, depth, poisson_ratio):
-    """Stresses by traction along y: those along x with both axes exchanged."""
+    """Stresses due to traction along y: those along x with both axes exchanged."""
     xx, yy, zz, xy, yz, zx = shear_stress(y, x, depth, poisson_ratio)
     return yy, xx, zz, xy, zx, yz
 
@@ -85,7 +85,7 @@ def subsurface_stress_field(
     """Stress below any pressure and traction on a grid, at any depths z ≥ 0.
 
     Closed-form stresses of uniformly loaded rectangles, convolved by FFT at each depth. Exact for
-    what the grid holds: the error is that of cells of constant load, and largest at the surface.
+    cells of constant load; the error of this assumption is largest at the surface.
 
     **Arguments:**
 
@@ -93,8 +93,8 @@ def subsurface_stress_field(
     - `pressure`: on the cells [Pa].
     - `depths`: below the surface [m].
     - `poisson_ratio`: of the body.
-    - `traction_x`, `traction_y`: tangential traction on this body [Pa]; what is not given is not
-      traced. The other body feels the opposite.
+    - `traction_x`, `traction_y`: tangential traction on this body [Pa]; a component that is not
+      given is not traced. The traction on the other body is opposite.
     """
     nu = jnp.asarray(poisson_ratio, pressure.dtype)
     loads = [(pressure_stress, spectrum(pressure))]

@@ -13,14 +13,14 @@ from ._equilibrium import equilibrium
 from ._grid import Grid
 from ._peak import peak_pressure
 
-#: What the result codes of a surface contact mean, and what to do.
+#: Result codes of a surface contact: meaning, and what to do.
 RESULTS = {
     0: "contact found",
-    1: "not converged: raise max_iterations or tolerance, and look for numbers that are not finite",
+    1: "not converged: raise max_iterations or tolerance, and check that all numbers are finite",
     2: "the contact reaches the edge of the grid: make the grid larger",
     3: "no contact: no load, or an approach smaller than the gap",
     4: "not a half-space: under this load the Hertz pressure is above a tenth of the contact "
-    "modulus, and the contact no longer small against the bodies; lower the load",
+    "modulus, and the contact is no longer small compared with the bodies; lower the load",
     5: "no such flanks: they do not mesh, or a number of the stage is out of its range "
     "(prsm_jax.check names it)",
 }
@@ -39,7 +39,7 @@ class SurfaceContact(eqx.Module):
     contact: Bool[Array, "nx ny"]
     #: Sum of both bodies' normal displacements [m].
     displacement: Float[Array, "nx ny"]
-    #: Gap that is left between the deformed surfaces [m].
+    #: Gap between the deformed surfaces [m].
     separation: Float[Array, "nx ny"]
     #: Approach of the two bodies δ [m].
     approach: Scalar
@@ -49,7 +49,7 @@ class SurfaceContact(eqx.Module):
     max_pressure: Scalar
     #: Area in contact [m²].
     area: Scalar
-    #: Steps of all grids together.
+    #: Total number of steps on all grids.
     iterations: Int[Array, ""]
     #: Largest violation of the contact conditions over the largest displacement.
     residual: Scalar
@@ -58,24 +58,24 @@ class SurfaceContact(eqx.Module):
 
     @property
     def found(self) -> Bool[Array, ""]:
-        """Whether the numbers are those of a contact within the grid."""
+        """Whether a contact within the grid was found."""
         return self.code == 0
 
 
 def within_small_strains(
     surface: SurfaceContact, hertz_pressure: Scalar, modulus: Scalar
 ) -> SurfaceContact:
-    """The contact, with a result code where its load is beyond what half-spaces stand for.
+    """The contact, with result code 4 where its load is too large for the half-space model.
 
     **Arguments:**
 
-    - `surface`: a contact that was solved.
+    - `surface`: a solved contact.
     - `hertz_pressure`: pressure by closed form, without the edges of the surfaces [Pa].
     - `modulus`: contact modulus E* [Pa].
     """
     small = hertz_pressure <= _LARGEST_STRAIN * modulus
-    known = jnp.isfinite(hertz_pressure) & jnp.isfinite(modulus)
-    return dataclasses.replace(surface, code=jnp.where(small | ~known, surface.code, 4))
+    finite = jnp.isfinite(hertz_pressure) & jnp.isfinite(modulus)
+    return dataclasses.replace(surface, code=jnp.where(small | ~finite, surface.code, 4))
 
 
 def _rim(field: Bool[Array, "nx ny"]) -> Bool[Array, ""]:
@@ -96,11 +96,12 @@ def solve_contact(
 ) -> SurfaceContact:
     """Contact of two elastic half-spaces with a gap, frictionless, without adhesion.
 
-    Pressures p ≥ 0 with K p + gap − δ ≥ 0 and one of both zero everywhere; K is the displacement by
-    uniformly loaded rectangles (Love 1929). Constrained conjugate gradients with FFT convolution
-    (Polonsky and Keer 1999), started on coarser grids. Derivatives, in forward and reverse mode,
-    hold the cells in contact and are those of the solution, not of the iterations: with respect to
-    gap, load or approach, modulus and spacings. The mask `material` is a choice, not a number.
+    Pressures p ≥ 0 with K p + gap − δ ≥ 0 and one of the two zero everywhere; K is the displacement
+    due to uniformly loaded rectangles (Love 1929). Constrained conjugate gradients with FFT
+    convolution (Polonsky and Keer 1999), started on coarser grids. Derivatives, in forward and
+    reverse mode, are those of the solution with the set of cells in contact fixed, not of the
+    iterations: with respect to gap, load or approach, modulus and spacings, but not to the mask
+    `material`.
 
     **Arguments:**
 
@@ -108,12 +109,13 @@ def solve_contact(
     - `gap`: distance of the undeformed surfaces along the common normal, up to a constant [m].
     - `modulus`: contact modulus E* [Pa].
     - `load`: normal force [N]; or
-    - `approach`: approach of the bodies δ, counted from gap = 0 [m].
-    - `material`: cells with material on both sides; elsewhere there is no pressure. Default all.
+    - `approach`: approach of the bodies δ, measured from gap = 0 [m].
+    - `material`: cells with material on both sides; elsewhere there is no pressure. Default: all
+      cells.
     - `tolerance`: largest violation of the contact conditions over the largest displacement.
     - `max_iterations`: steps allowed on every grid.
 
-    **Returns:** a `SurfaceContact`; `code` tells how it went.
+    **Returns:** a `SurfaceContact`; `code` is one of `RESULTS`.
 
     **Raises:** `ValueError` unless exactly one of `load` and `approach` is given, and where gap or
     material do not fit the grid.
@@ -132,7 +134,7 @@ def solve_contact(
     control = "load" if approach is None else "approach"
     target = jnp.asarray(load if approach is None else approach, gap.dtype)
     modulus = jnp.asarray(modulus, gap.dtype)
-    found = equilibrium(
+    pressures = equilibrium(
         control,
         max_iterations,
         grid,
@@ -142,26 +144,30 @@ def solve_contact(
         material,
         jnp.asarray(tolerance, gap.dtype),
     )
-    contact = found.pressure > 0
+    contact = pressures.pressure > 0
     touching = jnp.any(contact)
     nearest = jnp.min(jnp.where(material, gap, jnp.inf))
-    final = jnp.where(touching, found.approach, nearest) if control == "load" else found.approach
-    displacement = normal_displacement(grid, found.pressure, modulus)
-    # Without finite numbers nothing is in contact, and nothing is violated.
-    finite = jnp.isfinite(jnp.sum(found.pressure) + modulus + nearest + target)
-    converged = (found.residual <= tolerance) & finite
+    final = (
+        jnp.where(touching, pressures.approach, nearest)
+        if control == "load"
+        else pressures.approach
+    )
+    displacement = normal_displacement(grid, pressures.pressure, modulus)
+    # With numbers that are not finite no cell is in contact and no condition is violated.
+    finite = jnp.isfinite(jnp.sum(pressures.pressure) + modulus + nearest + target)
+    converged = (pressures.residual <= tolerance) & finite
     code = jnp.where(converged, jnp.where(touching, jnp.where(_rim(contact), 2, 0), 3), 1)
     return SurfaceContact(
         grid=grid,
-        pressure=found.pressure,
+        pressure=pressures.pressure,
         contact=contact,
         displacement=displacement,
         separation=displacement + gap - final,
         approach=final,
-        load=jnp.sum(found.pressure) * grid.cell_area,
-        max_pressure=peak_pressure(found.pressure),
+        load=jnp.sum(pressures.pressure) * grid.cell_area,
+        max_pressure=peak_pressure(pressures.pressure),
         area=jnp.sum(contact.astype(gap.dtype)) * grid.cell_area,
-        iterations=found.iterations,
-        residual=found.residual,
+        iterations=pressures.iterations,
+        residual=pressures.residual,
         code=code,
     )

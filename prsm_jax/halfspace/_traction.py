@@ -21,7 +21,7 @@ def sliding_traction(contact: SurfaceContact, coefficient: Scalar | float) -> Fl
 
 
 class PartialSlip(eqx.Module):
-    """Tangential traction in one direction, with a zone that sticks inside one that slips."""
+    """Tangential traction in one direction, with a stick zone inside a slip zone."""
 
     #: Traction in the direction of the force [Pa].
     traction: Float[Array, "nx ny"]
@@ -31,11 +31,11 @@ class PartialSlip(eqx.Module):
     slip: Bool[Array, "nx ny"]
     #: Tangential force, at most μ F [N].
     force: Scalar
-    #: Whether the whole contact slides: the force asked for was μ F or more.
+    #: Whether the whole contact slides: the given force is μ F or more.
     sliding: Bool[Array, ""]
-    #: Approach less that of the contact that remains of the stick zone, δ(F) − δ(F*) [m].
+    #: Approach minus that under the load F* of the stick zone, δ(F) − δ(F*) [m].
     approach_difference: Scalar
-    #: Result code of the second contact, one of `RESULTS`; 3 where nothing sticks.
+    #: Result code of the second contact, one of `RESULTS`; 3 if no cell sticks.
     code: Array
 
     def displacement(self, coefficient: Scalar | float, poisson_ratio: Scalar | float) -> Scalar:
@@ -69,22 +69,22 @@ def partial_slip(
 
     q = μ (p(F) − p(F*)) with F* = F − Q/μ: the stick zone is the contact under the smaller load
     (Ciavarella 1998, Jäger 1998; Cattaneo and Mindlin for spheres). Exact for elastically similar
-    bodies when Poisson's ratio does not couple the two tangential directions (plane problems, or
-    ν = 0); otherwise the slip is not quite along the force and the error is some per cent.
+    bodies when Poisson's ratio does not couple the two tangential directions (plane problems, or ν
+    = 0); otherwise the slip is not exactly along the force and the error is some per cent.
 
     **Arguments:**
 
     - `contact`: the normal contact under the load F.
-    - `gap`, `modulus`, `material`: what it was found with.
-    - `coefficient`: friction coefficient μ; without friction (0) nothing sticks.
-    - `force`: tangential force Q ≥ 0 [N]; from μ F on the contact slides.
+    - `gap`, `modulus`, `material`: as used for that contact.
+    - `coefficient`: friction coefficient μ; without friction (0) no cell sticks.
+    - `force`: tangential force Q ≥ 0 [N]; at μ F and above the contact slides.
     - `tolerance`, `max_iterations`: as in `solve_contact`.
     """
     mu = jnp.asarray(coefficient, gap.dtype)
-    asked = jnp.maximum(jnp.asarray(force, gap.dtype), 0.0)
+    tangential = jnp.maximum(jnp.asarray(force, gap.dtype), 0.0)
     limit = mu * contact.load
-    sliding = asked >= limit
-    remaining = jnp.where(sliding, 0.0, contact.load - asked / jnp.where(sliding, 1.0, mu))
+    sliding = tangential >= limit
+    remaining = jnp.where(sliding, 0.0, contact.load - tangential / jnp.where(sliding, 1.0, mu))
     inner = solve_contact(
         contact.grid,
         gap,
@@ -98,7 +98,7 @@ def partial_slip(
         traction=mu * (contact.pressure - inner.pressure),
         stick=inner.contact,
         slip=contact.contact & ~inner.contact,
-        force=jnp.minimum(asked, limit),
+        force=jnp.minimum(tangential, limit),
         sliding=sliding,
         approach_difference=contact.approach - inner.approach,
         code=inner.code,

@@ -49,23 +49,22 @@ class Stage(Limited):
     """One planetary roller screw: threads, bodies, gear, stiffnesses taken as given, friction.
 
     Leaves (traced, differentiable): every number. Static: `roller_count`, `curvature`,
-    `carrier.count`, which rollers are unequal or missing, and which of the optional parts are
-    there at all.
+    `carrier.count`, which rollers are unequal or missing, and which optional parts are present.
 
-    `roller_count` is the number of places, evenly spaced; `present_roller_count` that of the
-    rollers in them. The load is shared equally by those that are there, whatever their stiffness,
-    and by all their engaged threads, unless `load_sharing` says how; `sharing = "equal"` states
-    that equal shares are meant.
+    `roller_count` is the number of evenly spaced places; `present_roller_count` is the number of
+    rollers in them. The load is shared equally by the rollers present, independent of their
+    stiffness, and by all their engaged threads, unless `load_sharing` defines it;
+    `sharing = "equal"` states that equal shares are intended.
 
-    **Raises:** `ValueError` at construction for a roller count below 1, unequal rollers that do
-    not fit it, an unknown curvature convention or `sharing`, and for numbers that
-    are known and out of their range, or that exclude each other (a bore wider than its screw).
-    Traced numbers are not known: there results carry a code, and `prsm_jax.check` has findings.
+    **Raises:** `ValueError` at construction for a roller count below 1, unequal rollers that do not
+    fit it, an unknown curvature convention or `sharing`, and for known numbers that are out of
+    range or exclude each other (a bore wider than its screw). Traced numbers cannot be refused:
+    results then carry a code, and `prsm_jax.check` gives findings.
     """
 
     thread: Thread
     roller_count: int = choice(
-        "number of rollers (of their places, if some are missing), N", limit=ROLLERS
+        "number of rollers (of roller places, if some are missing), N", limit=ROLLERS
     )
     screw: Screw = Screw()
     roller: Roller = Roller()
@@ -85,9 +84,7 @@ class Stage(Limited):
     damping: Damping | None = part(
         "forced vibration is undamped: no finite response at a natural frequency"
     )
-    line_contact: LineContact | None = part(
-        "no pressure of rollers of rings, which touch along a line"
-    )
+    line_contact: LineContact | None = part("no pressure of ring rollers, which have line contact")
     load_sharing: LoadSharing | None = part(
         "all engaged threads carry the same load: the most loaded thread is not known"
     )
@@ -99,9 +96,7 @@ class Stage(Limited):
         "threads of one roller that carry load, per side, z",
         limit=POSITIVE,
     )
-    curvature: CurvatureConvention = choice(
-        "where the contact curvatures come from", default="exact"
-    )
+    curvature: CurvatureConvention = choice("convention of the contact curvatures", default="exact")
     sharing: Sharing = choice(
         '"equal" states that all engaged threads share the load equally',
         default="unstated",
@@ -110,7 +105,7 @@ class Stage(Limited):
     unequal_roller: tuple[UnequalRoller, ...] = eqx.field(
         converter=tuple,
         default=(),
-        metadata={"without": "all rollers are equal, in their places, and there"},
+        metadata={"without": "all rollers are equal, in their places, and present"},
     )
 
     def __check_init__(self):
@@ -134,7 +129,7 @@ class Stage(Limited):
 
     @property
     def present_roller_count(self) -> int:
-        """Number of rollers that are there: they share the load and have mass."""
+        """Number of rollers present: they share the load and have mass."""
         return self.roller_count - sum(roller.missing for roller in self.unequal_roller)
 
 
@@ -166,8 +161,8 @@ class DutyCycle(eqx.Module):
             check_finite("DutyCycle", f"give the {name} of each phase in {unit}", **values)
 
 
-class _Kept:
-    """A title as a mechanism keeps it: all are equal, so none tells programs apart."""
+class _StoredTitle:
+    """A stored title: all compare equal, so that titles do not distinguish programs."""
 
     __slots__ = ("text",)
 
@@ -175,10 +170,10 @@ class _Kept:
         self.text = text
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Kept)
+        return isinstance(other, _StoredTitle)
 
     def __hash__(self) -> int:
-        return hash(_Kept)
+        return hash(_StoredTitle)
 
     # The written structure of a mechanism is part of the name of a stored program.
     def __repr__(self) -> str:
@@ -186,18 +181,18 @@ class _Kept:
 
 
 class _Title:
-    """The field `title`: a plain string to users, no part of the structure that JAX compares.
+    """The field `title`: a plain string for users, not part of the structure that JAX compares.
 
     Static parts of a pytree are compared wherever pytrees are stacked and compiled programs are
-    looked up; a new title must neither compile anew nor keep designs from being stacked.
+    looked up; a new title must neither cause a compilation nor prevent designs from being stacked.
     """
 
     def __get__(self, mechanism: Any, owner: type) -> Any:
         return self if mechanism is None else vars(mechanism)["title"].text
 
     def __set__(self, mechanism: Any, text: Any) -> None:
-        # JAX puts back what it took out of another mechanism.
-        vars(mechanism)["title"] = text if isinstance(text, _Kept) else _Kept(text)
+        # JAX also sets the stored title of another mechanism.
+        vars(mechanism)["title"] = text if isinstance(text, _StoredTitle) else _StoredTitle(text)
 
 
 class Mechanism(eqx.Module):
@@ -209,7 +204,7 @@ class Mechanism(eqx.Module):
 
     stages: tuple[Stage, ...]
     operating_point: OperatingPoint | None = part(
-        "speed and load have to be given to each analysis; a file has no results without"
+        "speed and load have to be given to each analysis; a file without it has no results"
     )
     duty_cycle: DutyCycle | None = part(
         "no equivalent load and no damage of phases: life is that of the operating point"
@@ -218,12 +213,12 @@ class Mechanism(eqx.Module):
     design_problem: DesignProblem | None = choice(
         "the [optimise] table of the file",
         default=None,
-        without="nothing says what to optimise, between which bounds and within which limits",
+        without="no optimisation: variables, bounds, objectives and limits are not defined",
     )
-    #: What `simulate` does unless it is told otherwise.
+    #: Default scenario of `simulate`.
     scenario: Scenario | TorqueScenario | None = part(
-        "transients are the settling after a step to the operating point: no mission, no torque "
-        "that drives"
+        "transients are the settling after a step to the operating point: no mission, no driving "
+        "torque"
     )
 
     def __check_init__(self):
@@ -237,5 +232,5 @@ class Mechanism(eqx.Module):
             )
 
 
-# After the class is made: in it the name would be taken for the default.
+# Set after the class is created: inside it, this would be taken as the default.
 Mechanism.title = _Title()  # type: ignore[assignment]

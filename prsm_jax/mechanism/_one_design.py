@@ -1,4 +1,4 @@
-"""What a public function takes: one design, whose numbers are scalars."""
+"""Check that a public function receives one design, whose numbers are scalars."""
 
 import dataclasses
 import functools
@@ -11,15 +11,15 @@ import equinox as eqx
 import jax
 import numpy as np
 
-_Given = ParamSpec("_Given")
-_Found = TypeVar("_Found")
+_Parameters = ParamSpec("_Parameters")
+_Result = TypeVar("_Result")
 
 
 @functools.cache
 def _axes_of(kind: type) -> dict[str, int | None]:
-    """Of each field of a module that is an array its number of axes; `None` of all others."""
+    """Number of axes of each array field of a module; `None` for all other fields."""
     hints = typing.get_type_hints(kind)
-    found: dict[str, int | None] = {}
+    axes: dict[str, int | None] = {}
     for field in dataclasses.fields(kind):
         if field.metadata.get("static", False):
             continue
@@ -29,12 +29,12 @@ def _axes_of(kind: type) -> dict[str, int | None]:
         words = [getattr(one, "dim_str", None) for one in among]
         declared = [w.split() for w in words if w is not None]
         fixed = len(declared) == 1 and not any("*" in w or "..." in w for w in declared[0])
-        found[field.name] = len(declared[0]) if fixed else None
-    return found
+        axes[field.name] = len(declared[0]) if fixed else None
+    return axes
 
 
 def _declared(module: eqx.Module, path: str) -> Iterator[tuple[int, int, str]]:
-    """Leaf, number of axes and path of every array of a module whose leaves are their places."""
+    """Leaf, number of axes and path of every array of a module whose leaves are their indices."""
     for name, axes in _axes_of(type(module)).items():
         for at, one in _items(getattr(module, name), f"{path}{name}"):
             if isinstance(one, eqx.Module):
@@ -58,44 +58,46 @@ def _axes(structure: Any) -> tuple[tuple[int, int, str], ...]:
 
 
 def check_one_design(module: eqx.Module, where: str, *, mappable: bool = True) -> None:
-    """Refuse a batch of designs where one is wanted.
+    """Refuse a batch of designs where one design is required.
 
     **Arguments:**
 
     - `module`: a mechanism or a part of one.
-    - `where`: the name of the function that was given it.
+    - `where`: the name of the function that received it.
     - `mappable`: whether that function can be mapped by `jax.vmap`.
 
-    **Raises:** `ValueError`, naming the first number that has more axes than it may.
+    **Raises:** `ValueError`, naming the first number that has too many axes.
     """
     leaves, structure = jax.tree.flatten(module)
-    for place, axes, path in _axes(structure):
-        if np.ndim(leaves[place]) > axes:
+    for index, axes, path in _axes(structure):
+        if np.ndim(leaves[index]) > axes:
             kind = type(module).__name__.lower()
             remedy = "call it with each design, one after the other"
             if mappable:
                 remedy = f"map it over the batch: jax.vmap(prsm.{where})({kind})"
             raise ValueError(
-                f"{where}: {path} has the shape {np.shape(leaves[place])}, so this is a batch of "
+                f"{where}: {path} has the shape {np.shape(leaves[index])}, so this is a batch of "
                 f"designs, and {where} takes one {kind}; {remedy}"
             )
 
 
-def of_one_design(function: Callable[_Given, _Found]) -> Callable[_Given, _Found]:
+def of_one_design(function: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Result]:
     """A public function whose first argument, a mechanism or a part, must not be a batch."""
-    return _with_door(function, mappable=True)
+    return _checked(function, mappable=True)
 
 
-def of_one_known_design(function: Callable[_Given, _Found]) -> Callable[_Given, _Found]:
-    """As `of_one_design`, of a function that looks at numbers: `jax.vmap` cannot map it."""
-    return _with_door(function, mappable=False)
+def of_one_known_design(function: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Result]:
+    """As `of_one_design`, for a function that reads values: `jax.vmap` cannot map it."""
+    return _checked(function, mappable=False)
 
 
-def _with_door(function: Callable[_Given, _Found], *, mappable: bool) -> Callable[_Given, _Found]:
+def _checked(
+    function: Callable[_Parameters, _Result], *, mappable: bool
+) -> Callable[_Parameters, _Result]:
     name = getattr(function, "__name__", "this function")
 
     @functools.wraps(function)
-    def run(*args: _Given.args, **kwargs: _Given.kwargs) -> _Found:
+    def run(*args: _Parameters.args, **kwargs: _Parameters.kwargs) -> _Result:
         module = args[0] if args else next(iter(kwargs.values()), None)
         if isinstance(module, eqx.Module):
             check_one_design(module, name, mappable=mappable)

@@ -1,4 +1,4 @@
-"""Numerical methods on plain arrays: roots, small linear algebra, sums of a few, guards of NaN.
+"""Numerical methods on plain arrays: roots, small linear algebra, short sums, NaN guards.
 
 Nothing here calls LAPACK, whose batched calls deadlock between threads of one process.
 """

@@ -1,4 +1,4 @@
-"""Parts of a program that XLA compiles by themselves."""
+"""Parts of a program that XLA compiles separately."""
 
 import functools
 from collections.abc import Callable
@@ -10,39 +10,39 @@ import jax.numpy as jnp
 from jax.core import Tracer
 from jax.extend.core import jaxpr_as_fun
 
-_Given = ParamSpec("_Given")
-_Found = TypeVar("_Found")
+_Parameters = ParamSpec("_Parameters")
+_Result = TypeVar("_Result")
 
 
-def apart(function: Callable[_Given, _Found]) -> Callable[_Given, _Found]:
-    """Have a function compiled as a part of its own inside a larger program.
+def apart(function: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Result]:
+    """Compile a function as a separate part of a larger program.
 
-    XLA on a CPU fuses what consumes a value into what makes it, and computes the maker anew for
-    each consumer; its search for what to fuse grows faster than the program. It does neither across
-    a condition, so the function becomes the branch of one whose outcome is hidden from the
-    compiler. The other branch is NaN and never taken. Values and derivatives are those of the
-    function itself; outside a trace it is called as it is.
+    XLA on a CPU fuses operations that use a value with the operations that compute it, and
+    recomputes the value for each use; its search for fusions grows faster than the program. It does
+    neither across a condition, so the function becomes one branch of a condition whose outcome is
+    hidden from the compiler. The other branch is NaN and never taken. Values and derivatives are
+    those of the function itself; outside a trace it is called directly.
 
     **Arguments:**
 
-    - `function`: a pure function; what it takes and gives are pytrees of arrays and anything else.
-      It must not use traced values other than its arguments.
+    - `function`: a pure function; its arguments and results are pytrees of arrays and other
+      objects. It must not use traced values other than its arguments.
     """
 
     plain: Callable[..., Any] = function
 
     @functools.wraps(function)
-    def run(*args: _Given.args, **kwargs: _Given.kwargs) -> _Found:
+    def run(*args: _Parameters.args, **kwargs: _Parameters.kwargs) -> _Result:
         numbers, others = eqx.partition((args, kwargs), eqx.is_array)
         leaves, structure = jax.tree.flatten(numbers)
         if not any(isinstance(leaf, Tracer) for leaf in leaves):
             return function(*args, **kwargs)
-        found: list[Any] = []
+        output: list[Any] = []
 
         def of_numbers(*leaves):
             args, kwargs = eqx.combine(jax.tree.unflatten(structure, leaves), others)
             numbers, rest = eqx.partition(plain(*args, **kwargs), eqx.is_array)
-            leaves, found[:] = jax.tree.leaves(numbers), (jax.tree.structure(numbers), rest)
+            leaves, output[:] = jax.tree.leaves(numbers), (jax.tree.structure(numbers), rest)
             return leaves
 
         traced = jax.make_jaxpr(of_numbers)(*leaves)
@@ -53,7 +53,7 @@ def apart(function: Callable[_Given, _Found]) -> Callable[_Given, _Found]:
             lambda *_: [_none(value) for value in traced.out_avals],
             *leaves,
         )
-        return eqx.combine(jax.tree.unflatten(found[0], results), found[1])
+        return eqx.combine(jax.tree.unflatten(output[0], results), output[1])
 
     return run
 

@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-#: Halley steps from a start that is 2 % off at its worst; three reach rounding.
+#: Halley steps from a start with an error of 2 % at most; three reach rounding.
 _STEPS = 3
 
 Numbers = Float[Array, "..."]
@@ -20,8 +20,8 @@ def root_above_one(kappa: Numbers) -> Numbers:
     y = jnp.minimum(1 + kappa / 2, large + 1 / (3 * large))
     for _ in range(_STEPS):
         square = y * y
-        left, slope = y * (square - 1) - kappa, 3 * square - 1
-        y = y - left * slope / (slope * slope - 3 * y * left)
+        residual, slope = y * (square - 1) - kappa, 3 * square - 1
+        y = y - residual * slope / (slope * slope - 3 * y * residual)
     return y
 
 

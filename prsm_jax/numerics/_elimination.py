@@ -1,8 +1,8 @@
 """Gaussian elimination of one small matrix, in plain array operations.
 
-Not by LAPACK: batched calls of it share XLA's few threads among themselves and, in jaxlib 0.10, two
-that do not depend on each other can wait for each other for ever. Two responses in one compiled
-program are such a pair. For matrices of this size nothing is lost.
+Not by LAPACK: its batched calls share XLA's few threads and, in jaxlib 0.10, two independent calls,
+e.g. two responses in one compiled program, can wait for each other for ever. For matrices of this
+size there is no disadvantage.
 """
 
 from collections.abc import Callable
@@ -28,7 +28,7 @@ class Factors(eqx.Module):
 
 
 def factorise(matrix: Inexact[Array, "n n"]) -> Factors:
-    """Factors of a matrix; those of a singular one are finite, and useless."""
+    """Factors of a matrix; those of a singular matrix are finite, but useless."""
     rows = jnp.arange(matrix.shape[0])
 
     def step(k, carry):
@@ -47,8 +47,8 @@ def factorise(matrix: Inexact[Array, "n n"]) -> Factors:
         moved = jnp.where(rows == p, order[k], order)
         return a, jnp.where(rows == k, order[p], moved)
 
-    found, order = jax.lax.fori_loop(0, matrix.shape[0], step, (matrix, rows))
-    return Factors(found, order)
+    eliminated, order = jax.lax.fori_loop(0, matrix.shape[0], step, (matrix, rows))
+    return Factors(eliminated, order)
 
 
 def substitute(factors: Factors, right: Inexact[Array, "n loads"]) -> Inexact[Array, "n loads"]:
@@ -95,7 +95,7 @@ def solve(matrix: Inexact[Array, "n n"], right: Inexact[Array, " n"]) -> Inexact
 
     **Arguments:**
 
-    - `matrix`: A, real. One that is singular in rounding gives numbers of no meaning.
+    - `matrix`: A, real. If it is singular to rounding, the result is meaningless.
     - `right`: b.
     """
     return solver(matrix)(right)

@@ -1,8 +1,8 @@
 """Sums, products and extremes of a few numbers, as plain operations.
 
-XLA on a CPU hands reductions and products of matrices to a library of kernels for long rows, from
-jaxlib 0.10 on. For each of the two or three numbers of a vector or of a mechanism's stages that
-costs more than the operation itself: of a step of RODASP in a batch it took 40 % of the time.
+From jaxlib 0.10 on, XLA on a CPU passes reductions and products of matrices to a library of kernels
+for long rows. For the two or three numbers of a vector or of a mechanism's stages this costs more
+than the operation itself: it took 40 % of the time of a RODASP step in a batch.
 """
 
 import functools
@@ -19,27 +19,27 @@ def _parts(values: Shaped[Array, "..."], axis: int) -> list[Array]:
 
 
 def sum_few(values: Shaped[Array, "..."], axis: int = -1) -> Shaped[Array, "..."]:
-    """`jnp.sum(values, axis)` of a few numbers along the axis, one at least."""
+    """`jnp.sum(values, axis)` of a few numbers along the axis, at least one."""
     return functools.reduce(jnp.add, _parts(values, axis))
 
 
 def max_few(values: Shaped[Array, "..."], axis: int = -1) -> Shaped[Array, "..."]:
-    """`jnp.max(values, axis)` of a few numbers along the axis, one at least."""
+    """`jnp.max(values, axis)` of a few numbers along the axis, at least one."""
     return functools.reduce(jnp.maximum, _parts(values, axis))
 
 
 def min_few(values: Shaped[Array, "..."], axis: int = -1) -> Shaped[Array, "..."]:
-    """`jnp.min(values, axis)` of a few numbers along the axis, one at least."""
+    """`jnp.min(values, axis)` of a few numbers along the axis, at least one."""
     return functools.reduce(jnp.minimum, _parts(values, axis))
 
 
 def any_few(values: Shaped[Array, "..."], axis: int = -1) -> Shaped[Array, "..."]:
-    """`jnp.any(values, axis)` of a few truth values along the axis, one at least."""
+    """`jnp.any(values, axis)` of a few truth values along the axis, at least one."""
     return functools.reduce(jnp.logical_or, _parts(values, axis))
 
 
 def all_few(values: Shaped[Array, "..."], axis: int = -1) -> Shaped[Array, "..."]:
-    """`jnp.all(values, axis)` of a few truth values along the axis, one at least."""
+    """`jnp.all(values, axis)` of a few truth values along the axis, at least one."""
     return functools.reduce(jnp.logical_and, _parts(values, axis))
 
 
@@ -49,7 +49,7 @@ def dot_few(first: Shaped[Array, "..."], second: Shaped[Array, "..."]) -> Shaped
 
 
 def length_few(vector: Shaped[Array, "..."], axis: int = -1) -> Shaped[Array, "..."]:
-    """Length of a vector of a few numbers; 0, with derivative 0, where it has none."""
+    """Length of a vector of a few numbers; 0, with derivative 0, for a zero vector."""
     return root_or_zero(sum_few(vector**2, axis))
 
 

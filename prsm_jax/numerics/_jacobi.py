@@ -1,13 +1,13 @@
 """Singular values and vectors, and eigenvalues, of small dense matrices by Jacobi rotations.
 
-One-sided (Hestenes 1958): pairs of vectors are turned until all are orthogonal. Applied to the
-triangular factor of `row_factor`, small singular values and their vectors keep their digits
-whatever the ratio of stiffnesses is (Drmač and Veselić 2008). The pairs of one step have no vector
-in common, so a step is one operation on all of them, and on all designs of a batch, which is the
-last axis of every array here.
+One-sided (Hestenes 1958): pairs of vectors are rotated until all are orthogonal. Applied to the
+triangular factor of `row_factor`, small singular values and their vectors keep their digits for any
+ratio of stiffnesses (Drmač and Veselić 2008). The pairs of one step have no vector in common, so a
+step is one operation on all of them, and on all designs of a batch, which is the last axis of every
+array here.
 
-Not by LAPACK: its batched calls wait for threads of XLA's only pool while they hold one, so two
-Python threads that run them at once wait for each other for ever.
+Not by LAPACK: its batched calls wait for threads of XLA's only pool while they occupy one, so two
+Python threads that run them simultaneously wait for each other for ever.
 """
 
 import jax
@@ -19,24 +19,24 @@ from ._row_factor import row_factor
 
 Vectors = Inexact[Array, "vectors length batch"]
 Norms = Float[Array, "pairs batch"]
-#: Most sweeps over all pairs: 5 to 8 suffice for any matrix that is finite.
+#: Maximum number of sweeps over all pairs: 5 to 8 suffice for any finite matrix.
 _MOST_SWEEPS = 40
-#: Designs that are taken at once: their matrices stay in the cache.
+#: Number of designs per chunk: their matrices fit in the cache.
 _CHUNK = 64
 
 
 def _tangents(
     first: Norms, second: Norms, product: Array, close: float
 ) -> tuple[Array, Array, Array | None, Array, Array]:
-    """What turns each pair orthogonal, and by how much the pair and all others were not.
+    """Rotations that make each pair orthogonal, and measures of their deviation from it.
 
     **Returns:** tangent and product of each pair after a change of the phase of the second vector;
-    that phase (none if real); cosine between the pair; and how much the turn mixes of the longer
-    vector into the direction of the other.
+    that phase (none if real); cosine between the pair; and the part of the longer vector that the
+    rotation mixes into the direction of the other.
     """
     size = jnp.abs(product)
     lengths = jnp.sqrt(first) * jnp.sqrt(second)
-    # What is not a number compares as done.
+    # NaN compares as converged.
     oblique = size > close * lengths
     divisor = jnp.where(oblique, product, jnp.ones_like(product))
     phase = None
@@ -53,7 +53,7 @@ def _tangents(
 
 
 def _moved(top: Array, bottom: Array) -> tuple[Array, Array]:
-    """The pairs of the next step: all vectors but the first go round by one place."""
+    """Pairs of the next step: all vectors except the first move cyclically by one place."""
     if top.shape[0] == 1:
         return top, bottom
     return (
@@ -63,7 +63,7 @@ def _moved(top: Array, bottom: Array) -> tuple[Array, Array]:
 
 
 def _sweep(pairs: tuple[Vectors, Vectors], close: float) -> tuple[Vectors, Vectors, Array]:
-    """All pairs turned once; a bound on the cosines that are left."""
+    """All pairs rotated once; a bound on the remaining cosines."""
     steps = 2 * pairs[0].shape[0] - 1
 
     def step(_, carry):
@@ -77,24 +77,25 @@ def _sweep(pairs: tuple[Vectors, Vectors], close: float) -> tuple[Vectors, Vecto
         top, bottom = _moved(c * top - s * bottom, s * top + c * bottom)
         change = t * divisor
         first, second = _moved(first - change, second + change)
-        # Not a number stays so, and compares as done below.
+        # NaN stays NaN, and compares as converged below.
         most = jnp.maximum(most, jnp.max(cosine, axis=0))
         mixed = jnp.maximum(mixed, jnp.max(mixing, axis=0))
         return top, bottom, first, second, most, mixed
 
     squares = [jnp.sum(jnp.abs(x) ** 2, axis=1) for x in pairs]
-    nothing = jnp.zeros(squares[0].shape[1:], squares[0].dtype)
-    start = (*pairs, *squares, nothing, nothing)
+    zero = jnp.zeros(squares[0].shape[1:], squares[0].dtype)
+    start = (*pairs, *squares, zero, zero)
     top, bottom, _, _, most, mixed = jax.lax.fori_loop(0, steps, step, start)
     return top, bottom, steps * most * mixed
 
 
 def _orthogonal(vectors: Vectors) -> Vectors:
-    """The vectors, turned among each other until all are orthogonal; in the same places.
+    """The vectors, rotated among each other until all are orthogonal; in the same places.
 
-    Orthogonal ones are left as they are, so groups that are orthogonal from the start stay apart.
-    A sweep leaves products of cosines and mixing: where all values differ the square of what it
-    found, so that no sweep is needed to see it. Not a number where the rotations did not end.
+    Orthogonal pairs are not rotated, so groups that are orthogonal from the start stay separate.
+    After a sweep products of cosines and mixing remain. If all values differ, these are the square
+    of the cosines before it, so no further sweep is needed to confirm convergence. NaN where the
+    rotations did not converge.
     """
     count = vectors.shape[0]
     if count < 2:
@@ -111,22 +112,22 @@ def _orthogonal(vectors: Vectors) -> Vectors:
     def advance(carry):
         return (*_sweep(carry[:2], close), carry[3] + 1)
 
-    left = jnp.full(vectors.shape[2:], jnp.inf, vectors.real.dtype)
-    start = (padded[:half], padded[half:], left, jnp.zeros((), jnp.int32))
-    top, bottom, left, _ = jax.lax.while_loop(goes_on, advance, start)
-    found = jnp.concatenate([top, bottom])[:count]
-    ended = jnp.logical_not(left > close)
-    return jnp.where(ended[None, None], found, jnp.full_like(found, jnp.nan))
+    remaining = jnp.full(vectors.shape[2:], jnp.inf, vectors.real.dtype)
+    start = (padded[:half], padded[half:], remaining, jnp.zeros((), jnp.int32))
+    top, bottom, remaining, _ = jax.lax.while_loop(goes_on, advance, start)
+    rotated = jnp.concatenate([top, bottom])[:count]
+    converged = jnp.logical_not(remaining > close)
+    return jnp.where(converged[None, None], rotated, jnp.full_like(rotated, jnp.nan))
 
 
 def _by_chunks(function, matrices: Array):
-    """`function` of a stack of matrices, or of one chunk of it after the other."""
+    """`function` of a stack of matrices, chunk by chunk."""
     count = matrices.shape[-1]
     if count <= _CHUNK:
         return function(matrices)
     chunks = -(-count // _CHUNK)
     padded = jnp.pad(matrices, ((0, 0), (0, 0), (0, chunks * _CHUNK - count)))
-    found = jax.lax.map(
+    results = jax.lax.map(
         lambda k: function(jax.lax.dynamic_slice_in_dim(padded, k * _CHUNK, _CHUNK, 2)),
         jnp.arange(chunks),
     )
@@ -135,11 +136,11 @@ def _by_chunks(function, matrices: Array):
         values = jnp.moveaxis(values, 0, -2)
         return values.reshape((*values.shape[:-2], -1))[..., :count]
 
-    return jax.tree.map(joined, found)
+    return jax.tree.map(joined, results)
 
 
 def _stacked(function):
-    """`function` of matrices that lie side by side in the last axis; any `vmap` adds to them."""
+    """`function` of matrices stacked along the last axis; a `vmap` extends this axis."""
 
     @custom_vmap
     def side_by_side(matrices):
@@ -148,12 +149,12 @@ def _stacked(function):
     @side_by_side.def_vmap
     def _more(axis_size, in_batched, matrices):
         joined = jnp.moveaxis(matrices, 0, -1)
-        found = side_by_side(joined.reshape((*joined.shape[:-2], -1)))
+        results = side_by_side(joined.reshape((*joined.shape[:-2], -1)))
 
         def parted(values):
             return jnp.moveaxis(values.reshape((*values.shape[:-1], -1, axis_size)), -1, 0)
 
-        return jax.tree.map(parted, found), jax.tree.map(lambda _: True, found)
+        return jax.tree.map(parted, results), jax.tree.map(lambda _: True, results)
 
     return side_by_side
 
@@ -178,9 +179,9 @@ def singular_values(
     """Singular values, in no order, and the right singular vectors as columns.
 
     Relative errors are about 1e-15 times the condition of the matrix with its rows and columns
-    scaled to one, not of the matrix itself. Those of a singular matrix are as large as rounding
-    makes them, and its vectors complete the others. No derivatives: see the rules of
-    `spring_modes`. Not a number where an entry is not one.
+    scaled to one, not of the matrix itself. Singular values that should be 0 are of the size of
+    rounding, and their vectors complete the basis. No derivatives: see the rules of `spring_modes`.
+    NaN if an entry is NaN.
 
     **Arguments:**
 
@@ -195,7 +196,7 @@ def singular_values(
 def _hermitian_eigen(matrix):
     size = jnp.linalg.norm(matrix)
     size = jnp.where(size == 0, 1.0, size)
-    # Positive definite, so that the norms of its orthogonal rows are its eigenvalues.
+    # Shifted to be positive definite: the norms of its orthogonal rows are its eigenvalues.
     shift = 2 * jnp.eye(matrix.shape[0], dtype=matrix.dtype)
     values, vectors = _hermitian((matrix / size.astype(matrix.dtype) + shift)[..., None])
     return (values[:, 0] - 2) * size, vectors[..., 0]
@@ -207,8 +208,8 @@ def hermitian_eigenvalues(
 ) -> Float[Array, " n"]:
     """Eigenvalues of a Hermitian matrix, in no order; errors are about 1e-15 of its norm.
 
-    Those of a block of a matrix that falls into blocks stand in the places of the block. The
-    derivative of a simple one is `vᴴ dA v`.
+    If the matrix consists of uncoupled blocks, the eigenvalues of a block are in the places of the
+    block. The derivative of a simple eigenvalue is `vᴴ dA v`.
 
     **Arguments:**
 

@@ -1,9 +1,9 @@
 """Roots of one number, with derivatives by the implicit function theorem.
 
-Newton's method in a few lines rather than a library's: nothing here leaves a host callback in the
-program (a library's linear solve raises through one when a design is singular, which would end a
-whole batch, and keeps the program out of JAX's persistent compilation cache), and roots are traced
-in nearly every program here: this is three times as fast to trace, and twice as fast to run.
+Newton's method in a few lines instead of a library: there is no host callback in the program. The
+linear solve of a library raises errors through one if a design is singular, which would end a whole
+batch, and keeps the program out of JAX's persistent compilation cache. Roots are traced in nearly
+every program here: this is three times as fast to trace, and twice as fast to run.
 """
 
 import functools
@@ -24,7 +24,7 @@ def _search(
     tolerance: float,
     max_steps: int,
 ) -> tuple[Scalar, Scalar]:
-    """Newton from `start` with values and derivatives; the root, and 1 if it was found, else 0."""
+    """Newton's method from `start`; the root, and 1 if it converged, else 0."""
 
     def advance(carry):
         unknown, before, _, steps = carry
@@ -32,38 +32,38 @@ def _search(
         step = value / derivative
         following = unknown - step
         size = jnp.abs(step) / (1 + jnp.abs(following))
-        # What is still missing shrinks at least as fast as the steps did; nobody knows that of
-        # the first.
+        # The remaining error shrinks at least as fast as the steps; rate unknown after the first
+        # step.
         rate = size / before
-        left = jnp.where(rate < 0.5, size * rate / (1 - rate), size)
-        return following, size, left, steps + 1
+        error = jnp.where(rate < 0.5, size * rate / (1 - rate), size)
+        return following, size, error, steps + 1
 
     def goes_on(carry):
-        # Not a number compares as done; it is then not found either.
+        # NaN ends the search, and does not count as converged.
         return (carry[2] > tolerance) & (carry[3] < max_steps)
 
-    nothing = jnp.zeros((), start.dtype)
-    begin = (start, nothing, nothing + jnp.inf, jnp.zeros((), jnp.int32))
-    root, _, left, _ = jax.lax.while_loop(goes_on, advance, begin)
-    return root, (left <= tolerance).astype(start.dtype)
+    zero = jnp.zeros((), start.dtype)
+    begin = (start, zero, zero + jnp.inf, jnp.zeros((), jnp.int32))
+    root, _, error, _ = jax.lax.while_loop(goes_on, advance, begin)
+    return root, (error <= tolerance).astype(start.dtype)
 
 
 def find_root(
     function: Callable[[Scalar], Scalar], guess: Scalar, *, tolerance: float, max_steps: int
 ) -> tuple[Scalar, Bool[Array, ""]]:
-    """Root of a function of one number, by Newton; differentiable in closures.
+    """Root of a function of one number, by Newton's method; differentiable in closures.
 
     **Arguments:**
 
     - `function`: the residual; may close over traced numbers, with respect to which the root is
       differentiable in forward and reverse mode, to any order.
-    - `guess`: where to start.
+    - `guess`: starting value.
     - `tolerance`: absolute and relative, on the unknown, which should be of order one.
     - `max_steps`: Newton steps allowed.
 
-    **Returns:** the root (the last iterate where none was found), and whether it was found.
+    **Returns:** the root (the last iterate if not converged), and whether it converged.
     """
-    # Traced once: what the function closes over becomes the arguments of the root.
+    # Traced once: closed-over values become the arguments of the root.
     closed = jax.make_jaxpr(function)(guess)
     jaxpr = closed.jaxpr
 
@@ -75,8 +75,8 @@ def find_root(
         return jax.jvp(lambda x: residual(constants, x), (unknown,), (jnp.ones_like(unknown),))
 
     start = jax.lax.stop_gradient(guess)
-    root, found = _root(residual, with_derivative, tolerance, max_steps, closed.consts, start)
-    return root, found > 0.5
+    root, converged = _root(residual, with_derivative, tolerance, max_steps, closed.consts, start)
+    return root, converged > 0.5
 
 
 def find_root_of(
@@ -87,19 +87,19 @@ def find_root_of(
     tolerance: float,
     max_steps: int,
 ) -> tuple[Scalar, Bool[Array, ""]]:
-    """Root of a residual whose derivative is known; half the program of `find_root`.
+    """Root of a residual with known derivative; half the program size of `find_root`.
 
     **Arguments:**
 
-    - `residual`: of the arguments and the unknown; the value and its derivative in the unknown.
-      It must be a function of a module, not a closure: the root is differentiable with respect to
-      the arguments only, in forward and reverse mode, to any order.
-    - `arguments`: what the residual depends on.
+    - `residual`: function of the arguments and the unknown; its value, and its derivative with
+      respect to the unknown. It must be a function of a module, not a closure: the root is
+      differentiable with respect to the arguments only, in forward and reverse mode, to any order.
+    - `arguments`: the arguments of the residual.
     - `guess`, `tolerance`, `max_steps`: as in `find_root`.
 
-    **Returns:** the root (the last iterate where none was found), and whether it was found.
+    **Returns:** the root (the last iterate if not converged), and whether it converged.
     """
-    root, found = _root(
+    root, converged = _root(
         lambda arguments, unknown: residual(arguments, unknown)[0],
         residual,
         tolerance,
@@ -107,7 +107,7 @@ def find_root_of(
         arguments,
         jax.lax.stop_gradient(guess),
     )
-    return root, found > 0.5
+    return root, converged > 0.5
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1, 2, 3))
@@ -118,22 +118,22 @@ def _root(residual, with_derivative, tolerance, max_steps, arguments, guess):
 @functools.partial(_root.defjvp, symbolic_zeros=True)
 def _root_derivative(residual, with_derivative, tolerance, max_steps, primals, tangents):
     arguments, guess = primals
-    root, found = _root(residual, with_derivative, tolerance, max_steps, arguments, guess)
+    root, converged = _root(residual, with_derivative, tolerance, max_steps, arguments, guess)
     leaves, structure = jax.tree.flatten(arguments)
     changes = structure.flatten_up_to(tangents[0])
-    # Numbers that do not move are not differentiated: half the program where one of eight does.
-    moving = [
+    # Constant numbers are not differentiated: half the program size if one of eight varies.
+    varying = [
         i
         for i, (leaf, change) in enumerate(zip(leaves, changes, strict=True))
         if jnp.issubdtype(leaf.dtype, jnp.inexact) and not isinstance(change, SymbolicZero)
     ]
-    if not moving:
-        return (root, found), (jnp.zeros_like(root), jnp.zeros_like(found))
+    if not varying:
+        return (root, converged), (jnp.zeros_like(root), jnp.zeros_like(converged))
 
-    def at_root(moved):
-        new = dict(zip(moving, moved, strict=True))
+    def at_root(values):
+        new = dict(zip(varying, values, strict=True))
         return residual(structure.unflatten([new.get(i, x) for i, x in enumerate(leaves)]), root)
 
     _, slope = with_derivative(arguments, root)
-    _, change = jax.jvp(at_root, ([leaves[i] for i in moving],), ([changes[i] for i in moving],))
-    return (root, found), (-change / slope, jnp.zeros_like(found))
+    _, change = jax.jvp(at_root, ([leaves[i] for i in varying],), ([changes[i] for i in varying],))
+    return (root, converged), (-change / slope, jnp.zeros_like(converged))

@@ -1,11 +1,11 @@
 """Triangular factor of a matrix whose rows and columns differ by many decades.
 
-Householder reflections with the largest remaining column and, in it, the largest remaining row
-taken first. That is backward stable row by row (Cox and Higham 1998): the rows of soft springs
-keep their digits beside those of stiff ones, which an ordinary QR overwrites with rounding.
+Householder reflections: the largest remaining column first and, in it, the largest remaining row.
+This is backward stable row by row (Cox and Higham 1998): the rows of soft springs keep their digits
+next to those of stiff ones, which an ordinary QR overwrites with rounding.
 
-Nothing is exchanged: the reflection leaves its row where its largest entry was, and the factor's
-columns stay in the order of the matrix. All arrays have a batch as their last axis.
+No row or column is exchanged: the row of a reflection stays where the largest entry was, and the
+factor's columns stay in the order of the matrix. All arrays have a batch as their last axis.
 """
 
 import jax
@@ -28,8 +28,8 @@ def _taken(values: Array, index: Array, axis: int) -> Array:
 def row_factor(matrix: Stack) -> Inexact[Array, "columns columns batch"]:
     """R with `Rᴴ R = Aᴴ A`, row by row in the order of elimination, of full rank.
 
-    A direction that the matrix does not reach gets a row of size eps² (of a matrix of size one):
-    far below anything that rounding leaves, and enough to make the factor regular.
+    A direction in the null space of the matrix gets a row of size eps² (for a matrix of size one):
+    far below rounding, and enough to make the factor regular.
 
     **Arguments:**
 
@@ -40,28 +40,28 @@ def row_factor(matrix: Stack) -> Inexact[Array, "columns columns batch"]:
     least = float(jnp.finfo(dtype).eps) ** 2
 
     def reflected(k, carry):
-        a, left, turn, norms, at = carry
-        squares = jnp.sum(jnp.abs(a) ** 2 * left[:, None], axis=0)
-        # `turn` is when a column was taken; until then it is one that never comes.
-        own = jnp.argmax(jnp.where(turn < columns, -1.0, squares), axis=0)
-        column = _taken(a, own, 1) * left.astype(dtype)
-        norm = jnp.sqrt(_taken(squares, own, 0))
-        row = jnp.argmax(jnp.where(left > 0, jnp.abs(column), -1.0), axis=0)
+        a, remaining, turn, norms, at = carry
+        squares = jnp.sum(jnp.abs(a) ** 2 * remaining[:, None], axis=0)
+        # `turn` is the step in which a column was eliminated; `columns` before.
+        pivot_column = jnp.argmax(jnp.where(turn < columns, -1.0, squares), axis=0)
+        column = _taken(a, pivot_column, 1) * remaining.astype(dtype)
+        norm = jnp.sqrt(_taken(squares, pivot_column, 0))
+        row = jnp.argmax(jnp.where(remaining > 0, jnp.abs(column), -1.0), axis=0)
         first = _marked(row, rows)
         top = _taken(column, row, 0)
         size = jnp.abs(top)
-        some = size > 0
-        phase = top / jnp.where(some, size, 1.0).astype(dtype)
-        phase = jnp.where(some, phase, jnp.ones_like(phase))
+        nonzero = size > 0
+        phase = top / jnp.where(nonzero, size, 1.0).astype(dtype)
+        phase = jnp.where(nonzero, phase, jnp.ones_like(phase))
         normal = column + jnp.where(first, phase * norm.astype(dtype), jnp.zeros_like(phase))
-        # Not the other way round: what is not a number stays so.
+        # Compared this way round, NaN stays NaN.
         empty = norm <= least
         share = jnp.where(empty, 0.0, 1 / jnp.where(empty, 1.0, norm * (norm + size)))
         along = share[None].astype(dtype) * jnp.sum(normal.conj()[:, None] * a, axis=0)
         a = a - normal[:, None] * along[None]
-        left = jnp.where(first & jnp.logical_not(empty)[None], 0.0, left)
-        turn = jnp.where(_marked(own, columns), k, turn)
-        return a, left, turn, norms.at[k].set(norm), at.at[k].set(row)
+        remaining = jnp.where(first & jnp.logical_not(empty)[None], 0.0, remaining)
+        turn = jnp.where(_marked(pivot_column, columns), k, turn)
+        return a, remaining, turn, norms.at[k].set(norm), at.at[k].set(row)
 
     start = (
         matrix,
@@ -71,9 +71,9 @@ def row_factor(matrix: Stack) -> Inexact[Array, "columns columns batch"]:
         jnp.zeros((columns, batch), int),
     )
     a, _, turn, norms, at = jax.lax.fori_loop(0, columns, reflected, start)
-    found = jnp.take_along_axis(a, at[:, None], 0)
+    factor = jnp.take_along_axis(a, at[:, None], 0)
     number = jnp.arange(columns)[:, None, None]
-    # Columns taken before hold what rounding left of zero.
-    found = jnp.where(turn[None] < number, jnp.zeros_like(found), found)
-    alone = jnp.where(turn[None] == number, least, 0.0).astype(dtype)
-    return jnp.where((norms <= least)[:, None], alone, found)
+    # Columns eliminated earlier hold rounding errors in place of zeros.
+    factor = jnp.where(turn[None] < number, jnp.zeros_like(factor), factor)
+    null_row = jnp.where(turn[None] == number, least, 0.0).astype(dtype)
+    return jnp.where((norms <= least)[:, None], null_row, factor)

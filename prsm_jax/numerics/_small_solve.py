@@ -17,8 +17,8 @@ def solve_small(
     """A function that solves `matrix x = right` for any right-hand side.
 
     Elimination without pivoting, as a few fused multiplications under `vmap`. It suits matrices
-    `I/(γh) − J`: the step size keeps their diagonal large, and where it does not, the error
-    estimate of the step grows and rejects it.
+    `I/(γh) − J`: the step size keeps their diagonal large, and otherwise the error estimate of the
+    step grows and the step is rejected.
 
     **Arguments:**
 

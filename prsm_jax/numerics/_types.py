@@ -1,4 +1,4 @@
-"""Types of numbers that all rooms share."""
+"""Types of numbers shared by all packages."""
 
 from typing import TypeAlias
 

@@ -1,8 +1,8 @@
-"""Loads on the last nut that depend on where it is and how fast it moves.
+"""Loads on the last nut that depend on its position and motion.
 
 A load is called with time [s], position [m], speed [m/s] and acceleration [m/s²] of the nut, and
-gives the force against positive travel, that of a positively turning screw [N]. Functions of time
-alone and plain numbers are loads, too: `load_value` sorts them out.
+returns the force against positive travel, i.e. the travel at positive screw speed [N]. Functions of
+time alone and plain numbers are loads, too: `load_value` accepts them all.
 """
 
 import inspect
@@ -45,22 +45,20 @@ class HingeLoad(eqx.Module):
         self, time: Scalar, position: Scalar, speed: Scalar, acceleration: Scalar
     ) -> Scalar:
         """Load at a time, position [m], speed [m/s] and acceleration [m/s²] of the nut [N]."""
-        held = self.constant + self.stiffness * position
-        return held + self.damping * speed + self.mass * acceleration
+        static_load = self.constant + self.stiffness * position
+        return static_load + self.damping * speed + self.mass * acceleration
 
 
 class AerodynamicLoad(eqx.Module):
-    """A surface in a stream, such as a rudder driven through a horn.
+    """A surface in a flow, such as a rudder driven through a horn.
 
     `F = constant + q̄ (k z + c ż) + c₂ ż |ż| + mass z̈`, with the dynamic pressure q̄ a number or a
-    function of time: the hinge moment grows with the deflection and with the stream.
+    function of time: the hinge moment grows with the deflection and with the flow.
     """
 
     kind: ClassVar[str] = "aerodynamic"
     stiffness_per_pressure: Scalar = number("m", "force per deflection and pressure, k", limit=ANY)
-    dynamic_pressure: Scalar | Profile | Callable = driven(
-        "Pa", "dynamic pressure of the stream, q̄"
-    )
+    dynamic_pressure: Scalar | Profile | Callable = driven("Pa", "dynamic pressure of the flow, q̄")
     constant: Scalar = number("N", "load at rest at position 0", default=0.0)
     damping_per_pressure: Scalar = number("m·s", "force per speed and pressure, c", default=0.0)
     quadratic_damping: Scalar = number("N·s²/m²", "force per speed squared, c₂", default=0.0)
@@ -78,7 +76,7 @@ class AerodynamicLoad(eqx.Module):
 
     @property
     def break_times(self) -> Float[Array, " breaks"]:
-        """Those of the dynamic pressure [s]."""
+        """Break times of the dynamic pressure [s]."""
         return break_times_of(self.dynamic_pressure, self.constant.dtype)
 
 
@@ -86,9 +84,7 @@ class PositionTableLoad(eqx.Module):
     """A table over the position of the nut, interpolated; constant outside of it."""
 
     kind: ClassVar[str] = "position_table"
-    positions: Float[Array, " points"] = numbers(
-        "m", "positions of the nut, that increase", limit=ANY
-    )
+    positions: Float[Array, " points"] = numbers("m", "increasing positions of the nut", limit=ANY)
     values: Float[Array, " points"] = numbers("N", "loads at these positions")
     interpolation: Interpolation = choice("between the points", default="linear")
 
@@ -106,11 +102,11 @@ class PositionTableLoad(eqx.Module):
 
 
 class FrictionLoad(eqx.Module):
-    """A guide that rubs: `F = force ż / √(ż² + width²)`."""
+    """Friction of a guide: `F = force ż / √(ż² + width²)`."""
 
     kind: ClassVar[str] = "friction"
     force: Scalar = number("N", "friction force of the guide", limit=NOT_NEGATIVE)
-    width: Scalar = number("m/s", "speed over which it changes its sign", limit=POSITIVE)
+    width: Scalar = number("m/s", "speed over which the force changes its sign", limit=POSITIVE)
 
     def __check_init__(self):
         check_not_negative("FrictionLoad", force=self.force)
@@ -123,7 +119,7 @@ class FrictionLoad(eqx.Module):
 
 
 class SumLoad(eqx.Module):
-    """Several loads at once: loads of motion, functions of time and numbers."""
+    """Sum of several loads: loads of motion, functions of time and numbers."""
 
     kind: ClassVar[str] = "sum"
     part: tuple["PartLoad | Callable", ...] = eqx.field(
@@ -145,7 +141,7 @@ class SumLoad(eqx.Module):
 
     @property
     def break_times(self) -> Float[Array, " breaks"]:
-        """Those of all parts [s]."""
+        """Break times of all parts [s]."""
         dtype = jnp.result_type(float)
         return jnp.concatenate([break_times_of(part, dtype) for part in self.part])
 
@@ -164,8 +160,8 @@ def depends_on_motion(load) -> bool:
         parameters = inspect.signature(load).parameters.values()
     except ValueError:
         return False
-    by_place = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
-    return sum(p.default is p.empty and p.kind in by_place for p in parameters) > 1
+    positional = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    return sum(p.default is p.empty and p.kind in positional for p in parameters) > 1
 
 
 def load_value(load, time: Scalar, motion: Callable[[], tuple[Scalar, Scalar, Scalar]]) -> Scalar:
@@ -175,7 +171,7 @@ def load_value(load, time: Scalar, motion: Callable[[], tuple[Scalar, Scalar, Sc
 
     - `load`: a number, a function of time, or one of time, position, speed and acceleration.
     - `time`: [s].
-    - `motion`: gives position, speed and acceleration of the nut; asked for only if needed.
+    - `motion`: returns position, speed and acceleration of the nut; called only if needed.
     """
     if not callable(load):
         return jnp.asarray(load, time.dtype)
@@ -185,7 +181,7 @@ def load_value(load, time: Scalar, motion: Callable[[], tuple[Scalar, Scalar, Sc
 
 
 def break_times_of(function, dtype) -> Float[Array, " breaks"]:
-    """The times at which a number or function says that it jumps or bends [s]."""
+    """Times at which a number or function has a jump or a kink, from its `break_times` [s]."""
     times = getattr(function, "break_times", None)
     return jnp.zeros(0, dtype) if times is None else jnp.asarray(times, dtype)
 

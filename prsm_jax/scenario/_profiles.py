@@ -1,10 +1,10 @@
 """Functions of time that drive a mechanism: screw speed, torque or load.
 
-All are pure functions whose numbers are differentiable; they know their integral in closed form
-(of a speed that is the angle), and the times at which they or their derivatives jump, so that an
-integrator can step onto those. Derivatives at a jump are those after it.
+All are pure functions whose numbers are differentiable; they have an integral in closed form (of a
+speed: the angle), and the times at which they or their derivatives jump, so that an integrator can
+step exactly to these. Derivatives at a jump are those after it.
 
-A unit `*` in the metadata is that of the function: rad/s where it is a speed.
+A unit `*` in the metadata is that of the function: rad/s for a speed.
 """
 
 import abc
@@ -46,9 +46,9 @@ class SineProfile(eqx.Module):
         """Integral from 0 to a time; without a frequency the function is constant."""
         turns = self.frequency != 0
         pulsation = 2 * jnp.pi * jnp.where(turns, self.frequency, 1.0)
-        swung = (jnp.cos(self.phase) - jnp.cos(self._turned(time))) / pulsation
-        swung = jnp.where(turns, swung, jnp.sin(self.phase) * time)
-        return self.mean * time + self.amplitude * swung
+        oscillating = (jnp.cos(self.phase) - jnp.cos(self._turned(time))) / pulsation
+        oscillating = jnp.where(turns, oscillating, jnp.sin(self.phase) * time)
+        return self.mean * time + self.amplitude * oscillating
 
     @property
     def break_times(self) -> Float[Array, " breaks"]:
@@ -57,7 +57,7 @@ class SineProfile(eqx.Module):
 
 
 class _Segments(eqx.Module):
-    """Stretches of constant jerk: how long, and value, slope and curvature at their start."""
+    """Segments of constant jerk: length, and value, slope and curvature at the start."""
 
     length: Float[Array, " segments"]
     value: Float[Array, " segments"]
@@ -66,26 +66,26 @@ class _Segments(eqx.Module):
 
 
 def _limits(parts: _Segments) -> tuple[Float[Array, " segments"], Float[Array, " segments"]]:
-    """Starts and ends of the stretches; each begins exactly where the one before ends."""
+    """Starts and ends of the segments; each begins exactly where the previous one ends."""
     ends = jnp.cumsum(parts.length)
     return jnp.concatenate([jnp.zeros_like(ends[:1]), ends[:-1]]), ends
 
 
 class AbstractSegmentedProfile(eqx.Module):
-    """Stretches of polynomials of second order, one after the other; 0 after the last."""
+    """Segments of second-order polynomials in sequence; 0 after the last."""
 
     @abc.abstractmethod
     def _segments(self) -> _Segments:
-        """The stretches."""
+        """The segments."""
 
     @property
     def break_times(self) -> Float[Array, " breaks"]:
-        """Ends of all stretches [s]."""
+        """Ends of all segments [s]."""
         return jnp.cumsum(self._segments().length)
 
     @property
     def duration(self) -> Scalar:
-        """Length of all stretches together [s]."""
+        """Total length of all segments [s]."""
         return jnp.sum(self._segments().length)
 
     def __call__(self, time: Scalar) -> Scalar:
@@ -94,7 +94,7 @@ class AbstractSegmentedProfile(eqx.Module):
         since = time - starts
         here = (time < ends) & (time >= starts)
         value = parts.value + since * (parts.slope + since * parts.curvature / 2)
-        # Of a length that is NaN no stretch would be here.
+        # With a length that is NaN the time would be in no segment.
         return jnp.where(jnp.isnan(time + ends[-1]), jnp.nan, jnp.sum(jnp.where(here, value, 0.0)))
 
     def angle(self, time: Scalar) -> Scalar:
@@ -110,29 +110,29 @@ class AbstractSegmentedProfile(eqx.Module):
 
 
 class ConstantProfile(AbstractSegmentedProfile):
-    """One value for some time: a part of a sequence."""
+    """One value for a given time: a part of a sequence."""
 
     kind: ClassVar[str] = "constant"
     value: Scalar = number("*", "value", limit=ANY)
-    hold_time: Scalar = number("s", "time for which it is held", limit=NOT_NEGATIVE)
+    hold_time: Scalar = number("s", "duration of this value", limit=NOT_NEGATIVE)
 
     def __check_init__(self):
         check_positive("ConstantProfile", hold_time=self.hold_time)
 
     def _segments(self) -> _Segments:
-        one, none = self.value[None], jnp.zeros_like(self.value)[None]
-        return _Segments(self.hold_time[None], one, none, none)
+        one, zero = self.value[None], jnp.zeros_like(self.value)[None]
+        return _Segments(self.hold_time[None], one, zero, zero)
 
 
 class TrapezoidalProfile(AbstractSegmentedProfile):
-    """Up in a straight line, a plateau, down in a straight line, and a dwell at 0."""
+    """Linear rise, plateau, linear fall, and a dwell at 0."""
 
     kind: ClassVar[str] = "trapezoidal"
     peak: Scalar = number("*", "value of the plateau", limit=ANY)
     rise_time: Scalar = number("s", "time from 0 to the plateau", limit=POSITIVE)
     hold_time: Scalar = number("s", "length of the plateau", limit=NOT_NEGATIVE)
     fall_time: Scalar | None = optional_number(
-        "s", "time from the plateau to 0; as the rise", limit=POSITIVE
+        "s", "time from the plateau to 0; equal to the rise time if not given", limit=POSITIVE
     )
     dwell_time: Scalar = number("s", "rest at 0 afterwards", default=0.0, limit=NOT_NEGATIVE)
 
@@ -148,19 +148,19 @@ class TrapezoidalProfile(AbstractSegmentedProfile):
 
 
 def _trapezoid(peak, rise, hold, fall, dwell) -> _Segments:
-    none = jnp.zeros_like(peak)
+    zero = jnp.zeros_like(peak)
     return _Segments(
         length=jnp.stack([rise, hold, fall, dwell]),
-        value=jnp.stack([none, peak, peak, none]),
-        slope=jnp.stack([peak / rise, none, -peak / fall, none]),
+        value=jnp.stack([zero, peak, peak, zero]),
+        slope=jnp.stack([peak / rise, zero, -peak / fall, zero]),
         curvature=jnp.zeros_like(peak, shape=4),
     )
 
 
 class TrapezoidalMoveProfile(AbstractSegmentedProfile):
-    """A move through an angle as fast as limits of speed and acceleration allow.
+    """The fastest move through an angle within limits of speed and acceleration.
 
-    A short move never reaches the limit of speed: its profile is a triangle.
+    A short move does not reach the limit of speed: its profile is a triangle.
     """
 
     kind: ClassVar[str] = "trapezoidal_move"
@@ -169,7 +169,7 @@ class TrapezoidalMoveProfile(AbstractSegmentedProfile):
     acceleration_limit: Scalar = number("rad/s²", "largest acceleration", limit=POSITIVE)
     deceleration_limit: Scalar | None = optional_number(
         "rad/s²",
-        "largest deceleration; as the acceleration",
+        "largest deceleration; equal to the acceleration if not given",
         limit=POSITIVE,
     )
     dwell_time: Scalar = number("s", "rest afterwards", default=0.0, limit=NOT_NEGATIVE)
@@ -181,7 +181,7 @@ class TrapezoidalMoveProfile(AbstractSegmentedProfile):
     def _segments(self) -> _Segments:
         distance, up = jnp.abs(self.angle_moved), self.acceleration_limit
         down = up if self.deceleration_limit is None else self.deceleration_limit
-        # Distance of speeding up and slowing down: v² (1/a + 1/d) / 2.
+        # Distance of acceleration and deceleration: v² (1/a + 1/d) / 2.
         slowness = (1 / up + 1 / down) / 2
         peak = jnp.minimum(self.speed_limit, jnp.sqrt(distance / slowness))
         hold = jnp.where(
@@ -192,10 +192,10 @@ class TrapezoidalMoveProfile(AbstractSegmentedProfile):
 
 
 class SCurveMoveProfile(AbstractSegmentedProfile):
-    """A move through an angle as fast as limits of speed, acceleration and jerk allow.
+    """The fastest move through an angle within limits of speed, acceleration and jerk.
 
-    Up to seven stretches of constant jerk; limits that a short move does not reach shorten some of
-    them to nothing (Biagiotti and Melchiorri 2008, section 3.4).
+    Up to seven segments of constant jerk; some have length 0 in a short move that does not reach
+    all limits (Biagiotti and Melchiorri 2008, section 3.4).
     """
 
     kind: ClassVar[str] = "s_curve_move"
@@ -211,24 +211,24 @@ class SCurveMoveProfile(AbstractSegmentedProfile):
 
     def _segments(self) -> _Segments:
         distance, jerk = jnp.abs(self.angle_moved), self.jerk_limit
-        # Each phase is as long as the limit that is met first allows.
+        # The limit that is reached first determines the length of each phase.
         bend = jnp.minimum(self.acceleration_limit / jerk, jnp.sqrt(self.speed_limit / jerk))
         bend = jnp.minimum(bend, jnp.cbrt(distance / (2 * jerk)))
         steepest = jerk * bend
-        # Speeding up takes `ramp + 2 bend`, and twice that with slowing down passes the distance.
+        # Acceleration takes `ramp + 2 bend`; with deceleration, twice that covers the distance.
         by_distance = jnp.sqrt(bend**2 / 4 + distance / steepest) - 1.5 * bend
         ramp = jnp.minimum(self.speed_limit / steepest - bend, by_distance)
         ramp = jnp.maximum(ramp, 0.0)
         peak = steepest * (bend + ramp)
         hold = jnp.maximum(distance / peak - (2 * bend + ramp), 0.0)
-        low, high, none = steepest * bend / 2, peak - steepest * bend / 2, jnp.zeros_like(peak)
+        low, high, zero = steepest * bend / 2, peak - steepest * bend / 2, jnp.zeros_like(peak)
         sign = jnp.sign(self.angle_moved)
         return _Segments(
             length=jnp.stack([bend, ramp, bend, hold, bend, ramp, bend, self.dwell_time]),
-            value=sign * jnp.stack([none, low, high, peak, peak, high, low, none]),
+            value=sign * jnp.stack([zero, low, high, peak, peak, high, low, zero]),
             slope=sign
-            * jnp.stack([none, steepest, steepest, none, none, -steepest, -steepest, none]),
-            curvature=sign * jnp.stack([jerk, none, -jerk, none, -jerk, none, jerk, none]),
+            * jnp.stack([zero, steepest, steepest, zero, zero, -steepest, -steepest, zero]),
+            curvature=sign * jnp.stack([jerk, zero, -jerk, zero, -jerk, zero, jerk, zero]),
         )
 
 

@@ -1,8 +1,8 @@
-"""What a simulation is asked to do: how the first screw is driven, and what the nut works against.
+"""Scenario of a simulation: drive of the first screw, and load on the nut.
 
 Speed, torque and load are numbers, or pure functions (an `eqx.Module` with a `__call__` keeps its
-numbers differentiable): the profiles of `_profiles` and `_sequences`, the loads of `_loads`, or
-any other. Those of a file can be written back to one.
+numbers differentiable): the profiles of `_profiles` and `_sequences`, the loads of `_loads`, or any
+other. Those read from a file can be written to a file.
 """
 
 import dataclasses
@@ -35,11 +35,11 @@ def _check_samples(samples: int) -> None:
 
 
 def check_scenario(scenario: "Scenario | TorqueScenario") -> None:
-    """Refuse a scene that means nothing; numbers that are traced, and functions, are not known.
+    """Refuse an invalid scenario; traced numbers and functions are not checked.
 
     **Arguments:**
 
-    - `scenario`: the scene.
+    - `scenario`: the scenario.
 
     **Raises:** `ValueError` for a duration that is not above 0, and for NaN or infinite numbers.
     """
@@ -60,11 +60,11 @@ def _needs_motion():
 
 
 class Scenario(eqx.Module):
-    """Prescribed screw speed and load over a time.
+    """Prescribed screw speed and load over time.
 
     Speed is a number or a function of time. Load is a number, a function of time, or a function of
-    time, position, speed and acceleration of the nut. A constant speed leaves all inertia but the
-    carriers' untraced.
+    time, position, speed and acceleration of the nut. With a constant speed no inertia except that
+    of the carriers is traced.
 
     Static: `samples`, and whether speed and load are functions.
     """
@@ -75,7 +75,7 @@ class Scenario(eqx.Module):
     load: Scalar | Profile | LoadOfMotion | Callable = driven("N", "load on the last nut")
     #: Length of the simulation [s].
     duration: Scalar = number("s", "length of the simulation", limit=POSITIVE)
-    #: Carrier ratio ω/Ω at the start, of every stage; 0 is a mechanism whose rollers stand still.
+    #: Carrier ratio ω/Ω at the start, of every stage; 0 if the rollers do not orbit.
     initial_carrier_ratio: Scalar = number("1", "carrier ratio at the start", default=0.0)
     #: Number of equally spaced times in the result.
     samples: int = choice("number of times in the result", default=201, limit=SAMPLES)
@@ -104,12 +104,12 @@ class Scenario(eqx.Module):
 
     @property
     def break_times(self) -> Float[Array, " breaks"]:
-        """Times at which speed or load jump or bend, in order, and none past the end [s]."""
+        """Times at which speed or load have a jump or a kink, in order, none after the end [s]."""
         return _breaks(self.duration, self.speed, self.load)
 
 
 class TorqueScenario(eqx.Module):
-    """Prescribed torque at the first screw, and what the last nut works against.
+    """Prescribed torque at the first screw, and load on the last nut.
 
     Static: `samples`, `most_phases`, and whether torque is a function.
     """
@@ -121,17 +121,17 @@ class TorqueScenario(eqx.Module):
     load: Scalar | Profile | LoadOfMotion | Callable = driven("N", "load on the last nut")
     #: [s]
     duration: Scalar = number("s", "length of the simulation", limit=POSITIVE)
-    #: Screw speed at the start [rad/s]. The carriers start in the ratio in which they settle beside
-    #: a screw that turns as this one; in that of rolling where they settle in none, because it is
-    #: braked harder than friction in the threads can brake them.
+    #: Screw speed at the start [rad/s]. The carriers start in the ratio in which they settle with
+    #: this motion of the screw. If they do not settle, because the screw is braked harder than
+    #: friction in the threads can brake them, they start in the ratio of rolling.
     initial_speed: Scalar = number("rad/s", "screw speed at the start", default=0.0)
     #: Position of the nut at the start [m].
     initial_position: Scalar = number(
         "m", "position of the nut at the start", default=0.0, limit=ANY
     )
     samples: int = choice("number of times in the result", default=201, limit=SAMPLES)
-    #: Phases of stick or slip that are followed; running out of them is reported.
-    most_phases: int = choice("phases of stick or slip that are followed", default=32, limit=MANY)
+    #: Maximum number of phases of stick or slip; exceeding it is reported.
+    most_phases: int = choice("maximum number of phases of stick or slip", default=32, limit=MANY)
 
     def __check_init__(self):
         _check_samples(self.samples)
@@ -149,7 +149,7 @@ class TorqueScenario(eqx.Module):
 
     @property
     def break_times(self) -> Float[Array, " breaks"]:
-        """Times at which torque or load jump or bend, in order, and none past the end [s]."""
+        """Times at which torque or load have a jump or a kink, in order, none after the end [s]."""
         return _breaks(self.duration, self.torque, self.load)
 
 

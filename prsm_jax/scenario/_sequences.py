@@ -1,4 +1,4 @@
-"""Tables over time, and sequences of profiles: repeated, and turned round at every repetition."""
+"""Tables over time, and sequences of profiles: repeated, optionally with alternating sign."""
 
 from typing import ClassVar, NamedTuple, TypeAlias
 
@@ -22,16 +22,16 @@ from ._profiles import (
 )
 from ._tables import Curve, Interpolation
 
-#: Sequences may lie in each other this deep.
+#: Maximum number of levels of nested sequences.
 _DEEPEST = 16
 _MOST_REPEATS = 1_000_000
 
 
 class TableProfile(eqx.Module):
-    """A table over time, interpolated; its first and last value outside of it."""
+    """A table over time, interpolated; outside of it the first or last value."""
 
     kind: ClassVar[str] = "table"
-    times: Float[Array, " points"] = numbers("s", "times, from 0 on, that increase", limit=ANY)
+    times: Float[Array, " points"] = numbers("s", "increasing times, from 0 on", limit=ANY)
     values: Float[Array, " points"] = numbers("*", "values at these times", limit=ANY)
     interpolation: Interpolation = choice("between the points", default="linear")
 
@@ -60,21 +60,21 @@ class TableProfile(eqx.Module):
 
 
 class SequenceProfile(eqx.Module):
-    """Parts one after the other, all of that several times, if asked in turn forth and back.
+    """Parts in sequence, repeated, optionally with alternating sign.
 
-    After its end it goes on as its last part does. Static: how many parts, `repeats`, `reversing`.
+    After its end it continues like its last part. Static: number of parts, `repeats`, `reversing`.
     """
 
     kind: ClassVar[str] = "sequence"
     part: tuple["PartProfile", ...] = eqx.field(converter=tuple)
-    repeats: int = choice("how often the parts are run through", default=1, limit=MANY)
+    repeats: int = choice("number of times the parts are run through", default=1, limit=MANY)
     reversing: bool = choice("whether every second time has the opposite sign", default=False)
 
     def __check_init__(self):
         if not self.part:
             raise ValueError("SequenceProfile: part is empty; give at least one profile")
         for part in self.part:
-            # Of the class: of the profile it would be computed here, again at every level.
+            # Test the class: on the profile it would be computed here, again at every level.
             if not hasattr(type(part), "duration"):
                 raise ValueError(
                     f"SequenceProfile: a {type(part).__name__} has no end, so nothing can follow "
@@ -85,7 +85,7 @@ class SequenceProfile(eqx.Module):
         levels, repeats = self._nested()
         if levels > _DEEPEST:
             raise ValueError(
-                f"SequenceProfile: sequences lie {levels} levels deep in each other; at most "
+                f"SequenceProfile: sequences are nested {levels} levels deep; at most "
                 f"{_DEEPEST} are allowed, so write inner ones out as parts"
             )
         if repeats > _MOST_REPEATS:
@@ -95,13 +95,13 @@ class SequenceProfile(eqx.Module):
             )
 
     def _nested(self) -> tuple[int, int]:
-        """Levels of sequences in each other, this one included; repeats of the innermost."""
+        """Levels of nested sequences, this one included; repeats of the innermost."""
         inner = [part._nested() for part in self.part if isinstance(part, SequenceProfile)]
         levels = max((levels for levels, _ in inner), default=0)
         return levels + 1, self.repeats * max((repeats for _, repeats in inner), default=1)
 
     def _laid_out(self) -> "_Layout":
-        """Ends of all parts, of those in them as well: each is computed once."""
+        """Ends of all parts and nested parts, each computed once."""
         inner = tuple(
             part._laid_out() if isinstance(part, SequenceProfile) else None for part in self.part
         )
@@ -119,7 +119,7 @@ class SequenceProfile(eqx.Module):
 
     @property
     def break_times(self) -> Float[Array, " breaks"]:
-        """Those of all parts in all repetitions [s]."""
+        """Break times of all parts in all repetitions [s]."""
         return self._breaks(self._laid_out())
 
     def _breaks(self, layout: "_Layout") -> Float[Array, " breaks"]:
@@ -135,11 +135,11 @@ class SequenceProfile(eqx.Module):
         return (cycles[:, None] + every[None, :]).reshape(-1)
 
     def _place(self, time: Scalar, ends: list[Scalar]):
-        """Which repetition, its sign, and time in it."""
+        """Number of the repetition, its sign, and time in it."""
         if self.repeats == 1:
             return jnp.zeros_like(time), jnp.ones_like(time), time
         cycle = jnp.floor(time / ends[-1])
-        # A quotient that is rounded down would leave the end of a repetition to nobody.
+        # If the quotient were rounded down, the end of a repetition would belong to none.
         cycle = jnp.where(time - cycle * ends[-1] >= ends[-1], cycle + 1, cycle)
         cycle = jnp.clip(cycle, 0, self.repeats - 1)
         sign = 1 - 2 * jnp.mod(cycle, 2) if self.reversing else jnp.ones_like(time)
@@ -179,17 +179,17 @@ class SequenceProfile(eqx.Module):
             if index < len(self.part) - 1:
                 elapsed = jnp.minimum(elapsed, length)
             if isinstance(part, SequenceProfile) and own is not None:
-                reached, whole = part._angles(elapsed, own)
+                reached, complete = part._angles(elapsed, own)
             else:
-                reached, whole = part.angle(elapsed), part.angle(length)
-            once, inner = once + whole, inner + reached
+                reached, complete = part.angle(elapsed), part.angle(length)
+            once, inner = once + complete, inner + reached
         done = jnp.mod(cycle, 2) * once if self.reversing else cycle * once
         cycles = self.repeats % 2 if self.reversing else self.repeats
         return done + sign * inner, cycles * once
 
 
 class _Layout(NamedTuple):
-    """Where the parts of a sequence start and end [s]; layouts of those that are sequences."""
+    """Starts and ends of the parts of a sequence [s]; layouts of parts that are sequences."""
 
     duration: Scalar
     starts: list[Scalar]

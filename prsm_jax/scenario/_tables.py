@@ -18,13 +18,13 @@ INTERPOLATIONS: tuple[Interpolation, ...] = ("linear", "cubic", "monotone")
 
 @custom_vmap
 def _place(points: Float[Array, " points"], at: Scalar) -> Int[Array, ""]:
-    """How many points are not above a value; halvings one by one are fastest for one value."""
+    """Number of points not above a value; for one value an unrolled bisection is fastest."""
     return jnp.searchsorted(points, at, side="right", method="scan_unrolled")
 
 
 @_place.def_vmap
 def _places(axis_size, in_batched, points, at):
-    # Written out, the halvings would be done again for each one that follows them.
+    # Unrolled, the steps of the bisection would be recomputed for each later step.
     del axis_size
     axes = tuple(0 if batched else None for batched in in_batched)
     search = functools.partial(jnp.searchsorted, side="right", method="scan")
@@ -44,7 +44,7 @@ class Curve(eqx.Module):
     interpolation: Interpolation = eqx.field(static=True)
 
     def check(self, owner: str) -> None:
-        """**Raises:** `ValueError` if the table makes no sense."""
+        """**Raises:** `ValueError` if the table is invalid."""
         if self.interpolation not in INTERPOLATIONS:
             raise ValueError(
                 f"{owner}: interpolation is {self.interpolation!r}; choose one of "
@@ -53,18 +53,18 @@ class Curve(eqx.Module):
         if self.points.shape != self.values.shape:
             raise ValueError(
                 f"{owner}: {self.points.shape[-1]} points have {self.values.shape[-1]} values; "
-                "give as many of one as of the other"
+                "give the same number of both"
             )
         check_increasing(owner, points=self.points)
 
     def _steps_and_chords(self, index: Int[Array, "*places"]):
-        """Lengths and mean slopes of intervals by their number."""
-        # Of those asked for alone: a table may have a point for every second of a day.
+        """Lengths and mean slopes of intervals by their index."""
+        # Only for the given intervals: a table may have a point for every second of a day.
         step = self.points[index + 1] - self.points[index]
         return step, (self.values[index + 1] - self.values[index]) / step
 
     def _slope(self, index: Int[Array, "*places"]) -> Float[Array, "*places"]:
-        """Slopes of `cubic` and `monotone` at points by their number."""
+        """Slopes of `cubic` and `monotone` at points by their index."""
         last = len(self.points) - 1
         ends = jnp.asarray([0, min(1, last - 1), last - 1, max(last - 2, 0)])
         steps, chords = self._steps_and_chords(ends)
@@ -76,7 +76,7 @@ class Curve(eqx.Module):
         if self.interpolation == "cubic":
             inner = (after * left + before * right) / (before + after)
         else:
-            # A harmonic mean, 0 where the chords turn back.
+            # A harmonic mean, 0 where the chords differ in sign.
             weight_left, weight_right = before + 2 * after, 2 * before + after
             same = above_or_nan(left * right)
             inverse = weight_left / jnp.where(same, left, 1.0) + weight_right / jnp.where(
@@ -88,7 +88,7 @@ class Curve(eqx.Module):
         return jnp.where(index == 0, first, jnp.where(index == last, final, inner))
 
     def _end_slope(self, near, far, chord, next_chord):
-        """That of the parabola through three points, which monotone curves limit."""
+        """Slope of the parabola through three points, limited in monotone curves."""
         slope = ((2 * near + far) * chord - near * next_chord) / (near + far)
         if self.interpolation == "cubic":
             return slope
@@ -97,7 +97,7 @@ class Curve(eqx.Module):
         return jnp.where(steep, 3 * chord, slope)
 
     def _coefficients(self, index: Int[Array, "*places"]):
-        """Of `y₀ + s (c₁ + s (c₂ + s c₃))` in intervals by their number, s from their start."""
+        """Coefficients of `y₀ + s (c₁ + s (c₂ + s c₃))` in intervals by index, s from the start."""
         step, chord = self._steps_and_chords(index)
         if self.interpolation == "linear":
             return chord, jnp.zeros_like(chord), jnp.zeros_like(chord)
@@ -124,15 +124,15 @@ class Curve(eqx.Module):
         return jnp.where(at < self.points[0], self.values[0], after)
 
     def integral(self, at: Scalar) -> Scalar:
-        """Integral from 0 to a point, where no point lies below 0."""
+        """Integral from 0 to a point; valid if no point lies below 0."""
         steps = jnp.diff(self.points)
         values, coefficients = self.values[:-1], self._coefficients(jnp.arange(len(steps)))
 
         def from_start(since, value, first, second, third):
             return since * (value + since * (first / 2 + since * (second / 3 + since * third / 4)))
 
-        whole = from_start(steps, values, *coefficients)
-        before = jnp.cumsum(whole) - whole
+        complete = from_start(steps, values, *coefficients)
+        before = jnp.cumsum(complete) - complete
         index = self._interval(at)
         since = jnp.clip(at, self.points[0], self.points[-1]) - self.points[index]
         inner = before[index] + from_start(since, values[index], *self._coefficients(index))

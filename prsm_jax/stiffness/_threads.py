@@ -20,8 +20,8 @@ class ThreadStiffness(eqx.Module):
 
     screw_roller: Scalar
     nut_roller: Scalar
-    #: Of each roller that is there, where a load distribution has unlike rollers; then without
-    #: any further factor, and `screw_roller` and `nut_roller` are those of its first class.
+    #: Of each roller present, if a load distribution has unlike rollers; no further factor then
+    #: applies, and `screw_roller` and `nut_roller` are those of its first class.
     screw_each: Float[Array, " rollers"] | None = None
     nut_each: Float[Array, " rollers"] | None = None
 
@@ -29,16 +29,16 @@ class ThreadStiffness(eqx.Module):
 def loaded_threads(
     stage: Stage, load: Scalar, meshing: Meshing | None = None
 ) -> StageContact | LoadDistribution:
-    """The threads of a stage under an axial load [N], as the stage says that they share it.
+    """The threads of a stage under an axial load [N], with the load sharing of the stage.
 
-    In equal parts, or as a load distribution where the stage has `load_sharing`; both know the
-    stiffness of one roller on either side (`.screw.roller_stiffness`, `.nut.roller_stiffness`).
+    In equal parts, or as a load distribution if the stage has `load_sharing`; both give the
+    stiffness of one roller on each side (`.screw.roller_stiffness`, `.nut.roller_stiffness`).
 
     **Arguments:**
 
     - `stage`: the stage.
     - `load`: axial load [N].
-    - `meshing`: its meshing, if known already.
+    - `meshing`: its meshing, if already known.
 
     **Raises:** `MissingDataError` if data are missing.
     """
@@ -55,21 +55,21 @@ def thread_stiffness(
 ) -> ThreadStiffness:
     """Thread contact stiffness of one roller with screw and nut [N/m].
 
-    Given numbers are taken as they are; what is not given is the axial secant stiffness of a
-    Hertz contact times the number of engaged threads (Wu et al. 2022, equations 36 to 47), or the
-    sum over the threads of a load distribution, their teeth included. Where that tells rollers
-    apart (`stiffness_factor`, `tooth_thinning`) each has the stiffness at the load that it carries.
+    Given numbers are used unchanged. Missing ones are the axial secant stiffness of a Hertz contact
+    times the number of engaged threads (Wu et al. 2022, equations 36 to 47), or the sum over the
+    threads of a load distribution, including their teeth. If that has unlike rollers
+    (`stiffness_factor`, `tooth_thinning`), each has the stiffness at the load that it carries.
 
     **Arguments:**
 
     - `stage`: the stage.
     - `contact`: gives the threads under load (see `loaded_threads`); called only if a stiffness
       has to be derived.
-    - `tangent`: that of a small further load instead, df/dδ; given numbers are both.
+    - `tangent`: tangent stiffness df/dδ instead of the secant; given numbers are used for both.
     """
-    given = stage.stiffness
-    screw = None if given is None else given.screw_roller
-    nut = None if given is None else given.nut_roller
+    specified = stage.stiffness
+    screw = None if specified is None else specified.screw_roller
+    nut = None if specified is None else specified.nut_roller
     if screw is not None and nut is not None:
         return ThreadStiffness(screw, nut)
     try:
@@ -94,25 +94,25 @@ def thread_stiffness(
 
 
 def _by_roller(derived: LoadDistribution, side: SideLoads, tangent: bool) -> Array:
-    found = side.tangent if tangent else side.stiffness
-    assert found is not None
-    return derived.by_roller(found)[1]
+    stiffness = side.tangent if tangent else side.stiffness
+    assert stiffness is not None
+    return derived.by_roller(stiffness)[1]
 
 
 def _of_roller(side: ThreadContactSide | SideLoads, tangent: bool) -> Scalar:
     return side.roller_tangent_stiffness if tangent else side.roller_stiffness
 
 
-def _each(stage: Stage, given: Scalar) -> Float[Array, " rollers"]:
-    """A given stiffness of one roller, times the factor of each that is there [N/m]."""
+def _each(stage: Stage, stiffness: Scalar) -> Float[Array, " rollers"]:
+    """A given stiffness of one roller, times the factor of each roller present [N/m]."""
     unequal = {roller.number: roller for roller in stage.unequal_roller}
-    found = []
+    stiffnesses = []
     for number in range(1, stage.roller_count + 1):
         roller = unequal.get(number)
         if roller is None or not roller.missing:
             factor = None if roller is None else roller.stiffness_factor
-            found.append(given if factor is None else given * factor)
-    return jnp.stack(found)
+            stiffnesses.append(stiffness if factor is None else stiffness * factor)
+    return jnp.stack(stiffnesses)
 
 
 def in_series(first: Scalar, second: Scalar) -> Scalar:

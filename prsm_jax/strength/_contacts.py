@@ -1,4 +1,4 @@
-"""The thread contacts under a load of reference, which all capacities are scaled from."""
+"""Thread contacts under a reference load, from which all capacities are scaled."""
 
 import jax.numpy as jnp
 
@@ -14,7 +14,7 @@ from ..geometry import Meshing, mesh
 from ..mechanism import Scalar, SplitNut, Stage, Strength
 from ._powers import positive_power
 
-#: Axial load [N]. Its value has no effect: pressures go with its cube root, exactly.
+#: Axial load [N]. Its value has no effect: pressures are exactly proportional to its cube root.
 REFERENCE_LOAD = 1e4
 
 
@@ -24,7 +24,7 @@ def reference_contact(stage: Stage, meshing: Meshing | None = None) -> StageCont
     **Arguments:**
 
     - `stage`: the stage; needs materials and `engaged_threads`.
-    - `meshing`: its meshing, if known already; only the `"exact"` convention looks at it.
+    - `meshing`: its meshing, if already known; used only by the `"exact"` convention.
 
     **Raises:** `MissingDataError` if materials or engaged threads are not given.
     """
@@ -42,7 +42,7 @@ def reference_contact(stage: Stage, meshing: Meshing | None = None) -> StageCont
 
 
 def meshing_of(stage: Stage, meshing: Meshing | None) -> Meshing | None:
-    """The meshing of a stage where its curvatures ask for it."""
+    """Meshing of a stage if its curvature convention needs it."""
     return mesh(stage.thread) if meshing is None and stage.curvature == "exact" else meshing
 
 
@@ -62,11 +62,11 @@ def split_nut_of(stage: Stage) -> SplitNut | None:
 
 
 def preload_of(stage: Stage) -> Scalar | None:
-    """The preload of a stage [N], or `None` where its nut is not braced.
+    """The preload of a stage [N], or `None` if its nut is not preloaded.
 
-    As given for strength, or else that of the split nut of load sharing.
+    As given for strength, or else the preload of the split nut of load sharing.
 
-    **Raises:** `MissingDataError` where only the offset of a split nut is given, from which the
+    **Raises:** `MissingDataError` if only the offset of a split nut is given, from which the
     preload results.
     """
     play = None if stage.strength is None else stage.strength.play
@@ -85,17 +85,17 @@ def preload_of(stage: Stage) -> Scalar | None:
 
 
 def is_braced(stage: Stage) -> bool:
-    """Whether two nuts, or the halves of one, are braced; by how much need not be known."""
+    """Whether two nuts, or the halves of one, are preloaded; the force need not be known."""
     play = None if stage.strength is None else stage.strength.play
-    stated = play is not None and play.preload_force is not None
-    return stated or split_nut_of(stage) is not None
+    force_given = play is not None and play.preload_force is not None
+    return force_given or split_nut_of(stage) is not None
 
 
 def thread_share(stage: Stage) -> float:
     """Share of the engaged threads that carry a load of one direction.
 
-    Half of them in a split nut, whose halves brace the same rollers; those of the smaller half
-    where load sharing says after which thread it is split.
+    Half of them in a split nut, whose halves preload the same rollers; the share of the smaller
+    half if load sharing gives the thread after which the nut is split.
     """
     play = None if stage.strength is None else stage.strength.play
     split = split_nut_of(stage)
@@ -119,20 +119,20 @@ def axial_approach(
 ) -> Scalar:
     """Axial approach of screw and nut by the contacts on both sides of the rollers [m].
 
-    All threads share the load; shafts, teeth and bodies are rigid. With the power 2/3 of the load,
-    so that nothing is singular without one.
+    All threads share the load; shafts, teeth and bodies are rigid. Proportional to the power 2/3 of
+    the load, and not singular at 0.
 
     **Arguments:**
 
     - `stage`: the stage; needs materials and `engaged_threads`.
-    - `load`: axial load, whose magnitude counts [N].
-    - `meshing`: its meshing, if known already.
-    - `contact`: `reference_contact` of the stage, if known already.
+    - `load`: axial load; its sign is ignored [N].
+    - `meshing`: its meshing, if already known.
+    - `contact`: `reference_contact` of the stage, if already known.
 
     **Raises:** `MissingDataError` if materials or engaged threads are not given.
     """
     if contact is None:
         contact = reference_contact(stage, meshing)
-    of_one = REFERENCE_LOAD / (stage.present_roller_count * engaged_threads(stage))
+    contact_load = REFERENCE_LOAD / (stage.present_roller_count * engaged_threads(stage))
     compliance = 1 / contact.screw.axial_stiffness + 1 / contact.nut.axial_stiffness
-    return of_one * compliance * positive_power(jnp.abs(load) / REFERENCE_LOAD, 2 / 3)
+    return contact_load * compliance * positive_power(jnp.abs(load) / REFERENCE_LOAD, 2 / 3)

@@ -1,4 +1,4 @@
-"""Thread contacts at the ends of their flanks: how far they reach, pressure at rounded crests."""
+"""Thread contacts at the ends of their flanks: extent, and pressure at rounded crests."""
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -25,13 +25,13 @@ from ._truncation import SideOnset, flank_sides, known_sides, side_onsets
 def side_edges(
     stage: Stage, meshing: Meshing | None = None, contact: StageContact | None = None
 ) -> tuple[tuple[RoundedEdge, ...], tuple[RoundedEdge, ...]]:
-    """The rounded crests that the ellipses of screw and nut side may pass.
+    """Rounded crests that the ellipses of screw and nut side can extend beyond.
 
     **Arguments:**
 
     - `stage`: the stage; needs materials, `engaged_threads` and `thread.edge_radius`.
-    - `meshing`: its meshing, if known already.
-    - `contact`: `reference_contact` of the stage, if known already.
+    - `meshing`: its meshing, if already known.
+    - `contact`: `reference_contact` of the stage, if already known.
 
     **Raises:** `MissingDataError` if one of these is not given.
     """
@@ -39,7 +39,7 @@ def side_edges(
     if radius is None:
         raise MissingDataError(
             "the pressure at a sharp edge has no finite value in elastic half-spaces; give "
-            "stage.thread.edge_radius, the radius by which the crests' edges are rounded"
+            "stage.thread.edge_radius, the rounding radius of the edges at the crests"
         )
     screw, nut = (
         rounded_edges(
@@ -62,21 +62,21 @@ def edge_pressure(
     sharing_factor: Scalar | float = 1.0,
     sides: tuple[SideOnset | None, SideOnset | None] | None = None,
 ) -> Scalar:
-    """Largest pressure of the most loaded contacts, that at rounded crests included [Pa].
+    """Largest pressure of the most loaded contacts, including rounded crests [Pa].
 
-    Of elastic half-spaces: where it exceeds what the steel bears, the edge yields.
+    For elastic half-spaces: where the pressure exceeds the strength of the steel, the edge yields.
 
     **Arguments:**
 
     - `stage`: the stage, with addenda and `thread.edge_radius`.
-    - `load`: axial load on one flank, of one nut of a braced pair [N].
-    - `meshing`: its meshing, if known already.
-    - `contact`: `reference_contact` of the stage, if known already.
+    - `load`: axial load on one flank, of one nut of a preloaded pair [N].
+    - `meshing`: its meshing, if already known.
+    - `contact`: `reference_contact` of the stage, if already known.
     - `sharing_factor`: load of the most loaded thread over the mean.
-    - `sides`: `side_onsets` of the stage, if known already.
+    - `sides`: `side_onsets` of the stage, if already known.
 
-    **Raises:** `MissingDataError` where no flank ends or no edge radius is given, and if materials
-    or engaged threads are not.
+    **Raises:** `MissingDataError` if no end of a flank or no edge radius is given, or materials or
+    engaged threads are missing.
     """
     meshing = meshing_of(stage, meshing)
     if contact is None:
@@ -85,11 +85,11 @@ def edge_pressure(
         sides = side_onsets(stage, meshing, contact)
     known_sides(sides)
     assert sides is not None
-    of_threads = jnp.abs(load) * sharing_factor / thread_share(stage)
+    effective_load = jnp.abs(load) * sharing_factor / thread_share(stage)
     return jnp.max(
         jnp.stack(
             [
-                largest_pressure(side.pressure(of_threads), side.onsets, edges)
+                largest_pressure(side.pressure(effective_load), side.onsets, edges)
                 for side, edges in zip(sides, side_edges(stage, meshing, contact), strict=True)
                 if side is not None
             ]
@@ -98,7 +98,7 @@ def edge_pressure(
 
 
 class EndReach(eqx.Module):
-    """One end of a flank, and how far the ellipse of its side reaches towards it."""
+    """One end of a flank, and the extent of the ellipse of its side towards it."""
 
     #: `"screw"` or `"nut"` side of the rollers.
     side: str = eqx.field(static=True)
@@ -108,7 +108,7 @@ class EndReach(eqx.Module):
     reference: Scalar
     #: Hertz pressure under that load [Pa].
     pressure: Scalar
-    #: The edge there, if it is a rounded crest, and what `edge_ratio` asks of the other way.
+    #: The edge there, if it is a rounded crest, and the argument `opposite` of `edge_ratio`.
     edge: RoundedEdge | None = None
     opposite: Scalar | None = None
 
@@ -117,7 +117,7 @@ class EndReach(eqx.Module):
         return self.reference * positive_power(load / REFERENCE_LOAD, 1 / 3)
 
     def edge_pressure(self, load: Scalar) -> Scalar:
-        """Pressure at the rounded crest if all threads share a load equally; 0 uncut [Pa]."""
+        """Pressure at the rounded crest if threads share a load equally; 0 if not reached [Pa]."""
         assert self.edge is not None
         pressure = self.pressure * positive_power(load / REFERENCE_LOAD, 1 / 3)
         return pressure * edge_ratio(pressure, self.edge, self.opposite)
@@ -140,9 +140,9 @@ def end_reaches(
         for side, known, rounded in zip(
             sides, edges, side_edges(stage, meshing, contact), strict=True
         ):
-            crests = [place for place, end in enumerate(side.ends) if end.kind == "crest"]
-            for place, edge in zip(crests, rounded, strict=True):
-                known[place] = edge, opposite_onset(edge, rounded)
+            crests = [index for index, end in enumerate(side.ends) if end.kind == "crest"]
+            for index, edge in zip(crests, rounded, strict=True):
+                known[index] = edge, opposite_onset(edge, rounded)
     per_share = thread_share(stage) ** (-1 / 3)
     return tuple(
         EndReach(

@@ -28,13 +28,13 @@ from ._truncation import SideOnset, ThreadShares, TruncatedFatigue, side_onsets
 
 #: Exponents of stress, depth and life, and Weibull slope, of point contacts.
 STRESS_EXPONENT, DEPTH_EXPONENT, WEIBULL_SLOPE = 31 / 3, 7 / 3, 10 / 9
-#: ln(1/S) at the survival of 90 % that basic rating lives are for.
+#: ln(1/S) at the survival of 90 % that defines basic rating lives.
 _RATED = math.log(1 / 0.9)
 #: K in GPa, mm and 10⁶ cycles: from Q_c = 98.1 (2f/(2f−1))^0.41 (1−γ)^1.39/(1+γ)^{1/3} γ^0.3 D^1.8
 #: Z^{−1/3}, N and mm, of an inner ring with f = 0.52, γ = 0.2 and E = 206 GPa. Other rings (f 0.515
 #: to 0.53, γ 0.05 to 0.3, inner and outer) agree in capacity within 4 %: their formula is fitted.
 _STEEL = 7.945875e-6
-#: Below this anisotropy log κ = −4/3 τ, to its cube.
+#: Below this anisotropy log κ = −4/3 τ; the error is of third order.
 _CIRCULAR = 1e-5
 #: Exponent of the number of threads: risk ∝ z (F/z)^{10/3}, load ∝ risk^{−3/10}.
 _THREADS_EXPONENT = 0.7
@@ -48,28 +48,28 @@ def _stressed(p0: Scalar, semi_axes_product: Scalar, rolling_ratio: Scalar) -> S
 
 
 def _rolling_ratio(total: Scalar, rolling: Scalar) -> Scalar:
-    """Semi-axis along over that across the rolling direction, as if it were a principal one.
+    """Semi-axis along over semi-axis across the rolling direction, taken as a principal direction.
 
-    In roller screws the principal directions lie within some 30° of it, which is worth a few per
-    cent of the capacity. log κ is odd in the difference of the gap's two coefficients, so a contact
-    may pass through the circle.
+    In roller screws the principal directions lie within some 30° of it, which changes the capacity
+    by a few per cent. log κ is odd in the difference of the gap's two coefficients, so contacts may
+    vary through the circle.
     """
     slant = (2 * rolling - total) / total
     small = jnp.abs(slant) < _CIRCULAR
-    found = jnp.log(axis_ratio_of(jnp.where(small, 0.5, jnp.abs(slant))))
-    return jnp.exp(jnp.where(small, -4 / 3 * slant, jnp.sign(slant) * found))
+    log_ratio = jnp.log(axis_ratio_of(jnp.where(small, 0.5, jnp.abs(slant))))
+    return jnp.exp(jnp.where(small, -4 / 3 * slant, jnp.sign(slant) * log_ratio))
 
 
 def carrier_share(stage: Stage) -> Scalar:
-    """Carrier speed over screw speed of rolling on the nominal circles, (n − 2)/(2 (n − 1))."""
+    """Carrier speed over screw speed for rolling on the nominal circles, (n − 2)/(2 (n − 1))."""
     return stage.thread.screw_radius / (2 * stage.thread.centre_distance)
 
 
 def cycles_per_turn(stage: Stage) -> tuple[Scalar, Scalar, Scalar]:
     """Stress cycles of a point of screw, roller and nut in one turn of the screw.
 
-    N (1 − ζ) rollers pass a point of the screw, N ζ one of the nut; a roller turns n ζ times
-    under its carrier, and each of its flanks meets one body only.
+    N (1 − ζ) rollers pass a point of the screw, N ζ a point of the nut. A roller turns n ζ times
+    relative to its carrier, and each of its flanks touches one body only.
 
     **Arguments:**
 
@@ -89,23 +89,23 @@ def dynamic_capacity(
 ) -> Scalar:
     r"""Dynamic axial capacity $C_a$ [N]: the load for a rating life of 10⁶ turns of the screw.
 
-    As given, or estimated where `material_factor` is given: every engaged thread of screw, nut and
+    As given, or an estimate if `material_factor` is given: every engaged thread of screw, nut and
     rollers is a track of Lundberg and Palmgren, and $L^{-10/9} = \sum L_i^{-10/9}$. The stroke is
-    taken as short: the screw's life is that of the threads under the nut. Of a braced pair it is
-    the capacity of one nut, or of one half.
+    assumed to be short: the screw's life is that of the threads under the nut. For a preloaded pair
+    it is the capacity of one nut, or of one half.
 
     Range of the estimate: hardened bearing steel, full film, pressures that stay elastic (below
-    about 3 GPa); sliding and spin in the contacts are left out, and so is the concentration of
-    pressure at the ends of flanks. No test of a roller screw is compared with.
+    about 3 GPa); sliding and spin in the contacts, and the pressure concentration at the ends of
+    flanks, are neglected. The estimate has not been compared with tests of roller screws.
 
     **Arguments:**
 
     - `stage`: the stage, with strength data.
-    - `meshing`: its meshing, if known already.
-    - `contact`: `reference_contact` of the stage, if known already.
+    - `meshing`: its meshing, if already known.
+    - `contact`: `reference_contact` of the stage, if already known.
     - `sharing_factor`: (mean of the 10/3 powers of thread loads over their mean)^{3/10}, see
         `fatigue_sharing_factor`; a capacity that is given holds as it is.
-    - `fatigue`: `truncated_fatigue` of the stage, if known already.
+    - `fatigue`: `truncated_fatigue` of the stage, if already known.
 
     **Raises:** `MissingDataError` if neither capacity nor material factor is given, or materials
     or engaged threads are not.
@@ -125,8 +125,8 @@ def dynamic_capacity(
         contact = reference_contact(stage, meshing)
     risk = fatigue_risk(stage, meshing, contact)
     life = (_RATED / risk) ** (1 / WEIBULL_SLOPE)
-    whole = strength.material_factor * REFERENCE_LOAD * jnp.cbrt(life)
-    capacity = whole * thread_share(stage) ** _THREADS_EXPONENT / sharing_factor
+    untruncated = strength.material_factor * REFERENCE_LOAD * jnp.cbrt(life)
+    capacity = untruncated * thread_share(stage) ** _THREADS_EXPONENT / sharing_factor
     if fatigue is None:
         fatigue = truncated_fatigue(stage, meshing, contact, sharing_factor)
     return capacity if fatigue is None else fatigue.capacity(capacity)
@@ -140,15 +140,15 @@ def truncated_fatigue(
     sides: tuple[SideOnset | None, SideOnset | None] | None = None,
     threads: tuple[ThreadShares, ThreadShares] | None = None,
 ) -> TruncatedFatigue | None:
-    """What the ends of the flanks make of the fatigue under a load; `None` where no flank ends.
+    """Fatigue with ellipses cut by the ends of the flanks; `None` if no flank has an end.
 
-    Also `None` where the dynamic capacity is given: a test has the truncation in it. Where threads
-    share unequally each is cut by its own load; without `threads` all are taken to be cut as one
-    that bears `sharing_factor` times the mean.
+    Also `None` if the dynamic capacity is given: a test includes the truncation. If threads share
+    unequally, each is truncated under its own load; without `threads` all are truncated like a
+    thread that carries `sharing_factor` times the mean.
 
     **Arguments:** as in `dynamic_capacity`, and
 
-    - `sides`: `side_onsets` of the stage, if known already.
+    - `sides`: `side_onsets` of the stage, if already known.
     - `threads`: loads of the threads over the mean, on the screw and the nut side.
     """
     if stage.strength is None or stage.strength.dynamic_capacity is not None:
@@ -170,7 +170,7 @@ def fatigue_risk(stage: Stage, meshing: Meshing | None, contact: StageContact) -
 
     **Arguments:**
 
-    - `stage`, `meshing`: the stage, and its meshing where its curvatures ask for it.
+    - `stage`, `meshing`: the stage, and its meshing if its curvature convention needs it.
     - `contact`: its thread contacts under some load.
     """
     return sum(side_risks(stage, meshing, contact), jnp.zeros_like(stage.thread.lead))
@@ -179,7 +179,7 @@ def fatigue_risk(stage: Stage, meshing: Meshing | None, contact: StageContact) -
 def side_risks(
     stage: Stage, meshing: Meshing | None, contact: StageContact
 ) -> tuple[Scalar, Scalar]:
-    """`fatigue_risk` of the tracks on the screw and on the nut side, whole ellipses."""
+    """`fatigue_risk` of the tracks on the screw and on the nut side, with full ellipses."""
     threads, rollers = engaged_threads(stage), stage.present_roller_count
     screw_cycles, roller_cycles, nut_cycles = cycles_per_turn(stage)
     frames = contact_frames(stage.thread, meshing, stage.curvature)
@@ -188,7 +188,7 @@ def side_risks(
     def stressed_of(total: Scalar, rolling: Scalar, pressure: Scalar, product: Scalar) -> Scalar:
         return _stressed(pressure, product, _rolling_ratio(total, rolling))
 
-    given = [
+    inputs = [
         (
             frame.curvature.total,
             frame.curvature.rolling,
@@ -197,8 +197,8 @@ def side_risks(
         )
         for frame, side in zip(frames, (contact.screw, contact.nut), strict=True)
     ]
-    # Both sides in one: half the program.
-    both = jax.vmap(stressed_of)(*(jnp.stack(pair) for pair in zip(*given, strict=True)))
+    # Both sides in one call: half the program size.
+    both = jax.vmap(stressed_of)(*(jnp.stack(pair) for pair in zip(*inputs, strict=True)))
     risks = []
     for stressed, (radius, cycles) in zip(both, bodies, strict=True):
         tracks = radius * cycles**WEIBULL_SLOPE
@@ -210,15 +210,15 @@ def side_risks(
 def fatigue_sharing_factor(
     thread_loads: Float[Array, "*threads"], weights: Float[Array, "*threads"] | None = None
 ) -> Scalar:
-    r"""What unequal thread loads make of the capacity: $(\overline{q^{10/3}})^{3/10} \ge 1$.
+    r"""Divisor of the capacity for unequal thread loads: $(\overline{q^{10/3}})^{3/10} \ge 1$.
 
-    q is a thread's load over the mean; Lundberg and Palmgren's risk goes with its 10/3 power. 1
-    without load.
+    q is a thread's load over the mean; Lundberg and Palmgren's risk is proportional to its 10/3
+    power. 1 without load.
 
     **Arguments:**
 
     - `thread_loads`: loads of all threads, in any unit, not negative.
-    - `weights`: how many threads each of them stands for; one if not given.
+    - `weights`: number of threads that each load represents; one if not given.
     """
     if weights is None:
         weights = jnp.ones_like(thread_loads)

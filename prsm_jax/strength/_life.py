@@ -22,14 +22,14 @@ class RatingLife(eqx.Module):
     revolutions: Scalar
     #: Operating time, standstill included [s].
     time: Scalar
-    #: Travel of the nut, both ways added [m].
+    #: Travel of the nut, the sum of both directions [m].
     distance: Scalar
 
 
 def basic_life(capacity: Scalar, load: Scalar) -> Scalar:
     """Turns of the screw L10 = 10⁶ (C_a/F)³; ∞ without load (ISO 3408-5, ISO 281).
 
-    A load that makes the life longer than numbers reach is none.
+    A load so small that the life exceeds the range of numbers counts as no load.
     """
     smallest = jnp.finfo(capacity.dtype).tiny ** 0.25
     share = jnp.abs(load) / capacity
@@ -47,12 +47,12 @@ def rating_life(
 ) -> RatingLife:
     r"""Basic rating life under a load spectrum.
 
-    Loads of either sign press on flanks of their own. With the cubic mean loads $F_{m\pm}$ of both
-    over all turning, $L_\pm = 10^6 (C_a/F_{m\pm})^3$ and $L^{-10/9} = L_+^{-10/9} + L_-^{-10/9}$,
-    as ISO 3408-5 combines the two directions of a ball screw; a preload puts a load on both at
-    all times. A load of one sign on a nut that is not braced gives $10^6 (C_a/F_m)^3$.
+    Loads of opposite sign act on opposite flanks. With the cubic mean loads $F_{m\pm}$ of both over
+    all revolutions, $L_\pm = 10^6 (C_a/F_{m\pm})^3$ and $L^{-10/9} = L_+^{-10/9} + L_-^{-10/9}$, as
+    ISO 3408-5 combines the two directions of a ball screw; a preload loads both at all times. Loads
+    of one sign on a nut without preload give $10^6 (C_a/F_m)^3$.
 
-    Range: as that of the capacity; loads below about half of it. Without load the life is ∞ by
+    Range: that of the capacity; loads below about half of it. Without load the life is ∞ by
     definition, with derivatives of 0.
 
     **Arguments:**
@@ -60,8 +60,8 @@ def rating_life(
     - `stage`: the stage: its lead, and its preload if there is one.
     - `capacity`: C_a [N].
     - `spectrum`: the loads.
-    - `fatigue`: `truncated_fatigue` of the stage, which C_a then holds too: each load counts by how
-        much of the ellipses it leaves on the flanks. Without it the life goes with the cube.
+    - `fatigue`: `truncated_fatigue` of the stage, which C_a must then include, too: each load is
+      weighted by the truncation that it causes. Without it the life follows the cubic law.
     """
     means = [
         mean_load(load, spectrum.weights)
@@ -83,7 +83,7 @@ def rating_life(
 def modified_life(
     life: Float[Array, "*stages"], factor: Float[Array, "*stages"]
 ) -> Float[Array, "*stages"]:
-    """A life times `life_factor`, or over a time that is asked for; ∞ stays ∞."""
+    """A life times `life_factor`, or times 1 over a required time; ∞ stays ∞."""
     return scaled_unless_infinite(life, factor)
 
 
@@ -95,7 +95,7 @@ def largest_flank_load(stage: Stage, load: Float[Array, "*batch"]) -> Float[Arra
     - `stage`: the stage, with its preload if there is one.
     - `load`: axial load, not negative [N].
 
-    **Raises:** `MissingDataError` where the preload of a split nut is given by its offset only.
+    **Raises:** `MissingDataError` if the preload of a split nut is given by its offset only.
     """
     preload = preload_of(stage)
     return load if preload is None else flank_loads(load, preload)[0]
@@ -104,7 +104,7 @@ def largest_flank_load(stage: Stage, load: Float[Array, "*batch"]) -> Float[Arra
 def _loads_by_flank(
     stage: Stage, capacity: Scalar, spectrum: LoadSpectrum, fatigue: TruncatedFatigue | None
 ) -> list[Float[Array, " phases"]]:
-    """Loads on either flank that compare with C_a by their cube [N]."""
+    """Loads on either flank, comparable with C_a by the cubic law [N]."""
     loads = flank_loads(spectrum.load, preload_of(stage))
     if fatigue is None:
         return list(loads)
@@ -120,8 +120,8 @@ def damage(
 ) -> Float[Array, " phases"]:
     r"""Share of the basic rating life that each phase uses up (Palmgren 1924, Miner 1945).
 
-    $\varphi_i/2\pi\,(F_i/C_a)^3/10^6$ on the flank that is loaded more over the whole spectrum.
-    The sum is revolutions over $L_{10}$ where only one flank is loaded; 1 is the end of the life.
+    $\varphi_i/2\pi\,(F_i/C_a)^3/10^6$ on the flank with the larger sum over the spectrum. The sum
+    is revolutions over $L_{10}$ if only one flank is loaded; 1 is the end of the life.
 
     **Arguments:**
 

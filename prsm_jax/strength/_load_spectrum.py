@@ -1,4 +1,4 @@
-"""The load spectrum: which load acts over which turning, for how long."""
+"""Load spectrum: loads with the angle of rotation and the duration of each."""
 
 from typing import Protocol, runtime_checkable
 
@@ -16,18 +16,18 @@ from ._powers import positive_power
 class LoadSpectrum(eqx.Module):
     """Phases of constant load and speed, in any order."""
 
-    #: Axial load, its sign telling the flanks [N].
+    #: Axial load; its sign gives the flank [N].
     load: Float[Array, " phases"]
-    #: Angle that the screw turns through in each phase, both ways added [rad].
+    #: Angle that the screw turns through in each phase, the sum of both directions [rad].
     turned_angle: Float[Array, " phases"]
     #: [s]
     duration: Float[Array, " phases"]
 
     @property
     def possible(self) -> Bool[Array, ""]:
-        """Whether some phase lasts, none less than no time, and no number is infinite.
+        """Whether the total duration is above 0, no duration is negative and no number is infinite.
 
-        True with NaN, which the values themselves tell.
+        True with NaN, which shows in the values themselves.
         """
         infinite = jnp.isinf(self.load) | jnp.isinf(self.turned_angle) | jnp.isinf(self.duration)
         short = jnp.any(self.duration < 0) | (jnp.sum(self.duration) <= 0)
@@ -35,15 +35,15 @@ class LoadSpectrum(eqx.Module):
 
     @property
     def weights(self) -> Float[Array, " phases"]:
-        """Share of each phase in the turning; of the time, where nothing turns at all."""
+        """Share of each phase in the total angle; in the total time if the screw never turns."""
         total = jnp.sum(self.turned_angle)
         turns = above_or_nan(total)
-        whole = jnp.where(turns, total, jnp.sum(self.duration))
-        return jnp.where(turns, self.turned_angle, self.duration) / whole
+        denominator = jnp.where(turns, total, jnp.sum(self.duration))
+        return jnp.where(turns, self.turned_angle, self.duration) / denominator
 
     @property
     def revolutions(self) -> Scalar:
-        """Revolutions of the screw in all phases together."""
+        """Total revolutions of the screw in all phases."""
         return jnp.sum(self.turned_angle) / (2 * jnp.pi)
 
     @property
@@ -53,14 +53,14 @@ class LoadSpectrum(eqx.Module):
 
     @property
     def phase_speed(self) -> Float[Array, " phases"]:
-        """Magnitude of the screw speed in each phase [rad/s]; 0 in one without length."""
+        """Magnitude of the screw speed in each phase [rad/s]; 0 in a phase without duration."""
         lasts = above_or_nan(self.duration)
         return jnp.where(lasts, self.turned_angle, 0.0) / jnp.where(lasts, self.duration, 1.0)
 
 
 @runtime_checkable
 class History(Protocol):
-    """What is read of a history: equally spaced times, screw speed, and load on the last nut."""
+    """Attributes used of a history: equally spaced times, screw speed, and load on the last nut."""
 
     @property
     def time(self) -> Float[Array, " times"]: ...
@@ -75,25 +75,25 @@ class History(Protocol):
 def load_spectrum(source: DutyCycle | History) -> LoadSpectrum:
     """The load spectrum of a duty cycle, or of a transient.
 
-    Samples of a transient become phases, weighted by the trapezoidal rule, so that everything
-    that is done with a duty cycle can be done with them; the error falls with the square of the
-    distance between samples, reversals included.
+    Samples of a transient become phases, weighted by the trapezoidal rule, so they can be used like
+    a duty cycle; the error falls with the square of the distance between samples, reversals
+    included.
 
     **Arguments:**
 
-    - `source`: a duty cycle; or what has `time` [s], `screw_speed` [rad/s] and `load` [N] as
-      histories, as a `Transient` has.
+    - `source`: a duty cycle; or an object with the histories `time` [s], `screw_speed` [rad/s] and
+      `load` [N], such as a `Transient`.
     """
     if isinstance(source, DutyCycle):
         return LoadSpectrum(source.load, jnp.abs(source.speed) * source.duration, source.duration)
     steps = jnp.diff(source.time)
-    none = jnp.zeros_like(steps[:1])
-    weights = (jnp.concatenate([steps, none]) + jnp.concatenate([none, steps])) / 2
+    zero = jnp.zeros_like(steps[:1])
+    weights = (jnp.concatenate([steps, zero]) + jnp.concatenate([zero, steps])) / 2
     return LoadSpectrum(source.load, jnp.abs(source.screw_speed) * weights, weights)
 
 
 def spectrum_of(mechanism: Mechanism) -> LoadSpectrum:
-    """What a mechanism lives with: its duty cycle, or without one its operating point.
+    """Load spectrum of a mechanism: its duty cycle, or else its operating point.
 
     **Raises:** `MissingDataError` if there is neither.
     """
@@ -125,8 +125,9 @@ def constant_load(speed: Scalar, load: Scalar) -> LoadSpectrum:
 def mean_load(
     load: Float[Array, " phases"], weights: Float[Array, " phases"], exponent: float = 3.0
 ) -> Scalar:
-    """Mean of loads that are not negative, by a power of them [N]; 0 without load."""
-    # In shares of the largest load, so that no power leaves the range of numbers; it cancels.
+    """Power mean of loads that are not negative [N]; 0 without load."""
+    # In shares of the largest load, so that no power leaves the range of numbers; the scale
+    # cancels.
     largest = jax.lax.stop_gradient(jnp.max(load))
     scale = jnp.where(largest > 0, largest, 1.0)
     mean = jnp.sum(weights * positive_power(load / scale, exponent))
@@ -137,12 +138,12 @@ def equivalent_load(spectrum: LoadSpectrum | DutyCycle | History) -> Scalar:
     r"""Equivalent load $F_m = (\sum F_i^3 \varphi_i / \sum \varphi_i)^{1/3}$ [N].
 
     The constant load with the same fatigue of point contacts over the same turning (ISO 3408-5,
-    7.1, and ISO 281 for bearings). Magnitudes count; loads on opposite flanks are kept apart by
-    `rating_life` only.
+    7.1, and ISO 281 for bearings). Signs are ignored; only `rating_life` distinguishes loads on
+    opposite flanks.
 
     **Arguments:**
 
-    - `spectrum`: a load spectrum, or what `load_spectrum` takes: a duty cycle or a transient.
+    - `spectrum`: a load spectrum, a duty cycle or a transient.
     """
     if not isinstance(spectrum, LoadSpectrum):
         spectrum = load_spectrum(spectrum)

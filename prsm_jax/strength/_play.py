@@ -1,4 +1,4 @@
-"""Axial play of a stage: backlash, lost motion, and what a preload does to it."""
+"""Axial play of a stage: backlash, lost motion, and the effect of a preload."""
 
 import jax.numpy as jnp
 
@@ -25,12 +25,12 @@ def play_of(stage: Stage) -> AxialPlay:
 def preload_force(stage: Stage) -> Scalar:
     """The preload of a stage [N].
 
-    **Raises:** `MissingDataError` if its nut is not braced.
+    **Raises:** `MissingDataError` if its nut is not preloaded.
     """
     preload = preload_of(stage)
     if preload is None:
         raise MissingDataError(
-            "the nut is not braced; give stage.strength.play.preload_force, or "
+            "the nut is not preloaded; give stage.strength.play.preload_force, or "
             "stage.load_sharing.split_nut"
         )
     return preload
@@ -38,18 +38,18 @@ def preload_force(stage: Stage) -> Scalar:
 
 @physics("backlash")
 def backlash(stage: Stage, meshing: Meshing | None = None) -> Scalar:
-    r"""Axial travel of the unloaded nut against a screw that stands still [m].
+    r"""Axial travel of the unloaded nut relative to a fixed screw [m].
 
-    As measured; or the play of the screw's threads in the rollers' and of those in the nut's:
+    As measured; or the play between screw and rollers plus that between rollers and nut:
     $2 g + t_s + 2 t_R + t_n$ with the axial gap g per flank that the meshing leaves between teeth
     of half a pitch (it is negative on the screw's side and 0 on the nut's) and the thinning t of
-    the teeth of screw, roller and nut; or else the backlash of load sharing. 0 where the nut is
-    braced. Negative where teeth interfere.
+    the teeth of screw, roller and nut; or else the backlash of load sharing. 0 if the nut is
+    preloaded. Negative where teeth interfere.
 
     **Arguments:**
 
     - `stage`: the stage, with play data or load sharing.
-    - `meshing`: its meshing, if known already.
+    - `meshing`: its meshing, if already known.
 
     **Raises:** `MissingDataError` if neither backlash nor thinning nor preload is given.
     """
@@ -64,7 +64,7 @@ def backlash(stage: Stage, meshing: Meshing | None = None) -> Scalar:
         sharing = stage.load_sharing
         if sharing is not None and sharing.backlash is not None:
             return sharing.backlash
-        play_of(stage)  # Names the table that is missing, where one is.
+        play_of(stage)  # Raises with the name of the table if one is missing.
         raise MissingDataError(
             "the play of the threads is not known; give stage.strength.play.axial_backlash, or "
             "screw_tooth_thinning, roller_tooth_thinning and nut_tooth_thinning"
@@ -74,7 +74,7 @@ def backlash(stage: Stage, meshing: Meshing | None = None) -> Scalar:
 
 
 def _thinning(play: AxialPlay) -> list[Scalar]:
-    """What thinned teeth add to the play; those of a roller play in screw and nut."""
+    """Contributions of thinned teeth to the play; those of a roller count on both sides."""
     return [
         factor * value
         for factor, value in (
@@ -100,7 +100,7 @@ def needs_meshing_for_backlash(stage: Stage) -> bool:
 
 
 def _approach(stage: Stage, load: Scalar, contact: StageContact | None) -> Scalar:
-    """Of one nut, or of one half of a split nut, whose threads carry twice as much each."""
+    """Approach of one nut, or of one half of a split nut (twice the load per thread)."""
     return axial_approach(stage, load / thread_share(stage), contact=contact)
 
 
@@ -111,17 +111,17 @@ def lost_motion(
     meshing: Meshing | None = None,
     contact: StageContact | None = None,
 ) -> Scalar:
-    r"""Travel of the nut when a load turns round from −F to F, the screw standing still [m].
+    r"""Travel of the nut when a load reverses from −F to F, with the screw fixed [m].
 
-    Backlash and the approach of the thread contacts both ways, $j + 2\delta_a(F)$; of a braced
-    pair $2 s\,\delta_0$. Shafts and teeth are rigid.
+    Backlash and the approach of the thread contacts in both directions, $j + 2\delta_a(F)$; for a
+    preloaded pair $2 s\,\delta_0$. Shafts and teeth are rigid.
 
     **Arguments:**
 
     - `stage`: the stage, with play data or load sharing, materials and `engaged_threads`.
-    - `load`: F, whose magnitude counts [N].
-    - `meshing`: its meshing, if known already.
-    - `contact`: `reference_contact` of the stage, if known already.
+    - `load`: F; its sign is ignored [N].
+    - `meshing`: its meshing, if already known.
+    - `contact`: `reference_contact` of the stage, if already known.
 
     **Raises:** `MissingDataError` if data are missing.
     """
@@ -135,13 +135,13 @@ def lost_motion(
 
 
 def preloaded_stiffness(stage: Stage, load: Scalar, contact: StageContact | None = None) -> Scalar:
-    """Tangent stiffness of a braced pair under a load, threads alone [N/m].
+    """Tangent stiffness of a preloaded pair under a load, threads only [N/m].
 
     **Arguments:**
 
     - `stage`: the stage, with a preload, materials and `engaged_threads`.
     - `load`: axial load [N].
-    - `contact`: `reference_contact` of the stage, if known already.
+    - `contact`: `reference_contact` of the stage, if already known.
 
     **Raises:** `MissingDataError` if data are missing.
     """

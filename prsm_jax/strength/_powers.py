@@ -1,4 +1,4 @@
-"""Powers of what is never negative, whose derivatives stay finite at zero."""
+"""Powers and ratios of non-negative numbers, with derivatives that stay finite at zero."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -9,24 +9,24 @@ from ..numerics import above_or_nan
 def positive_power(base: Float[Array, "*batch"], exponent: float) -> Float[Array, "*batch"]:
     """`base ** exponent` for a positive exponent; 0, with derivative 0, at or below 0.
 
-    Where the exponent is below 1 the true derivative at 0 is infinite; 0 is what keeps it from
-    becoming NaN by the chain rule.
+    Where the exponent is below 1 the true derivative at 0 is infinite; 0 avoids NaN by the chain
+    rule.
     """
-    some = above_or_nan(base)
-    return jnp.where(some, jnp.where(some, base, 1.0) ** exponent, 0.0)
+    positive = above_or_nan(base)
+    return jnp.where(positive, jnp.where(positive, base, 1.0) ** exponent, 0.0)
 
 
 def ratio_or_infinity(
     above: Float[Array, "*batch"], below: Float[Array, "*batch"]
 ) -> Float[Array, "*batch"]:
-    """`above / below`; ∞ where nothing (or less) is below, with derivative 0."""
-    some = above_or_nan(below)
-    return jnp.where(some, above / jnp.where(some, below, 1.0), jnp.inf)
+    """`above / below`; ∞, with derivative 0, where `below` is 0 or negative."""
+    positive = above_or_nan(below)
+    return jnp.where(positive, above / jnp.where(positive, below, 1.0), jnp.inf)
 
 
 def scaled_unless_infinite(
     value: Float[Array, "*batch"], factor: Float[Array, "*batch"]
 ) -> Float[Array, "*batch"]:
-    """`factor * value`; ∞ stays ∞ and has no part in any derivative."""
+    """`factor * value`; ∞ stays ∞, with derivative 0."""
     infinite = jnp.isinf(value)
     return jnp.where(infinite, jnp.inf, factor * jnp.where(infinite, 1.0, value))

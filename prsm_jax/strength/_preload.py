@@ -1,8 +1,8 @@
-r"""Two nuts braced against each other: their loads, the load that opens one, their stiffness.
+r"""Two nuts preloaded against each other: their loads, the load that opens one, their stiffness.
 
-Both are Hertz points, $F = k\,\delta^{3/2}$. Braced by $F_p$ each gives way by $\delta_0$; a load
-$F$ moves the screw by $x = s\,\delta_0$ and leaves $F_p (1 \pm s)^{3/2}$ on them, so that
-$f = F/F_p = (1+s)^{3/2} - (1-s)^{3/2}$ as long as both touch.
+Both are Hertz point contacts, $F = k\,\delta^{3/2}$. Under the preload $F_p$ the approach of each
+is $\delta_0$; a load $F$ moves the screw by $x = s\,\delta_0$ and changes their loads to
+$F_p (1 \pm s)^{3/2}$, so that $f = F/F_p = (1+s)^{3/2} - (1-s)^{3/2}$ as long as both touch.
 """
 
 import math
@@ -20,16 +20,16 @@ OPENING_RATIO = 2**1.5
 
 
 def preload_opening_load(preload: Scalar) -> Scalar:
-    r"""Load at which one of two braced nuts comes free, $2^{3/2} F_p \approx 2.83 F_p$ [N].
+    r"""Load at which one of two preloaded nuts comes free, $2^{3/2} F_p \approx 2.83 F_p$ [N].
 
-    Source: derived here from Hertz points; the same number is in ISO 3408-5 and catalogues of ball
-    screws.
+    Source: derived here from Hertz point contacts; the same number is in ISO 3408-5 and catalogues
+    of ball screws.
     """
     return OPENING_RATIO * preload
 
 
 def _slope(displacement):
-    """ds/df, from the derivative of f(s); one nut alone past the opening."""
+    """ds/df, from the derivative of f(s); one nut alone above the opening load."""
     size = jnp.abs(displacement)
     other = positive_power(1 - size, 0.5)
     return 2 / (3 * (jnp.sqrt(1 + size) + other))
@@ -37,12 +37,12 @@ def _slope(displacement):
 
 @jax.custom_jvp
 def relative_displacement(load_ratio: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
-    r"""Displacement s = x/δ₀ of the screw between two braced nuts, in closed form.
+    r"""Displacement s = x/δ₀ of the screw between two preloaded nuts, in closed form.
 
     With $q = \sqrt{1 - s^2}$ the square of the balance is the cubic $q^3 + 3 q^2 + f^2/2 - 4 = 0$,
     whose root by Viète is $q = 2\cos\theta - 1$ with $\sin(3\theta/2) = f/\sqrt 8$; then
-    $s = 2 \sin(\theta/2)\sqrt{2\cos\theta}$. Past $f = \sqrt 8$ one nut carries alone,
-    $s = f^{2/3} - 1$: value and slope join.
+    $s = 2 \sin(\theta/2)\sqrt{2\cos\theta}$. Above $f = \sqrt 8$ one nut carries the load alone,
+    $s = f^{2/3} - 1$: value and slope are continuous.
 
     **Arguments:**
 
@@ -67,10 +67,10 @@ def _relative_displacement_jvp(primals, tangents):
 def braced_loads(
     load: Float[Array, "*batch"], preload: Scalar
 ) -> tuple[Float[Array, "*batch"], Float[Array, "*batch"]]:
-    """Loads on the two nuts of a braced pair under an axial load [N].
+    """Loads on the two nuts of a preloaded pair under an axial load [N].
 
-    Exact for two equal nuts of Hertz points. The approximation F_p (1 + F/(2.83 F_p))^{3/2} of
-    ISO 3408-5 takes s as linear in F and is up to 2.5 % higher.
+    Exact for two equal nuts with Hertz point contacts. The approximation F_p (1 + F/(2.83
+    F_p))^{3/2} of ISO 3408-5 takes s as linear in F and is up to 2.5 % higher.
 
     **Arguments:**
 
@@ -87,12 +87,12 @@ def braced_loads(
 def flank_loads(
     load: Float[Array, "*batch"], preload: Scalar | None
 ) -> tuple[Float[Array, "*batch"], Float[Array, "*batch"]]:
-    """Loads on the flanks that face either way [N]: of a braced pair, or of one nut with play.
+    """Loads on the flanks of both directions [N]: of a preloaded pair, or of one nut with play.
 
     **Arguments:**
 
     - `load`: axial load, of either sign [N].
-    - `preload`: preload [N], or `None` for a nut that is not braced.
+    - `preload`: preload [N], or `None` for a nut that is not preloaded.
     """
     if preload is None:
         return jnp.maximum(load, 0.0), jnp.maximum(-load, 0.0)
@@ -100,9 +100,9 @@ def flank_loads(
 
 
 def braced_stiffness(load: Scalar, preload: Scalar, preload_approach: Scalar) -> Scalar:
-    r"""Tangent stiffness of a braced pair, $\tfrac32 (F_p/\delta_0)(\sqrt{1+s} + \sqrt{1-s})$.
+    r"""Tangent stiffness of a preloaded pair, $\tfrac32 (F_p/\delta_0)(\sqrt{1+s} + \sqrt{1-s})$.
 
-    Without load twice the tangent stiffness of one nut under its preload, [N/m].
+    In N/m; without load it is twice the tangent stiffness of one nut under its preload.
 
     **Arguments:**
 

@@ -1,4 +1,4 @@
-"""Factors on the basic rating life: reliability, and screws that swing instead of turning."""
+"""Factors on the basic rating life: reliability, and oscillating screws."""
 
 import math
 
@@ -12,7 +12,7 @@ from ._contacts import REFERENCE_LOAD, reference_contact, strength_of, thread_sh
 from ._fatigue import WEIBULL_SLOPE, carrier_share
 from ._powers import positive_power
 
-#: Weibull slope and the share of L10 that all survive, behind the table of a₁ in ISO 281:2007.
+#: Weibull slope and the share of L10 that all survive, from which ISO 281:2007 tabulates a₁.
 _SLOPE, _SURVIVED = 1.5, 0.05
 _RATED = math.log(1 / 0.9)
 
@@ -22,7 +22,7 @@ def reliability_factor(reliability: Scalar) -> Scalar:
 
     $a_1 = 0.95\,(\ln S/\ln 0.9)^{2/3} + 0.05$, the Weibull distribution with three parameters of
     ISO/TR 1281-2, from which the table of ISO 281:2007 is made (95 %: 0.64, 99 %: 0.25, 99.95 %:
-    0.077). A bearing's; ISO 3408-5 has a table of its own for ball screws (95 %: 0.62, 99 %:
+    0.077). This is for bearings; ISO 3408-5 has its own table for ball screws (95 %: 0.62, 99 %:
     0.21), which is that of ISO 281 before 2007.
 
     Range: 90 to 99.95 %.
@@ -36,10 +36,11 @@ def reliability_factor(reliability: Scalar) -> Scalar:
 
 
 def swept_share(stage: Stage, amplitude: Scalar) -> Scalar:
-    """Share of the most narrowly stressed tracks that a swinging screw's contacts roll over.
+    """Smallest share of a track that the contacts of an oscillating screw roll over.
 
-    Swung by ±φ, N contacts sweep N (1 − ζ) φ/π of a track of the screw and N ζ φ/π of the nut's;
-    a flank of a roller has one contact, which sweeps n ζ φ/π. At most 1.
+    With an oscillation of ±φ, N contacts roll over N (1 − ζ) φ/π of a track of the screw and N ζ
+    φ/π of a track of the nut; a flank of a roller has one contact, which rolls over n ζ φ/π. At
+    most 1.
 
     **Arguments:**
 
@@ -53,16 +54,16 @@ def swept_share(stage: Stage, amplitude: Scalar) -> Scalar:
 
 @physics("oscillation_factor")
 def oscillation_factor(stage: Stage, amplitude: Scalar) -> Scalar:
-    r"""Life, counted in turns, of a screw that swings over that of one that turns on.
+    r"""Life in turns of an oscillating screw over that of a continuously rotating one.
 
-    As many stress cycles on a share s of the track: the volume falls with s and the cycles rise
-    with 1/s, so $L \propto s^{(e-1)/e} = s^{1/10}$ with the Weibull slope e = 10/9 (Rumbarger and
-    Jones 1968, and Harris and Kotzalas 2006 for bearings, where it is a load factor
-    $\propto (Z\varphi)^{1/30}$). The narrowest track decides for all: a lower bound. 1 above the
-    critical amplitude, where tracks overlap.
+    The same number of stress cycles acts on a share s of the track: the volume is proportional to s
+    and the cycles to 1/s, so $L \propto s^{(e-1)/e} = s^{1/10}$ with the Weibull slope e = 10/9
+    (Rumbarger and Jones 1968, and Harris and Kotzalas 2006 for bearings, where it is a load factor
+    $\propto (Z\varphi)^{1/30}$). The smallest share is used for all tracks: a lower bound. 1 above
+    the critical amplitude, where tracks overlap.
 
-    Range: rolling fatigue alone. Below `minimum_oscillation_amplitude` the lubricant is not
-    replenished and false brinelling, which no rating life covers, comes first.
+    Range: rolling fatigue only. Below `minimum_oscillation_amplitude` the lubricant is not
+    replenished and false brinelling, which rating lives do not cover, occurs first.
 
     **Arguments:**
 
@@ -78,18 +79,18 @@ def minimum_oscillation_amplitude(
     meshing: Meshing | None = None,
     contact: StageContact | None = None,
 ) -> Scalar:
-    r"""Amplitude below which a contact does not leave its own ellipse, so that it wears itself in.
+    r"""Amplitude below which a contact does not leave its own ellipse and wears into the surface.
 
-    The roller rolls $2\varphi\,n\zeta r_R$ on the nut; where that is less than the ellipse's larger
-    axis $2a$ some of the contact is never open to lubricant: $\varphi = a/(n\zeta r_R)$. False
-    brinelling is seen in bearings at ratios of both lengths up to about 1.
+    The roller rolls $2\varphi\,n\zeta r_R$ on the nut; where this is less than the ellipse's larger
+    axis $2a$, part of the contact is never exposed to lubricant: $\varphi = a/(n\zeta r_R)$. In
+    bearings false brinelling is observed at ratios of these two lengths up to about 1.
 
     **Arguments:**
 
     - `stage`: the stage; needs strength data, materials and `engaged_threads`.
-    - `load`: axial load, whose magnitude counts [N].
-    - `meshing`: its meshing, if known already.
-    - `contact`: `reference_contact` of the stage, if known already.
+    - `load`: axial load; its sign is ignored [N].
+    - `meshing`: its meshing, if already known.
+    - `contact`: `reference_contact` of the stage, if already known.
 
     **Raises:** `MissingDataError` if one of these is not given.
     """
@@ -103,7 +104,7 @@ def minimum_oscillation_amplitude(
 
 
 def life_factor(stage: Stage) -> Scalar | None:
-    """a₁ a_ISO and the factor of oscillation, as far as given; `None` where none of them is."""
+    """a₁ a_ISO and the factor of oscillation, as far as given; `None` if none is given."""
     strength = stage.strength
     if strength is None:
         return None

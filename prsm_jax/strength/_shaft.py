@@ -1,4 +1,4 @@
-"""The screw as a column that may buckle and a shaft that may whirl."""
+"""Buckling and critical speed of the screw."""
 
 import math
 
@@ -42,8 +42,8 @@ def shaft_of(stage: Stage) -> ScrewShaft:
 def root_radius(stage: Stage) -> Scalar:
     """Radius at the root of the screw's thread [m].
 
-    As given; else r_s less the dedendum of the tooth of `load_sharing`; else the largest that the
-    crests of the rollers leave, r_s less their addendum.
+    As given; else r_s minus the dedendum of the tooth of `load_sharing`; else the largest that the
+    crests of the rollers allow, r_s minus their addendum.
 
     **Raises:** `MissingDataError` if neither is known.
     """
@@ -62,7 +62,7 @@ def root_radius(stage: Stage) -> Scalar:
 
 
 def unsupported_length(stage: Stage) -> Scalar:
-    """Longest length between the supports of the screw, the nut being no support [m].
+    """Longest length between the supports of the screw; the nut is not a support [m].
 
     **Raises:** `MissingDataError` if neither it nor the screw's length is given.
     """
@@ -78,9 +78,9 @@ def unsupported_length(stage: Stage) -> Scalar:
 
 
 def loaded_length(stage: Stage) -> Scalar:
-    """Longest length under axial load: given, or the unsupported one [m].
+    """Longest length under axial load: as given, or the unsupported length [m].
 
-    **Raises:** `MissingDataError` as `unsupported_length`.
+    **Raises:** `MissingDataError` as in `unsupported_length`.
     """
     length = shaft_of(stage).loaded_length
     return unsupported_length(stage) if length is None else length
@@ -96,7 +96,8 @@ def _section(stage: Stage) -> tuple[Scalar, Scalar]:
 def shaft_axial_stiffness(stage: Stage) -> Scalar:
     """Axial stiffness E A/l of the screw between its thrust bearing and the nut [N/m].
 
-    Of the root's section over the loaded length, the nut at its far end; the bearing at one end.
+    With the root's section over the loaded length, from the bearing at one end to the nut at the
+    far end.
 
     **Raises:** `MissingDataError` without shaft data or material.
     """
@@ -110,7 +111,7 @@ def slenderness_ratio(stage: Stage, length: Scalar | None = None) -> Scalar:
     **Arguments:**
 
     - `stage`: the stage, with shaft data.
-    - `length`: loaded length [m]; default that of the file.
+    - `length`: loaded length [m]; default: that of the file.
 
     **Raises:** `MissingDataError` if data are missing.
     """
@@ -126,10 +127,10 @@ def buckling_load(stage: Stage, length: Scalar | None = None) -> Scalar:
     With the slenderness $s$ = effective length over radius of gyration, Euler's
     $\sigma = \pi^2 E/s^2$ above $s_1 = \sqrt{2\pi^2 E/\sigma_y}$, and below it Johnson's parabola
     $\sigma = \sigma_y (1 - \sigma_y s^2/(4\pi^2 E))$, which joins at $\sigma_y/2$ with the same
-    slope (Timoshenko and Gere 1961; Johnson 1893). Euler alone where no yield strength is given.
+    slope (Timoshenko and Gere 1961; Johnson 1893). Euler alone if no yield strength is given.
 
-    Range: a straight screw loaded on its axis, the section that of the thread's root; a factor of
-    safety belongs on top (catalogues of ball screws take 2).
+    Range: a straight screw loaded on its axis, with the section of the thread's root. A factor of
+    safety must be added (catalogues of ball screws use 2).
 
     **Arguments:**
 
@@ -156,16 +157,16 @@ def critical_speed(stage: Stage, length: Scalar | None = None) -> Scalar:
     r"""Speed at which the screw whirls, its first bending frequency [rad/s].
 
     $\Omega = (\beta/l)^2 \sqrt{E I/(\rho A)}$ with the section of the thread's root for stiffness
-    and mass (as catalogues of ball screws and ISO 3408 practice have it), $\beta$ by the end
+    and mass (as in catalogues of ball screws and in ISO 3408 practice), $\beta$ from the end
     conditions (Blevins 1979).
 
-    Range: a slender screw (l above 20 radii of gyration; shear and rotary inertia left out), no
-    axial load, rigid bearings, the nut where it supports least.
+    Range: a slender screw (l above 20 radii of gyration; shear and rotary inertia neglected), no
+    axial load, rigid bearings, the nut in the position of least support.
 
     **Arguments:**
 
     - `stage`: the stage, with shaft data and the density of the screw.
-    - `length`: unsupported length [m]; default that of the file.
+    - `length`: unsupported length [m]; default: that of the file.
 
     **Raises:** `MissingDataError` if lengths, root radius, material or density are missing.
     """
@@ -179,7 +180,7 @@ def critical_speed(stage: Stage, length: Scalar | None = None) -> Scalar:
 
 
 def dn_value(stage: Stage, speed: Scalar) -> Scalar:
-    """Nominal diameter times speed, which limits lubrication and roller inertia [m·rad/s].
+    """Nominal diameter times speed, limited by lubrication and roller inertia [m·rad/s].
 
     **Raises:** `MissingDataError` if the stage has no shaft data.
     """
@@ -188,16 +189,16 @@ def dn_value(stage: Stage, speed: Scalar) -> Scalar:
 
 
 def permissible_speed(stage: Stage, length: Scalar | None = None) -> Scalar:
-    """The lower of the permissible share of the critical speed and the DN limit's, if given.
+    """Lower of the permissible share of the critical speed and the speed at the DN limit.
 
     **Arguments:**
 
     - `stage`: the stage, with shaft data.
-    - `length`: unsupported length [m]; default that of the file.
+    - `length`: unsupported length [m]; default: that of the file.
 
     **Returns:** the screw speed [rad/s].
 
-    **Raises:** `MissingDataError` as `critical_speed`.
+    **Raises:** `MissingDataError` as in `critical_speed`.
     """
     shaft = shaft_of(stage)
     speed = shaft.permissible_speed_share * critical_speed(stage, length)

@@ -27,28 +27,28 @@ def static_capacity(
     r"""Static axial capacity $C_{0a}$ of a stage [N]: as given, or from a permissible pressure.
 
     At $C_{0a}$ the larger pressure of screw and nut side is the permissible one. Hertz pressures
-    go with the cube root of the load, so $C_{0a} = F\,(p_\text{perm}/p_0(F))^3$ exactly, for any
-    F, as long as the ellipse lies on the flanks. Where it passes the end of a flank at this
-    pressure, the load of the part that is cut off is missing (`contact.share_within`). The pressure
-    is that at the contact point: the concentration at the edge, which depends on how the edge is
-    rounded, does not count.
+    are proportional to the cube root of the load, so $C_{0a} = F\,(p_\text{perm}/p_0(F))^3$
+    exactly, for any F, as long as the ellipse lies on the flanks. If it extends beyond the end of a
+    flank at this pressure, the load of the part that is cut off is subtracted
+    (`contact.share_within`). The pressure is that at the contact point: the concentration at the
+    edge, which depends on its rounding, is not included.
 
-    ISO 76 sets the pressure so that roller and thread together keep a dent of 1e-4 of the rolling
-    element's diameter: 4200 MPa in ball bearings, 4600 MPa in self-aligning ones, 4000 MPa for
-    lines. No standard exists for roller screws; threads are point contacts of hardened bearing
-    steel, for which 4200 MPa is the nearest.
+    ISO 76 sets the pressure for a total permanent deformation of roller and thread of 1e-4 of the
+    rolling element's diameter: 4200 MPa in ball bearings, 4600 MPa in self-aligning ones, 4000 MPa
+    for line contacts. No standard exists for roller screws; threads are point contacts of hardened
+    bearing steel, for which 4200 MPa is the nearest.
 
-    Of one nut of a braced pair; half as much for the half of a split nut. Range: hardened steel
-    (58 HRC and more), all threads alike, no friction.
+    For one nut of a preloaded pair; half as much for the half of a split nut. Range: hardened steel
+    (58 HRC and more), equal threads, no friction.
 
     **Arguments:**
 
     - `stage`: the stage, with strength data.
-    - `meshing`: its meshing, if known already.
-    - `contact`: `reference_contact` of the stage, if known already.
-    - `sharing_factor`: load of the most loaded thread over the mean, at least 1; a capacity that
-        is given holds as it is.
-    - `sides`: `side_onsets` of the stage, if known already.
+    - `meshing`: its meshing, if already known.
+    - `contact`: `reference_contact` of the stage, if already known.
+    - `sharing_factor`: load of the most loaded thread over the mean, at least 1; a given capacity
+        is not changed.
+    - `sides`: `side_onsets` of the stage, if already known.
 
     **Raises:** `MissingDataError` if neither capacity nor permissible pressure is given, or
     materials or engaged threads are not.
@@ -86,24 +86,24 @@ def permanent_deformation(
     meshing: Meshing | None = None,
     sharing_factor: Scalar | float = 1.0,
 ) -> Scalar:
-    r"""Dent that a load leaves, over the diameter of the rolling element, of the worse side.
+    r"""Permanent deformation over the diameter of the rolling element, on the worse side.
 
     $\delta/D = 1.3\cdot10^{-7} Q^2 (\rho_{I1}+\rho_{II1})(\rho_{I2}+\rho_{II2})/D^2$ in newtons
     and millimetres (Palmgren 1959; Harris and Kotzalas 2006, chapter on permanent deformation),
     D twice the radius of the roller's profile. The bearing standards accept 1e-4.
 
-    Q is the force under which a whole ellipse has the pressure of one that is cut by an end of its
-    flank. Range: bearing steel of 63.5 to 65.5 HRC, pressures near 4 GPa.
+    If an end of a flank cuts the ellipse, Q is the force under which a full ellipse has the same
+    pressure. Range: bearing steel of 63.5 to 65.5 HRC, pressures near 4 GPa.
 
     **Arguments:**
 
     - `stage`: the stage, with strength data and `engaged_threads`.
-    - `load`: axial load, on one nut of a braced pair [N].
-    - `meshing`: its meshing, if known already.
+    - `load`: axial load, on one nut of a preloaded pair [N].
+    - `meshing`: its meshing, if already known.
     - `sharing_factor`: load of the most loaded thread over the mean.
 
-    **Raises:** `MissingDataError` if engaged threads or strength data are not given, or flanks end
-    and materials are not.
+    **Raises:** `MissingDataError` if engaged threads or strength data are not given, or if flanks
+    have ends and materials are not given.
     """
     strength_of(stage)
     meshing = meshing_of(stage, meshing)

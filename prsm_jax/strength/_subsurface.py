@@ -1,4 +1,4 @@
-"""The orthogonal shear stress under a rolling contact, on which Lundberg and Palmgren build."""
+"""Orthogonal shear stress under a rolling contact, used by Lundberg and Palmgren."""
 
 import jax
 import jax.numpy as jnp
@@ -17,7 +17,7 @@ def shape_parameter(axis_ratio_squared: Float[Array, "*batch"]) -> Float[Array, 
 
     - `axis_ratio_squared`: (b/a)², not negative; 0 is a line contact.
     """
-    # The cubic is convex there: from above Newton's method comes down without overshooting.
+    # The cubic is convex there: from above Newton's method converges without overshooting.
     above = jnp.minimum(axis_ratio_squared / 2, jnp.cbrt(axis_ratio_squared / 2))
     parameter = 1 + jnp.minimum(above, jnp.sqrt(axis_ratio_squared / 5))
     for _ in range(_NEWTON_STEPS):

@@ -1,4 +1,4 @@
-"""What flanks that end inside the contact ellipses make of capacities and life."""
+"""Capacities and life if flanks end inside the contact ellipses."""
 
 from collections.abc import Callable
 from typing import Literal, NamedTuple
@@ -27,7 +27,7 @@ from ..numerics import find_root_of
 from ._contacts import REFERENCE_LOAD, meshing_of, reference_contact, thread_share
 from ._powers import positive_power
 
-#: Newton steps to the dynamic capacity; from above a handful is enough.
+#: Newton steps to the dynamic capacity; from above a few are enough.
 _MAXIMUM_STEPS = 32
 
 
@@ -44,7 +44,7 @@ class SideOnset(eqx.Module):
 
     @property
     def onset_load(self) -> Scalar:
-        """Axial load in equal shares from which on the ellipse is cut [N]; 0 beyond the flank."""
+        """Axial load in equal shares above which the ellipse is cut [N]; 0 beyond the flank."""
         nearest = self.onsets[0]
         for other in self.onsets[1:]:
             nearest = jnp.minimum(nearest, other)
@@ -91,15 +91,15 @@ def side_onsets(
     **Arguments:**
 
     - `stage`: the stage; needs materials and `engaged_threads` if flanks end.
-    - `meshing`: its meshing, if known already.
-    - `contact`: `reference_contact` of the stage, if known already.
+    - `meshing`: its meshing, if already known.
+    - `contact`: `reference_contact` of the stage, if already known.
 
-    **Returns:** one for either side, `None` for a side without ends; `None` alone where no flank
-    ends, and then nothing is traced.
+    **Returns:** one for each side, `None` for a side without ends; a single `None` if no flank has
+    an end, and then nothing is traced.
     """
     if not flanks_end(stage):
         return None
-    found = [
+    onsets = [
         SideOnset(
             side.contact.hertz.max_pressure,
             onset_pressures(side.contact.hertz, side.frame.curvature, side.ends),
@@ -108,19 +108,19 @@ def side_onsets(
         else None
         for side in flank_sides(stage, meshing, contact)
     ]
-    return found[0], found[1]
+    return onsets[0], onsets[1]
 
 
 def known_sides(
     sides: tuple[SideOnset | None, SideOnset | None] | None,
 ) -> list[SideOnset]:
-    """The sides whose flanks end.
+    """Sides whose flanks have ends.
 
     **Raises:** `MissingDataError` if there are none.
     """
     if sides is None:
         raise MissingDataError(
-            "no flank ends anywhere; give stage.thread.screw_addendum and "
+            "no flank has an end; give stage.thread.screw_addendum and "
             "stage.thread.roller_addendum, the heights of the threads above their nominal radii"
         )
     return [side for side in sides if side is not None]
@@ -133,26 +133,26 @@ def contact_truncation(
     contact: StageContact | None = None,
     sharing_factor: Scalar | float = 1.0,
 ) -> Scalar:
-    """Largest share of a contact ellipse's half-extent beyond an end of a flank, of both sides.
+    """Largest share of a contact ellipse's half-extent beyond an end of a flank, on both sides.
 
-    The half-extent is that of the whole ellipse from its centre towards the end: 0.3 means that 0.7
-    of it lie on the flank; 0 where nothing is cut. Its derivative steps at 0; `truncation_load` is
-    smooth there.
+    The half-extent is that of the full ellipse from its centre towards the end: 0.3 means that 0.7
+    of it lie on the flank; 0 if no end is reached. Its derivative is discontinuous at 0;
+    `truncation_load` is smooth there.
 
     **Arguments:**
 
     - `stage`: the stage.
-    - `load`: axial load on one flank, of one nut of a braced pair [N].
-    - `meshing`: its meshing, if known already.
-    - `contact`: `reference_contact` of the stage, if known already.
+    - `load`: axial load on one flank, of one nut of a preloaded pair [N].
+    - `meshing`: its meshing, if already known.
+    - `contact`: `reference_contact` of the stage, if already known.
     - `sharing_factor`: load of the most loaded thread over the mean.
 
-    **Raises:** `MissingDataError` where no flank ends, and if materials or engaged threads are not
-    given.
+    **Raises:** `MissingDataError` if no flank has an end, or if materials or engaged threads are
+    not given.
     """
-    of_threads = jnp.abs(load) * sharing_factor / thread_share(stage)
+    effective_load = jnp.abs(load) * sharing_factor / thread_share(stage)
     shares = [
-        truncation(side.pressure(of_threads), side.onsets)
+        truncation(side.pressure(effective_load), side.onsets)
         for side in known_sides(side_onsets(stage, meshing, contact))
     ]
     return jnp.max(jnp.stack(shares))
@@ -164,15 +164,15 @@ def truncation_load(
     contact: StageContact | None = None,
     sharing_factor: Scalar | float = 1.0,
 ) -> Scalar:
-    """Axial load from which on a contact ellipse passes an end of a flank, on either side [N].
+    """Axial load above which a contact ellipse passes an end of a flank, on either side [N].
 
-    Semi-axes go with the cube root of the load, so under another load F the share
+    Semi-axes are proportional to the cube root of the load, so under another load F the share
     `contact_truncation` is 1 − (this load/F)^{1/3}. 0 where the contact point itself lies beyond
     the end.
 
     **Arguments:** as in `contact_truncation`.
 
-    **Raises:** as `contact_truncation`.
+    **Raises:** as in `contact_truncation`.
     """
     loads = [side.onset_load for side in known_sides(side_onsets(stage, meshing, contact))]
     return jnp.min(jnp.stack(loads)) * thread_share(stage) / sharing_factor
@@ -181,29 +181,30 @@ def truncation_load(
 def truncated_pressure(
     side: SideOnset | None, pressure: Float[Array, "*batch"]
 ) -> Float[Array, "*batch"]:
-    """Largest pressure on a side, the concentration at edges left out [Pa].
+    """Largest pressure on a side, without the concentration at edges [Pa].
 
     **Arguments:**
 
     - `side`: where its flanks end; `None` if they do not.
-    - `pressure`: Hertz pressure of the whole ellipse under the same load [Pa].
+    - `pressure`: Hertz pressure of the full ellipse under the same load [Pa].
     """
     return pressure if side is None else pressure * pressure_ratio(pressure, side.onsets)
 
 
 def load_at_pressure(side: SideOnset | None, reference: Scalar, pressure: Scalar) -> Scalar:
-    """Axial load in equal shares under which the largest pressure of a side is a given one [N].
+    """Axial load in equal shares under which a side has a given largest pressure [N].
 
-    In closed form: at a given pressure the ellipse is known, and with it the load that is lost.
+    In closed form: at a given pressure the ellipse is known, and with it the load of the part that
+    is cut off.
 
     **Arguments:**
 
     - `side`: where its flanks end; `None` if they do not.
     - `reference`: Hertz pressure under `REFERENCE_LOAD` [Pa].
-    - `pressure`: the largest pressure, edges left out [Pa].
+    - `pressure`: the largest pressure, without edges [Pa].
     """
-    whole = REFERENCE_LOAD * (pressure / reference) ** 3
-    return whole if side is None else whole * share_within(pressure, side.onsets)
+    untruncated = REFERENCE_LOAD * (pressure / reference) ** 3
+    return untruncated if side is None else untruncated * share_within(pressure, side.onsets)
 
 
 def load_of_whole_ellipse(
@@ -222,11 +223,11 @@ def load_of_whole_ellipse(
 
 
 class ThreadShares(eqx.Module):
-    """How unlike the threads of one side are loaded."""
+    """Unequal loads of the threads of one side."""
 
-    #: Load of each over a common one.
+    #: Load of each thread over a common load.
     load: Float[Array, " threads"]
-    #: Part of the side's threads that each stands for; their sum is 1.
+    #: Share of the side's threads that each represents; the sum is 1.
     weight: Float[Array, " threads"]
 
     def mean_of_risks(
@@ -234,11 +235,11 @@ class ThreadShares(eqx.Module):
         ratio: Callable[[Float[Array, "*batch"]], Float[Array, "*batch"]],
         common: Float[Array, "*batch"],
     ) -> Float[Array, "*batch"]:
-        """Mean of a ratio of risks over the threads, each by its risk as a whole ellipse.
+        """Mean of a ratio of risks over the threads, weighted by their risks with full ellipses.
 
         **Arguments:**
 
-        - `ratio`: of a thread's load [N].
+        - `ratio`: function of a thread's load [N].
         - `common`: the common load [N].
         """
         risks = self.weight * positive_power(self.load, 10 / 3)
@@ -249,24 +250,24 @@ class ThreadShares(eqx.Module):
 
 
 class TruncatedFatigue(eqx.Module):
-    """Rolling fatigue of contacts whose ellipses pass the ends of their flanks under some loads.
+    """Rolling fatigue of contacts whose ellipses extend beyond the ends of flanks under some loads.
 
-    The untruncated risk goes with the 10/3 power of the load. A truncated contact under F has the
-    risk of a whole one under `F g(F)` with the factor g ≥ 1 of `load_factor`, in which both sides
-    count by their risks.
+    The untruncated risk is proportional to the 10/3 power of the load. A truncated contact under F
+    has the risk of a full ellipse under `F g(F)` with the factor g ≥ 1 of `load_factor`, in which
+    both sides are weighted by their risks.
     """
 
     sides: tuple[SideOnset | None, SideOnset | None]
     #: Risks of both sides under one load.
     risks: tuple[Scalar, Scalar]
-    #: Load in equal shares of all threads over the axial load.
+    #: Axial load in equal shares of all threads, over the axial load on one flank.
     per_load: Scalar | float
-    #: Loads of the threads of either side over the load that `per_load` gives all of them, and how
-    #: much of the side each stands for; `None` where all are alike.
+    #: Loads of the threads of each side over the load by `per_load`, and the share of the side that
+    #: each represents; `None` if all are equal.
     threads: tuple[ThreadShares, ThreadShares] | None = None
 
     def load_factor(self, load: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
-        """g: load of a whole ellipse with the same fatigue, over the load; 1 where nothing is cut.
+        """g: load of a full ellipse with the same fatigue, over the load; 1 if no end is reached.
 
         **Arguments:**
 
@@ -277,36 +278,36 @@ class TruncatedFatigue(eqx.Module):
         for side, risk, shares in zip(self.sides, self.risks, threads, strict=True):
             if side is None:
                 continue
-            borne = load * self.per_load
+            shared_load = load * self.per_load
             if shares is None:
-                ratio = risk_ratio(side.pressure(borne), side.onsets)
+                ratio = risk_ratio(side.pressure(shared_load), side.onsets)
             else:
                 ratio = shares.mean_of_risks(
-                    lambda one, side=side: risk_ratio(side.pressure(one), side.onsets), borne
+                    lambda one, side=side: risk_ratio(side.pressure(one), side.onsets), shared_load
                 )
             grown = grown + risk / (self.risks[0] + self.risks[1]) * (ratio - 1)
         return (1 + grown) ** 0.3
 
     def capacity(self, whole: Scalar) -> Scalar:
-        """Dynamic capacity C_a, at which C_a g(C_a) is that of whole ellipses [N].
+        """Dynamic capacity C_a, for which C_a g(C_a) is the capacity of full ellipses [N].
 
         **Arguments:**
 
-        - `whole`: capacity as if no ellipse were cut [N].
+        - `whole`: capacity without truncation [N].
         """
-        share, found = find_root_of(
+        share, converged = find_root_of(
             _excess,
             (self, whole),
             jnp.ones_like(whole),
             tolerance=1e-13 if whole.dtype == jnp.float64 else 1e-6,
             max_steps=_MAXIMUM_STEPS,
         )
-        return whole * jnp.where(found, share, jnp.nan)
+        return whole * jnp.where(converged, share, jnp.nan)
 
     def comparable_load(
         self, load: Float[Array, "*batch"], capacity: Scalar
     ) -> Float[Array, "*batch"]:
-        """Load F′ that has its life by (C_a/F′)³, as if loads below C_a were cut as C_a is [N].
+        """Load F′ for the life (C_a/F′)³, with the truncation at F and at C_a included [N].
 
         **Arguments:**
 
@@ -317,7 +318,7 @@ class TruncatedFatigue(eqx.Module):
 
 
 def _excess(arguments: tuple[TruncatedFatigue, Scalar], share: Scalar) -> tuple[Scalar, Scalar]:
-    fatigue, whole = arguments
+    fatigue, untruncated = arguments
     return jax.jvp(
-        lambda x: x * fatigue.load_factor(x * whole) - 1, (share,), (jnp.ones_like(share),)
+        lambda x: x * fatigue.load_factor(x * untruncated) - 1, (share,), (jnp.ones_like(share),)
     )

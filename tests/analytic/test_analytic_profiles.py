@@ -330,7 +330,7 @@ def test_nested_sequences_are_what_they_would_be_written_out():
 
 def test_sequences_that_are_too_deep_or_too_long():
     assert _nested(16).duration > 0
-    with pytest.raises(ValueError, match="17 levels deep in each other; at most 16"):
+    with pytest.raises(ValueError, match="nested 17 levels deep; at most 16"):
         _nested(17)
     with pytest.raises(ValueError, match="run through 10000000 times; at most 1000000"):
         _nested(7, repeats=10)

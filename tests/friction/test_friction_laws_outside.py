@@ -322,7 +322,7 @@ def test_naming_a_law():
         made("coulomb")
     with pytest.raises(ValueError, match="lower-case words"):
         made("Of Mine")
-    with pytest.raises(ValueError, match="asks for 'temperature'; choose of normal_force"):
+    with pytest.raises(ValueError, match="asks for 'temperature'; choose from normal_force"):
         made("hot", asks=("temperature",))
     with pytest.raises(TypeError, match="must be a class of FrictionLaw"):
         prsm.friction_law("a_function")(lambda: 0)
@@ -453,7 +453,7 @@ def test_a_law_with_a_state_asks_for_nothing():
     class Asking(LuGreFriction):
         asks: ClassVar[tuple[str, ...]] = ("pressure",)
 
-    with pytest.raises(ValueError, match="knows slip and deflection only"):
+    with pytest.raises(ValueError, match="receives only slip and deflection"):
         Asking(0.1, 0.08, 0.1, 1e5, 4.0)
 
 

@@ -70,9 +70,9 @@ def lisowski_coefficients(angle: Scalar) -> tuple[Scalar, Scalar]:
 def lisowski(anisotropy: Scalar) -> tuple[Scalar, Scalar, Scalar]:
     """Polynomials for the Hertz coefficients, corrected; see `lisowski_coefficients`.
 
-    The axes are those of the source: κ = n_H/m_H and E = π κ² m_H³/2. It gives no approach, so K is
-    the exact one of this κ. Made for θ from 15° to 90°; more slender ellipses are off by ten per
-    cent and more.
+    The axes are those of the source: κ = n_H/m_H and E = π κ² m_H³/2. The source gives no approach,
+    so K is exact for this κ. Made for θ from 15° to 90°; for more slender ellipses the error is ten
+    per cent and more.
     """
     major, minor = lisowski_coefficients(jnp.arccos(anisotropy))
     axis_ratio = minor / major

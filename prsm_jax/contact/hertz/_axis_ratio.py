@@ -10,10 +10,10 @@ from ..special_functions import integrals_of_square
 
 Real = Float[Array, "*batch"]
 
-#: Below this m = 1 − κ² derivatives of the integrals are those of their series.
+#: Below this m = 1 − κ² derivatives of the integrals are evaluated by series.
 _NEARLY_CIRCULAR = 0.01
-#: Below this m the derivative of D is its series: what the difference B − (1 − m) D loses grows
-#: with 1/m, and with another 1/m in each further derivative.
+#: Below this m the derivative of D is evaluated by its series: the cancellation error of B − (1 −
+#: m) D grows with 1/m, and by a further factor 1/m with each derivative.
 _DIFFERENCES_CANCEL = 0.1
 #: 2 dD/dm in powers of m, from D = π/2 Σ c² (2n + 2)/(2n + 1) mⁿ with c = (2n + 1)!!/(2n + 2)!!.
 _D_SERIES_SLOPES = tuple(
@@ -23,7 +23,7 @@ _D_SERIES_SLOPES = tuple(
 
 
 def antoine_log_axis_ratio(log_curvature_ratio: Real) -> Real:
-    """log κ of log(B/A) in closed form, by Antoine, Visa, Sauvey and Abba 2006.
+    """log κ from log(B/A) in closed form, by Antoine, Visa, Sauvey and Abba 2006.
 
     κ = (B/A)^{-γ}, γ a rational function of χ = log₁₀(B/A).
     """
@@ -39,12 +39,13 @@ def antoine_log_axis_ratio(log_curvature_ratio: Real) -> Real:
 
 @jax.custom_jvp
 def _ellipse(anisotropy: Real) -> tuple[Real, Real, Real]:
-    """κ, B and D: one step of Halley from the closed form, and one evaluation of B and D for all.
+    """κ, B and D: one Halley step from the closed form, with a single evaluation of B and D.
 
-    The closed form is 6e-6 off up to B/A = 1e4 and Halley's convergence cubic, so one step reaches
-    rounding, and the integrals there follow by Taylor's series. With x = log κ and m₁ = κ²:
-    `dD/dx = −(B − m₁ D)/m`, `dB/dx = −B − dD/dx`. Quotients and logarithms are most of the run
-    time, so both inverses come from that of B D, and the residual, which is small, from a series.
+    The closed form has an error of 6e-6 up to B/A = 1e4 and Halley's method converges cubically, so
+    one step reaches rounding; the integrals there follow by Taylor series. With x = log κ and m₁ =
+    κ²: `dD/dx = −(B − m₁ D)/m`, `dB/dx = −B − dD/dx`. Quotients and logarithms are most of the run
+    time, so both inverses are taken from 1/(B D), and the logarithm of the small residual from a
+    series.
     """
     curvature_ratio = (1 + anisotropy) / (1 - anisotropy)
     start = antoine_log_axis_ratio(jnp.log(curvature_ratio))
@@ -83,7 +84,7 @@ def _ellipse(anisotropy: Real) -> tuple[Real, Real, Real]:
 
 @_ellipse.defjvp
 def _ellipse_jvp(primals, tangents):
-    """By the derivative of the root, not of the step: algebra in κ, B and D, to any order.
+    """Derivative of the root, not of the step: algebraic in κ, B and D, to any order.
 
     With x = log κ: the root of `log(κ² D/B) = log((1 − τ)/(1 + τ))`, and K' = −B.
     """
@@ -93,10 +94,10 @@ def _ellipse_jvp(primals, tangents):
     elongated = parameter > _DIFFERENCES_CANCEL
     far = jnp.where(elongated, parameter, 1.0)
     near = jnp.where(elongated, 0.0, parameter)
-    moves_d = jnp.where(elongated, -(b - square * d) / far, _slope_of_d(near))
+    slope_d = jnp.where(elongated, -(b - square * d) / far, _slope_of_d(near))
     target_slope = -2 / ((1 - anisotropy) * (1 + anisotropy))
-    change = target_slope / (3 + moves_d * (b + d) / (b * d)) * tangent
-    return (axis_ratio, b, d), (axis_ratio * change, -(b + moves_d) * change, moves_d * change)
+    change = target_slope / (3 + slope_d * (b + d) / (b * d)) * tangent
+    return (axis_ratio, b, d), (axis_ratio * change, -(b + slope_d) * change, slope_d * change)
 
 
 def _slope_of_d(parameter: Real) -> Real:

@@ -20,7 +20,8 @@ HertzMethod: TypeAlias = (
 )
 
 
-#: Cube of a semi-axis below which there is no contact [m³]: the cube root ends at 1e-142.
+#: Cube of a semi-axis below which there is no contact [m³]; `_inverse_cube_root` is valid above
+#: 1e-142.
 _LEAST_CUBE = 1e-140
 
 
@@ -61,11 +62,12 @@ def anisotropy_of(total: Scalar, difference_squared: Scalar) -> Scalar:
 def _inverse_cube_root(cube: Scalar) -> Scalar:
     """1/∛ of a number above 1e-142: a power in single precision and one step of third order.
 
-    A third of the run time of `jnp.cbrt` and a quotient. Small numbers (the cube of a semi-axis in
-    metres) are scaled into single precision; those below 1e-142 give something finite.
+    Takes a third of the run time of `jnp.cbrt` and a division. Small numbers (the cube of a
+    semi-axis in metres) are scaled into the range of single precision; numbers below 1e-142 give a
+    finite result.
     """
     scale, shrink = jnp.ones_like(cube), jnp.ones_like(cube)
-    # Single precision ends before it needs more than the first.
+    # The range of single precision needs only the first scale.
     double = cube.dtype == jnp.float64
     for below, power in ((-100, 40), (-220, 80), (-340, 120))[: 3 if double else 1]:
         scale = jnp.where(cube < 2.0**below, 2.0 ** (3 * power), scale)
@@ -109,7 +111,7 @@ def hertz_contact(
 
     **Raises:** `ValueError` for an unknown method.
     """
-    # Bodies that are both hollow touch in no ellipse, nor do points, or bodies without a modulus.
+    # Two concave bodies, points, and bodies without a modulus have no contact ellipse.
     possible = (total > 0) & (total < jnp.inf) & (modulus > 0) & (modulus < jnp.inf)
     total = jnp.where(possible, total, jnp.nan)
     anisotropy = anisotropy_of(total, difference_squared)

@@ -4,13 +4,14 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-#: Each doubling brings the arguments four times closer together; what the series below then
-#: neglects has the sixth power of their distance. Enough for ratios of the arguments up to 1e60.
+#: Each duplication brings the arguments four times closer together; the truncation error of the
+#: series below goes with the sixth power of their distance. Sufficient for ratios of the arguments
+#: up to 1e60.
 _DOUBLINGS = 10
 
 
 def _doubled(x, y, z):
-    """The three arguments after one duplication, and what R_D adds up on the way."""
+    """The three arguments after one duplication, and the term that it adds to R_D."""
     roots = jnp.sqrt(x), jnp.sqrt(y), jnp.sqrt(z)
     shift = roots[0] * roots[1] + roots[1] * roots[2] + roots[2] * roots[0]
     return (x + shift) / 4, (y + shift) / 4, (z + shift) / 4, 1 / (roots[2] * (z + shift))
@@ -21,7 +22,7 @@ def carlson_rf_and_rd(
 ) -> tuple[Float[Array, "*batch"], Float[Array, "*batch"]]:
     """R_F = ½ ∫₀^∞ dt / √((t + x)(t + y)(t + z)) and R_D = (3/2) ∫₀^∞ dt / ((t + z) √(…)).
 
-    Of the same arguments, which they double alike. Source: Carlson 1995; DLMF 19.36.1 and 19.36.2.
+    Both from the same duplications. Source: Carlson 1995; DLMF 19.36.1 and 19.36.2.
 
     **Arguments:**
 
@@ -34,14 +35,14 @@ def carlson_rf_and_rd(
         x, y, z, part = _doubled(x, y, z)
         return x, y, z, total + scale * part, scale / 4
 
-    # A loop: unrolled, the compiler's fusion triples the work with every duplication.
+    # A loop: if unrolled, the compiler's fusion triples the work with every duplication.
     start = (x, y, z, jnp.zeros_like(z), jnp.ones_like(z))
     x, y, z, total, scale = jax.lax.fori_loop(0, _DOUBLINGS, double, start)
     return _first_kind(x, y, z), 3 * total + scale * _second_kind(x, y, z)
 
 
 def _first_kind(x, y, z):
-    """R_F of arguments that all but coincide."""
+    """R_F of nearly equal arguments."""
     mean = (x + y + z) / 3
     first, second = 1 - x / mean, 1 - y / mean
     third = -first - second
@@ -51,7 +52,7 @@ def _first_kind(x, y, z):
 
 
 def _second_kind(x, y, z):
-    """R_D of arguments that all but coincide."""
+    """R_D of nearly equal arguments."""
     mean = (x + y + 3 * z) / 5
     first, second = 1 - x / mean, 1 - y / mean
     third = -(first + second) / 3

@@ -4,9 +4,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 # B = P_B(m₁) − m₁ log(m₁) Q_B(m₁) and D = P_D(m₁) − log(m₁) Q_D(m₁), of degree 10 in m₁ = κ², with
-# the least largest relative error over 0 < m₁ ≤ 1: 1e-17 and 3e-17 (Lawson's weighted least
-# squares in 60 digits on Chebyshev points of m₁^{1/3}). The form is Cody's, 1965, who gives K and
-# E, from whose difference neither follows near a circle.
+# the smallest maximum relative error over 0 < m₁ ≤ 1: 1e-17 and 3e-17 (Lawson's weighted least
+# squares in 60 digits on Chebyshev points of m₁^{1/3}). The form is from Cody 1965, who gives K and
+# E; near a circle their difference is too inaccurate for B and D.
 _B_REGULAR = (
     1.0,
     0.05685281943582388,
@@ -73,9 +73,9 @@ def associated_elliptic_integrals(
 ) -> tuple[Float[Array, "*batch"], Float[Array, "*batch"], Float[Array, "*batch"]]:
     """The integrals K, B and D of the complementary modulus κ = √(1 − m).
 
-    `D = (K − E)/m` and `B = (E − (1 − m) K)/m = K − D` have no cancellation and no singularity at
-    m = 0, which is what keeps Hertz contact regular at circles; `E = B + κ² D`. By polynomials
-    rather than the arithmetic–geometric mean: to the same rounding in half the time.
+    `D = (K − E)/m` and `B = (E − (1 − m) K)/m = K − D` have no cancellation and no singularity at m
+    = 0, which keeps Hertz contact regular at circles; `E = B + κ² D`. Polynomials take half the
+    time of the arithmetic–geometric mean, with the same rounding.
 
     **Arguments:**
 
@@ -90,7 +90,7 @@ def associated_elliptic_integrals(
 def integrals_of_square(
     square: Float[Array, "*batch"], logarithm: Float[Array, "*batch"]
 ) -> tuple[Float[Array, "*batch"], Float[Array, "*batch"]]:
-    """B and D where κ² and log κ are known already.
+    """B and D if κ² and log κ are already known.
 
     **Arguments:**
 

@@ -8,7 +8,7 @@ from jaxtyping import Array, Complex, Float
 
 Real = Float[Array, "*batch"]
 
-#: As for the complete integrals: rounding is reached for κ down to 1e-10.
+#: Number of Landen transformations; rounding is reached for κ down to 1e-10.
 _STEPS = 8
 
 
@@ -41,7 +41,7 @@ def jacobi_of_fraction(fraction: Real, axis_ratio: Float[Array, ""]) -> Jacobi:
         following = (arithmetic + geometric) / 2
         quotients.append((arithmetic - geometric) / (2 * following))
         arithmetic, geometric = following, jnp.sqrt(arithmetic * geometric)
-    # K = π/(2 a_N), so the amplitude at the bottom, 2^N a_N u, does not need it.
+    # K = π/(2 a_N), so the last amplitude, 2^N a_N u, does not need K.
     amplitude = 2.0**_STEPS * (jnp.pi / 2) * fraction
     for quotient in reversed(quotients):
         amplitude = (amplitude + jnp.arcsin(quotient * jnp.sin(amplitude))) / 2

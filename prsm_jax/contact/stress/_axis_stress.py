@@ -17,9 +17,9 @@ def axis_stress(
 ) -> tuple[Scalar, Scalar, Scalar]:
     """Principal stresses along the major axis, along the minor axis and in depth.
 
-    The closed form of Thomas and Hoersch 1930, rearranged so that nothing cancels at a circular
-    contact, with incomplete elliptic integrals in Carlson's form. With κ = b/a, ζ = z/a and
-    n² = (κ² + ζ²)/(1 + ζ²) the stress in depth is `−p₀ κ (1 − n²)/(n (1 − κ²))`.
+    The closed form of Thomas and Hoersch 1930, rearranged to avoid cancellation at a circular
+    contact, with incomplete elliptic integrals in Carlson's form. With κ = b/a, ζ = z/a and n² =
+    (κ² + ζ²)/(1 + ζ²) the stress in depth is `−p₀ κ (1 − n²)/(n (1 − κ²))`.
 
     **Arguments:**
 
@@ -28,7 +28,7 @@ def axis_stress(
     - `max_pressure`: p₀ [Pa].
     - `poisson_ratio`: ν of this body.
 
-    **Returns:** σ along a, σ along b, σ in depth [Pa]; 0 where the semi-axes are 0, without a load.
+    **Returns:** σ along a, σ along b, σ in depth [Pa]; 0 without a load (semi-axes 0).
     """
     unloaded = semi_minor <= 0
     semi_major, semi_minor = (jnp.where(unloaded, 1.0, axis) for axis in (semi_major, semi_minor))
@@ -48,7 +48,7 @@ def axis_stress(
     along = zeta * integral_d - shared / 2
     along_poisson = (shared + zeta * integral_b - 1) / square
     across = (shared * (1 + 2 * ratio_below) - 1 - ratio_below) / (2 * ratio_below * square)
-    # Without the share of ν: Ω_y of the source over 1 − κ².
+    # The part without ν: Ω_y of the source over 1 − κ².
     across = across + zeta * integral_b / square
     across_poisson = zeta * integral_d - shared
     factor = 2 * max_pressure * ratio

@@ -29,16 +29,16 @@ def line_subsurface_stress(
     - `traction`: shear traction per pressure that acts on this body in x. Without it no friction
       is traced.
 
-    **Returns:** the symmetric stress tensor in (x, y, z), y along the line [Pa]; 0 where the
-    half-width is 0, without a load.
+    **Returns:** the symmetric stress tensor in (x, y, z), y along the line [Pa]; 0 without a load
+    (half-width 0).
     """
     unloaded = half_width <= 0
     half_width = jnp.where(unloaded, 1.0, half_width)
     max_pressure = jnp.where(unloaded, 0.0, max_pressure)
     x, z = point[0] / half_width, point[1] / half_width
     real = 1 - x**2 + z**2
-    # The floors keep derivatives finite at the edges of the contact, where those of the stress
-    # are not.
+    # The floors keep derivatives finite at the edges of the contact, where the derivatives of the
+    # stress are infinite.
     floor = jnp.finfo(x.dtype).eps ** 2
     size = jnp.sqrt(jnp.maximum(real**2 + (2 * x * z) ** 2, floor**2))
     over = real > 0
@@ -46,7 +46,7 @@ def line_subsurface_stress(
     larger = jnp.sqrt((size + jnp.abs(real)) / 2)
     m = jnp.where(over, larger, jnp.abs(x) * z / larger)
     n = jnp.where(over, x * z / larger, jnp.sign(x) * larger)
-    # At the edges m = n = 0, and what they multiply stays finite.
+    # At the edges m = n = 0, and their factors stay finite.
     below = m**2 + n**2 + floor
     share = (z**2 + n**2) / below
     xx = -(m * (1 + share) - 2 * z)

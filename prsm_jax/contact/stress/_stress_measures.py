@@ -11,13 +11,15 @@ Measure = Float[Array, "*batch"]
 
 
 def _safe_sqrt(square: Measure) -> Measure:
-    """√, with derivative 0 at 0: the measures below have no direction to grow in there."""
+    """√, with derivative 0 at 0, where the measures below have no unique derivative."""
     positive = above_or_nan(square)
     return jnp.where(positive, jnp.sqrt(jnp.where(positive, square, 1.0)), 0.0)
 
 
 def _second_invariant(stress: Stress) -> Measure:
-    """J₂, half the square of the deviator, from differences so that pressure cancels exactly."""
+    """J₂, half the square of the deviator, from differences, so that pressure cancels
+    exactly.
+    """
     xx, yy, zz = stress[..., 0, 0], stress[..., 1, 1], stress[..., 2, 2]
     xy, yz, zx = stress[..., 0, 1], stress[..., 1, 2], stress[..., 2, 0]
     normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
@@ -28,7 +30,7 @@ def _second_invariant(stress: Stress) -> Measure:
 def von_mises_stress(stress: Stress) -> Measure:
     """Reduced stress √(3 J₂) after Huber, von Mises and Hencky, in the unit of the stress.
 
-    Its derivative at a purely hydrostatic state is given as 0.
+    Its derivative at a purely hydrostatic state is set to 0.
 
     **Arguments:**
 
@@ -58,7 +60,7 @@ def _lode_angle(stress: Stress, second: Measure) -> Measure:
 def principal_stresses(stress: Stress) -> Float[Array, "*batch 3"]:
     """Principal stresses in descending order, in closed form by invariants.
 
-    Good to about 1e-8 of the largest where two of them nearly coincide. Source: Nayak and
+    Accurate to about 1e-8 of the largest where two of them nearly coincide. Source: Nayak and
     Zienkiewicz 1972.
 
     **Arguments:**

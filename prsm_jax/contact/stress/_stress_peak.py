@@ -1,4 +1,4 @@
-"""Where below an elliptical Hertz contact the material is stressed most, and how much."""
+"""Largest stress below an elliptical Hertz contact, and its position."""
 
 from collections.abc import Callable
 from typing import Literal, TypeAlias
@@ -28,21 +28,22 @@ _MEASURES: dict[str, Callable[[Array], Array]] = {
     "max_shear": max_shear_stress,
     "tension": lambda stress: principal_stresses(stress)[..., 0],
 }
-#: The same of the principal stresses, which those on the axis are.
+#: The same from principal stresses; stresses on the axis are principal stresses.
 _OF_PRINCIPAL: dict[str, Callable[[Array, Array, Array], Array]] = {
     "von_mises": von_mises_of_principal,
     "max_shear": max_shear_of_principal,
 }
-#: Depths in a grid on the axis, of width 2 b first, and how many ever finer grids there are.
+#: Number of depths in a grid on the axis, and number of successively finer grids; the first is 2 b
+#: wide.
 _DEPTHS, _GRIDS = 33, 3
 #: Newton steps from the finest grid to rounding.
 _STEPS = 3
-#: How often the grid in space is made finer.
+#: Number of refinements of the grid in space.
 _REFINEMENTS = 8
 
 
 class StressPeak(eqx.Module):
-    """The largest value of a measure of stress, and where it is."""
+    """Largest value of a stress measure, and its position."""
 
     #: [Pa]
     value: Scalar
@@ -65,14 +66,14 @@ def _search(
     function: Callable[..., Scalar],
     first: Float[Array, "m d"],
     spacing: Float[Array, " d"],
-    *given: Array,
+    *parameters: Array,
 ) -> Float[Array, " d"]:
-    """The best of some points, then of ever smaller grids about the best so far; z stays ≥ 0.
+    """Point of the largest value: of `first`, then of ever smaller grids about it; z stays ≥ 0.
 
-    Without derivatives: the envelope theorem does not need those of the place.
+    Without derivatives: the envelope theorem does not need derivatives of the position.
     """
-    first, given = jax.lax.stop_gradient((first, given))
-    several = jax.vmap(lambda point: function(point, *given))
+    first, parameters = jax.lax.stop_gradient((first, parameters))
+    several = jax.vmap(lambda point: function(point, *parameters))
     best = first[jnp.argmax(several(first))]
     steps = jnp.stack(
         jnp.meshgrid(*[jnp.linspace(-1.0, 1.0, 5, dtype=best.dtype)] * best.size), axis=-1
@@ -89,36 +90,36 @@ def _search(
 
 def _moving(
     function: Callable[..., Scalar],
-    found: Float[Array, " d"],
+    maximum: Float[Array, " d"],
     spacing: Float[Array, " d"],
-    *given: Array,
+    *parameters: Array,
 ) -> Float[Array, " d"]:
-    """Steps of Newton from a maximum that was found; the last one also carries its derivatives.
+    """Newton steps from an approximate maximum; the last one also carries its derivatives.
 
     A step that leaves the last grid belongs to a maximum at the surface or at the edge of the
-    contact; there the point stays where it is, in units of the semi-axes. On the surface the depth
-    is held.
+    contact; there the point is not moved, in units of the semi-axes. On the surface the depth is
+    fixed.
     """
-    stopped = jax.lax.stop_gradient(given)
-    last = jnp.arange(found.size) == found.size - 1
-    held = last & ~(found[-1] > 0)
+    constants = jax.lax.stop_gradient(parameters)
+    last = jnp.arange(maximum.size) == maximum.size - 1
+    fixed = last & ~(maximum[-1] > 0)
 
-    def step(point, hessian, given):
-        gradient = jnp.where(held, 0.0, jax.grad(function)(point, *given))
+    def step(point, hessian, parameters):
+        gradient = jnp.where(fixed, 0.0, jax.grad(function)(point, *parameters))
         change = -solve(hessian, gradient)
         small = jnp.all(jnp.abs(change) <= 2 * spacing * 0.5 ** (_REFINEMENTS - 1))
         return point + jnp.where(small & jnp.all(jnp.isfinite(change)), change, 0.0)
 
     def closer(_, carry):
         point, _ = carry
-        hessian = jax.hessian(function)(point, *stopped)
-        hessian = jnp.where(held[:, None] | held[None, :], -jnp.eye(found.size), hessian)
-        return step(point, hessian, stopped), hessian
+        hessian = jax.hessian(function)(point, *constants)
+        hessian = jnp.where(fixed[:, None] | fixed[None, :], -jnp.eye(maximum.size), hessian)
+        return step(point, hessian, constants), hessian
 
-    # The second Hessian is that of the maximum: the place moves as its inverse.
-    start = (found, -jnp.eye(found.size, dtype=found.dtype))
+    # The second Hessian is taken at the maximum: its inverse gives the derivative of the position.
+    start = (maximum, -jnp.eye(maximum.size, dtype=maximum.dtype))
     point, hessian = jax.lax.stop_gradient(jax.lax.fori_loop(0, 2, closer, start))
-    return step(point, hessian, given)
+    return step(point, hessian, parameters)
 
 
 @physics("stress_peak_on_axis")
@@ -129,7 +130,7 @@ def stress_peak_on_axis(
     poisson_ratio: Scalar,
     measure: AxisMeasure = "von_mises",
 ) -> StressPeak:
-    """Largest stress on the axis of a contact without friction, where its maximum is.
+    """Largest stress of a contact without friction; it lies on the axis.
 
     For a circle and ν = 0.3: shear 0.310 p₀ at 0.481 a, von Mises 0.620 p₀; for a line 0.300 p₀
     at 0.786 b. No quadrature: the closed form of `axis_stress`.
@@ -145,17 +146,17 @@ def stress_peak_on_axis(
 
     **Raises:** `ValueError` for an unknown measure.
     """
-    chosen = _measure(measure, _OF_PRINCIPAL)
-    # Without a load the axes are 0; the place in units of b then says nothing, and costs nothing.
+    stress_measure = _measure(measure, _OF_PRINCIPAL)
+    # Without a load the axes are 0, and the position in units of b is meaningless.
     loaded = above_or_nan(semi_minor)
     ratio = jnp.where(loaded, semi_minor, 1.0) / jnp.where(loaded, semi_major, 1.0)
     one = jnp.ones_like(ratio)
 
     def at(depth: Scalar, ratio: Scalar, poisson_ratio: Scalar) -> Scalar:
-        return chosen(*axis_stress(depth, 1 / ratio, one, one, poisson_ratio))
+        return stress_measure(*axis_stress(depth, 1 / ratio, one, one, poisson_ratio))
 
-    stopped = jax.lax.stop_gradient((ratio, poisson_ratio))
-    several = jax.vmap(lambda depth: at(depth, *stopped))
+    constants = jax.lax.stop_gradient((ratio, poisson_ratio))
+    several = jax.vmap(lambda depth: at(depth, *constants))
     steps = jnp.linspace(-1.0, 1.0, _DEPTHS, dtype=ratio.dtype)
 
     def refine(_, carry):
@@ -163,9 +164,10 @@ def stress_peak_on_axis(
         grid = jnp.maximum(centre + width * steps, 0.0)
         return grid[jnp.argmax(several(grid))], width * (2 / (_DEPTHS - 1))
 
-    found, _ = jax.lax.fori_loop(0, _GRIDS, refine, (one, one))
-    # Steps of Newton by differences of fourth order, and one that also carries the derivatives: it
-    # needs the curvature at the maximum itself, for the depth moves as one over it.
+    grid_maximum, _ = jax.lax.fori_loop(0, _GRIDS, refine, (one, one))
+    # Newton steps by differences of fourth order, and one that also carries the derivatives: it
+    # needs the curvature at the maximum itself, because the derivative of the depth is inversely
+    # proportional to it.
     near = 3e-3 if ratio.dtype == jnp.float64 else 3e-2
     stencil = near * jnp.arange(-2.0, 3.0, dtype=ratio.dtype)
 
@@ -177,10 +179,10 @@ def stress_peak_on_axis(
         bend = values @ curved
         return centre - slope / bend, bend
 
-    top, bend = jax.lax.fori_loop(0, _STEPS, closer, (found, one))
-    # Poisson's ratios below about 0 put it on the surface, where nothing says that the slope is 0.
-    below = above_or_nan(found, 2 * near)
-    top, bend = jnp.where(below, top, found), jnp.where(below, bend, jnp.inf)
+    top, bend = jax.lax.fori_loop(0, _STEPS, closer, (grid_maximum, one))
+    # For Poisson's ratios below about 0 it lies on the surface, where the slope need not be 0.
+    below = above_or_nan(grid_maximum, 2 * near)
+    top, bend = jnp.where(below, top, grid_maximum), jnp.where(below, bend, jnp.inf)
     value, slope = jax.jvp(
         lambda depth: at(depth, ratio, poisson_ratio), (top,), (jnp.ones_like(top),)
     )
@@ -201,19 +203,19 @@ def stress_peak(
 ) -> StressPeak:
     """Largest stress anywhere in a half-space under a Hertz pressure and its friction.
 
-    With growing friction the maximum comes up from below the middle of the contact; from about
-    μ = 0.3 on it lies on the surface. With `measure="tension"` it is the largest tensile stress,
-    at the trailing edge.
+    With increasing friction the maximum rises from below the middle of the contact; from about μ =
+    0.3 on it lies on the surface. With `measure="tension"` it is the largest tensile stress, at the
+    trailing edge.
 
-    **Arguments:** as those of `subsurface_stress`, and the measure: `"von_mises"`,
-    `"max_shear"` or `"tension"` (the largest principal stress).
+    **Arguments:** those of `subsurface_stress`, and the measure: `"von_mises"`, `"max_shear"` or
+    `"tension"` (the largest principal stress).
 
     **Returns:** a `StressPeak`; differentiable, the value by the envelope theorem. A maximum at
     the edge of the contact moves with the edge.
 
     **Raises:** `ValueError` for an unknown measure.
     """
-    chosen = _measure(measure, _MEASURES)
+    stress_measure = _measure(measure, _MEASURES)
     turned = semi_axes[1] > semi_axes[0]
     major, minor = jnp.max(semi_axes), jnp.min(semi_axes)
     loaded = above_or_nan(minor)
@@ -222,11 +224,11 @@ def stress_peak(
     pulled = traction[order]
 
     def at(point: Float[Array, "3"], ratio: Scalar, poisson_ratio: Scalar, pulled: Array):
-        return chosen(reduced_stress(point, ratio, poisson_ratio, pulled, nodes))
+        return stress_measure(reduced_stress(point, ratio, poisson_ratio, pulled, nodes))
 
-    given = ratio, poisson_ratio, pulled
+    parameters = ratio, poisson_ratio, pulled
 
-    # First the section along the friction, whose maximum is near enough for grids in space.
+    # First the section along the friction; its maximum is close enough to start grids in space.
     length = jnp.hypot(pulled[0], pulled[1])
     sliding = above_or_nan(length)
     direction = jnp.where(sliding, pulled, jnp.asarray([1.0, 0.0], pulled.dtype))
@@ -235,11 +237,11 @@ def stress_peak(
     along, depth = along.ravel().astype(ratio.dtype), depth.ravel().astype(ratio.dtype)
     first = jnp.stack([direction[0] * along, direction[1] * along, depth], axis=-1)
     spacing = jnp.full((3,), 0.125, ratio.dtype)
-    found = _search(at, first, spacing, *given)
-    moved = _moving(at, found, spacing, *given)
+    maximum = _search(at, first, spacing, *parameters)
+    moved = _moving(at, maximum, spacing, *parameters)
     flat = jnp.stack([moved[0] * major, moved[1] * minor])[order]
     position = jnp.concatenate([flat, moved[2:] * minor])
-    value = at(jax.lax.stop_gradient(moved), *given)
-    # Among values that are NaN the search picks a place all the same.
+    value = at(jax.lax.stop_gradient(moved), *parameters)
+    # If the values are NaN, the search still returns a position.
     position = jnp.where(jnp.isnan(value), jnp.nan, position)
     return StressPeak(max_pressure * value, position)

@@ -1,17 +1,17 @@
 r"""Stress tensor below an elliptical Hertz contact with Coulomb friction.
 
 The load is a superposition of plane waves. In the direction of each wave the half-space is in plane
-strain (and antiplane shear), where its answer is elementary, and the wave numbers integrate in
+strain (and antiplane shear), where its solution is elementary, and the wave numbers integrate in
 closed form:
 
     p̂ ∝ (sin κ − κ cos κ)/κ³,   ∫ … e^{−κw} dκ → J₀ = 1 − w arccot w,  J₁ = arccot w − w/(1 + w²)
 
-with w = g z − iσ, σ = (x cos t)/a + (y sin t)/b and g² = cos²t/a² + sin²t/b². What is left is one
-integral over the direction t, of an analytic function. It is taken in the variable that spreads
-its poles evenly for every axis ratio (t = π/2 + am u), between the two directions normal to that of
-the point, where the edge of the contact makes it singular, by a double exponential rule, and on a
-path shifted into the complex plane, away from the singularities that the surface outside of the
-contact brings. So one rule serves every point.
+with w = g z − iσ, σ = (x cos t)/a + (y sin t)/b and g² = cos²t/a² + sin²t/b². There remains one
+integral of an analytic function over the direction t. Its variable spreads the poles evenly for
+every axis ratio (t = π/2 + am u). It runs between the two directions normal to the direction of the
+point, where the edge of the contact makes it singular, by a double exponential rule. The path is
+shifted into the complex plane, away from the singularities caused by the surface outside the
+contact. So one rule serves every point.
 """
 
 import jax
@@ -31,20 +31,20 @@ from ..special_functions import (
     jacobi_sum,
 )
 
-#: Nodes of the rule; the error it leaves is in the documentation.
+#: Nodes of the rule; its error is given in the documentation.
 NODES = 64
 
-#: What the double exponential rule leaves out at the ends, as a share of the range.
+#: Share of the range that the double exponential rule omits at the ends.
 _END = 1e-12
-#: How far the path is shifted for points far out: sn of the imaginary part, 1 at the pole.
+#: Shift of the path for points far from the contact: sn of the imaginary part, 1 at the pole.
 _SHIFT = 0.85
 
 
 def _rule(nodes: int) -> tuple[np.ndarray, np.ndarray]:
     """Nodes v and weights of ∫₀¹ f(v) dv by v = ½ (1 + tanh(½ sinh x)).
 
-    The nodes are those of the lower half; the upper half is its mirror image, kept apart so that
-    no digit of the distance to the upper end is lost.
+    The nodes are those of the lower half; the upper half is its mirror image, kept separately so
+    that the distance to the upper end keeps all digits.
     """
     step = 2 * np.arcsinh(-np.log(_END)) / nodes
     x = -step * (np.arange(nodes // 2) + 0.5)
@@ -94,7 +94,7 @@ def _radial_integrals(
 ) -> tuple[Complex[Array, " n"], Complex[Array, " n"]]:
     """J₀ = 1 − w arccot w and J₁ = arccot w − w/(1 + w²) for Re w ≥ 0."""
     real, imaginary = jnp.real(below), jnp.imag(below)
-    # At the edge of the contact w = ±i: integrable, and out of the way of log and division.
+    # At the edge of the contact w = ±i: integrable; the floor keeps log and division finite.
     floor = jnp.finfo(real.dtype).eps ** 2
     upper = real**2 + (imaginary - 1) ** 2 + floor
     lower = real**2 + (imaginary + 1) ** 2 + floor
@@ -171,11 +171,11 @@ def subsurface_stress(
 
     The pressure `p = p₀ √(1 − x²/a² − y²/b²)` and the shear traction `q = (t_x, t_y) p` act on the
     surface z = 0 of the body z ≥ 0. Tension is positive. Any axis ratio from a circle to a needle,
-    any point in the body and on its surface; differentiable in everything but at the edge of the
+    any point in the body and on its surface; differentiable in everything except at the edge of the
     contact, where the stress has an infinite slope. For batches use `jax.vmap`.
 
     The two bodies of a contact carry opposite tractions; each is this half-space, seen in its own
-    coordinates. Elastically alike bodies do not disturb the pressure by their friction.
+    coordinates. If the bodies have equal elastic constants, friction does not change the pressure.
 
     **Arguments:**
 
@@ -184,11 +184,11 @@ def subsurface_stress(
     - `max_pressure`: p₀ [Pa].
     - `poisson_ratio`: ν of this body.
     - `traction`: shear traction per pressure that acts on this body in x and y: under full sliding
-      of length μ, against this body's velocity relative to the other one. Without it no friction
-      is traced.
+      its magnitude is μ, opposite to this body's velocity relative to the other. Without it no
+      friction is traced.
     - `nodes`: nodes of the quadrature, even.
 
-    **Returns:** the symmetric stress tensor [Pa]; 0 where the semi-axes are 0, without a load.
+    **Returns:** the symmetric stress tensor [Pa]; 0 without a load (semi-axes 0).
 
     **Raises:** `ValueError` for an odd number of nodes or fewer than 8.
 

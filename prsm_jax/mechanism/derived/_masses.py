@@ -1,7 +1,7 @@
 """Masses and inertias: given, or derived from dimensions as cylinders with bores.
 
-All functions are pure in the numbers; which branch is taken is decided by what is present. Each
-raises `MissingDataError` when neither a value nor the dimensions for it are there.
+All functions are pure in the numbers; which branch is taken depends on the data that are present.
+Each raises `MissingDataError` if neither a value nor the dimensions for it are given.
 """
 
 import jax.numpy as jnp
@@ -46,7 +46,7 @@ def _needs(value: Scalar | None, body: str, name: str, needed_for: str) -> Scala
 
 
 def _annulus(stage: Stage, body: str, needed_for: str) -> tuple[Scalar, Scalar, Scalar]:
-    """Inner radius, outer radius and length of the cylinder that stands for a body [m]."""
+    """Inner radius, outer radius and length of the cylinder that represents a body [m]."""
     part, thread = getattr(stage, body), stage.thread
     length = _needs(part.length, body, "length", needed_for)
     if isinstance(part, Screw | Roller):
@@ -108,17 +108,17 @@ def _mean(stage: Stage, nominal: Scalar) -> Scalar:
 
 
 def mean_roller_mass(stage: Stage) -> Scalar:
-    """Mean mass of the rollers that are there [kg]; `body_mass` where all are equal.
+    """Mean mass of the rollers present [kg]; `body_mass` if all are equal.
 
-    **Raises:** `MissingDataError` as `body_mass`.
+    **Raises:** `MissingDataError` as in `body_mass`.
     """
     return _mean(stage, body_mass(stage, "roller"))
 
 
 def mean_roller_inertia(stage: Stage) -> Scalar:
-    """Mean moment of inertia of the rollers that are there about their own axes [kg·m²].
+    """Mean moment of inertia of the rollers present, about their own axes [kg·m²].
 
-    **Raises:** `MissingDataError` as `body_inertia`.
+    **Raises:** `MissingDataError` as in `body_inertia`.
     """
     return _mean(stage, body_inertia(stage, "roller"))
 
@@ -130,7 +130,7 @@ def nut_outer_radius(stage: Stage) -> Scalar:
 
 
 def stage_mass(stage: Stage) -> Scalar:
-    """Mass of all bodies of a stage [kg]: screw, rollers, nut; ring gear and carriers if there."""
+    """Mass of all bodies of a stage [kg]: screw, rollers, nut; ring gear, carriers if present."""
     mass = body_mass(stage, "screw") + body_mass(stage, "nut")
     mass = mass + stage.present_roller_count * mean_roller_mass(stage)
     if stage.ring_gear is not None:

@@ -1,4 +1,4 @@
-"""Whether the numbers of a part are in their ranges, inside a trace where none can be refused."""
+"""Whether the numbers of a part are in range, inside a trace, where no error can be raised."""
 
 import dataclasses
 from collections.abc import Iterator
@@ -28,17 +28,16 @@ def _limited(module: eqx.Module) -> Iterator[tuple[Array, Limit]]:
 
 
 def numbers_possible(module: eqx.Module) -> Bool[Array, ""]:
-    """Whether every number of a part is in the range that files are read with.
+    """Whether every number of a part is in the range that applies to files.
 
-    As `Limited` refuses at construction, for numbers that are traced: a density above 0, Poisson's
-    ratio below ½. Stiffnesses may have any sign, and NaN, which has none, is let through: what
-    depends on it is NaN.
+    The check of `Limited` at construction, for traced numbers: a density above 0, Poisson's ratio
+    below ½. Stiffnesses may have any sign. NaN passes: results that depend on it are NaN.
 
     **Arguments:**
 
     - `module`: a stage, or any part of one.
     """
-    # One comparison of all numbers at once; each by itself is a program of a hundred operations.
+    # One comparison of all numbers; separate comparisons are a program of a hundred operations.
     values, lower, upper, at_lower, at_upper = [], [], [], [], []
     for value, limit in _limited(module):
         values.append(jnp.ravel(value))

@@ -1,4 +1,4 @@
-"""Numbers of a mechanism by name: read, set, moved together."""
+"""Numbers of a mechanism by name: read and set, one or several."""
 
 from ._follows import (
     dependents_in_words as dependents_in_words,

@@ -1,12 +1,12 @@
-"""What moves with a number of the thread when it is set by name, and what stays as it was."""
+"""Dimensions that change when a number of the thread is set by name, and those that do not."""
 
 from collections.abc import Iterable, Sequence
 
 from .._mechanism import Mechanism, Stage
 from ._parameters import find_parameters
 
-#: Numbers of the thread that are given, and which of them each name sets. What a design variable
-#: holds instead of a given number stands behind it.
+#: Independent numbers of the thread that each name sets; then the derived numbers that a design
+#: variable keeps constant instead.
 _SETS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "lead": (("lead",), ()),
     "starts": (("starts",), ()),
@@ -19,7 +19,7 @@ _SETS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "roller_radius_at_fixed_screw_radius": (("roller_radius", "starts"), ("screw_radius",)),
     "starts_at_fixed_pitch": (("starts", "lead"), ("pitch",)),
 }
-#: What follows from the given numbers, beside them.
+#: Derived numbers, and the independent numbers from which they follow.
 _DERIVED: dict[str, tuple[str, ...]] = {
     "pitch": ("lead", "starts"),
     "screw_radius": ("roller_radius", "starts"),
@@ -30,39 +30,39 @@ _DERIVED: dict[str, tuple[str, ...]] = {
 
 
 def _dependencies(stage: Stage) -> dict[str, tuple[str, ...]]:
-    found = {name: (name,) for name in ("lead", "starts", "roller_radius", "contact_angle")}
-    found |= _DERIVED
-    given = stage.thread.roller_profile_radius is not None
-    own = ("roller_profile_radius",) if given else ("roller_radius", "contact_angle")
-    found["roller_profile_radius"] = own
+    dependencies = {name: (name,) for name in ("lead", "starts", "roller_radius", "contact_angle")}
+    dependencies |= _DERIVED
+    has_profile_radius = stage.thread.roller_profile_radius is not None
+    own = ("roller_profile_radius",) if has_profile_radius else ("roller_radius", "contact_angle")
+    dependencies["roller_profile_radius"] = own
     if stage.gear is not None and stage.gear.roller_teeth is not None:
-        found["gear module"] = ("roller_radius",)
-        found["ring gear teeth"] = ("starts",)
+        dependencies["gear module"] = ("roller_radius",)
+        dependencies["ring gear teeth"] = ("starts",)
     bodies = ("screw", "roller", "nut", "carrier", "ring_gear")
     parts = [(body, getattr(stage, body)) for body in bodies]
     if any(part is not None and part.mass is None and part.length is not None for _, part in parts):
-        found["masses from dimensions"] = ("roller_radius", "starts")
-    return found
+        dependencies["masses from dimensions"] = ("roller_radius", "starts")
+    return dependencies
 
 
 def what_follows(
     mechanism: Mechanism, name: str, frozen: Iterable[str] = ()
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """What follows when a number is set by name, and what stays.
+    """Numbers that follow when a number is set by name, and numbers that stay.
 
-    A number that the file leaves to follow (the roller's profile radius, r_R / sin α) follows,
+    A number that is not given in the file (the roller's profile radius, r_R / sin α) follows,
     unless it is frozen by name.
 
     **Arguments:**
 
-    - `mechanism`: the mechanism; the first stage that has the number counts.
+    - `mechanism`: the mechanism; the first stage that has the number is used.
     - `name`: a parameter.
-    - `frozen`: parameters that are set to values of their own at the same time.
+    - `frozen`: parameters that are set to their own values at the same time.
 
-    **Returns:** names of what follows and of what stays; both empty for a number that no other
-    dimension depends on (a load, a modulus).
+    **Returns:** names of the numbers that follow and of those that stay; both empty for a number
+    that no other dimension depends on (a load, a modulus).
 
-    **Raises:** `UnknownNameError` as `find_parameters`.
+    **Raises:** `UnknownNameError` as in `find_parameters`.
     """
     path = find_parameters(mechanism, name)[0].path
     head, _, field = path.rpartition(".")
@@ -71,13 +71,13 @@ def what_follows(
         return (), ()
     stage = mechanism.stages[int(parts[1]) - 1]
     fixed = {find_parameters(mechanism, other)[0].path.rpartition(".")[2] for other in frozen}
-    sets, held = _SETS[field]
+    sets, constant = _SETS[field]
     follows, stays = [], []
     for other, needs in _dependencies(stage).items():
         if other == field:
             continue
-        moves = bool(set(needs) & set(sets)) and other not in held
-        # A variable of its own is no consequence of another.
+        moves = bool(set(needs) & set(sets)) and other not in constant
+        # A number that is set itself does not follow another.
         moves = moves and other not in fixed
         (follows if moves else stays).append(other)
     if field == "roller_radius_at_fixed_screw_radius":
@@ -88,13 +88,13 @@ def what_follows(
 
 
 def follows_in_words(mechanism: Mechanism, name: str, frozen: Iterable[str] = ()) -> str:
-    """The same as a sentence, or nothing where there is nothing to say."""
+    """The same as a sentence; empty if nothing follows or stays."""
     follows, stays = what_follows(mechanism, name, frozen)
     return dependents_in_words(name, follows, stays)
 
 
 def dependents_in_words(name: str, follows: Sequence[str], stays: Sequence[str]) -> str:
-    """What follows a number and what stays as a sentence, or nothing if neither is known."""
+    """Numbers that follow and numbers that stay, as a sentence; empty if there are none."""
     if not (follows or stays):
         return ""
 

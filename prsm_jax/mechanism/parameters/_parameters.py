@@ -1,10 +1,10 @@
-"""Names for every number of a mechanism, and design variables that say what else follows.
+"""Names for every number of a mechanism, and design variables that define what else follows.
 
 One vocabulary serves files, `--set`, sensitivities, sweeps and optimisation. A name is a dotted
 path as in the file (`stage.thread.lead`, `operating_point.load`), or any ending of it that is
-unambiguous (`lead`, `screw.mass`). `stage.2.lead` means the second stage; without a number it
-means every stage that has the field, moved together. Unequal rollers go by their number:
-`stage.1.unequal_roller.3.stiffness_factor`. Numbers of a scenario go by their full names only
+unambiguous (`lead`, `screw.mass`). `stage.2.lead` means the second stage; without a number it means
+every stage that has the field, set together. Unequal rollers are named by their number:
+`stage.1.unequal_roller.3.stiffness_factor`. Numbers of a scenario have full names only
 (`scenario.speed.part.1.peak`).
 """
 
@@ -32,7 +32,7 @@ from ..parts import Thread
 
 @dataclasses.dataclass(frozen=True)
 class Parameter:
-    """One number of one stage (or of the operating point), with how to read and move it.
+    """One number of one stage (or of the operating point), with functions to read and set it.
 
     `get(mechanism)` and `set(mechanism, value)` are pure and traceable. `static` parameters
     (integers such as `roller_count`) cannot be differentiated: a sweep loops over them.
@@ -49,7 +49,7 @@ class Parameter:
 
 @dataclasses.dataclass(frozen=True)
 class DesignVariable:
-    """A way to move the thread geometry: which dimension is set, and which follow."""
+    """A way to change the thread geometry: which dimension is set, and which follow."""
 
     name: str
     unit: str
@@ -60,7 +60,7 @@ class DesignVariable:
 
 
 def _with(thread: Thread, **changes) -> Thread:
-    # Not `dataclasses.replace`: that would run converters, which a batched leaf may not pass.
+    # Not `dataclasses.replace`: it would run converters, which may reject a batched leaf.
     names = list(changes)
     return eqx.tree_at(
         lambda t: [getattr(t, name) for name in names],
@@ -70,7 +70,7 @@ def _with(thread: Thread, **changes) -> Thread:
     )
 
 
-#: Design variables beside the thread's own numbers. Each says what stays fixed and what follows.
+#: Design variables in addition to the thread's numbers. Each states what is fixed and what follows.
 DESIGN_VARIABLES: tuple[DesignVariable, ...] = (
     DesignVariable(
         "roller_profile_radius",
@@ -124,7 +124,7 @@ DESIGN_VARIABLES: tuple[DesignVariable, ...] = (
 
 
 def _number_of(element, index: int) -> str:
-    """What an element of a tuple is called: by the number that it gives itself, or its place."""
+    """Name of an element of a tuple: its own `number`, or its position from 1."""
     return str(getattr(element, "number", index + 1))
 
 
@@ -136,8 +136,8 @@ def _walk(
 ) -> Iterator[tuple[tuple[str, ...], dict, bool]]:
     """Yield (path, metadata, static) of every number that is present in a module.
 
-    `unit` is that of the function that the module may be: what `*` stands for. `units` are those
-    that have others where the module stands.
+    `unit` replaces the unit `*` of a function's numbers. `units` maps units that differ where the
+    module is used.
     """
     for field in dataclasses.fields(module):
         value = getattr(module, field.name)
@@ -148,16 +148,16 @@ def _walk(
         if units and metadata.get("unit") in units:
             metadata["unit"] = units[metadata["unit"]]
         if metadata.get("same_table"):
-            # The numbers of a law are attributes of what holds it.
+            # The numbers of a law are attributes of the object that contains it.
             yield from _walk(value, prefix, unit, metadata["units"])
         elif isinstance(value, eqx.Module):
             yield from _walk(value, path, metadata.get("unit", unit))
         elif isinstance(value, tuple):
-            # An element keeps the number that it gives itself, whatever its place in the tuple.
+            # An element keeps its own number, independent of its position in the tuple.
             for index, element in enumerate(value):
                 if isinstance(element, eqx.Module):
                     inner = _walk(element, (*path, _number_of(element, index)), unit)
-                    yield from (found for found in inner if not found[2])
+                    yield from (entry for entry in inner if not entry[2])
         elif metadata.get("list") or callable(value) or isinstance(value, bool):
             continue
         elif field.metadata.get("static") and isinstance(value, int):
@@ -178,7 +178,7 @@ def _descend(tree, path: tuple[str, ...]):
 def _at(where: Callable, static: bool, path: tuple[str, ...]):
     """Getter and setter for the number at `path` below `where(mechanism)`."""
 
-    # No annotations on these: shape checking would decorate them anew at every call.
+    # No annotations on these: shape checking would decorate them again at every call.
     def get(mechanism):
         return _descend(where(mechanism), path)
 
@@ -226,21 +226,22 @@ def _design_parameter(index: int, variable: DesignVariable) -> Parameter:
 def all_parameters(mechanism: Mechanism) -> tuple[Parameter, ...]:
     """Every number of a mechanism that can be set by name, stage by stage.
 
-    Design variables (what follows when they move is in their description) come after the fields.
+    In each stage the design variables, whose descriptions state what follows, come before the
+    fields.
     """
-    found: list[Parameter] = []
+    parameters: list[Parameter] = []
     for index, stage in enumerate(mechanism.stages):
-        taken = set()
+        names = set()
         for variable in DESIGN_VARIABLES:
             parameter = _design_parameter(index, variable)
-            taken.add(parameter.path)
-            found.append(parameter)
+            names.add(parameter.path)
+            parameters.append(parameter)
         for path, metadata, static in _walk(stage, ()):
             dotted = ".".join(("stage", str(index + 1), *path))
-            if dotted in taken:
+            if dotted in names:
                 continue
             get, set_ = _at(_stage_at(index), static, path)
-            found.append(
+            parameters.append(
                 Parameter(
                     dotted,
                     metadata.get("unit", "1"),
@@ -257,7 +258,7 @@ def all_parameters(mechanism: Mechanism) -> tuple[Parameter, ...]:
             continue
         for path, metadata, static in _walk(part, ()):
             get, set_ = _at(lambda m, name=name: getattr(m, name), static, path)
-            found.append(
+            parameters.append(
                 Parameter(
                     ".".join((name, *path)),
                     metadata.get("unit", "1"),
@@ -268,7 +269,7 @@ def all_parameters(mechanism: Mechanism) -> tuple[Parameter, ...]:
                     limit_of(metadata.get("unit", "1"), metadata.get("limit")),
                 )
             )
-    return tuple(found)
+    return tuple(parameters)
 
 
 def _without_stage_number(path: str) -> str:
@@ -277,18 +278,18 @@ def _without_stage_number(path: str) -> str:
 
 
 def find_parameters(mechanism: Mechanism, name: str) -> tuple[Parameter, ...]:
-    """The parameters that a name means: one, or one per stage when no stage is named.
+    """The parameters that match a name: one, or one per stage if no stage is named.
 
     **Arguments:**
 
     - `mechanism`: the mechanism.
     - `name`: a dotted path as in the file, or an unambiguous ending of one.
 
-    **Raises:** `UnknownNameError` if nothing or several different fields match.
+    **Raises:** `UnknownNameError` if no field or several different fields match.
     """
     known = all_parameters(mechanism)
     if not name.startswith("scenario."):
-        # Of the many names in a scenario only full ones count: `speed` is the operating point's.
+        # Numbers of a scenario match by full names only: `speed` is the operating point's.
         known = tuple(p for p in known if not p.path.startswith("scenario."))
     exact = [p for p in known if p.path == name]
     if exact:
@@ -308,7 +309,7 @@ def find_parameters(mechanism: Mechanism, name: str) -> tuple[Parameter, ...]:
     ]
     fields = sorted({_without_stage_number(p.path) for p in matches})
     if len(fields) > 1 and f"stage.{ending}" in fields:
-        # `roller_count` is a stage's own field even if a deeper one should share its name.
+        # `roller_count` is a stage's own field even if a nested field has the same name.
         fields = [f"stage.{ending}"]
         matches = [p for p in matches if _without_stage_number(p.path) == fields[0]]
     if len(fields) > 1:
@@ -328,15 +329,15 @@ def set_parameter(mechanism: Mechanism, name: str, value, *, checked: bool = Tru
     - `mechanism`: the mechanism.
     - `name`: a parameter.
     - `value`: the number; it may be traced.
-    - `checked`: whether to refuse a number that is known and out of its range, or that excludes
-      another one (a bore wider than its screw), as files do.
+    - `checked`: whether to refuse a known number that is out of range or excludes another one (a
+      bore wider than its screw), as for files.
 
-    **Raises:** `UnknownNameError` as `find_parameters`; `ValueError` for a number that is refused.
+    **Raises:** `UnknownNameError` as in `find_parameters`; `ValueError` for a refused number.
     """
-    found = find_parameters(mechanism, name)
+    parameters = find_parameters(mechanism, name)
     if checked:
         check_parameter(mechanism, name, value)
-    for parameter in found:
+    for parameter in parameters:
         if parameter.static:
             mechanism = parameter.set(mechanism, value)
         else:

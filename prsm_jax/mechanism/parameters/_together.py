@@ -1,4 +1,4 @@
-"""Several parameters at once: moved together, or refused because they move the same number."""
+"""Several parameters at once: set together, or refused because they set the same number."""
 
 from collections.abc import Iterable, Mapping
 
@@ -7,9 +7,9 @@ import numpy as np
 from .._mechanism import Mechanism
 from ._parameters import check_parameter, check_stages, find_parameters, set_parameter
 
-#: Setting one number may touch another by rounding; anything above is a conflict.
+#: Setting one number may change another by rounding; a larger change is a conflict.
 _ROUNDING = 1e-6
-#: Values this far from the present ones show a conflict that the present ones would hide.
+#: Relative change of the values in the test: the present values would hide a conflict.
 _PROBE = 1e-2
 
 
@@ -21,9 +21,9 @@ def set_parameters(mechanism: Mechanism, values: Mapping, *, checked: bool = Tru
     - `mechanism`: the mechanism.
     - `values`: the value of each name, as `set_parameter` takes them.
 
-    - `checked`: as of `set_parameter`; whether they exclude each other is asked when all are set.
+    - `checked`: as in `set_parameter`; whether they exclude each other is checked when all are set.
 
-    **Raises:** `UnknownNameError` as `find_parameters`; `ValueError` for a number that is refused.
+    **Raises:** `UnknownNameError` as in `find_parameters`; `ValueError` for a refused number.
     """
     for name, value in values.items():
         if checked:
@@ -35,14 +35,14 @@ def set_parameters(mechanism: Mechanism, values: Mapping, *, checked: bool = Tru
 
 
 def check_independent(mechanism: Mechanism, names: Iterable[str]) -> None:
-    """Check that parameters can be set together, each to a value of its own.
+    """Check that parameters can be set together, each to its own value.
 
     **Arguments:**
 
     - `mechanism`: the mechanism, with concrete numbers.
     - `names`: names of parameters; static ones (`roller_count`) may be among them.
 
-    **Raises:** `UnknownNameError` as `find_parameters`; `ValueError` if two of them are the same
+    **Raises:** `UnknownNameError` as in `find_parameters`; `ValueError` if two of them are the same
     number, or if setting a later one moves an earlier one (`pitch` before `starts`).
     """
     owner: dict[str, str] = {}
@@ -50,23 +50,23 @@ def check_independent(mechanism: Mechanism, names: Iterable[str]) -> None:
     for index, name in enumerate(names):
         if name in probes:
             raise ValueError(f"parameter {name!r} is given twice; remove one")
-        found = find_parameters(mechanism, name)
-        for parameter in found:
+        parameters = find_parameters(mechanism, name)
+        for parameter in parameters:
             if parameter.path in owner:
                 raise ValueError(
                     f"parameters {owner[parameter.path]!r} and {name!r} both set "
                     f"{parameter.path}; remove one"
                 )
             owner[parameter.path] = name
-        current = float(found[0].get(mechanism))
-        if found[0].static:
+        current = float(parameters[0].get(mechanism))
+        if parameters[0].static:
             probes[name] = current + 1
         else:
             probes[name] = current * (1 + _PROBE * (index + 1)) if current else _PROBE
     moved = set_parameters(mechanism, probes, checked=False)
     for name, value in probes.items():
         for parameter in find_parameters(moved, name):
-            # Not a comparison of NaN: a probe may leave what is feasible, and that is no conflict.
+            # False for NaN: a probe may be infeasible, which is not a conflict.
             if np.abs(float(parameter.get(moved)) - value) > _ROUNDING * abs(value):
                 later = [other for other in probes if other != name]
                 raise ValueError(

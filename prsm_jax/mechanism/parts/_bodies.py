@@ -1,4 +1,4 @@
-"""The bodies of a stage: masses given, or dimensions from which they follow."""
+"""The bodies of a stage: given masses, or dimensions from which masses follow."""
 
 from ...fields import (
     ACUTE_ANGLE,
@@ -25,7 +25,7 @@ class Material(Limited):
 
 
 class Support(Limited):
-    """Springs from a body to the housing; an absent one is not there."""
+    """Springs from a body to the housing; absent ones are not modelled."""
 
     radial_stiffness: Scalar | None = optional_number(
         "N/m", "bending (radial) stiffness of the support, equal in x and y unless y has its own"
@@ -37,7 +37,7 @@ class Support(Limited):
         "N/m", "bending stiffness in y where it differs from that in x (radial_stiffness)"
     )
     axial_stiffness: Scalar | None = optional_number(
-        "N/m", "axial stiffness: of the screw's thrust bearing, or of what holds the nut"
+        "N/m", "axial stiffness: of the screw's thrust bearing, or of the nut's mounting"
     )
 
     def __check_init__(self):
@@ -57,15 +57,15 @@ class Screw(Limited):
     bore_radius: Scalar | None = optional_number(
         "m", "radius of a central bore", limit=NOT_NEGATIVE
     )
-    material: Material | None = part("the body is of the material of its stage")
+    material: Material | None = part("the body has the material of its stage")
     support: Support | None = part("the screw is free: no springs of its bearings")
 
 
 class Roller(Limited):
     """One roller; its outer radius is the nominal one of the thread.
 
-    **Raises:** `ValueError` at construction if the support holds what a pin cannot: rollers turn
-    freely on their pins, and the pins are isotropic.
+    **Raises:** `ValueError` at construction if the support has stiffnesses that pins do not have:
+    rollers turn freely on their pins, and the pins are isotropic.
     """
 
     mass: Scalar | None = optional_number("kg", "mass; from length and density when absent")
@@ -74,9 +74,9 @@ class Roller(Limited):
     bore_radius: Scalar | None = optional_number(
         "m", "radius of a central bore", limit=NOT_NEGATIVE
     )
-    material: Material | None = part("the body is of the material of its stage")
-    #: Pins of the roller in the carriers; when given, rollers move in translation too.
-    support: Support | None = part("the rollers turn only: no translation on their pins")
+    material: Material | None = part("the body has the material of its stage")
+    #: Pins of the roller in the carriers; if given, rollers also move in translation.
+    support: Support | None = part("the rollers only rotate: no translation on their pins")
 
     def __check_init__(self):
         if self.support is None:
@@ -102,8 +102,8 @@ class Nut(Limited):
     wall_thickness: Scalar | None = optional_number(
         "m", "wall outside the nominal thread radius; the outer radius follows"
     )
-    material: Material | None = part("the body is of the material of its stage")
-    support: Support | None = part("the nut is free: no springs to what holds it")
+    material: Material | None = part("the body has the material of its stage")
+    support: Support | None = part("the nut is free: no springs to its mounting")
 
 
 class RingGear(Limited):
@@ -113,8 +113,8 @@ class RingGear(Limited):
     inertia: Scalar | None = optional_number("kg·m²", "moment of inertia about the axis")
     length: Scalar | None = optional_number("m", "axial width of the annulus")
     wall_thickness: Scalar | None = optional_number("m", "rim outside the pitch radius")
-    material: Material | None = part("the body is of the material of its stage")
-    support: Support | None = part("the ring gear is free: no springs to what holds it")
+    material: Material | None = part("the body has the material of its stage")
+    support: Support | None = part("the ring gear is free: no springs to its mounting")
 
 
 class Carrier(Limited):
@@ -127,12 +127,12 @@ class Carrier(Limited):
     count: int = choice(
         "number of carriers in the stage (one at either end: 2)", default=2, limit=COUNT
     )
-    material: Material | None = part("the body is of the material of its stage")
+    material: Material | None = part("the body has the material of its stage")
     support: Support | None = part("the carriers are free to turn")
 
 
 class Gear(Limited):
-    """The gear pair that times the rollers: a spur gear at the roller's ends in a ring gear.
+    """The gear pair that synchronises the rollers: a spur gear at the roller's ends in a ring gear.
 
     Its pitch circles are the nominal circles of the threads, so the module 2 r_R / z_R and the
     number of ring gear teeth n z_R follow from the thread.

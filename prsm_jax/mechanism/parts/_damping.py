@@ -1,4 +1,4 @@
-"""The damping of vibration: one law for a stage, and none unless the scene names it."""
+"""Damping of vibration: one law per stage, and none unless the input defines it."""
 
 from typing import TypeAlias
 
@@ -19,7 +19,7 @@ class ModalDamping(Limited):
 
 
 class RayleighDamping(Limited):
-    """Viscous damping in proportion to mass and stiffness, C = α M + β K."""
+    """Viscous damping proportional to mass and stiffness, C = α M + β K."""
 
     mass_coefficient: Scalar = number(
         "1/s", "coefficient of the mass matrix, α", limit=NOT_NEGATIVE

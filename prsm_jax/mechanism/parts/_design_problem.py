@@ -1,4 +1,4 @@
-"""What an optimisation is asked to do: variables, objective and constraints, as static data."""
+"""Definition of an optimisation: variables, objective and constraints, as static data."""
 
 from dataclasses import dataclass, field
 from typing import Literal
@@ -56,7 +56,7 @@ class Constraint:
 
 @dataclass(frozen=True)
 class DesignProblem:
-    """Variables, objectives and constraints, and how hard to search."""
+    """Variables, objectives and constraints, and settings of the search."""
 
     variables: tuple[Variable, ...]
     objectives: tuple[Objective, ...]

@@ -13,8 +13,8 @@ from ...fields import (
 class LineContact(Limited):
     """Flanks that touch along a line: a screw thread and a roller of rings.
 
-    The identity r_n = n r_R of a threaded roller does not bind an annular one, so the radii and
-    the centre distance are given one by one. The analysis of line contact reads only this part,
+    The identity r_n = n r_R of a threaded roller does not hold for an annular one, so the radii and
+    the centre distance are given individually. The analysis of line contact uses only this part,
     not the stage's `thread`.
     """
 

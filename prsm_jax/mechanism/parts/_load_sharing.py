@@ -1,4 +1,4 @@
-"""What decides how threads and rollers share the axial load: sections, teeth, errors, preload."""
+"""Data for the load sharing of threads and rollers: sections, teeth, errors, preload."""
 
 from typing import Literal, TypeAlias
 
@@ -26,17 +26,19 @@ MOUNTINGS: tuple[Mounting, ...] = ("same_end", "opposite_end")
 class ThreadTooth(Limited):
     """Proportions of the thread teeth, for their compliance after Yamamoto.
 
-    The compliance is one per unit length of thread: `effective_length` says how much of a thread
-    bears one contact. No standard gives it; a few contact widths is usual. A body widens or shrinks
-    as a ring, under the mean of all contacts around it, so that part has a length of its own.
+    The compliance is per unit length of thread: `effective_length` is the length of thread that
+    carries one contact. No standard gives it; a few contact widths are usual. A body widens or
+    shrinks as a ring, under the mean of all contacts around it, so this part has its own length.
     """
 
-    effective_length: Scalar = number("m", "length of thread that bears one contact")
+    effective_length: Scalar = number("m", "length of thread that carries one contact")
     screw_dedendum: Scalar = number("m", "depth of the screw's thread below its nominal radius")
     roller_dedendum: Scalar = number("m", "depth of the roller's thread below its nominal radius")
     nut_dedendum: Scalar = number("m", "depth of the nut's thread beyond its nominal radius")
     radial_length: Scalar | None = optional_number(
-        "m", "length of thread over which one contact widens a body; its share of the circumference"
+        "m",
+        "length of thread over which one contact widens a body; its share of the circumference "
+        "when absent",
     )
     pitch_line_thickness: Scalar | None = optional_number(
         "m", "axial thickness of a tooth at the nominal radius; half a pitch when absent"
@@ -44,9 +46,9 @@ class ThreadTooth(Limited):
 
 
 class SplitNut(Limited):
-    """A nut of two halves that a spacer drives apart, so that rollers are loaded on both flanks.
+    """A nut of two halves pushed apart by a spacer, so that rollers are loaded on both flanks.
 
-    Static: `after_thread`. Either the force is given or by how much the spacer is too long.
+    Static: `after_thread`. Either the force is given or the excess length of the spacer.
 
     **Raises:** `ValueError` at construction unless exactly one of `preload` and `offset` is given,
     or for a thread number below 1.
@@ -58,7 +60,7 @@ class SplitNut(Limited):
     )
     offset: Scalar | None = optional_number(
         "m",
-        "by how much the spacer is longer than the gap between halves that only just touch",
+        "length of the spacer minus the gap between the halves at first contact",
         limit=ANY,
     )
     spacer_stiffness: Scalar | None = optional_number(
@@ -69,8 +71,8 @@ class SplitNut(Limited):
 
     def __check_init__(self):
         if (self.preload is None) == (self.offset is None):
-            found = "both" if self.preload is not None else "neither"
-            raise ValueError(f"split_nut needs either preload or offset; it has {found}")
+            state = "both" if self.preload is not None else "neither"
+            raise ValueError(f"split_nut needs either preload or offset; it has {state}")
         if self.after_thread < 1:
             raise ValueError(
                 f"split_nut has after_thread {self.after_thread}; threads count from 1"
@@ -84,26 +86,26 @@ def _gap(description: str, limit: Limit):
 class LoadSharing(Limited):
     """Chains of screw, nut and rollers whose threads share the load.
 
-    Threads count from 1 at the end of the nut where the screw's force enters. All lists have one
-    number per thread. Position errors are along the axis, positive in the sense in which the screw
-    pushes the rollers under a positive load.
+    Threads are numbered from 1, at the end of the nut where the screw's force enters. All lists
+    have one number per thread. Position errors are axial, positive in the direction in which the
+    screw pushes the rollers under a positive load.
 
-    Static: `thread_count`, `mounting` and what is there at all. What is absent is not modelled:
+    Static: `thread_count`, `mounting` and which data are present. Absent data are not modelled:
     without `backlash` and `split_nut` a thread has one flank, the loaded one.
 
     **Raises:** `ValueError` at construction for a thread count below 1, an unknown mounting, lists
-    of another length, or a nut that is split past its last thread.
+    of a wrong length, or a nut that is split after its last thread.
     """
 
     thread_count: int = choice(
         "number of engaged threads of one roller, one node each", limit=THREADS
     )
     mounting: Mounting = choice(
-        "end of the nut at which its force is taken, seen from where the screw's force enters",
+        "end of the nut that is supported, relative to the end where the screw's force enters",
         default="same_end",
     )
     tooth: ThreadTooth | None = part(
-        "teeth are rigid: only contacts and shafts give way, and loads are less even"
+        "teeth are rigid: only contacts and shafts are elastic, and loads are less even"
     )
     split_nut: SplitNut | None = part("one nut without preload")
     backlash: Scalar | None = optional_number(
@@ -145,11 +147,11 @@ class LoadSharing(Limited):
         limit=NOT_NEGATIVE,
     )
     screw_wear: Float[Array, " threads"] | None = _gap(
-        "axial wear of the flanks between screw and roller that a positive load presses",
+        "axial wear of the flanks between screw and roller that carry a positive load",
         limit=NOT_NEGATIVE,
     )
     nut_wear: Float[Array, " threads"] | None = _gap(
-        "axial wear of the flanks between nut and roller that a positive load presses",
+        "axial wear of the flanks between nut and roller that carry a positive load",
         limit=NOT_NEGATIVE,
     )
 
@@ -162,7 +164,7 @@ class LoadSharing(Limited):
             raise ValueError(f"mounting is {self.mounting!r}; choose one of {', '.join(MOUNTINGS)}")
         for name in GAP_LISTS:
             values = getattr(self, name)
-            # A batch of mechanisms has the threads last.
+            # In a batch of mechanisms the threads are the last axis.
             if values is not None and values.shape[-1:] != (self.thread_count,):
                 raise ValueError(
                     f"load_sharing.{name} has the shape {values.shape}; give one number for each "
@@ -176,7 +178,7 @@ class LoadSharing(Limited):
 
     @property
     def has_reverse_flanks(self) -> bool:
-        """Whether the flanks that a negative load presses are modelled."""
+        """Whether the flanks that carry a negative load are modelled."""
         return self.backlash is not None or self.split_nut is not None
 
 

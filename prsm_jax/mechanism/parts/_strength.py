@@ -1,4 +1,4 @@
-"""What strength and life of a stage need: given capacities or factors, the shaft, the play."""
+"""Data for strength and life of a stage: given capacities or factors, the shaft, the play."""
 
 from typing import Literal, TypeAlias
 
@@ -29,14 +29,14 @@ PRELOAD_ARRANGEMENTS: tuple[PreloadArrangement, ...] = ("double_nut", "split_nut
 
 
 class ScrewShaft(Limited):
-    """The screw as a column and as a shaft that turns: how it is held, and its root.
+    """The screw as a column and as a rotating shaft: supports, and radius of the root.
 
-    Static: `end_conditions`, the bearings' names for the two ends.
+    Static: `end_conditions`, the supports of the two ends.
 
     **Raises:** `ValueError` at construction for unknown end conditions.
     """
 
-    end_conditions: EndConditions = choice("how the two ends of the screw are held")
+    end_conditions: EndConditions = choice("supports of the two ends of the screw")
     unsupported_length: Scalar | None = optional_number(
         "m", "longest length between supports; the screw's length when absent"
     )
@@ -44,7 +44,7 @@ class ScrewShaft(Limited):
         "m", "longest length under axial load; the unsupported length when absent"
     )
     root_radius: Scalar | None = optional_number(
-        "m", "radius at the root of the screw's thread; r_s less the roller's addendum when absent"
+        "m", "radius at the root of the screw's thread; r_s minus the roller's addendum when absent"
     )
     yield_strength: Scalar | None = optional_number(
         "Pa", "yield strength, for the buckling of short screws; Euler alone when absent"
@@ -68,12 +68,12 @@ class ScrewShaft(Limited):
 
 
 class AxialPlay(Limited):
-    """What lies between the flanks: backlash, as measured or from thinned teeth, or a preload.
+    """Play between the flanks: backlash, as measured or from thinned teeth, or a preload.
 
-    Static: `arrangement`. A preload leaves no backlash, so it cannot stand beside one.
+    Static: `arrangement`. A preload leaves no backlash, so only one of them can be given.
 
-    **Raises:** `ValueError` at construction for an unknown arrangement, or a preload beside a
-    backlash.
+    **Raises:** `ValueError` at construction for an unknown arrangement, or a preload together with
+    a backlash.
     """
 
     axial_backlash: Scalar | None = optional_number(
@@ -83,26 +83,27 @@ class AxialPlay(Limited):
     )
     screw_tooth_thinning: Scalar | None = optional_number(
         "m",
-        "axial thickness of a screw tooth at its nominal radius below half a pitch",
+        "half a pitch minus the axial thickness of a screw tooth at its nominal radius",
         limit=NOT_NEGATIVE,
     )
     roller_tooth_thinning: Scalar | None = optional_number(
         "m",
-        "axial thickness of a roller tooth at its nominal radius below half a pitch",
+        "half a pitch minus the axial thickness of a roller tooth at its nominal radius",
         limit=NOT_NEGATIVE,
     )
     nut_tooth_thinning: Scalar | None = optional_number(
         "m",
-        "axial thickness of a nut tooth at its nominal radius below half a pitch",
+        "half a pitch minus the axial thickness of a nut tooth at its nominal radius",
         limit=NOT_NEGATIVE,
     )
     preload_force: Scalar | None = optional_number(
         "N",
-        "axial force with which two nuts or nut halves are braced",
+        "axial preload between two nuts or nut halves",
         limit=POSITIVE,
     )
     arrangement: PreloadArrangement = choice(
-        "what is braced: two nuts, or the halves of one on the same rollers", default="double_nut"
+        "preload between two nuts, or between the halves of one on the same rollers",
+        default="double_nut",
     )
 
     def __check_init__(self):
@@ -113,17 +114,17 @@ class AxialPlay(Limited):
             )
         if self.preload_force is not None and self.axial_backlash is not None:
             raise ValueError(
-                "the play has preload_force and axial_backlash, but a braced nut has no backlash; "
-                "remove one"
+                "the play has preload_force and axial_backlash, but a preloaded nut has no "
+                "backlash; remove one"
             )
 
 
 class Strength(Limited):
-    """Numbers behind static safety, rating life, buckling, critical speed and play of a stage.
+    """Numbers for static safety, rating life, buckling, critical speed and play of a stage.
 
-    Capacities are given, as catalogues and tests do, or follow from the contacts: the static one
-    from `permissible_pressure`, the dynamic one from `material_factor`. What is absent is not
-    evaluated.
+    Capacities are given, e.g. from catalogues and tests, or follow from the contacts: the static
+    one from `permissible_pressure`, the dynamic one from `material_factor`. Results with missing
+    data are not evaluated.
     """
 
     permissible_pressure: Scalar | None = optional_number(
@@ -144,7 +145,7 @@ class Strength(Limited):
     )
     reliability: Scalar | None = optional_number(
         "1",
-        "probability of survival that the modified life is for",
+        "probability of survival for the modified life",
         limit=INNER_SHARE,
     )
     life_modification_factor: Scalar | None = optional_number(
@@ -154,9 +155,9 @@ class Strength(Limited):
     )
     oscillation_amplitude: Scalar | None = optional_number(
         "rad",
-        "half of the angle through which the screw swings, where it does not turn on",
+        "half of the angle of oscillation, for a screw that oscillates",
         limit=POSITIVE,
     )
-    required_life: Scalar | None = optional_number("s", "life asked for, in operating time")
+    required_life: Scalar | None = optional_number("s", "required life, as operating time")
     shaft: ScrewShaft | None = part("no buckling, critical speed or DN value of the screw")
     play: AxialPlay | None = part("no backlash or lost motion")

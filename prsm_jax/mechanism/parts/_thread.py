@@ -1,4 +1,4 @@
-"""The thread geometry of one stage, with the kinematic identity kept by construction."""
+"""The thread geometry of one stage, with the kinematic identity ensured by construction."""
 
 import jax.numpy as jnp
 
@@ -18,10 +18,10 @@ from ...fields import (
 class Thread(Limited):
     r"""Threads of screw, rollers and nut of one stage.
 
-    Five numbers are free; everything else follows from them, so that the identity
-    $r_n = r_s + 2 r_R = n r_R$ holds whatever moves:
+    Five numbers are free; everything else follows from them, so the identity
+    $r_n = r_s + 2 r_R = n r_R$ always holds:
 
-    | free | follows when it moves |
+    | free | follows when it changes |
     |---|---|
     | `lead` $L$ | pitch $p = L/n$ and the helix angles |
     | `starts` $n$ | radii of screw $(n-2) r_R$ and nut $n r_R$, centre distance, pitch, ring gear |
@@ -29,13 +29,13 @@ class Thread(Limited):
     | `contact_angle` $\lambda$ | flank angle $\alpha = 90° - \lambda$; default profile radius |
     | `roller_profile_radius` $\rho$ | nothing; when absent it is $r_R / \sin\alpha$ |
 
-    To hold another dimension fixed, move one of the named design variables instead
-    (`prsm_jax.mechanism.design_variables`), for example `roller_radius_at_fixed_screw_radius`.
-    `starts` is a number rather than a static choice so that it can be relaxed in that way; the
-    finding `feasible_ratio` reports one that is not an integer.
+    To keep another dimension fixed, set one of the named design variables instead
+    (`prsm_jax.mechanism.DESIGN_VARIABLES`), for example `roller_radius_at_fixed_screw_radius`.
+    `starts` is a number rather than a static choice so that it can vary continuously in this way;
+    the finding `feasible_ratio` reports a value that is not an integer.
 
-    **Raises:** `ValueError` at construction for a number that is known and out of its range: a lead
-    or radius of 0 or less or of more than a metre, starts of 2 or less, an angle that is not acute.
+    **Raises:** `ValueError` at construction for a known number that is out of its range: a lead or
+    radius of 0 or less or of more than a metre, starts of 2 or less, an angle that is not acute.
     """
 
     lead: Scalar = number(
@@ -67,7 +67,7 @@ class Thread(Limited):
     )
     edge_radius: Scalar | None = optional_number(
         "m",
-        "radius by which the edges between flanks and crests are rounded, of all threads",
+        "rounding radius of the edges between flanks and crests, of all threads",
         limit=POSITIVE,
     )
 

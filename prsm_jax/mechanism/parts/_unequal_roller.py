@@ -1,4 +1,4 @@
-"""Rollers that differ from the others of their stage: worn, out of place, or not there."""
+"""Rollers that differ from the others of their stage: worn, out of place, or missing."""
 
 from ...fields import (
     ANY,
@@ -13,34 +13,34 @@ from ...fields import (
 
 
 class UnequalRoller(Limited):
-    """One roller that is not like the others; what is absent is as for the others.
+    """One roller that differs from the others; properties not given are those of the others.
 
     Leaves: the factors, the offset and the thinning. Static: `number` (which roller, counted from 1
     at the angle 0) and `missing`.
 
     **Raises:** `ValueError` at construction for a number below 1, a roller that is missing and has
-    factors, or one that differs in nothing.
+    factors, or one without any difference.
     """
 
     number: int = choice("number of the roller, from 1 at the angle 0", limit=ROLLER_NUMBER)
     stiffness_factor: Scalar | None = optional_number(
         "1",
-        "stiffness of this roller's meshes (screw, ring gear, nut) over the others'",
+        "stiffness of this roller's meshes (screw, ring gear, nut) over that of the others",
         limit=POSITIVE,
     )
     mass_factor: Scalar | None = optional_number(
         "1",
-        "mass and moment of inertia of this roller over the others'",
+        "mass and moment of inertia of this roller over those of the others",
         limit=POSITIVE,
     )
     position_offset: Scalar | None = optional_number(
         "rad",
-        "angle by which this roller is out of its place, in the sense of counting",
+        "angle of this roller from its place, positive in the direction of numbering",
         limit=SLANT,
     )
     tooth_thinning: Scalar | None = optional_number(
         "m",
-        "axial thickness of this roller's teeth below the others' (load sharing)",
+        "axial thickness of the others' teeth minus that of this roller's (load sharing)",
         limit=ANY,
     )
     missing: bool = choice("whether the place of this roller is empty", default=False)
@@ -56,25 +56,25 @@ class UnequalRoller(Limited):
         if self.missing and differs:
             raise ValueError(
                 f"unequal_roller {self.number} is missing and has {' and '.join(differs)}, which "
-                "mean nothing then; remove them, or missing"
+                "have no effect then; remove them, or missing"
             )
         if not self.missing and not differs:
             raise ValueError(
-                f"unequal_roller {self.number} says nothing but its number; give stiffness_factor, "
+                f"unequal_roller {self.number} has only its number; give stiffness_factor, "
                 "mass_factor, position_offset, tooth_thinning or missing = true, or remove it"
             )
 
     @property
     def carries_otherwise(self) -> bool:
-        """Whether this roller takes another part of the load than the others."""
+        """Whether this roller takes a different share of the load."""
         return self.stiffness_factor is not None or self.tooth_thinning is not None
 
 
 def check_unequal_rollers(rollers: tuple[UnequalRoller, ...], roller_count: int) -> None:
     """Check that unequal rollers fit a stage.
 
-    **Raises:** `ValueError` for a number above the roller count, the same number twice, or no
-    roller left.
+    **Raises:** `ValueError` for a number above the roller count, the same number twice, or if all
+    rollers are missing.
     """
     seen: set[int] = set()
     for roller in rollers:
@@ -91,7 +91,7 @@ def check_unequal_rollers(rollers: tuple[UnequalRoller, ...], roller_count: int)
 
 
 def total_factor(rollers: tuple[UnequalRoller, ...], roller_count: int, name: str) -> Scalar | int:
-    """The sum of a factor over the rollers that are there, 1 for each that has none.
+    """Sum of a factor over the rollers present; 1 for each roller without it.
 
     **Arguments:**
 
@@ -99,7 +99,7 @@ def total_factor(rollers: tuple[UnequalRoller, ...], roller_count: int, name: st
     - `roller_count`: places for rollers, N.
     - `name`: `"stiffness_factor"` or `"mass_factor"`.
 
-    **Returns:** an integer where no roller has such a factor, so that nothing is traced.
+    **Returns:** an integer if no roller has such a factor, so that nothing is traced.
     """
     total: Scalar | int = roller_count
     for roller in rollers:
