@@ -17,7 +17,7 @@ _LEARNING_RATE = 0.05
 
 
 def _projected(position: np.ndarray, gradient: np.ndarray) -> float:
-    """Largest component of the gradient projected onto the box; 0 at an active bound."""
+    """Largest component of the projected gradient; one is 0 where a bound stops the descent."""
     return float(np.max(np.abs(position - np.clip(position - gradient, 0.0, 1.0))))
 
 
