@@ -3,15 +3,15 @@
 Each of these is a command with options of its own (`--help`):
 
 * `python -m benchmarks extremes`: the matrix of extremes;
-* `… load`: growth of run time and memory with the size of what is asked;
-* `… joint`: what derivatives of several quantities together cost;
-* `… parts`: what each optional part of each example costs;
+* `… load`: growth of run time and memory with the size of the task;
+* `… joint`: cost of joint derivatives of several quantities;
+* `… parts`: cost of each optional part of each example;
 * `… programs`: how long programs take to compile and to run;
 * `… startup`: the time from a command to its answer;
-* `… devices`: designs a second on each device that JAX sees.
+* `… devices`: designs per second on each device that JAX finds.
 
-`--quick --compare` compares errors and ratios with stored ones, and the exit status is 1 where one
-is worse; `--quick --store` renews what is stored.
+`--quick --compare` compares errors and ratios with stored ones; the exit status is 1 if one is
+worse. `--quick --store` renews the stored numbers.
 """
 
 import argparse
@@ -43,7 +43,7 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
         "--smoke",
         action="store_true",
         help="the quick problems or smaller ones, each method at its first and last setting, two "
-        "samples: whether everything runs, and how wrong it is",
+        "samples: shows whether everything runs, and its errors",
     )
     parser.add_argument(
         "--out", type=Path, default=Path("out/benchmarks"), help="folder for the results"
@@ -56,15 +56,15 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
         "whose results are in --out",
     )
     parser.add_argument("--page", action="store_true", help="only the page: measure nothing")
-    parser.add_argument("--list", action="store_true", help="name the cases and stop")
+    parser.add_argument("--list", action="store_true", help="list the cases and exit")
     what = parser.add_mutually_exclusive_group()
     what.add_argument(
         "--compare",
         action="store_true",
-        help="with --quick: exit status 1 where an error is ten times the stored one or a speed "
-        "half of it; without names, every case that is stored",
+        help="with --quick: exit status 1 if an error is ten times the stored one or a speed half "
+        "of the stored one; without names, of all stored cases",
     )
-    what.add_argument("--store", action="store_true", help="with --quick: renew what is stored")
+    what.add_argument("--store", action="store_true", help="with --quick: renew the stored numbers")
     arguments = parser.parse_args(argv)
     if arguments.page and arguments.docs is None:
         parser.error("--page needs --docs, the folder to write the page into")

@@ -1,4 +1,4 @@
-"""`python -m benchmarks devices`: designs a second on each device that JAX sees."""
+"""`python -m benchmarks devices`: designs per second on each device that JAX finds."""
 
 import argparse
 import json
@@ -20,7 +20,9 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--quick", action="store_true", help="the smallest size of each task")
     parser.add_argument("--smoke", action="store_true", help="a thousand designs")
     parser.add_argument("--out", type=Path, default=Path("out/benchmarks"), help="folder")
-    parser.add_argument("--limit", type=float, default=500.0, help="no new row after this [s]")
+    parser.add_argument(
+        "--limit", type=float, default=500.0, help="start no new row after this [s]"
+    )
     parser.add_argument("--docs", type=Path, default=None, help="folder for the page")
     parser.add_argument("--page", type=Path, metavar="JSON", help="only the page, from this file")
     given = parser.parse_args(argv)

@@ -9,51 +9,51 @@ from .tasks import TASKS
 _HEAD = """\
 # Processors and accelerators
 
-This page is written by `python -m benchmarks devices --docs docs`. It does not change by hand.
+This page is written by `python -m benchmarks devices --docs docs`. Do not edit it by hand.
 
-The same functions run unchanged on every device that JAX sees. Where JAX sees no accelerator, the
-command says so and measures the processor alone.
+The same functions run unchanged on every device that JAX finds. If JAX finds no accelerator, the
+command reports this and measures only the processor.
 
-The **share of the ceiling** is the least time that the device needs, over the time measured. The
-least time is the longer one of two: the operations that XLA counts, at the rate of multiplications
-and additions that stay in registers; inputs and results, each moved once, at the rate of a copy.
-Both rates were measured in the same run; that of the operations is below what makers state, who
-count a multiplication and an addition merged into one. XLA counts one trip of a loop, so shares of
-tasks with loops (meshing, the chain, RODASP) are lower bounds. The **error** is the largest
-difference from the same in float64 on the processor, over the largest entry of each result, 1,000
-designs.
+The **share of the ceiling** is the shortest possible time on the device over the measured time. The
+shortest possible time is the longer of two: that of the operations that XLA counts, at the rate of
+multiplications and additions in registers, and that of moving inputs and results once, at the rate
+of a copy. Both rates were measured in the same run. The rate of operations is below the figures of
+makers, which are for a multiplication and an addition merged into one. XLA counts a loop as one
+pass, so shares of tasks with loops (meshing, the chain, RODASP) are lower bounds. The **error** is
+the largest difference from float64 on the processor, over the largest entry of each result, for
+1,000 designs.
 """
 
 _READING = """\
 ## What to read from it
 
 * Short functions without loops (Hertz, meshing, frequencies) need a million designs at once to
-  fill an accelerator. They are then bound by divisions, roots and long chains of scalars, not by
+  fill an accelerator. They are then limited by divisions, roots and long chains of scalars, not by
   memory.
-* The chain from geometry to efficiency and frequencies is many kernels, each of which reads and
-  writes memory: 100,000 designs at once take three times as long as 10,000.
-* Settling in closed form is as fast as a history of 21 samples can be written.
-* A processor wants chunks of about 1,000 designs, which fit its cache
-  (`prsm_jax.sweeps.map_in_chunks`); an accelerator wants all that fit its memory.
+* The chain from geometry to efficiency and frequencies consists of many kernels, each of which
+  reads and writes memory: 100,000 designs at once take three times as long as 10,000.
+* Settling in closed form takes as long as writing a history of 21 samples.
+* A processor is fastest with chunks of about 1,000 designs, which fit its cache
+  (`prsm_jax.sweeps.map_in_chunks`); an accelerator with all designs that fit its memory.
 
-## Transients in lock step, and what it would take to leave it
+## Transients in lock step, and how to avoid it
 
-RODASP takes a step of all designs of a batch at once, and all take as many as the slowest one. A
-step is about a hundred kernels, of which each reads and writes one number a design. Below 100,000
-designs the time of a step is that of starting its kernels: ten times as many designs take 1.6 times
-as long. Beyond, it is memory.
+RODASP takes each step for all designs of a batch at once, so all take as many steps as the slowest
+one. A step consists of about a hundred kernels, each of which reads and writes one number per
+design. Below 100,000 designs the time of a step is that of starting its kernels: ten times as many
+designs take 1.6 times as long. Above, memory limits the speed.
 
-To let each design run its own course, the whole loop has to be one kernel, in which a block of 32
-or 64 designs goes on until all of them have arrived:
+For independent steps of each design, the whole loop must be one kernel, in which a block of 32 or
+64 designs continues until all of them are finished:
 
-1. a right-hand side in plain numbers, without arrays of stages: the reduced stage is 15 of them;
+1. a right-hand side in plain numbers, without arrays of stages: the reduced stage has 15 numbers;
 2. the Jacobian by forward mode of the same numbers, and elimination written out for up to six
    stages;
 3. samples written by the block itself, at the step that passes their time;
-4. the same for derivatives: tangents as further states, for steps that are taken again.
+4. the same for derivatives: tangents as further states, with the same steps repeated.
 
 The arithmetic of a step of two stages is about 2,000 operations. At the measured rate and 70 steps
-that is 1e8 trajectories a second; a tenth of it would be 1e7. Nothing of this is built.
+that is 1e8 trajectories a second; a tenth of it would be 1e7. None of this is implemented.
 """
 
 

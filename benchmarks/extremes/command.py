@@ -25,7 +25,9 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("structures", nargs="*", help="which structures; default all")
     parser.add_argument("--out", type=Path, default=Path("out/benchmarks"), help="folder for JSON")
     parser.add_argument("--docs", type=Path, default=None, help="folder for the page and pictures")
-    parser.add_argument("--rows", type=int, default=COMBINATIONS, help="random combinations")
+    parser.add_argument(
+        "--rows", type=int, default=COMBINATIONS, help="number of random combinations"
+    )
     parser.add_argument("--seed", type=int, default=SEED, help="seed of the combinations")
     parser.add_argument(
         "--part", default="1/1", metavar="K/N", help="every N-th row only, from the K-th"
@@ -33,11 +35,11 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--row", action="append", default=[], metavar="NAME", help="this row only; may be repeated"
     )
-    parser.add_argument("--jobs", type=int, default=2, help="processes at a time")
+    parser.add_argument("--jobs", type=int, default=2, help="number of processes at a time")
     parser.add_argument(
         "--page", type=Path, nargs="+", metavar="JSON", help="only the page, from these files"
     )
-    parser.add_argument("--list", action="store_true", help="name the structures and stop")
+    parser.add_argument("--list", action="store_true", help="list the structures and exit")
     return parser.parse_args(argv)
 
 

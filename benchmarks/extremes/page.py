@@ -12,12 +12,12 @@ from .structures import STRUCTURES, structure
 _HEAD = """\
 # The matrix of extremes
 
-This page is written by `python -m benchmarks extremes --docs docs`. It does not change by hand.
+This page is written by `python -m benchmarks extremes --docs docs`. Do not edit it by hand.
 
 A **row** is an extreme: one number at the end of its range, a seeded combination of several
-numbers, or NaN, infinity, zero and the negative put into one number. A **column** is a quantity of
+numbers, or NaN, infinity, zero or the negative value of one number. A **column** is a quantity of
 the catalogue, or a result of modes, steady state, a method of transients, load sharing or the
-half-space. A **cell** compares with a reference that is written apart from the package, or finds
+half-space. A **cell** compares with an independent reference, or finds
 a refusal by name. Each pair of row and column has three cells: the value, its forward derivative
 and its reverse derivative.
 
@@ -26,77 +26,78 @@ and its reverse derivative.
 | what | reference | agreement |
 |---|---|---|
 | thread, contacts, steady turning, modes | mpmath at 50 digits: common normal of the helicoids, \
-elliptic integrals, balance of forces, eigenvalues | 1e-9, or what a change of all numbers by \
-1e-13 does |
+elliptic integrals, balance of forces, eigenvalues | 1e-9, or the effect of a change of all \
+numbers by 1e-13 |
 | stages with unequal rollers or supports | full matrices in mpmath | 1e-9 |
-| transients at constant speed | SciPy's Radau at 1e-9 on an own right-hand side | 2e-6 of the \
-largest value |
+| transients at constant speed | SciPy's Radau at 1e-9 on an independent right-hand side | 2e-6 \
+of the largest value |
 | half-space | Hertz | 3 % on 24 × 24 cells, the error of the grid |
 | derivatives of transients whose method chooses its steps | differences of the closed form \
-| 5e-5 of the slope, implicit 3e-4: what steps at the default tolerance do |
+| 5e-5 of the slope, implicit 3e-4: the error of steps at the default tolerance |
 | derivatives, forward | extrapolated differences along random directions, with their own error | \
 1e-6 and ten times that error |
 | derivatives, reverse | forward derivatives along the same direction | 1e-8 |
 | float32, one row for each structure | float64 at the same rounded numbers | values 1e-3, \
-derivatives 1e-2, and a hundred times what a change of all numbers by 1.2e-7 does |
+derivatives 1e-2, and a hundred times the effect of a change of all numbers by 1.2e-7 |
 
-What has no reference is said to be finite, no more. A derivative is open where differences cannot
-tell: at kinks, and where rounding is larger than a hundredth of it. Where they disagree they are
-taken again over steps down to 1e-12. A member of a repeated frequency is compared by the mean over
-its root, which is what has a derivative.
+A result without a reference is only checked to be finite. A derivative is open where differences
+cannot confirm it: at kinks, and where rounding is larger than a hundredth of it. Where differences
+disagree, they are repeated with steps down to 1e-12. A member of a repeated frequency is compared
+by the mean over its root, because only the mean has a derivative.
 
-Float32 is judged at the ordinary numbers of each structure only. Seven digits do not hold
-stiffnesses a million times apart, and no result code says so: extremes are for float64.
+Float32 is tested only at the ordinary numbers of each structure. Seven digits are not enough for
+stiffnesses that differ by a factor of a million, and no result code reports this: use float64 for
+extremes.
 
-## Before
+## Earlier runs
 
 The same matrix, of nine structures, at the commit 3d12be5: 65,389 cells, 2,047 bad. Its ten
 structures of one stage with 60 combinations, at the commit 5da1ae1: 97,196 cells, 301 bad.
 
-## What was mended since the run before
+## Corrections since the previous run
 
-The run before had 253,824 cells, 10 of them bad. Seven were reverse derivatives of integrated
-transients, at a lead of 1e-6 m and next to the jamming limit: reverse mode chose its steps again,
-and rounding chose others. Now the steps of a first integration are taken again. Two were a carrier
-ratio of 2e-10, as large as the absolute tolerance of the steps. One, and seven more that this run
-found, were derivatives of values that are 0 but for rounding: an efficiency of 0, a ring gear force
-of 8e-15 N, a gap of 1e-11 m. What rounding does to a derivative is now measured before it is called
-wrong; the seven were then judged again.
+The previous run had 253,824 cells, 10 of them bad. Seven were reverse derivatives of integrated
+transients, at a lead of 1e-6 m and next to the jamming limit: reverse mode chose its steps anew,
+and rounding changed this choice. Now it repeats the steps of a first integration. Two were a
+carrier ratio of 2e-10, as large as the absolute tolerance of the steps. One, and seven more that
+this run found, were derivatives of values that are 0 except for rounding: an efficiency of 0, a
+ring gear force of 8e-15 N, a gap of 1e-11 m. The effect of rounding on a derivative is now measured
+before the derivative is called wrong; the seven were then judged again.
 
 Five structures (implicit, rosenbrock, explicit, bristles, torque_quasi_steady) ran at the commit
 8bdfda7 on a machine of 16 cores with JAX 0.11.2, 25 rows of the first three at cd3f9d1. The others
 ran at 42ffaf6 with JAX 0.10.2, and the rows that were judged again at 1803913.
 
-## Known to be wrong
+## Known errors
 
-A structure that was added after this run, `reversing`, ran alone: a speed that swings through
-standstill at 500 Hz beside a mean one, carriers integrated by RODASP. At first 91 of its 3,510
+A structure that was added after this run, `reversing`, ran alone: a speed that oscillates through
+standstill at 500 Hz about a mean speed, carriers integrated by RODASP. At first 91 of its 3,510
 cells of 398 rows were bad, all of them derivatives, in 24 rows. The causes:
 
-* Steps kept a reversal at its time, so that a derivative by a number that moves it lacked a part:
+* Steps kept a reversal at a fixed time, so derivatives by a number that shifts it were incomplete:
   in the two-stage example with carriers a thousand times too heavy, 1.6 % by the amplitude and 5 %
-  by the mean speed. Now the steps next to a reversal move with it; at a relative tolerance of 1e-10
-  the derivatives agree with differences to 2e-5.
-* Next to a standstill the carriers' time constants change in proportion to the speed. Steps that
-  grew tenfold behind it multiplied deviations by 20 each, up to 1e37 in derivatives, which nothing
-  watched. Now a step takes 0.32 of the time to a standstill at most, and 1.2 of the time since one.
+  by the mean speed were missing. Now the steps next to a reversal move with it; at a relative
+  tolerance of 1e-10 the derivatives agree with differences to 2e-5.
+* Next to a standstill the time constants of the carriers are proportional to the speed. Steps that
+  grew tenfold after it multiplied deviations by 20 each, up to 1e37 in derivatives, without any
+  check. Now a step takes at most 0.32 of the time to a standstill, and 1.2 of the time since one.
 * Outside the range of carrier speeds in which friction turns, deviations grow. Long steps of RODASP
-  left such a state where it was, and estimated no error. They are rejected now.
-* A sample on the reversal itself has a force that jumps, and no derivative. It counts as open now.
+  did not change such a state, and estimated no error. They are rejected now.
+* At the reversal itself a force jumps, so a sample there has no derivative. It counts as open now.
 
-At the commit d449a6c, which mended these, 14 of its cells are bad, in 3 rows. Two are carrier
-ratios whose derivative is 1e-8, off by 10 times the absolute tolerance of the steps. One is 0.001
-from the limit of jamming: right behind a reversal friction turns there within a range of carrier
-speeds narrower than the tolerance, and about one of twelve runs at slightly different tolerances
-has a derivative that is wrong by any factor.
+At the commit d449a6c, which corrected these errors, 14 of its cells are bad, in 3 rows. Two are
+carrier ratios whose derivative is 1e-8, with an error of 10 times the absolute tolerance of the
+steps. One is 0.001 from the limit of jamming: just after a reversal, friction turns there within a
+range of carrier speeds narrower than the tolerance. In about one of twelve runs at slightly
+different tolerances, a derivative is then wrong by an arbitrary factor.
 
-Derivatives of `reversing` are judged at 3e-3 of the largest, to which ten times the error of the
-differences is added (5e-5 at least) and what they show of a kink. That is looser than for other
-structures. Friction bends where a force passes zero. A step across the bend has an error in
-derivatives of the order of its length, in values of the order of its square, and tolerances control
-values. Of 706 derivatives 104 are off by more than 5e-5 of the largest, 27 by more than 5e-4, and
-the worst by 5.9e-3 (contact angle 30°); at a tolerance of 1e-11 in place of 1e-8 that one is off by
-4e-5.
+The limit for derivatives of `reversing` is 3e-3 of the largest, plus ten times the error of the
+differences (at least 5e-5), plus the kink that the differences show. That is looser than for other
+structures. Friction has a kink where a force passes zero. A step across the kink has an error of
+the order of its length in derivatives and of the order of its square in values, and tolerances
+control values. Of 706 derivatives 104 have an error of more than 5e-5 of the largest, 27 of more
+than 5e-4, and the worst of 5.9e-3 (contact angle 30°); at a tolerance of 1e-11 instead of 1e-8 its
+error is 4e-5.
 
 """
 
@@ -187,8 +188,8 @@ def write_page(tables: list[Table], folder: Path, arguments, seconds: float) -> 
     lines += ["", *_colours(), "", *_counts(tables), "", "## Faults", "", *_faults(tables), ""]
     lines += ["## Largest errors of cells that agree", ""]
     lines += [
-        "Large ones stand where a change of all numbers by 1e-13 does as much, as next to jamming, "
-        "or where the value is 0 but for rounding.",
+        "Large errors occur where a change of all numbers by 1e-13 has the same effect, as next to "
+        "jamming, or where the value is 0 except for rounding.",
         "",
     ]
     lines += [*_largest(tables), ""]

@@ -25,8 +25,8 @@ _SECONDS, _QUICK_SECONDS = 1.0, 0.5
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks joint", description=__doc__)
-    parser.add_argument("--example", default="actuator", help="whose designs; default actuator")
-    parser.add_argument("--subsets", type=int, default=30, help="how many random subsets")
+    parser.add_argument("--example", default="actuator", help="example to vary; default actuator")
+    parser.add_argument("--subsets", type=int, default=30, help="number of random subsets")
     parser.add_argument("--designs", type=int, default=1000, help="designs in a batch")
     parser.add_argument(
         "--hessians", nargs="*", default=["efficiency", "max_pressure", "drive_torque"],
@@ -35,13 +35,13 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--quick",
         action="store_true",
-        help="the guard: the three alone and one Hessian, compared with what is stored",
+        help="the guard: the three main quantities and one Hessian, compared with stored numbers",
     )
-    parser.add_argument("--store", action="store_true", help="with --quick: renew what is stored")
-    parser.add_argument("--out", type=Path, default=Path("out/benchmarks"), help="folder")
     parser.add_argument(
-        "--resume", action="store_true", help="keep the rows that a run that was stopped has left"
+        "--store", action="store_true", help="with --quick: renew the stored numbers"
     )
+    parser.add_argument("--out", type=Path, default=Path("out/benchmarks"), help="folder")
+    parser.add_argument("--resume", action="store_true", help="keep the rows of an interrupted run")
     parser.add_argument("--docs", type=Path, default=None, help="folder for the page and picture")
     parser.add_argument(
         "--page", type=Path, nargs="+", metavar="JSON", help="only the page, from these files"

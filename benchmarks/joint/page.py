@@ -11,12 +11,12 @@ from .picture import draw
 _HEAD = """\
 # Derivatives of several quantities together
 
-This page is written by `python -m benchmarks joint --page FILES --docs docs`. It does not change
-by hand.
+This page is written by `python -m benchmarks joint --page FILES --docs docs`. Do not edit it by
+hand.
 
-Natural frequencies, efficiency and contact pressure are wanted together, with their derivatives.
+Natural frequencies, efficiency and contact pressure are needed together, with their derivatives.
 The first row of each table has these three, every other row a random subset of two to six
-quantities. All is computed for a batch of designs within a thousandth of the example, by one
+quantities. Everything is computed for a batch of designs within a thousandth of the example, by one
 program under `jax.jit` and `jax.vmap`, with derivatives by {variables}:
 
 * the **value** alone;
@@ -24,23 +24,23 @@ program under `jax.jit` and `jax.vmap`, with derivatives by {variables}:
 * **concatenated**: the same of a function that concatenates the quantities to one array;
 * **differences**: central differences of the values.
 
-Run times are the best of samples that were taken in turn in one run, so ratios of them count.
+Run times are the best of samples that were taken in turn in one run, so their ratios are valid.
 Errors are relative to the largest derivative of each number, at one design, against differences of
-sixth order. Those have an error of their own, 1e-12 to 1e-8: errors of Jacobians are no larger than
-what the tables say.
+sixth order. These differences have errors of 1e-12 to 1e-8, so the tables give upper limits for the
+errors of Jacobians.
 """
 
 _WHY = """\
-XLA for CPUs evaluates what a concatenation or a stack consumes anew for each of its elements.
-Before the cure, the Jacobian of the first row of the actuator took 724 µs a design when
+XLA for CPUs recomputes the operands of a concatenation or a stack for each of its elements. Before
+the correction, the Jacobian of the first row of the actuator took 724 µs per design when
 concatenated and 10 µs as a dictionary. Parts of the physics now run in branches of a condition
-(`numerics.apart`), into which XLA does not fuse what follows.
+(`numerics.apart`), into which XLA does not fuse later operations.
 
-A Jacobian by three numbers needs three derivatives of each operation beside the operation itself,
-and central differences six values. Where the value iterates, the derivative at the root does not,
-and the ratio is near 1; shear stresses below the surface are an example. The subsets that miss the
-goal are those whose value takes less than a microsecond: there a ratio of 4 is what counting
-operations leads to expect, and differences cost less than two Jacobians.
+A Jacobian by three numbers needs three derivatives of each operation in addition to the operation
+itself; central differences need six values. If the value needs an iteration, the derivative at the
+root does not, and the ratio is near 1; shear stresses below the surface are an example. The subsets
+that miss the goal are those whose value takes less than a microsecond: there a count of operations
+gives a ratio of 4, and differences cost less than two Jacobians.
 """
 
 
@@ -84,7 +84,7 @@ def tables(document: Mapping[str, Any]) -> str:
     """The results of one example as Markdown."""
     lines = [
         f"Designs of `{document['example']}`, {document['designs']} at once, by "
-        f"{', '.join(VARIABLES)}; times of a design; subsets measured: {len(document['joint'])}.",
+        f"{', '.join(VARIABLES)}; times per design; subsets measured: {len(document['joint'])}.",
         "",
         "| quantities | value [µs] | dictionary / value | concatenated / value "
         "| differences / concatenated | error, dictionary | error, concatenated "
@@ -145,7 +145,7 @@ def write_page(documents: Sequence[Mapping[str, Any]], folder: Path) -> list[Pat
         lines += [f"## `{document['example']}`", "", tables(document)]
     lines += [
         f"On {machine['cores']} cores of a busy machine ({machine['processor']}), "
-        f"{documents[0]['date'][:10]}. On a busy machine the seconds of compiling are too large.",
+        f"{documents[0]['date'][:10]}. On a busy machine compile times are too long.",
         "",
     ]
     page = folder / "joint_derivatives.md"

@@ -33,7 +33,7 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--page", type=Path, nargs="+", metavar="JSON", help="only the page, from these files"
     )
-    parser.add_argument("--list", action="store_true", help="name the tasks and stop")
+    parser.add_argument("--list", action="store_true", help="list the tasks and exit")
     given = parser.parse_args(argv)
     unknown = sorted(set(given.tasks) - set(TASKS))
     if unknown:

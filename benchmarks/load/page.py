@@ -11,14 +11,14 @@ from .tasks import TASKS
 _HEAD = """\
 # Growth with size
 
-This page is written by `python -m benchmarks load --docs docs`. It does not change by hand.
+This page is written by `python -m benchmarks load --docs docs`. Do not edit it by hand.
 
-Each row asks the same thing in several sizes. The **power** is p in `size^p`, by least squares over
+Each row is one task in several sizes. The **power** is p in `size^p`, by least squares over
 the sizes down to 1/150 of the largest; 1 is linear. **Operations** are the numbers that the program
-computes, counted in what JAX traces; they are the same on every machine. A loop that ends by a
-condition counts one trip. **Run time** is that of the compiled program by the clock, the best of
-several. **Processor time** is that of all threads of the process, which other work on the machine
-lengthens less; its power is the one in the first table. **Memory** is what XLA reserves for results
+computes, counted in the traced program; they are equal on every machine. A loop that ends by a
+condition counts as one pass. **Run time** is the shortest wall time of the compiled program in
+several runs. **Processor time** is that of all threads of the process, which other work on the
+machine affects less; the first table gives its power. **Memory** is what XLA reserves for results
 and intermediate numbers. The **peak** is that of the whole process, with Python, JAX and compiler.
 """
 
@@ -31,27 +31,27 @@ At the commit ecd1f5c, on the same machine:
 |---|---|---|
 | mission of 24 hours, run time | 0.78 s | see above |
 | 10,000 reversals in balance, memory | 101 MB | see above |
-| RODASP, what a step compares itself with | all breaks | two of them |
-| load sharing of 20 unlike rollers with play, tracing and compiling | 30 s | 10 s |
+| RODASP, breaks with which a step is compared | all | two |
+| load sharing of 20 unequal rollers with play, tracing and compiling | 30 s | 10 s |
 | the same, of 60: equations of the program | 51,313 | 4,616 |
 
-* All samples of a scene were computed at once, and about a hundred numbers of each were kept until
-  the end. Up to some thousand samples these fit the cache and are written where memory is in use
-  already. Beyond, each number comes from main memory, and each page of 4 kB is new to the process,
-  which costs 4.5 µs here: 26,154 pages for 10,000 reversals. Time grew as size to the 1.4 and 1.8,
-  though operations grew linearly. Now 1,024 samples are computed from beginning to end before the
-  next 1,024, and histories that are not returned are not kept.
-* The halvings that find a time in a table of more than 128 points were written out. XLA computed
-  the first of them again for each that followed. In a batch they are a loop now: 24 ns a sample in
-  place of 200.
-* Every step of an integration was compared with all breaks of speed and load, of which a reversal
-  has five. Beyond 256 breaks it now looks at the break before it and the next; steps and results
-  are the same to the last bit.
-* Scales of a scene came from nine equal intervals. Strokes whose number is a multiple of eight
-  stand still at the ends of all of them, so the scale of speed was 1 rad/s and that of time the
-  whole duration: 331 steps a reversal in place of 199, and 10,000 reversals did not end.
-* A table computed the slopes of all its intervals; a sample now computes those of its own.
-* With many unlike rollers, elimination was written out row by row, and with play one product for
+* All samples of a scene were computed at once, and about a hundred numbers of each were stored
+  until the end. Up to some thousand samples these fit the cache and are written to memory that is
+  already in use. Beyond, each number comes from main memory, and each page of 4 kB is new to the
+  process, which costs 4.5 µs here: 26,154 pages for 10,000 reversals. Time grew as size to the
+  power of 1.4 and 1.8, although operations grew linearly. Now 1,024 samples are computed completely
+  before the next 1,024, and histories that are not returned are not stored.
+* The bisection that finds a time in a table of more than 128 points was unrolled. XLA computed its
+  first halvings again for each one that followed. In a batch it is a loop now: 24 ns per sample
+  instead of 200.
+* Every step of an integration was compared with all breaks of speed and load; a reversal has five.
+  With more than 256 breaks a step is now compared with the previous and the next one only; steps
+  and results are equal to the last bit.
+* Scales of a scene came from nine equal intervals. If the number of strokes is a multiple of eight,
+  the speed is zero at the ends of all of them, so the scale of speed was 1 rad/s and that of time
+  the whole duration: 331 steps per reversal instead of 199, and 10,000 reversals did not end.
+* A table computed the slopes of all its intervals; a sample now computes those of its own interval.
+* With many unequal rollers, elimination was unrolled row by row, and with play into one product for
   each pair of rollers. The program grew with the square of the number of rollers.
 """
 
@@ -135,9 +135,8 @@ def write_page(document: dict[str, Any], folder: Path) -> list[Path]:
     draw(tasks, picture)
     lines = [_HEAD, "## Powers of growth", "", *_growth(tasks), ""]
     lines += [
-        "The memory of a small scene is that of one stretch of 1,024 samples, and of few designs "
-        "that of one chunk of 1,000, so memory grows slower than the size until results outweigh "
-        "it.",
+        "A small scene needs the memory of one block of 1,024 samples, and few designs that of one "
+        "chunk of 1,000, so memory grows more slowly than the size until the results dominate.",
         "",
         "![Run time and memory over size](images/load.png)",
         "",

@@ -28,23 +28,22 @@ _HEAD = """\
 # Accuracy and speed
 
 This page and [its JSON](accuracy_and_speed.json) are written by `prsm bench` (or `make bench`) in a
-checkout. They do not change by hand.
+checkout. Do not edit them by hand.
 
-Wherever accuracy can be bought, the charts show what it costs: the largest error against a
-reference of higher precision that is written apart from the package, over the run time of one
-instance. Left is faster, down is more accurate. All methods of a chart were sampled in turn in one
-run: **ratios hold elsewhere, absolute times hold for one machine and one minute.** Compilation is
-not in these times; see [](compile_time_and_batching.md).
+The charts show the cost of accuracy: the largest error against an independent reference of higher
+precision, over the run time of one instance. Left is faster, down is more accurate. All methods of
+a chart were sampled in turn in one run: **ratios are valid on other machines, absolute times only
+for this machine and run.** The times do not include compilation; see
+[](compile_time_and_batching.md).
 
-* Full markers are methods of this package, hollow ones with dashed lines are rivals from outside,
-  in their best form.
-* A **ring** is a default: what a user gets without asking.
-* The grey stair is the **front** of our own methods: none of ours is faster (by more than
+* Full markers are methods of this package. Hollow markers with dashed lines are rivals: other
+  codes, in their best form.
+* A **ring** marks a default of the package.
+* The grey stair is the **front** of our own methods: no other one of ours is faster (by more than
   {noise:.0%}, the noise of such times) and as accurate, or as fast and twice as accurate.
-  Batches and single calls have a front each, for a batch costs less for each instance whatever is
-  calculated.
-* In the tables the time is that of one instance in the way of calling that is fastest, mostly a
-  batch; a row holds up to the error of the row above it.
+  Batches and single calls have separate fronts, because a batch always costs less per instance.
+* In the tables the time is that of one instance with the fastest way of calling, mostly a batch;
+  a row is valid up to the error of the row above it.
 * A rival that is not installed or failed is listed with the reason.
 """
 
@@ -165,7 +164,7 @@ def _summary(document: dict[str, Any]) -> list[str]:
                     behind.append(f"{problem['title']}: {setting_text(row)}")
     lines.append(
         f"Of {count} defaults {count - len(behind)} lie on the front"
-        + ("." if not behind else "; not there, with the reason beside each chart:")
+        + ("." if not behind else "; the others, with the reason beside each chart:")
     )
     return [*lines, "", *(f"* {one}" for one in behind), *([""] if behind else [])]
 

@@ -1,4 +1,4 @@
-"""`python -m benchmarks parts`: every optional part of every example, there and not; JSON, page."""
+"""`python -m benchmarks parts`: every example with and without each optional part; JSON, page."""
 
 import argparse
 import datetime
@@ -30,7 +30,7 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--add", action="store_true", help="keep the other examples of an earlier run"
     )
-    parser.add_argument("--limit", type=float, default=_LIMIT, help="seconds for an example")
+    parser.add_argument("--limit", type=float, default=_LIMIT, help="time limit for an example [s]")
     parser.add_argument(
         "--out", type=Path, default=Path("out/benchmarks"), help="folder for the results"
     )

@@ -9,16 +9,16 @@ from ..load.page import row_of
 _HEAD = """\
 # What each part costs
 
-This page is written by `python -m benchmarks parts --docs docs`. It does not change by hand.
+This page is written by `python -m benchmarks parts --docs docs`. Do not edit it by hand.
 
-Of each example, each optional part that its file has: the program with the part and without it,
-both in the same process. **Equations** are those of the traced program that the numbers of the
-result need, loops once. **Flops** and **bytes** accessed are counted by XLA in the compiled
-program, loops once. **Memory** is what XLA reserves for results and intermediate numbers.
-**Compiling** is processor time, **run** the shortest run by the clock. A part whose absence leaves
-the number of equations as it is, since the program does not read it or has a 0 in its place, is
-named beneath the table. Programs with the same number of equations are not compiled twice.
-`prsm explain FILE --time` does the same for a file of your own.
+For each example and each optional part of its file: the program with the part and without it, both
+in the same process. **Equations** are those of the traced program that the result needs; a loop
+counts once. **Flops** and **bytes** accessed are counted by XLA in the compiled program; a loop
+counts once. **Memory** is what XLA reserves for results and intermediate numbers. **Compiling** is
+processor time, **run** the shortest wall time of a run. A part that does not change the number of
+equations, because the program does not read it or uses 0 without it, is named below the table.
+Programs with the same number of equations are not compiled twice. `prsm explain FILE --time` does
+the same for your own file.
 """
 _MEASURES = ("equations", "flops", "bytes", "memory_bytes", "compile_s", "run_s")
 

@@ -1,4 +1,4 @@
-"""`python -m benchmarks programs`: what compiling and running each program takes; JSON, page."""
+"""`python -m benchmarks programs`: time to compile and to run each program; JSON, page."""
 
 import argparse
 import datetime
@@ -26,9 +26,9 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--examples", nargs="*", choices=EXAMPLES, default=EXAMPLES)
     parser.add_argument("--kinds", nargs="*", choices=KINDS, default=KINDS)
     parser.add_argument("--batches", nargs="*", type=int, choices=BATCHES, default=BATCHES)
-    parser.add_argument("--limit", type=float, default=_LIMIT, help="seconds for a program")
+    parser.add_argument("--limit", type=float, default=_LIMIT, help="time limit for a program [s]")
     parser.add_argument("--add", action="store_true", help="keep other programs of earlier runs")
-    parser.add_argument("--against", type=Path, metavar="JSON", help="ratios to an older run")
+    parser.add_argument("--against", type=Path, metavar="JSON", help="print ratios to an older run")
     parser.add_argument(
         "--out", type=Path, default=Path("out/benchmarks"), help="folder for the results"
     )

@@ -10,14 +10,14 @@ from .functions import EXAMPLES, FUNCTIONS
 _HEAD = """\
 # Compiling
 
-This page is written by `python -m benchmarks programs --docs docs`. It does not change by hand.
+This page is written by `python -m benchmarks programs --docs docs`. Do not edit it by hand.
 
-Each row is a program in a process of its own, by lead, contact angle and roller radius of the first
-stage: the value of a function, the gradient of a scalar of its result in reverse mode (of a
-function without one the Jacobian of all its numbers, forward), and the Hessian of the scalar; for
-one design, and for 100 at once under `jax.vmap`. **Equations** are those of the traced program,
-loops once. **Tracing**, **lowering** and **compiling** are processor time; **run** is the shortest
-by the clock, of one design. A program that fails or takes too long is a row with its reason.
+Each row is a program in its own process: the value of a function, the gradient of a scalar of its
+result in reverse mode (without such a scalar, the Jacobian of all its numbers in forward mode), or
+the Hessian of the scalar; for one design, or for 100 at once under `jax.vmap`. Variables are lead,
+contact angle and roller radius of the first stage. **Equations** are those of the traced program; a
+loop counts once. **Tracing**, **lowering** and **compiling** are processor time; **run** is the
+shortest wall time per design. A program that fails or takes too long has a row with the reason.
 """
 _RATIOS = ("equations", "compile_s", "flops", "run_s")
 

@@ -40,7 +40,7 @@ _LIMIT = 300.0
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks startup", description=__doc__)
     parser.add_argument("verbs", nargs="*", help=f"which verbs, of {', '.join(COMMANDS)}")
-    parser.add_argument("--rounds", type=int, default=3, help="warm runs of each")
+    parser.add_argument("--rounds", type=int, default=3, help="number of warm runs of each verb")
     parser.add_argument("--add", action="store_true", help="keep other verbs of an earlier run")
     parser.add_argument(
         "--out", type=Path, default=Path("out/benchmarks"), help="folder for the results"

@@ -9,15 +9,15 @@ from ..load.page import row_of
 _HEAD = """\
 # From command to answer
 
-This page is written by `python -m benchmarks startup --docs docs`. It does not change by hand.
+This page is written by `python -m benchmarks startup --docs docs`. Do not edit it by hand.
 
-Each verb runs in a process of its own, without pictures: **cold** with an empty folder of stored
-programs, **warm** with what the run before left there. **Processor** seconds are those of all
-threads; other work on the machine lengthens them less than **wall** seconds. Wall seconds are
-divided: starting the interpreter, imports, tracing, lowering, compiling (warm: reading what is
-stored), and the rest, which is reading the file, running, printing and the end of the process.
-**Over imports** is the processor time of the warm run over that of `import jax, diffrax` alone,
-which runs in turn with it.
+Each command runs in its own process, without pictures: **cold** with an empty folder of stored
+programs, **warm** with the programs that the previous run has stored there. **Processor** seconds
+are those of all threads; other work on the machine affects them less than **wall** seconds. Wall
+seconds are divided into start of the interpreter, imports, tracing, lowering, compiling (warm:
+reading stored programs), and the rest: reading the file, running, printing and the end of the
+process. **Over imports** is the processor time of the warm run over that of `import jax, diffrax`
+alone; both run in turn.
 """
 _PARTS = ("wall", "processor", "interpreter", "imports", "tracing", "lowering", "compiling", "rest")
 
@@ -52,7 +52,8 @@ def write_page(document: dict[str, Any], folder: Path) -> Path:
     alone = [row["imports"]["processor_s"] for row in document["verbs"] if not row["error"]]
     measured = (
         f"On a busy machine of {cores} ({machine['processor']}), {document['date'][:10]}. "
-        f"`import jax, diffrax` alone took {min(alone):.2f} to {max(alone):.2f} s of processor.\n"
+        f"`import jax, diffrax` alone took {min(alone):.2f} to {max(alone):.2f} s of processor "
+        "time.\n"
     )
     with written_whole(page) as temporary:
         temporary.write_text(

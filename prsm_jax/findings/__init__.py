@@ -1,6 +1,6 @@
 """Findings on a mechanism, and the margins that `check` and the optimiser share.
 
-Does it fit together, can it be made, does it last, and do its numbers make sense?
+Do the parts fit, can they be made, do they last, and are the given numbers plausible?
 """
 
 from ..geometry import Finding as Finding

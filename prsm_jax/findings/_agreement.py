@@ -1,11 +1,11 @@
-"""Findings on numbers that a file gives twice, in two places, and that contradict each other."""
+"""Findings on quantities that a file states twice, with contradictory values."""
 
 from collections.abc import Iterator
 
 from ..geometry import Finding
 from ..mechanism import Scalar, Stage
 
-#: Preloads, and plays, that differ by less are the same but for rounding.
+#: Values that differ by less agree [relative].
 _SAME = 0.01
 
 
@@ -14,14 +14,14 @@ def _differ(first: float, second: float) -> bool:
 
 
 def agreement_findings(stage: Stage, number: int, teeth: Scalar | None = None) -> Iterator[Finding]:
-    """Two numbers for one thing.
+    """Findings on quantities with two contradictory values.
 
     `preload`, `engaged_threads`, `axial_backlash`, `spin_coefficient`.
 
     **Arguments:**
 
     - `stage`, `number`: the stage, and its number from 1.
-    - `teeth`: the play that its thinned teeth leave [m], where that is known.
+    - `teeth`: axial play from the thinned teeth [m], where known.
     """
     yield from _check_preload(stage, number)
     yield from _check_threads(stage, number)
@@ -30,7 +30,7 @@ def agreement_findings(stage: Stage, number: int, teeth: Scalar | None = None) -
 
 
 def _check_preload(stage: Stage, number: int) -> Iterator[Finding]:
-    """The force that life and safety are reckoned with, and that of the shared load."""
+    """Compare the preload for life and static safety with that for load sharing."""
     play = None if stage.strength is None else stage.strength.play
     split = None if stage.load_sharing is None else stage.load_sharing.split_nut
     if split is None:
@@ -45,8 +45,8 @@ def _check_preload(stage: Stage, number: int) -> Iterator[Finding]:
                 number,
                 offset,
                 0.0,
-                f"stage.load_sharing.split_nut.offset is {offset * 1e6:.4g} um, from which a "
-                "preload results that life and static safety are not evaluated with; give it as "
+                f"stage.load_sharing.split_nut.offset is {offset * 1e6:.4g} um, which causes a "
+                "preload that life and static safety do not include; give it as "
                 'stage.strength.play.preload_force with arrangement = "split_nut" (the quantity '
                 "spacer_force at load 0)",
             )
@@ -58,9 +58,9 @@ def _check_preload(stage: Stage, number: int) -> Iterator[Finding]:
             number,
             1.0,
             0.5,
-            f'stage.strength.play.arrangement is "{play.arrangement}", and stage.load_sharing has '
-            "a split nut: life and static safety count all engaged threads in either direction, "
-            'and thread loads those of one half; give arrangement = "split_nut"',
+            f'stage.strength.play.arrangement is "{play.arrangement}", but stage.load_sharing has '
+            "a split nut: life and static safety use all engaged threads in either direction, but "
+            'thread loads only those of one half; give arrangement = "split_nut"',
         )
     if split.preload is None:
         return
@@ -73,25 +73,25 @@ def _check_preload(stage: Stage, number: int) -> Iterator[Finding]:
             stated,
             spacer,
             f"stage.strength.play.preload_force is {stated:.4g} N and "
-            f"stage.load_sharing.split_nut.preload {spacer:.4g} N, which are one force: life and "
-            "static safety rest on the first, thread loads on the second; give both the same",
+            f"stage.load_sharing.split_nut.preload {spacer:.4g} N, but both are the same force: "
+            "life and static safety use the first, thread loads the second; give equal values",
         )
 
 
 def _check_threads(stage: Stage, number: int) -> Iterator[Finding]:
-    """How many threads carry, in equal shares and in the chains of load sharing."""
+    """Compare the numbers of threads for equal sharing and for load sharing."""
     sharing = stage.load_sharing
     if sharing is None or stage.engaged_threads is None:
         return
     engaged, count = float(stage.engaged_threads), sharing.thread_count
-    # A share of a thread may be engaged; the chains have whole ones.
+    # Engaged threads may include a fraction; load sharing has whole threads.
     if abs(engaged - count) < 1:
         return
     play, split = None if stage.strength is None else stage.strength.play, sharing.split_nut
     if play is not None and play.preload_force is not None and split is not None:
         of_one_nut = abs(engaged - split.after_thread) < 1
         if play.arrangement == "double_nut" and of_one_nut:
-            # Both nuts in one chain, and the threads of one of them: each means what it says.
+            # Load sharing has the threads of both nuts, `engaged_threads` those of one.
             return
     yield Finding(
         "engaged_threads",
@@ -100,14 +100,14 @@ def _check_threads(stage: Stage, number: int) -> Iterator[Finding]:
         engaged,
         float(count),
         f"stage.engaged_threads is {engaged:.4g} and stage.load_sharing.thread_count {count}, "
-        "which are one number: capacities, pressures and stiffnesses of equal shares rest on the "
-        "first, thread loads on the second; give both the same"
-        + ("" if split is None else ", both halves of the split nut together"),
+        "but both are the same number: capacities, pressures and stiffnesses of equal shares use "
+        "the first, thread loads the second; give equal values"
+        + ("" if split is None else ", counting both halves of the split nut"),
     )
 
 
 def _check_play(stage: Stage, number: int, teeth: Scalar | None) -> Iterator[Finding]:
-    """How far the nut moves without load, for strength and for load sharing."""
+    """Compare the axial play for strength with that for load sharing."""
     play, sharing = None if stage.strength is None else stage.strength.play, stage.load_sharing
     if play is None or sharing is None:
         return
@@ -120,9 +120,9 @@ def _check_play(stage: Stage, number: int, teeth: Scalar | None) -> Iterator[Fin
                 number,
                 stated,
                 0.0,
-                f"stage.strength.play.axial_backlash is {stated * 1e6:.4g} um, and "
-                "stage.load_sharing.split_nut leaves none: remove the first (the play before "
-                "bracing is stage.load_sharing.backlash)",
+                f"stage.strength.play.axial_backlash is {stated * 1e6:.4g} um, but "
+                "stage.load_sharing.split_nut, a preloaded nut, has no play: remove the first (the "
+                "play before preloading is stage.load_sharing.backlash)",
             )
         return
     if sharing.backlash is None or play.preload_force is not None:
@@ -142,18 +142,18 @@ def _check_play(stage: Stage, number: int, teeth: Scalar | None) -> Iterator[Fin
             stated,
             shared,
             f"{source} {stated * 1e6:.4g} um and stage.load_sharing.backlash "
-            f"{shared * 1e6:.4g} um, which are one play: backlash and lost motion rest on the "
-            "first, thread loads on the second; give both the same",
+            f"{shared * 1e6:.4g} um, but both are the same play: backlash and lost motion use the "
+            "first, thread loads the second; give equal values",
         )
 
 
 def _check_spin(stage: Stage, number: int) -> Iterator[Finding]:
-    """Friction of one pair of materials, in sliding and in spin."""
+    """Compare the friction coefficients of sliding and of spin."""
     friction = stage.friction
     if friction is None or friction.thread is None or friction.spin is None:
         return
     law, spin = friction.thread, float(friction.spin.coefficient)
-    rule = "screw and roller slide and spin by the law of the threads, and"
+    rule = "screw and roller use the law of the threads for sliding and for spin;"
     if law.load_independent:
         yield Finding(
             "spin_coefficient",
@@ -162,10 +162,10 @@ def _check_spin(stage: Stage, number: int) -> Iterator[Finding]:
             spin,
             0.0,
             "stage.friction.thread is viscous and has no friction coefficient: "
-            f"{rule} stage.friction.spin.coefficient, {spin:.4g}, is that of roller and nut only",
+            f"{rule} stage.friction.spin.coefficient, {spin:.4g}, applies to roller and nut only",
         )
         return
-    # That of fast slip, by which these laws are known; others have none to compare.
+    # The coefficient at fast slip; laws without one are not compared.
     coefficient = getattr(law, "coefficient", None)
     threads = spin if coefficient is None else float(coefficient)
     if _differ(spin, threads):
@@ -176,6 +176,6 @@ def _check_spin(stage: Stage, number: int) -> Iterator[Finding]:
             spin,
             threads,
             f"stage.friction.spin.coefficient is {spin:.4g} and stage.friction.thread.coefficient "
-            f"{threads:.4g}: {rule} the first is that of roller and nut only; give both the same "
+            f"{threads:.4g}: {rule} the first applies to roller and nut only; give equal values "
             "unless materials or lubrication of the two sides differ",
         )

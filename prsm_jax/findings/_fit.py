@@ -17,11 +17,11 @@ from ..quantities import Analysis
 from ..strength import thins_teeth
 from ._margin import Kind, Margin, Reading, is_whole, margin_source
 
-#: A micrometre more than touching, so that rounding in a file does not close a gap [m].
+#: Gap that the optimiser keeps, so that rounding in a file does not close it [m].
 _CLOSE = 1e-6
 
 
-#: What numbers of the thread must be, as files say it.
+#: Permitted ranges of thread parameters, in words.
 _WORDS = {
     "lead": "more than 0",
     "starts": "more than 2",
@@ -39,7 +39,7 @@ def _clearance(
     message: Callable[[Reading], str],
     kind: Kind,
 ) -> Margin:
-    """An error where two parts do not stay apart."""
+    """A margin that is an error where two parts touch or overlap."""
     return Margin(
         name,
         index + 1,
@@ -55,10 +55,10 @@ def _clearance(
 
 @margin_source
 def _dimensions(mechanism: Mechanism, index: int) -> Iterator[Margin]:
-    """Numbers of the thread outside of what a file may say."""
+    """Thread parameters outside their permitted ranges."""
     for name in dimension_names(mechanism.stages[index].thread):
 
-        def given(analysis: Analysis, name=name) -> dict[str, Scalar]:
+        def present_value(analysis: Analysis, name=name) -> dict[str, Scalar]:
             return {"given": getattr(analysis.mechanism.stages[index].thread, name)}
 
         yield Margin(
@@ -68,10 +68,10 @@ def _dimensions(mechanism: Mechanism, index: int) -> Iterator[Margin]:
             (("error", 0.0),),
             lambda r, name=name: (
                 f"stage.thread.{name} is {r.details['given']:.6g}{_UNITS.get(name, ' m')}; it must "
-                f"be {_WORDS[name]}: no mechanism has such threads"
+                f"be {_WORDS[name]}: such a thread cannot exist"
             ),
             kind="existence",
-            details=given,
+            details=present_value,
             shown=lambda r: (r.details["given"], r.details["given"] - r.value),
             reserve=0.0,
             strict=True,
@@ -81,7 +81,7 @@ def _dimensions(mechanism: Mechanism, index: int) -> Iterator[Margin]:
 
 @margin_source
 def _bores(mechanism: Mechanism, index: int) -> Iterator[Margin]:
-    """Bores that are wider than the cylinder that they are in."""
+    """Bores that are wider than the core of the thread."""
     for body in bore_margins(mechanism.stages[index]):
 
         def radius(analysis: Analysis, body=body) -> dict[str, Scalar]:
@@ -93,9 +93,9 @@ def _bores(mechanism: Mechanism, index: int) -> Iterator[Margin]:
             lambda a, body=body: bore_margins(a.mechanism.stages[index])[body],
             (("error", 0.0),),
             lambda r, body=body: (
-                f"stage.{body}.bore_radius is {r.details['bore'] * 1e3:.6g} mm, and the {body}'s "
-                f"thread leaves a radius of {(r.details['bore'] + r.value) * 1e3:.6g} mm: no "
-                f"mechanism has such a {body}; make the bore smaller"
+                f"stage.{body}.bore_radius is {r.details['bore'] * 1e3:.6g} mm, but inside the "
+                f"{body}'s thread there are only {(r.details['bore'] + r.value) * 1e3:.6g} mm: "
+                f"such a {body} cannot exist; make the bore smaller"
             ),
             unit="m",
             kind="existence",
@@ -109,9 +109,9 @@ def _bores(mechanism: Mechanism, index: int) -> Iterator[Margin]:
 
 @margin_source
 def _ratio(mechanism: Mechanism, index: int) -> Iterator[Margin]:
-    """The thread of roller and nut rolls without slip only at whole numbers of starts."""
+    """Roller and nut threads roll without slip only with a whole number of starts."""
     if mechanism.stages[index].line_contact is not None:
-        # Rollers of rings have no thread.
+        # Rollers with rings have no thread.
         return
 
     def message(r: Reading) -> str:
@@ -125,7 +125,7 @@ def _ratio(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         "feasible_ratio",
         index + 1,
         lambda analysis: analysis.mechanism.stages[index].thread.starts,
-        # Below 3 by more than the rounding of a whole number.
+        # Below 3 by more than the rounding error of a whole number.
         (("error", 3 - 1e-6),),
         message,
         kind="assembly",
@@ -150,11 +150,12 @@ def _rollers(mechanism: Mechanism, index: int) -> Iterator[Margin]:
 
 @margin_source
 def _gear(mechanism: Mechanism, index: int) -> Iterator[Margin]:
-    """The thread fixes how a roller turns from one place to the next; the teeth must agree.
+    """Thread and gear must turn a roller by the same angle between two places.
 
-    Rolled from one place to the next, by 2π/N about the axis, a roller turns by 2π n/N against
-    the carrier, which is z_R n/N of its teeth; the ring gear offers z_r/N teeth there. Rollers
-    cut alike fit everywhere if z_r = n z_R, which holds by construction, and both are whole.
+    A roller that rolls from one place to the next, by 2π/N about the axis, turns by 2π n/N
+    against the carrier, which is z_R n/N of its teeth; the ring gear has z_r/N teeth there.
+    Identical rollers fit in all places if z_r = n z_R, which holds by construction, and if both
+    numbers are whole.
     """
     gear = mechanism.stages[index].gear
     if gear is None or gear.roller_teeth is None:
@@ -171,11 +172,11 @@ def _gear(mechanism: Mechanism, index: int) -> Iterator[Margin]:
 
     def message(r: Reading) -> str:
         return (
-            f"the ring gear would have n z_R = {r.details['ring']:.6g} teeth on "
-            f"{r.details['teeth']:.6g} roller teeth; both must be whole numbers"
+            f"the ring gear would have n z_R = {r.details['ring']:.6g} teeth for "
+            f"z_R = {r.details['teeth']:.6g} roller teeth; both must be whole numbers"
         )
 
-    # With whole teeth and whole starts the ring's teeth are whole too.
+    # With whole roller teeth and whole starts the ring gear teeth are whole too.
     yield Margin(
         "gear_assembly",
         index + 1,
@@ -214,7 +215,7 @@ def _meshing(mechanism: Mechanism, index: int) -> Iterator[Margin]:
     def message(r: Reading) -> str:
         return (
             "screw and roller flanks do not touch in a point; the roller's profile radius "
-            f"{r.details['profile_radius'] * 1e3:.4g} mm is too large (the profile too flat) "
+            f"{r.details['profile_radius'] * 1e3:.4g} mm is too large (too flat a profile) "
             "for this lead and contact angle"
         )
 
@@ -252,15 +253,15 @@ def _on_flank(mechanism: Mechanism, index: int) -> Iterator[Margin]:
             continue
 
         def details(analysis: Analysis, body=body) -> dict[str, Scalar]:
-            given = analysis.mechanism.stages[index].thread
+            current = analysis.mechanism.stages[index].thread
             side = analysis.kinematics[index].meshing.screw
             radius = side.contact_radius if body == "screw" else side.roller_contact_radius
-            crest = getattr(given, f"{body}_radius") + getattr(given, f"{body}_addendum")
+            crest = getattr(current, f"{body}_radius") + getattr(current, f"{body}_addendum")
             return {"radius": radius, "crest": crest}
 
         def value(analysis: Analysis, details=details) -> Scalar:
-            found = details(analysis)
-            return found["crest"] - found["radius"]
+            radii = details(analysis)
+            return radii["crest"] - radii["radius"]
 
         yield Margin(
             "contact_on_flank",
@@ -281,7 +282,7 @@ def _on_flank(mechanism: Mechanism, index: int) -> Iterator[Margin]:
 
 @margin_source
 def _tooth_thickness(mechanism: Mechanism, index: int) -> Iterator[Margin]:
-    """Teeth of half a pitch; not where their thinning or play is given."""
+    """Interference of teeth half a pitch thick; skipped where thinning or play is given."""
     stage = mechanism.stages[index]
     play = None if stage.strength is None else stage.strength.play
     if play is not None and (play.axial_backlash is not None or thins_teeth(play)):
@@ -294,15 +295,15 @@ def _tooth_thickness(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         lambda analysis: analysis.kinematics[index].meshing.axial_gap,
         (("note", 0.0),),
         lambda r: (
-            f"teeth of half a pitch would interfere by {-r.value * 1e3:.4g} mm per flank; thin "
-            "the teeth by at least that"
+            f"teeth half a pitch thick would interfere by {-r.value * 1e3:.4g} mm per flank; thin "
+            "the teeth by at least this amount"
         ),
         unit="m",
     )
 
 
 def assembly_notes(mechanism: Mechanism) -> Iterator[Finding]:
-    """How rollers must be mounted where ring gear teeth and rollers have no common divisor."""
+    """How to mount the rollers if the ring gear teeth are not divisible by their number."""
     for number, stage in enumerate(mechanism.stages, start=1):
         gear = stage.gear
         if gear is None or gear.roller_teeth is None:
@@ -321,6 +322,7 @@ def assembly_notes(mechanism: Mechanism) -> Iterator[Finding]:
             ring / stage.roller_count,
             float(round(ring / stage.roller_count)),
             f"{round(ring)} ring gear teeth are not divisible by {stage.roller_count} rollers: "
-            f"each roller must be mounted turned by {step}/{stage.roller_count} of a tooth against "
-            "the one before, with thread and gear of all rollers cut in the same phase",
+            f"each roller must be mounted turned by {step}/{stage.roller_count} of a tooth "
+            "relative to the previous one, with thread and gear of all rollers cut in the same "
+            "phase",
         )

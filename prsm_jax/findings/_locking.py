@@ -1,4 +1,4 @@
-"""Margins of friction: does it let the screw move the load, and the load the screw?"""
+"""Margins of friction: can the screw move the load, and can the load turn the screw?"""
 
 from collections.abc import Iterator
 
@@ -19,7 +19,7 @@ from ._margin import Margin, Reading, margin_source
 
 #: Friction coefficients scatter by this much with lubricant and wear.
 _SCATTER = 0.3
-#: Backward efficiency below which that scatter may decide whether the load moves.
+#: Backward efficiency below which this scatter may decide whether the load turns the screw.
 _NEARLY_HELD = 0.15
 
 
@@ -29,23 +29,23 @@ def _without_friction(mechanism: Mechanism) -> bool:
 
 @margin_source
 def _jamming(mechanism: Mechanism, index: int) -> Iterator[Margin]:
-    """A driving screw cannot move its load, or nearly cannot."""
+    """The driving screw jams, or is close to jamming."""
     if _without_friction(mechanism):
         return
 
     def value(analysis: Analysis) -> Scalar:
         stage = analysis.mechanism.stages[index]
-        alone = eqx.tree_at(lambda m: m.stages, analysis.mechanism, (stage,))
+        single = eqx.tree_at(lambda m: m.stages, analysis.mechanism, (stage,))
         geometry = analysis.kinematics[index]
-        load = analysis.load if friction_needs_load(alone) else None
-        return jamming_margin(alone, (geometry,), jnp.abs(analysis.speed), load)
+        load = analysis.load if friction_needs_load(single) else None
+        return jamming_margin(single, (geometry,), jnp.abs(analysis.speed), load)
 
     def message(r: Reading) -> str:
-        what = "is past" if r.severity == "error" else "comes near"
+        relation = "exceeds" if r.severity == "error" else "is close to"
         limit = r.details["limit"]
         return (
-            f"the friction coefficient of the threads, {(1 - r.value) * limit:.3g}, {what} that at "
-            f"which the driving screw jams, {limit:.3g}: lower it, or raise the contact angle"
+            f"the friction coefficient of the threads, {(1 - r.value) * limit:.3g}, {relation} "
+            f"{limit:.3g}, where the driving screw jams: lower it, or raise the contact angle"
         )
 
     yield Margin(
@@ -63,7 +63,7 @@ def _jamming(mechanism: Mechanism, index: int) -> Iterator[Margin]:
 
 @margin_source
 def _self_locking(mechanism: Mechanism, index: int) -> Iterator[Margin]:
-    """The load cannot turn the screw, or only lubricant and wear decide whether it does."""
+    """The load cannot turn the screw, or lubricant and wear decide whether it does."""
     if _without_friction(mechanism) or index > 0:
         return
 
@@ -76,14 +76,15 @@ def _self_locking(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         limit = r.details["limit"]
         if r.severity == "note":
             return (
-                "self-locking: friction holds the load without torque, and the screw has to be "
-                f"driven back (threads alone hold above a friction coefficient of {limit:.3g})"
+                "self-locking: friction holds the load without torque, and the screw needs "
+                "torque in either direction (thread friction alone is self-locking above a "
+                f"friction coefficient of {limit:.3g})"
             )
         return (
-            f"friction nearly holds the load, which gives only {r.value:.0%} of its work to the "
-            "screw: whether it turns it depends on lubricant and wear (threads alone hold above a "
-            f"friction coefficient of {limit:.3g}); change friction or contact angle, or add a "
-            "brake"
+            f"nearly self-locking: only {r.value:.0%} of the work of the load reaches the screw, "
+            "so lubricant and wear decide whether the load turns it (thread friction alone is "
+            f"self-locking above a friction coefficient of {limit:.3g}); change friction or "
+            "contact angle, or add a brake"
         )
 
     yield Margin(

@@ -1,9 +1,9 @@
-"""Margins: what a finding rests on, declared once for `check` and for the optimiser.
+"""Margins: the quantities behind findings, declared once for `check` and for the optimiser.
 
-A margin is a quantity that should not fall below a limit, with the severity that follows when it
-does and the words that say so. `check` compares its value; the optimiser takes every limit of
+A margin is a quantity that should not fall below a limit, with the severity and the message of
+the finding if it does. `check` compares its value; the optimiser takes every limit of
 severity error as a constraint, with exact derivatives. To add a finding, write a source (see
-`margin_source`) in one of the files of this room.
+`margin_source`) in one of the files of this folder.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -18,19 +18,19 @@ from ..geometry import Finding, Severity
 from ..mechanism import Mechanism, Scalar
 from ..quantities import Analysis, SharedLoad
 
-#: What a broken limit of severity error says about the other results. `existence`: no such
-#: mechanism exists, and its other numbers mean nothing. `assembly`: its numbers stand, but it
-#: cannot be put together as drawn. `service`: it can be built, and fails under its load.
+#: What a violated limit of severity error means for the other results. `existence`: no such
+#: mechanism exists, and its other numbers are meaningless. `assembly`: its numbers are valid, but
+#: it cannot be assembled as drawn. `service`: it can be built, but fails under its load.
 Kind: TypeAlias = Literal["existence", "assembly", "service"]
 
 
 @dataclass(frozen=True)
 class Reading:
-    """A margin of one mechanism, evaluated, with the limit that it breaks."""
+    """The evaluated margin of one mechanism, with the limit that it violates."""
 
     mechanism: Mechanism
     value: float
-    #: Further numbers that the margin says it needs for its message.
+    #: Further numbers for the message.
     details: dict[str, float]
     severity: Severity
     limit: float
@@ -43,31 +43,31 @@ class Margin:
     `value` is differentiable, finite wherever the mechanism meshes, and larger when better.
     """
 
-    #: Of the finding.
+    #: Name of the finding.
     name: str
-    #: From 1.
+    #: Number of the stage, from 1.
     stage: int
     value: Callable[[Analysis], Scalar]
-    #: Severity and limit; the first that the value falls below counts.
+    #: Pairs of severity and limit; the first limit that the value falls below counts.
     levels: tuple[tuple[Severity, float], ...]
     message: Callable[[Reading], str]
     unit: str = "1"
     kind: Kind = "service"
     #: Numbers for the message beside the value.
     details: Callable[[Analysis], dict[str, Scalar]] | None = None
-    #: Value and limit as the finding gives them, where those of the margin say less to a reader.
+    #: Value and limit that the finding shows, where those of the margin are less clear to a reader.
     shown: Callable[[Reading], tuple[float, float]] | None = None
     #: How far inside the limit the optimiser stays, for rounding in a file [unit of the value].
     reserve: float = 1e-4
-    #: Whether a value at the limit breaks it too.
+    #: Whether a value equal to the limit violates it.
     strict: bool = False
-    #: Whether the value has to be a whole number too.
+    #: Whether the value must also be a whole number.
     whole: bool = False
-    #: False for a condition that is met or not, without derivative.
+    #: False for a yes-or-no condition, which has no derivative.
     smooth: bool = True
-    #: Tells findings of one name and stage apart; of those with one subject the worst is reported.
+    #: Distinguishes findings of one name and stage; for each subject the worst is reported.
     subject: str = ""
-    #: Loads under which it asks how threads share (`Analysis.distribution`).
+    #: Loads for which the margin needs the load distribution (`Analysis.distribution`).
     shares: tuple[SharedLoad, ...] = ()
 
     @property
@@ -76,16 +76,16 @@ class Margin:
         return next((limit for severity, limit in self.levels if severity == "error"), None)
 
 
-#: Yields the margins of a stage (from 0); looks at the structure of the mechanism only.
+#: Yields the margins of a stage (index from 0); depends on the structure of the mechanism only.
 Source: TypeAlias = Callable[[Mechanism, int], Iterator[Margin]]
 _SOURCES: list[Source] = []
 _ORDER: tuple[Severity, ...] = ("error", "warning", "note")
-#: Numbers derived from measured radii carry their rounding with them.
+#: Distance from a whole number due to rounding: some numbers are ratios of measured radii.
 _ROUNDING = 1e-6
 
 
 def margin_source(source: Source) -> Source:
-    """Add a function that yields margins of a stage to what `check` and the optimiser look at.
+    """Register a function that yields margins of a stage for `check` and the optimiser.
 
     It is called inside and outside of traces, and must yield the same margins for mechanisms of
     the same structure.
@@ -95,7 +95,7 @@ def margin_source(source: Source) -> Source:
 
 
 def sources() -> tuple[Source, ...]:
-    """All sources; a program that evaluates their margins is theirs alone."""
+    """All sources; every set of sources has its own compiled program."""
     return tuple(_SOURCES)
 
 
@@ -112,7 +112,7 @@ def margins_of(mechanism: Mechanism) -> tuple[Margin, ...]:
 def shared_loads(
     margins: Iterable[Margin], wanted: Callable[[Margin], bool] = lambda _: True
 ) -> tuple[SharedLoad, ...]:
-    """Loads under which some margins ask how threads share, for `Analysis.expect`."""
+    """Loads for which margins need the load distribution, for `Analysis.expect`."""
     return tuple(dict.fromkeys(load for m in margins if wanted(m) for load in m.shares))
 
 
@@ -126,40 +126,40 @@ def evaluate_margins(
 
     **Arguments:**
 
-    - `analysis`: of the mechanism, with or without a trace.
+    - `analysis`: of the mechanism, inside or outside a trace.
     - `wanted`: which margins to evaluate.
-    - `details`: whether to evaluate what messages need as well.
+    - `details`: whether to evaluate the further numbers for messages too.
 
     **Returns:** one entry for each of `margins_of`: `value` and details by name, or `None` where
-    it is not wanted or the mechanism lacks data for it.
+    the margin is not selected or its data are missing.
     """
-    found: list[dict[str, Scalar] | None] = []
+    values: list[dict[str, Scalar] | None] = []
     margins = margins_of(analysis.mechanism)
     analysis.expect(shared_loads(margins, wanted))
     for margin in margins:
         if not wanted(margin):
-            found.append(None)
+            values.append(None)
             continue
         try:
             numbers = {"value": jnp.asarray(margin.value(analysis))}
             if details and margin.details is not None:
                 numbers |= margin.details(analysis)
         except MissingDataError:
-            found.append(None)
+            values.append(None)
             continue
-        found.append(numbers)
-    return found
+        values.append(numbers)
+    return values
 
 
 def is_whole(value: float) -> bool:
-    """Whether a number is whole but for the rounding that a derived one has."""
+    """Whether a number is whole, within the rounding of derived numbers."""
     return abs(value - round(value)) < _ROUNDING
 
 
 def severity_at(margin: Margin, value: float) -> tuple[Severity, float] | None:
-    """Severity and limit that a value breaks, or `None`.
+    """Severity and limit that a value violates, or `None`.
 
-    A value that is not a number breaks a condition of existence; elsewhere it follows from one.
+    NaN violates a condition of existence; in any other margin it is only a consequence.
     """
     if value != value:
         return margin.levels[0] if margin.kind == "existence" else None
@@ -188,7 +188,7 @@ def error_names(mechanism: Mechanism) -> tuple[str, ...]:
 
 
 def first_error(analysis: Analysis) -> Int[Array, ""]:
-    """Which error `check` finds first, in a trace: its place in `error_names` from 1, or 0."""
+    """The first error of `check`, in a trace: its place in `error_names` from 1, or 0 for none."""
     names, code = error_names(analysis.mechanism), jnp.asarray(0)
     margins = margins_of(analysis.mechanism)
     values = evaluate_margins(analysis, lambda m: m.error_limit is not None, details=False)
@@ -202,7 +202,7 @@ def first_error(analysis: Analysis) -> Int[Array, ""]:
 def finding_of(
     mechanism: Mechanism, margin: Margin, numbers: dict[str, float] | None
 ) -> Finding | None:
-    """The finding of an evaluated margin, if it breaks a limit."""
+    """The finding of an evaluated margin, if it violates a limit."""
     if numbers is None:
         return None
     broken = severity_at(margin, numbers["value"])
@@ -224,14 +224,14 @@ def finding_of(
 def findings_of(
     mechanism: Mechanism, values: list[dict[str, float] | None]
 ) -> Iterator[tuple[Margin, Finding]]:
-    """The findings of evaluated margins; of one name, stage and subject the most serious."""
-    found: dict[tuple, tuple[Margin, Finding]] = {}
+    """The findings of evaluated margins: the most serious per name, stage and subject."""
+    worst: dict[tuple, tuple[Margin, Finding]] = {}
     for margin, numbers in zip(margins_of(mechanism), values, strict=True):
         finding = finding_of(mechanism, margin, numbers)
         if finding is None:
             continue
         key = margin.name, margin.stage, margin.subject
-        known = found.get(key)
-        if known is None or _ORDER.index(finding.severity) < _ORDER.index(known[1].severity):
-            found[key] = margin, finding
-    yield from found.values()
+        previous = worst.get(key)
+        if previous is None or _ORDER.index(finding.severity) < _ORDER.index(previous[1].severity):
+            worst[key] = margin, finding
+    yield from worst.values()

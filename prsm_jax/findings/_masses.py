@@ -11,9 +11,9 @@ from ..mechanism import Material, Mechanism, Scalar, Stage, as_scalar, body_iner
 
 #: Steel, where no density is given [kg/m³].
 _STEEL_DENSITY = 7850.0
-#: J/(m r²) with r the nominal radius. Screw and roller are cylinders inside of it: ½ if solid, up
-#: to 1 with a bore, and less where journals are thinner. Nut and ring gear lie outside of it, and
-#: the carrier is centred on it. Beyond these limits a number is mistyped or in another unit.
+#: Limits of J/(m r²) with the nominal radius r. Screw and roller lie inside r: ½ if solid, up to
+#: 1 with a bore, less with thinner journals. Nut and ring gear lie outside r, and the carrier is
+#: centred on r. Beyond these limits a number is mistyped or in another unit.
 _CYLINDER, _SLEEVE, _ANNULUS = (0.2, 1.0), (1.0, 10.0), (0.3, 3.0)
 _SHAPES = {
     "screw": ("cylinder", _CYLINDER),
@@ -22,9 +22,9 @@ _SHAPES = {
     "ring_gear": ("sleeve", _SLEEVE),
     "carrier": ("annulus", _ANNULUS),
 }
-#: How near J/(m r²) must be to 1 to be taken for m r² itself; printed numbers have three digits.
+#: J/(m r²) this close to 1 counts as m r²; printed numbers have three digits.
 _THIN_RING = 0.02
-#: Threads, journals and gears make a body lighter or heavier than its cylinder, but not by this.
+#: Threads, journals and gears change the mass of the cylinder by less than this factor.
 _MASS_RATIO = 2.0
 
 
@@ -45,7 +45,7 @@ def _label(body: str) -> str:
 
 
 def _changed(part: Any, **fields: Any) -> Any:
-    """A part with other fields, and without the checks of construction: it may be broken."""
+    """A part with some fields replaced, without the checks of its constructor."""
     return eqx.tree_at(
         lambda p: [getattr(p, name) for name in fields],
         part,
@@ -55,7 +55,7 @@ def _changed(part: Any, **fields: Any) -> Any:
 
 
 def _inertia_from_dimensions(stage: Stage, body: str) -> float | None:
-    """½ m (R² + r²) with the mass given; none where the radii are not all there."""
+    """½ m (R² + r²) for the given mass; `None` where a radius is missing."""
     part = _changed(getattr(stage, body), inertia=None, length=as_scalar(1.0))
     try:
         return float(body_inertia(_changed(stage, **{body: part}), body))
@@ -64,7 +64,7 @@ def _inertia_from_dimensions(stage: Stage, body: str) -> float | None:
 
 
 def _mass_from_dimensions(stage: Stage, body: str) -> tuple[float, float] | None:
-    """Mass by dimensions and density, and that density; none where a dimension is missing."""
+    """Mass from dimensions and density, and the density; `None` where a dimension is missing."""
     part = getattr(stage, body)
     material = part.material or stage.material
     if material is None or material.density is None:
@@ -90,32 +90,36 @@ def _check_inertia(stage: Stage, body: str, number: int) -> Finding | None:
     shape, (lower, upper) = _SHAPES[body]
     expected = _inertia_from_dimensions(stage, body)
     ratio = inertia / thin
-    # A tube or sleeve whose wall is thin does have m r².
-    honest = shape == "annulus" or (expected is not None and abs(expected / thin - 1) < 0.05)
+    # A thin-walled tube or sleeve really has m r².
+    may_be_thin = shape == "annulus" or (expected is not None and abs(expected / thin - 1) < 0.05)
     if abs(ratio - 1) < _THIN_RING:
-        if honest:
+        if may_be_thin:
             return None
-        what = "is m r², that of a thin ring of the nominal radius"
+        fault = "is m r², the value of a thin ring of the nominal radius"
     elif ratio > upper:
-        what = f"is {ratio:.3g} m r², more than any {shape} of that radius has"
+        fault = f"is {ratio:.3g} m r², more than any {shape} of this radius has"
         if shape == "sleeve":
-            what = f"is {ratio:.3g} m r² of the nominal radius, which would take a huge wall"
+            fault = (
+                f"is {ratio:.3g} m r² with the nominal radius, which would need a very thick wall"
+            )
     elif ratio < lower:
-        what = f"is {ratio:.3g} m r² of the nominal radius, less than any {shape} of it has"
+        fault = (
+            f"is {ratio:.3g} m r² with the nominal radius, less than any {shape} of this radius has"
+        )
     else:
         return None
     if expected is not None:
-        should = f"½ m (R² + r²) = {expected:.4g} kg·m²"
+        plausible = f"½ m (R² + r²) = {expected:.4g} kg·m²"
     else:
-        should = f"more than m r² = {thin:.4g} kg·m², by its wall"
+        plausible = f"more than m r² = {thin:.4g} kg·m², depending on its wall"
     return Finding(
         "inertia",
         "warning",
         number,
         inertia,
         thin if expected is None else expected,
-        f"the moment of inertia of the {_label(body)}, {inertia:.4g} kg·m², {what}; a {shape} of "
-        f"{mass:.4g} kg and {1e3 * radius:.4g} mm nominal radius has {should}: correct "
+        f"the moment of inertia of the {_label(body)}, {inertia:.4g} kg·m², {fault}; a {shape} of "
+        f"{mass:.4g} kg and {1e3 * radius:.4g} mm nominal radius has {plausible}: correct "
         f"inertia, or remove it and give {_dimensions(body)}",
     )
 
@@ -142,26 +146,26 @@ def _check_mass(stage: Stage, body: str, number: int) -> Finding | None:
         number,
         mass,
         expected,
-        f"the mass of the {_label(body)}, {mass:.4g} kg, is {mass / expected:.3g} times that of "
-        f"its dimensions, {expected:.4g} kg at {1e3 * float(part.length):.4g} mm and {density:.0f} "
-        "kg/m³: correct one of them, or remove mass to have it derived",
+        f"the mass of the {_label(body)}, {mass:.4g} kg, is {mass / expected:.3g} times the "
+        f"mass from its dimensions, {expected:.4g} kg with {1e3 * float(part.length):.4g} mm "
+        f"length and {density:.0f} kg/m³: correct one of them, or remove mass to have it derived",
     )
 
 
 def _of_stage(stage: Stage, number: int) -> Iterator[Finding]:
     for body in _SHAPES:
-        for one in (_check_mass, _check_inertia):
-            finding = one(stage, body, number)
+        for check in (_check_mass, _check_inertia):
+            finding = check(stage, body, number)
             if finding is not None:
                 yield finding
 
 
 def mass_findings(mechanism: Mechanism) -> tuple[Finding, ...]:
-    """Given masses and inertias that no body of the given dimensions has.
+    """Given masses and inertias that are implausible for the given dimensions.
 
-    `inertia`: m r² for a body that is no thin ring, more than a cylinder of that radius can have,
-    or far too little. `mass`: out of line with length, radius and density (7850 kg/m³ if not
-    given), where a length is there.
+    `inertia`: m r² for a body that is not a thin ring, more than a cylinder of that radius can
+    have, or far too little. `mass`: implausible for length, radius and density (7850 kg/m³ if not
+    given), where the length is given.
 
     **Arguments:**
 

@@ -1,4 +1,4 @@
-"""The finding on a load that all threads are taken to share equally."""
+"""The finding on equal load sharing among threads that is assumed without being stated."""
 
 from ..geometry import Finding
 from ..mechanism import Mechanism, Stage
@@ -11,7 +11,7 @@ from ..quantities import (
 
 
 def _is_limited(mechanism: Mechanism) -> bool:
-    """Whether an optimisation aims at or limits a quantity that rests on equal sharing."""
+    """Whether the design problem optimises or limits a quantity that assumes equal sharing."""
     problem = mechanism.design_problem
     if problem is None:
         return False
@@ -29,8 +29,8 @@ def _of_stage(stage: Stage, number: int, limited: bool) -> Finding | None:
             number,
             count,
             1.0,
-            'stage.sharing is "equal", and [stage.load_sharing] says how the threads share, which '
-            "is what is computed: remove one of them",
+            'stage.sharing is "equal", but [stage.load_sharing] is given too, and the load '
+            "distribution that it describes is used: remove one of them",
         )
     if stage.load_sharing is not None or stage.sharing == "equal" or not has_contacts(stage):
         return None
@@ -45,27 +45,27 @@ def _of_stage(stage: Stage, number: int, limited: bool) -> Finding | None:
         number,
         count,
         1.0,
-        f"all {count:.4g} engaged threads of a roller are taken to carry the same load; with "
+        f"all {count:.4g} engaged threads of a roller are assumed to carry the same load; with "
         "elastic shafts the most loaded thread carries more, so pressures are higher, and "
         "capacities, safety and life lower, than stated: give [stage.load_sharing] with "
-        f'thread_count = {round(count)}, or state by sharing = "equal" in [[stage]] that equal '
-        "shares are meant",
+        f'thread_count = {round(count)}, or confirm equal shares by sharing = "equal" in '
+        "[[stage]]",
     )
 
 
 def sharing_findings(mechanism: Mechanism) -> tuple[Finding, ...]:
-    """Stages whose contacts share the load equally without the file saying so: `equal_sharing`.
+    """`equal_sharing`: stages with equal load sharing that the file does not state.
 
-    A warning where capacities or limits of an optimisation rest on it, else a note. None for a
-    single engaged thread, nor where the file says `sharing = "equal"`; a warning where it says so
-    beside `load_sharing`.
+    A warning if capacities or limits of an optimisation depend on it, otherwise a note. No finding
+    for a single engaged thread, or if the file has `sharing = "equal"`; a warning if it has that
+    together with `load_sharing`.
 
     **Arguments:**
 
     - `mechanism`: the mechanism, with concrete numbers.
     """
     limited = _is_limited(mechanism)
-    found = (
+    findings = (
         _of_stage(stage, number, limited) for number, stage in enumerate(mechanism.stages, start=1)
     )
-    return tuple(finding for finding in found if finding is not None)
+    return tuple(finding for finding in findings if finding is not None)

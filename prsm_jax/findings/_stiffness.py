@@ -1,4 +1,4 @@
-"""Given stiffnesses: springs that give energy back, shafts that no shaft can be."""
+"""Findings on given stiffnesses: negative springs, and a torsional support unlike a shaft."""
 
 import math
 from collections.abc import Iterator
@@ -17,7 +17,7 @@ from ._margin import Margin, Reading, margin_source
 
 #: Shortest and longest free length of a screw of unknown length, in diameters.
 _SHORTEST, _LONGEST = 1.0, 30.0
-#: Couplings and bearings in series, and journals, change a shaft by less than this.
+#: Couplings and bearings in series, and journals, change the stiffness by less than this factor.
 _SLACK = 3.0
 #: Steel, where no material is given: Young's modulus [Pa] and Poisson's ratio.
 _STEEL = (210e9, 0.3)
@@ -45,7 +45,7 @@ def _given_springs(stage: Stage) -> Iterator[tuple[str, Scalar, str]]:
 
 
 def _negative_eigenvalues(mechanism: Mechanism, stage: Stage) -> int | None:
-    """How many eigenvalues of the stiffness matrix are negative; none where data are missing."""
+    """Number of negative eigenvalues of the stiffness matrix; `None` where data are missing."""
     try:
         threads = thread_stiffness(
             stage, lambda: loaded_threads(stage, jnp.abs(load_of(mechanism, None)))
@@ -56,13 +56,13 @@ def _negative_eigenvalues(mechanism: Mechanism, stage: Stage) -> int | None:
     if not np.all(np.isfinite(matrix)):
         return None
     values = np.linalg.eigvalsh(matrix)
-    # Free bodies have zeros, which rounding puts on either side.
+    # Free bodies have zero eigenvalues; rounding makes them slightly positive or negative.
     return int(np.sum(values < -1e-12 * np.abs(values).max()))
 
 
 @margin_source
 def _signs(mechanism: Mechanism, index: int) -> Iterator[Margin]:
-    """Springs that give energy back, with what they do to the stiffness matrix."""
+    """Negative springs, and their effect on the stiffness matrix."""
     for place, (name, _, unit) in enumerate(_given_springs(mechanism.stages[index])):
 
         def value(analysis: Analysis, place=place) -> Scalar:
@@ -77,11 +77,10 @@ def _signs(mechanism: Mechanism, index: int) -> Iterator[Margin]:
             else:
                 effect = (
                     f"the stiffness matrix is indefinite ({count} negative "
-                    f"eigenvalue{'s' if count > 1 else ''}), the mechanism unstable"
+                    f"eigenvalue{'s' if count > 1 else ''}) and the mechanism unstable"
                 )
             return (
-                f"{name} is {r.value:.4g}{unit}: a spring that gives energy back, so {effect}; "
-                "make it 0 or more"
+                f"{name} is {r.value:.4g}{unit}, a negative stiffness: {effect}; make it 0 or more"
             )
 
         yield Margin(
@@ -110,9 +109,9 @@ def _check_shaft(stage: Stage, number: int) -> Finding | None:
     screw, radius = stage.screw, float(stage.thread.screw_radius)
     if screw.support is None or screw.support.torsional_stiffness is None:
         return None
-    given = float(screw.support.torsional_stiffness)
+    stiffness = float(screw.support.torsional_stiffness)
     bore = 0.0 if screw.bore_radius is None else float(screw.bore_radius)
-    if given <= 0 or not 0 <= bore < radius:
+    if stiffness <= 0 or not 0 <= bore < radius:
         return None
     polar = math.pi / 2 * (radius**4 - bore**4)
     shortest = 2 * radius * _SHORTEST
@@ -122,24 +121,24 @@ def _check_shaft(stage: Stage, number: int) -> Finding | None:
         shortest = min(shortest, longest)
     per_length = _shear_modulus(stage) * polar / radius**2
     soft, stiff = per_length / longest, per_length / shortest
-    if soft / _SLACK <= given <= stiff * _SLACK:
+    if soft / _SLACK <= stiffness <= stiff * _SLACK:
         return None
-    below = given < soft
-    factor = soft / given if below else given / stiff
-    others = {"N·m/rad": given / radius**2, "N/mm": given * 1e3}
-    read = [
+    below = stiffness < soft
+    factor = soft / stiffness if below else stiffness / stiff
+    converted = {"N·m/rad": stiffness / radius**2, "N/mm": stiffness * 1e3}
+    readings = [
         f"{unit} ({value:.3g} N/m)"
-        for unit, value in others.items()
+        for unit, value in converted.items()
         if soft / _SLACK <= value <= stiff * _SLACK
     ]
-    hint = f"; read in {' or '.join(read)} it would be in line" if read else ""
+    hint = f"; read in {' or '.join(readings)} it would be plausible" if readings else ""
     return Finding(
         "torsional_support",
         "warning",
         number,
-        given,
+        stiffness,
         soft if below else stiff,
-        f"stage.screw.support.torsional_stiffness is {given:.4g} N/m on u = r θ, {factor:.3g} "
+        f"stage.screw.support.torsional_stiffness is {stiffness:.4g} N/m on u = r θ, {factor:.3g} "
         f"times {'softer' if below else 'stiffer'} than a shaft of {2e3 * radius:.4g} mm diameter "
         f"and {1e3 * (longest if below else shortest):.4g} mm length, G I_p/(l r²) = "
         f"{soft if below else stiff:.3g} N/m: correct it or its unit{hint}",
@@ -147,13 +146,16 @@ def _check_shaft(stage: Stage, number: int) -> Finding | None:
 
 
 def shaft_findings(mechanism: Mechanism) -> tuple[Finding, ...]:
-    """`torsional_support`: that of the screw is out of line with a shaft of its dimensions.
+    """`torsional_support`: that of the screw is implausible for a shaft of its dimensions.
 
-    G I_p/(l r²) for lengths from one diameter to the given length (30 diameters if none is given).
+    Compared with G I_p/(l r²) for lengths from one diameter to the given length (30 diameters if
+    none is given).
 
     **Arguments:**
 
     - `mechanism`: the mechanism, with concrete numbers.
     """
-    found = (_check_shaft(stage, number) for number, stage in enumerate(mechanism.stages, start=1))
-    return tuple(finding for finding in found if finding is not None)
+    findings = (
+        _check_shaft(stage, number) for number, stage in enumerate(mechanism.stages, start=1)
+    )
+    return tuple(finding for finding in findings if finding is not None)

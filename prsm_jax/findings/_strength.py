@@ -1,4 +1,4 @@
-"""Margins of strength and life: dents, fatigue, buckling, whirling, false brinelling, play."""
+"""Margins of strength: plastic dents, life, buckling, whirling, false brinelling, play."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -21,12 +21,12 @@ from ..quantities import (
 from ._agreement import agreement_findings
 from ._margin import Margin, Reading, Source, margin_source
 
-#: What catalogues of ball screws ask for against buckling.
+#: Safety factor against buckling that ball screw catalogues require.
 _BUCKLING_SAFETY = 2.0
 
 
 def _where_given(*names: str) -> Callable[[Source], Source]:
-    """A source of margins for stages whose strength data have one of some entries."""
+    """Register margins of stages whose strength data have at least one of these entries."""
 
     def register(margins: Source) -> Source:
         def source(mechanism: Mechanism, index: int) -> Iterator[Margin]:
@@ -47,15 +47,15 @@ def _at_least(
     unit: str = "1",
     shares: tuple[SharedLoad, ...] = (),
 ) -> Margin:
-    """A warning where what there is falls short of what is needed.
+    """A warning where the available value is less than the needed one.
 
-    The value is their difference, or without a unit the quotient less 1; both are in the details,
-    as `there` and `needed`.
+    The margin is their difference, or, without a unit, their quotient minus 1; both values are in
+    the details, as `there` and `needed`.
     """
 
     def value(analysis: Analysis) -> Scalar:
-        there, needed = pair(analysis)
-        return there / needed - 1 if unit == "1" else there - needed
+        available, needed = pair(analysis)
+        return available / needed - 1 if unit == "1" else available - needed
 
     return Margin(
         name,
@@ -84,7 +84,7 @@ def _safety(value: float) -> float:
 def _static_safety(mechanism: Mechanism, index: int) -> Iterator[Margin]:
     def value(analysis: Analysis) -> Scalar:
         stage, _ = _stage(analysis, index)
-        # Of the load, not of the capacity: finite without load.
+        # Load over capacity, not the reverse: finite without load.
         load = on_one_flank(analysis, stage)
         return 1 - load / static_capacity_of(analysis, index, stage)
 
@@ -94,8 +94,8 @@ def _static_safety(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         value,
         (("error", 0.0),),
         lambda r: (
-            f"the largest load is {1 / _safety(r.value):.3g} times the static capacity: it leaves "
-            "dents in the threads that roughen the motion; add engaged threads or rollers, or "
+            f"the largest load is {1 / _safety(r.value):.3g} times the static capacity: permanent "
+            "dents in the threads make the motion rough; add engaged threads or rollers, or "
             "lower the load"
         ),
         shown=lambda r: (_safety(r.value), 1.0),
@@ -116,7 +116,7 @@ def _buckling(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         (("error", 0.0), ("warning", 1 - 1 / _BUCKLING_SAFETY)),
         lambda r: (
             f"the buckling load of the screw is {_safety(r.value):.3g} times the largest load, "
-            f"and should be {_BUCKLING_SAFETY:.3g} times: shorten the loaded length, fix the ends, "
+            f"but should be {_BUCKLING_SAFETY:.3g} times: shorten the loaded length, fix the ends, "
             "or take a larger screw"
         ),
         shown=lambda r: (_safety(r.value), _BUCKLING_SAFETY),
@@ -134,12 +134,12 @@ def _screw_speed(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         }
 
     def message(r: Reading) -> str:
-        past = r.severity == "error"
-        what = "its critical speed" if past else "the permissible speed"
-        limit = r.details["critical" if past else "permissible"]
+        critical = r.severity == "error"
+        limit_name = "its critical speed" if critical else "the permissible speed"
+        limit = r.details["critical" if critical else "permissible"]
         return (
-            f"the screw turns at {r.details['speed'] * 30 / math.pi:.5g} rpm, above {what} of "
-            f"{limit * 30 / math.pi:.5g} rpm: shorten the unsupported length, fix the ends, or "
+            f"the screw turns at {r.details['speed'] * 30 / math.pi:.5g} rpm, above {limit_name} "
+            f"of {limit * 30 / math.pi:.5g} rpm: shorten the unsupported length, fix the ends, or "
             "take a larger lead"
         )
 
@@ -147,8 +147,8 @@ def _screw_speed(mechanism: Mechanism, index: int) -> Iterator[Margin]:
     for severity, limit in levels:
 
         def value(analysis: Analysis, limit=limit) -> Scalar:
-            found = details(analysis)
-            return 1 - found["speed"] / found[limit]
+            speeds = details(analysis)
+            return 1 - speeds["speed"] / speeds[limit]
 
         yield Margin(
             "screw_speed",
@@ -171,11 +171,11 @@ def _rating_life(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         return life if factor is None else life * factor, data.required_life
 
     def message(r: Reading) -> str:
-        life, asked = r.details["there"], r.details["needed"]
+        life, required = r.details["there"], r.details["needed"]
         return (
-            f"the rating life is {life / 3600:.4g} h, and {asked / 3600:.4g} h are asked for: "
-            f"a dynamic capacity {(asked / life) ** (1 / 3):.3g} times as high would do (rests "
-            "on the practice of ball screws and bearings)"
+            f"the rating life is {life / 3600:.4g} h, but {required / 3600:.4g} h are required: "
+            f"a dynamic capacity {(required / life) ** (1 / 3):.3g} times as high would suffice "
+            "(based on the practice for ball screws and bearings)"
         )
 
     shares: tuple[SharedLoad, ...] = ()
@@ -193,10 +193,10 @@ def _false_brinelling(mechanism: Mechanism, index: int) -> Iterator[Margin]:
 
     def message(r: Reading) -> str:
         return (
-            f"the screw swings by {math.degrees(r.details['there']):.3g} deg to either side, "
-            "and its contacts leave their own ellipse only from "
-            f"{math.degrees(r.details['needed']):.3g} deg on: they wear in place, which no "
-            "rating life covers; turn it further from time to time"
+            f"the screw oscillates by {math.degrees(r.details['there']):.3g} deg to either side, "
+            "but its contacts leave their own ellipse only from "
+            f"{math.degrees(r.details['needed']):.3g} deg on: they wear locally, which the rating "
+            "life does not cover; turn the screw further from time to time"
         )
 
     yield _at_least("false_brinelling", index, amplitudes, message, unit="rad")
@@ -214,8 +214,8 @@ def _backlash(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         ),
         (("error", 0.0),),
         lambda r: (
-            f"the teeth of screw, rollers and nut interfere by {-r.value * 1e3:.4g} mm together: "
-            "thin them further, or give the preload that this is meant to make"
+            f"the teeth of screw, rollers and nut interfere by {-r.value * 1e3:.4g} mm in total: "
+            "thin them further, or give the preload that this interference should produce"
         ),
         unit="m",
         kind="assembly",
@@ -225,12 +225,12 @@ def _backlash(mechanism: Mechanism, index: int) -> Iterator[Margin]:
 
 
 def agreements(mechanism: Mechanism, backlash: dict[int, float]) -> Iterator[Finding]:
-    """Numbers that strength and load sharing both have, and that contradict each other.
+    """Findings on quantities that a stage states twice, with contradictory values.
 
     **Arguments:**
 
     - `mechanism`: the mechanism.
-    - `backlash`: play that thinned teeth leave [m], by stage (from 1), where that is known.
+    - `backlash`: play from thinned teeth [m] by stage (from 1), where known.
     """
     for number, stage in enumerate(mechanism.stages, start=1):
         play = backlash.get(number)

@@ -1,4 +1,4 @@
-"""Margins of contact ellipses against the ends of their flanks."""
+"""Margins between contact ellipses and the ends of their flanks."""
 
 from collections.abc import Iterator
 
@@ -19,7 +19,7 @@ from ..quantities import (
 )
 from ._margin import Margin, Reading, margin_source
 
-#: Loads that the ellipses are looked at under, by the words of the message.
+#: Loads for which the ellipses are checked, and their names in the message.
 _LOADS = {
     "operating": "the operating load",
     "largest": "the largest load",
@@ -29,7 +29,7 @@ _LOADS = {
 
 
 def _load(analysis: Analysis, index: int, stage: Stage, which: str) -> tuple[Scalar, Scalar]:
-    """A load on one flank, and that of the most loaded thread as if all bore as much [N]."""
+    """A load on one flank, and this load if all threads carried the largest thread load [N]."""
     if which == "operating":
         load = strength.largest_flank_load(stage, analysis.load)
         return load, load * sharing_factor_of(analysis, index, "operating_point")
@@ -44,20 +44,20 @@ def _load(analysis: Analysis, index: int, stage: Stage, which: str) -> tuple[Sca
 
 
 def _loads(analysis: Analysis, index: int) -> dict[str, tuple[Scalar, Scalar]]:
-    """As many of the loads as there are data for.
+    """The loads for which the stage has data.
 
     **Raises:** `MissingDataError` if there is none.
     """
-    found, missing = {}, None
+    loads, missing = {}, None
     for which in _LOADS:
         try:
-            found[which] = _load(analysis, index, analysis.mechanism.stages[index], which)
+            loads[which] = _load(analysis, index, analysis.mechanism.stages[index], which)
         except MissingDataError as error:
             missing = error
-    if not found:
+    if not loads:
         assert missing is not None
         raise missing
-    return found
+    return loads
 
 
 def _reaches(analysis: Analysis, index: int) -> tuple[strength.EndReach, ...]:
@@ -71,7 +71,7 @@ def _reaches(analysis: Analysis, index: int) -> tuple[strength.EndReach, ...]:
 
 
 def _shares(stage: Stage) -> tuple[SharedLoad, ...]:
-    """Loads of `_LOADS` whose sharing is asked for."""
+    """Loads of `_LOADS` whose load distribution is needed."""
     data = stage.strength
     if data is None or (data.dynamic_capacity is None and data.material_factor is None):
         return ("operating_point", "largest")
@@ -93,7 +93,7 @@ def _contact_truncation(mechanism: Mechanism, index: int) -> Iterator[Margin]:
             return numbers
 
         def value(analysis: Analysis, place=place) -> Scalar:
-            """Length of flank that the longest of the ellipses leaves [m]."""
+            """Length of flank between the longest ellipse and the end [m]."""
             reach = _reaches(analysis, index)[place]
             loads = _loads(analysis, index).values()
             longest = jnp.max(jnp.stack([reach.half_extent(load) for _, load in loads]))
@@ -119,7 +119,7 @@ def _message(reading: Reading, index: int, side: str, kind: str, body: str) -> s
     if not distance > 0:
         return (
             f"the contact on the {side} side lies beyond {place}: pressures and capacities are not "
-            f"to be used. Remedy: {_remedy(stage, kind, body, -distance)}"
+            f"valid. Remedy: {_remedy(stage, kind, body, -distance)}"
         )
     parts = []
     for which in sorted((w for w in _LOADS if w in numbers), key=lambda w: numbers[w]):
@@ -135,7 +135,7 @@ def _message(reading: Reading, index: int, side: str, kind: str, body: str) -> s
             edge = numbers.get(which + "_edge_pressure")
             if edge is not None:
                 parts[-1] += f", {edge * 1e-6:.4g} MPa at the rounded edge"
-            # Threads share as under this load.
+            # For the load distribution among threads at this load.
             onset = numbers[which] * (distance / half) ** 3
     return (
         f"above {onset * 1e-3:.4g} kN the contact ellipse on the {side} side passes {place}: "
@@ -151,9 +151,9 @@ def _remedy(stage: Stage, kind: str, body: str, missing: float) -> str:
     if kind == "root":
         return f"deepen the {body}'s thread, {load}"
     name = "roller_addendum" if body == "roller" else "screw_addendum"
-    now = float(getattr(stage.thread, name))
-    wanted = now + missing * float(jnp.cos(stage.thread.flank_angle))
+    present = float(getattr(stage.thread, name))
+    needed = present + missing * float(jnp.cos(stage.thread.flank_angle))
     return (
-        f"raise stage.thread.{name} from {now * 1e3:.3g} to {wanted * 1e3:.3g} mm (as far as the "
-        f"pitch allows), {load}"
+        f"raise stage.thread.{name} from {present * 1e3:.3g} to {needed * 1e3:.3g} mm (as far as "
+        f"the pitch allows), {load}"
     )

@@ -1,4 +1,4 @@
-"""Optimisation of a mechanism: starts, searches, and the best of what they find."""
+"""Optimisation of a mechanism: starts, searches, and the best result."""
 
 from collections.abc import Callable, Iterable, Mapping
 
@@ -38,13 +38,13 @@ def optimise(
 
     Variables are scaled by their bounds to [0, 1], the objective and the constraints by typical
     magnitudes. A design that fails (no meshing, a pulling contact, a value that is not finite)
-    counts as infeasible: a search that meets one steps back, and a start on one is reported and
-    left. The result is judged by the Karush–Kuhn–Tucker residual, whatever the method says.
+    counts as infeasible: a search that reaches one steps back, and a start at one is reported and
+    skipped. The result is judged by the Karush–Kuhn–Tucker residual, whatever the method reports.
 
-    What `check` calls an error is a constraint too, without being asked for: rollers that overlap,
-    teeth that interfere, a load above the static capacity, and so on. Numbers that have to be
-    whole (starts, teeth) are relaxed at first; then the search goes on with the whole numbers on
-    either side. An error that no variable changes leaves the problem infeasible, and is named.
+    Errors of `check` are constraints by default: rollers that overlap, teeth that interfere, a
+    load above the static capacity, and so on. Numbers that must be whole (starts, teeth) are
+    continuous at first; then the search continues with the whole numbers on either side. An error
+    that no variable changes makes the problem infeasible and is named.
 
     **Arguments:**
 
@@ -53,25 +53,25 @@ def optimise(
     - `maximise`, `minimise`: a quantity, or weights by quantity; together they form one sum.
     - `constraints`: (lower, upper) limits [SI] by quantity, `None` for no limit, one number for an
       equality; or `Constraint` objects. A quantity with components is limited in each.
-    - `problem`: supplies what the arguments above leave out; default that of the mechanism.
+    - `problem`: supplies the arguments above that are omitted; default that of the mechanism.
     - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
     - `method`: `"slsqp"` or `"trust-constr"` (SciPy), or, for bounds only, `"lbfgs"` or `"adam"`
       (optax). `"auto"`: SLSQP with constraints, L-BFGS without. Default that of the problem.
-    - `starts`, `seed`: number of starts, of which all but the first form a Latin hypercube.
+    - `starts`, `seed`: number of starts, and seed of the Latin hypercube of all but the first.
       Default those of the problem.
     - `tolerance`: for the Karush–Kuhn–Tucker residual and for constraints, in scaled units.
     - `max_iterations`: per start; default by method.
-    - `progress`: show a progress bar over the starts; or a function that is told, at every
-      iteration, the number of the start (from 1), how many there are, and the iteration.
-    - `respect_findings`: whether errors of `check` are constraints; without, the result may be a
+    - `progress`: show a progress bar over the starts; or a function that is called at every
+      iteration with the number of the start (from 1), the number of starts, and the iteration.
+    - `respect_findings`: whether errors of `check` are constraints; if not, the result may be a
       design that cannot be built.
 
     **Returns:** an `Optimum`. Infeasible problems and failed searches are reported there
     (`converged`, `message`), not raised.
 
-    **Raises:** `UnknownNameError` for unknown names; `ValueError` for a problem that makes no
-    sense; `MissingDataError` where the mechanism lacks data; `MissingExtraError` without SciPy, if
-    there are constraints.
+    **Raises:** `UnknownNameError` for unknown names; `ValueError` for an invalid
+    problem; `MissingDataError` where the mechanism lacks data; `MissingExtraError` without SciPy,
+    if there are constraints.
     """
     problem = problem_of(mechanism, problem, variables, maximise, minimise, constraints)
     present = present_design(mechanism, problem.variables)
@@ -80,8 +80,8 @@ def optimise(
         raise ValueError(f"starts is {count}; it must be at least 1")
     if not 0 < tolerance < 1:
         raise ValueError(f"tolerance is {tolerance}; it must be between 0 and 1")
-    asked = problem.method if method is None else method
-    method, search = find_search(asked, bool(problem.constraints))
+    requested = problem.method if method is None else method
+    method, search = find_search(requested, bool(problem.constraints))
     iterations = _ITERATIONS[method] if max_iterations is None else max_iterations
     if iterations < 1:
         raise ValueError(f"max_iterations is {iterations}; it must be at least 1")
@@ -103,8 +103,8 @@ def optimise(
     bounds_only = method in BOUNDS_ONLY
     evaluator.guard(bounds_only)
     searches.run_all(search, _progress(positions, progress is True), iterations)
-    if bounds_only and asked == "auto" and evaluator.margins.smooth and not searches.converged:
-        # A margin may be what stopped it, which only a search under constraints can follow.
+    if bounds_only and requested == "auto" and evaluator.margins.smooth and not searches.converged:
+        # A margin may have stopped the search; only a search with constraints can follow it.
         method, search = find_search("auto", True)
         evaluator.guard(False)
         searches.clear()
@@ -112,8 +112,8 @@ def optimise(
         searches.run_all(search, positions, iterations)
     evaluator.guard(False)
     if evaluator.margins.whole:
-        whole = method if method not in BOUNDS_ONLY else "slsqp"
-        searches.make_whole(find_search(whole, True)[1], _ITERATIONS[whole])
+        final_method = method if method not in BOUNDS_ONLY else "slsqp"
+        searches.make_whole(find_search(final_method, True)[1], _ITERATIONS[final_method])
     best, end, conditions = searches.best(initial)
     return optimum_of(
         mechanism,
@@ -131,7 +131,7 @@ def optimise(
 
 
 def _number(value: float | Scalar | None) -> Scalar | None:
-    # A Python number would be a constant of the program, and another speed another program.
+    # A Python number would be a constant of the program: another speed would compile again.
     return None if value is None else jnp.asarray(value, jnp.result_type(float))
 
 

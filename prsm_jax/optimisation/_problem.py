@@ -25,23 +25,23 @@ def problem_of(
     """
     if problem is None:
         problem = mechanism.design_problem
-    found_variables = _variables(variables) if variables is not None else None
-    found_objectives = None
+    new_variables = _variables(variables) if variables is not None else None
+    new_objectives = None
     if maximise is not None or minimise is not None:
-        found_objectives = (*_objectives(maximise, "maximise"), *_objectives(minimise, "minimise"))
-    found_constraints = _constraints(constraints) if constraints is not None else None
+        new_objectives = (*_objectives(maximise, "maximise"), *_objectives(minimise, "minimise"))
+    new_constraints = _constraints(constraints) if constraints is not None else None
     if problem is None:
-        if found_variables is None or found_objectives is None:
+        if new_variables is None or new_objectives is None:
             raise ValueError(
                 "the mechanism has no design problem; give variables and maximise or minimise, "
                 "or an [optimise] table in its file"
             )
-        problem = DesignProblem(found_variables, found_objectives, found_constraints or ())
+        problem = DesignProblem(new_variables, new_objectives, new_constraints or ())
     else:
         problem = DesignProblem(
-            problem.variables if found_variables is None else found_variables,
-            problem.objectives if found_objectives is None else found_objectives,
-            problem.constraints if found_constraints is None else found_constraints,
+            problem.variables if new_variables is None else new_variables,
+            problem.objectives if new_objectives is None else new_objectives,
+            problem.constraints if new_constraints is None else new_constraints,
             problem.starts,
             problem.seed,
             problem.method,
@@ -55,10 +55,10 @@ def problem_of(
     return problem
 
 
-def _variables(given) -> tuple[Variable, ...]:
-    if isinstance(given, Mapping):
+def _variables(variables) -> tuple[Variable, ...]:
+    if isinstance(variables, Mapping):
         rows = []
-        for name, bounds in given.items():
+        for name, bounds in variables.items():
             try:
                 lower, upper = bounds
             except (TypeError, ValueError):
@@ -67,24 +67,24 @@ def _variables(given) -> tuple[Variable, ...]:
                 ) from None
             rows.append(Variable(name, float(lower), float(upper)))
         return tuple(rows)
-    return tuple(given)
+    return tuple(variables)
 
 
-def _objectives(given: str | Mapping | Iterable | None, sense) -> tuple[Objective, ...]:
-    if given is None:
+def _objectives(terms: str | Mapping | Iterable | None, sense) -> tuple[Objective, ...]:
+    if terms is None:
         return ()
-    if isinstance(given, str):
-        return (Objective(given, sense),)
-    if isinstance(given, Mapping):
-        return tuple(Objective(name, sense, float(weight)) for name, weight in given.items())
-    raise ValueError(f"{sense} is {given!r}; give a quantity, or a dictionary of weights")
+    if isinstance(terms, str):
+        return (Objective(terms, sense),)
+    if isinstance(terms, Mapping):
+        return tuple(Objective(name, sense, float(weight)) for name, weight in terms.items())
+    raise ValueError(f"{sense} is {terms!r}; give a quantity, or a dictionary of weights")
 
 
-def _constraints(given) -> tuple[Constraint, ...]:
-    if not isinstance(given, Mapping):
-        return tuple(given)
+def _constraints(constraints) -> tuple[Constraint, ...]:
+    if not isinstance(constraints, Mapping):
+        return tuple(constraints)
     rows = []
-    for name, limits in given.items():
+    for name, limits in constraints.items():
         if isinstance(limits, int | float):
             rows.append(Constraint(name, equal=float(limits)))
             continue
@@ -109,7 +109,7 @@ def present_design(mechanism: Mechanism, variables: tuple[Variable, ...]) -> np.
     """Present values of the variables [SI].
 
     **Raises:** `ValueError` for a static variable, bounds that are not finite, two variables that
-    move the same number, or stages that do not agree on a value.
+    move the same number, or stages with different values.
     """
     values = []
     for variable in variables:
@@ -118,16 +118,16 @@ def present_design(mechanism: Mechanism, variables: tuple[Variable, ...]) -> np.
                 f"variable {variable.name!r} has the bounds ({variable.lower}, {variable.upper}); "
                 "both must be finite"
             )
-        found = find_parameters(mechanism, variable.name)
-        if any(parameter.static for parameter in found):
+        parameters = find_parameters(mechanism, variable.name)
+        if any(parameter.static for parameter in parameters):
             raise ValueError(
                 f"variable {variable.name!r} is a whole number and cannot be varied smoothly; "
                 "sweep over it instead"
             )
-        present = [float(parameter.get(mechanism)) for parameter in found]
+        present = [float(parameter.get(mechanism)) for parameter in parameters]
         if not np.allclose(present, present[0], rtol=1e-12, atol=0.0):
             listed = ", ".join(f"{value:g}" for value in present)
-            paths = " or ".join(parameter.path for parameter in found)
+            paths = " or ".join(parameter.path for parameter in parameters)
             raise ValueError(
                 f"variable {variable.name!r} differs between the stages ({listed}), so there is "
                 f"no common start; name the stage: {paths}"

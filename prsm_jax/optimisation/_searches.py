@@ -1,4 +1,4 @@
-"""The searches of one optimisation: from all starts, then with whole numbers, and their best."""
+"""The searches of one optimisation, from all starts and with whole numbers, and the best one."""
 
 import itertools
 import math
@@ -9,21 +9,21 @@ import numpy as np
 from .results import Optimality, Reporter, Run, optimality, run_report
 from .search import Evaluator, Guarded, MarginRow, Point, Search
 
-#: At most this many numbers have to be whole at once: each doubles the searches.
+#: At most this many numbers are made whole: each doubles the number of searches.
 _MOST_WHOLE = 4
 
 
 class Searches:
-    """Runs searches, and keeps their reports and where they ended."""
+    """Runs searches and records their reports and end points."""
 
     def __init__(self, evaluator: Evaluator, report: Reporter, tolerance: float, count: int):
         self._evaluator, self._report, self._tolerance = evaluator, report, tolerance
-        #: Told the number of the start (from 1), how many there are, and the iteration.
+        #: Called with the number of the start (from 1), the number of starts, and the iteration.
         self.tell: Callable[[int, int, int], None] | None = None
         self._count = count
         self.runs: list[Run] = []
         self._ends: list[tuple[Point, Optimality] | None] = []
-        #: Runs whose numbers are whole where they have to be; all, if none has to be.
+        #: Index of the first run with whole numbers where required; 0 if none are required.
         self._final = 0
 
     def clear(self) -> None:
@@ -55,9 +55,9 @@ class Searches:
         return max(violation, end[1].residual) <= self._tolerance
 
     def make_whole(self, search: Search, iterations: int) -> None:
-        """Search again from the best end, with the whole numbers on either side of its own.
+        """Search again from the best end, with the whole numbers on either side of its values.
 
-        What has to be whole is held there as an equality; the runs before do not count any more.
+        The whole numbers are equality constraints; earlier runs no longer count.
         """
         end = self._ends[self._best()]
         if end is None:
@@ -78,18 +78,18 @@ class Searches:
                 self._evaluator.rows.fix(row.label, number, row.lower)
 
     def best(self, initial: np.ndarray) -> tuple[int, Point, Optimality | None]:
-        """Number, end and optimality of the best run.
+        """Index, end and optimality of the best run.
 
-        With no usable design at all, the design as it was is shown beside the message.
+        If no design is usable, the end is the present design, without optimality.
         """
         index = self._best()
-        found = self._ends[index]
-        if found is None:
+        outcome = self._ends[index]
+        if outcome is None:
             return index, self._evaluator.point(initial), None
-        return index, *found
+        return index, *outcome
 
     def _best(self) -> int:
-        """The feasible run of least cost; of those as good as it, the first that converged."""
+        """The feasible run of least cost; among equally good runs, the first that converged."""
         evaluator, tolerance = self._evaluator, self._tolerance
         ends = self._ends
         usable = [i for i, end in enumerate(ends) if end is not None and i >= self._final]
@@ -97,9 +97,9 @@ class Searches:
             return 0 if self._final == 0 else self._final
 
         def violation(index: int) -> float:
-            # As that run saw it: what is held at a whole number differs from run to run.
-            found = self.runs[index].end
-            return math.inf if found is None else found.violation
+            # As seen by that run: the imposed whole numbers differ from run to run.
+            outcome = self.runs[index].end
+            return math.inf if outcome is None else outcome.violation
 
         def cost(index: int) -> float:
             end = ends[index]
@@ -115,9 +115,9 @@ class Searches:
         if not feasible:
             return min(usable, key=violation)
         least = min(map(cost, feasible))
-        level = [i for i in feasible if cost(i) <= least + tolerance]
-        # The first start is the present design: its history is the one that a reader understands.
-        return min(level, key=lambda i: (residual(i), i))
+        ties = [i for i in feasible if cost(i) <= least + tolerance]
+        # The first start is the present design: its history is the easiest to understand.
+        return min(ties, key=lambda i: (residual(i), i))
 
 
 def _either_side(row: MarginRow, value: float) -> list[float]:
@@ -147,7 +147,7 @@ def _run(
     iterations: int,
     step: Callable[[int], None],
 ) -> tuple[Run, tuple[Point, Optimality] | None]:
-    """One search, and where it ended with the optimality there; `None` if nothing was usable."""
+    """One search, with its end and the optimality there; `None` if no design was usable."""
     first = evaluator.point(start)
     history = [first]
     step(0)
@@ -160,7 +160,7 @@ def _run(
         message = "the start fails: no meshing, a pulling contact, or a value that is not finite"
         return run_report(report, first, None, history, None, 0, 0, message), None
     functions = Guarded(evaluator)
-    # The searches go a little further than the check asks for.
+    # The search has a tighter tolerance than the optimality check.
     result = search(functions, start, tolerance / 10, iterations, note)
     end = functions.best(result.position, tolerance)
     if end is None:

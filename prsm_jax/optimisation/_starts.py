@@ -1,4 +1,4 @@
-"""Where the searches begin."""
+"""Starting points of the searches."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ def starting_positions(present: np.ndarray, count: int, seed: int) -> np.ndarray
     **Arguments:**
 
     - `present`: the present design in units of the box; may lie outside.
-    - `count`: how many starts altogether.
+    - `count`: total number of starts.
     - `seed`: of the hypercube.
 
     **Returns:** positions, one row per start.

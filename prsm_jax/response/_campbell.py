@@ -21,7 +21,7 @@ from ._orders import (
 )
 from ._stage import stage_of, stage_system
 
-#: Below this share of the highest frequency a mode is a rigid motion, which no speed meets.
+#: Below this share of the highest frequency a mode is a rigid motion, without a critical speed.
 _RIGID = 1e-9
 
 
@@ -50,7 +50,7 @@ class Campbell(AbstractResult):
     """Natural frequencies of one stage and the orders that may excite them.
 
     The frequencies do not change with the speed: rollers and screw turn too slowly for gyroscopic
-    effects, and the contacts are taken at one load.
+    effects, and the contact stiffness is that of one load.
     """
 
     modes: Modes
@@ -63,7 +63,7 @@ class Campbell(AbstractResult):
 
     @property
     def batch_shape(self) -> tuple[int, ...]:
-        """Axes of the batch that this diagram is of; empty for a single design."""
+        """Axes of a batch of diagrams; empty for a single design."""
         return self.carrier_ratio.shape
 
     @property
@@ -82,15 +82,15 @@ class Campbell(AbstractResult):
     def excited_family(self, order: ExcitationOrder, harmonic: int) -> Any:
         """The family that a harmonic of an order excites; `None` if the stage is not symmetric.
 
-        Not inside a trace. Of a batch an array of objects, one for each design.
+        Not available inside a trace. For a batch: an array of objects, one for each design.
         """
         lobes = np.asarray(order.lobes)
         if not lobes.shape:
             return self._excited(harmonic * float(lobes))
-        found = np.empty(lobes.shape, object)
+        results = np.empty(lobes.shape, object)
         for index in np.ndindex(*lobes.shape):
-            found[index] = self._excited(harmonic * float(lobes[index]))
-        return found
+            results[index] = self._excited(harmonic * float(lobes[index]))
+        return results
 
     def _excited(self, lobes: float) -> str | None:
         if not self.symmetric:
@@ -98,7 +98,7 @@ class Campbell(AbstractResult):
         try:
             return phasing(lobes, self.roller_count)
         except ValueError:
-            # A design with 80.3 teeth cannot be built, but it can be on the way of a search.
+            # A design with 80.3 teeth cannot be built, but a search may pass through it.
             return None
 
     @each
@@ -109,42 +109,42 @@ class Campbell(AbstractResult):
         min_speed: float = 0.0,
         excited_only: bool = False,
     ) -> tuple[Crossing, ...]:
-        """All crossings, ascending by speed, repeated roots once. Not inside a trace.
+        """All crossings in ascending order of speed, repeated roots once.
 
-        Of a batch an array of such tuples, one for each design.
+        Not available inside a trace. For a batch: an array of such tuples, one for each design.
 
         **Arguments:**
 
         - `max_speed`, `min_speed`: range of the screw speed [rad/s].
-        - `excited_only`: leave out what the phases of the rollers cancel.
+        - `excited_only`: omit crossings whose excitation is cancelled by the phases of the rollers.
         """
         speeds = np.asarray(self.critical_speeds)
         frequencies = np.asarray(self.modes.frequencies)
         families, times = self.modes.families, self.modes.multiplicities
-        found = []
+        results = []
         for row, order in zip(speeds, self.orders, strict=True):
             for harmonic, line in enumerate(row, start=1):
                 family = self.excited_family(order, harmonic)
-                for at in self.modes.distinct:
-                    if frequencies[at] <= _RIGID * frequencies[-1]:
+                for mode in self.modes.distinct:
+                    if frequencies[mode] <= _RIGID * frequencies[-1]:
                         continue
-                    if line[at] < min_speed or (max_speed is not None and line[at] > max_speed):
+                    if line[mode] < min_speed or (max_speed is not None and line[mode] > max_speed):
                         continue
-                    # The carrier alone is out of reach of the contacts.
-                    excited = families[at] != "carrier" and family in (None, families[at])
+                    # The contacts do not excite the mode of the carrier alone.
+                    excited = families[mode] != "carrier" and family in (None, families[mode])
                     if excited or not excited_only:
-                        found.append(
+                        results.append(
                             Crossing(
-                                float(line[at]),
+                                float(line[mode]),
                                 order.name,
                                 harmonic,
-                                float(frequencies[at]),
-                                families[at],
-                                times[at],
+                                float(frequencies[mode]),
+                                families[mode],
+                                times[mode],
                                 excited,
                             )
                         )
-        return tuple(sorted(found, key=lambda one: one.speed))
+        return tuple(sorted(results, key=lambda one: one.speed))
 
 
 @of_one_design
@@ -170,9 +170,9 @@ def campbell(
     - `load`: axial load at which the contact stiffness is taken [N]; default that of the
       operating point.
     - `carrier_ratio`: κ; default that of the steady state.
-    - `orders`: names of those wanted, default all.
+    - `orders`: names of the orders; default all.
 
-    **Raises:** `ValueError` for a stage or an order that is not there; `MissingDataError` if the
+    **Raises:** `ValueError` for a stage or an order that does not exist; `MissingDataError` if the
     mechanism lacks data.
     """
     if harmonics < 1:
@@ -185,7 +185,7 @@ def campbell(
         known = tuple(find_order(known, name) for name in orders)
     system = stage_system(mechanism, stage, load)
     return Campbell(
-        # Without symmetry it takes the shapes to say which family a mode belongs to.
+        # Without symmetry the family of a mode follows from its shape.
         stage_modes(system, shapes=not system.symmetric),
         known,
         ratio,

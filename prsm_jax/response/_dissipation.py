@@ -16,9 +16,9 @@ from ..vibration import SpringModes, SpringNetwork, spring_modes
 
 
 class Dissipation(eqx.Module):
-    """What damps a network: forces `C q̇`, and `i H q` in steady harmonic vibration.
+    """Damping of a network: forces `C q̇`, and `i H q` in steady harmonic vibration.
 
-    Either may be any matrix, proportional or not; `None` is not there.
+    Either may be any matrix, proportional or not; `None` means no such damping.
     """
 
     #: C [N·s/m].
@@ -27,14 +27,14 @@ class Dissipation(eqx.Module):
     hysteretic: Float[Array, "coordinates coordinates"] | None = None
 
 
-#: Laws that leave the modes apart.
+#: Laws that do not couple the modes.
 LAWS = (ModalDamping, RayleighDamping, StructuralDamping)
-#: What may be given as the damping of a response; an array is a viscous matrix C.
+#: Types of the damping of a response; an array is a viscous matrix C.
 AnyDamping: TypeAlias = Damping | Dissipation | Float[Array, "coordinates coordinates"]
 
 
 def scaled_modes(network: SpringNetwork) -> tuple[Float[Array, "n n"], Float[Array, " n"]]:
-    """Orthonormal vectors of `M^{-1/2} K M^{-1/2}`, and ω [rad/s], as constants."""
+    """Orthonormal eigenvectors of `M^{-1/2} K M^{-1/2}`, and ω [rad/s], as constants."""
     modes: SpringModes = spring_modes(jax.lax.stop_gradient(network))
     weight = jnp.sqrt(jax.lax.stop_gradient(network.mass))
     values = jnp.maximum(modes.eigenvalues, 0.0)
@@ -43,7 +43,7 @@ def scaled_modes(network: SpringNetwork) -> tuple[Float[Array, "n n"], Float[Arr
 
 @jax.custom_jvp
 def _square_root(matrix, vectors, roots):
-    """The square root of a matrix whose orthonormal vectors and roots are known."""
+    """The square root of a matrix, from its eigenvectors and the roots of its eigenvalues."""
     return (vectors * roots[None, :]) @ vectors.T
 
 
@@ -53,7 +53,7 @@ def _square_root_jvp(primals, tangents):
     root = _square_root(matrix, vectors, roots)
 
     def solve(_, right):
-        # No gap between roots is divided by, so that repeated ones are as good as any.
+        # Divided by sums of roots, not by gaps: repeated roots need no special case.
         total = roots[:, None] + roots[None, :]
         some = above_or_nan(total)
         share = jnp.where(some, 1 / jnp.where(some, total, 1.0), 0.0)
@@ -88,14 +88,14 @@ def dissipation(network: SpringNetwork, damping: AnyDamping | None) -> Dissipati
     """The damping matrices of a network under a law.
 
     `ModalDamping`: `C = 2ζ M^{1/2} (M^{-1/2} K M^{-1/2})^{1/2} M^{1/2}`, which gives every mode the
-    ratio ζ; its derivatives hold at repeated roots, for changes that split them too.
-    `RayleighDamping`: `C = α M + β K`. `StructuralDamping`: `H = η K`. What is a `Dissipation` or
-    a matrix C already is taken as it is.
+    ratio ζ; its derivatives are correct at repeated roots, also for changes that split them.
+    `RayleighDamping`: `C = α M + β K`. `StructuralDamping`: `H = η K`. A `Dissipation` or a
+    matrix C is used unchanged.
 
     **Arguments:**
 
     - `network`: the springs and masses.
-    - `damping`: a law, a viscous matrix, matrices, or `None` for no damping.
+    - `damping`: a law, a viscous matrix, a `Dissipation`, or `None` for no damping.
 
     **Raises:** `ValueError` for a matrix that does not fit the network.
     """
@@ -107,16 +107,16 @@ def dissipation(network: SpringNetwork, damping: AnyDamping | None) -> Dissipati
         return Dissipation(_rayleigh_damping(network, damping))
     if isinstance(damping, StructuralDamping):
         return Dissipation(hysteretic=_structural_damping(network, damping.loss_factor))
-    found = damping if isinstance(damping, Dissipation) else Dissipation(jnp.asarray(damping))
+    losses = damping if isinstance(damping, Dissipation) else Dissipation(jnp.asarray(damping))
     size = len(network.coordinates)
     for name in ("viscous", "hysteretic"):
-        matrix = getattr(found, name)
+        matrix = getattr(losses, name)
         if matrix is not None and matrix.shape != (size, size):
             raise ValueError(
                 f"the {name} damping matrix has shape {matrix.shape}; the stage has {size} degrees "
                 f"of freedom, so give {(size, size)}"
             )
-    return found
+    return losses
 
 
 @physics("spring_damping")
@@ -125,10 +125,10 @@ def spring_damping(
     viscous: Mapping[str, float | Scalar] | None = None,
     loss_factor: Mapping[str, float | Scalar] | None = None,
 ) -> Dissipation:
-    """Damping where it arises: a dashpot beside a spring, or a loss factor of its material.
+    """Damping of single springs: a parallel dashpot, or a loss factor of the material.
 
     `C = Gᵀ diag(c) G`, `H = Gᵀ diag(η k) G` with the elongations G of the springs. In general not
-    proportional: only the direct solve takes it.
+    proportional: only the direct solution accepts it.
 
     **Arguments:**
 
@@ -137,19 +137,19 @@ def spring_damping(
       `{"screw_roller": 50.0}` for those of all rollers or `{"nut_roller 3": 80.0}` for one.
     - `loss_factor`: loss factor η by name.
 
-    **Raises:** `UnknownNameError` for a spring that is not there.
+    **Raises:** `UnknownNameError` for a spring that does not exist.
     """
 
-    def matrix(given: Mapping[str, float | Scalar] | None, scale: Array):
-        if not given:
+    def matrix(factors: Mapping[str, float | Scalar] | None, scale: Array):
+        if not factors:
             return None
         total = jnp.zeros_like(network.stiffness)
-        for name, value in given.items():
-            at = [k for k, s in enumerate(network.springs) if name in (s.name, str(s))]
-            if not at:
+        for name, value in factors.items():
+            indices = [k for k, s in enumerate(network.springs) if name in (s.name, str(s))]
+            if not indices:
                 known = {spring.name for spring in network.springs}
                 raise UnknownNameError(f"unknown spring {name!r}; {closest(name, known)}")
-            total = total.at[jnp.asarray(at)].add(jnp.asarray(value, total.dtype))
+            total = total.at[jnp.asarray(indices)].add(jnp.asarray(value, total.dtype))
         return network.rows.T @ ((total * scale)[:, None] * network.rows)
 
     return Dissipation(

@@ -28,7 +28,7 @@ KINDS: dict[Kind, tuple[int, str]] = {
 class FrequencyResponse(AbstractResult):
     """Complex amplitude at one degree of freedom per unit force at another.
 
-    Forces on rotations are those on the nominal circle, torque over radius, as displacements are
+    For a rotation the force is the torque over the nominal radius, and the displacement is
     `u = r θ`.
     """
 
@@ -44,7 +44,7 @@ class FrequencyResponse(AbstractResult):
 
     @property
     def batch_shape(self) -> tuple[int, ...]:
-        """Axes of the batch that this response is of; empty for a single design."""
+        """Axes of a batch of responses; empty for a single design."""
         return self.frequency.shape[:-1]
 
     @property
@@ -54,7 +54,7 @@ class FrequencyResponse(AbstractResult):
 
     @property
     def magnitude(self) -> Float[Array, "*batch frequencies"]:
-        """Absolute value; its derivative is 0 where nothing moves."""
+        """Absolute value; its derivative is 0 where the response is 0."""
         moves = self.value != 0
         size = jnp.abs(jnp.where(moves, self.value, jnp.ones_like(self.value)))
         return jnp.where(moves, size, 0.0)
@@ -67,7 +67,7 @@ class FrequencyResponse(AbstractResult):
     @property
     def phase(self) -> Float[Array, "*batch frequencies"]:
         """Phase of the response against the force, from −π to π [rad]."""
-        # An undamped response is in phase or against it; which sign a zero has is no matter.
+        # An undamped response is in phase or in antiphase; the sign of a zero does not matter.
         turned = (self.value.imag != 0) & ~self.at_pole
         angle = jnp.angle(jnp.where(turned, self.value, jnp.ones_like(self.value)))
         against = (self.value.real < 0) & ~turned
@@ -75,10 +75,10 @@ class FrequencyResponse(AbstractResult):
 
 
 def apart_by_symmetry(system: VibrationSystem, first: str, second: str) -> bool:
-    """Whether a force at one coordinate cannot move another, known from symmetry alone.
+    """Whether, from symmetry alone, a force at one coordinate cannot move another.
 
     In a symmetric stage rotations and translations of the bodies on the axis belong to different
-    families of modes; and a carrier vibrates on its own where rollers only rotate.
+    families of modes; and the carrier vibrates on its own if rollers only rotate.
     """
     if first == second:
         return False
@@ -88,7 +88,7 @@ def apart_by_symmetry(system: VibrationSystem, first: str, second: str) -> bool:
     on_axis = not any(body.startswith("roller") for body in (one, other))
     if not (system.symmetric and on_axis):
         return False
-    # Where rollers translate, oblique contacts turn a push along x into a motion along y.
+    # Where rollers translate, oblique contacts turn a force along x into a motion along y.
     alike = along == across or (system.translation is not None and "u" not in (along, across))
     return not alike
 
@@ -125,7 +125,7 @@ def frequency_response(
     - `kind`: `"receptance"`, `"mobility"` or `"accelerance"`.
     - `method`: `"direct"` (any damping) or `"modal"` (a law of damping).
 
-    **Raises:** `ValueError` for a name, kind or method that is not known, or damping that does not
+    **Raises:** `ValueError` for an unknown name, kind or method, or damping that does not
     fit; `MissingDataError` if the mechanism lacks data.
     """
     if kind not in KINDS:
@@ -135,15 +135,17 @@ def frequency_response(
     hertz = jnp.asarray(frequency, network.mass.dtype)
     omega = 2 * jnp.pi * hertz
     chosen = stage_damping(stage_of(mechanism, stage), damping)
-    found, at_pole = receptance_matrix(network, omega, (response,), (excitation,), chosen, method)
-    value = found[:, 0, 0]
-    # A law of damping keeps the families apart; a matrix of the caller's need not.
-    lawful = chosen is None or isinstance(chosen, LAWS)
-    if lawful and apart_by_symmetry(system, excitation, response):
+    receptances, at_pole = receptance_matrix(
+        network, omega, (response,), (excitation,), chosen, method
+    )
+    value = receptances[:, 0, 0]
+    # A law of damping does not couple the families; any other matrix may.
+    has_law = chosen is None or isinstance(chosen, LAWS)
+    if has_law and apart_by_symmetry(system, excitation, response):
         value, at_pole = jnp.zeros_like(value), jnp.zeros_like(at_pole)
     power = KINDS[kind][0]
     if power:
         factor = jnp.asarray(1j**power, value.dtype) * (omega**power).astype(value.dtype)
-        # Not the infinity itself: i times it is not a number.
+        # Infinity is set last: i times infinity is not a number.
         value = infinite(factor * jnp.where(at_pole, jnp.ones_like(value), value), at_pole)
     return FrequencyResponse(hertz, value, at_pole, excitation, response, kind)

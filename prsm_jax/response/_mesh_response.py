@@ -1,4 +1,4 @@
-"""Vibration that the contacts excite: amplitudes and dynamic forces against the screw speed."""
+"""Vibration excited by the contacts: amplitudes and dynamic forces over screw speed."""
 
 from collections.abc import Sequence
 
@@ -35,7 +35,7 @@ class MeshResponse(AbstractResult):
     frequency: Float[Array, " speeds"]
     #: Amplitude of every coordinate [m]; rotations as u = r θ.
     displacement: Complex[Array, "speeds coordinates"]
-    #: Force in every spring, as it stretches; of the contacts less the error itself [N].
+    #: Force in every spring, positive in tension; in contacts from elongation minus error [N].
     spring_force: Complex[Array, "speeds springs"]
     at_pole: Bool[Array, " speeds"]
     coordinates: tuple[Coordinate, ...] = eqx.field(static=True)
@@ -43,7 +43,7 @@ class MeshResponse(AbstractResult):
 
     @property
     def batch_shape(self) -> tuple[int, ...]:
-        """Axes of the batch that this response is of; empty for a single design."""
+        """Axes of a batch of responses; empty for a single design."""
         return self.speed.shape[:-1]
 
     def amplitude(self, coordinate: str) -> Float[Array, "*batch speeds"]:
@@ -68,7 +68,7 @@ class MeshResponse(AbstractResult):
 def _place(known: tuple, name: str) -> int:
     names = [str(one) for one in known]
     if name not in names:
-        raise ValueError(f"{name!r} is not there; choose one of {', '.join(names)}")
+        raise ValueError(f"{name!r} does not exist; choose one of {', '.join(names)}")
     return names.index(name)
 
 
@@ -118,10 +118,10 @@ def excited_response(
     damping: AnyDamping | None = None,
     method: Solver = "direct",
 ) -> MeshResponse:
-    """Vibration of a system whose contacts are excited by an error of their own.
+    """Vibration of a system that is excited by errors of its contacts.
 
-    The error e of a contact is a deflection without force, so its spring carries `k (g q − e)` and
-    the load on the coordinates is `gᵀ k e`, for all rollers with their phases.
+    The error e of a contact is a deflection without force, so its spring force is `k (g q − e)` and
+    the load on the coordinates is `gᵀ k e`, summed over all rollers with their phases.
 
     **Arguments:**
 
@@ -140,18 +140,18 @@ def excited_response(
     load = rows.T @ (stiffness * errors)
     omega = harmonic * order.order * speed
     loads = jnp.broadcast_to(load[None, :, None], (speed.shape[0], load.shape[0], 1))
-    found = harmonic_response(network, jnp.abs(omega), loads, damping, method)
-    moved = found.displacement[:, :, 0]
-    # An infinite amplitude may have any sign: sums over it would not be a number.
-    finite = jnp.where(found.at_pole[:, None], jnp.zeros_like(moved), moved)
+    steady = harmonic_response(network, jnp.abs(omega), loads, damping, method)
+    moved = steady.displacement[:, :, 0]
+    # Infinite amplitudes have arbitrary signs: their sums would not be numbers.
+    finite = jnp.where(steady.at_pole[:, None], jnp.zeros_like(moved), moved)
     force = stiffness[None, :] * (finite @ rows.T - errors[None, :])
-    force = jnp.where(found.at_pole[:, None], jnp.full_like(force, jnp.inf), force)
+    force = jnp.where(steady.at_pole[:, None], jnp.full_like(force, jnp.inf), force)
     return MeshResponse(
         speed,
         jnp.abs(omega) / (2 * jnp.pi),
         moved,
         force,
-        found.at_pole,
+        steady.at_pole,
         network.coordinates,
         network.springs,
     )
@@ -183,7 +183,7 @@ def mesh_response(
     - `stage`, `load`, `damping`, `method`: as `frequency_response`.
     - `carrier_ratio`: κ; default that of the steady state.
 
-    **Raises:** `ValueError` for an order that the stage has not; `MissingDataError` if the
+    **Raises:** `ValueError` for an order that the stage does not have; `MissingDataError` if the
     mechanism lacks data.
     """
     chosen = stage_of(mechanism, stage)

@@ -1,11 +1,11 @@
-"""What excites a roller screw as it turns: orders of the screw speed, and how rollers share them.
+"""Excitation of a turning roller screw: orders of the screw speed, and phases of the rollers.
 
-Everything is counted in the frame that turns with the rollers, in which the vibration model lives.
-With the carrier ratio κ = ω/Ω, the screw turns there at (1 − κ)Ω and the nut at −κΩ; a roller
-rolls in the nut without slip, timed by the ring gear, so it spins at n κ Ω. The rollers travel with
-the nut, by one lead per turn of the screw. A plane that travels with them therefore cuts the
-screw's threads in a section that stands still in space: the screw turns by as much as its threads
-advance. Seen from the rollers that section turns at κ, although the screw itself turns at 1 − κ.
+Orders are counted in the frame that turns with the rollers, as in the vibration model. With the
+carrier ratio κ = ω/Ω, the screw turns in it at (1 − κ)Ω and the nut at −κΩ; a roller rolls in the
+nut without slip, timed by the ring gear, so it spins at n κ Ω. The rollers travel with the nut, by
+one lead per turn of the screw. A plane that travels with them therefore cuts the screw's threads
+in a section that is at rest in space: rotation and advance of the threads cancel. Relative to the
+rollers this section turns at κ, although the screw itself turns at 1 − κ.
 """
 
 from typing import Literal, TypeAlias
@@ -32,13 +32,13 @@ Phasing: TypeAlias = Literal["torsional", "transverse", "roller"]
 class ExcitationOrder(eqx.Module):
     """A periodic excitation of the contacts, with its fundamental frequency and phases.
 
-    Its h-th harmonic acts at `h · order` times the screw's frequency, and at the roller at the
-    angle φ with the phase `h · lobes · φ`.
+    Its h-th harmonic has `h · order` times the rotational frequency of the screw. At the roller at
+    angle φ its phase is `h · lobes · φ`.
     """
 
     #: Periods per turn of the screw.
     order: Scalar
-    #: Periods of the pattern around the screw: how far rollers are out of step.
+    #: Periods of the pattern around the screw; they give the phases of the rollers.
     lobes: Scalar
     name: str = eqx.field(static=True)
     #: Contacts on which it acts.
@@ -50,11 +50,11 @@ class ExcitationOrder(eqx.Module):
 def working_carrier_ratio(mechanism: Mechanism, stage: int = 1) -> Scalar:
     """Carrier speed over screw speed of one stage in its steady state.
 
-    Where losses in the contacts resist the rollers, that of the steady operating point; else the
-    one that thread friction decides by geometry alone. A mechanism without the data for a steady
-    state rolls ideally, r_s / (2 a).
+    With losses in the contacts it is that of the steady operating point; without them, thread
+    friction determines it from geometry alone. If data for the steady state are missing, ideal
+    rolling is assumed, r_s / (2 a).
 
-    **Raises:** `ValueError` for a stage that is not there.
+    **Raises:** `ValueError` for a stage that does not exist.
     """
     chosen = stage_of(mechanism, stage)
     if not has_contact_losses(chosen.friction):
@@ -83,7 +83,7 @@ def excitation_orders(
     Thread passing is the same for screw, nut and roller: in the frame of the rollers all threads
     move along the axis by κ L per turn, which is n κ pitches. The n lobes that n starts cut into
     the cross-section of the screw pass at the same order, n κ, because the plane of the section
-    travels with the rollers; every start comes round once in n pitches, at κ.
+    travels with the rollers; a single start returns after n pitches, at order κ.
 
     **Arguments:**
 
@@ -96,7 +96,7 @@ def excitation_orders(
     one, starts = jnp.ones_like(ratio), thread.starts
     screw, ring, nut = ("screw_roller",), ("ring_roller",), ("nut_roller",)
     outer = nut if stage.ring_gear is None else ring + nut
-    # Name, lobes, speed of the pattern against the rollers, contacts, what it is.
+    # Name, lobes, speed of the pattern relative to the rollers, contacts, description.
     patterns = [
         ("carrier", one, ratio, outer, "runout of nut and ring gear"),
         ("deviating_start", one, ratio, screw + nut, "one start of screw or nut deviates"),
@@ -121,7 +121,7 @@ _FORMER_NAMES = {"screw_starts": "thread_passing"}
 def find_order(orders: tuple[ExcitationOrder, ...], name: str) -> ExcitationOrder:
     """An excitation by its name; `screw_starts`, a former name, is `thread_passing`.
 
-    **Raises:** `ValueError` if there is none of that name, with those that there are.
+    **Raises:** `ValueError` for an unknown name, with the names that exist.
     """
     name = _FORMER_NAMES.get(name, name)
     for order in orders:
@@ -133,12 +133,12 @@ def find_order(orders: tuple[ExcitationOrder, ...], name: str) -> ExcitationOrde
 
 
 def phasing(lobes: float | int, roller_count: int) -> Phasing:
-    """Which family of modes a pattern excites that equal rollers share, evenly spaced.
+    """The family of modes that a pattern excites through equal, evenly spaced rollers.
 
-    The phases `lobes · 2πi/N` are a pure harmonic of the rollers: in phase (`lobes` divisible by N)
-    they turn the bodies on the axis, one step a turn (remainder 1 or N − 1) they push them
-    sideways, and otherwise their forces cancel on all bodies but the rollers. A remainder within
-    1e-6 of a whole number counts as one.
+    The phases `lobes · 2πi/N` are a single harmonic of the rollers. If `lobes` is divisible by N,
+    the rollers are in phase and turn the bodies on the axis. With remainder 1 or N − 1 they push
+    these bodies sideways. Otherwise their forces cancel on all bodies except the rollers. A number
+    of lobes within 1e-6 of a whole number counts as whole.
 
     **Arguments:**
 
@@ -147,13 +147,13 @@ def phasing(lobes: float | int, roller_count: int) -> Phasing:
 
     **Raises:** `ValueError` for a number of lobes that is not whole.
     """
-    whole = round(float(lobes))
-    if abs(float(lobes) - whole) > 1e-6:
-        raise ValueError(f"lobes is {float(lobes):.6g}; a pattern closes only with a whole number")
-    step = whole % roller_count
-    if step == 0:
+    number = round(float(lobes))
+    if abs(float(lobes) - number) > 1e-6:
+        raise ValueError(f"lobes is {float(lobes):.6g}; a closed pattern needs a whole number")
+    remainder = number % roller_count
+    if remainder == 0:
         return "torsional"
-    return "transverse" if step in (1, roller_count - 1) else "roller"
+    return "transverse" if remainder in (1, roller_count - 1) else "roller"
 
 
 def roller_phases(

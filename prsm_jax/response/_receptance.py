@@ -15,7 +15,7 @@ from ..vibration import SpringNetwork
 from ._dissipation import LAWS, AnyDamping, Dissipation, dissipation, scaled_modes
 
 Solver: TypeAlias = Literal["direct", "modal"]
-#: Frequencies solved at once; more of them are taken in turns, so that memory stays bounded.
+#: Frequencies solved at once; more are solved in chunks, so that memory stays bounded.
 _CHUNK = 256
 
 
@@ -29,7 +29,7 @@ class Harmonic(eqx.Module):
 
 
 class _Scaled(eqx.Module):
-    """A network in coordinates `√m q`, where the mass matrix is one."""
+    """A network in coordinates `√m q`, where the mass matrix is the identity."""
 
     stiffness: Float[Array, "n n"]
     viscous: Float[Array, "n n"] | None
@@ -43,15 +43,15 @@ class _Scaled(eqx.Module):
     def apply(self, omega: Scalar, x: Array) -> Array:
         """`(A + iH + iωC − ω²) x`."""
         dtype = x.dtype
-        found = self.stiffness.astype(dtype) @ x - (omega**2).astype(dtype) * x
+        product = self.stiffness.astype(dtype) @ x - (omega**2).astype(dtype) * x
         if self.damped:
-            turned = jnp.zeros_like(x)
+            losses = jnp.zeros_like(x)
             if self.viscous is not None:
-                turned = turned + (omega * self.viscous).astype(dtype) @ x
+                losses = losses + (omega * self.viscous).astype(dtype) @ x
             if self.hysteretic is not None:
-                turned = turned + self.hysteretic.astype(dtype) @ x
-            found = found + jnp.asarray(1j, dtype) * turned
-        return found
+                losses = losses + self.hysteretic.astype(dtype) @ x
+            product = product + jnp.asarray(1j, dtype) * losses
+        return product
 
 
 def _scale(network: SpringNetwork, losses: Dissipation) -> _Scaled:
@@ -70,7 +70,7 @@ def _scale(network: SpringNetwork, losses: Dissipation) -> _Scaled:
 
 
 def _each(function: Callable, *arrays: Array):
-    """`function` at every frequency: all at once, or in turns of a bounded number."""
+    """`function` at every frequency: all at once, or in chunks of bounded size."""
     if arrays[0].shape[0] <= _CHUNK:
         return jax.vmap(function)(*arrays)
     return jax.lax.map(lambda values: function(*values), arrays, batch_size=_CHUNK)
@@ -96,10 +96,10 @@ def direct_response(
     """Solve `(K + iH + iωC − ω²M) q = f` at every frequency, for any damping.
 
     One factorisation for each frequency, in coordinates scaled by √m, and one back substitution
-    for each load. No modes are needed, so repeated roots are no matter, and derivatives solve with
+    for each load. No modes are needed, so repeated roots need no special case, and derivatives use
     the same factors. A pivot within rounding of zero marks a pole: an undamped system driven at a
-    natural frequency, or one that nothing holds at 0 Hz. Coordinates that the pole's mode does not
-    reach are marked with the others.
+    natural frequency, or an unsupported one at 0 Hz. All coordinates are marked, even those that
+    the mode of the pole does not move.
 
     **Arguments:**
 
@@ -117,9 +117,9 @@ def direct_response(
     def at(w: Scalar, load: Complex[Array, "coordinates loads"]):
         matrix = jax.lax.stop_gradient(scaled.apply(w, jnp.eye(size, dtype=kind)))
         factors = factorise(matrix)
-        # The diagonal is a difference: its rounding is that of ω² and of A, however small it is.
+        # The diagonal is a difference: even if small, it has the rounding error of ω² and of A.
         largest = jnp.max(jnp.abs(scaled.stiffness)) + w**2
-        # Not `<=`: a design that is not a number has no amplitude either.
+        # Not `<=`: NaN has no amplitude either.
         at_pole = jnp.logical_not(factors.smallest_pivot > rounding * largest)
         regular = jnp.where(at_pole, jnp.eye(size, dtype=kind), factors.matrix)
         factors = Factors(regular, factors.order)
@@ -134,12 +134,14 @@ def direct_response(
             )
 
         if scaled.damped:
-            found = solved(right)
+            displacement = solved(right)
         else:
-            # Real factors: half the work, and exactly in or against phase with the load.
+            # Real factors: half the work, and exactly in phase or antiphase with the load.
             parts = solved(jnp.concatenate([right.real, right.imag], axis=1))
-            found = jax.lax.complex(*jnp.split(parts, 2, axis=1))
-        return infinite(scaled.weight[:, None].astype(found.dtype) * found, at_pole), at_pole
+            displacement = jax.lax.complex(*jnp.split(parts, 2, axis=1))
+        return infinite(
+            scaled.weight[:, None].astype(displacement.dtype) * displacement, at_pole
+        ), at_pole
 
     return Harmonic(*_each(at, omega, loads))
 
@@ -151,12 +153,12 @@ def modal_response(
     loads: Complex[Array, "frequencies coordinates loads"],
     damping: AnyDamping | None = None,
 ) -> Harmonic:
-    """The same as a sum over all modes, for damping that does not couple them.
+    """As `direct_response`, by a sum over all modes, for damping that does not couple them.
 
-    `q = Σ φ φᵀ f / (ω_k²(1 + iη + iωβ) + iω(2ζω_k + α) − ω²)`. All modes are there, so nothing has
-    to be added for those left out. One eigenproblem for all frequencies. Derivatives are those of
-    the system of equations that the sum solves: they hold at repeated roots, where those of single
-    modes do not exist.
+    `q = Σ φ φᵀ f / (ω_k²(1 + iη + iωβ) + iω(2ζω_k + α) − ω²)`. All modes are included, so no
+    residual term is needed. One eigenproblem serves all frequencies. Derivatives are those of the
+    system of equations that the sum solves: they are correct at repeated roots, where derivatives
+    of single modes do not exist.
 
     **Arguments:** as `direct_response`; `damping` is a law or `None`.
 
@@ -164,7 +166,7 @@ def modal_response(
     """
     if damping is not None and not isinstance(damping, LAWS):
         raise ValueError(
-            "a damping matrix couples the modes in general, so that their sum does not hold; "
+            "a damping matrix couples the modes in general, so the sum over modes is not valid; "
             'choose method "direct", or a law of damping'
         )
     scaled = _scale(network, dissipation(network, damping))
@@ -182,7 +184,7 @@ def modal_response(
         elif isinstance(damping, StructuralDamping):
             lost = damping.loss_factor * roots**2
         size = jnp.abs(elastic) + jnp.abs(lost)
-        # ω² and ω_k² are each known to rounding of themselves, a rigid motion's to that of others.
+        # Rounding errors of ω² and ω_k² are relative; for rigid motions relative to the largest.
         close = size <= rounding * (roots**2 + w**2) + rounding**2 * jnp.max(roots) ** 2
         at_pole = jnp.any(close | jnp.isnan(size))
         divisor = jax.lax.stop_gradient(
@@ -194,10 +196,12 @@ def modal_response(
         def solve(_, b):
             return basis @ ((basis.T @ b) / divisor[:, None])
 
-        found = jax.lax.custom_linear_solve(
+        displacement = jax.lax.custom_linear_solve(
             lambda x: scaled.apply(w, x), right, solve, symmetric=True
         )
-        return infinite(scaled.weight[:, None].astype(found.dtype) * found, at_pole), at_pole
+        return infinite(
+            scaled.weight[:, None].astype(displacement.dtype) * displacement, at_pole
+        ), at_pole
 
     return Harmonic(*_each(at, omega, loads))
 
@@ -209,9 +213,9 @@ def harmonic_response(
     damping: AnyDamping | None = None,
     method: Solver = "direct",
 ) -> Harmonic:
-    """Steady vibration under harmonic loads, by one of the two ways.
+    """Steady vibration under harmonic loads, by one of the two methods.
 
-    **Raises:** `ValueError` for an unknown method, or damping that it does not take.
+    **Raises:** `ValueError` for an unknown method, or damping that it does not accept.
     """
     if method == "direct":
         return direct_response(network, omega, loads, damping)
@@ -239,7 +243,7 @@ def receptance_matrix(
 
     **Returns:** the receptances, and whether each frequency is a pole.
 
-    **Raises:** `ValueError` for a coordinate that is not there.
+    **Raises:** `ValueError` for a coordinate that does not exist.
     """
     rows = jnp.asarray([network.index(name) for name in responses])
     columns = jnp.asarray([network.index(name) for name in excitations])
@@ -247,5 +251,5 @@ def receptance_matrix(
     kind = _complex_dtype(network.mass.dtype)
     unit = jnp.zeros((size, count), kind).at[columns, jnp.arange(count)].set(1.0)
     loads = jnp.broadcast_to(unit, (omega.shape[0], size, count))
-    found = harmonic_response(network, omega, loads, damping, method)
-    return found.displacement[:, rows, :], found.at_pole
+    steady = harmonic_response(network, omega, loads, damping, method)
+    return steady.displacement[:, rows, :], steady.at_pole

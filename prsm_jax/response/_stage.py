@@ -1,4 +1,4 @@
-"""The vibrating system of one stage of a mechanism, and the damping that the file gives it."""
+"""The vibrating system of one stage of a mechanism, and its damping from the file."""
 
 from typing import Literal
 
@@ -10,14 +10,14 @@ from ..stiffness import loaded_threads, thread_stiffness
 from ..vibration import VibrationSystem, vibration_system
 from ._dissipation import AnyDamping
 
-#: Take the damping that the mechanism has, if it has any.
+#: Use the damping of the mechanism, if it has any.
 AsGiven = Literal["given"]
 
 
 def stage_of(mechanism: Mechanism, stage: int) -> Stage:
     """One stage by its number.
 
-    **Raises:** `ValueError` for a stage that is not there.
+    **Raises:** `ValueError` for a stage that does not exist.
     """
     if not 1 <= stage <= len(mechanism.stages):
         raise ValueError(f"stage is {stage}; the mechanism has stages 1 to {len(mechanism.stages)}")
@@ -27,9 +27,9 @@ def stage_of(mechanism: Mechanism, stage: int) -> Stage:
 def stage_system(
     mechanism: Mechanism, stage: int, load: float | Scalar | None = None
 ) -> VibrationSystem:
-    """Masses and springs of one stage, contacts at a load [N].
+    """Masses and springs of one stage, with the contact stiffness at a load [N].
 
-    **Raises:** `MissingDataError` if data are missing; `ValueError` for a stage that is not there.
+    **Raises:** `MissingDataError` if data are missing; `ValueError` for an unknown stage.
     """
     chosen = stage_of(mechanism, stage)
     threads = thread_stiffness(
@@ -39,5 +39,5 @@ def stage_system(
 
 
 def stage_damping(stage: Stage, damping: AnyDamping | AsGiven | None) -> AnyDamping | None:
-    """The damping to use: that of the stage, or the caller's own."""
+    """The damping to use: that of the stage, or the given one."""
     return stage.damping if isinstance(damping, str) else damping

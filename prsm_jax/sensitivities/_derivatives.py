@@ -14,10 +14,10 @@ Mode: TypeAlias = Literal["auto", "forward", "reverse"]
 
 
 def _complete(mechanism: Mechanism, parameters: Sequence[Parameter]) -> Mechanism:
-    """The same mechanism with every number that the parameters set present as a leaf.
+    """The same mechanism, with a leaf for every number that the parameters set.
 
-    A number that follows from others while it is absent (the roller's profile radius) is written
-    out as what it follows from, so that its value and its derivatives stay the same.
+    A number that follows from others while it is absent (the roller's profile radius) is set to
+    the expression that it follows from, so that its value and derivatives stay the same.
     """
     for parameter in parameters:
         written = parameter.set(mechanism, parameter.get(mechanism))
@@ -40,11 +40,11 @@ def jacobian(
     Bool[Array, ""],
     dict[str, tuple[int, ...]],
 ]:
-    """Values of all quantities, end to end, and their derivatives, each parameter moved alone.
+    """Concatenated values of all quantities, and their derivatives by each parameter alone.
 
-    The parameters become directions in the space of all numbers of the mechanism, so the physics
-    is traced and differentiated once however many there are, and moving one is not disturbed by
-    another in the list that depends on it.
+    Each parameter is a direction in the space of all numbers of the mechanism. The physics is
+    therefore traced and differentiated once for any number of parameters, and the derivative by
+    one is not affected by another in the list that depends on it.
 
     **Arguments:**
 
@@ -54,9 +54,9 @@ def jacobian(
     - `speed`, `load`: operating point, or `None` for that of the mechanism.
     - `mode`: forward costs one pass per parameter, reverse one per quantity; `"auto"` takes the
       smaller number.
-    - `shift`: how far beside the present design, along each parameter [SI]; default there.
+    - `shift`: offset from the present design along each parameter [SI]; default none.
 
-    **Returns:** the values, the Jacobian, whether the values can be used, and the shape of each
+    **Returns:** the values, the Jacobian, whether the values are usable, and the shape of each
     quantity.
     """
     shapes: dict[str, tuple[int, ...]] = {}

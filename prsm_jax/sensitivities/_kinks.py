@@ -1,20 +1,20 @@
-"""Kinks: where a derivative differs from one side of a parameter to the other.
+"""Kinks: where the derivatives below and above the present value of a parameter differ.
 
 At a tie of two branches (`max` of operating and duty load) automatic differentiation gives one
-number, which is neither derivative. Exact derivatives a millionth of the parameter to either side
-show both: where the quantity is smooth they agree to about that millionth.
+number, which is neither derivative. Exact derivatives at a millionth of the parameter to either
+side show both: where the quantity is smooth, they agree to about this millionth.
 """
 
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
-#: How far to either side [of the parameter, or of 1 where it is 0].
+#: Shift to either side, relative to the parameter; for a parameter of 0 in SI units.
 _STEP = 1e-6
 _STEP_AT_ZERO = 1e-9
-#: Relative difference of the two sides that a smooth quantity does not reach in two steps.
+#: Relative difference of the two derivatives that a smooth quantity does not reach.
 _DIFFERENCE = 1e-3
-#: Elasticities below this are none: rounding decides their digits.
+#: Elasticities below this count as zero: their digits are due to rounding.
 _SMALL = 1e-7
 
 
@@ -25,10 +25,10 @@ def one_sided(
 
     **Arguments:**
 
-    - `gradient_at`: quantities × parameters at shifts of all single numbers [SI].
+    - `gradient_at`: derivatives (quantities × parameters) for shifts of all single numbers [SI].
     - `values`: present values of the numbers behind each parameter, which move together.
 
-    **Returns:** the derivatives on the left and on the right, quantities × parameters.
+    **Returns:** the derivatives below and above, quantities × parameters.
     """
     sizes = [len(group) for group in values]
     first = np.concatenate([[0], np.cumsum(sizes)])

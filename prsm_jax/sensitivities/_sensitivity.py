@@ -16,7 +16,7 @@ from ._derivatives import Mode, jacobian
 from ._kinks import one_sided
 from ._table import Sensitivity
 
-#: What an engineer asks first; those that the mechanism has no data for are left out.
+#: Main results for an engineer; those without data in the mechanism are omitted.
 DEFAULT_QUANTITIES = (
     "efficiency",
     "drive_torque",
@@ -44,11 +44,11 @@ def sensitivity(
 ) -> Sensitivity:
     r"""Exact derivatives of quantities with respect to parameters, by automatic differentiation.
 
-    Each parameter moves alone, and what follows from it moves with it as `Thread` says; a name
-    that means several stages moves all of them by equal amounts, so its derivative is the sum
-    over the stages $\sum_k g_k$ and its elasticity $\sum_k g_k p_k / q$, the response to one per
-    cent more in every stage. Compiled once per structure of the mechanism; can itself be used
-    under `jax.jit`, `jax.vmap` and `jax.grad`.
+    Each parameter changes alone, together with the dimensions that follow from it (see `Thread`).
+    A name that applies to several stages changes all of them by equal amounts: its derivative is
+    the sum over the stages $\sum_k g_k$. Its elasticity is $\sum_k g_k p_k / q$, the response to
+    an increase by one per cent in every stage. Compiled once per structure of the mechanism; can
+    itself be used under `jax.jit`, `jax.vmap` and `jax.grad`.
 
     **Arguments:**
 
@@ -60,8 +60,8 @@ def sensitivity(
     - `mode`: `"forward"`, `"reverse"`, or `"auto"`: forward where there are no more parameters
       than quantities.
     - `kinks`: whether to look for kinks, such as a tie of the operating load with one of the duty
-      cycle: there the derivative differs from one side to the other, and the table has both. Costs
-      two more evaluations for each parameter; inside a trace no kinks are looked for.
+      cycle: there the derivatives below and above differ, and the table has both. Costs two more
+      evaluations for each parameter; inside a trace there is no search for kinks.
 
     **Returns:** a `Sensitivity`.
 
@@ -83,9 +83,9 @@ def sensitivity(
         return table
 
     def at(shifts: np.ndarray) -> np.ndarray:
-        beside = jnp.asarray(shifts, shift.dtype)
-        found = _sensitivity(mechanism, names, parameters, speed, load, mode, beside)
-        return np.asarray(found.gradient)
+        offset = jnp.asarray(shifts, shift.dtype)
+        shifted = _sensitivity(mechanism, names, parameters, speed, load, mode, offset)
+        return np.asarray(shifted.gradient)
 
     left, right = one_sided(at, [np.asarray(values) for values in table.parameter_values])
     return eqx.tree_at(
@@ -97,7 +97,7 @@ def sensitivity(
 
 
 def _traced(value: float | Scalar | None) -> Scalar | None:
-    # A Python number would be a constant of the program, and another speed another program.
+    # A Python number would be a constant of the program: another speed would compile again.
     return None if value is None else jnp.asarray(value, jnp.result_type(float))
 
 
@@ -124,14 +124,14 @@ def _numbers(mechanism: Mechanism, names: Sequence[str]) -> list[tuple[Parameter
     """The numbers behind each name, one per stage that has it."""
     groups = []
     for name in names:
-        found = find_parameters(mechanism, name)
-        for parameter in found:
+        parameters = find_parameters(mechanism, name)
+        for parameter in parameters:
             if parameter.static:
                 raise ValueError(
                     f"parameter {name!r} is a whole number and has no derivative; sweep over it "
                     "instead"
                 )
-        groups.append(found)
+        groups.append(parameters)
     return groups
 
 

@@ -26,7 +26,7 @@ class Sensitivity(eqx.Module):
     #: (p/q) ∂q/∂p: per cent of the quantity per per cent of the parameter. 0 where
     #: `elasticity_defined` is false, so that a sum over rows stays finite.
     elasticity: Float[Array, "*batch quantities parameters"]
-    #: False for a quantity that is 0 (or not finite), of which there are no per cents.
+    #: False for a quantity that is 0 or not finite: a relative change is not defined.
     elasticity_defined: Bool[Array, "*batch quantities"]
     #: Present value of each parameter in each stage that has it [SI].
     parameter_values: tuple[Float[Array, "*batch _"], ...]
@@ -36,11 +36,11 @@ class Sensitivity(eqx.Module):
     parameters: tuple[str, ...] = eqx.field(static=True)
     quantity_units: tuple[str, ...] = eqx.field(static=True)
     parameter_units: tuple[str, ...] = eqx.field(static=True)
-    #: What follows when a parameter moves, and what stays, by parameter.
+    #: For each parameter the dimensions that follow when it changes, and those that stay.
     dependents: tuple[tuple[tuple[str, ...], tuple[str, ...]], ...] = eqx.field(
         static=True, default=()
     )
-    #: ∂q/∂p just below and just above each parameter; `None` where no kinks were looked for.
+    #: ∂q/∂p just below and just above each parameter; `None` without a search for kinks.
     left: Float[Array, "*batch quantities parameters"] | None = None
     right: Float[Array, "*batch quantities parameters"] | None = None
 
@@ -48,19 +48,19 @@ class Sensitivity(eqx.Module):
     def kinks(self) -> tuple[tuple[str, str, float, float], ...]:
         """Quantity, parameter, and the derivatives below and above [SI], wherever they differ.
 
-        There `gradient` is neither of the two: the design lies where one branch takes over from
+        There `gradient` is neither of the two: the design lies at the change from one branch to
         another.
         """
         if self.left is None or self.right is None:
             return ()
         self._single("kinks")
         left, right = np.asarray(self.left), np.asarray(self.right)
-        found = differ(
+        unequal = differ(
             left, right, np.asarray(self.values), list(map(_array, self.parameter_values))
         )
         return tuple(
             (self.quantities[i], self.parameters[j], float(left[i, j]), float(right[i, j]))
-            for i, j in zip(*np.nonzero(found), strict=True)
+            for i, j in zip(*np.nonzero(unequal), strict=True)
         )
 
     def __getitem__(self, names: tuple[str, str]) -> Float[Array, "*batch"]:
@@ -144,7 +144,7 @@ class Sensitivity(eqx.Module):
 
 
 def _plain(array) -> list | float | None:
-    """Nested lists of floats, `None` for what JSON has no number for."""
+    """Nested lists of floats, `None` for numbers that JSON cannot represent."""
     array = np.asarray(array, dtype=float)
     if array.ndim == 0:
         value = float(array)
@@ -168,14 +168,14 @@ def _kink_lines(table: Sensitivity) -> list[str]:
         texts = [f"{float(shown(slope) / step.per_si):.6g}" for slope in (below, above)]
         unit = f" {shown.label}".rstrip() + f" per {step.label or '1'}"
         lines.append(
-            f"kink: {quantity} by {parameter} is {texts[0]}{unit} below and {texts[1]}{unit} above "
-            "this design; the number in the table is neither"
+            f"kink: derivative of {quantity} by {parameter} is {texts[0]}{unit} below and "
+            f"{texts[1]}{unit} above this design; the number in the table is neither"
         )
     return lines
 
 
 def _dependent_lines(table: Sensitivity) -> list[str]:
-    """What follows each parameter, and what stays."""
+    """A line for each parameter: what follows it, and what stays."""
     pairs = zip(table.parameters, table.dependents, strict=False)
     lines = (dependents_in_words(name, *both) for name, both in pairs)
     return [line for line in lines if line]
@@ -199,10 +199,10 @@ def _tables(table: Sensitivity) -> tuple[TextTable, TextTable]:
         label = f"{name} [{shown.label}]" if shown.label else name
         state = state_without_efficiency(name, float(values[i]))
         if state:
-            # No efficiency, and so no change of one.
-            nothing = [NOT_DEFINED] * len(steps)
-            rows.append((label, state, *nothing))
-            relative.append((name, *nothing))
+            # Without an efficiency there is no derivative of it.
+            undefined = [NOT_DEFINED] * len(steps)
+            rows.append((label, state, *undefined))
+            relative.append((name, *undefined))
             continue
         cells = [float(shown(g) / s.per_si) for g, s in zip(gradient[i], steps, strict=True)]
         rows.append((label, float(shown(values[i])), *cells))

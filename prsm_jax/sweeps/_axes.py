@@ -1,4 +1,4 @@
-"""The axes of a sweep: checked, and split into those that are traced and those that are not."""
+"""The axes of a sweep: checked, and split into traced and static axes."""
 
 import itertools
 from collections.abc import Iterator, Mapping
@@ -17,13 +17,13 @@ class Axis:
     values: np.ndarray
     unit: str
     description: str
-    #: Whole numbers that are part of the program (`roller_count`), not data.
+    #: Whether values are whole numbers that are part of the program (`roller_count`), not data.
     static: bool
 
 
 @dataclass(frozen=True)
 class Grid:
-    """All axes in the order in which they were given."""
+    """All axes in the given order."""
 
     axes: tuple[Axis, ...]
 
@@ -40,7 +40,7 @@ class Grid:
         return tuple(axis for axis in self.axes if not axis.static)
 
     def combinations(self, mechanism: Mechanism) -> Iterator[tuple[tuple, str, Mechanism]]:
-        """For every combination of static values: where its designs go, its text, the mechanism."""
+        """For every combination of static values: its place in the grid, text and mechanism."""
         choices = [range(len(axis.values)) if axis.static else [None] for axis in self.axes]
         for choice in itertools.product(*choices):
             chosen, words = mechanism, []
@@ -59,23 +59,23 @@ def grid_of(mechanism: Mechanism, axes: Mapping, fixed: Mapping[str, object]) ->
 
     - `mechanism`: the mechanism.
     - `axes`: values [SI] by the name of a parameter.
-    - `fixed`: `speed` and `load` given beside the axes, or `None`.
+    - `fixed`: `speed` and `load` given in addition to the axes, or `None`.
 
-    **Raises:** `UnknownNameError` for an unknown name; `ValueError` for no axes, two that move
-    the same number, and values that are empty, not one-dimensional, not finite, or not whole
+    **Raises:** `UnknownNameError` for an unknown name; `ValueError` for no axes, two axes that
+    set the same number, and values that are empty, not one-dimensional, not finite, or not whole
     where they have to be.
     """
     if not axes:
         raise ValueError("axes is empty; give at least one, as {name: values}")
     check_independent(mechanism, axes)
-    found = []
+    checked = []
     for name, values in axes.items():
         parameters = find_parameters(mechanism, name)
         parameter = parameters[0]
         _, _, field = parameter.path.partition("operating_point.")
         if fixed.get(field) is not None:
-            raise ValueError(f"{field} is given and is an axis of the sweep too; remove one")
-        found.append(
+            raise ValueError(f"{field} is given and is also an axis of the sweep; remove one")
+        checked.append(
             Axis(
                 name,
                 _values(name, values, parameter.static),
@@ -84,9 +84,9 @@ def grid_of(mechanism: Mechanism, axes: Mapping, fixed: Mapping[str, object]) ->
                 parameter.static,
             )
         )
-    grid = Grid(tuple(found))
+    grid = Grid(tuple(checked))
     for _ in grid.combinations(mechanism):
-        pass  # a whole number that the mechanism refuses is an error before anything is computed
+        pass  # an invalid whole number raises an error before anything is computed
     return grid
 
 

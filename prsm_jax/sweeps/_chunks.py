@@ -1,4 +1,4 @@
-"""A function of one design over any number of designs, in memory that does not grow with them."""
+"""A function of one design over any number of designs, with bounded working memory."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
@@ -18,24 +18,24 @@ def map_in_chunks(
     chunk: int = 2000,
     devices: Sequence[Any] | None = None,
 ) -> _Out:
-    """`jax.vmap(function)(designs)`, chunk after chunk.
+    """`jax.vmap(function)(designs)`, chunk by chunk.
 
-    A chunk stays in the cache, which is several times faster than all designs at once where the
-    function is long and made of scalars, and what is held beside arguments and results is that
-    of one chunk. Jittable, and differentiable if `function` is.
+    A chunk stays in the cache, which is several times faster than all designs at once if the
+    function is long and consists of scalars. Beyond arguments and results only one chunk needs
+    memory. Jittable, and differentiable if `function` is.
 
     **Arguments:**
 
     - `function`: of one design, a pytree.
     - `designs`: the same pytree with the designs along the first axis of every array. One
       array per number is faster than one row of numbers per design.
-    - `chunk`: at most this many designs at once; the fastest is a few thousand divided by the
-      length of the function. A number of designs that has a divisor between half of this and
-      this saves a copy of the arguments.
-    - `devices`: devices to share the designs, which need as many programs at once. A CPU can
-      be several devices (`jax.config.update("jax_num_cpu_devices", 2)` before JAX is used);
-      everything in this package suits that, but functions of your own that call LAPACK
-      (`jax.numpy.linalg`) can wait for each other for ever.
+    - `chunk`: largest number of designs at once; a few thousand are fastest, fewer for longer
+      functions. If the number of designs has a divisor from half of `chunk` to `chunk`, no copy
+      of the arguments is made.
+    - `devices`: devices that share the designs; each runs a program at the same time. A CPU can
+      be several devices (`jax.config.update("jax_num_cpu_devices", 2)` before JAX is used).
+      This works with all functions of this package, but your own functions that call LAPACK
+      (`jax.numpy.linalg`) can deadlock.
 
     **Returns:** the results, with the designs along the first axis of every array.
 
@@ -44,10 +44,10 @@ def map_in_chunks(
     """
     totals = {jnp.shape(leaf)[:1] for leaf in jax.tree.leaves(designs)}
     if len(totals) != 1 or () in totals or (0,) in totals:
-        found = ", ".join(str(shape) for shape in sorted(totals))
+        shapes = ", ".join(str(shape) for shape in sorted(totals))
         raise ValueError(
-            f"designs have the first axes {found or 'of no array'}; all arrays need the same, "
-            "at least 1"
+            f"designs have the first axes {shapes or 'of no array'}; all arrays need the same "
+            "length, at least 1"
         )
     if chunk < 1:
         raise ValueError(f"chunk is {chunk}; it must be at least 1")
@@ -81,7 +81,7 @@ def map_in_chunks(
 
 
 def _chunk_size(total: int, chunk: int) -> int:
-    """The largest divisor from `chunk` down to half of it, else chunks as equal as can be."""
+    """The largest divisor from `chunk` down to half of it, else the size of nearly equal chunks."""
     if total <= chunk:
         return total
     for size in range(chunk, chunk // 2, -1):

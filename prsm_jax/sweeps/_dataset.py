@@ -27,9 +27,9 @@ def labelled(
 
     - `mechanism`: the mechanism.
     - `grid`: the axes.
-    - `values`: quantities, the axes of the grid in front.
+    - `values`: quantities, with the axes of the grid first.
     - `codes`: `code`, 0 or why a design failed (`prsm_jax.quantities.REASONS`), and `error`, 0 or
-      which error `check` finds first (`error_names`, from 1).
+      the first error of `check` (its place in `error_names`, from 1).
     - `point`: `speed` and `load` that were given for all designs, or `None`.
     """
     import xarray
@@ -53,7 +53,7 @@ def labelled(
             coordinates["stage"] = ("stage", numbers, {"long_name": "number of the stage"})
         variables[name] = ((*over, *own), array, attributes)
     failed = codes["code"] != 0
-    # A number that an axis writes out has margins too.
+    # A derived number that an axis makes explicit has margins too.
     first = {axis.name: axis.values[0] for axis in grid.axes}
     written = set_parameters(mechanism, first, checked=False)
     variables["failed"] = (over, failed, {"long_name": "whether a design failed; see code"})
@@ -61,7 +61,7 @@ def labelled(
         "code": ("why a design failed", REASONS),
         "error": ("first error that check finds in a design", ("none", *error_names(written))),
     }
-    # As the conventions for climate and forecast metadata write codes.
+    # Codes in the form of the conventions for climate and forecast metadata.
     for name, (words, flags) in meanings.items():
         variables[name] = (
             over,

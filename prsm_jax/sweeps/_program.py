@@ -22,10 +22,10 @@ def evaluate_chunk(
     load: Scalar | None,
     sources: tuple | None,
 ) -> tuple[dict[str, Array], Int[Array, " chunk"], Int[Array, " chunk"]]:
-    """Quantities of `chunk` neighbouring designs of a grid, the last axis running fastest.
+    """Quantities of `chunk` neighbouring designs of a grid, with the last axis varying fastest.
 
-    The coordinates follow from the number of a design, so that no grid is ever held in memory;
-    past the end of the grid the last design is repeated.
+    The coordinates are computed from the number of a design, so the grid is never stored. Beyond
+    the end of the grid the last design is repeated.
 
     **Arguments:**
 
@@ -33,13 +33,13 @@ def evaluate_chunk(
     - `names`, `axes`: parameters and their values [SI].
     - `quantities`: names from the catalogue.
     - `start`: number of the first design.
-    - `chunk`: how many.
+    - `chunk`: number of designs.
     - `speed`, `load`: operating point, or `None` for that of the mechanism.
-    - `sources`: the sources of margins, whose errors to look for; `None` for none.
+    - `sources`: sources of margins whose errors are looked for, or `None`.
 
-    **Returns:** the quantities, with the designs in front; a code, 0 for a design that can be
-    used (see `prsm_jax.quantities.REASONS`), the others being NaN throughout; and the first error
-    of `check`, by its place in `error_names` from 1, 0 for none.
+    **Returns:** the quantities, with the designs as first axis, all NaN for an unusable design; a
+    code, 0 for a usable design (see `prsm_jax.quantities.REASONS`); and the first error of
+    `check`, by its place in `error_names` from 1, 0 for none.
     """
     shape = tuple(axis.shape[0] for axis in axes)
     total = 1
@@ -53,10 +53,10 @@ def evaluate_chunk(
         analysis = Analysis(moved, speed, load)
         if sources:
             analysis.expect(shared_loads(margins_of(moved), lambda m: m.error_limit is not None))
-        found, code = evaluate_coded(analysis, quantities)
+        results, code = evaluate_coded(analysis, quantities)
         good = code == 0
-        found = {name: jnp.where(good, value, jnp.nan) for name, value in found.items()}
-        return found, code, first_error(analysis) if sources else jnp.zeros_like(code)
+        results = {name: jnp.where(good, value, jnp.nan) for name, value in results.items()}
+        return results, code, first_error(analysis) if sources else jnp.zeros_like(code)
 
     numbers = jnp.minimum(start + jnp.arange(chunk), total - 1)
     return jax.vmap(design)(numbers)

@@ -1,4 +1,4 @@
-"""A sweep on disk: a zarr store that is either complete or not there."""
+"""A sweep on disk: a zarr store that is either complete or absent."""
 
 import os
 from pathlib import Path
@@ -10,7 +10,7 @@ from ..process import placing_in, put_folder, real_path, temporary_folder
 if TYPE_CHECKING:
     import xarray
 
-#: What marks a directory as a zarr store, format 3 and 2.
+#: Files that mark a directory as a zarr store of format 3 or 2.
 _MARKS = ("zarr.json", ".zgroup")
 
 
@@ -18,7 +18,7 @@ def check_store(store: str | os.PathLike) -> None:
     """Check, before anything is computed, that a store can be written.
 
     **Raises:** `MissingExtraError` without zarr; `ValueError` if the path holds something that is
-    not a zarr store, or its parent directory is not there.
+    not a zarr store, or its parent directory does not exist.
     """
     try:
         import zarr  # noqa: F401
@@ -26,7 +26,7 @@ def check_store(store: str | os.PathLike) -> None:
         raise missing_extra("sweep", "a zarr store", error) from error
     path = Path(store)
     if not path.absolute().parent.is_dir():
-        raise ValueError(f"store {path}: the directory {path.parent} is not there; create it")
+        raise ValueError(f"store {path}: the directory {path.parent} does not exist; create it")
     if path.exists() and not any((path / mark).exists() for mark in _MARKS):
         empty = path.is_dir() and not any(path.iterdir())
         if not empty:

@@ -41,9 +41,9 @@ def sweep(
     of static parameters (`roller_count`) has a program of its own. Memory beyond the result does
     not grow with the grid. A design that fails, because its threads do not mesh, a contact would
     have to pull, or a value is not finite, is marked in `failed` and is NaN in all quantities;
-    the other designs do not notice. A design in which `check` finds an error (teeth that interfere,
-    a carrier that cuts into the screw, a load above the static capacity) is marked in `error` with
-    the name of the first; its numbers stand.
+    the other designs are not affected. A design in which `check` finds an error (teeth that
+    interfere, a carrier that cuts into the screw, a load above the static capacity) is marked in
+    `error` with the code of the first error; its quantities are still computed.
 
     **Arguments:**
 
@@ -53,12 +53,12 @@ def sweep(
     - `quantities`: names from the catalogue.
     - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
     - `chunk`: designs per compiled call.
-    - `progress`: show a progress bar; or a function that is told how many designs are done, and
-      how many there are.
-    - `store`: directory to write as a zarr store; one that is there is replaced when the new one
+    - `progress`: show a progress bar; or a function that is called with the number of finished
+      designs and the total number.
+    - `store`: directory to write as a zarr store; an existing store is replaced when the new one
       is complete.
-    - `findings`: whether to look for errors of `check` in every design; they may rest on more than
-      the quantities do.
+    - `findings`: whether to look for errors of `check` in every design; this may need more
+      analyses than the quantities.
 
     **Returns:** an `xarray.Dataset` with one variable per quantity, the boolean `failed`, and the
     codes `code` (why a design failed) and `error` (what `check` says), over the axes (then `stage`,
@@ -66,9 +66,9 @@ def sweep(
     attributes `points`, `failed` and `errors` of the data set count designs.
 
     **Raises:** `UnknownNameError` for an unknown name; `ValueError` for axes that are empty, not
-    finite, or move the same number, and for a `store` that would replace something else;
+    finite, or set the same number, and for a `store` that would replace something else;
     `MissingDataError` where the mechanism lacks data; `MissingExtraError` without xarray, or
-    without zarr or tqdm where they are asked for.
+    without zarr or tqdm where they are needed.
     """
     try:
         import xarray  # noqa: F401
@@ -76,7 +76,7 @@ def sweep(
         raise missing_extra("sweep", "a sweep", error) from error
     if isinstance(quantities, str):
         raise ValueError(f"quantities is the text {quantities!r}; give a list of names")
-    # A quantity asked for twice is one variable all the same.
+    # A quantity that is named twice is one variable.
     names = tuple(dict.fromkeys(quantities))
     if not names:
         raise ValueError("quantities is empty; name at least one")
@@ -94,8 +94,8 @@ def sweep(
         for name, value in (("speed", speed), ("load", load))
     }
     with _progress_bar(grid.points, progress) as bar:
-        given = sources() if findings else None
-        values, codes = _evaluate(mechanism, grid, names, point, chunk, given, bar)
+        margin_sources = sources() if findings else None
+        values, codes = _evaluate(mechanism, grid, names, point, chunk, margin_sources, bar)
     dataset = labelled(mechanism, grid, values, codes, point)
     if store is not None:
         from ._store import write_store
@@ -132,7 +132,7 @@ def _evaluate(
         try:
             # One chunk at a time: one program keeps the cores busy by itself.
             for start in range(0, total, size):
-                found, *flags = evaluate_chunk(
+                results, *flags = evaluate_chunk(
                     chosen,
                     axis_names,
                     axes,
@@ -144,7 +144,7 @@ def _evaluate(
                     sources,
                 )
                 count = min(size, total - start)
-                for name, array in found.items():
+                for name, array in results.items():
                     value = np.asarray(array)
                     if name not in part:
                         part[name] = np.full((total, *value.shape[1:]), np.nan, value.dtype)
@@ -162,7 +162,7 @@ def _evaluate(
             if values[name].shape[len(grid.shape) :] != value.shape[1:]:
                 raise ValueError(
                     f"quantity {name!r} has {value.shape[1:]} components at {words} and "
-                    f"{values[name].shape[len(grid.shape) :]} before; sweep the two apart"
+                    f"{values[name].shape[len(grid.shape) :]} before; sweep them separately"
                 )
             values[name][where] = value.reshape((*shape, *value.shape[1:]))
         for name, array in part_codes.items():
@@ -170,8 +170,8 @@ def _evaluate(
     return values, codes
 
 
-class _Told:
-    """A progress bar that tells a function, or nobody."""
+class _CallbackProgress:
+    """Reports progress to a function, if there is one, in place of a progress bar."""
 
     def __init__(self, points: int, tell: Callable[[int, int], None] | None):
         self._done, self._points, self._tell = 0, points, tell
@@ -190,7 +190,7 @@ class _Told:
 
 def _progress_bar(points: int, progress: bool | Callable[[int, int], None]):
     if callable(progress) or not progress:
-        return _Told(points, progress if callable(progress) else None)
+        return _CallbackProgress(points, progress if callable(progress) else None)
     try:
         import tqdm
     except ImportError as error:

@@ -20,10 +20,10 @@ from .model import VibrationSystem, spring_network
 
 @physics("dense_modes")
 def dense_modes(system: VibrationSystem) -> Modes:
-    """All natural frequencies, shapes and families without any use of symmetry.
+    """All natural frequencies, shapes and families, without use of symmetry.
 
-    For rollers that differ in stiffness, mass or position, that are missing, or fewer than 3, and
-    for supports that differ in x and y; a symmetric stage gives what `symmetric_modes` gives.
+    For rollers that differ in stiffness, mass or position, for missing or fewer than 3 rollers,
+    and for supports that differ in x and y. A symmetric stage has the modes of `symmetric_modes`.
     Derivatives at repeated roots: see `spring_modes`.
 
     **Arguments:**
@@ -31,32 +31,36 @@ def dense_modes(system: VibrationSystem) -> Modes:
     - `system`: masses and springs from `vibration_system`.
     """
     network = spring_network(system)
-    # A carrier on its own would mix with a mode that happens to have its frequency.
-    alone = carrier_mode(system, shapes=True)
-    rest = network if alone is None else spring_network(dataclasses.replace(system, carrier=None))
+    # An uncoupled carrier would mix with any other mode of equal frequency.
+    carrier_group = carrier_mode(system, shapes=True)
+    rest = (
+        network
+        if carrier_group is None
+        else spring_network(dataclasses.replace(system, carrier=None))
+    )
     modes = spring_modes(rest)
     frequencies = modes.angular_frequencies / (2 * jnp.pi)
     share = of_elastic(meshed_share(rest, modes.shapes), frequencies)
     shapes = modes.shapes
     groups: tuple[ModeGroup, ...] = ()
-    if alone is not None:
+    if carrier_group is not None:
         shapes = jnp.concatenate([shapes, jnp.zeros_like(shapes[:1])])
-        groups = (alone,)
+        groups = (carrier_group,)
     coupled = ModeGroup(frequencies, share, 1, COUPLED, shapes[..., None])
     return Modes((*groups, coupled), system, network)
 
 
 def family_modes(modes: Modes, family: str) -> ModeGroup | None:
-    """The modes of one family, whether symmetry or only their motion tells the families apart.
+    """The modes of one family, identified by symmetry or, without it, by their motion.
 
     **Arguments:**
 
-    - `modes`: of a symmetric stage, or of any other.
+    - `modes`: of any stage, symmetric or not.
     - `family`: one of `FAMILIES`.
 
     **Returns:** the group, or `None` if the stage has no such modes by its structure. Without
-    symmetry it has an entry for every mode: frequency infinite where it belongs to another family
-    (ascending, so those come last).
+    symmetry it has an entry for every mode; modes of other families have infinite frequencies and
+    come last.
     """
     group = modes.group(family)
     coupled = modes.group(COUPLED)
@@ -67,13 +71,13 @@ def family_modes(modes: Modes, family: str) -> ModeGroup | None:
     assert coupled.shapes is not None
     shares = family_shares(modes.system, modes.network, coupled.shapes[..., 0])
     belongs = jnp.argmax(shares, axis=0) == FAMILIES.index(family)
-    found = jnp.where(belongs, coupled.frequencies, jnp.inf)
-    order = jnp.argsort(found)
-    return ModeGroup(found[order], coupled.mesh_energy_share[order], 1, family)
+    frequencies = jnp.where(belongs, coupled.frequencies, jnp.inf)
+    order = jnp.argsort(frequencies)
+    return ModeGroup(frequencies[order], coupled.mesh_energy_share[order], 1, family)
 
 
 class FrequencySlopes(eqx.Module):
-    """Natural frequencies along a path, and how each sets out from where it is."""
+    """Natural frequencies at a point of a path, and their one-sided derivatives."""
 
     #: Ascending, repeated roots repeated [Hz].
     frequencies: Float[Array, " degrees"]
@@ -89,15 +93,15 @@ def directional_derivatives(
 ) -> FrequencySlopes:
     """One-sided derivatives of every natural frequency along a path of systems.
 
-    A repeated root that the path splits has no derivative, but each member of it has one in each
-    direction: from the eigenvalues of `Φᵀ (K′ − λ M′) Φ` in the root's subspace. They differ by
-    direction, so no `jax.grad` can give them. Derivatives that hold in every direction are those
-    of a cluster's mean, which `spring_modes` and `dense_modes` have.
+    A repeated root that the path splits has no derivative, but each of its members has one in each
+    direction: from the eigenvalues of `Φᵀ (K′ − λ M′) Φ` in the subspace of the root. It depends
+    on the direction, so `jax.grad` cannot give it. The mean of a cluster has a derivative that is
+    valid in every direction: that of `spring_modes` and `dense_modes`.
 
     **Arguments:**
 
     - `system_at`: gives the system for a value of the path's parameter; differentiable.
-    - `at`: where on the path.
+    - `at`: value of the path's parameter.
     """
     place = jnp.asarray(at, jnp.result_type(float))
     network, change = jax.jvp(
@@ -106,13 +110,13 @@ def directional_derivatives(
     values, forward, backward = directional_slopes(network, change)
     frequencies = frequency(values)
     elastic = above_or_nan(frequencies)
-    # f = √λ/2π; where nothing holds the body f leaves zero with a slope only if λ grows with t².
+    # f = √λ/2π; for a rigid motion f has a slope at zero only if λ grows with t².
     rate = jnp.where(elastic, 1 / (8 * jnp.pi**2 * jnp.where(elastic, frequencies, 1.0)), 0.0)
     return FrequencySlopes(frequencies, rate * forward, rate * backward)
 
 
 def stage_modes(system: VibrationSystem, *, shapes: bool = False) -> Modes:
-    """Modes by the path that the scene allows: symmetric where its structure is, else dense."""
+    """Modes of a stage: by symmetry if its structure is symmetric, else from all coordinates."""
     return symmetric_modes(system, shapes=shapes) if system.symmetric else dense_modes(system)
 
 

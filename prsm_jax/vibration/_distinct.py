@@ -12,18 +12,18 @@ from .model import VibrationSystem, roller_corner
 
 
 class DistinctFrequencies(eqx.Module):
-    """Every natural frequency of a symmetric stage, once [Hz].
+    """Every natural frequency of a symmetric stage, listed once [Hz].
 
-    With n bodies on the axis there are n + 1 torsional and n + 1 transverse ones, ascending.
+    With n bodies on the axis there are n + 1 torsional and n + 1 transverse frequencies, ascending.
     """
 
     #: Simple; `None` without a carrier.
     carrier: Scalar | None
     #: Simple.
     torsional: Float[Array, " modes"]
-    #: Each of them double.
+    #: Each with multiplicity 2.
     transverse: Float[Array, " modes"]
-    #: N − 3 times; not there with three rollers.
+    #: Multiplicity N − 3: it does not occur with three rollers.
     roller: Scalar
 
 
@@ -37,23 +37,23 @@ def distinct_frequencies(
     does not depend on the number of rollers, which may be traced. Under `jax.vmap`, over a system
     whose numbers are arrays of designs, everything is one fused loop over designs; chunks of a few
     thousand designs stay in the cache (`prsm_jax.sweeps.map_in_chunks`). Derivatives of first and
-    second order are closed forms, right at repeated and at zero roots.
+    second order are closed forms, correct at repeated and at zero roots.
 
     **Arguments:**
 
     - `system`: masses and springs from `vibration_system`; rollers that only rotate.
-    - `roller_count`: takes the place of the system's own. The equivalent mass of the carrier
-      contains the rollers that it leads: give a system that counts them alike.
+    - `roller_count`: replaces the number of the system. The equivalent mass of the carrier
+      contains the rollers: give a system with the same number.
 
     **Returns:** the frequencies; NaN where a negative stiffness, a mass that is not positive, or
     NaN enters them.
 
-    **Raises:** `ValueError` for a system without that symmetry, or with rollers that move in
+    **Raises:** `ValueError` for a system without this symmetry, or with rollers that move in
     translation.
     """
     if not system.symmetric or system.translation is not None:
         raise ValueError(
-            "distinct_frequencies needs at least 3 equal rollers, evenly spaced, supports alike in "
+            "distinct_frequencies needs at least 3 equal rollers, evenly spaced, supports equal in "
             "x and y, and rollers that only rotate; use stage_modes for any other system"
         )
     bodies, roller = system.bodies, system.roller_equivalent_mass

@@ -1,4 +1,4 @@
-"""Natural frequencies along one parameter: which curves cross, and which veer away."""
+"""Natural frequencies over one parameter: which curves cross, and which veer."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,16 +21,16 @@ from ._modes import COUPLED, Modes
 from ._spring_modes import clusters
 from .model import vibration_system
 
-#: Two curves veer where they come closer than this share of their mean frequency and part again.
+#: Two curves veer where they come closer than this share of their mean frequency and diverge again.
 _CLOSE = 0.1
 
 
 @dataclass(frozen=True)
 class Veering:
-    """Two curves of one family that come close and part again without touching."""
+    """Two curves of one family that approach and diverge again without touching."""
 
     family: str
-    #: Which curves of the family, from 0.
+    #: Index of the lower curve in the family, from 0; the other is the next one.
     lower: int
     #: Index of the value at which they are closest.
     at: int
@@ -42,10 +42,10 @@ class Veering:
 class FrequencyLoci(AbstractResult):
     """Natural frequencies of one stage as curves over a parameter.
 
-    In a symmetric stage each family has its own curves: those of different families cross, those
-    of one family veer, so each is followed by the order of its frequencies. Without symmetry all
-    but the carrier's are one family named `coupled`; then `shares` tells how much of each mode is
-    in which.
+    In a symmetric stage each family has its own curves: curves of different families cross, curves
+    of one family veer, so each keeps its place in the order of frequencies. Without symmetry all
+    modes except the carrier's are one family named `coupled`; `shares` then gives the share of
+    each mode in each family.
     """
 
     #: Values of the parameter [SI].
@@ -58,7 +58,7 @@ class FrequencyLoci(AbstractResult):
     valid: Bool[Array, " points"]
     parameter: str = eqx.field(static=True)
     unit: str = eqx.field(static=True)
-    #: How often the modes of each family occur; of the first point, if the parameter changes it.
+    #: Multiplicity of the modes of each family; at the first point, if the parameter changes it.
     multiplicities: dict[str, int] = eqx.field(static=True)
     stage: int = eqx.field(static=True)
     #: Whether only whole numbers are possible (the number of rollers).
@@ -66,18 +66,18 @@ class FrequencyLoci(AbstractResult):
 
     @property
     def batch_shape(self) -> tuple[int, ...]:
-        """Axes of the batch that these curves are of; empty for a single design."""
+        """Axes of a batch of curves; empty for a single design."""
         return self.valid.shape[:-1]
 
     @each
     def veerings(self) -> tuple[Veering, ...]:
-        """Where two neighbouring curves of one family come close and part again, closest first.
+        """Where two neighbouring curves of one family approach and diverge again, closest first.
 
-        Of a batch an array of such tuples, one for each design.
-        Not inside a trace. Both ends of the range must lie at least twice as far apart as the
-        closest point; curves that coincide are repeated roots and do not count.
+        For a batch: an array of such tuples, one for each design. Not available inside a trace. On
+        either side of the closest point the relative distance must reach more than twice its
+        minimum; curves that coincide are repeated roots and do not count.
         """
-        found = []
+        ranked = []
         for family, curves in self.frequencies.items():
             rows = np.asarray(curves)
             for lower in range(rows.shape[1] - 1):
@@ -86,31 +86,31 @@ class FrequencyLoci(AbstractResult):
                 if len(gap) < 3 or not np.isfinite(gap).all():
                     continue
                 at = int(np.argmin(gap))
-                apart = min(gap[: at + 1].max(), gap[at:].max()) > 2 * gap[at]
-                if 0 < at < len(gap) - 1 and apart and 1e-9 < gap[at] < _CLOSE:
+                diverge = min(gap[: at + 1].max(), gap[at:].max()) > 2 * gap[at]
+                if 0 < at < len(gap) - 1 and diverge and 1e-9 < gap[at] < _CLOSE:
                     value = float(self.values[at])
                     both = (float(low[at]), float(high[at]))
-                    found.append((gap[at], Veering(family, lower, at, value, both)))
-        return tuple(veering for _, veering in sorted(found, key=lambda pair: pair[0]))
+                    ranked.append((gap[at], Veering(family, lower, at, value, both)))
+        return tuple(veering for _, veering in sorted(ranked, key=lambda pair: pair[0]))
 
 
 def _point(
     mechanism: Mechanism, stage: int, load: float | Scalar | None
 ) -> tuple[dict[str, Array], Float[Array, "4 modes"] | None, Bool[Array, ""]]:
-    """Frequencies by family, shares of coupled modes, and whether the numbers can be used."""
+    """Frequencies by family, shares of coupled modes, and whether the numbers are usable."""
     chosen = mechanism.stages[stage - 1]
     flags: list[Bool[Array, ""]] = []
 
     def contact() -> StageContact | LoadDistribution:
         meshing = mesh(chosen.thread) if chosen.curvature == "exact" else None
-        found = loaded_threads(chosen, jnp.abs(load_of(mechanism, load)), meshing)
+        contacts = loaded_threads(chosen, jnp.abs(load_of(mechanism, load)), meshing)
         if meshing is not None:
             flags.append(meshing.converged)
-        if isinstance(found, LoadDistribution):
-            flags.append(found.converged)
-            return found
-        flags.extend(side.hertz.semi_major >= 0 for side in (found.screw, found.nut))
-        return found
+        if isinstance(contacts, LoadDistribution):
+            flags.append(contacts.converged)
+            return contacts
+        flags.extend(side.hertz.semi_major >= 0 for side in (contacts.screw, contacts.nut))
+        return contacts
 
     modes = stage_modes(vibration_system(chosen, thread_stiffness(chosen, contact)))
     frequencies = {group.family: group.frequencies for group in modes.groups}
@@ -151,8 +151,8 @@ def frequency_loci(
 ) -> FrequencyLoci:
     """Natural frequencies of one stage for every value of one parameter.
 
-    All values run through one compiled function at once; whole numbers such as `roller_count`,
-    which are part of the program, one by one.
+    One compiled function evaluates all values at once; whole numbers such as `roller_count`, which
+    are part of the program, are evaluated one by one.
 
     **Arguments:**
 
@@ -164,11 +164,11 @@ def frequency_loci(
     - `load`: axial load at which the contact stiffness is taken [N]; default that of the operating
       point.
 
-    **Returns:** the curves, a family at a time.
+    **Returns:** the curves by family.
 
-    **Raises:** `UnknownNameError` for a parameter that is not there; `ValueError` for values that
-    are not at least two, finite and in order, or a stage that is not there; `MissingDataError` if
-    the mechanism lacks data.
+    **Raises:** `UnknownNameError` for an unknown parameter; `ValueError` for fewer than two values,
+    values that are not finite or not in order, or a stage that does not exist; `MissingDataError`
+    if the mechanism lacks data.
     """
     if not 1 <= stage <= len(mechanism.stages):
         raise ValueError(f"stage is {stage}; the mechanism has stages 1 to {len(mechanism.stages)}")
@@ -178,13 +178,13 @@ def frequency_loci(
     if points.ndim != 1 or len(points) < 2 or not np.isfinite(points).all():
         raise ValueError(f"values of {parameter} must be a list of at least two finite numbers")
     if not ((steps > 0).all() or (steps < 0).all()):
-        raise ValueError(f"values of {parameter} must ascend or descend, none twice")
+        raise ValueError(f"values of {parameter} must be strictly ascending or descending")
     dtype = mechanism.stages[stage - 1].thread.lead.dtype
     first = mechanism
     if known.static:
         each = [set_parameter(mechanism, parameter, value) for value in points]
-        first, found = each[0], [_one_point(one, stage, load) for one in each]
-        frequencies, shares, valid = _stacked(found)
+        first, results = each[0], [_one_point(one, stage, load) for one in each]
+        frequencies, shares, valid = _stacked(results)
     else:
         frequencies, shares, valid = _all_points(
             mechanism, jnp.asarray(points, dtype), parameter, stage, load
@@ -204,8 +204,8 @@ def frequency_loci(
     )
 
 
-def _stacked(found: list) -> tuple[dict[str, Array], Array | None, Array]:
-    """Points of which some may have modes that others lack: those are NaN."""
+def _stacked(results: list) -> tuple[dict[str, Array], Array | None, Array]:
+    """Results of all points as arrays; modes that a point lacks are NaN."""
 
     def padded(rows: list[np.ndarray], fill: float) -> Array:
         longest = max(row.shape[-1] for row in rows)
@@ -215,12 +215,12 @@ def _stacked(found: list) -> tuple[dict[str, Array], Array | None, Array]:
         ]
         return jnp.asarray(np.stack(filled))
 
-    names = [name for name in (*FAMILIES, COUPLED) if any(name in point[0] for point in found)]
+    names = [name for name in (*FAMILIES, COUPLED) if any(name in point[0] for point in results)]
     frequencies = {
-        name: padded([np.asarray(point[0].get(name, np.zeros(0))) for point in found], np.nan)
+        name: padded([np.asarray(point[0].get(name, np.zeros(0))) for point in results], np.nan)
         for name in names
     }
     shares = None
-    if all(point[1] is not None for point in found):
-        shares = padded([np.asarray(point[1]) for point in found], 0.0)
-    return frequencies, shares, jnp.stack([point[2] for point in found])
+    if all(point[1] is not None for point in results):
+        shares = padded([np.asarray(point[1]) for point in results], 0.0)
+    return frequencies, shares, jnp.stack([point[2] for point in results])

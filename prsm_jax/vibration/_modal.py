@@ -23,11 +23,11 @@ def modal(
 ) -> Modes:
     """Natural frequencies and families of one stage, bending–torsional (Wu et al. 2022).
 
-    Equal, evenly spaced rollers on supports that are equal in x and y are solved by symmetry, at
-    a cost that does not depend on N; a mechanism that says otherwise (`unequal_roller`,
-    `radial_stiffness_y`) by all its degrees of freedom. Which of the two is traced is decided by
-    what the mechanism mentions, not by its numbers. Rollers move in translation too where
-    `roller.support` is given.
+    A stage with equal, evenly spaced rollers and supports that are equal in x and y is solved by
+    symmetry, at a cost that does not depend on N; any other (`unequal_roller`,
+    `radial_stiffness_y`) with all its degrees of freedom. The entries that are present decide
+    which of the two is traced, not their numbers. Rollers also translate if `roller.support` is
+    given.
 
     **Arguments:**
 
@@ -38,8 +38,8 @@ def modal(
       point, and not needed where the stiffnesses are given.
     - `shapes`: also give mass-normalised mode shapes and energy shares.
 
-    **Raises:** `MissingDataError` if data are missing; `ValueError` for a stage that is not
-    there.
+    **Raises:** `MissingDataError` if data are missing; `ValueError` for a stage that does not
+    exist.
     """
     if not 1 <= stage <= len(mechanism.stages):
         raise ValueError(f"stage is {stage}; the mechanism has stages 1 to {len(mechanism.stages)}")

@@ -1,4 +1,4 @@
-"""Natural frequencies, families and shapes of one stage: what an analysis returns."""
+"""Natural frequencies, families and shapes of one stage: the result of a modal analysis."""
 
 from collections.abc import Callable
 
@@ -21,7 +21,7 @@ from .model import (
 #: A frequency below this share of the largest one is a rigid-body motion: rounding leaves it at
 #: about 1e-16, and no spring is that soft.
 _RIGID_SHARE = 1e-13
-#: Family of a group whose modes no symmetry tells apart.
+#: Family of a group whose modes are not separated by symmetry.
 COUPLED = "coupled"
 
 
@@ -34,7 +34,7 @@ class ModeGroup(eqx.Module):
     mesh_energy_share: Float[Array, " modes"]
     multiplicity: int = eqx.field(static=True)
     family: str = eqx.field(static=True)
-    #: Mass-normalised shapes [1/√kg], where they were asked for.
+    #: Mass-normalised shapes [1/√kg], if requested.
     shapes: Float[Array, "coordinates modes multiplicity"] | None = None
 
 
@@ -54,11 +54,11 @@ class Modes(AbstractResult):
     `frequencies` lists all degrees of freedom in ascending order, repeated roots repeated;
     `families`, `multiplicities` and the columns of `shapes` go with it. The order, and with it
     `families`, depends on values and is therefore only available outside of a trace; inside one
-    use `groups`. Where the stage is symmetric, groups are its families. Where it is not, one
-    group named `coupled` has all modes but the carrier's.
+    use `groups`. The groups of a symmetric stage are its families. Without symmetry,
+    one group named `coupled` has all modes except the carrier's.
 
-    What can be differentiated: frequencies (of a stage that is not symmetric with the reservation
-    of `spring_modes` at repeated roots), energy shares, and the shapes of simple roots.
+    Differentiable are frequencies (without symmetry as far as `spring_modes` states for repeated
+    roots), energy shares, and the shapes of simple roots.
     """
 
     groups: tuple[ModeGroup, ...]
@@ -67,7 +67,7 @@ class Modes(AbstractResult):
 
     @property
     def batch_shape(self) -> tuple[int, ...]:
-        """Axes of the batch that these modes are of; empty for a single design."""
+        """Axes of a batch of modes; empty for a single design."""
         return self.groups[0].frequencies.shape[:-1]
 
     def _repeated(self) -> Float[Array, " degrees"]:
@@ -78,22 +78,22 @@ class Modes(AbstractResult):
     def frequencies(self) -> Float[Array, "*batch degrees"]:
         """All natural frequencies, ascending, repeated roots repeated [Hz].
 
-        Where one of them is NaN so are all, for its place in the order is not known.
+        If one of them is NaN, all are, because its place in the order is unknown.
         """
         return _ascending(self.groups)
 
-    def _asked(self) -> tuple[VibrationSystem, SpringNetwork]:
+    def _with_shapes(self) -> tuple[VibrationSystem, SpringNetwork]:
         if self.system is None or self.network is None:
-            raise ValueError("the mode shapes were not asked for; call modal(..., shapes=True)")
+            raise ValueError("the mode shapes were not requested; call modal(..., shapes=True)")
         return self.system, self.network
 
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:
         """The degrees of freedom: the rows of `shapes`.
 
-        **Raises:** `ValueError` if shapes were not asked for.
+        **Raises:** `ValueError` if shapes were not requested.
         """
-        return self._asked()[1].coordinates
+        return self._with_shapes()[1].coordinates
 
     @property
     @mapped
@@ -103,7 +103,7 @@ class Modes(AbstractResult):
         Rotations are displacements u = r θ on the nominal circle. The shapes of a repeated root
         are one orthonormal choice among many, and a shape's sign is arbitrary.
 
-        **Raises:** `ValueError` if shapes were not asked for.
+        **Raises:** `ValueError` if shapes were not requested.
         """
         size = len(self.coordinates)
         columns = []
@@ -114,8 +114,8 @@ class Modes(AbstractResult):
         return jnp.concatenate(columns, axis=1)[:, order]
 
     def _averaged(self, energies: Callable[[Array], dict[str, Array]]) -> dict[str, Array]:
-        """Shares of every mode in energies that are summed over the members of a repeated root."""
-        found: list[dict[str, Array]] = []
+        """Energy shares of every mode, summed over the members of a repeated root."""
+        energy_shares: list[dict[str, Array]] = []
         for group in self.groups:
             assert group.shapes is not None
             size, modes, multiplicity = group.shapes.shape
@@ -128,20 +128,23 @@ class Modes(AbstractResult):
                     name: jnp.sum(row.reshape(modes, multiplicity), axis=1)
                     for name, row in each.items()
                 }
-            found.append({k: jnp.repeat(v, multiplicity) for k, v in shares(sums).items()})
+            energy_shares.append({k: jnp.repeat(v, multiplicity) for k, v in shares(sums).items()})
         order = jnp.argsort(self._repeated(), stable=True)
-        return {name: jnp.concatenate([row[name] for row in found])[order] for name in found[0]}
+        return {
+            name: jnp.concatenate([row[name] for row in energy_shares])[order]
+            for name in energy_shares[0]
+        }
 
     @mapped
     def kinetic_energy_shares(self, *, each_roller: bool = False) -> dict[str, Array]:
         """Share of the kinetic energy in each body, for each entry of `frequencies`.
 
-        Taken over all members of a repeated root together, so it does not depend on their choice
-        and can be differentiated.
+        Summed over all members of a repeated root, so it does not depend on their choice and is
+        differentiable.
 
-        **Raises:** `ValueError` if shapes were not asked for.
+        **Raises:** `ValueError` if shapes were not requested.
         """
-        _, network = self._asked()
+        _, network = self._with_shapes()
         return self._averaged(
             lambda shapes: kinetic_energies(network, shapes, each_roller=each_roller)
         )
@@ -150,18 +153,18 @@ class Modes(AbstractResult):
     def strain_energy_shares(self, *, each_spring: bool = False) -> dict[str, Array]:
         """Share of the strain energy in each kind of spring, for each entry of `frequencies`.
 
-        Modes that are held by supports are told apart from those of the contacts by these shares;
-        a rigid motion has none. Taken over all members of a repeated root together.
+        These shares distinguish modes of the supports from modes of the contacts; they are 0 for a
+        rigid motion. Summed over all members of a repeated root.
 
-        **Raises:** `ValueError` if shapes were not asked for.
+        **Raises:** `ValueError` if shapes were not requested.
         """
-        _, network = self._asked()
-        found = self._averaged(
+        _, network = self._with_shapes()
+        energy_shares = self._averaged(
             lambda shapes: strain_energies(network, shapes, each_spring=each_spring)
         )
-        # Of a rigid motion there is nothing but rounding to be shared.
+        # The strain energy of a rigid motion is only rounding.
         rigid = self.frequencies <= _RIGID_SHARE * self.frequencies[-1]
-        return {name: jnp.where(rigid, 0.0, row) for name, row in found.items()}
+        return {name: jnp.where(rigid, 0.0, row) for name, row in energy_shares.items()}
 
     def _labels(self) -> list[tuple[float, str, int]]:
         rows = []
@@ -176,7 +179,7 @@ class Modes(AbstractResult):
         return sorted(rows, key=lambda row: row[0])
 
     def _family_indices(self, group: ModeGroup) -> list[int]:
-        system, network = self._asked()
+        system, network = self._with_shapes()
         assert group.shapes is not None
         shares = family_shares(system, network, group.shapes[..., 0])
         return jnp.argmax(shares, axis=0).tolist()
@@ -186,20 +189,20 @@ class Modes(AbstractResult):
     def families(self) -> tuple[str, ...]:
         """Family of each entry of `frequencies`: rigid, carrier, torsional, transverse, roller.
 
-        By symmetry; where there is none, the family in which most of the mode's kinetic energy is.
+        By symmetry; without it, the family with the largest share of the mode's kinetic energy.
         """
         return tuple(family for _, family, _ in self._labels())
 
     @property
     @listed
     def multiplicities(self) -> tuple[int, ...]:
-        """Multiplicity by symmetry of each entry of `frequencies`; 1 where there is none."""
+        """Multiplicity by symmetry of each entry of `frequencies`; 1 without symmetry."""
         return tuple(multiplicity for _, _, multiplicity in self._labels())
 
     @property
     @listed
     def distinct(self) -> tuple[int, ...]:
-        """Where each distinct root first stands in `frequencies`, repeated ones counted once."""
+        """First index in `frequencies` of each distinct root."""
         places, at, times = [], 0, self.multiplicities
         while at < len(times):
             places.append(at)
@@ -214,13 +217,13 @@ class Modes(AbstractResult):
 def of_elastic(
     share: Float[Array, " modes"], frequencies: Float[Array, " modes"]
 ) -> Float[Array, " modes"]:
-    """Shares of strain energy, and 0 for a rigid motion: what it has is rounding."""
+    """Shares of strain energy; 0 for a rigid motion, whose strain energy is only rounding."""
     rigid = frequencies <= _RIGID_SHARE * jnp.max(frequencies)
     return jnp.where(rigid, 0.0, share)
 
 
 def frequency(eigenvalue: Float[Array, " modes"]) -> Float[Array, " modes"]:
-    """√λ/2π [Hz]; value and derivative 0 where nothing holds the body."""
+    """√λ/2π [Hz]; value and derivative are 0 for a rigid motion."""
     free = eigenvalue <= 0
-    # Not the other way round: what is not a number stays so.
+    # Not `eigenvalue > 0`, so that NaN stays NaN.
     return jnp.where(free, 0.0, jnp.sqrt(jnp.where(free, 1.0, eigenvalue))) / (2 * jnp.pi)

@@ -4,14 +4,14 @@ The shapes are the right singular vectors of `√k G M^{-1/2}`, the square root 
 matrix: its small singular values keep twice the digits that the small eigenvalues of the matrix
 would have. Eigenvalues are then sums over springs, in which nothing cancels.
 
-What is differentiable at a repeated root, and what is not: the mean of a cluster's eigenvalues or
-frequencies and everything that belongs to its whole subspace (summed energies, receptances,
-projections) are; the single eigenvalue is not, unless the change leaves the cluster together, and
-the single shape never is. The rules below treat a cluster as what it is to a derivative: a small
-matrix `B = Vᴴ A V` on a subspace, which turns out of itself but not within. Each member gets the
-mean slope of its cluster. That is exact for everything that is differentiable, to second order,
-and finite for the rest. How the members of a cluster part along a given change is what
-`directional_slopes` gives.
+At a repeated root the eigenvalues form a cluster. Differentiable are the mean of its eigenvalues
+or frequencies, and everything that belongs to its whole subspace (summed energies, receptances,
+projections). A single eigenvalue is differentiable only if the change does not split the cluster,
+and a single shape never is. The rules below therefore treat a cluster as a small matrix
+`B = Vᴴ A V` on a subspace; the subspace turns towards others, but not within itself. Each member
+gets the mean slope of its cluster. This is exact to second order for everything that is
+differentiable, and finite for the rest. `directional_slopes` gives the slopes of the single
+members along a given change.
 """
 
 import equinox as eqx
@@ -22,11 +22,11 @@ from jaxtyping import Array, Bool, Float, Inexact
 from ..numerics import above_or_nan, hermitian_eigenvalues, singular_values
 from .model import SpringNetwork
 
-#: Eigenvalues closer than this share of themselves are one cluster. Those of an exact cluster
-#: differ by about 1e-15; what lies between is a nearly repeated root, for which a mean slope
-#: over so narrow a gap is off only in how the members part.
+#: Relative distance below which eigenvalues are one cluster. Those of an exact cluster differ by
+#: about 1e-15. At a distance in between the root is nearly repeated; the error of a mean slope
+#: over such a narrow gap is only in how the members separate.
 _CLUSTER = 1e-11
-#: Below this share of the largest eigenvalue a root is zero: a rigid motion leaves 1e-32.
+#: Below this share of the largest eigenvalue a root is zero: a rigid motion has 1e-32.
 _ZERO = 1e-26
 
 
@@ -51,21 +51,20 @@ def clusters(eigenvalues: Float[Array, " modes"]) -> Bool[Array, "modes modes"]:
 
 
 def _stretches(stiffness, rows, vectors, values):
-    """Elongation of every spring in every mode, with its digits in stiff springs too.
+    """Elongation of every spring in every mode, accurate in stiff springs too.
 
-    A stiff spring stretches by next to nothing in a soft mode, and `G v` leaves the rounding of v
-    of it, of which the stiffness makes a large force. But the forces are in balance,
-    `Gᴴ k G v = λ v`, and what they lack of it tells how much of stiffer modes there is in v: δ of
-    `A δ = A v − λ v`.
+    In a soft mode a stiff spring hardly stretches: `G v` is mainly rounding of v, which the
+    stiffness turns into a large force. But the forces must be in equilibrium, `Gᴴ k G v = λ v`.
+    The residual gives the error δ of v, its share of stiffer modes: `A δ = A v − λ v`.
     """
     stretch = rows @ vectors
-    missing = rows.conj().T @ (stiffness[:, None].astype(rows.dtype) * stretch)
-    missing = missing - vectors * values[None, :].astype(rows.dtype)
+    residual = rows.conj().T @ (stiffness[:, None].astype(rows.dtype) * stretch)
+    residual = residual - vectors * values[None, :].astype(rows.dtype)
     stiffer = values[:, None] > jnp.maximum(values, _ZERO * jnp.max(values))[None, :]
     divisor = jnp.where(stiffer, values[:, None], 1.0).astype(rows.dtype)
-    share = vectors.conj().T @ missing / divisor
+    share = vectors.conj().T @ residual / divisor
     error = vectors @ jnp.where(stiffer, share, jnp.zeros_like(share))
-    # Zero but for rounding, and so are its derivatives.
+    # The correction is zero except for rounding, and so are its derivatives.
     return stretch - jax.lax.stop_gradient(rows @ error)
 
 
@@ -84,8 +83,8 @@ def _diagonal(matrix):
 
 # The two functions below solve `B X − X B = −C` and `R Y + Y R = C` for B and R that are diagonal
 # in value, but whose derivatives have entries off the diagonal. The second term is zero in value
-# and gives those their due. Rules of their own would not do: reverse mode transposes the function
-# itself, so forward over reverse would see a diagonal matrix only.
+# and adds the effect of these entries. Custom derivative rules would not suffice: reverse mode
+# transposes the function itself, so forward over reverse would see a diagonal matrix only.
 
 
 def _off_diagonal(matrix):
@@ -93,27 +92,27 @@ def _off_diagonal(matrix):
 
 
 def _turn(blocks, change):
-    """How subspaces turn into each other: X with `B X − X B = −change`, none within a cluster."""
+    """Rotation of subspaces into each other: X with `B X − X B = −change`, 0 within a cluster."""
     values = _diagonal(blocks)
-    together = clusters(values)
-    gaps = jnp.where(together, 1.0, values[None, :] - values[:, None]).astype(change.dtype)
+    same_cluster = clusters(values)
+    gaps = jnp.where(same_cluster, 1.0, values[None, :] - values[:, None]).astype(change.dtype)
 
     def divided(matrix):
-        return jnp.where(together, jnp.zeros_like(matrix), matrix / gaps)
+        return jnp.where(same_cluster, jnp.zeros_like(matrix), matrix / gaps)
 
     first, rest = divided(change), _off_diagonal(blocks)
     return first + divided(rest @ first - first @ rest)
 
 
 def _halved(root, change):
-    """Y with `root Y + Y root = change`; 0 where the root is, but for rounding."""
+    """Y with `root Y + Y root = change`; 0 where the root is zero within rounding."""
     values = _diagonal(root)
     total = values[None, :] + values[:, None]
-    held = above_or_nan(total, jax.lax.stop_gradient(_ZERO**0.5 * jnp.max(values)))
-    divisor = jnp.where(held, total, 1.0).astype(change.dtype)
+    nonzero = above_or_nan(total, jax.lax.stop_gradient(_ZERO**0.5 * jnp.max(values)))
+    divisor = jnp.where(nonzero, total, 1.0).astype(change.dtype)
 
     def divided(matrix):
-        return jnp.where(held, matrix / divisor, jnp.zeros_like(matrix))
+        return jnp.where(nonzero, matrix / divisor, jnp.zeros_like(matrix))
 
     first, rest = divided(change), _off_diagonal(root)
     return first - divided(rest @ first + first @ rest)
@@ -134,8 +133,8 @@ def _modes_jvp(primals, tangents):
     blocks, vectors = _modes(stiffness, rows)
     values = _diagonal(blocks)
     projected = _projected_change(stiffness, rows, vectors, values, stiffness_change, rows_change)
-    together = clusters(values)
-    within = jnp.where(together, projected, jnp.zeros_like(projected))
+    same_cluster = clusters(values)
+    within = jnp.where(same_cluster, projected, jnp.zeros_like(projected))
     return (blocks, vectors), (within, vectors @ _turn(blocks, projected))
 
 
@@ -152,9 +151,9 @@ def _matrix_root_jvp(primals, tangents):
     return root, _halved(root, *tangents)
 
 
-def _cluster_means(together, values):
-    members = together.astype(values.dtype)
-    # The values themselves stay as they are: only their derivatives are shared.
+def _cluster_means(same_cluster, values):
+    members = same_cluster.astype(values.dtype)
+    # The values are unchanged: only their derivatives are averaged.
     mean = members @ values / jnp.sum(members, axis=1)
     return jax.lax.stop_gradient(values - mean) + mean
 
@@ -169,21 +168,21 @@ def spring_modes(network: SpringNetwork) -> SpringModes:
 
     Derivatives, of first and second order, with dA of the mass-scaled matrix A and its
     orthonormal vectors v: `dλ_i = mean over the cluster of v_jᵀ dA v_j` and
-    `dv_i = Σ v_a v_aᵀ dA v_i / (λ_i − λ_a)` over the a outside of i's cluster, so no vanishing gap
-    is ever a divisor. Differentiable at a repeated root are means and sums over its members; not
-    the single member of a root that the change splits (see `directional_slopes`), and not the
-    single shape.
+    `dv_i = Σ v_a v_aᵀ dA v_i / (λ_i − λ_a)` over all a outside the cluster of i, so a vanishing gap
+    is never a divisor. At a repeated root, means and sums over its members are differentiable; a
+    single member of a root that the change splits (see `directional_slopes`) and a single shape
+    are not.
 
     **Arguments:**
 
-    - `network`: the springs and masses; no fewer springs than coordinates, none negative.
+    - `network`: the springs and masses; at least as many springs as coordinates, none negative.
     """
     stiffness, rows, weight = _scaled(network)
     blocks, vectors = _modes(stiffness, rows)
-    together = clusters(_diagonal(blocks))
+    same_cluster = clusters(_diagonal(blocks))
     return SpringModes(
-        _cluster_means(together, _diagonal(blocks)),
-        _cluster_means(together, _diagonal(_matrix_root(blocks))),
+        _cluster_means(same_cluster, _diagonal(blocks)),
+        _cluster_means(same_cluster, _diagonal(_matrix_root(blocks))),
         weight[:, None].astype(vectors.dtype) * vectors,
     )
 
@@ -193,16 +192,16 @@ def directional_slopes(
 ) -> tuple[Float[Array, " modes"], Float[Array, " modes"], Float[Array, " modes"]]:
     """Eigenvalues, and their one-sided slopes along a change of the network.
 
-    The slopes of a repeated root are the eigenvalues of `Φᵀ (dK − λ dM) Φ` in its subspace. Going
-    forward the ascending eigenvalues take them in ascending order, coming from behind in
-    descending order: the two one-sided derivatives agree only where the root does not part.
+    The slopes of a repeated root are the eigenvalues of `Φᵀ (dK − λ dM) Φ` in its subspace. The
+    forward derivatives of the ascending eigenvalues are these slopes in ascending order, the
+    backward derivatives in descending order. Both agree only if the root does not split.
 
     **Arguments:**
 
     - `network`: the springs and masses.
     - `change`: their tangent, as `jax.jvp` of the network gives it.
 
-    **Returns:** eigenvalues, slopes forward, slopes from behind.
+    **Returns:** eigenvalues, forward slopes, backward slopes.
     """
     (stiffness, rows), (stiffness_change, rows_change) = jax.jvp(
         lambda n: _scaled(n)[:2], (network,), (change,)
@@ -210,13 +209,13 @@ def directional_slopes(
     blocks, vectors = _modes(stiffness, rows)
     values = _diagonal(blocks)
     projected = _projected_change(stiffness, rows, vectors, values, stiffness_change, rows_change)
-    together = clusters(values)
-    inside = jnp.where(together, projected, jnp.zeros_like(projected))
+    same_cluster = clusters(values)
+    inside = jnp.where(same_cluster, projected, jnp.zeros_like(projected))
     # One eigenproblem for all clusters, each scaled to a norm of one.
-    size = jnp.sqrt(together.astype(values.dtype) @ jnp.sum(jnp.abs(inside) ** 2, axis=1))
+    size = jnp.sqrt(same_cluster.astype(values.dtype) @ jnp.sum(jnp.abs(inside) ** 2, axis=1))
     size = jnp.where(size == 0, 1.0, size)
     slopes = hermitian_eigenvalues(inside / size[:, None].astype(inside.dtype)) * size
-    first = jnp.argmax(together, axis=1)
+    first = jnp.argmax(same_cluster, axis=1)
     _, slopes = jax.lax.sort((first, slopes), num_keys=2)
-    last = first + jnp.sum(together, axis=1) - 1
+    last = first + jnp.sum(same_cluster, axis=1) - 1
     return values, slopes, slopes[first + last - jnp.arange(len(values))]

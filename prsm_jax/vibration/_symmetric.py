@@ -1,4 +1,4 @@
-"""Modes of a symmetric stage, family by family; the cost does not depend on the rollers' number."""
+"""Modes of a symmetric stage, family by family; at a cost independent of the number of rollers."""
 
 import jax
 import jax.numpy as jnp
@@ -29,8 +29,8 @@ _ROLLER = Coordinate("roller", "u")
 
 def meshed_share(network: SpringNetwork, shapes) -> Float[Array, " modes"]:
     """Share of each mode's strain energy in the contacts; 0 for a rigid motion."""
-    found = shares(strain_energies(network, shapes))
-    return jnp.sum(jnp.stack([row for name, row in found.items() if is_mesh(name)]), axis=0)
+    energy_shares = shares(strain_energies(network, shapes))
+    return jnp.sum(jnp.stack([row for name, row in energy_shares.items() if is_mesh(name)]), axis=0)
 
 
 def _of_block(
@@ -48,35 +48,35 @@ def _group(
     shapes: bool,
 ) -> ModeGroup:
     values, small = modes
-    whole = None
+    stage_shapes = None
     if shapes:
         direction = "uw"[harmonic]
         amplitudes = {
             Coordinate(body.name, direction): row
             for body, row in zip(system.bodies, small[:-1], strict=True)
         }
-        whole = harmonic_shapes(system, harmonic, amplitudes | {_ROLLER: small[-1]})
+        stage_shapes = harmonic_shapes(system, harmonic, amplitudes | {_ROLLER: small[-1]})
     frequencies = frequency(values)
     share = of_elastic(mesh_energy_share(block, small), frequencies)
-    return ModeGroup(frequencies, share, harmonic + 1, family, whole)
+    return ModeGroup(frequencies, share, harmonic + 1, family, stage_shapes)
 
 
 def _of_harmonic(system: VibrationSystem, family: str, harmonic: int, shapes: bool) -> ModeGroup:
     network = harmonic_network(system, harmonic)
     modes = spring_modes(network)
-    whole = None
+    stage_shapes = None
     if shapes:
         amplitudes = dict(zip(network.coordinates, modes.shapes, strict=True))
-        whole = harmonic_shapes(system, harmonic, amplitudes)
+        stage_shapes = harmonic_shapes(system, harmonic, amplitudes)
     multiplicity = system.roller_count - 3 if harmonic == 2 else harmonic + 1
     frequencies = modes.angular_frequencies / (2 * jnp.pi)
     share = of_elastic(meshed_share(network, modes.shapes), frequencies)
-    return ModeGroup(frequencies, share, multiplicity, family, whole)
+    return ModeGroup(frequencies, share, multiplicity, family, stage_shapes)
 
 
 @physics("torsional_modes")
 def torsional_modes(system: VibrationSystem, *, shapes: bool = False) -> ModeGroup:
-    """Modes in which all rollers turn alike (harmonic 0), each simple."""
+    """Modes in which all rollers turn equally (harmonic 0), each simple."""
     if system.translation is not None:
         return _of_harmonic(system, "torsional", 0, shapes)
     return _of_block(system, torsional_springs(system), "torsional", 0, shapes)
@@ -93,7 +93,7 @@ def transverse_modes(system: VibrationSystem, *, shapes: bool = False) -> ModeGr
 def _torsional_and_transverse_modes(
     system: VibrationSystem, *, shapes: bool = False
 ) -> tuple[ModeGroup, ModeGroup]:
-    """Both families side by side, which is one program instead of two alike."""
+    """Both families in one batch: one program instead of two equal ones."""
     if system.translation is not None:
         return torsional_modes(system, shapes=shapes), transverse_modes(system, shapes=shapes)
     blocks = torsional_springs(system), transverse_springs(system)
@@ -113,36 +113,36 @@ def _modes_of_both(*blocks: SpringBlock) -> tuple[Array, Array]:
 
 @physics("roller_modes")
 def roller_modes(system: VibrationSystem, *, shapes: bool = False) -> ModeGroup | None:
-    """Modes in which only rollers move, N − 3 times.
+    """Modes in which only rollers move, each with multiplicity N − 3.
 
-    Rollers that only rotate have one, ω² = (k_s + k_r + k_n) r_R²/J_R.
+    If rollers only rotate there is one, ω² = (k_s + k_r + k_n) r_R²/J_R.
     """
     if system.roller_count == 3:
         return None
     if system.translation is not None:
         return _of_harmonic(system, "roller", 2, shapes)
     value = jnp.atleast_1d(roller_corner(system) / system.roller_equivalent_mass)
-    whole = None
+    stage_shapes = None
     if shapes:
         amplitude = jnp.atleast_1d(system.roller_equivalent_mass**-0.5)
-        whole = harmonic_shapes(system, 2, {_ROLLER: amplitude})
+        stage_shapes = harmonic_shapes(system, 2, {_ROLLER: amplitude})
     frequencies = frequency(value)
     share = jnp.ones_like(frequencies)
-    return ModeGroup(frequencies, share, system.roller_count - 3, "roller", whole)
+    return ModeGroup(frequencies, share, system.roller_count - 3, "roller", stage_shapes)
 
 
 @physics("carrier_mode")
 def carrier_mode(system: VibrationSystem, *, shapes: bool = False) -> ModeGroup | None:
     """The carrier on its support: ω² = K_cu / (J_c/r_c² + N m_R).
 
-    `None` without a carrier, and where rollers move in translation: then it moves with them.
+    `None` without a carrier, and where rollers move in translation: it then moves with them.
     """
     if system.carrier is None or system.translation is not None:
         return None
     value = system.carrier.torsional_support / system.carrier.equivalent_mass
     frequencies = frequency(jnp.atleast_1d(value))
-    whole = carrier_shape(system) if shapes else None
-    return ModeGroup(frequencies, jnp.zeros_like(frequencies), 1, "carrier", whole)
+    stage_shapes = carrier_shape(system) if shapes else None
+    return ModeGroup(frequencies, jnp.zeros_like(frequencies), 1, "carrier", stage_shapes)
 
 
 def symmetric_modes(system: VibrationSystem, *, shapes: bool = False) -> Modes:
@@ -151,7 +151,7 @@ def symmetric_modes(system: VibrationSystem, *, shapes: bool = False) -> Modes:
     The discrete Fourier transform over the rollers splits the N + 10 degrees of freedom exactly
     into one small matrix for harmonic 0 (torsional), one for harmonics ±1 (transverse, double),
     one for all higher harmonics (roller, N − 3 times) and the carrier, so the cost does not depend
-    on N and repeated roots never meet in one matrix.
+    on N and repeated roots never occur in one matrix.
 
     **Arguments:**
 
@@ -170,8 +170,8 @@ def symmetric_modes(system: VibrationSystem, *, shapes: bool = False) -> Modes:
         *_torsional_and_transverse_modes(system, shapes=shapes),
         roller_modes(system, shapes=shapes),
     )
-    found = tuple(group for group in groups if group is not None)
-    return Modes(found, system, spring_network(system)) if shapes else Modes(found)
+    present = tuple(group for group in groups if group is not None)
+    return Modes(present, system, spring_network(system)) if shapes else Modes(present)
 
 
 __all__ = [

@@ -300,7 +300,7 @@ def test_derivatives_at_repeated_roots():
 def test_only_symmetric_systems():
     system = _system(_random(1)[0])
     soft = dataclasses.replace(system.bodies[0], radial_support_y=array(1e6))
-    with pytest.raises(ValueError, match="supports alike in x and y"):
+    with pytest.raises(ValueError, match="supports equal in x and y"):
         distinct_frequencies(dataclasses.replace(system, bodies=(soft, *system.bodies[1:])))
 
 

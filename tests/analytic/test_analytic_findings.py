@@ -190,7 +190,7 @@ def test_advice_to_thin_teeth_only_where_nothing_is_known_of_them(play, shared, 
     found = _findings(stage(**given))
     assert names == {"tooth_thickness", "backlash"} & set(found)
     if "tooth_thickness" in names:
-        assert "thin the teeth by at least that" in found["tooth_thickness"].message
+        assert "thin the teeth by at least this amount" in found["tooth_thickness"].message
 
 
 def test_no_advice_for_the_shipped_actuator():

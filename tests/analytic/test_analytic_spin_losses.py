@@ -181,5 +181,5 @@ def test_a_coefficient_of_spin_that_is_not_that_of_the_threads_is_named(law, spi
     (finding,) = found
     assert (finding.name, finding.severity, finding.stage) == ("spin_coefficient", "note", 1)
     assert finding.value == spin
-    for word in (*told, "roller and nut only", "screw and roller slide and spin"):
+    for word in (*told, "roller and nut only", "for sliding and for spin"):
         assert word in finding.message

@@ -85,7 +85,7 @@ def test_page_and_json_say_what_was_measured(tmp_path):
     assert front["exact"] is True
     assert front["slow"] is False
     assert {row["method"] for row in problem["results"] if row["single"]} == {"one"}
-    assert "Of 4 defaults 2 lie on the front; not there" in page
+    assert "Of 4 defaults 2 lie on the front; the others" in page
     assert "* Default **exact**, 2 µs, error 1.0e-15: on the front." in page
     assert "**slow, rtol 1e-08**, 4 µs, error 1.0e-09: **not on the front**; as good" in page
     assert "takes 1.9 µs at 1.0e-15" in page

@@ -254,13 +254,13 @@ def test_a_design_without_findings_says_so_beside_the_other(data):
 
 def test_an_infeasible_optimisation_says_so_first(data):
     """No word of an optimum: the column is that of the best design found."""
-    message = "no feasible design found; the least violation leaves backlash = -8 µm"
+    message = "no feasible design found; the design of least violation has backlash = -8 µm"
     failed = dataclasses.replace(
         data.optimisation, feasible=False, converged=False, message=message
     )
     sections = report_sections(dataclasses.replace(data, optimisation=failed))
     found = {section.anchor: section for section in sections}
-    first = "No feasible design: the least violation leaves backlash = -8 µm."
+    first = "No feasible design: the design of least violation has backlash = -8 µm."
     assert sections[0].paragraphs[0] == first
     assert found["optimisation"].paragraphs[0] == first
     variables, quantities, limits = found["optimisation"].tables

@@ -48,9 +48,9 @@ def test_findings_of_both_designs_stand_before_drawings_and_tables(pages):
 
 
 def test_no_feasible_design_is_the_first_sentence(pages):
-    message = "no feasible design found; the least violation leaves backlash = -8 µm"
+    message = "no feasible design found; the design of least violation has backlash = -8 µm"
     html, markdown = pages(feasible=False, converged=False, message=message)
-    words = "No feasible design: the least violation leaves backlash = -8 µm."
+    words = "No feasible design: the design of least violation has backlash = -8 µm."
     assert html.index("<p>") == html.index(f"<p>{words}</p>")
     assert markdown.partition("## In short")[2].strip().startswith(words)
     for page in (html, markdown):

@@ -241,7 +241,7 @@ def test_wrong_requests_name_the_remedy(unchecked):
     with pytest.raises(ValueError, match="harmonics is 0"):
         prsm.campbell(one, harmonics=0, carrier_ratio=_IDEAL)
     moved = vibration(prsm.set_parameter(one, "roller_count", 10), jnp.zeros(3), carrier_ratio=0.3)
-    with pytest.raises(ValueError, match="'screw z' is not there; choose one of screw x"):
+    with pytest.raises(ValueError, match="'screw z' does not exist; choose one of screw x"):
         moved.amplitude("screw z")
-    with pytest.raises(ValueError, match="'belt' is not there"):
+    with pytest.raises(ValueError, match="'belt' does not exist"):
         moved.force("belt")

@@ -197,7 +197,7 @@ def test_store_never_replaces_something_else(tmp_path):
     (tmp_path / "thesis.txt").write_text("precious")
     with pytest.raises(ValueError, match="not a zarr store"):
         sweep(mechanism(), {"lead": [8e-3]}, ["mass"], store=tmp_path)
-    with pytest.raises(ValueError, match="is not there; create it"):
+    with pytest.raises(ValueError, match="does not exist; create it"):
         sweep(mechanism(), {"lead": [8e-3]}, ["mass"], store=tmp_path / "no" / "grid.zarr")
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
 

@@ -1,4 +1,4 @@
-"""What an optimisation found, and how good that is."""
+"""The result of an optimisation, and its optimality."""
 
 from ._optimality import Optimality as Optimality, optimality as optimality
 from ._optimum import (

@@ -11,11 +11,11 @@ from ..._errors import missing_extra
 class Optimality:
     """The Karush–Kuhn–Tucker conditions at a point, in scaled units.
 
-    Multipliers are those of `gradient = Σ multiplier · slope`, positive for a lower limit,
-    negative for an upper one: the change of the least cost per change of the limit.
+    Multipliers fulfil `gradient = Σ multiplier · slope`, positive for a lower limit, negative for
+    an upper one. Each is the change of the least cost per change of the limit.
     """
 
-    #: Largest component of what the multipliers leave of the gradient.
+    #: Largest component of `gradient − Σ multiplier · slope`.
     stationarity: float
     #: Largest violation of a limit or a bound.
     violation: float
@@ -23,7 +23,7 @@ class Optimality:
     complementarity: float
     #: One per constraint row.
     multipliers: np.ndarray
-    #: One per variable: of its bounds.
+    #: One per variable, for its bounds.
     bound_multipliers: np.ndarray
     #: −1 at the lower limit, +1 at the upper, 0 between; equalities are 1.
     active: np.ndarray
@@ -32,7 +32,7 @@ class Optimality:
 
     @property
     def residual(self) -> float:
-        """The largest of the three."""
+        """The largest of stationarity, violation and complementarity."""
         return max(self.stationarity, self.violation, self.complementarity)
 
 
@@ -50,7 +50,7 @@ def optimality(
 
     The multipliers are the non-negative least-squares solution of $\nabla f = \sum \lambda_i
     \nabla c_i$ over the active limits and bounds (Nocedal and Wright 2006, section 12.3); no
-    optimiser is asked.
+    optimiser is involved.
 
     **Arguments:**
 
@@ -82,12 +82,12 @@ def optimality(
     columns = np.concatenate(
         [(signs[:, None] * jacobian[rows]).reshape(-1, count), unit[low_bound], -unit[high_bound]]
     ).T
-    found = _non_negative_least_squares(columns, gradient, bool(len(rows)))
+    solution = _non_negative_least_squares(columns, gradient, bool(len(rows)))
     multipliers, bounds = np.zeros(len(values)), np.zeros(count)
-    np.add.at(multipliers, rows, signs * found[: len(rows)])
+    np.add.at(multipliers, rows, signs * solution[: len(rows)])
     split = len(rows) + low_bound.sum()
-    np.add.at(bounds, np.flatnonzero(low_bound), found[len(rows) : split])
-    np.add.at(bounds, np.flatnonzero(high_bound), -found[split:])
+    np.add.at(bounds, np.flatnonzero(low_bound), solution[len(rows) : split])
+    np.add.at(bounds, np.flatnonzero(high_bound), -solution[split:])
 
     outside = [0.0, np.max(-position), np.max(position - 1)]
     if len(values):
@@ -97,7 +97,7 @@ def optimality(
     bound_slack = np.where(bounds > 0, position, 1 - position)
     products = np.concatenate([np.abs(multipliers * slack), np.abs(bounds * bound_slack)])
     return Optimality(
-        stationarity=float(np.max(np.abs(gradient - columns @ found))),
+        stationarity=float(np.max(np.abs(gradient - columns @ solution))),
         violation=float(max(outside)),
         complementarity=float(np.max(products, initial=0.0)),
         multipliers=multipliers,
@@ -113,7 +113,7 @@ def _non_negative_least_squares(
     if columns.shape[1] == 0:
         return np.zeros(0)
     if not constrained:
-        # Only bounds: their normals are unit vectors, and each takes what has its sign.
+        # Only bounds: their normals are unit vectors, so each multiplier is one gradient component.
         return np.maximum(columns.T @ target, 0.0)
     try:
         from scipy.optimize import nnls

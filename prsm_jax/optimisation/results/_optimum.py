@@ -1,4 +1,4 @@
-"""The result of an optimisation: before, after, how it got there, and how good it is."""
+"""The result of an optimisation: start, optimum, history and optimality."""
 
 import math
 from dataclasses import dataclass, field
@@ -40,8 +40,8 @@ class Design:
 class ConstraintReport:
     """A constraint at the optimum [SI].
 
-    `limit` is the active limit, or the nearest where none is active. `multiplier` is the change
-    of the best objective per unit by which that limit is raised.
+    `limit` is the active limit, or the nearest if none is active. `multiplier` is the change of
+    the best objective per unit increase of that limit.
     """
 
     name: str
@@ -72,7 +72,7 @@ class Run:
     """The search from one start; histories have one entry per iterate, the start included."""
 
     start: Design
-    #: `None` if not one usable design was met.
+    #: `None` if no usable design was reached.
     end: Design | None
     objective_history: tuple[float, ...]
     #: Largest violation of a constraint, relative to its limit.
@@ -82,7 +82,7 @@ class Run:
     #: Values of the constrained quantities [SI].
     constraint_history: tuple[dict[str, float], ...]
     kkt_residual: float
-    #: Designs that failed and from which the search stepped back.
+    #: Number of failed designs, from which the search stepped back.
     failures: int
     iterations: int
     message: str
@@ -105,41 +105,41 @@ class Run:
 class Optimum:
     """The best feasible design that was found; prints itself.
 
-    `feasible` means: every constraint is kept, and every margin of `check` that would be an error.
+    `feasible` means: every constraint and every error limit of `check` is satisfied.
     `converged` means: feasible, and `kkt_residual` (stationarity, violation and complementarity in
     scaled units, from exact gradients and independent of the method) within the tolerance.
     """
 
-    #: The optimised mechanism, a pytree like the one that was given.
+    #: The optimised mechanism, a pytree like the given one.
     mechanism: Mechanism
     problem: DesignProblem
     method: str
-    #: The design as it was, which may lie outside the bounds.
+    #: The present design, which may lie outside the bounds.
     start: Design
     optimum: Design
     constraints: tuple[ConstraintReport, ...]
     #: Variables at a bound: `"lower"` or `"upper"`.
     bounds_active: dict[str, str]
-    #: Change of the best objective per unit by which the active bound is raised [SI].
+    #: Change of the best objective per unit increase of the active bound [SI].
     bound_multipliers: dict[str, float]
     converged: bool
     kkt_residual: float
     stationarity: float
     message: str
     runs: tuple[Run, ...]
-    #: Which of the runs found the optimum.
+    #: Index of the run that found the optimum.
     best_run: int
     evaluations: int
     derivative_evaluations: int
     variable_units: dict[str, str]
     #: SI unit of the objective, where it is one quantity.
     objective_unit: str = "1"
-    #: Margins that `check` would call errors if they were exceeded, as far as the variables move
-    #: them: constraints too, though the problem does not name them.
+    #: Margins of possible errors of `check` that depend on the variables: constraints that the
+    #: problem does not name.
     margins: tuple[ConstraintReport, ...] = ()
-    #: False for the best design found where none keeps every constraint and margin.
+    #: False if no design satisfies every constraint and margin; `optimum` is then the best found.
     feasible: bool = True
-    #: What `check` finds before and after.
+    #: Findings of `check` at the start and at the optimum.
     findings_start: tuple[Finding, ...] = ()
     findings_optimum: tuple[Finding, ...] = ()
 
@@ -167,8 +167,8 @@ class Optimum:
             "constraints": [report.to_dict() for report in self.constraints],
             "margins": [report.to_dict() for report in self.margins],
             "feasible": self.feasible,
-            "findings_start": [_told(finding) for finding in self.findings_start],
-            "findings_optimum": [_told(finding) for finding in self.findings_optimum],
+            "findings_start": [_finding_entry(finding) for finding in self.findings_start],
+            "findings_optimum": [_finding_entry(finding) for finding in self.findings_optimum],
             "bounds_active": dict(self.bounds_active),
             "bound_multipliers": {k: _plain(v) for k, v in self.bound_multipliers.items()},
             "converged": self.converged,
@@ -200,7 +200,7 @@ def _plain(value: float | None) -> float | None:
     return None if value is None or not math.isfinite(value) else float(value)
 
 
-def _told(finding: Finding) -> dict:
+def _finding_entry(finding: Finding) -> dict:
     keys = ("name", "severity", "stage", "value", "limit", "message")
-    told = {key: getattr(finding, key) for key in keys}
-    return told | {key: _plain(told[key]) for key in ("value", "limit")}
+    entry = {key: getattr(finding, key) for key in keys}
+    return entry | {key: _plain(entry[key]) for key in ("value", "limit")}

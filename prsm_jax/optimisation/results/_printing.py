@@ -1,4 +1,4 @@
-"""An optimum as text: before and after, limits, verdict, findings."""
+"""An optimum as text: start and optimum, limits, verdict, findings."""
 
 import textwrap
 from typing import Any
@@ -9,9 +9,9 @@ from ...text import TextTable, display_unit, state_without_efficiency
 
 
 def text_of(best: Any, width: int | None) -> str:
-    """Start and optimum as a table in an engineer's units, and the verdict; an `Optimum`.
+    """An `Optimum` as a table of start and optimum in an engineer's units, and the verdict.
 
-    A design that breaks a limit is not called an optimum, and the first line says so.
+    A design that violates a limit is not called an optimum, and the first line says so.
     """
     first = [] if best.feasible else [f"NO FEASIBLE DESIGN: {best.message}"]
     verdict = _verdict(best)
@@ -24,7 +24,7 @@ def text_of(best: Any, width: int | None) -> str:
 
 
 def _dependents(best: Any) -> list[str]:
-    """What follows each design variable and what stays, a line each."""
+    """For each design variable a line on the dimensions that follow it and those that stay."""
     names = [variable.name for variable in best.problem.variables]
     lines = (follows_in_words(best.mechanism, name, names) for name in names)
     return [line for line in lines if line]
@@ -60,8 +60,8 @@ def _table(best: Any) -> TextTable:
         start, unit = best.start.variables[name], best.variable_units[name]
         add(name, unit, "", start, value, bounds[name], state)
     for report in best.constraints:
-        given = ((">=", report.lower), ("<=", report.upper), ("=", report.equal))
-        limits = [(sign, limit) for sign, limit in given if limit is not None]
+        signs = ((">=", report.lower), ("<=", report.upper), ("=", report.equal))
+        limits = [(sign, limit) for sign, limit in signs if limit is not None]
         state = "VIOLATED" if not report.satisfied else "active" if report.active else ""
         start = best.start.constraints[report.name]
         add(report.name, report.unit, report.name, start, report.value, limits, state)
@@ -71,11 +71,11 @@ def _table(best: Any) -> TextTable:
             start = best.start.margins[report.name]
             limits = [(">=", report.limit)]
             add(f"check: {report.name}", report.unit, "", start, report.value, limits, state)
-    return TextTable("", ("", "start", _found(best), "limits", ""), rows)
+    return TextTable("", ("", "start", _final_name(best), "limits", ""), rows)
 
 
-def _found(best: Any) -> str:
-    """What the design is called that the search ended with."""
+def _final_name(best: Any) -> str:
+    """Name of the final design in the table."""
     return "optimum" if best.feasible else "best found"
 
 
@@ -86,7 +86,7 @@ def _verdict(best: Any) -> list[str]:
         f"method {best.method}; best of {len(best.runs)} starts: number {best.best_run + 1}; "
         f"{best.evaluations} evaluations of values, {best.derivative_evaluations} of derivatives",
         *_finding_lines("start", best.findings_start),
-        *_finding_lines(_found(best), best.findings_optimum),
+        *_finding_lines(_final_name(best), best.findings_optimum),
     ]
 
 

@@ -1,4 +1,4 @@
-"""From scaled points to what the user reads: designs, runs and the optimum in SI units."""
+"""Reports for the user in SI units from scaled points: designs, runs and the optimum."""
 
 import numpy as np
 
@@ -13,13 +13,13 @@ from ._optimum import ConstraintReport, Design, Optimum, Run
 
 
 class Reporter:
-    """Turns scaled points into designs in SI units, the objective in its own sense."""
+    """Turns scaled points into designs in SI units, with the objective in its own sense."""
 
     def __init__(self, evaluator: Evaluator, problem: DesignProblem):
         self._evaluator = evaluator
         self._names = [variable.name for variable in problem.variables]
         all_maximise = all(term.sense == "maximise" for term in problem.objectives)
-        #: Objective = sign × cost: a sum that is only maximised is reported as it is.
+        #: Objective = sign × cost, so that a sum that is only maximised has its own sign.
         self.sign = -1.0 if all_maximise else 1.0
 
     def variables(self, position: np.ndarray) -> dict[str, float]:
@@ -84,7 +84,7 @@ def run_report(
 def constraint_reports(
     evaluator: Evaluator, sign: float, end: Point, conditions: Optimality | None, tolerance: float
 ) -> tuple[ConstraintReport, ...]:
-    """Every constraint row at a point, margins last, its multiplier as a price in SI units."""
+    """All constraint rows at a point, margins last, with multipliers in SI units."""
     rows = evaluator.rows
     values = end.values[rows.index]
     reports = []
@@ -127,11 +127,11 @@ def _broken(report: ConstraintReport) -> str:
 def _findings(
     mechanism: Mechanism, optimised: Mechanism, present: dict[str, float]
 ) -> tuple[tuple[Finding, ...], tuple[Finding, ...]]:
-    """What `check` finds at the start and at the optimum."""
+    """Findings of `check` at the start and at the optimum."""
     if optimised is mechanism:
-        found = check(mechanism)
-        return found, found
-    # Written out like the optimum: one structure, and so one program.
+        findings = check(mechanism)
+        return findings, findings
+    # Variables are set as in the optimum: one structure, so one compiled program.
     return check(set_parameters(mechanism, present, checked=False)), check(optimised)
 
 
@@ -148,7 +148,7 @@ def optimum_of(
     conditions: Optimality | None,
     tolerance: float,
 ) -> Optimum:
-    """The whole result: the optimum, its constraints and bounds, and the verdict in words."""
+    """The complete result: the optimum, its constraints and bounds, and the verdict in words."""
     names = [variable.name for variable in problem.variables]
     reports = constraint_reports(evaluator, report.sign, end, conditions, tolerance)
     explicit, margins = reports[: evaluator.rows.explicit], reports[evaluator.rows.explicit :]
@@ -169,19 +169,19 @@ def optimum_of(
         optimised = set_parameters(mechanism, design.variables, checked=False)
     before, after = _findings(mechanism, optimised, report.variables(initial))
     if conditions is None:
-        message = f"none of {len(runs)} starts met a usable design: {runs[0].message}"
+        message = f"none of {len(runs)} starts reached a usable design: {runs[0].message}"
     elif fixed:
         named = ", ".join(dict.fromkeys(row.label for row, _ in fixed))
         message = f"no feasible design found: none of the variables changes the error {named}"
     elif not feasible:
         broken = "; ".join(_broken(r) for r in reports if not r.satisfied)
-        message = f"no feasible design found; the least violation leaves {broken}"
+        message = f"no feasible design found; the design of least violation has {broken}"
     elif converged:
         message = f"KKT residual {residual:.1e} <= {tolerance:.1e}"
     else:
         message = (
             f"feasible, but the KKT residual is {residual:.1e} > {tolerance:.1e}; "
-            f"the search says: {runs[best].message}"
+            f"message of the search: {runs[best].message}"
         )
     return Optimum(
         mechanism=optimised,

@@ -21,33 +21,33 @@ def rounded_variables(
 ) -> dict[str, float]:
     """Values of the variables at the optimum [SI], rounded as a person would write them.
 
-    Each has `digits` significant digits, or as many more as are needed for no objective and no
-    constraint to change by more than `tolerance`, relative.
+    Each has `digits` significant digits, or more where an objective or a constraint would
+    otherwise change by more than `tolerance`, relative.
 
     **Arguments:**
 
     - `mechanism`: the mechanism that was optimised.
     - `best`: the optimum.
-    - `rounding`: rounds a value of an SI unit to so many digits of the unit it is written in.
+    - `rounding`: rounds a value with an SI unit to a number of digits in the unit of the file.
     - `digits`: significant digits to begin with.
-    - `tolerance`: of objective and constraints together, relative.
+    - `tolerance`: permitted change of objective and constraints, relative.
     """
     evaluator = Evaluator(mechanism, best.problem, None, None)
     exact = dict(best.optimum.variables)
     values = _values(evaluator, exact)
 
     def change(variables: dict[str, float]) -> float:
-        found = _values(evaluator, variables)
+        changed = _values(evaluator, variables)
         known = np.isfinite(values)
         scale = np.where(values[known] == 0, 1.0, np.abs(values[known]))
-        return float(np.max(np.abs(found[known] - values[known]) / scale, initial=0.0))
+        return float(np.max(np.abs(changed[known] - values[known]) / scale, initial=0.0))
 
     rounded = {}
     for name, value in exact.items():
         unit = best.variable_units[name]
         for count in range(digits, _MOST_DIGITS + 1):
             rounded[name] = rounding(value, unit, count)
-            # Each may use up its share, so that all together keep within the tolerance.
+            # Equal shares for all variables, so that their sum stays within the tolerance.
             if change(exact | {name: rounded[name]}) <= tolerance / len(exact):
                 break
     return rounded if change(rounded) <= tolerance else exact

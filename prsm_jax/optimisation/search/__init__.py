@@ -1,4 +1,4 @@
-"""Searches of one start, and what they evaluate."""
+"""Searches from one start, and the functions that they evaluate."""
 
 from ._evaluator import (
     Evaluator as Evaluator,

@@ -1,4 +1,4 @@
-"""Searches in a box without constraints, with optax."""
+"""Searches within bounds, without constraints, with optax."""
 
 from collections.abc import Callable
 
@@ -9,7 +9,7 @@ import numpy as np
 from ._evaluator import Guarded
 from ._search import SearchResult
 
-#: Steps halved this often have shrunk below rounding.
+#: After this many halvings a step is below rounding.
 _HALVINGS = 40
 #: Share of the predicted decrease that a step has to achieve (Nocedal and Wright 2006, 3.1).
 _SUFFICIENT = 1e-4
@@ -17,7 +17,7 @@ _LEARNING_RATE = 0.05
 
 
 def _projected(position: np.ndarray, gradient: np.ndarray) -> float:
-    """Size of the projected gradient: what is left where a bound stops the descent."""
+    """Largest component of the projected gradient; one is 0 where a bound stops the descent."""
     return float(np.max(np.abs(position - np.clip(position - gradient, 0.0, 1.0))))
 
 
@@ -33,7 +33,7 @@ def adam(
     maximum: int,
     report: Callable[[np.ndarray], None],
 ) -> SearchResult:
-    """Adam, projected onto the box, its rate falling to zero along a cosine."""
+    """Adam, projected onto the box, with a learning rate that decays to zero as a cosine."""
     import optax
 
     optimiser = optax.adam(optax.cosine_decay_schedule(_LEARNING_RATE, maximum))
@@ -49,7 +49,7 @@ def adam(
     for iteration in range(1, maximum + 1):
         functions.cost(position)
         if not functions.evaluator.point(position).good:
-            # Adam looks at no values, so it cannot step back: this is as far as it gets.
+            # Adam uses no function values, so it cannot step back and stops here.
             return SearchResult(last, "stopped before a design that fails", iteration)
         last = position
         gradient = functions.gradient(position)
@@ -68,9 +68,9 @@ def lbfgs(
     maximum: int,
     report: Callable[[np.ndarray], None],
 ) -> SearchResult:
-    """L-BFGS on x = (1 − cos πz)/2, which maps the line onto the box, bounds included.
+    """L-BFGS on x = (1 − cos πz)/2, which maps all real z onto the box, bounds included.
 
-    A bound is an ordinary point of z with slope zero, so a start there is moved inside first.
+    At a bound the slope in z is zero, so a start there is moved inside first.
     """
     import optax
 
@@ -103,7 +103,7 @@ def lbfgs(
         direction = -np.asarray(scaled)
         if direction @ slope >= 0:
             direction, state = -slope, optimiser.init(jnp.asarray(angle))
-        # Half the box is as far as any step makes sense.
+        # A step longer than half the box makes no sense.
         direction = direction * min(1.0, 0.5 / max(float(np.max(np.abs(direction))), 1e-300))
         step = 1.0
         for _ in range(_HALVINGS):

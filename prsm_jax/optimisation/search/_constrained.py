@@ -9,9 +9,9 @@ from ..._errors import missing_extra
 from ._evaluator import Guarded
 from ._search import SearchResult
 
-#: SLSQP's line search can end a little early; begun again with a fresh Hessian it goes on.
+#: SLSQP's line search can end too early; a restart with a fresh Hessian continues.
 _RESTARTS = 3
-#: Cost decrease below which a search stops: far below what the optimality check asks for.
+#: Cost decrease below which a search stops: far below the tolerance of the optimality check.
 _COST_TOLERANCE = 1e-15
 
 
@@ -73,7 +73,7 @@ def slsqp(
         iterations += int(result.nit)
         message = str(result.message)
         settled = np.max(np.abs(moved - position)) <= tolerance
-        # Where the linearised constraints contradict each other, beginning again changes nothing.
+        # With contradictory linearised constraints (status 4) a restart changes nothing.
         position = moved
         if settled or result.status == 4 or iterations >= maximum:
             break
@@ -89,8 +89,8 @@ def trust_constr(
 ) -> SearchResult:
     """Trust-region interior point method (Byrd, Hribar and Nocedal 1999), finished by SLSQP.
 
-    The interior point method calls any point of its central path stationary, and from there
-    approaches active limits slowly; a few steps of an active-set method settle on them.
+    The interior point method regards any point of its central path as stationary and then
+    approaches active limits slowly; a few steps of an active-set method reach them.
     """
     optimize = _scipy()
     evaluator = functions.evaluator
@@ -113,7 +113,7 @@ def trust_constr(
         return False
 
     with warnings.catch_warnings():
-        # It warns that a linear quantity has no curvature to learn.
+        # SciPy warns that a linear quantity has no curvature to learn.
         warnings.filterwarnings("ignore", message="delta_grad == 0.0", category=UserWarning)
         result = optimize.minimize(
             functions.cost,
@@ -121,7 +121,7 @@ def trust_constr(
             jac=functions.gradient,
             hess=optimize.BFGS(),
             method="trust-constr",
-            # The barrier keeps inside: outside the box a design may not exist.
+            # The barrier keeps iterates inside: outside the box a design may not exist.
             bounds=optimize.Bounds(zeros, zeros + 1, keep_feasible=True),  # type: ignore[arg-type]
             constraints=constraints,
             callback=callback,

@@ -1,4 +1,4 @@
-"""The design problem as functions of a point in the unit box, guarded and remembered."""
+"""The design problem as guarded functions of a point in the unit box, with a cache."""
 
 from collections.abc import Sequence
 
@@ -20,37 +20,37 @@ from ._margin_rows import (
 )
 
 
-def _outputs(given: tuple, position: Float[Array, " variables"]):
-    """Quantities and margins of a design, each an array of its own, and whether it can be used."""
-    mechanism, names, quantities, margins, lower, width, speed, load = given
+def _outputs(inputs: tuple, position: Float[Array, " variables"]):
+    """Quantities and margins of a design as separate arrays, and whether the design is usable."""
+    mechanism, names, quantities, margins, lower, width, speed, load = inputs
     values = lower + width * position
     moved = set_parameters(mechanism, {name: values[i] for i, name in enumerate(names)})
     analysis = Analysis(moved, speed, load)
-    # A design whose threads do not mesh is none, whatever the quantities asked for.
+    # A design whose threads do not mesh is unusable, whatever the requested quantities.
     for stage in analysis.kinematics:
         analysis.require(stage.meshing.converged)
     analysis.expect(load for name in quantities for load in find_quantity(name).shares)
     if margins:
         analysis.expect(shared_loads(margins_of(moved), is_constraint))
-    # Not put end to end: XLA would compute what an array is made of anew for each element.
-    found = [jnp.ravel(find_quantity(name).function(analysis)) for name in quantities]
+    # Not concatenated: XLA would recompute the operands for each element.
+    outputs = [jnp.ravel(find_quantity(name).function(analysis)) for name in quantities]
     if margins:
         for numbers in evaluate_margins(analysis, is_constraint, details=False):
             if numbers is not None:
-                found.append(jnp.ravel(numbers["value"]))
-    # Overlapping rollers are a margin, which a search may cross on its way.
-    return found, analysis.computed
+                outputs.append(jnp.ravel(numbers["value"]))
+    # Overlapping rollers violate only a margin, which a search may do on its way.
+    return outputs, analysis.computed
 
 
 @eqx.filter_jit
-def _values(given: tuple, position: Float[Array, " variables"]):
-    return _outputs(given, position)
+def _values(inputs: tuple, position: Float[Array, " variables"]):
+    return _outputs(inputs, position)
 
 
 @eqx.filter_jit
-def _derivatives(given: tuple, position: Float[Array, " variables"]):
-    # Forward: as many passes as there are variables, of which there are few.
-    _, push = jax.linearize(lambda point: _outputs(given, point)[0], position)
+def _derivatives(inputs: tuple, position: Float[Array, " variables"]):
+    # Forward mode: one pass per variable, and there are few variables.
+    _, push = jax.linearize(lambda point: _outputs(inputs, point)[0], position)
     return jax.vmap(push, out_axes=-1)(jnp.eye(position.shape[0], dtype=position.dtype))
 
 
@@ -58,15 +58,15 @@ def _margins(mechanism: Mechanism, speed: Scalar | None, load: Scalar | None) ->
     """The margins for which the mechanism has data."""
     margins: list[Margin] = []
 
-    def try_all(given, speed, load):
-        analysis = Analysis(given, speed, load)
+    def try_all(traced, speed, load):
+        analysis = Analysis(traced, speed, load)
         values = evaluate_margins(analysis, is_constraint, details=False)
-        pairs = zip(margins_of(given), values, strict=True)
+        pairs = zip(margins_of(traced), values, strict=True)
         margins.extend(margin for margin, numbers in pairs if numbers is not None)
 
     eqx.filter_eval_shape(try_all, mechanism, speed, load)
     known = {(m.name, m.stage, m.subject, m.levels) for m in margins}
-    # Those of the mechanism itself: the ones above hold on to a trace that is over.
+    # Margins of the mechanism itself: the ones above refer to a finished trace.
     return tuple(
         m for m in margins_of(mechanism) if (m.name, m.stage, m.subject, m.levels) in known
     )
@@ -75,7 +75,7 @@ def _margins(mechanism: Mechanism, speed: Scalar | None, load: Scalar | None) ->
 class Rows:
     """The constraints as rows `lower <= value <= upper`, one per component of a quantity.
 
-    After those of the problem come those of the margins: the first `explicit` rows are its own.
+    The first `explicit` rows are the constraints of the problem; those of the margins follow.
     """
 
     def __init__(self, problem: DesignProblem, shapes: dict[str, tuple[int, ...]], margins: int):
@@ -105,7 +105,7 @@ class Rows:
             if int(np.prod(shapes[term.quantity])) != 1:
                 raise ValueError(
                     f"objective {term.quantity!r} has {int(np.prod(shapes[term.quantity]))} "
-                    "components; an objective is one number"
+                    "components; an objective must be one number"
                 )
             sign = -1.0 if term.sense == "maximise" else 1.0
             self.weights[place[term.quantity]] += sign * term.weight
@@ -122,7 +122,7 @@ class Rows:
         self.equality = np.concatenate([self.equality, np.zeros(len(added), dtype=bool)])
 
     def fix(self, label: str, value: float | None, lower: float) -> None:
-        """Hold a margin at a whole number, or let it go again (`None`)."""
+        """Fix a margin at a whole number, or release it (`None`)."""
         row = self.names.index(label, self.explicit)
         self.equality[row] = value is not None
         self.lower[row] = lower if value is None else value
@@ -130,7 +130,7 @@ class Rows:
 
 
 class Point:
-    """One evaluated design; derivatives are added when somebody asks for them."""
+    """One evaluated design; derivatives are added on demand."""
 
     def __init__(self, position: np.ndarray, values: np.ndarray, good: bool):
         self.position, self.values, self.good = position, values, good
@@ -164,7 +164,7 @@ class Evaluator:
             mechanism,
             names,
             self.quantities,
-            # Other sources of margins ask for another program.
+            # Other sources of margins need another program.
             sources() if margins else None,
             jnp.asarray(self.lower),
             jnp.asarray(self.width),
@@ -172,7 +172,7 @@ class Evaluator:
             load,
         )
         shapes = eqx.filter_eval_shape(self._shapes, mechanism, speed, load)
-        # A number that a variable writes out has margins too (the profile radius).
+        # A derived number that a variable makes explicit has margins too (the profile radius).
         written = set_parameters(
             mechanism, dict(zip(names, self.lower, strict=True)), checked=False
         )
@@ -181,7 +181,7 @@ class Evaluator:
         self.rows = Rows(problem, shape_of, len(known))
         self.evaluations = self.derivative_evaluations = 0
         self._last: Point | None = None
-        #: Margins are limits of the search, or (for one that takes bounds only) of what is usable.
+        #: Whether a design that violates a margin is unusable: for searches with bounds only.
         self.guarded = False
         self.margins = MarginRows()
         if known:
@@ -193,7 +193,7 @@ class Evaluator:
         self.cost_scale, self.row_scale = 1.0, np.ones(len(self.rows.names))
 
     def _shapes(self, mechanism, speed, load):
-        # `compute` names the quantity where the mechanism lacks data for it.
+        # `compute` names the quantity for which data are missing.
         return compute(mechanism, self.quantities, speed=speed, load=load)
 
     @property
@@ -205,12 +205,12 @@ class Evaluator:
         return self.lower + self.width * position
 
     def point(self, position: np.ndarray) -> Point:
-        """The design at a position; the last one is remembered."""
+        """The design at a position; the last one is cached."""
         if self._last is not None and np.array_equal(self._last.position, position):
             return self._last
-        found, valid = _values(self._given, jnp.asarray(position))
+        arrays, valid = _values(self._given, jnp.asarray(position))
         self.evaluations += 1
-        values = np.concatenate([np.asarray(array, dtype=float) for array in found])
+        values = np.concatenate([np.asarray(array, dtype=float) for array in arrays])
         good = bool(valid) and bool(np.isfinite(values[self._used]).all())
         if good and self.guarded:
             good = not self._breaks_margin(values)
@@ -222,7 +222,7 @@ class Evaluator:
         return bool(np.any(values[self.rows.index[rows]] < self.rows.lower[rows]))
 
     def guard(self, on: bool) -> None:
-        """Whether a design that breaks a margin counts as one that fails."""
+        """Set whether a design that violates a margin counts as failed."""
         self.guarded, self._last = on, None
 
     @property
@@ -235,8 +235,8 @@ class Evaluator:
         """Derivatives of all quantities with respect to the position; 0 where not finite."""
         point = self.point(position)
         if point.jacobian is None:
-            found = _derivatives(self._given, jnp.asarray(position))
-            jacobian = np.concatenate([np.asarray(rows, dtype=float) for rows in found])
+            arrays = _derivatives(self._given, jnp.asarray(position))
+            jacobian = np.concatenate([np.asarray(rows, dtype=float) for rows in arrays])
             self.derivative_evaluations += 1
             if not np.isfinite(jacobian).all():
                 point.good = False
@@ -254,7 +254,7 @@ class Evaluator:
         )
         reached = np.abs(values[self.rows.index])
         reached = np.maximum(reached, np.max(np.abs(jacobian[self.rows.index]), axis=1, initial=0))
-        # The limit of a margin is 0 or near it, and says nothing about its size.
+        # The limit of a margin is at or near 0, and says nothing about the size of the margin.
         explicit = np.arange(len(limits)) < self.rows.explicit
         scale = np.where((limits > 0) & explicit, limits, reached)
         self.row_scale = np.where(scale > 0, scale, 1.0)
@@ -280,7 +280,7 @@ class Evaluator:
         return self.rows.lower / self.row_scale, self.rows.upper / self.row_scale
 
     def violation(self, point: Point) -> float:
-        """Largest amount by which a scaled row leaves its limits."""
+        """Largest violation of the limits by a scaled row."""
         if not len(self.rows.names):
             return 0.0
         values, (lower, upper) = self.constraint_values(point), self.scaled_limits
@@ -288,10 +288,10 @@ class Evaluator:
 
 
 class Guarded:
-    """The evaluator as one search sees it: a failed design looks worse than any good one.
+    """The evaluator for one search: a failed design has a higher cost than the last good one.
 
-    A search that tries one steps back from it; it never sees a number that is not finite. Good
-    designs are recorded, so that a search that ends badly still gives its best.
+    A search steps back from a failed design, and never gets a number that is not finite. Good
+    designs are recorded, so that a search with a bad end still returns its best design.
     """
 
     def __init__(self, evaluator: Evaluator):
@@ -334,7 +334,7 @@ class Guarded:
         return self.evaluator.constraint_jacobian(position)
 
     def best(self, position: np.ndarray, tolerance: float) -> Point | None:
-        """Where a search ended, or the best it has seen if that end cannot be used."""
+        """The end of a search, or the best design seen if the end is unusable or infeasible."""
         end = self.evaluator.point(position)
         if end.good and self.evaluator.violation(end) <= tolerance:
             return end

@@ -1,4 +1,4 @@
-"""Margins of findings as constraints: which of them a search has to respect, and by how much."""
+"""Margins of findings as constraints of a search."""
 
 from dataclasses import dataclass
 
@@ -6,15 +6,15 @@ import numpy as np
 
 from ...findings import Margin
 
-#: Designs in the unit box at which is seen whether a margin depends on the variables at all.
+#: Number of designs in the unit box that show whether a margin depends on the variables.
 _PROBES = 3
-#: A whole number must be met this closely [of one].
+#: Scale of the constraint row of a whole number [1].
 WHOLE_SCALE = 0.1
 
 
 @dataclass(frozen=True)
 class MarginRow:
-    """One margin with an error limit; `place` is its place among those that are evaluated."""
+    """One margin with an error limit; `place` is its index among the evaluated margins."""
 
     margin: Margin
     place: int
@@ -27,25 +27,25 @@ class MarginRow:
 
     @property
     def lower(self) -> float:
-        """What the search keeps: the limit and the reserve."""
+        """Lower limit for the search: the error limit plus the reserve."""
         assert self.margin.error_limit is not None
         return self.margin.error_limit + self.margin.reserve
 
 
 @dataclass(frozen=True)
 class MarginRows:
-    """The margins of a design problem, sorted by what a search can do about them."""
+    """The margins of a design problem, sorted by how a search handles them."""
 
     #: Constraints.
     smooth: tuple[MarginRow, ...] = ()
-    #: Numbers that have to be whole and move with the variables.
+    #: Numbers that must be whole and depend on the variables.
     whole: tuple[MarginRow, ...] = ()
-    #: Violated, and no variable changes them, with their value.
+    #: Violated margins that no variable changes, with their values.
     fixed: tuple[tuple[MarginRow, float], ...] = ()
 
 
 def is_constraint(margin: Margin) -> bool:
-    """Whether a margin has a limit that makes a finding an error, and a derivative."""
+    """Whether a margin has an error limit and a derivative."""
     return margin.error_limit is not None and margin.smooth
 
 
@@ -60,8 +60,8 @@ def sorted_margins(margins: tuple[Margin, ...], values: np.ndarray) -> MarginRow
 
     **Arguments:**
 
-    - `margins`: those that were evaluated.
-    - `values`: at several designs (designs × margins); NaN where one lacks data or does not mesh.
+    - `margins`: the evaluated margins.
+    - `values`: at several designs (designs × margins); NaN without data or meshing.
     """
     smooth, whole, fixed = [], [], []
     for place, margin in enumerate(margins):
@@ -70,7 +70,7 @@ def sorted_margins(margins: tuple[Margin, ...], values: np.ndarray) -> MarginRow
         if not len(column):
             continue
         row = MarginRow(margin, place)
-        # What the variables do not enter is computed from the same numbers: equal to the last bit.
+        # A margin that is independent of the variables has equal values to the last bit.
         if np.all(column == column[0]):
             value, limit = float(column[0]), margin.error_limit
             assert limit is not None

@@ -1,17 +1,17 @@
-"""Which search methods there are."""
+"""The search methods by name."""
 
 from ._box import adam, lbfgs
 from ._constrained import slsqp, trust_constr
 from ._search import Search
 
-#: Methods that know bounds, and no constraints.
+#: Methods that accept bounds but no constraints.
 BOUNDS_ONLY = ("adam", "lbfgs")
 
 
 def find_search(method: str, constrained: bool) -> tuple[str, Search]:
-    """The search of a name; `"auto"` is SLSQP with constraints and L-BFGS without.
+    """The search method of a name; `"auto"` is SLSQP with constraints and L-BFGS without.
 
-    **Raises:** `ValueError` for an unknown method, or one that cannot take constraints.
+    **Raises:** `ValueError` for an unknown method, or one that does not accept constraints.
     """
     searches: dict[str, Search] = {
         "adam": adam,
@@ -25,6 +25,6 @@ def find_search(method: str, constrained: bool) -> tuple[str, Search]:
         raise ValueError(f"method is {method!r}; choose one of auto, {', '.join(searches)}")
     if constrained and method in BOUNDS_ONLY:
         raise ValueError(
-            f"method {method!r} takes bounds only; with constraints choose slsqp or trust-constr"
+            f"method {method!r} accepts bounds only; with constraints choose slsqp or trust-constr"
         )
     return method, searches[method]

@@ -1,4 +1,4 @@
-"""What every search method is given and gives back."""
+"""Arguments and result of every search method."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,12 +10,12 @@ from ._evaluator import Guarded
 
 @dataclass(frozen=True)
 class SearchResult:
-    """Where a search ended and what it says about it."""
+    """End point, message and number of iterations of a search."""
 
     position: np.ndarray
     message: str
     iterations: int
 
 
-#: (functions, start, tolerance, maximum iterations, what to call with every iterate).
+#: (functions, start, tolerance, maximum iterations, callback with every iterate).
 Search = Callable[[Guarded, np.ndarray, float, int, Callable[[np.ndarray], None]], SearchResult]

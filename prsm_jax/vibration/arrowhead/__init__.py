@@ -1,4 +1,4 @@
-"""Eigenvalues of a family of motions: matrices of arrow shape."""
+"""Eigenvalues of one family of modes: arrowhead matrices."""
 
 from ._arrowhead import arrowhead_modes as arrowhead_modes
 from ._block import (

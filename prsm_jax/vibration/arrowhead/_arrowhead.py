@@ -29,14 +29,14 @@ class ArrowheadModes(NamedTuple):
 
 
 def _padded(support, mesh, mass, factor):
-    """Bodies that are not there: on no mesh, on supports above all others."""
+    """Add missing bodies, without mesh and with eigenvalues above all others."""
     support, mesh, (*mass, roller) = list(support), list(mesh), list(mass)
     missing = _BODIES - len(mesh)
     if missing:
-        held = [k / m for k, m in zip(support, mass, strict=True)]
-        tied = [k * (factor * factor / m + 1 / roller) for k, m in zip(mesh, mass, strict=True)]
+        on_support = [k / m for k, m in zip(support, mass, strict=True)]
+        on_mesh = [k * (factor * factor / m + 1 / roller) for k, m in zip(mesh, mass, strict=True)]
         # The sum of all roots bounds the largest one.
-        bound = sum(held) + sum(tied)
+        bound = sum(on_support) + sum(on_mesh)
         bound = jnp.where(bound > 0, bound, 1.0)
         support += [(2.0 + i) * bound * roller for i in range(missing)]
         mesh += [jnp.zeros_like(roller)] * missing
@@ -57,7 +57,7 @@ def arrowhead_modes(
     `λ_i = Σ K_j q_ji² + Σ k_j e_ji²`. Derivatives, of any order, are
     `dλ_i = φ_iᵀ (dK − λ_i dM) φ_i`, summed over springs, and
     `dφ_i = Σ_{a≠i} φ_a φ_aᵀ (dK − λ_i dM) φ_i / (λ_i − λ_a) − φ_i (φ_iᵀ dM φ_i)/2`, terms of
-    equal eigenvalues left out.
+    equal eigenvalues omitted.
 
     **Arguments:**
 
@@ -77,12 +77,12 @@ def arrowhead_modes(
     supports = support_distances(poles, reduced, distances)
     couplings = [jnp.sqrt(weight) for weight in poles.weight]
     inverse = [1 / jnp.sqrt(m) for m in mass]
-    # A body without a mesh spring: its own mode stretches what would be there.
+    # A body without a mesh spring: the elongation follows from the shape instead.
     ratios = [factor * k * w * inverse[-1] * unit for k, w in zip(mesh, inverse, strict=False)]
-    loose = [ratio * ratio < rounding(unit) ** 3 for ratio in ratios]
+    unmeshed = [ratio * ratio < rounding(unit) ** 3 for ratio in ratios]
     shapes, stretches = [], []
     for i in range(count + 1):
-        # Divided by the nearest pole's distance, no component overflows.
+        # Scaled by the distance of the nearest pole, so that no component overflows.
         nearest = jnp.abs(distances[i][0])
         for distance in distances[i][1:]:
             nearest = jnp.minimum(nearest, jnp.abs(distance))
@@ -99,7 +99,7 @@ def arrowhead_modes(
         stretches.append(
             tuple(
                 jnp.where(
-                    loose[j],
+                    unmeshed[j],
                     factor * shapes[i][j] + shapes[i][-1],
                     stretch[j] * norm * inverse[-1],
                 )
@@ -162,5 +162,5 @@ def _arrowhead_modes_jvp(primals, tangents):
 
 
 def _same(left: Scalar, right: Scalar) -> Scalar:
-    """Two eigenvalues that differ by no more than this are one."""
+    """Largest difference of two eigenvalues that count as equal."""
     return 8 * rounding(left) * jnp.maximum(left, right)

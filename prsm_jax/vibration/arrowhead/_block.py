@@ -3,8 +3,8 @@
 A block is an arrowhead: up to three central bodies, each with a support and a mesh spring to one
 common roller coordinate. Its eigenvalues come from a secular equation of springs in series, and
 energies and derivatives are sums over springs of stiffness times elongation squared. Nothing
-cancels in them, so a soft support beside a mesh 1e12 times stiffer keeps its digits, where the
-eigenvalue of the matrix has lost them to rounding.
+cancels in them, so a soft support beside a mesh 1e12 times stiffer keeps its digits, whereas an
+eigenvalue of the matrix loses them to rounding.
 """
 
 import equinox as eqx
@@ -52,7 +52,7 @@ def block_modes(
     """Eigenvalues λ (ascending) [1/s²] and mass-normalised shapes φ of a block.
 
     `λ_i = Σ K_j φ_ji² + Σ k_j e_ji²` with the elongations e. Derivatives of any order are closed
-    forms, see `arrowhead_modes`; terms of equal eigenvalues are left out of those of shapes.
+    forms, see `arrowhead_modes`; in those of shapes, terms of equal eigenvalues are omitted.
 
     **Arguments:**
 
@@ -72,8 +72,8 @@ def mesh_energy_share(
     block: SpringBlock, shapes: Float[Array, "coordinates modes"]
 ) -> Float[Array, " modes"]:
     """Share of each mode's strain energy that is in the mesh springs; 0 for a rigid motion."""
-    held = jnp.sum(block.support[:, None] * shapes[:-1] ** 2, axis=0)
+    supported = jnp.sum(block.support[:, None] * shapes[:-1] ** 2, axis=0)
     meshed = jnp.sum(block.mesh[:, None] * block.elongations(shapes) ** 2, axis=0)
-    total = held + meshed
+    total = supported + meshed
     strained = above_or_nan(total)
     return jnp.where(strained, meshed / jnp.where(strained, total, 1.0), 0.0)

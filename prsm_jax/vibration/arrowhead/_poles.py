@@ -10,7 +10,7 @@ from jaxtyping import Array, Bool
 
 from ...mechanism import Scalar
 
-#: Neighbours that are compared, in turn, to sort three.
+#: Pairs that are compared, in this sequence, to sort three values.
 _EXCHANGES = ((0, 1), (1, 2), (0, 1))
 
 
@@ -26,7 +26,7 @@ class Poles(NamedTuple):
     #: d_2 − d_1 and d_3 − d_2, at least rounding.
     gaps: tuple[Scalar, Scalar]
     scale: Scalar
-    #: Which neighbours were exchanged to sort them, in turn: (0, 1), (1, 2), (0, 1).
+    #: Which pairs were exchanged in sorting, in the sequence (0, 1), (1, 2), (0, 1).
     swapped: tuple[Bool[Array, ""], ...]
 
 
@@ -39,7 +39,7 @@ def added(values: Iterable[Scalar]) -> Scalar:
 
 
 def shortest(like: Scalar) -> float:
-    """A distance that is zero for every purpose but that of dividing by it."""
+    """A distance that is practically zero, but can be a divisor."""
     return rounding(like) ** 5
 
 
@@ -53,47 +53,49 @@ def sorted_poles(
     """
     inverse = [1 / value for value in mass]
     corner = [stiffness * inverse[3] for stiffness in mesh]
-    held = [stiffness * part for stiffness, part in zip(support, inverse, strict=False)]
+    on_support = [stiffness * part for stiffness, part in zip(support, inverse, strict=False)]
     squared = factor * factor
-    tied = [squared * stiffness * part for stiffness, part in zip(mesh, inverse, strict=False)]
+    on_mesh = [squared * stiffness * part for stiffness, part in zip(mesh, inverse, strict=False)]
     # The sum of all roots.
-    scale = added(held) + added(tied) + added(corner)
+    scale = added(on_support) + added(on_mesh) + added(corner)
     unit = 1 / jnp.where(scale > 0, scale, 1.0)
-    # The roots interlace the poles only where every stiffness pulls back and every mass is one.
-    weakest = functools.reduce(jnp.minimum, [*held, *tied, *corner])
+    # The roots interlace the poles only if no stiffness and no mass is negative.
+    weakest = functools.reduce(jnp.minimum, [*on_support, *on_mesh, *corner])
     stable = weakest >= 0
-    corner, held, tied = ([v * unit for v in values] for values in (corner, held, tied))
-    place = [a + g for a, g in zip(held, tied, strict=True)]
+    corner, on_support, on_mesh = (
+        [v * unit for v in values] for values in (corner, on_support, on_mesh)
+    )
+    place = [a + g for a, g in zip(on_support, on_mesh, strict=True)]
     swapped = []
     for i, j in _EXCHANGES:
-        wrong = place[i] > place[j]
-        for values in (place, held, tied, corner):
-            values[i], values[j] = _exchanged(wrong, values[i], values[j])
-        swapped.append(wrong)
+        swap = place[i] > place[j]
+        for values in (place, on_support, on_mesh, corner):
+            values[i], values[j] = _exchanged(swap, values[i], values[j])
+        swapped.append(swap)
     eps = rounding(unit)
     gaps = [
         jnp.maximum(place[j] - place[i], 2 * eps * place[j] + eps**4) for i, j in ((0, 1), (1, 2))
     ]
     return Poles(
         place=tuple(place),
-        support=tuple(held),
-        mesh=tuple(tied),
+        support=tuple(on_support),
+        mesh=tuple(on_mesh),
         corner=tuple(corner),
-        weight=tuple(k * g + eps**4 for k, g in zip(corner, tied, strict=True)),
+        weight=tuple(k * g + eps**4 for k, g in zip(corner, on_mesh, strict=True)),
         gaps=(gaps[0], gaps[1]),
         scale=jnp.where(stable, scale, jnp.nan),
         swapped=tuple(swapped),
     )
 
 
-def _exchanged(wrong: Bool[Array, ""], left: Scalar, right: Scalar) -> tuple[Scalar, Scalar]:
-    """Both values, the other way round where `wrong`."""
-    return jnp.where(wrong, right, left), jnp.where(wrong, left, right)
+def _exchanged(swap: Bool[Array, ""], left: Scalar, right: Scalar) -> tuple[Scalar, Scalar]:
+    """Both values, exchanged where `swap`."""
+    return jnp.where(swap, right, left), jnp.where(swap, left, right)
 
 
 def in_given_order(poles: Poles, values: Sequence[Scalar]) -> list[Scalar]:
     """Values of the sorted bodies, in the order in which the bodies were given."""
     values = list(values)
-    for wrong, (i, j) in zip(poles.swapped[::-1], _EXCHANGES[::-1], strict=True):
-        values[i], values[j] = _exchanged(wrong, values[i], values[j])
+    for swap, (i, j) in zip(poles.swapped[::-1], _EXCHANGES[::-1], strict=True):
+        values[i], values[j] = _exchanged(swap, values[i], values[j])
     return values

@@ -28,8 +28,8 @@ def quartic_roots(
     The quartic is split into the factors of its two large and its two small roots (Ferrari). The
     larger product of a pair is found from the largest root of the resolvent cubic (Viète), in
     which nothing cancels; the rest follows from the products and sums of all roots. So a small
-    root is as accurate, relative to itself, as a large one. Where roots nearly meet, accuracy
-    falls to 1e-7 or (four of them) 1e-4.
+    root is as accurate, relative to itself, as a large one. Where roots nearly coincide,
+    accuracy falls to 1e-7, or to 1e-4 for four roots.
 
     **Arguments:**
 
@@ -54,9 +54,9 @@ def quartic_roots(
     large_product = jnp.where(large_product > 0, large_product, 1.0)
     small_product = fourth / large_product
     difference = large_product - small_product
-    apart = difference > 1e-7 * large_product
-    small_sum = (third - small_product * first) / jnp.where(apart, difference, 1.0)
-    small_sum = jnp.clip(jnp.where(apart, small_sum, first / 2), 0.0, first / 2)
+    distinct = difference > 1e-7 * large_product
+    small_sum = (third - small_product * first) / jnp.where(distinct, difference, 1.0)
+    small_sum = jnp.clip(jnp.where(distinct, small_sum, first / 2), 0.0, first / 2)
     large_sum = first - small_sum
 
     highest = (large_sum + _root(large_sum * large_sum - 4 * large_product)) / 2

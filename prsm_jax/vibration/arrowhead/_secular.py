@@ -6,9 +6,9 @@ Three bodies on supports are tied to one roller coordinate. Eliminating the bodi
 
 with a_j = K_j/m_j (the body on its support), g_j = F²k_j/m_j (on its mesh) and κ_j = k_j/m_R. One
 root lies below the lowest pole d_j, one between each two neighbours and one above the highest.
-Written with the springs in series, as here, no term cancels another, so that soft modes beside
-stiff ones keep their digits; and a root is held by its distances to the poles beside it, so that
-mode shapes (which divide by them) keep theirs where a root all but meets a pole.
+In this form, with springs in series, no terms cancel, so soft modes keep their digits beside stiff
+ones. A root is stored by its distance to an adjacent pole, so that mode shapes (which divide by
+such distances) keep their digits where a root almost coincides with a pole.
 """
 
 from typing import NamedTuple
@@ -21,16 +21,16 @@ from ...mechanism import Scalar
 from ._poles import Poles, added, rounding, shortest
 from ._quartic import quartic_roots
 
-#: The first step from the closed form is all that most systems need; three poles close together
-#: need up to five.
+#: Most systems need only the first step from the closed form; three poles close together need up
+#: to five.
 _MOST_STEPS = 10
 
 
 class Roots(NamedTuple):
-    """Where the roots are, each by the distance to the nearer end of its interval.
+    """The roots, each as the distance from the nearer end of its interval.
 
-    Positive from the lower end, negative from the upper one; the ends are zero and d₁, d₁ and d₂,
-    d₂ and d₃. The highest root has no upper end.
+    Positive from the lower end, negative from the upper one. The intervals are 0 to d₁, d₁ to d₂,
+    d₂ to d₃, and above d₃.
     """
 
     lowest: Scalar
@@ -55,7 +55,7 @@ def _closed_form(poles: Poles) -> tuple[Scalar, Scalar, Scalar, Scalar]:
 
 
 def _nearer(lower: Scalar, upper: Scalar) -> Scalar:
-    """A root by the shorter one of its distances to the ends."""
+    """A root as the shorter of its distances to the ends."""
     return jnp.where(lower < upper, lower, -upper)
 
 
@@ -68,14 +68,14 @@ def _ends(root: Scalar, width: Scalar) -> tuple[Scalar, Scalar]:
 
 
 def _pole_ends(root: Scalar, width: Scalar) -> tuple[Scalar, Scalar]:
-    """The same for two poles, neither of which a root ever meets."""
+    """As `_ends` for two poles; a root never coincides with either."""
     lower, upper = _ends(root, width)
     return jnp.maximum(lower, shortest(root)), upper
 
 
-def _above(pole: Scalar, weak: Scalar, value: Scalar, distance: Scalar) -> Scalar:
-    """a − λ of a pole d = a + g above λ, in the form that loses least: a − λ or (d − λ) − g."""
-    return jnp.where(value < distance, pole - value, distance - weak)
+def _above(pole: Scalar, mesh: Scalar, value: Scalar, distance: Scalar) -> Scalar:
+    """a − λ of a pole d = a + g above λ, in the more accurate form: a − λ or (d − λ) − g."""
+    return jnp.where(value < distance, pole - value, distance - mesh)
 
 
 def _inner_value(poles: Poles, index: int, root: Scalar) -> Scalar:
@@ -102,10 +102,10 @@ def _begin(poles: Poles) -> Roots:
     )
 
 
-# Each step replaces f by a simpler function with the poles beside the root (or infinity) that has
-# the same f, f' and f'' where the root was last, and solves that (Borges and Gragg 1993; Gragg,
-# Thornton and Warner 1992): cubic convergence, from any point of the interval, and exact weights
-# of the poles beside it, so that the start may lie on a pole.
+# Each step replaces f by a simpler function with the poles beside the root (or infinity) and with
+# the same f, f' and f'' at the last iterate, and solves it (Borges and Gragg 1993; Gragg, Thornton
+# and Warner 1992). Convergence is cubic from any point of the interval. The weights of the poles
+# beside the root are exact, so the start may lie on a pole.
 
 
 def _lowest_step(poles: Poles, root: Scalar) -> Scalar:
@@ -125,10 +125,10 @@ def _lowest_step(poles: Poles, root: Scalar) -> Scalar:
     constant = others + corner[0] + q * q * cubic
     middle = constant + slope * q
     tilt = constant - slope * q
-    root_of = jnp.sqrt(tilt * tilt + 4 * slope * pole)
+    discriminant_root = jnp.sqrt(tilt * tilt + 4 * slope * pole)
     positive = middle >= 0
-    change = jnp.where(positive, 2 * residual, middle - root_of) / jnp.where(
-        positive, middle + root_of, 2 * slope
+    change = jnp.where(positive, 2 * residual, middle - discriminant_root) / jnp.where(
+        positive, middle + discriminant_root, 2 * slope
     )
     raised = jnp.clip(value + change, 0.0, d[0])
     return _nearer(raised, jnp.clip(q - change, shortest(q), d[0] + shortest(q)))
@@ -163,10 +163,10 @@ def _inner_step(poles: Poles, index: int, root: Scalar) -> Scalar:
     constant = others + corner[left] + corner[right] - p * p * on_left + q * q * on_right
     middle = from_left - from_right - q * corner[left] + p * corner[right] - (q - p) * others
     middle = middle + both * (on_left * p + on_right * q)
-    root_of = jnp.sqrt(jnp.maximum(middle * middle + 4 * constant * residual, 0.0))
+    discriminant_root = jnp.sqrt(jnp.maximum(middle * middle + 4 * constant * residual, 0.0))
     positive = middle >= 0
-    divisor = jnp.where(positive, middle + root_of, 2 * constant)
-    change = jnp.where(positive, 2 * residual, root_of - middle)
+    divisor = jnp.where(positive, middle + discriminant_root, 2 * constant)
+    change = jnp.where(positive, 2 * residual, discriminant_root - middle)
     change = change / jnp.where(divisor == 0, 1.0, divisor)
     least = shortest(p)
     return _nearer(jnp.clip(p + change, least, width), jnp.clip(q - change, least, width))
@@ -189,10 +189,10 @@ def _highest_step(poles: Poles, p: Scalar) -> Scalar:
     constant = others + corner[2] - p * p * cubic
     middle = slope * p - constant
     total = slope * p + constant
-    root_of = jnp.sqrt(total * total + 4 * slope * pole)
+    discriminant_root = jnp.sqrt(total * total + 4 * slope * pole)
     positive = middle >= 0
-    change = jnp.where(positive, 2 * residual, root_of - middle) / jnp.where(
-        positive, middle + root_of, 2 * slope
+    change = jnp.where(positive, 2 * residual, discriminant_root - middle) / jnp.where(
+        positive, middle + discriminant_root, 2 * slope
     )
     return jnp.maximum(p + change, shortest(p))
 
@@ -237,7 +237,7 @@ def _settled(poles: Poles, before: Roots, after: Roots) -> Bool[Array, ""]:
 
 
 def secular_roots(poles: Poles) -> Roots:
-    """The four roots: closed form, one step, and more of them while some root still moves."""
+    """The four roots: closed form, one step, and more steps until no root changes."""
     start = _begin(poles)
     first = _step(poles, start)
 
@@ -254,7 +254,7 @@ def secular_roots(poles: Poles) -> Roots:
 
 
 def root_values(poles: Poles, roots: Roots) -> tuple[Scalar, ...]:
-    """λ [1/s²], ascending; exactly zero where nothing holds the bodies."""
+    """λ [1/s²], ascending; exactly zero for a rigid motion."""
     values = (
         _ends(roots.lowest, poles.place[0])[0],
         _inner_value(poles, 0, roots.low),
@@ -266,7 +266,7 @@ def root_values(poles: Poles, roots: Roots) -> tuple[Scalar, ...]:
 
 
 def pole_distances(poles: Poles, roots: Roots) -> tuple[tuple[Scalar, ...], ...]:
-    """d_j − λ_i for each root i and sorted pole j, accurate relative to itself."""
+    """d_j − λ_i for each root i and sorted pole j, with a small relative error."""
     first, second = poles.gaps
     _, q = _ends(roots.lowest, poles.place[0])
     low_left, low_right = _pole_ends(roots.low, first)
@@ -286,8 +286,8 @@ def support_distances(
     """a_j − λ_i, for each root i (divided by the scale) and sorted body j, as in the equation."""
     return tuple(
         tuple(
-            jnp.where(away > 0, _above(a, g, value, away), away - g)
-            for a, g, away in zip(poles.support, poles.mesh, row, strict=True)
+            jnp.where(distance > 0, _above(a, g, value, distance), distance - g)
+            for a, g, distance in zip(poles.support, poles.mesh, row, strict=True)
         )
         for value, row in zip(values, distances, strict=True)
     )

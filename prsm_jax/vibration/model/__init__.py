@@ -1,4 +1,4 @@
-"""Masses and springs of a stage, and what its motions look like."""
+"""Masses and springs of a stage, and its mode shapes and energies."""
 
 from ._assembly import (
     coordinates as coordinates,

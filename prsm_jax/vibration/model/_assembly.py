@@ -1,4 +1,4 @@
-"""The spring network of a stage: the full one, and those that the symmetry leaves of it."""
+"""The spring network of a stage, and its reduced networks by symmetry."""
 
 import jax
 import jax.numpy as jnp
@@ -24,7 +24,7 @@ def is_mesh(spring: str) -> bool:
 
 
 def roller_corner(system: VibrationSystem):
-    """k_s + k_r + k_n, the stiffness that holds one roller by all its springs [N/m]."""
+    """k_s + k_r + k_n, the total stiffness of the mesh springs of one roller [N/m]."""
     return sum(body.mesh_stiffness for body in system.bodies)
 
 
@@ -43,15 +43,15 @@ def _block(system: VibrationSystem, support: str, mass: str, share: float) -> Sp
 
 @physics("torsional_springs")
 def torsional_springs(system: VibrationSystem) -> SpringBlock:
-    """Harmonic 0 of the rollers: torsional modes in (u of each body, all rollers alike)."""
+    """Harmonic 0 of the rollers: torsional modes in u of each body and u of all rollers."""
     return _block(system, "torsional_support", "equivalent_mass", 1.0)
 
 
 @physics("transverse_springs")
 def transverse_springs(system: VibrationSystem) -> SpringBlock:
-    """Harmonic 1 of the rollers: transverse modes, each of them twice.
+    """Harmonic 1 of the rollers: transverse modes, each with multiplicity 2.
 
-    The phases of the contacts drop out: they only turn the modes.
+    The contact angles cancel: they only turn the modes.
     """
     return _block(system, "radial_support", "mass", 0.5)
 
@@ -81,19 +81,19 @@ def transverse_block(
 def coordinates(system: VibrationSystem) -> tuple[Coordinate, ...]:
     """The degrees of freedom: x, y, u of each body on the axis; u of each roller (and, where
     rollers translate, radial and tangential); of the carrier u, or x, y, u."""
-    found = [
+    degrees = [
         Coordinate(body.name, direction) for body in system.bodies for direction in ("x", "y", "u")
     ]
     for direction in roller_directions(system):
-        found += [Coordinate(f"roller {n}", direction) for n in system.roller_numbers]
+        degrees += [Coordinate(f"roller {n}", direction) for n in system.roller_numbers]
     if system.carrier is not None:
         directions = ("u",) if system.translation is None else ("x", "y", "u")
-        found += [Coordinate("carrier", direction) for direction in directions]
-    return tuple(found)
+        degrees += [Coordinate("carrier", direction) for direction in directions]
+    return tuple(degrees)
 
 
 def roller_directions(system: VibrationSystem) -> tuple[str, ...]:
-    """In which directions a roller moves."""
+    """Directions in which a roller moves."""
     return ("u",) if system.translation is None else ("u", "radial", "tangential")
 
 
@@ -101,17 +101,17 @@ def roller_directions(system: VibrationSystem) -> tuple[str, ...]:
 def spring_network(
     system: VibrationSystem, phases: Float[Array, " bodies"] | None = None
 ) -> SpringNetwork:
-    """All springs of a stage, without any use of symmetry.
+    """All springs of a stage, without use of symmetry.
 
     A mesh spring lies along the line of action of body j and roller i, which is turned against
     the tangent by the contact angle α_j. With ψ = φ_i ∓ α_j (upper sign: screw) it stretches by
 
     `δ = −sin ψ x_j + cos ψ y_j + u_j ± u_i − cos α_j η_i ∓ sin α_j ζ_i`
 
-    (Wu et al. 2022, equations 7 to 13, with the screw's x counted the other way, so that all
-    bodies share one frame; for rollers that translate, ζ radially and η tangentially, as for the
-    planets of Lin and Parker 1999). A pin stretches by the roller's displacement against the
-    carrier, or against the housing if no carrier is modelled.
+    (Wu et al. 2022, equations 7 to 13, with the opposite sign of the screw's x, so that all
+    bodies share one frame; for rollers that translate, ζ is radial and η tangential, as for the
+    planets of Lin and Parker 1999). A pin stretches by the roller's displacement relative to the
+    carrier, or relative to the housing if no carrier is modelled.
 
     **Arguments:**
 
@@ -151,11 +151,11 @@ def spring_network(
         stiffness = factor * body.mesh_stiffness if each is None else each
         builder.add(springs, stiffness, elongation)
         other = body.radial_support if body.radial_support_y is None else body.radial_support_y
-        held = f"{body.name}_support"
+        support = f"{body.name}_support"
         for coordinate, name, stiffness in (
-            (x, f"{held}_x", body.radial_support),
-            (y, f"{held}_y", other),
-            (u, f"{held}_torsional", body.torsional_support),
+            (x, f"{support}_x", body.radial_support),
+            (y, f"{support}_y", other),
+            (u, f"{support}_torsional", body.torsional_support),
         ):
             builder.add((Spring(name),), stiffness, [(coordinate, jnp.ones((), dtype))])
         mass |= {x: body.mass, y: body.mass, u: body.equivalent_mass}
@@ -181,7 +181,7 @@ def spring_network(
             pins = tuple(Spring(name, number) for number in numbers)
             builder.add(pins, moving.pin_stiffness, elongation)
     if carrier is not None:
-        held = [(cu, "carrier_support_torsional", carrier.torsional_support)]
+        support = [(cu, "carrier_support_torsional", carrier.torsional_support)]
         mass[cu] = carrier.equivalent_mass
         if moving is not None:
             assert carrier.mass is not None
@@ -190,8 +190,8 @@ def spring_network(
             for direction in ("x", "y"):
                 coordinate = Coordinate("carrier", direction)
                 mass[coordinate] = carrier.mass
-                held.append((coordinate, f"carrier_support_{direction}", radial_support))
-        for coordinate, name, stiffness in held:
+                support.append((coordinate, f"carrier_support_{direction}", radial_support))
+        for coordinate, name, stiffness in support:
             builder.add((Spring(name),), stiffness, [(coordinate, jnp.ones((), dtype))])
     return builder.network(mass)
 
@@ -206,12 +206,12 @@ def dense_matrices(
 
 @physics("harmonic_network")
 def harmonic_network(system: VibrationSystem, harmonic: int) -> SpringNetwork:
-    """What one harmonic of the rollers' motion sees of a symmetric system.
+    """The reduced network of a symmetric system for one harmonic of the rollers' motion.
 
     Rollers move as `q_i = Re(Q e^{i h φ_i})`, normalised so that the energies of the N rollers add
     up to that of `Q`. Harmonic 0 has the rotations of the bodies on the axis, harmonic 1 their
-    translations as one complex coordinate `w = i (x − i y)`, higher ones (all alike) no central
-    body at all. The transformation is unitary, so no tolerance decides what is repeated.
+    translations as one complex coordinate `w = i (x − i y)`, higher ones (all equal) no central
+    body. The transformation is unitary, so multiplicities are known without a tolerance.
 
     **Arguments:**
 
@@ -223,13 +223,13 @@ def harmonic_network(system: VibrationSystem, harmonic: int) -> SpringNetwork:
     supports = {0: "torsional_support", 1: "radial_support"}
     masses = {0: "equivalent_mass", 1: "mass"}
     moving = system.translation
-    carried = system.carrier if moving is not None else None
+    carrier = system.carrier if moving is not None else None
     share = 1.0 if harmonic == 0 else 0.5
     factor = jnp.asarray((share * system.roller_count) ** 0.5, dtype)
     bodies: list[tuple[str, CentralBody | CarrierBody]] = []
     bodies += [(body.name, body) for body in system.bodies]
-    if carried is not None:
-        bodies.append(("carrier", carried))
+    if carrier is not None:
+        bodies.append(("carrier", carrier))
     mass: dict[Coordinate, Array] = {}
     if central is not None:
         for name, body in bodies:
@@ -250,7 +250,7 @@ def harmonic_network(system: VibrationSystem, harmonic: int) -> SpringNetwork:
             elongation += [(tangential, -jnp.cos(alpha)), (radial, -sign * jnp.sin(alpha))]
         if central is not None:
             own = factor
-            # Rollers that only rotate leave the phase free: without it all stays real.
+            # If rollers only rotate, the phase is arbitrary: without it all numbers stay real.
             if harmonic == 1 and moving is not None:
                 own = jax.lax.complex(factor * jnp.cos(alpha), -sign * factor * jnp.sin(alpha))
             elongation.append((Coordinate(body.name, central), own))
@@ -259,7 +259,7 @@ def harmonic_network(system: VibrationSystem, harmonic: int) -> SpringNetwork:
         minus = jnp.full((), -1.0, dtype)
         across: list = [(radial, minus)]
         along: list = [(tangential, minus)]
-        if carried is not None and central is not None:
+        if carrier is not None and central is not None:
             along.append((Coordinate("carrier", central), factor))
             if harmonic == 1:
                 quarter = jax.lax.complex(jnp.zeros_like(factor), -factor)
@@ -270,6 +270,6 @@ def harmonic_network(system: VibrationSystem, harmonic: int) -> SpringNetwork:
         for name, body in bodies:
             stiffness: Inexact[Array, ""] = getattr(body, supports[harmonic])
             coordinate = Coordinate(name, central)
-            held = Spring(f"{name}_support_{'torsional' if harmonic == 0 else 'radial'}")
-            builder.add((held,), stiffness, [(coordinate, jnp.ones((), dtype))])
+            support = Spring(f"{name}_support_{'torsional' if harmonic == 0 else 'radial'}")
+            builder.add((support,), stiffness, [(coordinate, jnp.ones((), dtype))])
     return builder.network(mass)

@@ -1,4 +1,4 @@
-"""Where the energy of a mode is: kinetic by body, strain by kind of spring."""
+"""Energies of modes: kinetic by body, strain by kind of spring."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Inexact
@@ -8,7 +8,7 @@ from ._spring_network import SpringNetwork
 
 
 def _gathered(names: list[str], energy: Float[Array, "items modes"]) -> dict[str, Array]:
-    """Rows of equal name added up."""
+    """Sums of the rows of equal name."""
     rows: dict[str, Array] = {}
     for name, row in zip(names, energy, strict=True):
         rows[name] = rows[name] + row if name in rows else row
@@ -24,7 +24,7 @@ def kinetic_energies(
 
     - `network`: the springs and masses.
     - `shapes`: a column for each mode.
-    - `each_roller`: list every roller by itself, instead of all of them as `roller`.
+    - `each_roller`: list every roller separately, instead of all together as `roller`.
     """
     energy = network.mass[:, None] * jnp.abs(shapes) ** 2
     bodies = [coordinate.body for coordinate in network.coordinates]
@@ -42,7 +42,7 @@ def strain_energies(
 
     - `network`: the springs and masses.
     - `shapes`: a column for each mode.
-    - `each_spring`: list the springs of every roller by themselves.
+    - `each_spring`: list the springs of every roller separately.
     """
     energy = network.stiffness[:, None] * jnp.abs(network.rows @ shapes) ** 2
     names = [str(spring) if each_spring else spring.name for spring in network.springs]
@@ -50,7 +50,7 @@ def strain_energies(
 
 
 def shares(energies: dict[str, Float[Array, " modes"]]) -> dict[str, Float[Array, " modes"]]:
-    """Energies as shares of their sum; all zero where there is none."""
+    """Energies as shares of their sum; all zero where the sum is zero."""
     total = jnp.sum(jnp.stack(list(energies.values())), axis=0)
     some = above_or_nan(total)
     divisor = jnp.where(some, total, 1.0)

@@ -16,8 +16,8 @@ def harmonic_shapes(
     """Displacements of all degrees of freedom for amplitudes of one harmonic.
 
     The inverse of the transformation of `harmonic_network`. From harmonic 1 on every complex
-    shape gives two real ones, its real part and that a quarter period later, which are
-    M-orthogonal; from 2 on each harmonic up to N/2 has such a pair (the one at N/2 is single).
+    shape gives two real ones, at one instant and a quarter period later, which are M-orthogonal.
+    From 2 on each harmonic up to N/2 has such a pair (the one at N/2 is single).
 
     **Arguments:**
 

@@ -1,4 +1,4 @@
-"""A linear vibrating system as masses and springs: what every matrix here is made from."""
+"""A linear vibrating system as masses and springs, from which all matrices are assembled."""
 
 import dataclasses
 
@@ -14,7 +14,7 @@ class Coordinate:
 
     Directions: `x`, `y` of a body on the axis; `u = r θ`, the rotation of any body as a
     displacement on its nominal circle, anticlockwise positive; `radial`, `tangential` of a roller,
-    in the frame of its own place around the screw.
+    in the frame of its own position around the screw.
     """
 
     body: str
@@ -26,7 +26,7 @@ class Coordinate:
 
 @dataclasses.dataclass(frozen=True)
 class Spring:
-    """The name of a spring, with the number of its roller where there is one for each."""
+    """The name of a spring, with the number of its roller if each roller has one."""
 
     name: str
     roller: int | None = None
@@ -44,9 +44,9 @@ class SpringNetwork(eqx.Module):
 
     #: Stiffness of each spring [N/m].
     stiffness: Float[Array, " springs"]
-    #: Elongation of each spring per unit of each coordinate; complex in a harmonic of a symmetry.
+    #: Elongation of each spring per unit of each coordinate; complex for a harmonic.
     rows: Inexact[Array, "springs coordinates"]
-    #: Mass that goes with each coordinate [kg].
+    #: Mass of each coordinate [kg].
     mass: Float[Array, " coordinates"]
     coordinates: tuple[Coordinate, ...] = eqx.field(static=True)
     springs: tuple[Spring, ...] = eqx.field(static=True)
@@ -56,9 +56,9 @@ class SpringNetwork(eqx.Module):
         return self.rows.conj().T @ (self.stiffness[:, None].astype(self.rows.dtype) * self.rows)
 
     def index(self, coordinate: str) -> int:
-        """Where a coordinate is, by its name such as `"screw u"` or `"roller 3 u"`.
+        """Index of a coordinate by its name, such as `"screw u"` or `"roller 3 u"`.
 
-        **Raises:** `ValueError` if there is none of that name, with those that there are.
+        **Raises:** `ValueError` for an unknown name, with the names that exist.
         """
         names = [str(known) for known in self.coordinates]
         if coordinate not in names:
@@ -67,13 +67,13 @@ class SpringNetwork(eqx.Module):
 
 
 def _widest(arrays: list[Array]):
-    """The dtype that holds all of them: complex if any is."""
-    found = [array.dtype for array in arrays]
-    return next((t for t in found if jnp.issubdtype(t, jnp.complexfloating)), found[0])
+    """The dtype for all arrays: complex if one of them is."""
+    dtypes = [array.dtype for array in arrays]
+    return next((t for t in dtypes if jnp.issubdtype(t, jnp.complexfloating)), dtypes[0])
 
 
 class NetworkBuilder:
-    """Collects springs, all those of one kind at once; only used to put a network together."""
+    """Collects springs, one kind at a time, and builds a network from them."""
 
     def __init__(self, coordinates: tuple[Coordinate, ...]):
         self._coordinates = coordinates

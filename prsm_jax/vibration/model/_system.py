@@ -1,4 +1,4 @@
-"""The bending–torsional system of one stage: bodies, rollers and their springs, in numbers."""
+"""The bending–torsional system of one stage: bodies, rollers and their springs."""
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -21,28 +21,28 @@ class CentralBody(eqx.Module):
     #: +1 if the roller's rotation stretches the spring in the same sense (screw), −1 otherwise.
     roller_sign: int = eqx.field(static=True)
     name: str = eqx.field(static=True)
-    #: Support in y where it is not that in x [N/m].
+    #: Support in y, if it differs from that in x [N/m].
     radial_support_y: Scalar | None = None
-    #: Angle of the contact's line of action against the tangent [rad]; it only turns the modes
+    #: Angle between the contact's line of action and the tangent [rad]; it only turns the modes
     #: unless rollers move in translation.
     contact_angle: Scalar | None = None
-    #: Stiffness of the spring to each roller, where it is known one by one; then in place of
+    #: Stiffness of the spring to each roller, if known individually; it replaces
     #: `mesh_stiffness` and the stiffness factors [N/m].
     each_mesh_stiffness: Float[Array, " rollers"] | None = None
 
 
 class CarrierBody(eqx.Module):
-    """The carrier. Where rollers only rotate it carries their masses and vibrates on its own."""
+    """The carrier. If rollers only rotate, it has their masses and vibrates on its own."""
 
     equivalent_mass: Scalar
     torsional_support: Scalar
-    #: Only where rollers move in translation, and take the carrier with them.
+    #: Only where rollers move in translation, and the carrier with them.
     mass: Scalar | None = None
     radial_support: Scalar | None = None
 
 
 class RollerTranslation(eqx.Module):
-    """Rollers that also move in their plane, on pins that are held by the carrier."""
+    """Rollers that also translate in the transverse plane, on pins of the carrier."""
 
     mass: Scalar
     #: Equal in the radial and the tangential direction [N/m].
@@ -50,20 +50,20 @@ class RollerTranslation(eqx.Module):
 
 
 class RollerScatter(eqx.Module):
-    """How the rollers that are there differ; what is `None` is alike for all."""
+    """Differences of the rollers that are present; an entry `None` is equal for all."""
 
     #: Angle of each roller around the screw [rad].
     position: Float[Array, " rollers"]
     stiffness_factor: Float[Array, " rollers"] | None = None
     mass_factor: Float[Array, " rollers"] | None = None
-    #: The number of each roller's place, for names.
+    #: The number of each roller's position, for names.
     numbers: tuple[int, ...] = eqx.field(static=True, kw_only=True)
 
 
 class VibrationSystem(eqx.Module):
     """Masses and springs of one stage.
 
-    `roller_count` counts the rollers that are there. What is `None` is not modelled.
+    `roller_count` is the number of rollers present. A part that is `None` is not modelled.
     """
 
     bodies: tuple[CentralBody, ...]
@@ -75,17 +75,17 @@ class VibrationSystem(eqx.Module):
 
     @property
     def symmetric(self) -> bool:
-        """Whether a turn by one roller leaves the system as it is: known from its structure.
+        """Whether, by its structure, a turn by one roller pitch leaves the system unchanged.
 
-        With equal, evenly spaced rollers (at least 3, so that x and y are alike) and supports that
-        are equal in x and y.
+        True for equal, evenly spaced rollers (at least 3, so that x and y are equivalent) and
+        supports that are equal in x and y.
         """
         isotropic = all(body.radial_support_y is None for body in self.bodies)
         return self.scatter is None and isotropic and self.roller_count >= 3
 
     @property
     def roller_numbers(self) -> tuple[int, ...]:
-        """The number of each roller's place, from 1."""
+        """The number of each roller's position, from 1."""
         if self.scatter is not None:
             return self.scatter.numbers
         return tuple(range(1, self.roller_count + 1))
@@ -123,11 +123,11 @@ def _scatter(stage: Stage) -> RollerScatter | None:
     dtype = stage.thread.lead.dtype
 
     def gather(name: str, default: float) -> Float[Array, " rollers"] | None:
-        found = [getattr(unequal.get(number), name, None) for number in numbers]
-        if all(value is None for value in found):
+        values = [getattr(unequal.get(number), name, None) for number in numbers]
+        if all(value is None for value in values):
             return None
         like = jnp.full((), default, dtype)
-        return jnp.stack([like if value is None else value.astype(dtype) for value in found])
+        return jnp.stack([like if value is None else value.astype(dtype) for value in values])
 
     even = 2 * jnp.pi * (jnp.asarray(numbers, dtype) - 1) / places
     offset = gather("position_offset", 0.0)
@@ -162,8 +162,8 @@ def vibration_system(stage: Stage, threads: ThreadStiffness) -> VibrationSystem:
 
     The thread springs act in the transverse plane: their stiffness on tangential displacements
     u = r θ is k cos²β_R (Wu et al. 2022, equations 7 to 13). Without a ring gear, or without
-    a carrier, those degrees of freedom are not there. Rollers move in translation only if
-    `stage.roller.support` says how they are held; then the carrier does so too.
+    a carrier, those degrees of freedom do not exist. Rollers move in translation only if
+    `stage.roller.support` is given; the carrier then does so too.
 
     **Arguments:**
 
@@ -175,8 +175,8 @@ def vibration_system(stage: Stage, threads: ThreadStiffness) -> VibrationSystem:
     thread = stage.thread
     projection = jnp.cos(thread.roller_helix_angle) ** 2
     ring_stiffness = None if stage.ring_gear is None else ring_roller_stiffness(stage)
-    held = stage.roller.support
-    pins = None if held is None else held.radial_stiffness
+    roller_support = stage.roller.support
+    pins = None if roller_support is None else roller_support.radial_stiffness
 
     def central(
         name: str,
