@@ -248,7 +248,7 @@ def _solved_twice_jvp(primals, tangents, *, static):
     breaks = breaks_inside(scene.breaks, still(end))
     steps = still(steps_between(starts, chosen.steps, breaks))
 
-    def again(rate, start, end, args):
+    def repeated(rate, start, end, args):
         return _solved(rate, start, end, args, scene, static, again=steps)[0].states
 
     arguments = rate, start, end, args
