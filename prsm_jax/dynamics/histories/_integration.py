@@ -248,11 +248,11 @@ def _solved_twice_jvp(primals, tangents, *, static):
     breaks = breaks_inside(scene.breaks, still(end))
     steps = still(steps_between(starts, chosen.steps, breaks))
 
-    def repeated(rate, start, end, args):
+    def again(rate, start, end, args):
         return _solved(rate, start, end, args, scene, static, again=steps)[0].states
 
     arguments = rate, start, end, args
-    states, slopes = eqx.filter_jvp(repeated, arguments, tuple(tangents[:-1]))
+    states, slopes = eqx.filter_jvp(again, arguments, tuple(tangents[:-1]))
     none = jax.tree.map(lambda _: None, chosen)
     # The result code stays that of the first integration: repeated steps do not run out.
     return chosen._replace(states=states), none._replace(states=slopes)

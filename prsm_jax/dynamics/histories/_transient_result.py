@@ -79,7 +79,7 @@ class SolverReport(AbstractResult):
     @property
     @listed
     def result(self) -> str:
-        """What `code` means, and what to do about it."""
+        """Meaning of `code`, with the remedy."""
         return _MEANINGS[int(self.code)]
 
 

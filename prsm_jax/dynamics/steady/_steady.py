@@ -54,7 +54,7 @@ _JAMMED, _IMPOSSIBLE, _OVERLAPPING, _NOT_FINITE = 2, 5, 6, 7
 
 
 def steady_meaning(name: str) -> str:
-    """What a name of `STEADY_RESULTS` means, and what to do about it."""
+    """Meaning of a name of `STEADY_RESULTS`, with the remedy."""
     return _MEANINGS[STEADY_RESULTS.index(name)]
 
 
@@ -109,7 +109,7 @@ class SteadyState(AbstractResult):
     @property
     @listed
     def result(self) -> str:
-        """What `code` means, and what to do about it."""
+        """Meaning of `code`, with the remedy."""
         return _MEANINGS[0 if self.code is None else int(self.code)]
 
     @property

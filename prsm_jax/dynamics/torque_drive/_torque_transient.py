@@ -120,11 +120,11 @@ def _quasi_steady(
         applied = problem.scenario.torque_at(time)
         limits = breakaway_torques(problem, time, angle)
         sense = jnp.where(sticking, _nearer(applied, limits), mode)
-        still, turning = (
+        at_rest, turning = (
             resting(problem, time, angle, sense),
             moving(problem, time, angle, speed, sense),
         )
-        balance = jax.tree.map(lambda a, b: jnp.where(sticking, a, b), still, turning)
+        balance = jax.tree.map(lambda a, b: jnp.where(sticking, a, b), at_rest, turning)
         acceleration = balance.acceleration
         now = instant(
             problem, time, ScrewMotion(angle, speed, acceleration), sense, balance.unknowns
