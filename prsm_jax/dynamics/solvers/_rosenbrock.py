@@ -243,7 +243,7 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
         return self._step(y0, unflatten, point + stages[5], stages, grows, following)
 
     def _rates(self, terms, rate, t0, length, flat, unflatten, args):
-        """Function of (stage, state) to the rate, its derivative by time, and the leading motion."""
+        """Function of (stage, state) to the rate, its time derivative, and the leading motion."""
         # diffrax wraps the term, to integrate backwards too.
         field = getattr(terms, "term", terms).vector_field
         if not isinstance(field, DrivenRate):

@@ -111,9 +111,9 @@ class AroundStandstill(_Around):
 
     The carriers' time constants are proportional to the speed. A step by RODASP uses those at its
     start. It multiplies a deviation of stiff carriers by 6 if the time constants halve within the
-    step, and by 20 if they become ten times as long. The error estimate controls values, not derivatives, which
-    grew by up to 1e37 over the steps of one reversal. With the two shares here a step multiplies a
-    deviation of stiff carriers by 0.54 before a standstill and by 0.69 after it.
+    step, and by 20 if they become ten times as long. The error estimate controls values, not
+    derivatives, which grew by up to 1e37 over the steps of one reversal. With the two shares here a
+    step multiplies a deviation of stiff carriers by 0.54 before a standstill and by 0.69 after it.
     """
 
     #: Function of time to the times until the next standstill and since the last one.

@@ -276,14 +276,14 @@ def _balanced(balance: CarrierBalance) -> BalancedCarrier:
     A root search within a root search would be a large program.
     """
     start = jnp.zeros_like(balance.axial_force)
-    share_unknown = has_unknown_share(balance.stage, balance.kinematics)
+    shared = has_unknown_share(balance.stage, balance.kinematics)
 
     def residuals(unknowns):
-        point = balance.at(unknowns[0], unknowns[1] if share_unknown else None)
+        point = balance.at(unknowns[0], unknowns[1] if shared else None)
         missed = [] if point.contact.missed is None else [point.contact.missed]
         return jnp.stack([point.residual, *missed]), point
 
-    shares = [-balance.kinematics.meshing.screw.normal[2]] if share_unknown else []
+    shares = [-balance.kinematics.meshing.screw.normal[2]] if shared else []
     accuracy = 1e-10 if start.dtype == jnp.float64 else 1e-4
     _, converged, point = find_roots_and(
         residuals, jnp.stack([start, *shares]), tolerance=accuracy, max_steps=30
