@@ -136,7 +136,7 @@ def test_the_closed_form_is_refused_with_smooth_friction_too():
     ("made", "message"),
     [
         (lambda: prsm.Diffrax("tsit5"), "solver is 'tsit5'; give a solver of diffrax"),
-        (lambda: prsm.Diffrax(diffrax.KenCarp4()), "KenCarp4, which needs an equation that is split"),
+        (lambda: prsm.Diffrax(diffrax.KenCarp4()), "KenCarp4, which needs an equation"),
         (
             lambda: prsm.Diffrax(diffrax.Tsit5(), diffrax.ConstantStepSize()),
             "give one that adapts its steps",
