@@ -10,18 +10,18 @@ from ..numerics import dot_few
 
 
 class StageKinematics(eqx.Module):
-    """What the motion of one stage needs of its geometry.
+    """Geometry that determines the motion of one stage.
 
-    The slip is linear in the two speeds: `v = Ω slip_per_screw − ω (drive, 0)`. The thread runs
-    along the roller's axis at `lead / 2π` per radian, whatever the carrier does.
+    The slip is linear in the two speeds: `v = Ω slip_per_screw − ω (drive, 0)`. The screw thread
+    advances along the roller's axis by `lead / 2π` per radian, at any speed of the carrier.
     """
 
     thread: Thread
     meshing: Meshing
-    #: Parts of `slip_per_screw` and `drive`: plain numbers, as in `ThreadContact`.
+    #: Components of `slip_per_screw` and `drive` as scalars, as in `ThreadContact`.
     slip_parts: tuple[Scalar, Scalar, Scalar]
     drive_parts: tuple[Scalar, Scalar]
-    #: Contact ellipses and moments that resist the turning of a roller at a normal force of 1 N
+    #: Contact ellipses and resisting moments of one roller at a normal force of 1 N
     #: (`_contact_losses.ContactResistance`); `None` until they are needed.
     resistance: eqx.Module | None = None
 
@@ -40,11 +40,11 @@ class StageKinematics(eqx.Module):
         """v₀ × d, of the transverse parts of the slip per screw turn and of d [m²/rad²].
 
         With v₀ = (−y, x) and d = v₀ + n (y, a − x) at the contact (x, y) it is −n a y. At small
-        leads the slip is nearly all along d, and the difference of the products is noise.
+        leads the slip is nearly parallel to d; the difference of products would be rounding noise.
         """
         screw = self.meshing.screw
-        aside = screw.contact_radius * jnp.sin(screw.contact_angle_position)
-        return -self.thread.starts * self.thread.centre_distance * aside
+        contact_y = screw.contact_radius * jnp.sin(screw.contact_angle_position)
+        return -self.thread.starts * self.thread.centre_distance * contact_y
 
     @property
     def relative_spin_ratio(self) -> Scalar:
@@ -79,10 +79,10 @@ def slip_velocity(
 
 
 def free_carrier_ratio(kinematics: StageKinematics) -> Scalar:
-    """Steady carrier ratio ζ∞ = ω/Ω when nothing but thread friction acts on the rollers.
+    """Steady carrier ratio ζ∞ = ω/Ω when only thread friction acts on the rollers.
 
-    The friction then has no component along ∂v_R/∂ω, which is linear in ω: geometry alone
-    decides, not friction or load.
+    The friction then has no component along ∂v_R/∂ω. This condition is linear in ω, and depends on
+    geometry alone, not on friction or load.
     """
     drive = kinematics.drive
     return dot_few(kinematics.slip_per_screw[:2], drive) / dot_few(drive, drive)

@@ -1,4 +1,4 @@
-"""Transients with diffrax: the carriers on their way to the steady state."""
+"""Transients of the carriers, integrated with diffrax."""
 
 import dataclasses
 
@@ -56,8 +56,8 @@ from .speed_drive import (
 )
 from .torque_drive import has_smooth_threads, smooth_torque_history, torque_history
 
-#: Steps of Tsitouras's method over the time constant: a share of 0.39 of a deviation is left by
-#: one, and past 3.5 it grows.
+#: Longest step of Tsitouras's method over the time constant: such a step reduces a deviation to a
+#: share of 0.39; beyond 3.5 deviations grow.
 _STABLE = 3.0
 
 
@@ -77,19 +77,19 @@ def simulate(
     """Simulate a mechanism under a prescribed screw speed, or a prescribed torque, and load.
 
     Under a prescribed torque (`TorqueScenario`) screw and carriers are states. They stick and slip
-    with exact Coulomb friction, events located: the screw may be held while carriers coast. The
-    method `"quasi_steady"` leaves the carriers in balance instead, and the screw alone is a state;
-    `solver.error_estimate` is then the error of its speed over its largest. With LuGre or
-    regularised Coulomb friction in the threads everything passes through standstill smoothly,
-    bristles being states as well; there is no such reduction then. The rest is about a prescribed
-    speed.
+    with exact Coulomb friction, and events are located: the screw may be held while carriers coast.
+    The method `"quasi_steady"` keeps the carriers in balance instead, with the screw as the only
+    state; `solver.error_estimate` is then the error of the screw speed over the largest screw
+    speed. With LuGre or regularised Coulomb friction in the threads the motion through standstill
+    is smooth, bristles are states as well, and `"quasi_steady"` acts as `"auto"`. All that
+    follows applies to a prescribed speed.
 
-    Threads with LuGre friction add the deflections of their bristles to the states: fast and
+    Threads with LuGre friction add the deflections of their bristles to the states. These are
     stiff, so choose a method for stiff scenes.
 
     States are the carrier speeds, `[2 J_P + N J_R (n − 1)² + N m_R a²] ω̇ = N f·d − resisting
     moments` (Li et al. 2021, in Lagrange's form); all forces follow algebraically at the sample
-    times. Speed and time are scaled inside by the fastest screw speed and the shortest time
+    times. Speed and time are scaled internally by the highest screw speed and the shortest time
     constant, so the tolerances are relative to those.
 
     **Arguments:**
@@ -100,57 +100,54 @@ def simulate(
     - `method`: a word, or an object that carries its own options (`Rodasp(rtol=1e-6)`,
       `Diffrax(diffrax.Kvaerno5())` for any solver of diffrax). `"auto"` (see `choose_method`),
       `"closed_form"` (constant speed, load and friction coefficients: exact at any time, no
-      integration), `"quasi_steady"` (no integration: carriers in balance at every instant, their
-      settling from the initial ratio left out; for scenes much longer than
-      `solver.time_constant`, and the best for exact Coulomb friction through standstill. What it
-      neglects is in `solver.error_estimate`), `"rosenbrock"` (RODASP 4/3, any stiffness, no
-      iterations: the cheapest that integrates), `"explicit"` (Tsitouras 5/4, not for stiff
-      scenes), or `"implicit"` (Kvaerno 5/4 with Newton, any stiffness, the reference).
+      integration), `"quasi_steady"` (no integration: carriers in balance at every instant, without
+      their settling from the initial ratio; for scenes much longer than `solver.time_constant`, and
+      the best for exact Coulomb friction through standstill. `solver.error_estimate` estimates
+      the error by neglected terms), `"rosenbrock"` (RODASP 4/3, any stiffness, no iterations: the
+      cheapest method that integrates), `"explicit"` (Tsitouras 5/4, not for stiff scenes), or
+      `"implicit"` (Kvaerno 5/4 with Newton, any stiffness, the reference).
     - `gradient`: `"both"` (either mode through one program), `"reverse"` (checkpointed, bounded
       memory for long scenes, and for tolerances below 1e-10) or `"forward"` (for few parameters).
-      With the first two, derivatives are those of steps that a first integration chose and a
-      second one takes again; values are those of the first, and cost no more than it does.
+      With the first two, a first integration chooses the steps, and a second one repeats them for
+      the derivatives; values are those of the first, and cost no more than it does.
       Under a prescribed torque `"reverse"` integrates twice, to choose the steps and to take them,
       and agrees with forward mode to the tolerance; reverse mode through `"both"` to about 1e-5.
-    - `rtol`, `atol`: tolerances on the carrier ratio, of the steps, for a method given by a word
-      that takes them; 1e-8 and 1e-10 if not given; in float32 at least 1e-6 and
-      1e-7. Where a small lead lets friction turn within a narrow range of ratios, errors are held
-      to that share of it. Derivatives are those of the steps taken: at the default within about
-      2e-5 of the exact ones (`"implicit"` 1e-4; more where parts of them cancel), and by a
-      hundredth of that at 1e-10.
-    - `max_steps`: steps allowed, 4,096 if not given; running out of them is reported in `solver`,
-      never hidden.
-    - `throw`: raise if the solver fails. Inside a trace nothing is raised and the result code in
-      `solver.code` tells.
+    - `rtol`, `atol`: step tolerances on the carrier ratio, for a method given by a word that takes
+      them; 1e-8 and 1e-10 if not given; in float32 at least 1e-6 and 1e-7. Where, at a small lead,
+      friction changes its direction within a narrow range of ratios, tolerances are relative to
+      that range. Derivatives are those of the steps taken: at the default within about 2e-5 of the
+      exact ones (`"implicit"` 1e-4; more where parts of them cancel), and within a hundredth of
+      that at 1e-10.
+    - `max_steps`: steps allowed, 4,096 if not given; `solver` reports if they do not suffice.
+    - `throw`: raise if the solver fails. Inside a trace nothing is raised; see `solver.code`.
     - `kinematics`: kinematics of the stages, if known already.
 
     **Raises:** `MissingDataError` if masses or the scenario are not given; `ValueError` for an
-    unknown method or gradient, an option that the method does not take, a scenario that means
-    nothing (a duration that is not above 0, NaN or infinite numbers), or the closed form under a
-    prescribed torque; `PrsmError` if the solver
-    fails, or no such mechanism can be built (a dimension out of range, rollers that overlap), and
-    `throw` is set.
+    unknown method or gradient, an option that the method does not take, an invalid scenario (a
+    duration that is not above 0, NaN or infinite numbers), or the closed form under a prescribed
+    torque; `PrsmError` if `throw` is set and the solver fails or the mechanism cannot be built (a
+    dimension out of range, rollers that overlap).
     """
-    asked = method_of(method, rtol=rtol, atol=atol, max_steps=max_steps)
+    requested = method_of(method, rtol=rtol, atol=atol, max_steps=max_steps)
     if scenario is None:
         scenario = default_scenario(mechanism)
     check_scenario(scenario)
-    settings = _settings(asked, gradient, scenario)
-    # The scenario is an argument of its own: twice it would be traced twice.
+    settings = _settings(requested, gradient, scenario)
+    # The scenario is a separate argument; in the mechanism it would be traced a second time.
     mechanism = dataclasses.replace(mechanism, scenario=None)
     scene = mechanism, scenario, kinematics = traceable((mechanism, scenario, kinematics))
     known = is_known((*scene, settings.rtol, settings.atol))
     if known and gradient == "both" and not any(map(callable, jax.tree.leaves(scene))):
-        # Nothing is differentiated; the loop of forward mode stops when it is done.
+        # Nothing is differentiated; the loop of forward mode stops after the last step.
         settings = settings._replace(gradient="forward")
-    if asked.word == "auto" and isinstance(scenario, Scenario):
+    if requested.word == "auto" and isinstance(scenario, Scenario):
         chosen = chosen_method(
             mechanism, scenario, kinematics, settings.rtol, known, settling=True
         ).method
         settings = settings._replace(method=chosen)
     run, code = _transient(*scene, settings)
     if (
-        settings.method != asked.word
+        settings.method != requested.word
         and known
         and int(code) != 0
         and (settings.method == "closed_form")
@@ -160,7 +157,7 @@ def simulate(
 
 
 def _settings(method: Method, gradient: Gradient, scenario: Scenario | TorqueScenario) -> Settings:
-    """What a method says of the integration.
+    """Settings of the integration by a method.
 
     **Raises:** `ValueError` for a method, or an option of it, that has no meaning in this scene.
     """
@@ -170,13 +167,14 @@ def _settings(method: Method, gradient: Gradient, scenario: Scenario | TorqueSce
             "method is 'closed_form', which needs a prescribed speed; under a prescribed torque "
             "choose auto, rosenbrock, implicit, explicit, quasi_steady or a solver of diffrax"
         )
-    given = {name: getattr(method, name) for name in options_of(type(method))}
+    own_options = {name: getattr(method, name) for name in options_of(type(method))}
     if isinstance(method, QuasiSteady) and not torque:
-        named = [name for name, value in given.items() if value is not None]
+        named = [name for name, value in own_options.items() if value is not None]
         refuse_options(method.word, named, (), " at a prescribed speed")
-    usual = {"rtol": RTOL, "atol": ATOL, "max_steps": MAX_STEPS}
+    defaults = {"rtol": RTOL, "atol": ATOL, "max_steps": MAX_STEPS}
     options = {
-        name: value if given.get(name) is None else given[name] for name, value in usual.items()
+        name: value if own_options.get(name) is None else own_options[name]
+        for name, value in defaults.items()
     }
     own = OwnSolver(method.solver, method.controller) if isinstance(method, Diffrax) else None
     return Settings(method.word, gradient, **options, own=own)
@@ -189,19 +187,19 @@ def _transient(
     kinematics: tuple[StageKinematics, ...] | None,
     settings: Settings,
 ) -> tuple[Transient, Int[Array, ""]]:
-    """A transient by a method that is chosen already, and how the method itself went."""
+    """A transient by the method in the settings, and the result code of the method itself."""
     settings = settings.within(jnp.result_type(scenario.duration))
     if isinstance(scenario, TorqueScenario):
-        follow = smooth_torque_history if has_smooth_threads(mechanism) else torque_history
-        found = follow(mechanism, scenario, settings)
-        return found, found.solver.code
+        history_of = smooth_torque_history if has_smooth_threads(mechanism) else torque_history
+        run = history_of(mechanism, scenario, settings)
+        return run, run.solver.code
     problem = scene_problem(mechanism, scenario, kinematics)
     times = sample_times(problem)
     if has_bristles(mechanism) and settings.method not in ("quasi_steady", "closed_form"):
         history, report = bristle_history(problem, times, settings)
         return histories(mechanism, problem.kinematics, times, history, report), report.code
-    # One pass from the state at a time to what is kept of it: all states of a long scene at once
-    # would take more memory than its result, and be fetched from there.
+    # One pass per time, from the state to its results: all states of a long scene at once would
+    # take more memory than the results, and would have to be read from there.
     rows_at = rows_of(mechanism, problem.kinematics)
     if settings.method == "quasi_steady":
         balanced_at = quasi_steady_at(problem)
@@ -224,9 +222,9 @@ def _transient(
 def _checked(run: Transient, throw: bool) -> Transient:
     if throw and is_concrete(run.solver.code) and int(run.solver.code) != 0:
         code = int(run.solver.code)
-        what = "did not finish" if code < CANNOT_BE_BUILT else "is of no mechanism"
-        what = what if code < MEANS_NOTHING else "has no meaning"
-        raise PrsmError(f"the transient {what}: {run.solver.result}")
+        failure = "did not finish" if code < CANNOT_BE_BUILT else "is of an impossible mechanism"
+        failure = failure if code < MEANS_NOTHING else "has invalid input"
+        raise PrsmError(f"the transient {failure}: {run.solver.result}")
     return run
 
 
@@ -254,15 +252,15 @@ def _integrated(
 
 
 def _longest_stable(problem: Problem) -> Scalar:
-    """The longest scaled step at which an explicit method damps what carriers deviate by.
+    """The longest scaled step at which an explicit method damps deviations of the carriers.
 
-    Carriers that have settled rest exactly, no error grows, and steps would become ever longer.
-    What is differentiated through such steps grows without bound.
+    The error estimate of settled carriers vanishes, so steps would become ever longer, and
+    derivatives through such steps would grow without bound.
     """
-    none = jnp.zeros_like(problem.speed_scale)
+    zero = jnp.zeros_like(problem.speed_scale)
     free = jnp.stack([free_carrier_ratio(k) for k in problem.kinematics])
-    settled = free * problem.scenario.speed_at(none) / problem.speed_scale
-    slopes = jax.jacfwd(lambda ratio: scaled_rate.directly(none, ratio, problem))(settled)
+    settled = free * problem.scenario.speed_at(zero) / problem.speed_scale
+    slopes = jax.jacfwd(lambda ratio: scaled_rate.directly(zero, ratio, problem))(settled)
     fastest = jax.lax.stop_gradient(jnp.max(jnp.abs(jnp.diagonal(slopes))))
     settles = fastest > 0
     return jnp.where(settles, _STABLE / jnp.where(settles, fastest, 1.0), jnp.inf)

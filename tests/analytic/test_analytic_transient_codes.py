@@ -40,5 +40,5 @@ def test_the_code_says_whether_such_a_mechanism_can_be_built(whole, words):
 
 
 def test_it_is_raised_outside_of_a_trace():
-    with pytest.raises(PrsmError, match="is of no mechanism: overlapping rollers"):
+    with pytest.raises(PrsmError, match="is of an impossible mechanism: overlapping rollers"):
         prsm.simulate(_whole(roller_count=13), method="closed_form")

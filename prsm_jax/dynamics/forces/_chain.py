@@ -11,7 +11,7 @@ from ._stage_forces import Motion, StageForces, axial_inertia, stage_forces
 
 
 class ScrewForces(eqx.Module):
-    """What acts on the screw of one stage beside its rollers; `None` where not modelled."""
+    """Loads on the screw of one stage besides those of its rollers; `None` where not modelled."""
 
     #: Torque that drives this screw and all screws after it, M_S [N·m].
     drive_torque: Scalar
@@ -33,7 +33,7 @@ class StageState(eqx.Module):
     screw: ScrewForces
     #: Load on this stage's nut [N].
     nut_load: Scalar
-    #: +1 or −1: which flanks carry; `motion` and `forces` are seen from their side (`_flank`).
+    #: +1 or −1: loaded flanks; `motion` and `forces` are in the frame of these (`_flank`).
     flank: Scalar
 
 
@@ -52,8 +52,8 @@ def _coupled_frictions(torque, force, per_force, per_torque):
 
     Spline friction follows the drive torque, bearing friction the axial force, and each changes
     the other. For |per_force·per_torque| < 1 (always, for real friction coefficients) the solution
-    is unique, and linear once both signs are known. The equation's left side less its right one
-    grows with M, so its value at M = 0 tells the sign of M, and likewise for F.
+    is unique, and linear once both signs are known. Left side minus right side of the first
+    equation grows with M, so its value at M = 0 determines the sign of M; likewise for F.
     """
 
     def sign(value):
@@ -79,7 +79,7 @@ def screw_forces(
 ) -> ScrewForces:
     """Torque and axial balance of one screw (Li et al. 2020, equations 21 and 22, with N).
 
-    The spline slides by the lead of the stage before, whose screw is its `driver`.
+    The spline slides by the lead of the previous stage, whose screw is its `driver`.
     """
     friction = stage.friction
     torque, axial = -torque_on_screw, axial_on_screw
@@ -96,14 +96,14 @@ def screw_forces(
     if axial_acceleration is not None:
         axial = axial - _force_of_inertia(stage, axial_acceleration)
 
-    per_torque = slides = per_force = turns = None
+    per_torque = spline_constant = per_force = bearing_constant = None
     if friction is not None and friction.spline is not None and driver is not None:
         sliding = screw_speed * driver.thread.lead / (2 * jnp.pi)
-        per_torque, slides = spline_force(friction.spline, sliding, sense)
-        axial = axial if slides is None else axial + slides
+        per_torque, spline_constant = spline_force(friction.spline, sliding, sense)
+        axial = axial if spline_constant is None else axial + spline_constant
     if friction is not None and friction.thrust_bearing is not None:
-        per_force, turns = bearing_torque(friction.thrust_bearing, screw_speed, sense)
-        torque = torque if turns is None else torque + turns
+        per_force, bearing_constant = bearing_torque(friction.thrust_bearing, screw_speed, sense)
+        torque = torque if bearing_constant is None else torque + bearing_constant
     if per_torque is not None and per_force is not None:
         torque, axial = _coupled_frictions(torque, axial, per_force, per_torque)
     elif per_force is not None:
@@ -113,8 +113,8 @@ def screw_forces(
     return ScrewForces(
         drive_torque=torque,
         support_force=axial,
-        spline_friction=_friction(per_torque, torque, slides),
-        bearing_torque=_friction(per_force, axial, turns),
+        spline_friction=_friction(per_torque, torque, spline_constant),
+        bearing_torque=_friction(per_force, axial, bearing_constant),
         drag_torque=drag,
     )
 
@@ -142,8 +142,8 @@ def chain_forces(
     - `mechanism`: the mechanism.
     - `kinematics`: kinematics of each stage.
     - `motion_of`: function of (stage index, flank, axial force, axial acceleration) to the stage's
-      `Motion`, all seen from the side of the loaded flank; a steady state needs the force to find
-      the carrier speed.
+      `Motion`, all in the frame of the loaded flank; a steady state needs the force to find the
+      carrier speed.
     - `speed`: screw speed [rad/s].
     - `sense`: sense of turning of the screws, +1 or −1.
     - `load`: load on the last nut [N].
@@ -163,11 +163,11 @@ def chain_forces(
                 screw_axial = -screw_acceleration * travel_per_turn(stages, index)
         law = stage.thread_law
         per_roller = axial_force / stage.present_roller_count
-        flank = loaded_flank(law, per_roller, speed * kinematics[index].slip_per_screw[2])
-        own_force = flank * axial_force
-        own_acceleration = None if nut_acceleration is None else flank * nut_acceleration
-        motion = motion_of(index, flank, own_force, own_acceleration)
-        forces = stage_forces(stage, kinematics[index], motion, own_force, flank)
+        flank_sign = loaded_flank(law, per_roller, speed * kinematics[index].slip_per_screw[2])
+        own_force = flank_sign * axial_force
+        own_acceleration = None if nut_acceleration is None else flank_sign * nut_acceleration
+        motion = motion_of(index, flank_sign, own_force, own_acceleration)
+        forces = stage_forces(stage, kinematics[index], motion, own_force, flank_sign)
         screw = screw_forces(
             stage,
             forces.torque_on_screw,
@@ -179,6 +179,6 @@ def chain_forces(
             screw_acceleration,
             screw_axial,
         )
-        states.append(StageState(motion, forces, screw, nut_load, flank))
+        states.append(StageState(motion, forces, screw, nut_load, flank_sign))
         next_screw, nut_load = screw, screw.support_force
     return tuple(reversed(states))

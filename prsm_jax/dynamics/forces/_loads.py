@@ -1,4 +1,4 @@
-"""Loads of the nut's motion under a prescribed speed: then they are functions of time, too."""
+"""Loads that depend on the nut's motion; under a prescribed speed they are functions of time."""
 
 import dataclasses
 from collections.abc import Callable
@@ -26,10 +26,10 @@ _PER_SAMPLE = 2
 
 
 class AngleByQuadrature(eqx.Module):
-    """The angle that a speed without a closed-form integral has turned.
+    """Angle of rotation for a speed without a closed-form integral.
 
-    Between nodes that include the samples and the breaks of the speed; summed once, and completed
-    from the last node by one more interval.
+    Integrals between nodes, which include the samples and the breaks of the speed, are summed once;
+    one more interval completes the angle from the last node.
     """
 
     speed: Callable
@@ -51,7 +51,7 @@ def _gauss(speed: Callable, start: Scalar, end: Scalar) -> Scalar:
 
 
 def angle_by_quadrature(scenario: Scenario) -> AngleByQuadrature:
-    """Sum the speed of a scenario from 0 to its end."""
+    """Integrate the speed of a scenario from 0 to its end."""
     count = _PER_SAMPLE * (scenario.samples - 1)
     grid = jnp.linspace(0.0, 1.0, count + 1, dtype=scenario.duration.dtype) * scenario.duration
     nodes = jnp.sort(jnp.concatenate([grid, scenario.break_times]))
@@ -61,7 +61,7 @@ def angle_by_quadrature(scenario: Scenario) -> AngleByQuadrature:
 
 
 class BoundLoad(eqx.Module):
-    """A load of the nut's motion whose motion is known: a function of time."""
+    """A load that depends on the nut's motion, with known motion: a function of time."""
 
     load: Callable
     scenario: Scenario
@@ -83,7 +83,7 @@ class BoundLoad(eqx.Module):
 
     @property
     def break_times(self) -> Float[Array, " breaks"]:
-        """Those of the load [s]."""
+        """Break times of the load [s]."""
         return break_times_of(self.load, self.travel.dtype)
 
 
@@ -95,7 +95,7 @@ def bound_scenario(mechanism: Mechanism, scenario: Scenario) -> Scenario:
 
     **Arguments:**
 
-    - `mechanism`: whose leads make travel of turning.
+    - `mechanism`: its leads convert rotation into travel.
     - `scenario`: prescribed speed and load.
     """
     if not (callable(scenario.load) and depends_on_motion(scenario.load)):

@@ -1,4 +1,4 @@
-"""Where the power goes: every loss by name."""
+"""Power losses by name."""
 
 import jax.numpy as jnp
 
@@ -43,10 +43,10 @@ def losses(
     - `mechanism`, `kinematics`, `states`: the mechanism, its kinematics and its forces.
     - `screw_speed`: Ω [rad/s].
     """
-    found: dict[str, Scalar] = {}
+    powers: dict[str, Scalar] = {}
 
     def add(name: str, power: Scalar) -> None:
-        found[name] = found[name] + power if name in found else power
+        powers[name] = powers[name] + power if name in powers else power
 
     for index, (stage, geometry, state) in enumerate(
         zip(mechanism.stages, kinematics, states, strict=True)
@@ -58,7 +58,7 @@ def losses(
         if friction.thread is not None:
             sliding = count * dot_few(forces.friction, motion.slip)
             if motion.deflection is not None:
-                # What bends the bristles is not lost yet.
+                # Power that bends the bristles is stored, not yet lost.
                 sliding = sliding - stage_bristle_power(stage, state)
             add("thread_sliding", sliding)
         rolling = geometry.relative_spin_ratio * motion.carrier_speed
@@ -81,4 +81,4 @@ def losses(
             add("thrust_bearing", screw.bearing_torque * screw_speed)
         if screw.drag_torque is not None:
             add("drag", screw.drag_torque * screw_speed)
-    return found
+    return powers

@@ -28,7 +28,7 @@ class ReducedChain(eqx.Module):
 def reduced_chain(
     mechanism: Mechanism, kinematics: tuple[StageKinematics, ...], inertia: Float[Array, " stages"]
 ) -> ReducedChain | None:
-    """The chain by its scalars, or `None` where a stage needs more than they tell."""
+    """The chain by its scalars, or `None` where these do not suffice for a stage."""
     if not all(is_reducible(stage) for stage in mechanism.stages):
         return None
     return ReducedChain(mechanism, tuple(reduced_stage(k) for k in kinematics), inertia)

@@ -1,9 +1,9 @@
-"""One stage in a handful of scalars: what an integrator evaluates thousands of times.
+"""One stage in a few scalars, for the many evaluations of an integrator.
 
 The slip is linear in the two speeds, `v = Ω v₀ − ω (d, 0)`, and thread friction is parallel to it.
-So its part along d, `s = Ω v₀·d/|d| − ω |d|`, decides everything, because the rest of it turns with
-the screw alone: `‖v‖² = s² + Ω² q²`. Forces on all parts need vectors; the equation of motion does
-not.
+So its part along d, `s = Ω v₀·d/|d| − ω |d|`, determines friction, because the other part depends
+on the screw speed alone: `‖v‖² = s² + Ω² q²`. Forces on all parts need vectors; the equation of
+motion does not.
 """
 
 from typing import NamedTuple
@@ -28,7 +28,7 @@ class ReducedStage(eqx.Module):
     across: Scalar
     #: Axial slip per radian of screw turn, L/2π.
     axial: Scalar
-    #: |d|, by which the carrier's turning changes the slip.
+    #: |d|, change of the slip per radian of carrier rotation.
     drive: Scalar
     #: Contact radius at the screw.
     contact_radius: Scalar
@@ -39,7 +39,7 @@ class ReducedStage(eqx.Module):
 
 
 class ReducedForces(NamedTuple):
-    """What a stage does to its screw and its carrier."""
+    """Forces of a stage on its screw and its carrier."""
 
     #: Torque of all rollers on the screw [N·m].
     torque_on_screw: Scalar
@@ -50,9 +50,10 @@ class ReducedForces(NamedTuple):
 
 
 def is_reducible(stage: Stage) -> bool:
-    """Whether the scalars suffice: not with losses inside the contact ellipses.
+    """Whether the scalars suffice.
 
-    Nor with a law of friction that asks for more than the slip speed.
+    They do not with losses inside the contact ellipses, nor with a friction law that asks for more
+    than the slip speed.
     """
     law = stage.thread_law
     return not (has_contact_losses(stage.friction) or (law is not None and law.asks))
@@ -84,32 +85,32 @@ def reduced_forces(
 
     - `stage`, `reduced`: the stage and its scalars.
     - `speed`, `carrier_speed`: Ω and ω [rad/s].
-    - `axial_force`: what the rollers together carry axially [N]; if negative, on the other flanks.
+    - `axial_force`: axial force of all rollers together [N]; negative on the opposite flanks.
     """
     count = stage.present_roller_count
     law = stage.thread_law
     along = speed * reduced.along - carrier_speed * reduced.drive
     square = along**2 + (speed * reduced.across) ** 2
     slips = above_or_nan(square)
-    # A step costs by its divisions and roots: one root, one division, and what XLA takes out of
-    # loops, as the one by the number of rollers.
-    share = jnp.where(slips, jax.lax.rsqrt(jnp.where(slips, square, 1.0)), 0.0)
-    slip_speed = square * share
+    # Divisions and roots dominate the cost of a step: here are one root and one division; XLA takes
+    # others out of loops, such as that by the number of rollers.
+    inverse_speed = jnp.where(slips, jax.lax.rsqrt(jnp.where(slips, square, 1.0)), 0.0)
+    slip_speed = square * inverse_speed
     # Friction per slip speed: it is parallel to the slip.
     per_force = constant = jnp.zeros_like(slip_speed)
     if law is not None and not law.load_independent:
-        per_force = friction_coefficient(law, slip_speed) * share
+        per_force = friction_coefficient(law, slip_speed) * inverse_speed
     if law is not None and law.viscous_resistance is not None:
         constant = jnp.where(slips, law.viscous_resistance, 0.0)
 
     axial_slip = speed * reduced.axial
-    left = axial_force * (1 / count) + constant * axial_slip
-    # Seen from its other end, a stage that is pushed the other way turns the other way.
-    flank = jnp.where(left < 0, -1.0, 1.0).astype(left.dtype)
-    force = flank * left / (reduced.normal_axial - per_force * flank * axial_slip)
+    remainder = axial_force * (1 / count) + constant * axial_slip
+    # A stage that is loaded in the other direction is the same stage seen from its other end.
+    flank_sign = jnp.where(remainder < 0, -1.0, 1.0).astype(remainder.dtype)
+    force = flank_sign * remainder / (reduced.normal_axial - per_force * flank_sign * axial_slip)
     friction = per_force * force + constant
     turning = speed * reduced.contact_radius**2 - carrier_speed * reduced.drive * reduced.along
-    moment = flank * force * reduced.normal_moment + friction * turning
+    moment = flank_sign * force * reduced.normal_moment + friction * turning
     return ReducedForces(
         torque_on_screw=-count * moment,
         axial_on_screw=axial_force,

@@ -11,7 +11,7 @@ from ._chain import StageState
 
 
 class RollerSupportForces(eqx.Module):
-    """Forces at either end of one roller."""
+    """Forces at each end of one roller."""
 
     #: Tangential force of the ring gear on one end of a roller [N].
     ring_gear_tangential: Scalar
@@ -40,8 +40,8 @@ def roller_support_forces(
 
     Roller: `F n̂ + f + F_RN + 2 F_RG + 2 F_RP = m_R a_R` (Li et al. 2020, equation 17, with the
     ring gear), carrier: `−N F_RPy a = J_P ω̇` for each of the two. The moment balance about the
-    roller's axis is not needed for this; its residual shows that the carrier acceleration of
-    Lagrange's equations is also Newton's.
+    roller's axis is not needed for this; its residual checks that the carrier acceleration of
+    Lagrange's equations also satisfies Newton's law.
 
     The radial part of the ring gear force needs the pressure angle; without a gear it is 0.
 
@@ -52,7 +52,7 @@ def roller_support_forces(
       force of the roller remains (and only if its mass is known).
     """
     thread, forces, motion = stage.thread, state.forces, state.motion
-    # All as seen from the side of the loaded flank.
+    # All in the frame of the loaded flank.
     if carrier_acceleration is not None:
         carrier_acceleration = state.flank * carrier_acceleration
     nut_force = forces.nut_contact_force * kinematics.meshing.nut.normal
@@ -67,14 +67,14 @@ def roller_support_forces(
     if carrier_acceleration is not None:
         tangential_inertia = mean_roller_mass(stage) * carrier_acceleration * thread.centre_distance
         if stage.carrier is not None:
-            # Both carriers together turn by what all rollers push on their pins.
+            # The pin forces of all rollers accelerate both carriers together.
             inertia = stage.carrier.count * body_inertia(stage, "carrier")
-            both = (
+            both_pins = (
                 inertia
                 * carrier_acceleration
                 / (stage.present_roller_count * thread.centre_distance)
             )
-            pin_tangential = -both / 2
+            pin_tangential = -both_pins / 2
     gear_tangential = (tangential_inertia - on_roller[1]) / 2 - pin_tangential
     pin_radial, gear_force = (inward - on_roller[0]) / 2, jnp.abs(gear_tangential)
     if stage.gear is not None:

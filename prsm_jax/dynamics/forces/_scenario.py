@@ -1,4 +1,4 @@
-"""The scenario of a mechanism that is simulated without one, and how scenarios drive."""
+"""The default scenario of a mechanism, and the drive and load of a scenario at one time."""
 
 from typing import NamedTuple
 
@@ -24,10 +24,10 @@ def drive_at(scenario: Scenario, time: Scalar) -> Drive:
 
 
 def drive_once(scenario: Scenario, time: Scalar) -> Drive:
-    """The same, computed once for all that follows from it.
+    """As `drive_at`, computed once for everything that uses it.
 
-    What follows would otherwise be fused with it: a step in which a sine drives the screw had 141
-    sines and cosines in place of 13.
+    XLA would otherwise fuse it with every use: a step with a sinusoidal screw speed had 141 sines
+    and cosines instead of 13.
     """
     if callable(scenario.speed) or callable(scenario.load):
         return apart(drive_at)(scenario, time)
@@ -37,7 +37,7 @@ def drive_once(scenario: Scenario, time: Scalar) -> Drive:
 def default_scenario(mechanism: Mechanism) -> Scenario | TorqueScenario:
     """The mechanism's own scenario, or that of its operating point.
 
-    The latter is a step of the speed from rollers at rest.
+    The latter is a step in speed, with the rollers initially at rest.
 
     **Raises:** `MissingDataError` if there is no scenario, and the operating point or its duration
     is not given.

@@ -1,4 +1,4 @@
-"""Motion of a stage whose carrier has any speed, not that of the steady state."""
+"""Motion of a stage at any carrier speed, not only that of the steady state."""
 
 import jax
 import jax.numpy as jnp
@@ -23,7 +23,7 @@ def sliding_motion(
     deflection: Float[Array, "3"] | None = None,
     share: Scalar | None = None,
 ) -> Motion:
-    """Motion at given speeds of screw and carrier [rad/s], seen from the loaded flank's side."""
+    """Motion at given speeds of screw and carrier [rad/s], in the frame of the loaded flank."""
     slip = slip_velocity(kinematics, screw_speed, carrier_speed)
     rolling = kinematics.relative_spin_ratio * carrier_speed
     return Motion(

@@ -1,4 +1,4 @@
-"""Forces in one stage at given speeds (the screw side decides; the rest follows by balance)."""
+"""Forces in one stage at given speeds: the screw side first, the rest from balances."""
 
 import contextlib
 
@@ -30,33 +30,34 @@ from ..friction import (
 
 
 class Motion(eqx.Module):
-    """Instantaneous motion of one stage, seen from the side of the loaded flank."""
+    """Instantaneous motion of one stage, in the frame of the loaded flank."""
 
     screw_speed: Scalar
     carrier_speed: Scalar
     slip: Float[Array, "3"]
-    #: Unit vector of the slip; at standstill that of the motion about to begin.
+    #: Unit vector of the slip; at standstill that of impending motion.
     direction: Float[Array, "3"]
     #: Sense of turning of screw over roller, Ω + (n − 1) ω, and of roller over nut: +1 or −1.
     screw_sense: Scalar
     nut_sense: Scalar
-    #: Axial acceleration of nut and rollers z̈ [m/s²]; `None` at constant speed, which leaves the
-    #: masses untraced.
+    #: Axial acceleration of nut and rollers z̈ [m/s²]; `None` at constant speed, where the masses
+    #: are not needed.
     axial_acceleration: Scalar | None = None
     #: Deflection of the bristles in one contact [m]; `None` where friction has no state.
     deflection: Float[Array, "3"] | None = None
-    #: Share of the normal force that carries axially, where it is found with other unknowns
+    #: Share of the normal force that carries axially, if it is solved for with other unknowns
     #: (`_rubbing`).
     share: Scalar | None = None
-    #: All of the screw side, where that is known already.
+    #: Contact of the screw side, if known already.
     contact: ScrewContact | None = None
 
 
 class StageForces(eqx.Module):
-    """Forces on one roller of a stage, and what the rollers together do to screw and carrier.
+    """Forces on one roller of a stage, and those of all rollers on screw and carrier.
 
-    Those on one roller are seen from the side of the loaded flank (`_flank`), as in `Motion`; the
-    last three, which couple the stage to others, are not.
+    Those on one roller are in the frame of the loaded flank (`_flank`), as in `Motion`. Those of
+    all rollers (`axial_on_screw`, `torque_on_screw`, `carrier_drive`) are not: they couple the
+    stage to others.
     """
 
     #: Normal force of the screw on one roller, all threads together, F [N].
@@ -75,9 +76,9 @@ class StageForces(eqx.Module):
     torque_on_screw: Scalar
     #: Generalised force of all rollers on the carrier speed [N·m].
     carrier_drive: Scalar
-    #: Slip and spin together in the ellipse of the screw side; `None` where not modelled.
+    #: Combined slip and spin in the ellipse of the screw side; `None` where not modelled.
     rubbing: Rubbing | None = None
-    #: What a share of the normal force that was assumed misses the axial balance by.
+    #: Residual of the axial balance at an assumed share of the normal force.
     missed: Scalar | None = None
 
 
@@ -87,7 +88,7 @@ def axial_inertia(stage: Stage) -> Scalar:
     mass = stage.present_roller_count * mean_roller_mass(stage) + body_mass(stage, "nut")
     carrier = stage.carrier
     if carrier is not None:
-        # Papers give the carriers' inertia without their mass; it is small beside the nut's.
+        # Papers give the carriers' inertia without their mass; it is small compared with the nut's.
         with contextlib.suppress(MissingDataError):
             mass = mass + carrier.count * body_mass(stage, "carrier")
     return mass
@@ -108,9 +109,9 @@ def stage_forces(
     **Arguments:**
 
     - `stage`, `kinematics`: the stage and its meshing.
-    - `motion`: speeds and slip, seen from the side of the loaded flank.
-    - `axial_force`: F_n − m z̈, what the rollers together carry axially, seen from there [N].
-    - `flank`: +1 or −1, to turn back what the stage does to others.
+    - `motion`: speeds and slip, in the frame of the loaded flank.
+    - `axial_force`: F_n − m z̈, axial force of all rollers together, in that frame [N].
+    - `flank`: +1 or −1, to turn forces on other parts back from that frame.
     """
     count = stage.present_roller_count
     screw_side, nut_side = kinematics.meshing.screw, kinematics.meshing.nut
@@ -145,8 +146,8 @@ def stage_forces(
         nut_contact_force=nut_force,
         screw_moment=screw_moment,
         nut_moment=nut_moment,
-        # By the balance itself: close to jamming the product of a large force and the little that
-        # is left of it to carry has no digits in its derivatives.
+        # From the balance itself: close to jamming, the product of a large force and the small
+        # share of it that carries has no correct digits in its derivatives.
         axial_on_screw=flank * axial_force,
         torque_on_screw=flank * torque,
         carrier_drive=flank * drive,
@@ -157,9 +158,9 @@ def stage_forces(
 
 @physics("carrier_inertia")
 def carrier_inertia(stage: Stage) -> Scalar:
-    """Inertia that the carrier speed moves: n_P J_P + N J_R (n − 1)² + N m_R a² [kg·m²].
+    """Inertia referred to the carrier speed: n_P J_P + N J_R (n − 1)² + N m_R a² [kg·m²].
 
-    n_P carriers, rollers turning at −(n − 1) ω about their axes and circling with them
+    n_P carriers; rollers rotate at −(n − 1) ω about their axes and orbit with the carriers
     (Li et al. 2021, equation 11).
     """
     thread, count = stage.thread, stage.present_roller_count

@@ -1,4 +1,4 @@
-"""Friction of threads, of ellipses that spin, of splines and bearings."""
+"""Friction of threads, spinning contact ellipses, splines and bearings."""
 
 from ._asked import Slip as Slip, asked_of as asked_of
 from ._bristles import (

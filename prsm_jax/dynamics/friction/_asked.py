@@ -1,6 +1,6 @@
-"""What friction laws ask for beside the slip speed: normal force, pressure, rolling speed.
+"""Inputs of friction laws besides the slip speed: normal force, pressure, rolling speed.
 
-Evaluated only where a law asks for it.
+Each is evaluated only if the law asks for it.
 """
 
 from typing import NamedTuple
@@ -15,14 +15,14 @@ from .._kinematics import StageKinematics
 
 
 class Slip(NamedTuple):
-    """Slip of the screw over the roller, and the speeds that it follows from."""
+    """Slip of the screw over the roller, and the speeds that determine it."""
 
     #: [m/s].
     velocity: Float[Array, "3"]
-    #: Unit vector; at standstill that of the motion about to begin. Shorter where friction takes
-    #: only a share of what it can, in a stage that is held.
+    #: Unit vector; at standstill that of impending motion. Shorter than 1 while the screw is held
+    #: and friction reaches only a share of its limit.
     direction: Float[Array, "3"]
-    #: Of screw and carrier [rad/s].
+    #: Angular speeds of screw and carrier [rad/s].
     screw_speed: Scalar
     carrier_speed: Scalar
 
@@ -30,47 +30,49 @@ class Slip(NamedTuple):
 def rolling_speed(kinematics: StageKinematics, slip: Slip) -> Scalar:
     """Mean speed of the surfaces of screw and roller through their contact [m/s].
 
-    In the frame of the carrier the screw's surface moves with `(Ω − ω) r × e_z` and `Ω L/2π`
-    axially, the roller's with that less the slip.
+    In the frame of the carrier the screw's surface moves at `(Ω − ω) r × e_z`, and at `Ω L/2π`
+    axially. The velocity of the roller's surface is smaller by the slip.
     """
-    around = (slip.screw_speed - slip.carrier_speed) * kinematics.slip_per_screw[:2]
-    screw = jnp.concatenate([around, slip.velocity[2:]])
-    return length_few(screw - slip.velocity / 2)
+    circumferential = (slip.screw_speed - slip.carrier_speed) * kinematics.slip_per_screw[:2]
+    screw_velocity = jnp.concatenate([circumferential, slip.velocity[2:]])
+    return length_few(screw_velocity - slip.velocity / 2)
 
 
 def asked_of(
     law: FrictionLaw, kinematics: StageKinematics, slip: Slip, force: Scalar
 ) -> dict[str, Scalar]:
-    """What a law asks for, by name.
+    """Inputs that a law asks for, by name.
 
     **Arguments:**
 
     - `law`: the law.
-    - `kinematics`: of its stage; with the contact losses if it asks for the pressure.
+    - `kinematics`: of its stage; with the contact losses if the law asks for the pressure.
     - `slip`: of the screw over the roller.
     - `force`: normal force of one roller [N].
     """
-    found: dict[str, Scalar] = {}
+    inputs: dict[str, Scalar] = {}
     loaded = above_or_nan(force)
     for name in law.asks:
         if name == "normal_force":
-            found[name] = jnp.where(loaded, force, 0.0)
+            inputs[name] = jnp.where(loaded, force, 0.0)
         elif name == "pressure":
-            unit = getattr(kinematics.resistance, "pressure", None)
-            assert unit is not None
-            found[name] = unit * jnp.where(loaded, jnp.cbrt(jnp.where(loaded, force, 1.0)), 0.0)
+            unit_pressure = getattr(kinematics.resistance, "pressure", None)
+            assert unit_pressure is not None
+            inputs[name] = unit_pressure * jnp.where(
+                loaded, jnp.cbrt(jnp.where(loaded, force, 1.0)), 0.0
+            )
         else:
-            found[name] = rolling_speed(kinematics, slip)
-    return found
+            inputs[name] = rolling_speed(kinematics, slip)
+    return inputs
 
 
 def asks_for_force(stage: Stage) -> bool:
-    """Whether friction of the threads depends on the normal force by its law."""
+    """Whether the law of thread friction asks for the normal force or the pressure."""
     law = stage.thread_law
     return law is not None and bool({"normal_force", "pressure"} & set(law.asks))
 
 
 def asks_for_pressure(stage: Stage) -> bool:
-    """Whether friction of the threads depends on the pressure by its law."""
+    """Whether the law of thread friction asks for the pressure."""
     law = stage.thread_law
     return law is not None and "pressure" in law.asks

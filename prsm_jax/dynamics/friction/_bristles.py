@@ -1,7 +1,7 @@
-"""Laws with a state between the threads, such as LuGre's bristles, on their way to steady slip.
+"""Friction laws of the threads that have a state, such as LuGre's bristles, before steady slip.
 
-The state is a deflection in the tangent plane of the contact, as the slip is, so its transverse
-part says it all.
+The state is a deflection. Like the slip it lies in the tangent plane of the contact, so its
+transverse part determines it.
 """
 
 import jax.numpy as jnp
@@ -18,7 +18,7 @@ from ._thread_friction import slip_resistance
 def bristles_of(stage: Stage) -> StatefulFrictionLaw | None:
     """The law of a stage's threads, if it has a state."""
     law = stage.thread_law
-    # The class is the declaration, and tells the type checker of the methods.
+    # The class declares the state, and gives the type checker its methods.
     return law if isinstance(law, StatefulFrictionLaw) else None
 
 
@@ -30,7 +30,7 @@ def has_bristles(mechanism: Mechanism) -> bool:
 def in_tangent_plane(
     kinematics: StageKinematics, transverse: Float[Array, "2"]
 ) -> Float[Array, "3"]:
-    """The vector of the contact's tangent plane that has this transverse part."""
+    """The vector in the contact's tangent plane with this transverse part."""
     normal = kinematics.meshing.screw.normal
     axial = -dot_few(normal[:2], transverse) / normal[2]
     return jnp.concatenate([transverse, axial[None]])
@@ -38,7 +38,7 @@ def in_tangent_plane(
 
 @physics("bristles")
 def bristle_rate(law: StatefulFrictionLaw, contact: Deflected) -> Float[Array, "3"]:
-    """How fast the deflection of a law with a state changes [m/s]."""
+    """Rate of change of the deflection of a law with a state [m/s]."""
     return law.deflection_rate(contact)
 
 
@@ -46,15 +46,15 @@ def bristle_rate(law: StatefulFrictionLaw, contact: Deflected) -> Float[Array, "
 def bristle_friction(
     law: StatefulFrictionLaw, contact: Deflected
 ) -> tuple[Float[Array, "3"], Float[Array, "3"]]:
-    """Friction on one roller: per unit of normal force, and beside it [N]."""
+    """Friction on one roller: per unit of normal force, and independent of it [N]."""
     return law.deflected_friction(contact), slip_resistance(law, contact.slip)
 
 
 def bristle_power(stage: Stage, contact: Deflected, contact_force: Scalar) -> Scalar:
     """Rate at which the deflections of all rollers of a stage store energy, N F σ₀ z·ż [W].
 
-    That at the normal force of the instant: an energy ½ F σ₀ z² would change with the force too,
-    but a spring that stiffens under load takes that from the load, not from the slip.
+    F is the normal force at that instant. The energy ½ F σ₀ z² would change with F as well, but a
+    spring that stiffens under load takes that energy from the load, not from the slip.
     """
     law = bristles_of(stage)
     assert law is not None

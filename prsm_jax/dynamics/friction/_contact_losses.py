@@ -4,12 +4,12 @@ The relative angular velocity of screw (or nut) and roller is parallel to the ax
 the common normal spins the ellipse, its part in the tangent plane rolls it. Both moments oppose
 it, so each contact adds one resisting moment about the axis, Σ M |∂ω_i/∂ω_z|.
 
-On the nut side, which rolls without sliding, spin is all that rubs. The screw side slides as well:
-its moment comes with the friction force, from one potential (`_rubbing`).
+The nut side rolls without sliding, so only spin rubs there. The screw side slides as well: its
+spin moment and its friction force come from one potential (`_rubbing`).
 
-A Hertz ellipse keeps its shape and grows with F^{1/3}, so hysteresis and the spin of the nut side
-are coefficients times F^{4/3}: the ellipses are computed once for a mechanism, not at every
-instant.
+A Hertz ellipse keeps its shape and grows with F^{1/3}, so the moments of hysteresis, and of spin on
+the nut side, are coefficients times F^{4/3}: the ellipses are computed once for a mechanism, not at
+every instant.
 """
 
 import dataclasses
@@ -37,9 +37,9 @@ from ._rubbing import Rubbing, RubbingEllipse, rubbed_moment, rubbing_ellipse
 
 
 class ResistingMoment(eqx.Module):
-    """Moments about the axis of one roller that resist its turning on one side, by cause [N·m].
+    """Moments about the axis of one roller that resist its rotation on one side, by cause [N·m].
 
-    `None` where the mechanism does not name the loss.
+    `None` where the loss is not modelled.
     """
 
     spin: Scalar | None
@@ -47,17 +47,17 @@ class ResistingMoment(eqx.Module):
 
     @property
     def total(self) -> Scalar | float:
-        """Sum of the moments that are there [N·m]."""
+        """Sum of the modelled moments [N·m]."""
         return sum(part for part in (self.spin, self.rolling_hysteresis) if part is not None)
 
 
 class ContactResistance(eqx.Module):
     """Contact ellipses and resisting moments of one roller at a normal force of 1 N."""
 
-    #: Of screw and nut side; the spin of the screw side is not among them.
+    #: Screw and nut side; the spin of the screw side is not included.
     screw: ResistingMoment
     nut: ResistingMoment
-    #: That of the screw side, where spin is modelled.
+    #: Ellipse of the screw side, where spin is modelled.
     ellipse: RubbingEllipse | None
     #: Largest Hertz pressure of the screw side, where the friction law asks for it [Pa].
     pressure: Scalar | None = None
@@ -72,7 +72,7 @@ def has_contact_losses(friction: Friction | None) -> bool:
 
 @physics("spin_friction")
 def spin_moment(law: SpinFriction, hertz: HertzContact, force: Scalar) -> Scalar:
-    """Moment that resists spinning of a Hertz ellipse that does not slide, 3/8 μ F a E(m) [N·m].
+    """Moment that resists the spin of a Hertz ellipse that does not slide, 3/8 μ F a E(m) [N·m].
 
     Coulomb friction over the ellipse with full spin (Johnson 1985; Harris and Kotzalas 2006).
     """
@@ -167,7 +167,7 @@ def resisting_moments(
 
     **Raises:** `MissingDataError` if the contact ellipses cannot be computed.
     """
-    # The kinematics do not know this class: it is defined above them.
+    # `StageKinematics` cannot import this class, which is defined in a higher layer.
     unit = cast(ContactResistance, kinematics.resistance)
     screw, nut = _at_force(unit.screw, screw_force), _at_force(unit.nut, nut_force)
     law = stage.thread_law
@@ -179,7 +179,7 @@ def resisting_moments(
 def with_resistance(
     stages: tuple[Stage, ...], kinematics: tuple[StageKinematics, ...]
 ) -> tuple[StageKinematics, ...]:
-    """Kinematics that hold the coefficients of the contact losses, where they are modelled."""
+    """Kinematics with the coefficients of the contact losses, where these are modelled."""
     return tuple(
         dataclasses.replace(geometry, resistance=apart(contact_resistance)(stage, geometry))
         if geometry.resistance is None

@@ -1,12 +1,12 @@
-"""The screw side slides and spins at once: friction, moment and normal force together.
+"""Simultaneous sliding and spin on the screw side: friction, moment and normal force.
 
-The ellipse slides over the roller with v and spins with ω_n, the part of the relative angular
+The ellipse slides over the roller at v and spins at ω_n, the part of the relative angular
 velocity along the common normal. One dissipation potential gives both the friction force and the
-moment (`contact.slip_and_spin`), so that no friction is counted twice. The local slip has the law
-of the thread friction, whose coefficient is that at the mean local slip speed Φ(v, ω_n).
+moment (`contact.slip_and_spin`), so that no friction is counted twice. The local slip obeys
+the law of thread friction; its coefficient is taken at the mean local slip speed Φ(v, ω_n).
 
-Both depend on the ellipse, which grows with F^{1/3}, and F depends on the friction: the axial
-balance is one equation for the share of the normal force that carries.
+Friction and moment depend on the ellipse, which grows with F^{1/3}, and F depends on the friction:
+the axial balance is one equation for the share of the normal force that carries axially.
 """
 
 from collections.abc import Callable
@@ -26,15 +26,15 @@ from ._asked import Slip, asked_of, asks_for_force
 from ._bristles import bristle_friction, bristles_of
 from ._thread_friction import friction_coefficient, slip_resistance, thread_friction
 
-#: Points of the rule: wherever the instantaneous centre lies, its error is below 1e-10 up to
-#: a/b = 5 and 1e-7 up to 10.
+#: Points of the quadrature rule. For any position of the instantaneous centre its error is below
+#: 1e-10 up to a/b = 5, and below 1e-7 up to a/b = 10.
 _ORDER = 20
-#: Of the share of the normal force that carries; below it a thread counts as jammed.
+#: Least share of the normal force that carries axially; below it a thread counts as jammed.
 _LEAST_SHARE = 1e-9
 
 
 class RubbingEllipse(eqx.Module):
-    """Contact ellipse of the screw side at a normal force of 1 N of one roller, and how it lies."""
+    """Contact ellipse of the screw side at 1 N normal force of one roller, with its orientation."""
 
     shape: EllipseShape
     #: Rolling direction and the tangent across it: radial, tangential, axial.
@@ -47,15 +47,15 @@ class RubbingEllipse(eqx.Module):
 class Rubbing(eqx.Module):
     """Slip and spin of an ellipse, and the gradient of their mean local slip speed Φ."""
 
-    #: ∂Φ/∂v: friction force per unit of μ F; shorter than 1 by what spin takes.
+    #: ∂Φ/∂v: friction force per unit of μ F; spin makes it shorter than 1.
     direction: Float[Array, "3"]
-    #: ∂Φ/∂ω_n |n_z|: moment about the axis per unit of μ F, that resists [m].
+    #: ∂Φ/∂ω_n |n_z|: resisting moment about the axis per unit of μ F [m].
     moment: Scalar
     #: Φ [m/s].
     mean_speed: Scalar
-    #: Moment about the axis per viscous coefficient, ω_n |n_z| (a² + b²)/5, that resists [m²/s].
+    #: Resisting moment about the axis per viscous coefficient, ω_n |n_z| (a² + b²)/5 [m²/s].
     viscous_moment: Scalar
-    #: What the friction law asks for, by name.
+    #: Inputs that the friction law asks for, by name.
     asked: dict[str, Scalar] = eqx.field(default_factory=dict)
 
 
@@ -74,8 +74,8 @@ def rubbing_ellipse(shape: EllipseShape, normal: Float[Array, "3"]) -> RubbingEl
 def spin_per_slip(kinematics: StageKinematics, direction: Float[Array, "3"]) -> Scalar:
     """Angular velocity of screw over roller, Ω + (n − 1) ω, per slip speed [rad/m].
 
-    The direction of the slip decides it, for both speeds follow from the slip, also at standstill
-    where only the direction of the motion about to begin is known.
+    The direction of the slip determines it, because both speeds follow from the slip. This holds at
+    standstill too, where only the direction of impending motion is known.
     """
     drive, slip = kinematics.drive, kinematics.slip_per_screw
     screw = direction[2] / slip[2]
@@ -84,9 +84,9 @@ def spin_per_slip(kinematics: StageKinematics, direction: Float[Array, "3"]) -> 
 
 
 def _root(power: Callable[[Scalar], Scalar], value: Scalar) -> Scalar:
-    """A root of what is not negative, 0 at 0, where it has no derivative."""
-    some = above_or_nan(value)
-    return jnp.where(some, power(jnp.where(some, value, 1.0)), 0.0)
+    """Root of a number that is not negative; at 0 it is 0, with zero derivative."""
+    positive = above_or_nan(value)
+    return jnp.where(positive, power(jnp.where(positive, value, 1.0)), 0.0)
 
 
 @physics("spin_friction")
@@ -97,33 +97,33 @@ def rubbing(
     force: Scalar,
     law: FrictionLaw | None = None,
 ) -> Rubbing:
-    """What an ellipse under a normal force rubs, seen from the side of the loaded flank.
+    """Slip and spin of an ellipse under a normal force, in the frame of the loaded flank.
 
     **Arguments:**
 
-    - `ellipse`: that of the screw side.
+    - `ellipse`: contact ellipse of the screw side.
     - `kinematics`: of its stage.
     - `slip`: of the screw over the roller.
     - `force`: normal force of one roller [N].
-    - `law`: the friction law, for what it asks.
+    - `law`: the friction law, for the inputs that it asks for.
     """
     direction = slip.direction
-    speed, held = (
+    speed, friction_share = (
         _root(jnp.sqrt, sum_few(vector**2)) for vector in (slip.velocity, slip.direction)
     )
-    growth, along = _root(jnp.cbrt, jnp.abs(force)), jnp.abs(ellipse.normal_axial)
+    growth, normal_axial = _root(jnp.cbrt, jnp.abs(force)), jnp.abs(ellipse.normal_axial)
     turning = spin_per_slip(kinematics, direction)
-    # An ellipse that is twice as large spins as if twice as fast: its shape stays that at 1 N.
+    # Doubling the ellipse has the effect of doubling the spin: the shape stays that at 1 N.
     spin = ellipse.normal_axial * turning * growth
     rolling, across = dot_few(direction, ellipse.rolling), dot_few(direction, ellipse.across)
-    found = slip_and_spin(ellipse.shape, (rolling, across), spin, _ORDER)
-    first, second = found.force
+    resultant = slip_and_spin(ellipse.shape, (rolling, across), spin, _ORDER)
+    first, second = resultant.force
     size = ellipse.shape.first + ellipse.shape.second
     return Rubbing(
-        direction=held * (first * ellipse.rolling + second * ellipse.across),
-        moment=growth * along * jnp.abs(found.moment),
-        mean_speed=speed * (first * rolling + second * across + found.moment * spin),
-        viscous_moment=size / 5 * jnp.abs(growth * along * spin) * speed,
+        direction=friction_share * (first * ellipse.rolling + second * ellipse.across),
+        moment=growth * normal_axial * jnp.abs(resultant.moment),
+        mean_speed=speed * (first * rolling + second * across + resultant.moment * spin),
+        viscous_moment=size / 5 * jnp.abs(growth * normal_axial * spin) * speed,
         asked={} if law is None else asked_of(law, kinematics, slip, force),
     )
 
@@ -131,7 +131,7 @@ def rubbing(
 def deflected(
     slip: Float[Array, "3"], deflection: Float[Array, "3"], rub: Rubbing | None
 ) -> Deflected:
-    """Slip and deflection of a contact, and how it spins where it does."""
+    """Slip and deflection of a contact, with its spin where that is modelled."""
     if rub is None:
         return Deflected(slip, deflection)
     return Deflected(slip, deflection, rub.direction, rub.mean_speed)
@@ -144,15 +144,15 @@ def friction_on_roller(
     rub: Rubbing | None,
     asked: dict[str, Scalar],
 ) -> tuple[Float[Array, "3"], Float[Array, "3"]]:
-    """Friction of the threads on one roller: per unit of normal force, and beside it [N].
+    """Friction of the threads on one roller: per unit of normal force, and independent of it [N].
 
     **Arguments:**
 
-    - `stage`: whose threads rub.
+    - `stage`: the stage.
     - `slip`: of the screw over the roller.
-    - `deflection`: where the law has that state [m].
+    - `deflection`: of the bristles, if the law has that state [m].
     - `rub`: slip and spin of the ellipse, where that is modelled.
-    - `asked`: what the law asks for, by name.
+    - `asked`: inputs that the law asks for, by name.
     """
     law, bristles = stage.thread_law, bristles_of(stage)
     if bristles is not None and deflection is not None:
@@ -174,14 +174,14 @@ def rubbed_moment(law: FrictionLaw, rub: Rubbing, force: Scalar) -> Scalar:
 
 
 class ScrewContact(NamedTuple):
-    """Normal force of the screw on one roller, friction per unit of it and beside it, and spin."""
+    """Normal force of the screw on one roller, friction per force and independent of it, spin."""
 
     force: Scalar
     per_force: Float[Array, "3"]
     constant: Float[Array, "3"]
-    #: `None` where no spin is modelled, or no friction that it could change.
+    #: `None` without spin, or without friction that spin could change.
     rubbing: Rubbing | None = None
-    #: What an assumed share of the normal force misses the axial balance by; of order one.
+    #: Residual of the axial balance at an assumed share of the normal force; of order one.
     missed: Scalar | None = None
 
 
@@ -190,19 +190,19 @@ def rubbing_of(stage: Stage, kinematics: StageKinematics) -> RubbingEllipse | No
     friction = stage.friction
     if friction is None or friction.spin is None or friction.thread is None:
         return None
-    # The kinematics do not know that class: it is defined above them.
+    # `StageKinematics` cannot import that class, which is defined in a higher layer.
     return getattr(kinematics.resistance, "ellipse", None)
 
 
 def has_unknown_share(stage: Stage, kinematics: StageKinematics) -> bool:
-    """Whether friction depends on the normal force in another way than in proportion to it."""
+    """Whether friction depends on the normal force other than in proportion to it."""
     return rubbing_of(stage, kinematics) is not None or asks_for_force(stage)
 
 
 def unknown_shares(
     stages: tuple[Stage, ...], kinematics: tuple[StageKinematics, ...]
 ) -> dict[int, Scalar]:
-    """Stages whose axial balance has an unknown, and where to begin its search: no friction."""
+    """Stages with an unknown share in their axial balance, and its guess without friction."""
     return {
         index: -geometry.meshing.screw.normal[2]
         for index, (stage, geometry) in enumerate(zip(stages, kinematics, strict=True))
@@ -218,12 +218,12 @@ class _Balance(NamedTuple):
     kinematics: StageKinematics
     slip: Slip
     deflection: Float[Array, "3"] | None
-    #: What is left for the normal force [N], and its share that carries if nothing spins.
+    #: Axial force left for the normal force [N]; share of the latter that carries without spin.
     left: Scalar
     bracket: Scalar
 
     def at(self, share: Scalar) -> ScrewContact:
-        """Everything where this share of the normal force carries."""
+        """The contact, if this share of the normal force carries axially."""
         carries = self.bracket > _LEAST_SHARE
         assumed = jnp.where(carries, jnp.maximum(share, _LEAST_SHARE), self.bracket)
         force = self.left / assumed
@@ -232,11 +232,13 @@ class _Balance(NamedTuple):
         rub = None
         if self.ellipse is not None:
             rub = rubbing(self.ellipse, self.kinematics, self.slip, force, law)
-        asked = asked_of(law, self.kinematics, self.slip, force) if rub is None else rub.asked
-        per_force, constant = friction_on_roller(self.stage, self.slip, self.deflection, rub, asked)
+        law_inputs = asked_of(law, self.kinematics, self.slip, force) if rub is None else rub.asked
+        per_force, constant = friction_on_roller(
+            self.stage, self.slip, self.deflection, rub, law_inputs
+        )
         carried = -self.kinematics.meshing.screw.normal[2] - per_force[2]
         missed = share - jnp.where(carries, carried, self.bracket)
-        # Below the least share the force does not change, and a balance there is none: the contact
+        # Below the least share the force does not change. A balance there is not valid: the contact
         # would have to pull.
         pushes = (share > _LEAST_SHARE) | ~carries
         return ScrewContact(jnp.where(pushes, force, -force), per_force, constant, rub, missed)
@@ -252,41 +254,41 @@ def screw_contact(
 ) -> ScrewContact:
     """Normal force of one roller from its axial balance, F (|n_z| − f_z/F) = F_a + f_z.
 
-    Spin, and laws that ask for the normal force or the pressure, make the bracket depend on the
-    force; it is found by Newton's iteration. A thread is taken as jammed where it were so without
-    spin and at the normal force that it has without friction, because Hertz's theory gives no
-    ellipse beyond, and where no force balances.
+    With spin, and with laws that ask for the normal force or the pressure, the bracket depends on
+    the force and is found by Newton's iteration. A thread counts as jammed if it would jam without
+    spin at the normal force without friction, because Hertz's theory gives no ellipse beyond that,
+    and if no force balances.
 
     **Arguments:**
 
     - `stage`, `kinematics`: the stage, with the contact ellipses if spin is modelled.
     - `slip`: of the screw over the roller.
-    - `axial`: what one roller carries axially [N].
-    - `deflection`: where friction has that state [m].
-    - `share`: the bracket, where it is found with other unknowns (`missed` is then to vanish).
+    - `axial`: axial force that one roller carries [N].
+    - `deflection`: of the bristles, if friction has that state [m].
+    - `share`: the bracket, if it is solved for with other unknowns (`missed` must then vanish).
     """
     law, ellipse = stage.thread_law, rubbing_of(stage, kinematics)
     normal_axial = -kinematics.meshing.screw.normal[2]
-    asked = {} if law is None else asked_of(law, kinematics, slip, axial / normal_axial)
-    per_force, constant = friction_on_roller(stage, slip, deflection, None, asked)
+    law_inputs = {} if law is None else asked_of(law, kinematics, slip, axial / normal_axial)
+    per_force, constant = friction_on_roller(stage, slip, deflection, None, law_inputs)
     bracket = normal_axial - per_force[2]
-    left = axial + constant[2]
+    remainder = axial + constant[2]
     if not has_unknown_share(stage, kinematics):
-        return ScrewContact(left / bracket, per_force, constant)
-    balance = _Balance(stage, ellipse, kinematics, slip, deflection, left, bracket)
+        return ScrewContact(remainder / bracket, per_force, constant)
+    balance = _Balance(stage, ellipse, kinematics, slip, deflection, remainder, bracket)
     if share is None:
         start = jnp.where(bracket > _LEAST_SHARE, bracket, 1.0)
         accuracy = 1e-14 if start.dtype == jnp.float64 else 1e-6
 
-        # A plain function: JAX wants to hash it, and a method carries arrays.
+        # A plain function: JAX hashes it, and a method would carry arrays.
         def missed(unknown: Scalar) -> Scalar:
-            found = balance.at(unknown).missed
-            assert found is not None
-            return found
+            residual = balance.at(unknown).missed
+            assert residual is not None
+            return residual
 
         share, _ = find_root(missed, start, tolerance=accuracy, max_steps=20)
         contact = balance.at(share)
-        # Friction that grows faster than the force may leave no balance: that is a jam, whose
+        # If friction grows faster than the force there may be no balance: the thread jams, and its
         # contact would have to pull.
         size = 1e-9 if start.dtype == jnp.float64 else 1e-3
         assert contact.missed is not None

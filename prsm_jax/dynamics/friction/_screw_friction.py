@@ -1,7 +1,7 @@
 """Friction of splines and thrust bearings by any law, and drag.
 
-As with threads, a part is proportional to the force that presses the surfaces together and a part
-is not.
+As for threads, one part is proportional to the force that presses the surfaces together and one
+part is not.
 """
 
 import jax.numpy as jnp
@@ -17,10 +17,10 @@ def _signed_coefficient(law: FrictionLaw, speed: Scalar, sense: Scalar) -> Scala
 
     `sense` is +1 or −1, and known even at standstill.
     """
-    along, _ = thread_friction(
+    coefficient, _ = thread_friction(
         law, speed[None], jnp.broadcast_to(sense, speed.shape)[None], labelled=False
     )
-    return along[0]
+    return coefficient[0]
 
 
 @physics("spline_friction")
@@ -33,7 +33,7 @@ def spline_force(
 
     - `friction`: the friction law and the radius of the spline.
     - `sliding`: axial speed of the screw over its driver [m/s].
-    - `sense`: the sense of that, +1 or −1, known even at standstill.
+    - `sense`: sense of this sliding, +1 or −1, known even at standstill.
 
     **Returns:** both parts, `None` where there is none.
     """
@@ -54,9 +54,9 @@ def bearing_torque(
     **Arguments:**
 
     - `friction`: the friction law and the radius of the bearing; the sliding speed is that of the
-      screw there, and what is viscous a torque per speed of turning.
+      screw at this radius, and viscous resistance is a torque per angular speed.
     - `screw_speed`: Ω [rad/s].
-    - `sense`: the sense of that, +1 or −1, known even at standstill.
+    - `sense`: sense of Ω, +1 or −1, known even at standstill.
 
     **Returns:** both parts, `None` where there is none.
     """

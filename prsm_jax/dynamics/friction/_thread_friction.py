@@ -14,8 +14,8 @@ from ...mechanism import Scalar
 from ...numerics import above_or_nan, length_few, sum_few
 from ...programs import physics
 
-#: Slip below which friction that is smooth at standstill is proportional to the slip, whatever the
-#: law: far below any width, and its square is a number in float32 [m/s].
+#: Slip below which friction that is smooth at standstill is proportional to the slip under any law:
+#: far below any width, and its square can be represented in float32 [m/s].
 _LEAST_SLIP = 1e-15
 
 
@@ -35,10 +35,10 @@ def friction_coefficient(
     **Arguments:**
 
     - `law`, `speed`: the law and the slip speed, 0 or more.
-    - `asked`: what else the law asks for, by name.
+    - `asked`: other inputs that the law asks for, by name.
     """
     sliding = Sliding(speed, dict(asked or {}))
-    # A coefficient that is a number is an operation, too: its label is how a trace is read.
+    # A constant coefficient becomes an operation too, so that a trace shows its label.
     return physics(_label(law))(lambda: law.friction_coefficient(sliding) * jnp.ones_like(speed))()
 
 
@@ -61,10 +61,10 @@ def thread_friction(
     - `law`: the friction law, or `None` for none.
     - `slip`: slip velocity of the screw over the roller [m/s].
     - `direction`: its unit vector (known even at standstill, from the sense of turning).
-    - `asked`: what the law asks for beside the slip speed.
-    - `labelled`: whether a trace is to show the law; a spline or bearing has a label of its own.
+    - `asked`: inputs that the law asks for besides the slip speed.
+    - `labelled`: whether a trace shows the law; a spline or bearing has its own label.
 
-    Laws are isotropic: along a single axis, that of the slip, they are the same.
+    Laws are isotropic, so they also hold along a single axis, that of the slip.
     """
     if law is None:
         return jnp.zeros_like(slip), jnp.zeros_like(slip)
@@ -77,18 +77,18 @@ def _friction(
     law: FrictionLaw,
     slip: Float[Array, " axes"],
     direction: Float[Array, " axes"],
-    asked: Mapping[str, Scalar] | None,
+    law_inputs: Mapping[str, Scalar] | None,
 ) -> tuple[Float[Array, " axes"], Float[Array, " axes"]]:
-    told = dict(asked or {})
+    inputs = dict(law_inputs or {})
     if law.load_independent:
         per_force = jnp.zeros_like(slip)
     elif law.smooth_at_standstill and not law.has_state:
-        # The direction of no slip has no derivative; friction over slip speed has one.
+        # At zero slip the direction has no derivative; friction per slip speed has one.
         square = sum_few(slip**2)
         speed = jnp.sqrt(square + _LEAST_SLIP**2)
-        per_force = law.coefficient_per_speed(Sliding(speed, told, square)) * slip
+        per_force = law.coefficient_per_speed(Sliding(speed, inputs, square)) * slip
     else:
-        per_force = law.friction_coefficient(Sliding(length_few(slip), told)) * direction
+        per_force = law.friction_coefficient(Sliding(length_few(slip), inputs)) * direction
     return per_force, _resistance(law, slip)
 
 
@@ -98,5 +98,5 @@ def _resistance(law: FrictionLaw, slip: Float[Array, " axes"]) -> Float[Array, "
 
 
 def slip_resistance(law: FrictionLaw, slip: Float[Array, " axes"]) -> Float[Array, " axes"]:
-    """Friction that needs no normal force [N]."""
+    """Friction that is independent of the normal force [N]."""
     return physics(_label(law))(_resistance)(law, slip)

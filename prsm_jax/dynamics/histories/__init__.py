@@ -1,4 +1,4 @@
-"""What an integration gives, and what users ask of it."""
+"""Results of integrations, and quantities derived from them."""
 
 from ._integration import Settings as Settings, integrated as integrated
 from ._transient_quantities import (

@@ -1,6 +1,6 @@
-"""One way to integrate: every right-hand side of a transient goes through here.
+"""Integration of the right-hand sides of transients without events.
 
-States and time come scaled to order one, so that the tolerances mean the same in every scene.
+States and time are scaled to order one, so that tolerances have the same meaning in every scene.
 """
 
 from typing import Any, NamedTuple
@@ -28,42 +28,42 @@ from ..solvers import (
 )
 from ._transient_result import SolverReport
 
-#: Roundings of a number in the least relative tolerance.
+#: Least relative tolerance, in roundings of a number.
 _ROUNDINGS = 10
 
 
 class Settings(NamedTuple):
-    """How `simulate` integrates; see there."""
+    """How `simulate` integrates (see its arguments)."""
 
     method: str
     gradient: Gradient
     rtol: float | Scalar
     atol: float | Scalar
     max_steps: int
-    #: Solver and controller that were given, if they were.
+    #: Solver and controller of the user, if passed.
     own: OwnSolver | None = None
 
     @property
     def name(self) -> str:
-        """The method in words."""
+        """Name of the method."""
         if self.own is not None:
             return type(self.own.solver).__name__
         return NAMES["rosenbrock" if self.method == "auto" else self.method]
 
     def within(self, dtype) -> "Settings":
-        """The same with tolerances that numbers of this precision can meet.
+        """The settings, with tolerances that numbers of this precision can meet.
 
-        An error below their rounding is rounding itself, and so is a choice of steps by it: there
-        are then more of them than needed, and reverse mode, which takes some again, ends elsewhere.
+        Errors below their rounding are noise, and so are steps chosen by them: there are then more
+        steps than needed, and reverse mode, which repeats some, ends at a different time.
         """
         if not is_short(dtype):
             return self
         rounding = float(jnp.finfo(dtype).eps)
 
-        def at_least(given, least: float):
-            if isinstance(given, float):
-                return max(given, least)
-            return jnp.maximum(jnp.asarray(given, dtype), jnp.asarray(least, dtype))
+        def at_least(tolerance, least: float):
+            if isinstance(tolerance, float):
+                return max(tolerance, least)
+            return jnp.maximum(jnp.asarray(tolerance, dtype), jnp.asarray(least, dtype))
 
         rtol, atol = at_least(self.rtol, _ROUNDINGS * rounding), at_least(self.atol, rounding)
         return self._replace(rtol=rtol, atol=atol)
@@ -91,16 +91,15 @@ def integrated(
     - `start`: state at time 0.
     - `end`: scaled duration.
     - `breaks`: scaled times at which the drive jumps or bends.
-    - `samples`: number of equally spaced times at which the state is kept, both ends included.
+    - `samples`: number of equally spaced times at which the state is saved, both ends included.
     - `settings`: solver, tolerances and kind of derivative; the method `"auto"` is RODASP.
-    - `args`: handed on to `rate`.
-    - `autonomous`: whether `rate` does not look at the time.
-    - `longest`: the longest scaled step, if there is one.
-    - `weight`: function of (time, state), by whose values errors of the states count more.
-    - `standstills`: function of the time to the time left to the next standstill and that since the
-      last one.
+    - `args`: passed to `rate`.
+    - `autonomous`: whether `rate` is independent of time.
+    - `longest`: limit of the scaled step, if any.
+    - `weight`: function of (time, state) to factors on the errors of the states.
+    - `standstills`: function of time to the times until the next standstill and since the last one.
 
-    **Returns:** the states, with samples first, and how it went.
+    **Returns:** the states, with samples along the first axis, and the solver report.
 
     **Raises:** `ValueError` for a method that does not integrate, or an unknown gradient.
     """
@@ -118,7 +117,7 @@ def integrated(
         closed: Any = (
             rate.closed(*example) if isinstance(rate, DrivenRate) else converted(rate, *example)
         )
-        # A speed of the caller's own may hold numbers that are differentiated, out of sight.
+        # A speed function of the user may close over numbers that are differentiated.
         if weight is not None:
             scene = scene._replace(weight=converted(weight, *example[:2]))
         if standstills is not None:
@@ -131,7 +130,7 @@ def integrated(
 
 
 class _Scene(NamedTuple):
-    """What an integration rests on that is not differentiated."""
+    """Inputs of an integration that are not differentiated."""
 
     breaks: Float[Array, " breaks"]
     longest: Scalar | None
@@ -139,12 +138,12 @@ class _Scene(NamedTuple):
     standstills: Any
     rtol: Any
     atol: Any
-    #: Solver and controller that the user gave, which may hold numbers that are traced.
+    #: Solver and controller of the user, which may hold traced numbers.
     own: Any
 
 
 class _Static(NamedTuple):
-    """What is known in Python of an integration."""
+    """Static settings of an integration."""
 
     method: str
     gradient: Gradient
@@ -154,7 +153,7 @@ class _Static(NamedTuple):
 
 
 class _Solution(NamedTuple):
-    """States at the sample times, and how it went."""
+    """States at the sample times, numbers of steps and the result code."""
 
     states: Any
     steps: Int[Array, ""]
@@ -165,10 +164,10 @@ class _Solution(NamedTuple):
 def _solved(
     rate: Any, start, end, args, scene: _Scene, static: _Static, *, record=False, again=None
 ) -> tuple[_Solution, Any]:
-    """One integration: by steps of its own choice, or by those of a record.
+    """One integration, by adaptive steps or by recorded ones.
 
-    Beside its states come their times; with `record`, in place of the samples, of all steps those
-    from which the next one went on.
+    Also returns the times of the states; with `record` these are not the samples but, for all
+    steps, the times from which the next step started.
     """
     import diffrax
 
@@ -194,11 +193,11 @@ def _solved(
     if again is not None and scene.own is not None:
         solver = with_tolerances(solver, scene.own.controller, scene.rtol, scene.atol)
     if record:
-        kept = diffrax.SaveAt(steps=True, fn=lambda time, state, args: time)
+        save_at = diffrax.SaveAt(steps=True, fn=lambda time, state, args: time)
     else:
         times = jnp.linspace(0.0, 1.0, static.samples, dtype=end.dtype) * end
-        kept = diffrax.SaveAt(ts=times)
-    found = diffrax.diffeqsolve(
+        save_at = diffrax.SaveAt(ts=times)
+    result = diffrax.diffeqsolve(
         diffrax.ODETerm(rate),
         solver,
         t0=jnp.zeros_like(end),
@@ -206,20 +205,20 @@ def _solved(
         dt0=None,
         y0=start,
         args=args,
-        saveat=kept,
+        saveat=save_at,
         stepsize_controller=controller,
         adjoint=adjoint,
         max_steps=static.max_steps,
         throw=False,
     )
-    counts = found.stats["num_accepted_steps"], found.stats["num_rejected_steps"]
-    solution = _Solution(found.ys, *counts, code_of(found.result))
-    assert found.ts is not None
-    return solution, found.ts
+    counts = result.stats["num_accepted_steps"], result.stats["num_rejected_steps"]
+    solution = _Solution(result.ys, *counts, code_of(result.result))
+    assert result.ts is not None
+    return solution, result.ts
 
 
 def _moved_with_reversals(rate, end, args, scene: _Scene) -> Any:
-    """Function of a time to the same time, which moves with a reversal; `None` where none jumps."""
+    """Function of a time to the same time, which moves with a reversal; `None` without jumps."""
     if scene.standstills is None or not isinstance(rate, DrivenRate) or rate.leader is None:
         return None
 
@@ -230,10 +229,10 @@ def _moved_with_reversals(rate, end, args, scene: _Scene) -> Any:
 
 @eqx.filter_custom_jvp
 def _solved_twice(rate, start, end, args, scene, *, static):
-    """Values by steps as they are chosen; derivatives by the same steps, taken again.
+    """Values by adaptive steps; derivatives by the same steps, repeated.
 
     Steps that are chosen again, in a program that is compiled differently, differ by rounding, and
-    reverse mode would end elsewhere.
+    reverse mode would end at a different time.
     """
     return _solved(rate, start, end, args, scene, static)[0]
 
@@ -252,8 +251,8 @@ def _solved_twice_jvp(primals, tangents, *, static):
     def again(rate, start, end, args):
         return _solved(rate, start, end, args, scene, static, again=steps)[0].states
 
-    given = rate, start, end, args
-    states, slopes = eqx.filter_jvp(again, given, tuple(tangents[:-1]))
+    arguments = rate, start, end, args
+    states, slopes = eqx.filter_jvp(again, arguments, tuple(tangents[:-1]))
     none = jax.tree.map(lambda _: None, chosen)
-    # Taken again, steps do not run out where they did.
+    # The result code stays that of the first integration: repeated steps do not run out.
     return chosen._replace(states=states), none._replace(states=slopes)

@@ -1,7 +1,7 @@
-"""Numbers of a transient that designs are judged by, differentiable by definition.
+"""Scalar quantities of a transient for judging designs, differentiable by definition.
 
-All are functions of the histories alone, so derivatives are those of the histories; none picks a
-sample by its index without correcting for what lies between the samples.
+All are functions of the histories alone, so their derivatives follow from those of the histories.
+None selects a sample by its index without correcting for the curve between the samples.
 """
 
 import jax
@@ -19,17 +19,17 @@ from ._transient_result import Transient
 def peak(history: Float[Array, "*batch times"]) -> Float[Array, "*batch"]:
     """Largest value of a history: the vertex of the parabola through the largest sample.
 
-    Exact for parabolas, and off by the third power of the sample distance otherwise, where the
-    largest sample itself is off by the second. It and its derivatives do not jump where the
-    largest sample changes to its neighbour, in that order. At either end of the history it is the
-    sample. For the largest magnitude take the peak of `abs(history)`, for a least value
+    Exact for parabolas; otherwise its error is of third order in the sample distance, and that of
+    the largest sample itself of second order. To that order, the peak and its derivatives do not
+    jump where the largest sample changes to its neighbour. At either end of the history the peak is
+    the sample. For the largest magnitude take the peak of `abs(history)`, for the minimum
     `-peak(-history)`.
 
     **Arguments:**
 
     - `history`: equally spaced samples, along the last axis.
 
-    **Returns:** the peak, of one axis less.
+    **Returns:** the peak, with one axis less.
     """
     count = history.shape[-1]
     if count < 3:
@@ -62,7 +62,7 @@ def settling_time(
     The crossing into the band, `|x(t) − x_end| = band |x_end|`, lies between two samples. Between
     them the logarithm of the distance is a straight line, which is exact for an exponential
     approach, so the crossing is a smooth function of the samples: it moves with a parameter p by
-    `−(∂x/∂p)/(∂x/∂t)`, as the implicit relation asks.
+    `−(∂x/∂p)/(∂x/∂t)`, as the implicit relation requires.
 
     **Arguments:**
 
@@ -73,15 +73,15 @@ def settling_time(
 
     **Returns:** the time, and whether the history both leaves the band and returns to it; the time
     is the first sample's where it never leaves, the last where it never returns, and NaN where a
-    sample is.
+    sample is NaN.
     """
     final = history[..., -1] if end is None else end
     allowed = jnp.abs(band * final)[..., None]
     distance = jnp.abs(history - final[..., None])
     outside = jax.lax.stop_gradient(above_or_nan(distance, allowed))
     count = history.shape[-1]
-    places = jnp.arange(count)
-    last = jnp.max(jnp.where(outside, places, -1), axis=-1)
+    indices = jnp.arange(count)
+    last = jnp.max(jnp.where(outside, indices, -1), axis=-1)
     crosses = (last >= 0) & (last < count - 1)
     index = jnp.clip(last, 0, count - 2)[..., None]
 
@@ -91,8 +91,8 @@ def settling_time(
     outer, inner, limit = at(distance, 0), at(distance, 1), allowed[..., 0]
     time = jnp.broadcast_to(time, history.shape)
     start, stop = at(time, 0), at(time, 1)
-    # Only values that a crossing has, the others having no logarithm; and where the next sample is
-    # at the end exactly, a straight line.
+    # Only crossings have values with a logarithm. If the next sample is exactly at the end value, a
+    # straight line is taken.
     decays = crosses & (inner > 0) & (limit > 0)
     high, low, between = (
         jnp.where(decays, value, other) for value, other in ((outer, 4), (inner, 1), (limit, 2))
@@ -100,18 +100,19 @@ def settling_time(
     fallen = jnp.where(crosses, outer - inner, 1.0)
     straight = jnp.where(crosses, outer - limit, 0.0) / fallen
     share = jnp.where(decays, jnp.log(high / between) / jnp.log(high / low), straight)
-    found = jnp.where(last < 0, time[..., 0], time[..., -1])
-    found = jnp.where(jnp.isnan(jnp.sum(distance, axis=-1)), jnp.nan, found)
-    return jnp.where(crosses, start + share * (stop - start), found), crosses
+    end_time = jnp.where(last < 0, time[..., 0], time[..., -1])
+    end_time = jnp.where(jnp.isnan(jnp.sum(distance, axis=-1)), jnp.nan, end_time)
+    return jnp.where(crosses, start + share * (stop - start), end_time), crosses
 
 
 @one_program
 def integral(
     time: Float[Array, "*#batch times"], history: Float[Array, "*batch times"]
 ) -> Float[Array, "*batch"]:
-    """Integral of a history over its time, by Simpson's rule and a cubic for a last odd interval.
+    """Integral of a history over its time, by Simpson's rule.
 
-    Of the fourth order, as the samples are; equally spaced samples.
+    Fourth order, as the samples are, which must be equally spaced. Of an odd number of intervals,
+    the last three take the 3/8 rule.
 
     **Arguments:**
 
@@ -145,8 +146,8 @@ def energy(run: Transient, of: str = "drive") -> Scalar:
     **Arguments:**
 
     - `run`: the transient.
-    - `of`: `"drive"`, what goes in at the first screw; `"load"`, what comes out at the last nut;
-      `"loss"`, all losses together; or the name of one of them (`run.losses`).
+    - `of`: `"drive"`, input at the first screw; `"load"`, output at the last nut; `"loss"`, all
+      losses together; or the name of one of them (`run.losses`).
 
     **Raises:** `UnknownNameError` for an unknown name.
     """
@@ -170,14 +171,16 @@ def _power(run: Transient, of: str) -> Float[Array, " times"]:
 @one_program
 @mapped
 def mean_efficiency(run: Transient) -> Scalar:
-    """Energy out over energy in, of the whole time; each where power flows that way.
+    """Output energy over input energy of the whole transient.
 
-    Drive and load each give and take: what either gives is input, what either takes is output. A
-    stroke out and back counts both ways.
+    Drive and load may each supply and absorb power: what they supply is input, what they absorb is
+    output. A stroke out and back counts in both directions.
     """
     drive, load = _power(run, "drive"), _power(run, "load")
-    given = jnp.maximum(drive, 0.0) + jnp.maximum(-load, 0.0)
-    taken = jnp.maximum(load, 0.0) + jnp.maximum(-drive, 0.0)
-    put_in = integral(run.time, given)
-    some = above_or_nan(put_in)
-    return jnp.where(some, integral(run.time, taken) / jnp.where(some, put_in, 1.0), 0.0)
+    supplied = jnp.maximum(drive, 0.0) + jnp.maximum(-load, 0.0)
+    absorbed = jnp.maximum(load, 0.0) + jnp.maximum(-drive, 0.0)
+    input_energy = integral(run.time, supplied)
+    positive = above_or_nan(input_energy)
+    return jnp.where(
+        positive, integral(run.time, absorbed) / jnp.where(positive, input_energy, 1.0), 0.0
+    )

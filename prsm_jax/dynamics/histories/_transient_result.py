@@ -40,19 +40,18 @@ _MEANINGS = (
     "or shorten the duration",
     "the closed form does not hold: a thread locks, or the torque of a screw or the load of a nut "
     "changes its sign; choose the method rosenbrock",
-    "jammed: friction in the threads takes all that the normal force lifts, and no torque moves "
-    "the load; lower the friction or raise the contact angle (quantity jamming_margin)",
+    "jammed: thread friction cancels the axial part of the normal force, and no torque moves the "
+    "load; lower the friction or raise the contact angle (quantity jamming_margin)",
     "missed a phase: while the mechanism stuck, the torque passed a limit and came back between "
-    "two steps; raise samples, which shortens them",
+    "two steps; raise samples to shorten the steps",
     steady_meaning("overlapping_rollers"),
     steady_meaning("impossible_dimension"),
     "not finite: a number of the mechanism or the scenario is NaN or infinite, or so large that a "
-    "result is; correct it",
-    "impossible duration: a simulation needs a duration of more than 0 s that is finite",
+    "result is not finite; correct it",
+    "impossible duration: a simulation needs a finite duration of more than 0 s",
 )
 _JAMMED = 7
-#: Codes from here on are of the mechanism and of the scenario; how the integration went is another
-#: matter.
+#: Codes from here on concern the mechanism and the scenario, not the integration.
 CANNOT_BE_BUILT, MEANS_NOTHING = 9, 11
 _OVERLAPPING, _IMPOSSIBLE, _NOT_FINITE, _NO_DURATION = 9, 10, 11, 12
 
@@ -65,10 +64,11 @@ class SolverReport(AbstractResult):
     #: 0 when successful; see `result`.
     code: Int[Array, ""]
     name: str = eqx.field(static=True)
-    #: Largest error of the carrier ratio by what the method neglects, after settling; under a
-    #: prescribed torque of the screw speed over its largest. `None` where nothing is neglected.
+    #: Largest error of the carrier ratio by terms that the method neglects, after settling; under a
+    #: prescribed torque, error of the screw speed over the largest screw speed. `None` if no terms
+    #: are neglected.
     error_estimate: Scalar | None = None
-    #: Longest time constant in which carriers settle, where the method leaves that out [s].
+    #: Longest time constant in which carriers settle, where the method neglects settling [s].
     time_constant: Scalar | None = None
 
     @property
@@ -79,7 +79,7 @@ class SolverReport(AbstractResult):
     @property
     @listed
     def result(self) -> str:
-        """What `code` means, and what to do about it."""
+        """Meaning of `code`, with the remedy."""
         return _MEANINGS[int(self.code)]
 
 
@@ -95,9 +95,9 @@ def prescribed(scenario: Scenario, times: Float[Array, " times"]):
 
 
 class CarrierHistory(eqx.Module):
-    """What a method of `simulate` finds, at one time or at all of them; all else follows."""
+    """Result of a method of `simulate`, at one time or at all; all other results follow from it."""
 
-    #: Ω [rad/s] and Ω̇ [rad/s²]; `None` for a constant speed, which leaves masses untraced.
+    #: Ω [rad/s] and Ω̇ [rad/s²]; `None` for a constant speed, where masses are not needed.
     screw_speed: Float[Array, "*times"]
     screw_acceleration: Float[Array, "*times"] | None
     #: Load on the last nut [N].
@@ -108,7 +108,7 @@ class CarrierHistory(eqx.Module):
 
 
 class Phase(eqx.Module):
-    """Stretches of turning or sticking; those past the last one have no length."""
+    """Phases of turning or sticking; entries past the last phase have no length."""
 
     #: [s]
     start: Float[Array, " phases"]
@@ -144,22 +144,22 @@ class Transient(AbstractResult):
     #: Load on the last nut [N].
     load: Float[Array, " times"]
     #: Unit vector of the slip of the screw over the roller, in the carrier's frame: radial,
-    #: tangential, axial; where nothing slips that of the motion about to begin, if there is one.
+    #: tangential, axial; without slip that of impending motion, if any.
     slip_direction: Float[Array, "stages times 3"]
     solver: SolverReport
     #: Ω̇ [rad/s²]; `None` for a constant speed.
     screw_acceleration: Float[Array, " times"] | None = None
-    #: Power that the load takes [W].
+    #: Power that the load absorbs [W].
     load_power: Float[Array, " times"] | None = None
     #: Rate at which bristles between the threads store energy [W]; `None` without such a law.
     bristle_power: Float[Array, " times"] | None = None
-    #: Their deflection, in the carrier's frame [m]; 0 in stages without them.
+    #: Deflection of the bristles, in the carrier's frame [m]; 0 in stages without bristles.
     bristle_deflection: Float[Array, "stages times 3"] | None = None
-    #: Travel of the last nut from where it started [m], and whether the mechanism sticks; only
-    #: where the torque is prescribed.
+    #: Travel of the last nut from its start [m], and whether the mechanism sticks; only under a
+    #: prescribed torque.
     position: Float[Array, " times"] | None = None
     sticking: Bool[Array, " times"] | None = None
-    #: Stretches of turning and sticking, where the torque is prescribed.
+    #: Phases of turning and sticking, under a prescribed torque.
     phases: Phase | None = None
 
     @property
@@ -200,21 +200,21 @@ def _deflections(instant: tuple[StageState, ...]) -> Float[Array, "stages 3"] | 
 
 
 def _relative(residual: Scalar, scale: Scalar) -> Scalar:
-    """Without load there is nothing to compare with."""
+    """Residual over its scale; without load the absolute residual."""
     return jnp.abs(residual) / jnp.where(scale > 0, scale, 1.0)
 
 
 def _finite(row: dict[str, Any]) -> Bool[Array, ""]:
     """Whether everything at one time is finite."""
-    # 0 times what is NaN or infinite is NaN.
+    # 0 times NaN or infinity is NaN.
     return jnp.isfinite(sum(sum_few(0.0 * jnp.ravel(value)) for value in jax.tree.leaves(row)))
 
 
 def code_of_finite(code: Int[Array, ""], finite: Bool[Array, " times"]) -> Int[Array, ""]:
-    """A result code, and that of numbers that are not finite where it explains them.
+    """The result code, replaced by that of non-finite numbers where this explains the failure.
 
-    Where the first sample is not finite no method could have found more; later ones may also be
-    lost by a method that gave up, which has a code of its own.
+    If the first sample is not finite, no method could succeed. Later samples may also be non-finite
+    because a method gave up, which has its own code.
     """
     return jnp.where(~finite[0] | ((code == 0) & ~finite.all()), _NOT_FINITE, code)
 
@@ -222,9 +222,9 @@ def code_of_finite(code: Int[Array, ""], finite: Bool[Array, " times"]) -> Int[A
 def rows_of(
     mechanism: Mechanism, kinematics: tuple[StageKinematics, ...]
 ) -> Callable[[CarrierHistory], dict[str, Any]]:
-    """A function that turns the state at one time into what a `Transient` has of that time.
+    """A function that converts the state at one time into the entries of a `Transient`.
 
-    Apart from `transient_of`, so that states, which are many numbers, need not be kept for all
+    Separate from `transient_of`, so that states, which are many numbers, need not be stored for all
     times.
     """
     travel = travel_per_turn(mechanism.stages, len(mechanism.stages))
@@ -239,11 +239,13 @@ def rows_of(
                 zip(mechanism.stages, kinematics, instant, strict=True)
             )
         ]
-        lost = losses(mechanism, kinematics, instant, speed)
+        loss_powers = losses(mechanism, kinematics, instant, speed)
         kinetic = _kinetic_power(mechanism, carriers, acceleration, speed, screw_acceleration)
         drive_power, load_power = torque * speed, load * travel * speed
-        gross = functools.reduce(jnp.maximum, map(jnp.abs, (drive_power, load_power, kinetic)))
-        imbalance = drive_power - load_power - sum(lost.values()) - kinetic
+        largest_power = functools.reduce(
+            jnp.maximum, map(jnp.abs, (drive_power, load_power, kinetic))
+        )
+        imbalance = drive_power - load_power - sum(loss_powers.values()) - kinetic
         stored = stored_power(mechanism, instant)
         if stored is not None:
             imbalance = imbalance - stored
@@ -279,8 +281,9 @@ def rows_of(
                 ]
             ),
             "stage_torque": jnp.stack([s.screw.drive_torque for s in instant]),
-            "losses": lost,
-            "power_balance_residual": jnp.abs(imbalance) / jnp.where(gross > 0, gross, 1.0),
+            "losses": loss_powers,
+            "power_balance_residual": jnp.abs(imbalance)
+            / jnp.where(largest_power > 0, largest_power, 1.0),
             "newton_residual": jnp.stack(
                 [
                     _relative(
@@ -295,7 +298,7 @@ def rows_of(
             "bristle_power": stored,
             "load_power": load_power,
         }
-        # Here, where the row is at hand: whoever keeps one history need not hold all of them.
+        # Evaluated here, for one row: a caller that keeps one history need not store all of them.
         return {**row, "finite": _finite(row), "pulled": any_few(forces < 0)}
 
     return at
@@ -308,7 +311,7 @@ def histories(
     history: CarrierHistory,
     report: SolverReport,
 ) -> Transient:
-    """Turn states at the sample times into the histories that users ask for."""
+    """Convert states at the sample times into the histories of a `Transient`."""
     rows = over_samples(rows_of(mechanism, kinematics), history)
     return transient_of(mechanism, kinematics, times, rows, report)
 
@@ -317,14 +320,14 @@ def transient_of(
     mechanism: Mechanism,
     kinematics: tuple[StageKinematics, ...],
     times: Float[Array, " times"],
-    found: dict[str, Any],
+    entries: dict[str, Any],
     report: SolverReport,
 ) -> Transient:
-    """The histories that users ask for, from what `rows_of` gives, with times first."""
-    found = dict(found)
-    finite = found.pop("finite") & jnp.isfinite(times)
-    pulled = jnp.any(found.pop("pulled"))
-    deflections: Any = found.pop("bristle_deflection")
+    """A `Transient` from the entries by `rows_of`, with times along the first axis."""
+    entries = dict(entries)
+    finite = entries.pop("finite") & jnp.isfinite(times)
+    pulled = jnp.any(entries.pop("pulled"))
+    deflections: Any = entries.pop("bristle_deflection")
     per_stage = (
         "carrier_speed",
         "carrier_acceleration",
@@ -339,11 +342,11 @@ def transient_of(
         "slip_direction",
     )
     rows: dict[str, Any] = {
-        name: jnp.moveaxis(row, 1, 0) if name in per_stage else row for name, row in found.items()
+        name: jnp.moveaxis(row, 1, 0) if name in per_stage else row for name, row in entries.items()
     }
-    # The steps may have run out, or the rollers be at rest, before a sample shows it.
-    fastest, most = (jnp.max(jnp.abs(found[name])) for name in ("screw_speed", "load"))
-    margin = jamming_margin(mechanism, kinematics, fastest, most)
+    # The steps may have run out, or the rollers may be at rest, before a sample shows the jam.
+    fastest, largest_load = (jnp.max(jnp.abs(entries[name])) for name in ("screw_speed", "load"))
+    margin = jamming_margin(mechanism, kinematics, fastest, largest_load)
     jammed = pulled | ((report.code != 0) & (margin <= 0))
     code = jnp.where(jammed, _JAMMED, report.code)
     code = code_of_finite(code, finite)

@@ -1,4 +1,4 @@
-"""The same motion by Newton and Euler, body by body: a second formulation."""
+"""Newton–Euler's equations of every body: a second formulation of the same motion."""
 
 from ._body_forces import (
     BodyForces as BodyForces,

@@ -34,10 +34,10 @@ class Instant(eqx.Module):
     carrier_speed: Float[Array, "*times stages"]
     #: Load on the last nut [N].
     load: Float[Array, "*times"]
-    #: Ω̇ [rad/s²]; `None` at constant speed, which leaves the masses of nuts and screws untraced.
+    #: Ω̇ [rad/s²]; `None` at constant speed, where masses of nuts and screws are not needed.
     screw_acceleration: Float[Array, "*times"] | None = None
-    #: Unit vector of the slip of every stage; `None` takes that of the slip itself. At standstill
-    #: it says where the motion is about to go.
+    #: Unit vector of the slip of every stage; `None` takes it from the slip itself. At standstill,
+    #: direction of impending motion.
     slip_direction: Float[Array, "*times stages 3"] | None = None
     #: Deflection of the bristles between the threads [m]; only under LuGre's law, and `None` for
     #: bristles that have settled.
@@ -49,7 +49,7 @@ class BodyForces(AbstractResult):
 
     Vectors are in the frame that turns with the stage's carrier: radial (from the screw's axis
     through the roller's), tangential, axial (along the load on the nut). Forces on a roller are
-    those on one roller; what it does to screw, nut and carriers is opposite, times the number of
+    those on one roller; its reactions on screw, nut and carriers are opposite, times the number of
     rollers. Torques are about the axis of the screw, positive in the sense of positive speed.
     """
 
@@ -57,7 +57,7 @@ class BodyForces(AbstractResult):
     screw_contact_force: Float[Array, "stages *times"]
     #: Normal force of the nut on one roller [N].
     nut_contact_force: Float[Array, "stages *times"]
-    #: The former as a vector, and friction of the screw on the roller [N].
+    #: Normal force of the screw as a vector, and friction of the screw on the roller [N].
     screw_normal_on_roller: Float[Array, "stages *times 3"]
     screw_friction_on_roller: Float[Array, "stages *times 3"]
     nut_on_roller: Float[Array, "stages *times 3"]
@@ -65,8 +65,8 @@ class BodyForces(AbstractResult):
     ring_gear_on_roller: Float[Array, "stages *times 3"]
     #: Force of one carrier's pin on one end of a roller [N].
     pin_on_roller: Float[Array, "stages *times 3"]
-    #: Moments in the contacts that resist the turning of one roller (spin and rolling) [N·m]: of
-    #: the screw and of the nut on it.
+    #: Resisting moments in the contacts of one roller (spin and rolling) [N·m]: of the screw and of
+    #: the nut on the roller.
     screw_moment_on_roller: Float[Array, "stages *times"]
     nut_moment_on_roller: Float[Array, "stages *times"]
     #: Acceleration of a roller's centre of mass [m/s²].
@@ -81,13 +81,13 @@ class BodyForces(AbstractResult):
     thrust_bearing_force: Float[Array, "stages *times"]
     #: Friction torque of that bearing on the screw, against its turning [N·m].
     thrust_bearing_torque: Float[Array, "stages *times"]
-    #: Torque of the spline on the screw, that of the motor on the first one [N·m].
+    #: Torque of the spline on the screw; on the first screw, torque of the motor [N·m].
     drive_torque: Float[Array, "stages *times"]
     #: Axial friction of the spline on the screw [N].
     spline_friction: Float[Array, "stages *times"]
     #: Drag between screw and nut, against the turning of the screw [N·m].
     drag_torque: Float[Array, "stages *times"]
-    #: Torque from outside that keeps the nut from turning [N·m].
+    #: External torque that keeps the nut from turning [N·m].
     anti_rotation_torque: Float[Array, "stages *times"]
     #: Whether the equations have a solution.
     solved: Bool[Array, "*times"]
@@ -131,13 +131,13 @@ def body_forces(
 ) -> BodyForces:
     """Forces on every part of a mechanism in motion, by Newton–Euler's equations of each body.
 
-    Roller (both its ends in gear and pins), carriers, nut with ring gears, and screw of every
-    stage are cut free; forces, carrier accelerations and the laws of friction are solved as one
+    Roller (with gear and pins at both ends), carriers, nut with ring gears, and screw of every
+    stage are free bodies; forces, carrier accelerations and the laws of friction are solved as one
     system (Li et al. 2020, equations 17 to 28). `simulate` and `steady_state` find their forces
     from Lagrange's equations instead; the two agree to rounding.
 
-    Of a run under a prescribed torque these are, while it sticks, the forces at the limit of
-    sticking that is nearer.
+    For a run under a prescribed torque these are, while it sticks, the forces at the nearer limit
+    of sticking.
 
     **Arguments:**
 
@@ -147,8 +147,8 @@ def body_forces(
 
     **Returns:** `BodyForces`; a transient's have a time axis after that of the stages.
 
-    **Raises:** `MissingDataError` if a mass is needed and not given: those of rollers and carriers
-    unless in a steady state, of screws and nuts where the screw accelerates.
+    **Raises:** `MissingDataError` if a mass is needed and not given. Masses of rollers and carriers
+    are needed unless in a steady state, those of screws and nuts where the screw accelerates.
     """
     if kinematics is None:
         kinematics = all_kinematics(mechanism)
@@ -162,9 +162,9 @@ def body_forces(
             run.nut_load[-1],
             slip_direction=run.slip_direction,
         )
-        found = _at(mechanism, kinematics, _masses(mechanism, instant, True), instant)
-        still = jnp.zeros_like(run.carrier_ratio)
-        return eqx.tree_at(lambda forces: forces.carrier_acceleration, found, still)
+        result = _at(mechanism, kinematics, _masses(mechanism, instant, True), instant)
+        zeros = jnp.zeros_like(run.carrier_ratio)
+        return eqx.tree_at(lambda forces: forces.carrier_acceleration, result, zeros)
     history = Instant(
         run.screw_speed,
         run.carrier_speed.T,
@@ -192,12 +192,12 @@ def _sign(value: Scalar) -> Scalar:
 
 
 def _known(mechanism: Mechanism, run: Instant, index: int) -> StageSurroundings:
-    """What is known of one stage before its forces."""
+    """Known quantities of one stage, for the equations of its forces."""
     stage = mechanism.stages[index]
     friction, thread = stage.friction, stage.thread
     speed, carrier = run.screw_speed, run.carrier_speed[index]
     direction = None if run.slip_direction is None else run.slip_direction[index]
-    # The thread runs along the roller as the screw turns: that is the sense even at standstill.
+    # The axial slip has the sense of the screw's rotation, even at standstill.
     sense = _sign(speed if direction is None else direction[2])
     rolling = (thread.starts - 1) * carrier
     stands = (speed == 0) & (carrier == 0)
@@ -231,8 +231,8 @@ def _known(mechanism: Mechanism, run: Instant, index: int) -> StageSurroundings:
     )
 
 
-def _parts(found: tuple[Scalar | None, Scalar | None], zero: Scalar) -> tuple[Scalar, Scalar]:
-    per_load, constant = found
+def _parts(friction: tuple[Scalar | None, Scalar | None], zero: Scalar) -> tuple[Scalar, Scalar]:
+    per_load, constant = friction
     return zero if per_load is None else per_load, zero if constant is None else constant
 
 
@@ -246,18 +246,18 @@ def _at(
     surroundings = tuple(_known(mechanism, run, index) for index in range(len(stages)))
     solution, solved = newton_forces(mechanism, kinematics, masses, surroundings, run.load)
     rows = []
-    for index, (stage, geometry, mass, known, found) in enumerate(
+    for index, (stage, geometry, mass, known, unknowns) in enumerate(
         zip(stages, kinematics, masses, surroundings, solution, strict=True)
     ):
         following = from_following(stages, solution, index, run.load)
-        vectors = roller_forces(stage, geometry, known, found)
-        acceleration = found.carrier_acceleration / mass.reference
-        screw_moment, nut_moment = contact_moments(stage, geometry, known, found)
+        vectors = roller_forces(stage, geometry, known, unknowns)
+        acceleration = unknowns.carrier_acceleration / mass.reference
+        screw_moment, nut_moment = contact_moments(stage, geometry, known, unknowns)
         radius, thread = stage.thread.screw_radius, stage.thread
         rows.append(
             {
-                "screw_contact_force": jnp.abs(found.screw_contact),
-                "nut_contact_force": found.nut_contact,
+                "screw_contact_force": jnp.abs(unknowns.screw_contact),
+                "nut_contact_force": unknowns.nut_contact,
                 "screw_normal_on_roller": vectors.normal,
                 "screw_friction_on_roller": vectors.friction,
                 "nut_on_roller": vectors.nut,
@@ -267,14 +267,14 @@ def _at(
                 "nut_moment_on_roller": known.nut_sense * nut_moment,
                 "roller_acceleration": roller_acceleration(stage, known, acceleration),
                 "carrier_acceleration": acceleration,
-                "carrier_axial_force": found.carrier_axial,
+                "carrier_axial_force": unknowns.carrier_axial,
                 "nut_load": following.load,
-                "thrust_bearing_force": found.support,
-                "thrust_bearing_torque": radius * found.bearing_torque,
-                "drive_torque": radius * found.drive_torque,
-                "spline_friction": found.spline_friction,
+                "thrust_bearing_force": unknowns.support,
+                "thrust_bearing_torque": radius * unknowns.bearing_torque,
+                "drive_torque": radius * unknowns.drive_torque,
+                "spline_friction": unknowns.spline_friction,
                 "drag_torque": known.drag_torque,
-                "anti_rotation_torque": thread.nut_radius * found.anti_rotation,
+                "anti_rotation_torque": thread.nut_radius * unknowns.anti_rotation,
             }
         )
     columns = {name: jnp.stack([row[name] for row in rows]) for name in rows[0]}

@@ -38,9 +38,9 @@ from ..friction import (
 
 
 class StageUnknowns(NamedTuple):
-    """What the equations of one stage are solved for; all as forces [N]."""
+    """Unknowns of the equations of one stage; all as forces [N]."""
 
-    #: Normal force of the screw on one roller, negative where the other flanks carry.
+    #: Normal force of the screw on one roller, negative where the opposite flanks carry.
     screw_contact: Scalar
     #: Normal force of the nut on one roller.
     nut_contact: Scalar
@@ -53,7 +53,7 @@ class StageUnknowns(NamedTuple):
     carrier_acceleration: Scalar
     #: Axial force of the nut on its carriers.
     carrier_axial: Scalar
-    #: Axial force of the screw on what holds it: the previous nut, or the housing.
+    #: Axial force of the screw on its support: the previous nut, or the housing.
     support: Scalar
     #: Torque of the spline (or motor) over the nominal radius of the screw.
     drive_torque: Scalar
@@ -70,15 +70,15 @@ class PartMasses(eqx.Module):
 
     roller_mass: Scalar
     roller_inertia: Scalar
-    #: Mass that makes the rollers press outwards; 0 if unknown.
+    #: Roller mass for the centrifugal force; 0 if unknown.
     circling_mass: Scalar
-    #: All carriers of the stage.
+    #: Of all carriers of the stage.
     carrier_mass: Scalar
     carrier_inertia: Scalar
     nut_mass: Scalar
     screw_mass: Scalar
     screw_inertia: Scalar
-    #: Force per ω̇ by which the latter is made a force; only a scale [kg·m].
+    #: Force per ω̇ that converts ω̇ to a force; only a scale [kg·m].
     reference: Scalar
 
 
@@ -88,10 +88,10 @@ def part_masses(stage: Stage, accelerates: bool, travels: bool, settled: bool) -
     **Arguments:**
 
     - `stage`: the stage.
-    - `accelerates`: whether the screw does; else masses of nut and screw are not needed.
+    - `accelerates`: whether the screw accelerates; else masses of nut and screw are not needed.
     - `travels`: whether the screw moves along its axis.
-    - `settled`: carriers known not to accelerate; no mass is needed then. In its place the
-      equations get a roller of arbitrary inertia, whose acceleration comes out as 0.
+    - `settled`: whether carriers are known not to accelerate; then no mass is needed. Instead the
+      equations get a roller of arbitrary inertia, whose acceleration results as 0.
 
     **Raises:** `MissingDataError` for a mass that is needed and not given.
     """
@@ -112,7 +112,7 @@ def part_masses(stage: Stage, accelerates: bool, travels: bool, settled: bool) -
         if travels:
             screw_mass = body_mass(stage, "screw")
         if stage.carrier is not None:
-            # Papers give the carriers' inertia without their mass; it is small beside the nut's.
+            # Papers give the carriers' inertia without their mass, small next to that of the nut.
             with contextlib.suppress(MissingDataError):
                 carrier_mass = stage.carrier.count * body_mass(stage, "carrier")
     radius = thread.roller_radius
@@ -140,13 +140,13 @@ class ScrewAcceleration(NamedTuple):
 
 
 class StageSurroundings(eqx.Module):
-    """What is known of a stage before its forces: motion, and friction beside the threads."""
+    """Known quantities of a stage: motion, and friction other than that of the threads."""
 
     screw_speed: Scalar
     carrier_speed: Scalar
-    #: Unit vector of the slip; `None` takes that of the slip itself.
+    #: Unit vector of the slip; `None` takes it from the slip itself.
     slip_direction: Float[Array, "3"] | None
-    #: Deflection of the bristles between the threads, where they have that law [m].
+    #: Deflection of the bristles between the threads, if their law has bristles [m].
     deflection: Float[Array, "3"] | None
     #: Sense of turning of screw over roller, Ω + (n − 1) ω, and of roller over nut.
     screw_sense: Scalar
@@ -156,24 +156,24 @@ class StageSurroundings(eqx.Module):
     #: Bearing torque per axial force [m], and independent of it [N·m].
     bearing: tuple[Scalar, Scalar]
     drag_torque: Scalar
-    #: Accelerations, where the screw has one.
+    #: Accelerations, if the screw accelerates.
     acceleration: ScrewAcceleration | None
 
 
 class FromNext(NamedTuple):
-    """What the following screw (or the load) does to the nut and the screw of a stage."""
+    """Forces of the following screw (or the load) on the nut and the screw of a stage."""
 
     #: Axial force on the nut.
     load: Scalar
-    #: Torque taken from the screw by the spline, friction of the latter, torque on the nut by the
-    #: thrust bearing.
+    #: Torque that the spline takes from the screw, friction of the spline, torque of the thrust
+    #: bearing on the nut.
     drive_torque: Scalar
     spline_friction: Scalar
     bearing_torque: Scalar
 
 
 class RollerForces(NamedTuple):
-    """Forces on one roller; ring gear and pin at either end."""
+    """Forces on one roller; those of ring gear and pin at each end."""
 
     normal: Float[Array, "3"]
     friction: Float[Array, "3"]
@@ -183,7 +183,7 @@ class RollerForces(NamedTuple):
 
 
 def flank_of(unknowns: StageUnknowns) -> Scalar:
-    """+1 where the usual flanks carry, −1 where the others do."""
+    """+1 where the usual flanks carry, −1 where the opposite flanks do."""
     return jnp.where(unknowns.screw_contact < 0, -1.0, 1.0).astype(unknowns.screw_contact.dtype)
 
 
@@ -197,7 +197,7 @@ def slip_of(kinematics: StageKinematics, known: StageSurroundings, flank: Scalar
 
 
 def seen_from_flank(slip: Slip, flank: Scalar) -> Slip:
-    """The same from the side of the loaded flank, or back."""
+    """The slip in the frame of the loaded flank, or back from it."""
     return Slip(
         turned(slip.velocity, flank),
         turned(slip.direction, flank),
@@ -213,11 +213,11 @@ def rubbing_on_screw_side(
     ellipse = rubbing_of(stage, kinematics)
     if ellipse is None:
         return None
-    flank = flank_of(unknowns)
-    slip = seen_from_flank(slip_of(kinematics, known, flank), flank)
+    flank_sign = flank_of(unknowns)
+    slip = seen_from_flank(slip_of(kinematics, known, flank_sign), flank_sign)
     law = stage.thread_law
     rub = rubbing(ellipse, kinematics, slip, jnp.abs(unknowns.screw_contact), law)
-    return dataclasses.replace(rub, direction=turned(rub.direction, flank))
+    return dataclasses.replace(rub, direction=turned(rub.direction, flank_sign))
 
 
 def roller_forces(
@@ -228,24 +228,24 @@ def roller_forces(
 ) -> RollerForces:
     """The unknowns of a roller as vectors (Li et al. 2020, equations 9 to 16).
 
-    On the other flanks all contacts lie as after a half turn about the radial axis.
+    With the opposite flanks loaded, all contacts lie as after a half turn about the radial axis.
     """
-    flank, tooth = flank_of(unknowns), unknowns.ring_gear
-    slip, force = slip_of(kinematics, known, flank), jnp.abs(unknowns.screw_contact)
+    flank_sign, tooth = flank_of(unknowns), unknowns.ring_gear
+    slip, force = slip_of(kinematics, known, flank_sign), jnp.abs(unknowns.screw_contact)
     law = stage.thread_law
     rub = rubbing_on_screw_side(stage, kinematics, known, unknowns)
-    asked = {}
+    law_inputs = {}
     if law is not None:
-        asked = asked_of(law, kinematics, seen_from_flank(slip, flank), force)
-    per_force, constant = friction_on_roller(stage, slip, known.deflection, rub, asked)
+        law_inputs = asked_of(law, kinematics, seen_from_flank(slip, flank_sign), force)
+    per_force, constant = friction_on_roller(stage, slip, known.deflection, rub, law_inputs)
     zero = jnp.zeros_like(tooth)
     separating = zero
     if stage.gear is not None:
         separating = _separating_force(stage.gear, tooth)
     return RollerForces(
-        normal=force * turned(kinematics.meshing.screw.normal, flank),
+        normal=force * turned(kinematics.meshing.screw.normal, flank_sign),
         friction=force * per_force + constant,
-        nut=unknowns.nut_contact * turned(kinematics.meshing.nut.normal, flank),
+        nut=unknowns.nut_contact * turned(kinematics.meshing.nut.normal, flank_sign),
         ring_gear=jnp.stack([separating, tooth, zero]),
         pin=jnp.stack([unknowns.pin_radial, unknowns.pin_tangential, zero]),
     )
@@ -276,20 +276,20 @@ def unbalanced(
     following: FromNext,
     moments: tuple[Scalar, Scalar],
 ) -> list[Scalar]:
-    """What is left of forces minus inertia on every body, and of the laws of friction [N].
+    """Residuals of forces minus inertia of every body, and of the friction laws [N].
 
     Li et al. 2020, equations 17 to 28, with the ring gear on both ends of the roller, Newton's law
-    in all directions, all rollers on screw and nut, and the travel of all stages before.
+    in all directions, all rollers on screw and nut, and the travel of all previous stages.
 
     **Arguments:**
 
-    - `stage`, `kinematics`, `masses`, `known`: one stage, and what is known of it.
+    - `stage`, `kinematics`, `masses`, `known`: one stage and its known quantities.
     - `unknowns`: its forces.
-    - `following`: what the following stage, or the load, does.
+    - `following`: forces of the following stage, or of the load.
     - `moments`: resisting moments in the contacts of one roller with screw and nut [N·m].
     """
     thread, count = stage.thread, stage.present_roller_count
-    side, flank = kinematics.meshing.screw, flank_of(unknowns)
+    side, flank_sign = kinematics.meshing.screw, flank_of(unknowns)
     acceleration = unknowns.carrier_acceleration / masses.reference
     forces = roller_forces(stage, kinematics, known, unknowns)
     on_screw_side, on_nut_side = known.screw_sense * moments[0], known.nut_sense * moments[1]
@@ -299,11 +299,11 @@ def unbalanced(
     centre = roller_acceleration(stage, known, acceleration)
     inertia = jnp.stack([masses.circling_mass, masses.roller_mass, masses.roller_mass]) * centre
     force = by_screw + forces.nut + 2 * forces.ring_gear + 2 * forces.pin - inertia
-    position = flank * side.roller_angle_position
-    contact = side.roller_contact_radius * jnp.stack([-jnp.cos(position), jnp.sin(position)])
+    position = flank_sign * side.roller_angle_position
+    roller_arm = side.roller_contact_radius * jnp.stack([-jnp.cos(position), jnp.sin(position)])
     spin_acceleration = -kinematics.relative_spin_ratio * acceleration
     moment = (
-        _moment(contact, by_screw)
+        _moment(roller_arm, by_screw)
         + thread.roller_radius * (forces.nut[1] + 2 * forces.ring_gear[1])
         + on_screw_side
         + on_nut_side
@@ -334,14 +334,14 @@ def unbalanced(
         - following.spline_friction
         - count * by_screw[2]
     )
-    position = flank * side.contact_angle_position
-    touch = side.contact_radius * jnp.stack([jnp.cos(position), jnp.sin(position)])
+    position = flank_sign * side.contact_angle_position
+    screw_arm = side.contact_radius * jnp.stack([jnp.cos(position), jnp.sin(position)])
     screw_moment = (
         torque
         - following.drive_torque
         - bearing
         - known.drag_torque
-        - count * (_moment(touch, by_screw) + on_screw_side)
+        - count * (_moment(screw_arm, by_screw) + on_screw_side)
     )
 
     if known.acceleration is not None:

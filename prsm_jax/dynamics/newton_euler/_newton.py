@@ -1,9 +1,9 @@
 """All free bodies of a mechanism at once: forces and carrier accelerations from one system.
 
-The equations are linear in the forces but for the magnitudes in the laws of friction, the side of
+The equations are linear in the forces except for the magnitudes in the friction laws, the choice of
 the loaded flanks, and the resisting moments in the contact ellipses. Newton's iteration on all of
-them tries the signs: once they are right, one step is the solution, and the next removes its
-rounding.
+them searches the signs: once these are right, one step gives the solution, and the next removes its
+rounding error.
 """
 
 from collections.abc import Sequence
@@ -71,10 +71,10 @@ def newton_forces(
 
     **Arguments:**
 
-    - `mechanism`, `kinematics`, `masses`, `surroundings`: all stages, and what is known of them.
+    - `mechanism`, `kinematics`, `masses`, `surroundings`: all stages and their known quantities.
     - `load`: on the last nut [N].
 
-    **Returns:** the unknowns of every stage, and whether the signs were found.
+    **Returns:** the unknowns of every stage, and whether the iteration converged.
     """
     stages = mechanism.stages
 
@@ -111,7 +111,7 @@ def newton_forces(
     def solve_linear(linear, right):
         return solve(jax.vmap(linear, out_axes=1)(jnp.eye(len(right), dtype=right.dtype)), right)
 
-    # Contacts that press, where the moments in their ellipses have a derivative.
+    # Starts with contacts that press, where the moments in their ellipses have a derivative.
     start = jnp.ones(len(stages) * _UNKNOWNS, load.dtype)
     flat, settled = jax.lax.custom_root(residual, start, search, solve_linear, has_aux=True)
     return tuple(parts(flat)), settled > 0.5

@@ -1,6 +1,6 @@
-"""Solvers and the choice of steps, as far as diffrax does not have them; they know no mechanism.
+"""Solvers and step-size control that diffrax does not have; independent of any mechanism.
 
-What imports diffrax is imported only where something is integrated: it is not named here.
+Modules that import diffrax are imported only where something is integrated, so not here.
 """
 
 from ._driven_rate import (

@@ -1,4 +1,4 @@
-"""What the interpolations of our own solvers share: where within its step a time lies.
+"""Base class of the interpolations of our own solvers, which locates a time within its step.
 
 Imports diffrax, so it is itself imported only where something is integrated.
 """
@@ -30,7 +30,7 @@ class StepInterpolation(diffrax.AbstractLocalInterpolation):
         if t1 is not None:
             return jax.tree.map(lambda b, a: b - a, self.evaluate(t1), self.evaluate(t0))
         length = self.t1 - self.t0
-        # A step of no length, as diffrax makes before the first one.
+        # diffrax makes a step of zero length before the first one.
         share = jnp.where(length > 0, (t0 - self.t0) / jnp.where(length > 0, length, 1.0), 0.0)
         return self._at(share)
 

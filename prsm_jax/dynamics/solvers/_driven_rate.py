@@ -1,7 +1,7 @@
 """Right-hand sides that depend on time through a few numbers: speed, acceleration, load.
 
-XLA on a CPU computes what several consumers fuse with anew for each of them. A step of RODASP in
-which a sine drives the screw had 141 sines and cosines of 15; they took two thirds of its time.
+On a CPU, XLA recomputes a value for every consumer that it is fused with. A step of RODASP with a
+sinusoidal screw speed had 141 sines and cosines instead of 15; they took two thirds of its time.
 """
 
 from collections.abc import Callable
@@ -17,14 +17,14 @@ from ...numerics import apart
 
 
 def _called(function, *args):
-    """What a function gives that is itself a pytree, with its numbers among the arguments."""
+    """Call a function that is itself a pytree, so that its numbers are among the arguments."""
     return function(*args)
 
 
 def converted(function, *args):
-    """A function whose traced values are numbers of it, also those of functions in its arguments.
+    """A function whose traced values are its leaves, also those of functions in its arguments.
 
-    Equinox leaves a function that closes over nothing as it is.
+    The lambda is needed because Equinox does not convert a function without a closure.
     """
     return eqx.filter_closure_convert(lambda *args: function(*args), *args)
 
@@ -33,8 +33,8 @@ class DrivenRate(eqx.Module):
     """`rate(drive(time, args), state, args)`, with the drive computed once for each time.
 
     - `drive`: function of (time, args) to a pytree of numbers; it uses no other traced values.
-    - `rate`: function of (what drives, state, args) to the rate of the state.
-    - `leader`: function of (what drives, args) to a number that all states follow nearly in
+    - `rate`: function of (result of `drive`, state, args) to the rate of the state.
+    - `leader`: function of (result of `drive`, args) to a number that all states follow nearly in
       proportion, and its rate; `None` if there is none.
     """
 
@@ -47,13 +47,13 @@ class DrivenRate(eqx.Module):
         return self.rate(apart(_called)(self.drive, time, args), state, args)
 
     def directly(self, time: Scalar, state: Any, args: Any) -> Any:
-        """The same without a part of its own for what drives, as suits what is constant."""
+        """The same without separate evaluation of the drive; suits a constant drive."""
         return self.rate(self.drive(time, args), state, args)
 
     def closed(self, time: Scalar, state: Any, args: Any) -> "DrivenRate":
-        """The same with all traced values that its functions use as numbers of this pytree.
+        """The same with all traced values that its functions use as leaves of this pytree.
 
-        **Arguments:** examples of what it is called with.
+        **Arguments:** examples of the arguments of a call.
         """
         drives = eqx.filter_eval_shape(self.drive, time, args)
         leader = self.leader
@@ -64,15 +64,15 @@ class DrivenRate(eqx.Module):
         )
 
     def leading(self, time: Scalar, args: Any) -> Callable[[Scalar, Any], tuple[Scalar, Scalar]]:
-        """The leader and its rate by (time, args); what else it uses are numbers of its pytree.
+        """Function of (time, args) to the leader and its rate; other values are its leaves.
 
-        **Arguments:** examples of what it is called with.
+        **Arguments:** examples of the arguments of a call.
 
-        **Raises:** `ValueError` where nothing leads.
+        **Raises:** `ValueError` without a leader.
         """
         leader = self.leader
         if leader is None:
-            raise ValueError("nothing leads here")
+            raise ValueError("this rate has no leader")
 
         def motion(time, args):
             return leader(self.drive(time, args), args)
@@ -80,25 +80,25 @@ class DrivenRate(eqx.Module):
         return converted(motion, time, args)
 
     def drives_at(self, times: Float[Array, " times"], args: Any) -> tuple[list[Any], Any]:
-        """What drives at several times, and how fast it changes at the first of them.
+        """The drive at several times, and its rate of change at the first of them.
 
         **Arguments:**
 
-        - `times`: two at least.
+        - `times`: at least two.
         - `args`: as in a call.
         """
 
-        def found(drive, times, args):
+        def evaluated(drive, times, args):
             def at(time):
                 return drive(time, args)
 
             first, slope = jax.jvp(at, (times[0],), (jnp.ones_like(times[0]),))
             others = jax.vmap(at)(times[1:])
-            # As values of their own: rows of one array would be read by steps.
+            # As separate values, so that steps do not have to read rows of one array.
             parts = [jax.tree.map(lambda x, k=k: x[k], others) for k in range(times.size - 1)]
             return [first, *parts], slope
 
-        return apart(found)(self.drive, times, args)
+        return apart(evaluated)(self.drive, times, args)
 
 
 __all__ = ["DrivenRate", "converted"]

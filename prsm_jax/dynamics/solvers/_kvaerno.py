@@ -1,9 +1,9 @@
 """Kvaerno's implicit method of order 5(4), its stages by Newton's iteration in plain JAX.
 
-The tableau is diffrax's. Its own stages call LAPACK, and their derivatives do whatever solver the
-root finder is given; batched calls of that from several Python threads wait for each other for
-ever. Here all systems are solved by elimination with partial pivoting and a step of refinement:
-carriers a million times heavier than others leave few digits without it.
+The tableau is that of diffrax. The stages of diffrax call LAPACK, and so do their derivatives with
+any solver for the root finder; batched LAPACK calls from several Python threads deadlock. Here all
+systems are solved by elimination with partial pivoting and a step of refinement, without which
+carriers a million times heavier than others leave few digits.
 
 A. Kværnø, Singly diagonally implicit Runge–Kutta methods with an explicit first stage, BIT 44
 (2004). Imports diffrax, so it is itself imported only where something is integrated.
@@ -27,9 +27,9 @@ _TABLEAU: Any = diffrax.Kvaerno5.tableau
 _STAGES = 7
 _GAMMA = float(_TABLEAU.a_diagonal[1])
 _MOST_ITERATIONS = 10
-#: What an iteration may still change, over the tolerance of a step; the next would square it.
+#: Change at which an iteration stops, over the step tolerance; the next change would be its square.
 _SETTLED = 1e-2
-#: What it may change in any case, over the rounding of a state.
+#: Change at which it stops in any case, over the rounding of a state.
 _ROUNDINGS = 4
 
 
@@ -48,15 +48,15 @@ def _dense_weights() -> np.ndarray:
 
     The second stage is of lower order and has none. Those of the others integrate quartics exactly,
     which is order 4 (slopes are known to third order), and keep their sum finite for a state that
-    decays within the step: there the slopes grow with `h λ`, and a cubic through both ends is off
-    by 0.13 `h λ` of what is left of it at the start; this is off by 6.6 of it. At θ = 1 they are
-    those of the method.
+    decays within the step: there the slopes grow with `h λ`, and a cubic through both ends has an
+    error of 0.13 `h λ` times the remaining state at the start; these weights have 6.6 times that
+    state. At θ = 1 they are those of the method.
     """
     known = np.array([0, 2, 3, 4, 5, 6])
     times = np.concatenate([[0.0], _TABLEAU.c])
     table = _WEIGHTS.copy()
     table[:, 1:] += _GAMMA * np.eye(_STAGES - 1)
-    # Slopes over `h λ` as it grows: the states of the stages then vanish.
+    # Slopes over `h λ` in the limit of large `h λ`, where the states of the stages vanish.
     growing = np.concatenate([[1.0], -np.linalg.solve(table[:, 1:], table[:, 0])])
     powers = np.vander(times[known], 5, increasing=True).T
     integrals = np.concatenate([np.diag(1 / np.arange(1.0, 6.0)), np.zeros((1, 5))])
@@ -79,14 +79,14 @@ class KvaernoInterpolation(StepInterpolation):
             total = powers[-1]
             for power in powers[-2::-1]:
                 total = power + share * total
-            # The end itself, without the rounding of the weights.
+            # Exactly the end, without the rounding of the weights.
             return jnp.where(share == 1, y1, y0 + share * total)
 
         return jax.tree.map(at, self.y0, self.y1, self.powers)
 
 
 def _refined(matrix):
-    """A function that solves with a matrix; what rounding left over is solved for once more."""
+    """A function that solves with a matrix, with one step of iterative refinement."""
     solve = solver(matrix)
 
     def solved(right):
@@ -99,8 +99,8 @@ def _refined(matrix):
 class Kvaerno(diffrax.AbstractAdaptiveSolver):
     """Kvaerno 5(4): A-L-stable, stiffly accurate, dense output of order 4.
 
-    A stage whose iteration does not settle makes the error of its step infinite, so that the step
-    is taken again, shorter.
+    A stage whose iteration does not converge makes the error of its step infinite, so that the step
+    is repeated, shorter.
     """
 
     #: Tolerances of a step.
@@ -120,7 +120,7 @@ class Kvaerno(diffrax.AbstractAdaptiveSolver):
         return terms.vf(t0, y0, args)
 
     def _stage(self, rate, length, time, known, guess):
-        """k with `k = f(t, known + γ h k)`, and whether it was found."""
+        """k with `k = f(t, known + γ h k)`, and whether the iteration converged."""
 
         def residual(k):
             return k - rate(time, known + _GAMMA * length * k)
@@ -158,21 +158,21 @@ class Kvaerno(diffrax.AbstractAdaptiveSolver):
             return ravel_pytree(terms.vf(time, unflatten(state), args))[0]
 
         def stage(carry, row):
-            slopes, index, found = carry
+            slopes, index, converged = carry
             weights, predicted, share = row
-            # The end itself, without rounding: what jumps there has not jumped yet.
+            # Exactly the end, without rounding: a jump at the end has not happened yet.
             time = jnp.where(share == 1, t1, t0 + share * length)
             known = flat + length * (weights @ slopes)
             guess = jax.lax.stop_gradient(predicted @ slopes)
             slope, settled = self._stage(rate, length, time, known, guess)
-            return (slopes.at[index].set(slope), index + 1, found & (settled > 0.5)), None
+            return (slopes.at[index].set(slope), index + 1, converged & (settled > 0.5)), None
 
         slopes = jnp.zeros((_STAGES, flat.size), flat.dtype).at[0].set(rate(t0, flat))
         rows = tuple(jnp.asarray(x, flat.dtype) for x in (_WEIGHTS, _PREDICTED, _TABLEAU.c))
-        (slopes, _, found), _ = jax.lax.scan(stage, (slopes, 1, jnp.asarray(True)), rows)
+        (slopes, _, converged), _ = jax.lax.scan(stage, (slopes, 1, jnp.asarray(True)), rows)
         end = unflatten(flat + length * (jnp.asarray(_TABLEAU.b_sol, flat.dtype) @ slopes))
         error = length * (jnp.asarray(_TABLEAU.b_error, flat.dtype) @ slopes)
-        error = unflatten(jnp.where(found, jnp.abs(error), jnp.inf))
+        error = unflatten(jnp.where(converged, jnp.abs(error), jnp.inf))
         powers: Any = length * (jnp.asarray(_DENSE, flat.dtype) @ slopes)
         powers = jax.vmap(unflatten)(powers)
         dense = {"y0": y0, "y1": end, "powers": powers}

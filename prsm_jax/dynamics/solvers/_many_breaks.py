@@ -1,8 +1,8 @@
-"""Steps that end at breaks of which there are many.
+"""Steps that end at breaks, efficient for many breaks.
 
 `diffrax.ClipStepSizeController` compares the start of every step with all breaks. Where the number
-of steps grows with that of the breaks, as in strokes forth and back, time then grows with its
-square. The breaks are in order, and its state knows which is next.
+of steps grows with the number of breaks, as in repeated strokes, computing time grows with its
+square. Here breaks are in order, and the state has the index of the next one.
 
 Imports diffrax, so it is itself imported only where something is integrated.
 """
@@ -20,22 +20,22 @@ from ...numerics import any_few
 
 
 class ManyBreaks(diffrax.ClipStepSizeController):
-    """As the class above with `jump_ts` alone, but each step looks at its own two breaks."""
+    """As the base class with `jump_ts` alone, but each step looks only at two adjacent breaks."""
 
     def adapt_step_size(
         self, t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
     ):
-        """The next step: from past a break that was reached, and to the next one at most."""
+        """The next step: starts past a break that was reached, ends at the next break at most."""
         keep, start, end, jumped, inner, result = self.controller.adapt_step_size(
             t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state.inner_state
         )
         jump_info: Any = controller_state.jump_info
         index, breaks = jump_info
-        # The step began behind one break and was not to pass the next.
+        # The step began behind one break and could not pass the next.
         near = jnp.stack([_break(breaks, index - 1), _break(breaks, index)])
         after = eqxi.nextafter(start)
         before_one, at_one = any_few(jnp.equal(after, near)), any_few(jnp.equal(start, near))
-        # Past a break from before it, and from on it: the side that it belongs to is not known.
+        # Start past the break, from just before it or from on it, since its side is not known.
         start = jnp.where(before_one, eqxi.nextafter(after), start)
         start = jnp.where(at_one, after, start)
         end = jnp.maximum(eqxi.nextafter(start), end)
@@ -52,7 +52,7 @@ def _break(breaks: Float[Array, " breaks"], index: Int[Array, ""]) -> Float[Arra
 
 
 def _next_break(breaks, time, index):
-    """The first break behind a time, from one that is not behind it by much."""
+    """The first break after a time, searched upwards from a break close to it."""
 
     def on(i):
         return (i < breaks.size) & (_break(breaks, i) <= time)

@@ -1,6 +1,6 @@
 """Methods of `simulate` as objects: each carries the options that it takes, and no others.
 
-The words that `simulate` takes too (`"rosenbrock"`, …) stand for such an object with its defaults.
+The words that `simulate` also takes (`"rosenbrock"`, …) stand for such objects with defaults.
 """
 
 import dataclasses
@@ -8,12 +8,12 @@ from typing import Any, ClassVar, NamedTuple
 
 import equinox as eqx
 
-#: Tolerances and steps where nothing is said.
+#: Default tolerances and number of steps.
 RTOL, ATOL, MAX_STEPS = 1e-8, 1e-10, 4096
 
 
 class Method(eqx.Module):
-    """A way to find a transient; its fields are the options that it takes."""
+    """A method to compute a transient; its fields are its options."""
 
     word: ClassVar[str]
 
@@ -34,7 +34,7 @@ class Integrating(Method):
 
     - `rtol`, `atol`: tolerances of the steps on scaled states of order one, such as the carrier
       ratio.
-    - `max_steps`: steps allowed; running out of them is reported.
+    - `max_steps`: steps allowed; the result code reports if they do not suffice.
     """
 
     rtol: Any = RTOL
@@ -43,7 +43,7 @@ class Integrating(Method):
 
 
 class Auto(Integrating):
-    """The cheapest method that does what the scene asks for (`choose_method`)."""
+    """The cheapest method that suits the scene (`choose_method`)."""
 
     word: ClassVar[str] = "auto"
 
@@ -82,19 +82,19 @@ class Explicit(Integrating):
 class Diffrax(Integrating):
     """Any solver of diffrax, and any of its step controllers that adapts.
 
-    Times are scaled inside. A limit of the steps in the controller is in units of the carriers'
-    shortest time constant at a prescribed speed, of the duration under a prescribed torque.
+    Times are scaled internally. A step limit in the controller is in units of the carriers'
+    shortest time constant at a prescribed speed, and of the duration under a prescribed torque.
 
     **Arguments:**
 
     - `solver`: such as `diffrax.Kvaerno5()`.
     - `controller`: such as `diffrax.PIDController(rtol=1e-6, atol=1e-8, pcoeff=0.3, icoeff=0.4)`;
-      default: a PID controller with `rtol` and `atol`. Tolerances of a controller that is given
+      default: a PID controller with `rtol` and `atol`. Tolerances of a controller that is passed
       replace these.
     - `rtol`, `atol`, `max_steps`: as those of other methods.
 
-    **Raises:** `ValueError` for what is no solver of one equation, or a controller that does not
-    adapt.
+    **Raises:** `ValueError` if the solver is not one of diffrax for a single equation, or if the
+    controller does not adapt.
     """
 
     word: ClassVar[str] = "diffrax"
@@ -110,13 +110,13 @@ class Diffrax(Integrating):
 
         if not isinstance(self.solver, diffrax.AbstractSolver):
             raise ValueError(
-                f"Diffrax: solver is {self.solver!r}; give one of diffrax's, such as "
+                f"Diffrax: solver is {self.solver!r}; give a solver of diffrax, such as "
                 "diffrax.Kvaerno5()"
             )
         if self.solver.term_structure not in (diffrax.AbstractTerm, diffrax.ODETerm):
             raise ValueError(
-                f"Diffrax: solver is {type(self.solver).__name__}, which splits an equation into "
-                "parts that this one has not; give one of whole equations, such as "
+                f"Diffrax: solver is {type(self.solver).__name__}, which needs an equation "
+                "that is split into parts; give a solver of a single equation, such as "
                 "diffrax.Kvaerno5()"
             )
         adaptive = diffrax.AbstractAdaptiveStepSizeController
@@ -128,7 +128,7 @@ class Diffrax(Integrating):
 
 
 class OwnSolver(NamedTuple):
-    """A solver of diffrax, and a controller or `None` for the usual one."""
+    """A solver of diffrax, and a controller or `None` for the default one."""
 
     solver: Any
     controller: Any
@@ -144,25 +144,25 @@ def options_of(cls: type[Method]) -> tuple[str, ...]:
     return tuple(field.name for field in dataclasses.fields(cls))
 
 
-def method_of(method: Method | str, **given: Any) -> Method:
-    """The object of a method: given as one, or by its word and options beside it.
+def method_of(method: Method | str, **options: Any) -> Method:
+    """The object of a method, from an object or from a word and options.
 
     **Arguments:**
 
     - `method`: the object or its word.
-    - `given`: options beside it; `None` is one that was not given.
+    - `options`: options for the word; `None` stands for an option that was not passed.
 
     **Raises:** `ValueError` for an unknown word, an option that the method does not take, or
-    options beside an object.
+    options in addition to an object.
     """
-    given = {name: value for name, value in given.items() if value is not None}
+    options = {name: value for name, value in options.items() if value is not None}
     if isinstance(method, Method):
-        if given:
+        if options:
             cls = type(method).__name__
-            told = ", ".join(f"{name}=…" for name in given)
+            arguments = ", ".join(f"{name}=…" for name in options)
             raise ValueError(
-                f"method is {cls}(…), which carries its own options, and {', '.join(given)} stands "
-                f"beside it; write {cls}(…, {told})"
+                f"method is {cls}(…), which carries its own options, but {', '.join(options)} is "
+                f"passed as well; write {cls}(…, {arguments})"
             )
         return method
     if method not in _BY_WORD:
@@ -171,13 +171,13 @@ def method_of(method: Method | str, **given: Any) -> Method:
             "prsm_jax.Rodasp(rtol=1e-6) or prsm_jax.Diffrax(diffrax.Kvaerno5())"
         )
     cls = _BY_WORD[method]
-    refuse_options(method, given, options_of(cls))
-    return cls(**given)
+    refuse_options(method, options, options_of(cls))
+    return cls(**options)
 
 
-def refuse_options(method: str, given, takes: tuple[str, ...], where: str = "") -> None:
+def refuse_options(method: str, options, takes: tuple[str, ...], where: str = "") -> None:
     """**Raises:** `ValueError` for an option that a method does not take."""
-    for name in given:
+    for name in options:
         if name not in takes:
             known = ", ".join(takes) or "no options"
             raise ValueError(

@@ -1,4 +1,4 @@
-"""Solvers for transients, and what their result codes mean."""
+"""Solvers for transients, and their result codes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ NAMES = {
     "quasi_steady": "quasi-steady balance",
 }
 Gradient = Literal["reverse", "forward", "both"]
-#: Up to so many breaks a step looks at all of them at once.
+#: Largest number of breaks that every step compares all at once.
 _MANY_BREAKS = 256
 
 
@@ -38,7 +38,7 @@ def solver_of(
     compact: bool = False,
     own: Any = None,
 ):
-    """The solver of diffrax for a method by its word, or that which the user gave, `own`."""
+    """The solver of diffrax for the word of a method, or the user's solver `own`."""
     import diffrax
 
     if own is not None:
@@ -57,27 +57,27 @@ def solver_of(
 
 
 def with_tolerances(solver: Any, controller: Any, rtol: Any, atol: Any) -> Any:
-    """A solver whose iterations take the tolerances of a controller that does not go with it.
+    """A solver whose iterations take the tolerances of a controller that is not used with it.
 
-    diffrax takes them from the controller of the integration, and steps of a record have none.
+    diffrax takes them from the controller of the integration, and recorded steps have none.
     """
     import diffrax
     import optimistix
 
     if not isinstance(solver, diffrax.AbstractImplicitSolver):
         return solver
-    given = {
+    tolerances = {
         "rtol": rtol if controller is None else getattr(controller, "rtol", rtol),
         "atol": atol if controller is None else getattr(controller, "atol", atol),
         "norm": optimistix.rms_norm,
     }
     finder = solver.root_finder
-    # A placeholder of diffrax's, which has no public name.
-    unknown = [one for one in given if type(getattr(finder, one)).__name__ == "_UseStepSizeTol"]
+    # A placeholder of diffrax without a public name.
+    unset = [one for one in tolerances if type(getattr(finder, one)).__name__ == "_UseStepSizeTol"]
     return eqx.tree_at(
-        lambda one: [getattr(one.root_finder, name) for name in unknown],
+        lambda one: [getattr(one.root_finder, name) for name in unset],
         solver,
-        [given[name] for name in unknown],
+        [tolerances[name] for name in unset],
     )
 
 
@@ -92,22 +92,22 @@ def controller_of(
     moved: Callable[[Scalar], Scalar] | None = None,
     own: Any = None,
 ):
-    """Steps by tolerance, ending where speed or load jump or bend.
+    """Controller of steps by tolerances; steps end where speed or load jump or bend.
 
-    A pulse between two long steps would otherwise not be seen, and an error estimate across a jump
-    means nothing.
+    A pulse between two long steps would otherwise be missed, and an error estimate across a jump is
+    meaningless.
 
     **Arguments:**
 
     - `rtol`, `atol`: tolerances.
     - `breaks`: times of jumps and bends, in the units of the integration.
     - `end`: the end of the integration.
-    - `longest`: the longest step, if there is one.
-    - `weight`: (time, state) to the factors by which errors of the states count more.
-    - `standstills`: time to the time left to the next standstill and that since the last one, or
-      infinity.
-    - `moved`: time to the same time, which moves with a reversal next to it in derivatives.
-    - `own`: a controller of the user's in place of the usual one.
+    - `longest`: limit of the step, if any.
+    - `weight`: function of (time, state) to factors on the errors of the states.
+    - `standstills`: function of time to the times until the next standstill and since the last one,
+      or infinity.
+    - `moved`: function of time to the same time, which in derivatives moves with a nearby reversal.
+    - `own`: a controller of the user in place of the default one.
     """
     import diffrax
 
@@ -124,7 +124,7 @@ def controller_of(
     if weight is not None:
         controller = Weighed(controller, weight)
     if moved is not None:
-        # Within those of jumps, which stay where they are.
+        # Inside the controller of jumps, because jumps do not move.
         controller = Moving(controller, moved)
     if breaks.size == 0:
         return controller
@@ -139,7 +139,7 @@ def controller_of(
 def breaks_inside(
     breaks: Float[Array, " breaks"], end: Float[Array, ""]
 ) -> Float[Array, " breaks"]:
-    """Breaks in their order; those that are not between 0 and `end` lie behind it."""
+    """Breaks in order; those that are not between 0 and `end` are moved beyond `end`."""
     inside = (breaks > 0) & (breaks < end)
     jumps = jnp.sort(jnp.where(inside, breaks, 2 * end))
     return jax.lax.stop_gradient(jumps)
@@ -151,9 +151,9 @@ def adjoint_of(gradient: Gradient):
     adjoints = {
         "reverse": diffrax.RecursiveCheckpointAdjoint,
         "forward": diffrax.ForwardMode,
-        # In reverse it computes blocks of steps again, compiled differently. From tolerances of
-        # 1e-11 down, and where the right-hand side amplifies rounding, they then end elsewhere than
-        # those kept: derivatives are off (`_recorded_steps` is the way around that).
+        # In reverse mode it recomputes blocks of steps, compiled differently. At tolerances of
+        # 1e-11 and below, and where the right-hand side amplifies rounding, they end at other
+        # states than the stored ones, and derivatives are wrong (`_recorded_steps` avoids this).
         "both": diffrax.DirectAdjoint,
     }
     if gradient not in adjoints:
@@ -162,15 +162,15 @@ def adjoint_of(gradient: Gradient):
 
 
 def still(tree: Any) -> Any:
-    """The same pytree, as constants to derivatives."""
+    """The same pytree, as constants for derivatives."""
     return jax.tree.map(lambda x: jax.lax.stop_gradient(x) if eqx.is_inexact_array(x) else x, tree)
 
 
 def is_short(dtype) -> bool:
-    """Whether numbers are of less than double precision.
+    """Whether numbers have less than double precision.
 
-    Errors of steps are then close to rounding, and steps taken again in reverse mode would differ
-    from those before, whatever their lengths are rounded to: they are chosen beforehand.
+    Errors of steps are then close to rounding, and steps repeated in reverse mode would differ from
+    the first ones even with rounded lengths: so steps are chosen beforehand.
     """
     return jnp.finfo(dtype).bits < 64
 

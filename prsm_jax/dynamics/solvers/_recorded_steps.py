@@ -1,10 +1,10 @@
-"""Steps of one integration taken again, which reverse mode needs where steps are sensitive.
+"""Repeated steps of an integration, which reverse mode needs where steps are sensitive.
 
-Reverse mode with checkpoints computes states between them again, in a program that is compiled
-differently. What differs by rounding is then amplified by stiff right-hand sides, as near
-standstill: error estimates differ, with them the lengths of steps, and after the same number of
-steps the integration ends elsewhere; derivatives were up to 1 % off. So the steps are chosen in an
-integration that is not differentiated, and taken again as they are in one that is.
+Reverse mode with checkpoints recomputes the states between them, in a program that is compiled
+differently. Stiff right-hand sides, as near standstill, amplify the differences by rounding: error
+estimates differ, with them the lengths of steps, and after the same number of steps the integration
+ends at a different time; derivatives were up to 1 % off. So an integration that is not
+differentiated chooses the steps, and one that is differentiated repeats exactly these.
 
 Imports diffrax, so it is itself imported only where something is integrated.
 """
@@ -21,12 +21,12 @@ from jaxtyping import Array, Float, Int
 
 from ...mechanism import Scalar
 
-#: A step past a break begins so many roundings behind it at most.
+#: Largest distance behind a break at which a step past it begins, in roundings.
 _NEXT = 4
 
 
 class Steps(eqx.Module):
-    """Accepted steps, infinity behind the last one."""
+    """Accepted steps; infinity after the last one."""
 
     start: Float[Array, " most"]
     end: Float[Array, " most"]
@@ -36,15 +36,15 @@ class Steps(eqx.Module):
 def steps_between(
     starts: Float[Array, " most"], count: Int[Array, ""], breaks: Float[Array, " breaks"]
 ) -> Steps:
-    """Steps by the times from which they went on.
+    """Steps from the times at which the next ones start.
 
-    A record in the state of the controller is written anew by every step of a batch; what diffrax
-    saves at steps is not.
+    A record in the state of the controller is rewritten at every step of a batch; results that
+    diffrax saves at steps are not.
 
     **Arguments:**
 
     - `starts`: the start of each step but the first, which is 0, and the end of the last.
-    - `count`: how many there are.
+    - `count`: number of steps.
     - `breaks`: in order. A step that ends at one ends before it, and the next begins behind it.
     """
     ends = starts
@@ -55,15 +55,15 @@ def steps_between(
         ends = jnp.where(near, eqxi.prevbefore(last), starts)
     taken = jnp.arange(starts.size) < count
     first = jnp.concatenate([jnp.zeros_like(starts[:1]), starts[:-1]])
-    none = jnp.inf
-    return Steps(jnp.where(taken, first, none), jnp.where(taken, ends, none), count)
+    unused = jnp.inf
+    return Steps(jnp.where(taken, first, unused), jnp.where(taken, ends, unused), count)
 
 
 class Recording(diffrax.AbstractStepSizeController):
-    """Another controller, with a record of the steps that it accepted as the last of its state."""
+    """Wraps a controller; a record of the accepted steps is the last entry of its state."""
 
     controller: Any
-    #: Steps there is room for.
+    #: Largest number of steps in the record.
     most: int = eqx.field(static=True)
 
     def wrap(self, direction):
@@ -94,19 +94,19 @@ class Recording(diffrax.AbstractStepSizeController):
 
 
 class Again(diffrax.AbstractStepSizeController):
-    """The steps of a record, all of them accepted; behind the last one the integration ends."""
+    """The steps of a record, all of them accepted; after the last one the integration ends."""
 
     steps: Steps
-    #: Time to the same time, which moves with a reversal next to it in derivatives.
+    #: Function of time to the same time, which in derivatives moves with a nearby reversal.
     moved: Callable[[Scalar], Scalar] | None = None
 
     def wrap(self, direction):
-        """There is one direction, that of the record."""
+        """The only direction is that of the record."""
         del direction
         return self
 
     def init(self, terms, t0, t1, y0, dt0, args, func, error_order):
-        """The end of the first step; the number of those taken, and how the start moves."""
+        """The end of the first step; the number of steps taken, and the shift of the start."""
         del terms, t1, y0, dt0, args, func, error_order
         taken, shift = jnp.zeros((), int), jnp.asarray(t0 - jax.lax.stop_gradient(t0))
         return self._end(taken, shift), (taken, shift)
@@ -117,8 +117,8 @@ class Again(diffrax.AbstractStepSizeController):
     def _end(self, number: Int[Array, ""], shift: Scalar) -> Scalar:
         """End of a step, whose length does not change with the start of the phase.
 
-        Only those that end at a jump, or at the end of all, keep their end: the derivative of a
-        step's error by its length is large where steps are short.
+        Only steps that end at a jump, or at the end of the integration, keep their end: the
+        derivative of a step's error by its length is large where steps are short.
         """
         end = self._recorded(self.steps.end, number)
         following = self._recorded(self.steps.start, number + 1)
@@ -128,12 +128,12 @@ class Again(diffrax.AbstractStepSizeController):
     def adapt_step_size(
         self, t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
     ):
-        """The next step; the end of a step that lies before the next start is a jump."""
+        """The next step; where a step ends before the start of the next one there is a jump."""
         del t0, y0, y1_candidate, args, y_error, error_order
         taken, shift = controller_state
         start = self._recorded(self.steps.start, taken + 1)
         jumps = start != self._recorded(self.steps.end, taken)
-        # Where the last one ended, also in derivatives; what follows a jump stays where it is.
+        # Starts where the last step ended, also in derivatives; after a jump the start is fixed.
         start, shift = jnp.where(jumps, start, t1), jnp.where(jumps, 0.0, shift)
         end, state = self._end(taken + 1, shift), (taken + 1, shift)
         return jnp.asarray(True), start, end, jumps, state, diffrax.RESULTS.successful

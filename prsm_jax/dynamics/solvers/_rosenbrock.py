@@ -8,16 +8,16 @@ carriers follow a screw whose speed changes: G. Steinebach, Order-reduction of R
 and method of lines applications, preprint 1741, TH Darmstadt (1995). There the first RODAS takes
 ten to seventy times as many steps.
 
-Carriers turn nearly in proportion to the screw, and are stiff: what they follow limits the steps,
-although they hardly deviate from it. So a step integrates what is left of a state when a part in
-proportion to its leader is taken off, `u = y − c P(t)`, c being their ratio at the start of the
-step and P the cubic through the leader. For any c and P that is the same equation of motion. A
-screw that swings takes 1.6 times fewer steps at a tolerance of 1e-5, and 3 times fewer at 1e-7.
+Carriers turn nearly in proportion to the screw, and are stiff: the motion of the screw limits the
+steps, although carriers hardly deviate from it. So a step integrates the remainder of a state after
+subtraction of a part in proportion to its leader, `u = y − c P(t)`, with c their ratio at the start
+of the step and P the cubic through the leader. The equation of motion is the same for any c and P.
+An oscillating screw takes 1.6 times fewer steps at a tolerance of 1e-5, and 3 times fewer at 1e-7.
 
-An L-stable method damps what grows fast, and its error estimate does not show it: with `h λ` of
+An L-stable method also damps fast growth, and its error estimate does not show it: with `h λ` of
 800 a step leaves the state where it is, while the solution moves away. Friction has such states:
 outside the narrow range of carrier speeds in which it turns, deviations grow, and carriers that had
-left the range at a reversal never came back. A step with `h ∂f_i/∂y_i > 1` is therefore rejected.
+left the range at a reversal never returned. A step with `h ∂f_i/∂y_i > 1` is therefore rejected.
 
 Imports diffrax, so it is itself imported only where something is integrated.
 """
@@ -40,9 +40,9 @@ from ._step_control import is_shortest
 _GAMMA = 0.25
 #: Largest exponent of growth that a step may have, `h ∂f_i/∂y_i`.
 _LARGEST_GROWTH = 1.0
-#: In place of no length; times are of order one.
+#: Replaces a zero length; times are of order one.
 _NO_LENGTH = 1e-6
-#: A leader below this share of its scale leads nothing.
+#: A leader below this share of its scale is ignored.
 _NO_LEADER = 1e-6
 _C = (0.0, 0.75, 0.21, 0.63, 1.0, 1.0)
 #: The stage whose time is nearest to the middle of the step.
@@ -85,7 +85,7 @@ def _padded(rows: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...
     return tuple(row + (0.0,) * (6 - len(row)) for row in rows)
 
 
-#: The same as full rows; the last point is the one before it and its stage.
+#: The same as full rows; the last point is the previous point plus its stage.
 _AS_TABLE = _padded((*_A, (*_A[4], 1.0)))
 _ES_TABLE = _padded(_E)
 
@@ -108,14 +108,14 @@ class RodasInterpolation(StepInterpolation):
 
         def at(y0, y1, first, second):
             inside = y0 + share * ((y1 - y0) + rest * (first + share * second))
-            # What rests has no rounding of weights in it, nor has the end itself.
+            # A state at rest, and the end itself, are free of the rounding of weights.
             return jnp.where(share == 1, y1, inside)
 
         return jax.tree.map(at, self.y0, self.y1, self.first, self.second)
 
 
 class _Following(NamedTuple):
-    """What states do in a step if they follow a leader in proportion: `c P(s)`, s from 0 to 1.
+    """Motion of states in a step if they follow a leader in proportion: `c P(s)`, s from 0 to 1.
 
     P is the cubic with the values and rates of the leader at both ends of the step, in the form in
     which the method interpolates.
@@ -126,7 +126,7 @@ class _Following(NamedTuple):
     whole: Float[Array, "*states"]
     first: Float[Array, "*states"]
     second: Float[Array, "*states"]
-    #: By how much the leader differs from P inside the step, at most, times c.
+    #: Largest difference between leader and P inside the step, times c.
     left: Float[Array, "*states"]
 
     def moved(self, share: float) -> Float[Array, "*states"]:
@@ -144,31 +144,31 @@ class _Following(NamedTuple):
 
 
 def _following(state, length, start, inside, end) -> _Following:
-    """What the state does in a step if it keeps its proportion to a leader.
+    """Motion of a state in a step if it keeps its proportion to a leader.
 
     **Arguments:**
 
-    - `state`, `length`: at the start of the step, and how long that is.
+    - `state`, `length`: state at the start of the step, and length of the step.
     - `start`, `inside`, `end`: the leader and its rate at the start, at the share `_INSIDE` of the
       step and at its end.
     """
     moves = jnp.abs(start[0]) > _NO_LEADER
     share = jnp.where(moves, jnp.clip(state / jnp.where(moves, start[0], 1.0), -1.0, 1.0), 0.0)
-    whole = end[0] - start[0]
-    first = length * start[1] - whole
-    second = 2 * whole - length * (start[1] + end[1])
-    cubic = _Following(length, whole, first, second, whole)
-    left = inside[0] - start[0] - cubic.moved(_C[_INSIDE])
+    change = end[0] - start[0]
+    first = length * start[1] - change
+    second = 2 * change - length * (start[1] + end[1])
+    cubic = _Following(length, change, first, second, change)
+    difference = inside[0] - start[0] - cubic.moved(_C[_INSIDE])
     # It grows as s² (1 − s)² from both ends.
-    left = left / (4 * _C[_INSIDE] * (1 - _C[_INSIDE])) ** 2
-    return _Following(length, share * whole, share * first, share * second, share * left)
+    difference = difference / (4 * _C[_INSIDE] * (1 - _C[_INSIDE])) ** 2
+    return _Following(length, share * change, share * first, share * second, share * difference)
 
 
 def _grows(jacobian: Float[Array, "states states"], start: Any, end: Any) -> Bool[Array, ""]:
-    """Whether a state grows by itself further within a step than the method can follow.
+    """Whether a state grows by itself more within a step than the method can follow.
 
-    The diagonal holds the eigenvalues where no stage acts back on the ones behind it, as in a chain
-    of screws.
+    The diagonal holds the eigenvalues where no stage acts back on those after it, as in a chain of
+    screws.
     """
     rates = jnp.stack([jacobian[k, k] for k in range(jacobian.shape[0])])
     return any_few(rates * (end - start) > _LARGEST_GROWTH) & ~is_shortest(start, end)
@@ -179,7 +179,7 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
 
     `autonomous` says that the right-hand side does not depend on time: its derivative by time is
     then not evaluated. `compact` runs the stages in a loop: the right-hand side is then compiled
-    twice instead of eight times, which suits those that are long, or have loops of their own.
+    twice instead of eight times, which suits right-hand sides that are long or contain loops.
     """
 
     autonomous: bool = False
@@ -199,8 +199,8 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
 
     def step(self, terms, t0, t1, y0, args, solver_state, made_jump):
         flat, unflatten = ravel_pytree(y0)
-        # In a batch those that have arrived take steps of no length. Their results are dropped, and
-        # must be numbers all the same: derivatives of what is dropped are multiplied by zero.
+        # In a batch, finished integrations take steps of zero length. Their results are dropped but
+        # must be finite: derivatives of dropped results are multiplied by zero.
         length = jnp.where(t1 == t0, _NO_LENGTH, t1 - t0)
 
         def rate(time, state):
@@ -243,15 +243,15 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
         return self._step(y0, unflatten, point + stages[5], stages, grows, following)
 
     def _rates(self, terms, rate, t0, length, flat, unflatten, args):
-        """Function of (stage, state) to the rate, its derivative by time, and what leads."""
-        # diffrax wraps what it is given, to integrate backwards too.
+        """Function of (stage, state) to the rate, its time derivative, and the leading motion."""
+        # diffrax wraps the term, to integrate backwards too.
         field = getattr(terms, "term", terms).vector_field
         if not isinstance(field, DrivenRate):
             slope = None
             if not self.autonomous:
                 slope = jax.jvp(lambda t: rate(t, flat), (t0,), (jnp.ones_like(t0),))[1]
             return lambda index, state: rate(t0 + _C[index] * length, state), slope, None
-        # The last two stages are of the same time.
+        # The last two stages are at the same time.
         drives, change = field.drives_at(t0 + jnp.asarray(_C[:-1], t0.dtype) * length, args)
 
         def driven(drive, state):
@@ -266,7 +266,7 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
         return lambda index, state: driven(drives[min(index, last)], state), slope, following
 
     def _looped(self, rate, t0, t1, length, flat):
-        """End of the step, the stages, by a loop over them, and whether states grow too far."""
+        """End of the step and its stages, by a loop over these, and whether states grow too far."""
         # Derivatives by the state and by time at once.
         directions = jnp.eye(flat.size + 1, dtype=flat.dtype)
         if self.autonomous:
@@ -284,8 +284,8 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
             weights, history, share, slopes = row
             point = flat + weights @ stages
             right = rate(t0 + share * length, point) + history @ stages / length
-            found = solve(right + length * slopes * slope)
-            return (stages.at[index].set(found), index + 1), point
+            increment = solve(right + length * slopes * slope)
+            return (stages.at[index].set(increment), index + 1), point
 
         empty = jnp.zeros((6, flat.size), flat.dtype)
         (stages, _), points = jax.lax.scan(stage, (empty, 0), rows)
@@ -308,7 +308,7 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
         }
         error = stages[5]
         if following is not None:
-            # States that follow at once are right at both ends of a step of any length.
+            # States that follow without lag are exact at both ends of a step of any length.
             error = jnp.abs(error) + jnp.abs(following.left)
         error = jnp.where(grows, 1 + jnp.abs(jax.lax.stop_gradient(end)), error)
         return unflatten(end), unflatten(error), dense, None, diffrax.RESULTS.successful

@@ -1,17 +1,17 @@
-"""What is added to diffrax's choice of steps: weights of errors, lengths of few digits, reversals.
+"""Additions to the step-size control of diffrax: error weights, rounded lengths, reversals.
 
 Friction in a thread turns from along the carrier's motion to across it within a range of carrier
-ratios, `q/|d|`, that falls with the lead: 0.04 at an ordinary one, 1e-5 at a lead of a micrometre.
-An error of 1e-8 of the ratio is then one of 1e-3 of the friction, and derivatives, which are much
-larger before the turn than behind it, lose more. There an error counts by its share of that range.
+ratios, `q/|d|`, that falls with the lead: 0.04 at an ordinary lead, 1e-5 at a lead of a micrometre.
+There an error of 1e-8 in the ratio is an error of 1e-3 in the friction, and derivatives, which are
+much larger before the turn than after it, lose more. So errors count relative to that range.
 
-Reverse mode takes steps again, in a program that is compiled differently. Where lengths follow from
-errors to the last digit, its steps differ by rounding, which stiff states amplify, and after the
-same number of them it ends elsewhere; derivatives were then wrong by any factor. Lengths of seven
+Reverse mode repeats steps, in a program that is compiled differently. If lengths follow from errors
+to the last digit, these steps differ by rounding, which stiff states amplify, and the same number
+of steps ends at a different time; derivatives were then wrong by any factor. Lengths with seven
 binary digits are the same in both.
 
-Where the screw reverses, Coulomb friction jumps. Steps that end before it need not be rejected, and
-those next to it move with it in derivatives.
+Where the screw reverses, Coulomb friction jumps. Steps that end before the reversal need not be
+rejected, and ends of steps next to it move with it in derivatives.
 
 Imports diffrax, so it is itself imported only where something is integrated.
 """
@@ -29,9 +29,9 @@ from jaxtyping import Array, Bool, Float, PyTree
 from ...mechanism import Scalar
 from ...numerics import root_or_zero
 
-#: Shares of the time to a standstill, and of that since one, which a step may take.
+#: Longest step as a share of the time to a standstill, and of the time since one.
 _OF_THE_REST, _OF_THE_PAST = 0.32, 1.2
-#: Roundings of the time in the shortest step.
+#: Shortest step, in roundings of the time.
 _ROUNDINGS = 16.0
 #: Share of the largest speed below which ends of steps move with a reversal.
 _NEXT_TO_IT = 1e-2
@@ -44,7 +44,7 @@ def _controller(wrapper: "_Around") -> Any:
 
 
 class _Around(diffrax.AbstractAdaptiveStepSizeController):
-    """Another controller, which does what is not said to be otherwise."""
+    """Wraps a controller, which does everything that is not overridden."""
 
     controller: Any
 
@@ -73,18 +73,18 @@ class _Around(diffrax.AbstractAdaptiveStepSizeController):
 
 
 def is_shortest(start: Any, end: Any) -> Bool[Array, ""]:
-    """Whether a step is of a few roundings of the time, so that it cannot be made shorter."""
+    """Whether a step is only a few roundings of the time long, so that it cannot be shortened."""
     return end - start <= _ROUNDINGS * jnp.finfo(jnp.result_type(end)).eps * jnp.abs(end)
 
 
 def root_mean_square(tree: PyTree) -> Scalar:
-    """The size by which errors of a few states are judged."""
+    """Root mean square of a few states, as the norm of errors."""
     values = [x[k] for x in map(jnp.ravel, jax.tree.leaves(tree)) for k in range(x.size)]
     return root_or_zero(functools.reduce(jnp.add, [value**2 for value in values]) / len(values))
 
 
 class Weighed(_Around):
-    """Another controller, told errors that are multiplied by a weight at the end of the step."""
+    """Wraps a controller; errors are multiplied by a weight at the end of the step."""
 
     #: (time, state) to the weight of the error of each state.
     weight: Weight
@@ -104,19 +104,19 @@ class Weighed(_Around):
 
 
 class AroundStandstill(_Around):
-    """Another controller, whose steps are short next to a standstill that the screw passes.
+    """Wraps a controller; steps are short next to a standstill of the screw.
 
-    Coulomb friction changes its sign there at once, so a step across the standstill is rejected
-    until it is very short; without a limit every step on the way there is tried across first.
+    Coulomb friction jumps there, so a step across the standstill is rejected until it is very
+    short; without a limit every step on the way there is first tried across it.
 
     The carriers' time constants are proportional to the speed. A step by RODASP uses those at its
-    start. It multiplies a deviation of stiff carriers by 6 if they halve within the step, and by 20
-    if they become ten times as long. The error estimate controls values, not derivatives, which
-    grew by up to 1e37 over the steps of one reversal. With the two shares here a step multiplies a
-    deviation of stiff carriers by 0.54 before a standstill and by 0.69 behind it.
+    start. It multiplies a deviation of stiff carriers by 6 if the time constants halve within the
+    step, and by 20 if they become ten times as long. The error estimate controls values, not
+    derivatives, which grew by up to 1e37 over the steps of one reversal. With the two shares here a
+    step multiplies a deviation of stiff carriers by 0.54 before a standstill and by 0.69 after it.
     """
 
-    #: Time to the time that is left to the next standstill, and to that since the last one.
+    #: Function of time to the times until the next standstill and since the last one.
     standstills: Callable[[Scalar], tuple[Scalar, Scalar]]
 
     def __init__(self, controller: Any, standstills: Callable[[Scalar], tuple[Scalar, Scalar]]):
@@ -125,48 +125,48 @@ class AroundStandstill(_Around):
     def adapt_step_size(
         self, t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
     ):
-        """As the controller that is wrapped, but for the length."""
+        """As the controller that is wrapped, except for the length."""
         keep, start, end, jump, state, result = self.controller.adapt_step_size(
             t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
         )
-        left, since = jax.lax.stop_gradient(self.standstills(start))
-        longest = jnp.minimum(_OF_THE_REST * left, _OF_THE_PAST * since)
+        until, since = jax.lax.stop_gradient(self.standstills(start))
+        longest = jnp.minimum(_OF_THE_REST * until, _OF_THE_PAST * since)
         return keep, start, jnp.minimum(end, start + longest), jump, state, result
 
 
 class Moving(_Around):
-    """Another controller, whose steps end where the reversal next to them moves in derivatives.
+    """Wraps a controller; in derivatives, ends of steps move with the reversal next to them.
 
-    Friction jumps there. Steps that end at fixed times keep the jump at a fixed time in every
-    derivative, and what is differentiated by a number that moves the reversal lacks a part.
+    Friction jumps at the reversal. Steps with fixed ends keep the jump at a fixed time in every
+    derivative; derivatives by a number that moves the reversal then lack a part.
     """
 
-    #: Time to the same time, with the derivatives of the reversal next to it.
+    #: Function of time to the same time, with the derivatives of the reversal next to it.
     moved: Callable[[Scalar], Scalar]
 
     def __init__(self, controller: Any, moved: Callable[[Scalar], Scalar]):
         self.controller, self.moved = controller, moved
 
     def init(self, terms, t0, t1, y0, dt0, args, func, error_order):
-        """As the controller that is wrapped, but for derivatives."""
+        """As the controller that is wrapped, except for derivatives."""
         end, state = self.controller.init(terms, t0, t1, y0, dt0, args, func, error_order)
         return self.moved(end), state
 
     def adapt_step_size(
         self, t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
     ):
-        """As the controller that is wrapped, but for derivatives."""
+        """As the controller that is wrapped, except for derivatives."""
         keep, start, end, jump, state, result = self.controller.adapt_step_size(
             t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
         )
-        # It starts where the last one ended, which has moved already.
+        # The step starts where the last one ended, and that end has moved already.
         return keep, start, self.moved(end), jump, state, result
 
 
 class WithReversals(eqx.Module):
-    """A time as it is, which in derivatives moves with the reversal that it lies next to.
+    """Function of time to the same time, which in derivatives moves with the nearby reversal.
 
-    With the speed v(t, p) of what leads, the reversal v(τ, p) = 0 moves by dτ = −dv/(∂v/∂t).
+    With the speed v(t, p) of the leader, the reversal v(τ, p) = 0 moves by dτ = −dv/(∂v/∂t).
     """
 
     #: (scaled time, args) to speed and acceleration, in units of their scales.
@@ -197,7 +197,7 @@ def _with_reversals_jvp(primals, tangents):
     _, change = eqx.filter_jvp(speed_of, (motion, args), tuple(tangents[1:]))
     own = jnp.zeros_like(time) if tangents[0] is None else tangents[0]
     if change is None:
-        # Nothing that is differentiated moves it.
+        # No differentiated number moves the reversal.
         return time, own
     near = (jnp.abs(speed) < _NEXT_TO_IT) & (acceleration != 0) & jnp.isfinite(time)
     shift = -change / jnp.where(near, acceleration, 1.0)
@@ -205,20 +205,20 @@ def _with_reversals_jvp(primals, tangents):
 
 
 class Rounded(_Around):
-    """Another controller, with lengths of steps rounded to seven binary digits."""
+    """Wraps a controller; lengths of steps are rounded to seven binary digits."""
 
     def __init__(self, controller: Any):
         self.controller = controller
 
     def init(self, terms, t0, t1, y0, dt0, args, func, error_order):
-        """As the controller that is wrapped, but for the length."""
+        """As the controller that is wrapped, except for the length."""
         end, state = self.controller.init(terms, t0, t1, y0, dt0, args, func, error_order)
         return t0 + _rounded(end - t0), state
 
     def adapt_step_size(
         self, t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
     ):
-        """As the controller that is wrapped, but for the length."""
+        """As the controller that is wrapped, except for the length."""
         keep, start, end, jump, state, result = self.controller.adapt_step_size(
             t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
         )
@@ -227,7 +227,7 @@ class Rounded(_Around):
 
 def _rounded(length: Scalar) -> Scalar:
     length = jax.lax.stop_gradient(length)
-    # A bit more, for ten times a rounded length may lie just between two of them.
+    # Slightly more, because ten times a rounded length may lie just between two rounded lengths.
     return jax.lax.reduce_precision(length * 1.001, jnp.finfo(length.dtype).nexp, 6)
 
 

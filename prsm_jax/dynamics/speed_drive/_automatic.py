@@ -1,4 +1,4 @@
-"""The cheapest method that does what a scene asks for."""
+"""Choice of the cheapest method that suits a scene."""
 
 from typing import NamedTuple
 
@@ -17,10 +17,10 @@ from ._carrier_motion import Problem, carrier_problem
 from ._quasi_steady import quasi_steady_at, quasi_steady_report
 from ._settling import settles_in_closed_form, settling_history
 
-#: Carriers that settle within this share of the time between two samples are not seen settling:
-#: after so many time constants nothing is left of where they began, to rounding.
+#: Largest time constant of settling over the time between two samples at which settling does not
+#: show: after so many time constants the initial deviation has decayed to rounding.
 _UNSEEN = 1 / 36
-#: What quasi-steady carriers may be wrong by, over the tolerance that the scene is asked for.
+#: Accepted error of quasi-steady carriers over the tolerance of the scene.
 _ACCEPTED = 10.0
 
 
@@ -37,19 +37,20 @@ def choose_method(
 ) -> MethodChoice:
     """The method that `simulate(method="auto")` takes.
 
-    1. Constant speed and load with Coulomb friction: the closed form, unless it turns out that a
-       torque or a load changes its sign on the way.
-    2. Speed or load that vary: quasi-steady, where the carriers settle unseen between two samples
-       and the estimate of what that neglects stays below 10 rtol; or where friction that jumps
-       at standstill is turned around there, which no integrator passes cleanly.
+    1. Constant speed and load with Coulomb friction: the closed form, unless a torque or a load
+       changes its sign while the carriers settle.
+    2. Varying speed or load: quasi-steady, if the carriers settle between two samples and the
+       estimated error of the neglected terms stays below 10 rtol; or if friction that jumps at
+       standstill is reversed there, which no integrator passes cleanly.
     3. Everything else: RODASP, whether stiff or not (the chart of `benchmarks`, case transient,
-       shows where the explicit and the implicit solver stand).
+       compares it with the explicit and the implicit solver).
 
     Under a prescribed torque it is RODASP, with screw and carriers as states. The other choice,
-    quasi-steady carriers, is never taken by itself.
+    quasi-steady carriers, is never made automatically.
 
-    Inside a trace (`jit`, `vmap`, `grad`) no number is known, and the structure of the scene alone
-    decides: the closed form or RODASP. Call this outside and pass the method to have the rest.
+    Inside a trace (`jit`, `vmap`, `grad`) no number is known, and the choice depends on the
+    structure of the scene alone: the closed form or RODASP. For the full choice, call this outside
+    and pass the method.
 
     **Arguments:**
 
@@ -69,7 +70,7 @@ def choose_method(
 def scene_problem(
     mechanism: Mechanism, scenario: Scenario, kinematics: tuple[StageKinematics, ...] | None
 ) -> Problem:
-    """What the methods for a prescribed speed need."""
+    """Input of the methods for a prescribed speed."""
     scenario = bound_scenario(mechanism, scenario)
     if kinematics is None:
         kinematics = all_kinematics(mechanism)
@@ -90,8 +91,8 @@ def chosen_method(
     **Arguments:**
 
     - `mechanism`, `scenario`, `kinematics`, `rtol`: as those of `simulate`.
-    - `known`: whether numbers may be looked at.
-    - `settling`: take the closed form without looking whether it holds; its code will say so.
+    - `known`: whether numbers are known (outside a trace).
+    - `settling`: take the closed form without checking that it holds; its result code tells.
     """
     scene = (mechanism, scenario, kinematics)
     if settles_in_closed_form(mechanism, scenario):
@@ -106,12 +107,12 @@ def chosen_method(
         if code == 0 and unseen and error < _ACCEPTED * rtol:
             return MethodChoice(
                 "quasi_steady",
-                f"carriers settle within {lag:.2g} s, unseen between samples; error {error:.1g}",
+                f"carriers settle between samples (time constant {lag:.2g} s); error {error:.1g}",
             )
         if code == 0 and reverses and _jumps(mechanism):
             return MethodChoice(
                 "quasi_steady",
-                f"friction jumps where the screw stands still; error {error:.1g}",
+                f"friction jumps at standstill of the screw; error {error:.1g}",
             )
     return MethodChoice("rosenbrock", "has to be integrated")
 
@@ -122,7 +123,7 @@ def _jumps(mechanism: Mechanism) -> bool:
 
 
 def sample_times(problem: Problem) -> Float[Array, " times"]:
-    """Those of a scene, both ends included [s]."""
+    """Sample times of a scene, both ends included [s]."""
     scenario = problem.scenario
     times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=problem.inertia.dtype)
     return times * scenario.duration
@@ -147,5 +148,5 @@ def _quasi_steady(mechanism, scenario, kinematics):
     speed, neglected = over_samples(at, times)
     report = quasi_steady_report(neglected)
     reverses = jnp.any(speed[1:] * speed[:-1] <= 0)
-    found = (report.code, report.error_estimate, report.time_constant, reverses)
-    return *found, times[1] - times[0]
+    results = (report.code, report.error_estimate, report.time_constant, reverses)
+    return *results, times[1] - times[0]

@@ -1,8 +1,8 @@
-"""Transients of threads with bristles: their deflections are states beside the speeds.
+"""Transients of threads with bristles: their deflections are states besides the speeds.
 
-The bristles pass smoothly through standstill and reversal. They are stiff, so a solver for stiff
-scenes should be used; where the load changes the flank they keep their deflection, which the slip
-of a few micrometres then turns round.
+Bristles pass smoothly through standstill and reversal. They are stiff, so a solver for stiff scenes
+should be used. Where the load changes flanks, bristles keep their deflection, which a slip of a few
+micrometres then reverses.
 """
 
 import equinox as eqx
@@ -30,7 +30,7 @@ from ._carrier_motion import Problem
 
 
 class BristleState(eqx.Module):
-    """Speeds of the carriers, and transverse deflections of the bristles of the stages with any."""
+    """Speeds of the carriers, and transverse deflections of bristles in stages that have them."""
 
     carrier_speed: Float[Array, " stages"]
     deflection: tuple[Float[Array, "2"], ...]
@@ -45,11 +45,11 @@ def states_with_bristles(
     load: Scalar,
     acceleration: Scalar | None,
 ) -> tuple[tuple[StageState, ...], tuple[Float[Array, "2"], ...]]:
-    """Motion and forces of all stages at one instant, and how fast the bristles bend [m/s].
+    """Motion and forces of all stages at one instant, and rates of bristle deflections [m/s].
 
     **Arguments:**
 
-    - `mechanism`, `kinematics`: what moves.
+    - `mechanism`, `kinematics`: the mechanism and its kinematics.
     - `state`: speeds of the carriers and deflections.
     - `speed`, `acceleration`: of the screw [rad/s, rad/s²]; no acceleration at constant speed.
     - `load`: on the last nut [N].
@@ -58,9 +58,9 @@ def states_with_bristles(
     with_bristles = [index for index, law in enumerate(laws) if law is not None]
     deflections = dict(zip(with_bristles, state.deflection, strict=True))
 
-    def motion_of(index: int, flank: Scalar, _, axial_acceleration) -> Motion:
+    def motion_of(index: int, flank_sign: Scalar, _, axial_acceleration) -> Motion:
         geometry, law = kinematics[index], laws[index]
-        own_speed, carrier = flank * speed, flank * state.carrier_speed[index]
+        own_speed, carrier = flank_sign * speed, flank_sign * state.carrier_speed[index]
         if law is None:
             return sliding_motion(geometry, own_speed, carrier, axial_acceleration)
         bent = in_tangent_plane(geometry, deflections[index])
@@ -79,7 +79,7 @@ def states_with_bristles(
 
 
 def deflection_scales(mechanism: Mechanism) -> tuple[Scalar, ...]:
-    """Deflections of the size that bristles reach, to scale states [m]."""
+    """Typical deflections of the bristles, to scale states [m]."""
     laws = [bristles_of(stage) for stage in mechanism.stages]
     sizes = [law.deflection_scale for law in laws if law is not None]
     return tuple(jax.lax.stop_gradient(jnp.where(size > 0, size, 1.0)) for size in sizes)
@@ -93,7 +93,7 @@ def _scaled_drive(time: Scalar, scene: tuple[Scenario, Scalar]) -> Drive:
 def bristle_history(
     problem: Problem, times: Float[Array, " times"], settings: Settings
 ) -> tuple[CarrierHistory, SolverReport]:
-    """Integrate carriers and bristles at a prescribed speed, from bristles that are not bent.
+    """Integrate carriers and bristles at a prescribed speed, from undeflected bristles.
 
     **Arguments:** the scene, its sample times, and how to integrate.
     """
@@ -113,17 +113,20 @@ def bristle_history(
         return states, BristleState(drives / problem.inertia, rates)
 
     def rate(drive, scaled, _):
-        _, found = instant(drive, physical(scaled))
+        _, derivative = instant(drive, physical(scaled))
         bent = tuple(
-            z * (problem.time_scale / size) for z, size in zip(found.deflection, sizes, strict=True)
+            z * (problem.time_scale / size)
+            for z, size in zip(derivative.deflection, sizes, strict=True)
         )
-        return BristleState(found.carrier_speed * (problem.time_scale / problem.speed_scale), bent)
+        return BristleState(
+            derivative.carrier_speed * (problem.time_scale / problem.speed_scale), bent
+        )
 
     first = scenario.initial_carrier_ratio * scenario.speed_at(times[0]) / problem.speed_scale
     start = BristleState(
         first * jnp.ones_like(problem.inertia), tuple(jnp.zeros(2, times.dtype) for _ in sizes)
     )
-    found, report = integrated(
+    scaled_states, report = integrated(
         DrivenRate(_scaled_drive, rate),
         start,
         scenario.duration / problem.time_scale,
@@ -133,7 +136,7 @@ def bristle_history(
         args=(scenario, problem.time_scale),
         autonomous=not (callable(scenario.speed) or callable(scenario.load)),
     )
-    sampled = jax.vmap(physical)(found)
+    sampled = jax.vmap(physical)(scaled_states)
     drives = jax.vmap(lambda time: drive_at(scenario, time))(times)
     states, rates = jax.vmap(instant)(drives, sampled)
     motion = prescribed(scenario, times)

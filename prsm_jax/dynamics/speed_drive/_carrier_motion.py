@@ -1,4 +1,4 @@
-"""The carriers' equation of motion, and the scales on which it plays."""
+"""The carriers' equation of motion, and its scales."""
 
 from typing import Any
 
@@ -29,15 +29,15 @@ from ..forces import (
 from ..friction import with_resistance
 from ..solvers import DrivenRate, still
 
-#: Errors count more where friction turns within less than this share of the ratio, inverted.
+#: Errors get more weight where friction turns within less than the ratio over this number.
 _TURNS = 10.0
-#: Largest error beside the distance to where friction turns, or beside the range in which it does.
+#: Largest error, as a share of the distance to where friction turns plus the range of turning.
 _OF_THE_RANGE = 0.3
 #: Speed that counts as standstill, and the narrowest range resolved, in absolute tolerances.
 _LEAST_SPEED, _LEAST_RANGE = 10.0, 1e-2
-#: The narrowest range is wider by so many roundings of the scaled time.
+#: Roundings of the scaled time that are added to the narrowest range.
 _ROUNDINGS = 16.0
-#: Its multiples, without their whole parts, lie evenly between 0 and 1 and never repeat.
+#: Fractional parts of its multiples are spread evenly between 0 and 1 and never repeat.
 _GOLDEN = (5**0.5 - 1) / 2
 
 
@@ -65,7 +65,7 @@ def states_at(
 
     **Arguments:**
 
-    - `mechanism`, `kinematics`, `scenario`: what moves, and how it is driven and loaded.
+    - `mechanism`, `kinematics`, `scenario`: the mechanism, its kinematics, drive and load.
     - `time`: [s].
     - `carrier_speed`: ω of every stage [rad/s].
     """
@@ -78,12 +78,12 @@ def driven_states(
     drive: Drive,
     carrier_speed: Float[Array, " stages"],
 ) -> tuple[StageState, ...]:
-    """The same from what drives at that instant."""
+    """As `states_at`, from the drive at that instant."""
     kinematics = with_resistance(mechanism.stages, kinematics)
     speed, acceleration, load = drive
 
-    def motion_of(index: int, flank: Scalar, _, axial_acceleration) -> Motion:
-        own_speed, carrier = flank * speed, flank * carrier_speed[index]
+    def motion_of(index: int, flank_sign: Scalar, _, axial_acceleration) -> Motion:
+        own_speed, carrier = flank_sign * speed, flank_sign * carrier_speed[index]
         return sliding_motion(kinematics[index], own_speed, carrier, axial_acceleration)
 
     sense = sense_of(speed)
@@ -111,7 +111,7 @@ def _scaled_rate(drive: Drive, ratio: Float[Array, " stages"], problem: Problem)
 
 
 def _scaled_speed(drive: Drive, problem: Problem) -> tuple[Scalar, Scalar]:
-    """Speed of the screw and its rate, which the carriers follow."""
+    """Scaled speed of the screw, which the carriers follow, and its rate."""
     rate = jnp.zeros_like(drive.speed) if drive.acceleration is None else drive.acceleration
     return drive.speed / problem.speed_scale, rate * problem.time_scale / problem.speed_scale
 
@@ -123,10 +123,10 @@ scaled_rate = DrivenRate(_scaled_drive, _scaled_rate, _scaled_speed)
 def carrier_problem(
     mechanism: Mechanism, kinematics: tuple[StageKinematics, ...], scenario: Scenario
 ) -> Problem:
-    """Collect what the equation of motion needs, with a speed Ω₀ and a time τ for its scales.
+    """Collect the input of the equation of motion, with its scales: a speed Ω₀ and a time τ.
 
-    Ω₀ is the fastest screw speed, τ the shortest time constant of the carriers near their steady
-    state there.
+    Ω₀ is the highest screw speed, τ the shortest time constant of the carriers at that speed, near
+    their steady state.
     """
     inertia = jnp.stack([carrier_inertia(stage) for stage in mechanism.stages])
     times = _times_of_scales(scenario)
@@ -136,23 +136,24 @@ def carrier_problem(
     reduced = reduced_chain(mechanism, kinematics, inertia)
     one = jnp.ones_like(speed)
     problem = Problem(mechanism, kinematics, scenario, inertia, speed, one, reduced)
-    # Away from the exact steady state, where a friction law might have its kink.
+    # Not exactly at the steady state, where a friction law may have a kink.
     drive = drive_at(scenario, times[fastest])
     carrier = 0.3 * drive.speed * jnp.ones_like(inertia)
     slopes = jax.jacfwd(lambda w: carrier_acceleration(problem, drive, w))(carrier)
     fastest_rate = jnp.max(jnp.abs(jnp.diagonal(slopes)))
     decays = fastest_rate * scenario.duration > 1.0
     shortest = jnp.where(decays, 1 / jnp.where(decays, fastest_rate, 1.0), scenario.duration)
-    # Scales shape the grid of steps, not the solution: nothing is differentiated through them.
-    found = (jax.lax.stop_gradient(speed), jax.lax.stop_gradient(shortest))
-    return eqx.tree_at(lambda p: (p.speed_scale, p.time_scale), problem, found)
+    # Scales affect the steps, not the solution: nothing is differentiated through them.
+    scales = (jax.lax.stop_gradient(speed), jax.lax.stop_gradient(shortest))
+    return eqx.tree_at(lambda p: (p.speed_scale, p.time_scale), problem, scales)
 
 
 def _times_of_scales(scenario: Scenario) -> Float[Array, " times"]:
-    """Times at which the fastest speed of a scene is looked for [s].
+    """Times at which the highest speed of a scene is searched for [s].
 
-    Equal intervals may all hit the standstills of a periodic speed. Intervals of the golden ratio
-    are in step with no period, and between bends a speed is largest at one of them.
+    Equal intervals may all hit the standstills of a periodic speed; intervals of the golden ratio
+    are in phase with no period. Break times are included because a speed that is monotonic between
+    them is highest at one of them.
     """
     dtype, duration = scenario.duration.dtype, scenario.duration
     equal = jnp.linspace(0.0, 1.0, 9, dtype=dtype) * duration
@@ -161,17 +162,17 @@ def _times_of_scales(scenario: Scenario) -> Float[Array, " times"]:
 
 
 class ErrorWeight(eqx.Module):
-    """By what errors of ω/Ω₀ count more: they do where friction turns within a narrow range.
+    """Weight of errors of ω/Ω₀; it exceeds 1 where friction turns within a narrow range.
 
-    The range is proportional to the speed. Right behind a reversal it is narrower than the absolute
-    tolerance. Steps then jumped from one side of it to the other, and one such step multiplied a
-    derivative by up to 90.
+    The range is proportional to the speed. Just after a reversal it is narrower than the absolute
+    tolerance. Without the weight, steps then jumped from one side of it to the other, and one such
+    step multiplied a derivative by up to 90.
     """
 
     scenario: Scenario
     speed_scale: Scalar
     time_scale: Scalar
-    #: Carrier ratios of rolling, and how far around them friction turns.
+    #: Carrier ratios ζ∞, and the ranges around them within which friction turns.
     rolling: Float[Array, " stages"]
     turning: Float[Array, " stages"]
     #: Absolute tolerance of the steps.
@@ -180,10 +181,10 @@ class ErrorWeight(eqx.Module):
     def __call__(self, time: Scalar, ratio: Float[Array, " stages"]) -> Float[Array, " stages"]:
         """The factor for each stage at a scaled time and state; 1 at an ordinary lead."""
         speed = drive_once(self.scenario, time * self.time_scale).speed / self.speed_scale
-        # The range would be nothing at a standstill: it is that of the least speed there.
+        # The range would vanish at standstill; there it is that of the least speed.
         size = jnp.maximum(jnp.abs(speed), _LEAST_SPEED * self.atol)
         near = jnp.abs(ratio - self.rolling * speed) + self.turning * size
-        # What the rounding of the time does to a state cannot be resolved.
+        # Changes of a state by rounding of the time cannot be resolved.
         near = jnp.maximum(
             near, _LEAST_RANGE * self.atol + _ROUNDINGS * time * jnp.finfo(size.dtype).eps
         )
@@ -213,7 +214,7 @@ def error_weight(problem: Problem, atol: Any) -> ErrorWeight:
 
 
 class Standstills(eqx.Module):
-    """Times to and since a standstill of the screw, by its speed and acceleration."""
+    """Times to and since a standstill of the screw, from its speed and acceleration."""
 
     scenario: Scenario
     speed_scale: Scalar
@@ -222,15 +223,15 @@ class Standstills(eqx.Module):
     least: Scalar
 
     def __call__(self, time: Scalar) -> tuple[Scalar, Scalar]:
-        """Scaled times that are left and that have passed; infinity where there is none."""
+        """Scaled times until and since a standstill; infinity where there is none."""
         speed, acceleration, _ = drive_once(self.scenario, time * self.time_scale)
         assert acceleration is not None
         least, slows = self.least * self.speed_scale, speed * acceleration < 0
         moves = acceleration != 0
         size = jnp.abs(speed)
         rate = self.time_scale * jnp.where(moves, jnp.abs(acceleration), 1.0)
-        left = jnp.where(slows & (size > least), size / rate, jnp.inf)
-        return left, jnp.where(moves & ~slows, jnp.maximum(size, least) / rate, jnp.inf)
+        until = jnp.where(slows & (size > least), size / rate, jnp.inf)
+        return until, jnp.where(moves & ~slows, jnp.maximum(size, least) / rate, jnp.inf)
 
 
 def standstills(problem: Problem, atol: Any) -> Standstills | None:
@@ -239,12 +240,12 @@ def standstills(problem: Problem, atol: Any) -> Standstills | None:
     **Arguments:**
 
     - `problem`: the scene.
-    - `atol`: absolute tolerance of the carrier ratios; the last step is of a speed of ten of it.
+    - `atol`: absolute tolerance of the carrier ratios; ten times this speed counts as standstill.
     """
     laws = [stage.thread_law for stage in problem.mechanism.stages]
     smooth = all(law is None or law.smooth_at_standstill for law in laws)
     if smooth or not callable(problem.scenario.speed):
         return None
     least = jnp.asarray(_LEAST_SPEED * atol, problem.speed_scale.dtype)
-    found = Standstills(problem.scenario, problem.speed_scale, problem.time_scale, least)
-    return still(found)
+    estimate = Standstills(problem.scenario, problem.speed_scale, problem.time_scale, least)
+    return still(estimate)

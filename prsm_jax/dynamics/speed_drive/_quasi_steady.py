@@ -1,8 +1,8 @@
-"""Carriers that follow the screw at once: a transient without integration.
+"""Carriers that follow the screw without delay: a transient without integration.
 
-The carriers settle within microseconds to milliseconds, the faster the slower they turn. A scene
-of seconds need not resolve that. What is left is a balance at every instant, in which the carriers
-still have their inertia: they accelerate as the screw makes them.
+The carriers settle within microseconds to milliseconds; the slower they turn, the faster they
+settle. A scene of seconds need not resolve that. A balance at every instant remains, which includes
+the inertia of the carriers: they accelerate with the screw.
 """
 
 from collections.abc import Callable
@@ -22,12 +22,12 @@ from ..solvers import NAMES
 from ..steady import balanced_carrier_ratio, steady_motion
 from ._carrier_motion import Problem, carrier_acceleration
 
-#: Of the carrier ratio: what carriers may stay behind their balance, and be wrong by.
+#: Limits, on the carrier ratio, of the lag behind the balance and of the estimated error.
 _LARGEST_SHIFT, _LARGEST_ERROR = 0.03, 1.0
 
 
 def sense_of(speed: Scalar, acceleration: Scalar | None) -> Scalar:
-    """Sense of turning, +1 or −1; at standstill that of the motion about to begin."""
+    """Sense of turning, +1 or −1; at standstill that of impending motion."""
     onset = jnp.ones_like(speed) if acceleration is None else jnp.sign(acceleration)
     onset = jnp.where(onset == 0, 1.0, onset)
     sense = jnp.where(speed == 0, onset, jnp.sign(speed))
@@ -44,13 +44,13 @@ def quasi_steady_states(
 ) -> tuple[tuple[StageState, ...], Float[Array, " stages"], Bool[Array, ""]]:
     """Motion and forces of all stages at one instant, with the carriers in balance.
 
-    The carrier ratio ζ of each stage balances `N f·d = resistance + I ζ Ω̇`; what is neglected is
-    `I ζ̇ Ω`. Both the balance and the directions of slip are regular through standstill, where
-    they jump with the sense of turning.
+    The carrier ratio ζ of each stage balances `N f·d = resistance + I ζ Ω̇`; the term `I ζ̇ Ω` is
+    neglected. Both the balance and the directions of slip are regular up to standstill, where they
+    jump with the sense of turning.
 
     **Arguments:**
 
-    - `mechanism`, `kinematics`, `scenario`: what moves, and how it is driven and loaded.
+    - `mechanism`, `kinematics`, `scenario`: the mechanism, its kinematics, drive and load.
     - `inertia`: of the carriers with their rollers [kg·m²].
     - `time`: [s].
 
@@ -61,10 +61,12 @@ def quasi_steady_states(
     ratios: list[Scalar] = []
     valid = jnp.asarray(True)
 
-    def motion_of(index: int, flank: Scalar, axial_force: Scalar, axial_acceleration) -> Motion:
+    def motion_of(
+        index: int, flank_sign: Scalar, axial_force: Scalar, axial_acceleration
+    ) -> Motion:
         nonlocal valid
-        per_ratio = None if acceleration is None else inertia[index] * (flank * acceleration)
-        own_sense, own_speed = flank * sense, flank * speed
+        per_ratio = None if acceleration is None else inertia[index] * (flank_sign * acceleration)
+        own_sense, own_speed = flank_sign * sense, flank_sign * speed
         balance = balanced_carrier_ratio(
             mechanism.stages[index], kinematics[index], own_sense, own_speed, axial_force, per_ratio
         )
@@ -74,7 +76,7 @@ def quasi_steady_states(
 
     states = chain_forces(mechanism, kinematics, motion_of, speed, sense, load, acceleration)
     for state in states:
-        # Past the locking limit the axial balance asks for a pulling contact.
+        # Beyond jamming the axial balance requires a contact that pulls.
         valid = valid & (state.forces.contact_force >= 0)
     return states, jnp.stack(ratios[::-1]), valid
 
@@ -82,13 +84,13 @@ def quasi_steady_states(
 def states_at_ratios(
     problem: Problem, time: Scalar, ratios: Float[Array, " stages"]
 ) -> tuple[StageState, ...]:
-    """Forces of all stages at given carrier ratios, which make sense at standstill too."""
+    """Forces of all stages at given carrier ratios, which are defined at standstill too."""
     mechanism, kinematics, scenario = problem.mechanism, problem.kinematics, problem.scenario
     speed, acceleration, load = drive_once(scenario, time)
     sense = sense_of(speed, acceleration)
 
-    def motion_of(index: int, flank: Scalar, _, axial_acceleration) -> Motion:
-        own_sense, own_speed = flank * sense, flank * speed
+    def motion_of(index: int, flank_sign: Scalar, _, axial_acceleration) -> Motion:
+        own_sense, own_speed = flank_sign * sense, flank_sign * speed
         return steady_motion(
             kinematics[index], ratios[index], own_speed, own_sense, axial_acceleration
         )
@@ -97,9 +99,9 @@ def states_at_ratios(
 
 
 def _followed(problem: Problem, time: Scalar):
-    """By how much the carriers stay behind their balance, the balance, and their time constants.
+    """Lag of the carriers behind their balance, the balance, and the time constants of settling.
 
-    The balance moves, `Ω ζ̇`, and the carriers follow it at their rates `|∂ω̇/∂ω|`: they stay behind
+    The balance moves, `Ω ζ̇`, and the carriers follow it at their rates `|∂ω̇/∂ω|`: they lag behind
     by `ζ̇ / |∂ω̇/∂ω|`, to first order.
     """
     scenario, inertia = problem.scenario, problem.inertia
@@ -120,14 +122,14 @@ def _followed(problem: Problem, time: Scalar):
     speed = drive.speed
     slopes = jax.jacfwd(lambda w: carrier_acceleration(problem, drive, w))(ratios * speed)
     rates = jnp.abs(jnp.diagonal(slopes))
-    # Standstill: carriers follow at once.
+    # At standstill carriers follow without delay.
     moving = above_or_nan(rates) & (speed != 0)
     lag = jnp.where(moving, 1 / jnp.where(moving, rates, 1.0), 0.0)
     return lag * drift, (ratios, lag, valid)
 
 
 class Neglected(NamedTuple):
-    """Of the balance at one time: whether there is one, and what it leaves out."""
+    """Validity of the balance at one time, and the effect of the terms that it neglects."""
 
     #: Whether friction drives the carriers, and every contact pushes.
     valid: Bool[Array, ""]
@@ -138,10 +140,10 @@ class Neglected(NamedTuple):
 
 
 def quasi_steady_at(problem: Problem) -> Callable[[Scalar], tuple[CarrierHistory, Neglected]]:
-    """A function that finds carriers which follow their balance, and what that neglects.
+    """A function for the motion of quasi-steady carriers, and the error of this approximation.
 
-    The carriers stay behind the balance by a first-order shift, which is taken off. What is left
-    is of second order; the estimate is the shift of that shift.
+    The carriers lag behind the balance by a first-order shift, which is subtracted. The remaining
+    error is of second order; its estimate is the shift of that shift.
 
     **Arguments:**
 
@@ -153,37 +155,37 @@ def quasi_steady_at(problem: Problem) -> Callable[[Scalar], tuple[CarrierHistory
 
     def at(time: Scalar) -> tuple[CarrierHistory, Neglected]:
         if callable(scenario.speed) or callable(scenario.load):
-            shift, change, found = jax.jvp(
+            shift, change, balance = jax.jvp(
                 lambda t: _followed(problem, t), (time,), (jnp.ones_like(time),), has_aux=True
             )
         else:
-            shift, found = _followed(problem, time)
+            shift, balance = _followed(problem, time)
             change = shift
-        ratios, lag, valid = found
-        # Where the load passes through zero nothing drives the carriers, and to first order they
-        # would stay behind without bound.
+        ratios, lag, valid = balance
+        # Where the load passes through zero nothing drives the carriers, and their first-order lag
+        # would be unbounded.
         ratios = ratios - jnp.clip(shift, -_LARGEST_SHIFT, _LARGEST_SHIFT)
         states = states_at_ratios(problem, time, ratios)
-        # Past the locking limit the axial balance asks for a pulling contact.
+        # Beyond jamming the axial balance requires a contact that pulls.
         pushed = jnp.stack([state.forces.contact_force >= 0 for state in states]).all()
         drives = jnp.stack([state.forces.carrier_drive for state in states])
         motion = drive_once(scenario, time)
         history = CarrierHistory(*motion, ratios * motion[0], states, drives / inertia)
-        left = jnp.minimum(jnp.abs(change) * lag, _LARGEST_ERROR)
-        return history, Neglected(valid & pushed, lag, left)
+        error = jnp.minimum(jnp.abs(change) * lag, _LARGEST_ERROR)
+        return history, Neglected(valid & pushed, lag, error)
 
     return at
 
 
 def quasi_steady_report(neglected: Neglected) -> SolverReport:
-    """How the balance went at all times, which are the first axis."""
-    valid, lag, left = neglected
-    none = jnp.zeros((), int)
+    """Solver report of the balances at all times, which are the first axis."""
+    valid, lag, error = neglected
+    zero = jnp.zeros((), int)
     return SolverReport(
-        steps=none,
-        rejected=none,
-        code=jnp.where(jnp.all(valid), none, 4),
+        steps=zero,
+        rejected=zero,
+        code=jnp.where(jnp.all(valid), zero, 4),
         name=NAMES["quasi_steady"],
-        error_estimate=jax.lax.stop_gradient(jnp.max(left)),
+        error_estimate=jax.lax.stop_gradient(jnp.max(error)),
         time_constant=jax.lax.stop_gradient(jnp.max(lag)),
     )

@@ -1,7 +1,7 @@
 """Carriers settling at constant speed and load, in closed form.
 
-With Coulomb friction the carrier of a stage that carries F_a axially obeys, for the slip S along d
-over the slip q Ω across,
+With Coulomb friction the carrier of a stage under the axial force F_a obeys, with S the slip along
+d over the slip q Ω across,
 
     dS/dt (n √(1 + S²) − k)/S = −d² μ |F_a| / (I |Ω| q),   n = |n_z|,   k = ± μ L/(2π q).
 
@@ -9,9 +9,9 @@ The variables separate: with x = ln S the left side is the derivative of
 
     H(x) = n P(x) − k x,   P(x) = √(1 + S²) + x − ln(1 + √(1 + S²)),
 
-and the right side needs nothing but the impulse ∫F_a dt. So does the next stage: the impulse of a
-screw's torque is elementary in S too, and impulses obey the balances of the forces. A chain is thus
-solved from the last stage to the first without any integration, at any time, to rounding.
+and the right side needs only the impulse ∫F_a dt. The same holds for the next stage: the impulse of
+a screw's torque is an elementary function of S too, and impulses obey the balances of the forces.
+So a chain is solved from the last stage to the first without integration, at any time, to rounding.
 """
 
 import jax
@@ -46,7 +46,7 @@ def settles_in_closed_form(mechanism: Mechanism, scenario: Scenario) -> bool:
 
 def _path(x: Scalar) -> tuple[Scalar, Scalar]:
     """P(x), and its derivative √(1 + S²)."""
-    # Past this S² would overflow; no carrier slips e¹⁵⁰ times as fast along as across.
+    # Beyond this S² would overflow; no carrier slips e¹⁵⁰ times faster along d than across it.
     slip = jnp.exp(jnp.minimum(x, 150.0))
     root = jnp.sqrt(1 + slip**2)
     return root + x - jnp.log1p(root), root
@@ -56,15 +56,15 @@ def _path(x: Scalar) -> tuple[Scalar, Scalar]:
 def inverse_path(value: Scalar, share: Scalar) -> Scalar:
     """x at which P(x) − share · x is `value`, for share = k/n < 1.
 
-    Halley's iteration from the asymptotes: three steps reach rounding for shares to 0.9, seven
-    up to 1e-5 before 1, where the mechanism locks.
+    Halley's iteration from the asymptotes: three steps reach rounding for shares up to 0.9, seven
+    for shares up to 1e-5 below 1, where the mechanism locks.
     """
     ends = (value - (1 - jnp.log(2.0))) / (1 - share)
     begins = jnp.maximum(value, 1e-3)
     x = jnp.where(ends < 0, ends, jnp.log(begins + 0.5 / (begins + 0.5)))
     for _ in range(4):
         x = _halley_step(x, value, share)
-    # Only a design within 1 % of locking is not there yet.
+    # Only designs within 1 % of locking have not converged yet.
     more = (share > 0.9) & (share < 1)
 
     def close(_, x):
@@ -75,8 +75,8 @@ def inverse_path(value: Scalar, share: Scalar) -> Scalar:
 
 def _halley_step(x: Scalar, value: Scalar, share: Scalar) -> Scalar:
     path, root = _path(x)
-    miss, slope, bend = path - share * x - value, root - share, root - 1 / root
-    return x - 2 * miss * slope / (2 * slope**2 - miss * bend)
+    residual, slope, curvature = path - share * x - value, root - share, root - 1 / root
+    return x - 2 * residual * slope / (2 * slope**2 - residual * curvature)
 
 
 @inverse_path.defjvp
@@ -88,7 +88,7 @@ def _inverse_path_jvp(primals, tangents):
 
 
 def _path_ahead(x: Scalar, step: Scalar) -> tuple[Scalar, Scalar]:
-    """P(x + step) − P(x), to rounding of itself, and P′(x + step)."""
+    """P(x + step) − P(x), accurate to its own rounding, and P′(x + step)."""
     slip = jnp.exp(jnp.minimum(x, 150.0))
     root, there = jnp.sqrt(1 + slip**2), _path(x + step)[1]
     longer = slip**2 * jnp.expm1(2 * step) / (root + there)
@@ -96,9 +96,9 @@ def _path_ahead(x: Scalar, step: Scalar) -> tuple[Scalar, Scalar]:
 
 
 def _step_to(x: Scalar, end: Scalar, share: Scalar, moved: Scalar) -> tuple[Scalar, Scalar]:
-    """The step from x at which P − share · x has fallen by `moved`, and what P has changed by.
+    """The step from x over which P − share · x falls by `moved`, and the change of P.
 
-    A short step is lost in the rounding of its end: one step of Newton on the difference itself.
+    The rounding of `end` would spoil a short step, so one Newton step is made on the difference.
     """
     near = end - x
     change, slope = _path_ahead(x, near)
@@ -115,34 +115,34 @@ def _settled_stage(
     axial_force: Scalar,
     time: Scalar,
 ) -> tuple[Scalar, Scalar, Bool[Array, ""]]:
-    """Carrier ratio after some time under an axial force of a certain mean.
+    """Carrier ratio after some time under an axial force with a given mean.
 
     **Returns:** the ratio, the mean torque of all rollers on the screw, and whether the thread can
-    carry at all.
+    carry load.
     """
     law = stage.thread_law
     zero = jnp.zeros_like(speed)
     coefficient = zero if law is None else friction_coefficient(law, jnp.abs(speed))
-    flank = jnp.where(axial_force < 0, -1.0, 1.0).astype(speed.dtype)
+    flank_sign = jnp.where(axial_force < 0, -1.0, 1.0).astype(speed.dtype)
     sense = jnp.where(speed < 0, -1.0, 1.0).astype(speed.dtype)
     size = jnp.where(speed == 0, 1.0, jnp.abs(speed))
     normal, across, drive = reduced.normal_axial, reduced.across, reduced.drive
-    share = coefficient * flank * sense * reduced.axial / (across * normal)
+    share = coefficient * flank_sign * sense * reduced.axial / (across * normal)
     carries = share < 1
     share = jnp.where(share >= 1, 0.0, share)
 
     excess = (reduced.along - initial_ratio * drive) / across
-    # Without slip along d to begin with, that of any tiny one.
+    # Zero initial slip along d is replaced by a tiny one.
     start = jnp.log(jnp.where(excess == 0, 1e-30, jnp.abs(excess)))
     first, first_root = _path(start)
-    # H has moved by d² μ ∫|F_a| dt / (I |Ω| q), counted in units of n.
+    # H changes by d² μ ∫|F_a| dt / (I |Ω| q), here in units of n.
     force = jnp.abs(axial_force)
     moved = drive**2 * coefficient * force * time / (inertia * size * across * normal)
     end = inverse_path(first - share * start - moved, share)
     step, change = _step_to(start, end, share, moved)
     slip, lost = excess * jnp.exp(step), -excess * jnp.expm1(step)
-    # From the beginning while little of the slip is lost, exactly what it was before anything has
-    # happened; from the end later.
+    # From the initial ratio while little slip is lost (exactly that ratio at the start); from the
+    # final slip later.
     swept = above_or_nan(moved)
     early = initial_ratio + jnp.where(swept, lost, 0.0) * across / drive
     ratio = jnp.where(step > -0.5, early, (reduced.along - slip * across) / drive)
@@ -153,9 +153,9 @@ def _settled_stage(
     per_slip = coefficient * sense
     over = jnp.where(swept, moved, 1.0) * normal
     swept_moment = per_slip * (reduced.along * lost - spread * step) - (
-        flank * reduced.normal_moment * change
+        flank_sign * reduced.normal_moment * change
     )
-    still_moment = flank * reduced.normal_moment * first_root + per_slip * (
+    still_moment = flank_sign * reduced.normal_moment * first_root + per_slip * (
         spread + reduced.along * excess
     )
     still_moment = still_moment / ((first_root - share) * normal)
@@ -167,10 +167,10 @@ def _settled_stage(
 def settled_ratios(
     chain: ReducedChain, scenario: Scenario, time: Scalar
 ) -> tuple[Float[Array, " stages"], Bool[Array, ""]]:
-    """Carrier ratios ω/Ω at a time, and whether they are what the closed form assumes.
+    """Carrier ratios ω/Ω at a time, and whether the assumptions of the closed form hold.
 
-    It assumes that no thread locks, and that no screw's torque and no axial force changes its sign
-    between the start and that time: only then is the mean of a friction |M| that of M.
+    They are that no thread locks, and that no screw's torque and no axial force changes its sign
+    between the start and that time: only then is the mean of |M| the magnitude of the mean of M.
 
     **Arguments:**
 
@@ -222,7 +222,7 @@ def settling_history(
 ) -> tuple[Float[Array, "times stages"], SolverReport]:
     """Carrier speeds at the sample times [rad/s].
 
-    **Raises:** `ValueError` if speed, load or friction are not those of the closed form.
+    **Raises:** `ValueError` if the closed form does not apply to speed, load or friction.
     """
     if chain is None or not settles_in_closed_form(chain.mechanism, scenario):
         raise ValueError(
@@ -230,11 +230,11 @@ def settling_history(
             "all threads without losses inside the contact ellipses; choose 'auto' or 'rosenbrock'"
         )
     ratios, valid = jax.vmap(lambda time: settled_ratios(chain, scenario, time))(times)
-    none = jnp.zeros((), int)
+    zero = jnp.zeros((), int)
     report = SolverReport(
-        steps=none,
-        rejected=none,
-        code=jnp.where(jnp.all(valid), none, 6),
+        steps=zero,
+        rejected=zero,
+        code=jnp.where(jnp.all(valid), zero, 6),
         name=NAMES["closed_form"],
     )
     return ratios * scenario.speed_at(times[0]), report

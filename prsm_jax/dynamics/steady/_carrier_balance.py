@@ -1,4 +1,4 @@
-"""Which carrier speed balances the rollers of a stage, without integrating anything."""
+"""Carrier speed at which the rollers of a stage are in balance, without integration."""
 
 from typing import NamedTuple
 
@@ -23,16 +23,16 @@ from ..friction import (
 )
 from ._small_newton import find_roots_and
 
-#: Share of the friction that may drive a carrier which accelerates. Where the load passes through
-#: zero no friction is left for that: the carriers then coast for an instant, out of balance.
+#: Largest share of the friction that may drive an accelerating carrier. Where the load passes
+#: through zero there is no friction to drive it: it then coasts for an instant, out of balance.
 _LARGEST_SHARE = 0.9
 
 
 class SlipPerTurn(NamedTuple):
     """Slip per radian of screw turn, by its parts along d and across it.
 
-    `(ζ∞ − ζ) d + (v₀ × d) d⊥/|d|²`: the difference `v₀ − ζ d` itself is noise at small leads, where
-    the contact moves by millimetres per radian and slips by nanometres.
+    `(ζ∞ − ζ) d + (v₀ × d) d⊥/|d|²`: the difference `v₀ − ζ d` itself is rounding noise at small
+    leads, where the contact moves by millimetres per radian and slips by nanometres.
     """
 
     #: ∂/∂ω of the velocity of the roller's contact point, d [m/rad].
@@ -41,7 +41,7 @@ class SlipPerTurn(NamedTuple):
     across: Float[Array, "2"]
     #: Axial part [m/rad].
     axial: Float[Array, "1"]
-    #: ζ∞, the carrier ratio where nothing resists.
+    #: ζ∞, the carrier ratio without resistance.
     free_ratio: Scalar
 
     def at(self, lag: Scalar | None) -> Float[Array, "3"]:
@@ -58,7 +58,7 @@ def slip_per_turn(kinematics: StageKinematics) -> SlipPerTurn:
 
 
 def free_slip(kinematics: StageKinematics, speed: Scalar, sense: Scalar) -> Slip:
-    """Slip where nothing resists the carrier; its direction has no part along d."""
+    """Slip of a carrier without resistance; its direction has no part along d."""
     turn = slip_per_turn(kinematics).at(None)
     direction = sense * slip_direction(turn)
     return Slip(speed * turn, direction, speed, speed * free_carrier_ratio(kinematics))
@@ -74,10 +74,10 @@ def steady_motion(
     contact: ScrewContact | None = None,
     slip: Slip | None = None,
 ) -> Motion:
-    """Motion at a carrier ratio; at standstill with the directions of that about to begin.
+    """Motion at a carrier ratio; at standstill with the directions of impending motion.
 
-    With the slip, the share of the normal force that carries, or all of the screw side, where that
-    is known.
+    The slip, the share of the normal force that carries axially, and the contact of the screw side
+    are passed where they are known.
     """
     if slip is None:
         turns = slip_per_turn(kinematics)
@@ -97,7 +97,7 @@ def steady_motion(
 
 
 class CarrierPoint(NamedTuple):
-    """What an assumed carrier speed means; the motion where `residual` vanishes."""
+    """State at an assumed carrier speed; it is the motion where `residual` vanishes."""
 
     #: Carrier ratio ω/Ω.
     ratio: Scalar
@@ -113,12 +113,12 @@ class CarrierBalance(eqx.Module):
     """The balance of one stage's carrier, `N f·d = N (n − 1)(T_s + T_n) + I ζ Ω̇`.
 
     The slip v = v₀ − ζ d changes with the carrier ratio ζ only along d, and friction is parallel to
-    it. So with the slip's component s along d and the rest q, `s/√(s² + q²)` is the share that the
-    resistance is of `‖f‖ |d|`, for any law of friction; spin turns friction a little from the slip,
-    which is taken off that share. The unknown is `t = s/q`.
+    it. So with the slip's component s along d and the remaining component q, the resistance is the
+    share `s/√(s² + q²)` of `‖f‖ |d|`, for any law of friction. Spin turns friction slightly away
+    from the slip; this part is subtracted from the share. The unknown is `t = s/q`.
 
-    Where next to no load is left to drive what accelerates, the share is limited; nothing is lost
-    by that but the balance, and the energy still balances.
+    Where almost no load is left to drive an accelerating carrier, the share is limited. The carrier
+    is then out of balance, but the energy still balances.
 
     **Raises:** `MissingDataError` if there is no thread friction.
     """
@@ -129,7 +129,7 @@ class CarrierBalance(eqx.Module):
     speed: Scalar
     axial_force: Scalar
     inertia_per_ratio: Scalar | None
-    #: What does not change with the carrier ratio, evaluated outside the search.
+    #: Parts of the slip that do not change with the carrier ratio, evaluated outside the search.
     turns: SlipPerTurn
     #: (ζ∞ − ζ)/t.
     lag_per_tangent: Scalar
@@ -142,7 +142,7 @@ class CarrierBalance(eqx.Module):
             )
 
     def at(self, tangent: Scalar, share: Scalar | None = None) -> CarrierPoint:
-        """Everything at `t`; where slip and spin are one, at a share that carries."""
+        """State at `t`, and at a share of the normal force that carries, where that is unknown."""
         stage, kinematics = self.stage, self.kinematics
         lag = tangent * self.lag_per_tangent
         ratio, turn = self.turns.free_ratio - lag, self.turns.at(lag)
@@ -157,14 +157,14 @@ class CarrierBalance(eqx.Module):
     def _drive_share(
         self, ratio: Scalar, direction: Float[Array, "3"], contact: ScrewContact
     ) -> tuple[Scalar, Bool[Array, ""]]:
-        """Resistance over the largest drive that friction has; and whether there is enough."""
-        stage, kinematics, friction_of = self.stage, self.kinematics, self.stage.friction
-        assert friction_of is not None
+        """Resistance over the largest possible drive by friction, and whether friction suffices."""
+        stage, kinematics, laws = self.stage, self.kinematics, self.stage.friction
+        assert laws is not None
         force, per_force, constant, rub, _ = contact
         normal = kinematics.meshing.screw.normal
         friction = force * per_force + constant
         resisting = jnp.zeros_like(ratio)
-        if has_contact_losses(friction_of):
+        if has_contact_losses(laws):
             nut_force = -(force * normal + friction)[2] / kinematics.meshing.nut.normal[2]
             screw, nut = resisting_moments(stage, kinematics, force, nut_force, rub)
             resisting = kinematics.relative_spin_ratio * self.sense * (screw.total + nut.total)
@@ -175,22 +175,22 @@ class CarrierBalance(eqx.Module):
         length = jnp.where(rubs, jnp.sqrt(jnp.where(rubs, square, 1.0)), 0.0)
         reach = jnp.sqrt(dot_few(kinematics.drive, kinematics.drive))
         largest = length * reach
-        # The tangent counts the slip at positive speed; friction turns with the sense.
+        # The tangent refers to positive speed; friction changes sign with the sense.
         resisting = self.sense * resisting
-        aside = jnp.zeros_like(resisting)
+        deviation_share = jnp.zeros_like(resisting)
         if rub is not None:
-            # Across an ellipse that spins, friction is not quite parallel to the slip.
-            leaning = friction / jnp.where(rubs, length, 1.0) - direction
-            aside = jnp.where(
-                rubs, self.sense * dot_few(leaning[:2], kinematics.drive) / reach, 0.0
+            # With spin, friction is not quite parallel to the slip.
+            deviation = friction / jnp.where(rubs, length, 1.0) - direction
+            deviation_share = jnp.where(
+                rubs, self.sense * dot_few(deviation[:2], kinematics.drive) / reach, 0.0
             )
         if self.inertia_per_ratio is None:
             share = jnp.where(rubs, resisting / jnp.where(rubs, largest, 1.0), 0.0)
-            return share - aside, rubs | (resisting == 0)
+            return share - deviation_share, rubs | (resisting == 0)
         suffices = jnp.abs(resisting) < _LARGEST_SHARE * largest
         share = resisting / jnp.where(suffices, largest, 1.0)
         limit = _LARGEST_SHARE * jnp.sign(resisting)
-        return jnp.where(suffices, share - aside, limit), jnp.asarray(True)
+        return jnp.where(suffices, share - deviation_share, limit), jnp.asarray(True)
 
 
 def carrier_balance(
@@ -215,8 +215,8 @@ class BalancedCarrier(NamedTuple):
 
     ratio: Scalar
     found: Bool[Array, ""]
-    #: Slip and screw side, where they were found with the ratio; `None` of a carrier which nothing
-    #: resists.
+    #: Slip and contact of the screw side, if solved for with the ratio; `None` for a carrier
+    #: without resistance.
     slip: Slip | None = None
     contact: ScrewContact | None = None
 
@@ -227,7 +227,7 @@ class BalancedCarrier(NamedTuple):
         sense: Scalar,
         axial_acceleration: Scalar | None = None,
     ) -> Motion:
-        """Motion in balance, at the speed and in the sense that it was found for."""
+        """Motion in balance, at the speed and sense for which the balance was solved."""
         return steady_motion(
             kinematics,
             self.ratio,
@@ -247,17 +247,17 @@ def balanced_carrier_ratio(
     axial_force: Scalar,
     inertia_per_ratio: Scalar | None = None,
 ) -> BalancedCarrier:
-    """Carrier ratio ω/Ω at which thread friction drives the rollers as it must.
+    """Carrier ratio ω/Ω at which thread friction balances the resistance of the rollers.
 
-    Without contact losses and inertia friction has no component along d: geometry alone decides.
-    Otherwise Newton solves the `CarrierBalance`.
+    Without contact losses and inertia, friction has no component along d, and the ratio depends on
+    geometry alone. Otherwise Newton's method solves the `CarrierBalance`.
 
     **Arguments:**
 
     - `stage`, `kinematics`: the stage and its meshing.
     - `sense`: sense of turning, +1 or −1.
     - `speed`: screw speed Ω; may be 0 unless friction vanishes with the slip [rad/s].
-    - `axial_force`: what the rollers together carry axially [N].
+    - `axial_force`: axial force of all rollers together [N].
     - `inertia_per_ratio`: I Ω̇, the generalised inertia force per carrier ratio [N·m]; `None` in a
       steady state.
 
@@ -271,9 +271,9 @@ def balanced_carrier_ratio(
 
 @physics("carrier_balance")
 def _balanced(balance: CarrierBalance) -> BalancedCarrier:
-    """Carrier, and where slip and spin are one the normal force, at once.
+    """Carrier ratio and, where unknown, share of the normal force, solved together.
 
-    A root within a root would be a large program.
+    A root search within a root search would be a large program.
     """
     start = jnp.zeros_like(balance.axial_force)
     shared = has_unknown_share(balance.stage, balance.kinematics)
@@ -285,7 +285,7 @@ def _balanced(balance: CarrierBalance) -> BalancedCarrier:
 
     shares = [-balance.kinematics.meshing.screw.normal[2]] if shared else []
     accuracy = 1e-10 if start.dtype == jnp.float64 else 1e-4
-    _, found, point = find_roots_and(
+    _, converged, point = find_roots_and(
         residuals, jnp.stack([start, *shares]), tolerance=accuracy, max_steps=30
     )
-    return BalancedCarrier(point.ratio, found & point.suffices, point.slip, point.contact)
+    return BalancedCarrier(point.ratio, converged & point.suffices, point.slip, point.contact)

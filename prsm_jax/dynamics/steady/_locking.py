@@ -1,10 +1,10 @@
-"""Jamming and self-locking of threads: what friction they bear, and how far they are from it.
+"""Jamming and self-locking of threads: limits of the friction coefficient, and margins to them.
 
-A screw that drives jams where friction takes all that the normal force lifts: the bracket of the
-axial balance, |n_z| − μ v_z/‖v‖, vanishes. A load that drives no longer turns its screw where the
-moment of friction about the axis reaches that of the normal force. The slip decides both, and its
-direction follows from geometry alone, so both limits are closed forms; the flank angle α shows in
-them, μ → cot α and μ → tan α.
+A driving screw jams where thread friction cancels the axial part of the normal force: the bracket
+of the axial balance, |n_z| − μ v_z/‖v‖, vanishes. A driving load no longer turns its screw where
+the moment of friction about the axis reaches that of the normal force. Both limits depend on the
+direction of slip, which follows from geometry alone, so both are closed forms; with the flank angle
+α they tend to μ → cot α and μ → tan α.
 """
 
 import dataclasses
@@ -26,7 +26,7 @@ from ._steady import SteadyState, some_load, steady_state
 
 
 def _unit(kinematics: StageKinematics):
-    """Direction of the slip of rollers that turn freely, the screw driving."""
+    """Slip direction of rollers without resistance, with the screw driving."""
     return slip_direction(slip_per_turn(kinematics).at(None))
 
 
@@ -48,11 +48,11 @@ def locking_coefficient(kinematics: StageKinematics) -> Scalar:
 
 
 def _proportional_to_force(friction: Friction | None) -> bool:
-    """Whether thread friction alone resists, and in proportion to the normal force."""
+    """Whether thread friction is the only resistance, and is proportional to the normal force."""
     if friction is None:
         return True
-    law, thread = friction.thread, dataclasses.replace(friction, thread=None)
-    alone = all(value is None for value in vars(thread).values())
+    law, others = friction.thread, dataclasses.replace(friction, thread=None)
+    alone = all(value is None for value in vars(others).values())
     if law is None:
         return alone
     return alone and not (law.load_independent or law.asks or law.viscous_resistance is not None)
@@ -63,17 +63,17 @@ def _effective_coefficient(
 ) -> Scalar:
     """Friction per normal force at the slip of a screw speed.
 
-    Of a law that asks for the normal force, at that which the load has without friction.
+    A law that asks for the normal force gets that of the load without friction.
     """
     slip = free_slip(kinematics, jnp.abs(speed), jnp.ones_like(speed))
     law = stage.thread_law
-    asked = {}
+    law_inputs = {}
     if law is not None and law.asks:
         assert load is not None
         normal = -kinematics.meshing.screw.normal[2] * stage.present_roller_count
         (kinematics,) = with_resistance((stage,), (kinematics,))
-        asked = asked_of(law, kinematics, slip, jnp.abs(load) / normal)
-    per_force, _ = thread_friction(law, slip.velocity, slip.direction, asked)
+        law_inputs = asked_of(law, kinematics, slip, jnp.abs(load) / normal)
+    per_force, _ = thread_friction(law, slip.velocity, slip.direction, law_inputs)
     return dot_few(per_force, slip.direction)
 
 
@@ -90,7 +90,7 @@ def jamming_margin(
     speed: Scalar,
     load: Scalar | None = None,
 ) -> Scalar:
-    """What is left of the axial balance's bracket, `1 − μ / μ_jam`, the smallest of all stages.
+    """Remaining share of the axial balance's bracket, `1 − μ / μ_jam`, smallest of all stages.
 
     1 without friction; at 0 the driving screw jams. Finite and differentiable there and beyond.
 
@@ -122,19 +122,19 @@ def _scaled(mechanism: Mechanism, factor: Scalar) -> Mechanism:
 def self_locking_margin(
     mechanism: Mechanism, kinematics: tuple[StageKinematics, ...], speed: Scalar, load: Scalar
 ) -> tuple[Scalar, Bool[Array, ""]]:
-    """How far friction is from holding the load, `1 − 1/s`.
+    """Margin of friction to self-locking, `1 − 1/s`.
 
-    s is the factor by which all friction of the mechanism would have to grow for the load not to
-    turn the screw: 1 without friction, positive where the load drives the screw back, 0 at the
-    limit, negative where it holds by itself. For threads alone `1 − μ/μ_lock`.
+    s is the factor on all friction of the mechanism at which the load no longer turns the screw.
+    The margin is 1 without friction, positive where the load drives the screw back, 0 at the limit,
+    and negative where the mechanism is self-locking. For threads alone it is `1 − μ/μ_lock`.
 
     **Arguments:**
 
     - `mechanism`, `kinematics`: the mechanism and its kinematics.
     - `speed`, `load`: at which friction is evaluated [rad/s, N].
 
-    **Returns:** the margin, and whether the factor was found (it is not where some friction does
-    not grow enough to hold, or where with so much of it the carriers are out of balance).
+    **Returns:** the margin, and whether the factor was found (it is not where friction does not
+    grow enough to hold the load, or where so much friction puts the carriers out of balance).
     """
     if len(mechanism.stages) == 1 and _proportional_to_force(mechanism.stages[0].friction):
         stage, geometry = mechanism.stages[0], kinematics[0]
@@ -150,15 +150,15 @@ def self_locking_margin(
         return steady_state(moved, -speed, load, kinematics, onset=-1.0)
 
     def holding(logarithm: Scalar) -> Scalar:
-        """Torque that the load still has at the screw, relative to that without friction."""
+        """Torque of the load at the screw, relative to that without friction."""
         return driven_back(logarithm).drive_torque / frictionless
 
     # Torque against friction is nearly a hyperbola, 1 − s μ/μ_lock over 1 + s μ/μ_jam.
-    now = holding(jnp.zeros_like(load))
-    start = jnp.log(jnp.clip(1 / jnp.clip(1 - now, 1e-3, 1e3), 1e-2, 1e2))
+    unscaled = holding(jnp.zeros_like(load))
+    start = jnp.log(jnp.clip(1 / jnp.clip(1 - unscaled, 1e-3, 1e3), 1e-2, 1e2))
     accuracy = 1e-12 if start.dtype == jnp.float64 else 1e-5
-    logarithm, found = find_root(holding, start, tolerance=accuracy, max_steps=40)
+    logarithm, converged = find_root(holding, start, tolerance=accuracy, max_steps=40)
     # Thread friction may not suffice to drive carriers whose losses have grown as well.
-    found = found & driven_back(logarithm).computed
-    none = jax.lax.stop_gradient(now) >= 1
-    return jnp.where(none, 1.0, 1 - jnp.exp(-logarithm)), found | none
+    converged = converged & driven_back(logarithm).computed
+    no_friction = jax.lax.stop_gradient(unscaled) >= 1
+    return jnp.where(no_friction, 1.0, 1 - jnp.exp(-logarithm)), converged | no_friction

@@ -24,24 +24,24 @@ def find_roots(
 ) -> tuple[Float[Array, " n"], Bool[Array, ""]]:
     """Roots of a few functions of as many numbers, by Newton.
 
-    The equations are traced once, with their derivatives, in one loop: a nest of single roots would
-    trace them over and over.
+    The equations are traced once, with their derivatives, in one loop; nested searches for
+    single roots would trace them repeatedly.
 
     **Arguments:**
 
-    - `function`: the residuals, which should depend on their own unknown the most; may close over
-      traced numbers, with respect to which the roots are differentiable in either mode.
+    - `function`: the residuals, each of which should depend mostly on its own unknown; may close
+      over traced numbers, with respect to which the roots are differentiable in either mode.
     - `guess`: where to start.
-    - `tolerance`: on the last change of the unknowns, relative and absolute; what is left is about
-      its square.
+    - `tolerance`: on the last change of the unknowns, relative and absolute; the remaining error is
+      about its square.
     - `max_steps`: steps allowed.
 
     **Returns:** the roots (the last iterate where none were found), and whether they were found.
     """
-    roots, found, _ = find_roots_and(
+    roots, converged, _ = find_roots_and(
         lambda unknowns: (function(unknowns), None), guess, tolerance=tolerance, max_steps=max_steps
     )
-    return roots, found
+    return roots, converged
 
 
 def find_roots_and(
@@ -51,10 +51,10 @@ def find_roots_and(
     tolerance: float | Float[Array, ""],
     max_steps: int,
 ) -> tuple[Float[Array, " n"], Bool[Array, ""], _Known]:
-    """As `find_roots`, of residuals and what else is known where they vanish.
+    """As `find_roots`, with further results at the roots.
 
-    The derivatives of both come from one linearisation at the root; what would be evaluated there
-    once more would be differentiated once more, too.
+    The derivatives of both come from one linearisation at the root; a second evaluation there would
+    have to be differentiated, too.
 
     **Arguments:**
 
@@ -69,7 +69,7 @@ def find_roots_and(
         residual, known = function(unknowns)
         leaves, tree = jax.tree.flatten(known)
         structure[:] = tree, [leaf.dtype for leaf in leaves]
-        # What is not a real number has no derivative of its own.
+        # Integers and booleans have no derivative: they pass as real numbers.
         return [residual, *(leaf.astype(residual.dtype) for leaf in leaves)]
 
     start = jax.lax.stop_gradient(guess)
@@ -79,15 +79,15 @@ def find_roots_and(
         return jaxpr_as_fun(ClosedJaxpr(closed.jaxpr, constants))(unknowns)
 
     small = jnp.asarray(tolerance, start.dtype)
-    roots, found, leaves = _solved(evaluate, max_steps, closed.consts, start, small)
+    roots, converged, leaves = _solved(evaluate, max_steps, closed.consts, start, small)
     tree, dtypes = structure
     leaves = [leaf.astype(dtype) for leaf, dtype in zip(leaves, dtypes, strict=True)]
-    return roots, found > 0.5, jax.tree.unflatten(tree, leaves)
+    return roots, converged > 0.5, jax.tree.unflatten(tree, leaves)
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1))
 def _solved(evaluate, max_steps, constants, guess, tolerance):
-    """Roots, 1 where they were found and 0 elsewhere, and what is known there."""
+    """Roots, 1 where they were found and 0 elsewhere, and the further results."""
     identity = jnp.eye(guess.size, dtype=guess.dtype)
 
     def step(carry):
@@ -102,8 +102,8 @@ def _solved(evaluate, max_steps, constants, guess, tolerance):
 
     first = (guess, jnp.full((), jnp.inf, guess.dtype), 0)
     roots, size, _ = jax.lax.while_loop(goes_on, step, first)
-    # JAX wants a number and its derivative to be of a batch both, or neither. What is the same in a
-    # whole batch moves with the roots, which are not.
+    # JAX requires that a number and its derivative are both batched, or neither. A result that is
+    # the same in a whole batch has a batched derivative, because the roots are batched.
     of_batch = size == size
     known = [jnp.where(of_batch, leaf, leaf) for leaf in evaluate(constants, roots)[1:]]
     return roots, (size <= tolerance).astype(guess.dtype), known
@@ -112,17 +112,17 @@ def _solved(evaluate, max_steps, constants, guess, tolerance):
 @functools.partial(_solved.defjvp, symbolic_zeros=True)
 def _solved_derivative(evaluate, max_steps, primals, tangents):
     constants, guess, tolerance = primals
-    roots, found, known = _solved(evaluate, max_steps, constants, guess, tolerance)
-    # Numbers that do not move are not differentiated.
+    roots, converged, known = _solved(evaluate, max_steps, constants, guess, tolerance)
+    # Constants without a tangent are not differentiated.
     moving = [
         i
         for i, (value, change) in enumerate(zip(constants, tangents[0], strict=True))
         if jnp.issubdtype(value.dtype, jnp.inexact) and not isinstance(change, SymbolicZero)
     ]
-    unmoved = jnp.zeros_like(found)
+    zero = jnp.zeros_like(converged)
     if not moving:
-        still = [jnp.zeros_like(leaf) for leaf in known]
-        return (roots, found, known), (jnp.zeros_like(roots), unmoved, still)
+        zeros = [jnp.zeros_like(leaf) for leaf in known]
+        return (roots, converged, known), (jnp.zeros_like(roots), zero, zeros)
 
     def at_roots(moved):
         new = dict(zip(moving, moved, strict=True))
@@ -132,10 +132,10 @@ def _solved_derivative(evaluate, max_steps, primals, tangents):
         return jax.jvp(lambda x: evaluate(constants, x), (roots,), (direction,))[1]
 
     moves = [tangents[0][i] for i in moving]
-    _, (missed, *changes) = jax.jvp(at_roots, ([constants[i] for i in moving],), (moves,))
+    _, (residual_change, *changes) = jax.jvp(at_roots, ([constants[i] for i in moving],), (moves,))
     slopes, *known_slopes = jax.vmap(of_one, out_axes=-1)(jnp.eye(roots.size, dtype=roots.dtype))
-    follows = -solve_small(slopes)(missed)
+    root_change = -solve_small(slopes)(residual_change)
     changes = [
-        change + slope @ follows for change, slope in zip(changes, known_slopes, strict=True)
+        change + slope @ root_change for change, slope in zip(changes, known_slopes, strict=True)
     ]
-    return (roots, found, known), (follows, unmoved, changes)
+    return (roots, converged, known), (root_change, zero, changes)

@@ -1,4 +1,4 @@
-"""Steady state: algebra, no integration."""
+"""Steady state, without integration."""
 
 import dataclasses
 
@@ -16,28 +16,28 @@ from ..forces import Motion, StageState, chain_forces, losses, roller_support_fo
 from ..friction import turned, with_resistance
 from ._carrier_balance import balanced_carrier_ratio
 
-#: Too small to change anything but ratios: the efficiency without load is its limit [N].
+#: Load in place of 0, too small to change anything but ratios: efficiency is then its limit [N].
 _NO_LOAD = 1e-30
-#: Below this one is taken for none: its square is no number any more [N].
+#: Smaller loads count as 0: their squares underflow [N].
 _LEAST_LOAD = 1e-100
 
 
-#: By code. Self-locking is a state as good as any other; the rest has no steady state.
+#: By code. Self-locking is a valid state; the others have no valid steady state.
 _MEANINGS = (
     "successful",
-    "self-locking: the load does not turn the screw, which has to be driven with the load; to be "
-    "driven back, lower the friction or the contact angle (quantity self_locking_margin)",
-    "jammed: friction in the threads takes all that the normal force lifts, and no torque moves "
-    "the load; lower the friction or raise the contact angle (quantity jamming_margin)",
+    "self-locking: the load does not turn the screw, which must be driven in the direction of the "
+    "load; for back-driving, lower friction or contact angle (quantity self_locking_margin)",
+    "jammed: thread friction cancels the axial part of the normal force, and no torque moves the "
+    "load; lower the friction or raise the contact angle (quantity jamming_margin)",
     "no balance: thread friction cannot drive the carriers against their losses; raise it, or "
-    "lower friction of spin and rolling",
+    "lower the friction of spin and rolling",
     "no meshing: screw and roller do not touch with a common normal; check lead, contact angle "
     "and profile radius",
     "impossible dimension: lead and radii must be more than 0, starts more than 2, the contact "
     "angle between 0 and 90 deg, and bores narrower than their bodies (prsm_jax.check names it)",
     "overlapping rollers: neighbouring rollers have no room; use fewer or smaller ones",
     "not finite: a number of the mechanism, the speed or the load is NaN or infinite, or so large "
-    "that a result is; correct it",
+    "that a result is not finite; correct it",
 )
 #: The same as names, by code.
 STEADY_RESULTS = (
@@ -54,15 +54,15 @@ _JAMMED, _IMPOSSIBLE, _OVERLAPPING, _NOT_FINITE = 2, 5, 6, 7
 
 
 def steady_meaning(name: str) -> str:
-    """What a name of `STEADY_RESULTS` means, and what to do about it."""
+    """Meaning of a name of `STEADY_RESULTS`, with the remedy."""
     return _MEANINGS[STEADY_RESULTS.index(name)]
 
 
 class SteadyState(AbstractResult):
     """Steady operating point of a mechanism; arrays run over the stages.
 
-    `efficiency` is output over input power: of the nut when the screw drives, of the screw when
-    the load drives it back (negative when it does not move by itself: self-locking).
+    `efficiency` is output power over input power. The output is that of the nut when the screw
+    drives, and that of the screw when the load drives it back (then negative if self-locking).
     """
 
     efficiency: Scalar
@@ -81,7 +81,7 @@ class SteadyState(AbstractResult):
     #: Slip speed of the screw over the roller [m/s].
     slip_speed: Float[Array, " stages"]
     #: Unit vector of the slip of the screw over the roller, in the carrier's frame: radial,
-    #: tangential, axial; at standstill that of the motion about to begin.
+    #: tangential, axial; at standstill that of impending motion.
     slip_direction: Float[Array, "stages 3"]
     ring_gear_force: Float[Array, " stages"]
     carrier_force: Float[Array, " stages"]
@@ -109,7 +109,7 @@ class SteadyState(AbstractResult):
     @property
     @listed
     def result(self) -> str:
-        """What `code` means, and what to do about it."""
+        """Meaning of `code`, with the remedy."""
         return _MEANINGS[0 if self.code is None else int(self.code)]
 
     @property
@@ -126,7 +126,7 @@ class SteadyState(AbstractResult):
 
     @property
     def computed(self) -> Bool[Array, "*batch"]:
-        """Whether motion and forces are known, be its rollers too many for their circle or not."""
+        """Whether motion and forces are known, even if the rollers overlap."""
         if self.code is None:
             return self.valid
         known = jnp.isfinite(self.drive_torque) & jnp.isfinite(self.efficiency)
@@ -142,28 +142,28 @@ def _steady_states(
     sense: Scalar,
     load: Scalar,
 ) -> tuple[tuple[StageState, ...], list[Scalar], Int[Array, ""], Bool[Array, ""]]:
-    """States and carrier ratios of all stages, a code for what is wrong, and whether they balance.
+    """States and carrier ratios of all stages, the result code, and whether forces balance.
 
-    The code names an impossible dimension first, and would hide that nothing balances.
+    An impossible dimension comes first in the code, which then hides that forces do not balance.
     """
     ratios: list[Scalar] = []
-    # What follows the balance would compute it anew for each of its numbers.
-    balanced_apart = apart(balanced_carrier_ratio)
+    # Otherwise every use of a number of the balance would compute the balance again.
+    balanced_ratio = apart(balanced_carrier_ratio)
     balanced = pushed = jnp.asarray(True)
     meshed = jnp.stack([k.meshing.converged for k in kinematics]).all()
 
-    def motion_of(index: int, flank: Scalar, axial_force: Scalar, _) -> Motion:
+    def motion_of(index: int, flank_sign: Scalar, axial_force: Scalar, _) -> Motion:
         nonlocal balanced
         stage, geometry = mechanism.stages[index], kinematics[index]
-        own_speed, own_sense = flank * speed, flank * sense
-        balance = balanced_apart(stage, geometry, own_sense, own_speed, axial_force)
+        own_speed, own_sense = flank_sign * speed, flank_sign * sense
+        balance = balanced_ratio(stage, geometry, own_sense, own_speed, axial_force)
         balanced = balanced & balance.found
         ratios.append(balance.ratio)
         return balance.motion(geometry, own_speed, own_sense)
 
     states = chain_forces(mechanism, kinematics, motion_of, speed, sense, load)
     for state in states:
-        # Past the limit of jamming the axial balance asks for a pulling contact.
+        # Beyond jamming the axial balance requires a contact that pulls.
         pushed = pushed & above_or_nan(state.forces.contact_force)
     code = jnp.where(meshed, jnp.where(pushed, jnp.where(balanced, 0, 3), 2), 4)
     solved = code == 0
@@ -171,7 +171,7 @@ def _steady_states(
     fit = jnp.stack([rollers_fit(stage) for stage in stages]).all()
     possible = jnp.stack([dimensions_possible(stage) for stage in stages]).all()
     code = jnp.where((code == 0) & ~fit, _OVERLAPPING, code)
-    # First of all: with a lead below 0 the rest may look harmless.
+    # This takes precedence: with a negative lead the other checks may pass.
     code = jnp.where(possible, code, _IMPOSSIBLE)
     return states, ratios[::-1], code, solved
 
@@ -198,9 +198,9 @@ def all_kinematics(mechanism: Mechanism) -> tuple[StageKinematics, ...]:
 
 
 def some_load(load: Scalar) -> Scalar:
-    """The load, or where there is none one that is too small to change anything but ratios [N]."""
-    none = (load == 0) | (jnp.abs(load) < _LEAST_LOAD)
-    return load + jnp.where(none, _NO_LOAD, 0.0).astype(load.dtype)
+    """The load, or in place of 0 a load that is too small to change anything but ratios [N]."""
+    unloaded = (load == 0) | (jnp.abs(load) < _LEAST_LOAD)
+    return load + jnp.where(unloaded, _NO_LOAD, 0.0).astype(load.dtype)
 
 
 @of_one_design
@@ -216,12 +216,12 @@ def steady_state(
 ) -> SteadyState:
     """Steady state at a prescribed screw speed and load, in closed form.
 
-    The carrier speed follows from f·d = 0, which is linear in it: geometry alone decides. Losses
-    inside the contact ellipses, where modelled, shift it slightly. Forces then follow stage by
-    stage from the load, and the efficiency is `F_n Σ L / (2π M)`, or its inverse when the load
-    drives. The slip direction is that of the motion about to begin if the speed is 0.
+    The carrier speed follows from f·d = 0, which is linear in it, and depends on geometry alone.
+    Losses inside the contact ellipses, where modelled, shift it slightly. Forces then follow stage
+    by stage from the load, and the efficiency is `F_n Σ L / (2π M)`, or its inverse when the load
+    drives. At speed 0 the slip direction is that of impending motion.
 
-    A negative load lies on the other flanks.
+    A negative load is carried by the opposite flanks.
 
     **Arguments:**
 
@@ -230,8 +230,7 @@ def steady_state(
       of the operating point.
     - `load`: axial load on the last nut [N]. Default: that of the operating point.
     - `kinematics`: kinematics of the stages, if known already.
-    - `onset`: which motion is about to begin at standstill: 1, the screw drives; −1, the load
-      drives it back.
+    - `onset`: impending motion at standstill: 1, the screw drives; −1, the load drives it back.
 
     **Raises:** `MissingDataError` if speed, load, or data for a modelled loss are not given.
     """
@@ -240,28 +239,28 @@ def steady_state(
         kinematics = all_kinematics(mechanism)
     kinematics = with_resistance(mechanism.stages, kinematics)
     load = some_load(load)
-    beginning = jnp.where(load < 0, -onset, onset).astype(load.dtype)
-    sense = jnp.where(speed == 0, beginning, jnp.sign(speed))
+    onset_sense = jnp.where(load < 0, -onset, onset).astype(load.dtype)
+    sense = jnp.where(speed == 0, onset_sense, jnp.sign(speed))
     sense = jax.lax.stop_gradient(sense)
 
     states, ratios, code, solved = _steady_states(mechanism, kinematics, speed, sense, load)
     torque = states[0].screw.drive_torque
     travel = travel_per_turn(mechanism.stages, len(mechanism.stages))
-    lost = losses(mechanism, kinematics, states, speed)
+    loss_powers = losses(mechanism, kinematics, states, speed)
     forward = sense * load > 0
     useful, driving = (
         jnp.where(forward, load * travel, torque),
         jnp.where(forward, torque, load * travel),
     )
     drive_power, load_power = torque * speed, load * travel * speed
-    gross = jnp.maximum(jnp.abs(drive_power), jnp.abs(load_power))
-    imbalance = drive_power - load_power - sum(lost.values())
+    largest_power = jnp.maximum(jnp.abs(drive_power), jnp.abs(load_power))
+    imbalance = drive_power - load_power - sum(loss_powers.values())
     supports = [
         roller_support_forces(stage, geometry, state, None)
         for stage, geometry, state in zip(mechanism.stages, kinematics, states, strict=True)
     ]
     zero = jnp.zeros_like(load)
-    found = SteadyState(
+    result = SteadyState(
         efficiency=useful / driving,
         carrier_ratio=jnp.stack(ratios),
         drive_torque=torque,
@@ -281,22 +280,23 @@ def steady_state(
         spline_friction=jnp.stack(
             [zero if s.screw.spline_friction is None else s.screw.spline_friction for s in states]
         ),
-        losses=lost,
+        losses=loss_powers,
         input_power=jnp.where(forward, drive_power, -load_power),
         output_power=jnp.where(forward, load_power, -drive_power),
-        power_balance_residual=jnp.abs(imbalance) / jnp.where(gross > 0, gross, 1.0),
+        power_balance_residual=jnp.abs(imbalance)
+        / jnp.where(largest_power > 0, largest_power, 1.0),
         valid=code == 0,
         solved=solved,
         code=jnp.where((code == 0) & ~forward & (useful / driving < 0), 1, code),
     )
-    return _marked(found)
+    return _marked(result)
 
 
 def _marked(state: SteadyState) -> SteadyState:
-    """With the code of what is not finite, where nothing else is wrong that would explain it."""
+    """The state with the code of non-finite numbers, where no other code explains them."""
     assert state.code is not None
     numbers = [x for x in jax.tree.leaves(state) if jnp.issubdtype(x.dtype, jnp.inexact)]
-    # 0 times what is NaN or infinite is NaN.
+    # 0 times NaN or infinity is NaN.
     finite = jnp.isfinite(sum(sum_few(0.0 * jnp.ravel(x)) for x in numbers))
     unexplained = (state.code <= _JAMMED) & ~finite
     code = jnp.where(unexplained, _NOT_FINITE, state.code)

@@ -1,13 +1,13 @@
-"""Forces under a prescribed torque with carriers of any speed.
+"""Forces under a prescribed torque with carriers at any speed.
 
-Each carrier is described in one of two ways. In step with the screw its motion is the tangent
-`t = s/(q Ω)` of its slip, with the slip's part s along d and the rest q Ω, which turns with the
-screw alone: the direction of slip is then regular through standstill, where ω and Ω vanish
-together. Coasting, while the screw is at or near standstill and the carrier is not, it is its
-speed: nothing slips slowly then, and slip is regular by itself.
+Each carrier is described in one of two ways. In step with the screw, its motion is given by the
+tangent `t = s/(q Ω)` of its slip, with the slip's part s along d and the remaining part q Ω, which
+depends on the screw speed alone: the direction of slip is then regular through standstill, where ω
+and Ω vanish together. Coasting, while the screw is at or near standstill and the carrier is not,
+its motion is given by its speed: slip is then not small, and its direction is regular.
 
-While the screw is held, friction that would jump with its sense takes what it must, between what
-it takes at the onset of turning backward and forward: the share, from −1 to 1, that balances the
+While the screw is held, friction that jumps with the sense of turning lies between its values at
+the onset of turning backward and forward. The unknown is its share, from −1 to 1, that balances the
 torque.
 """
 
@@ -38,26 +38,26 @@ from ._torque_balance import (
 
 
 class Turning(NamedTuple):
-    """Screw over roller and roller over nut, by stage: speeds over the screw's, or their senses."""
+    """Rotation of screw over roller and roller over nut: speeds over the screw's, or senses."""
 
     screw: Float[Array, " stages"]
     nut: Float[Array, " stages"]
 
 
 class Carriers(eqx.Module):
-    """How the carriers move; of the two numbers of a stage the one that applies counts."""
+    """Motion of the carriers; `coasts` tells which of the two numbers of a stage applies."""
 
     coasts: Bool[Array, " stages"]
     #: t of stages in step with the screw.
     tangent: Float[Array, " stages"]
     #: Speed of carriers that coast [rad/s].
     speed: Float[Array, " stages"]
-    #: Senses of turning of stages in step, over that of the screw: +1, or −1 where a carrier still
-    #: turns against the screw. `None` where nothing resists it.
+    #: Senses of turning of stages in step, relative to that of the screw: +1, or −1 where a carrier
+    #: still turns against the screw. `None` where nothing resists turning.
     ways: Turning | None = None
 
 
-#: Shares of the normal force that carry, where they are unknown (`unknown_shares`).
+#: Shares of the normal force that carry axially, where they are unknown (`unknown_shares`).
 Shares = dict[int, Scalar]
 
 
@@ -89,7 +89,7 @@ class SlipGeometry(eqx.Module):
 
 
 def slip_geometry(problem: TorqueProblem) -> SlipGeometry:
-    """Collect it from the stages."""
+    """Slip geometry of all stages."""
     each = [reduced_stage(kinematics) for kinematics in problem.kinematics]
     return SlipGeometry(
         along=jnp.stack([stage.along for stage in each]),
@@ -99,14 +99,14 @@ def slip_geometry(problem: TorqueProblem) -> SlipGeometry:
 
 
 def resists_turning(problem: TorqueProblem) -> list[bool]:
-    """Stages whose rollers something resists beside the friction of their threads."""
+    """Whether losses besides thread friction resist the rollers, by stage."""
     return [has_contact_losses(stage.friction) for stage in problem.mechanism.stages]
 
 
 def turning_over(problem: TorqueProblem, ratio: Float[Array, " stages"]) -> Turning:
     """Speeds of turning over the screw's at carrier ratios, `1 + (n − 1) ζ` and `(n − 1) ζ`.
 
-    What resists the turning changes its sign with them.
+    The resistance to turning changes its sign with them.
     """
     rolling = jnp.stack([k.relative_spin_ratio for k in problem.kinematics]) * ratio
     return Turning(1 + rolling, rolling)
@@ -133,17 +133,17 @@ def _forces(
 
     ratios = slip_geometry(problem).ratio(carriers.tangent)
 
-    def motion_of(index: int, flank: Scalar, _, axial_acceleration) -> Motion:
+    def motion_of(index: int, flank_sign: Scalar, _, axial_acceleration) -> Motion:
         geometry, share = kinematics[index], shares.get(index)
-        speed = flank * screw.speed
+        speed = flank_sign * screw.speed
         in_step = steady_motion(
-            geometry, ratios[index], speed, flank * sense, axial_acceleration, share
+            geometry, ratios[index], speed, flank_sign * sense, axial_acceleration, share
         )
         if carriers.ways is not None:
-            ways = tuple(flank * sense * way[index] for way in carriers.ways)
+            ways = tuple(flank_sign * sense * way[index] for way in carriers.ways)
             in_step = eqx.tree_at(lambda m: (m.screw_sense, m.nut_sense), in_step, ways)
         coasting = sliding_motion(
-            geometry, speed, flank * carriers.speed[index], axial_acceleration, share=share
+            geometry, speed, flank_sign * carriers.speed[index], axial_acceleration, share=share
         )
         return jax.tree.map(
             lambda one, other: jnp.where(carriers.coasts[index], one, other), coasting, in_step
@@ -168,7 +168,7 @@ def driven(
     mode: Scalar,
     carriers: Carriers,
 ) -> Driven:
-    """Motion that the applied torque makes; in the mode `STICKING` the screw is held.
+    """Motion under the applied torque; in the mode `STICKING` the screw is held.
 
     **Arguments:**
 
@@ -192,14 +192,14 @@ def driven(
         (states, _), _ = at(unknowns)
         return jnp.stack([(states[0].screw.drive_torque - applied) / scale, *missed_by(states)])
 
-    # Linear in the acceleration but for flanks that change, the moduli in the friction of splines
+    # Linear in the acceleration except for changes of flanks, the moduli in the friction of splines
     # and thrust bearings, and losses in the contact ellipses.
     begin = jnp.zeros_like(speed)
     shares = first_unknowns(problem)[len(problem.kinematics) :]
     if shares.size:
-        # Of friction that takes no share at all nothing is known to spin.
+        # At a zero share of friction the spin is unknown, so the search starts at 0.5.
         begin = jnp.where(turns, begin, 0.5)
-        unknowns, found = find_roots(
+        unknowns, converged = find_roots(
             residual,
             jnp.concatenate([begin[None], shares]),
             tolerance=_accuracy(speed),
@@ -207,14 +207,14 @@ def driven(
         )
     else:
         accuracy = 1e-13 if speed.dtype == jnp.float64 else 1e-5
-        unknown, found = find_root(
+        unknown, converged = find_root(
             lambda x: residual(x[None])[0], begin, tolerance=accuracy, max_steps=30
         )
         unknowns = unknown[None]
     (states, load), acceleration = at(unknowns)
-    carried = _drives(states) / problem.inertia
-    carried = jnp.where(turns | carriers.coasts, carried, 0.0)
-    return Driven(states, load, acceleration, carried, found)
+    carrier_acceleration = _drives(states) / problem.inertia
+    carrier_acceleration = jnp.where(turns | carriers.coasts, carrier_acceleration, 0.0)
+    return Driven(states, load, acceleration, carrier_acceleration, converged)
 
 
 def _out_of_balance(
@@ -224,23 +224,23 @@ def _out_of_balance(
     sense: Scalar,
     carriers: Carriers,
 ) -> Float[Array, " stages"]:
-    """Zero where each carrier in step keeps its ratio, `N f·d − resistance = I ζ Ω̇`.
+    """Residuals, zero where carriers in step keep their ratio, `N f·d − resistance = I ζ Ω̇`.
 
     Nearly linear in the tangents: a slip of tangent t has the share `t/√(1 + t²)` of friction
     along d.
     """
     geometry = slip_geometry(problem)
     needed = problem.inertia * geometry.ratio(carriers.tangent) * acceleration
-    left = sense * (_drives(states) - needed)
+    excess = sense * (_drives(states) - needed)
     square = jnp.stack([sum_few(state.forces.friction**2) for state in states])
     rubs = above_or_nan(square)
     friction = jnp.where(rubs, jnp.sqrt(jnp.where(rubs, square, 1.0)), 0.0)
     count = jnp.stack([stage.present_roller_count for stage in problem.mechanism.stages])
     largest = count * friction * geometry.drive
     scale = jax.lax.stop_gradient(largest + problem.inertia * jnp.abs(acceleration))
-    # Where nothing drives and nothing resists, any ratio will do: that of rolling.
+    # Without drive and resistance any ratio is in balance: that of free rolling is taken.
     idle = scale == 0
-    residual = jnp.sqrt(1 + carriers.tangent**2) * left / jnp.where(idle, 1.0, scale)
+    residual = jnp.sqrt(1 + carriers.tangent**2) * excess / jnp.where(idle, 1.0, scale)
     return jnp.where(carriers.coasts | idle, carriers.tangent, residual)
 
 
@@ -257,13 +257,13 @@ def leaving(
     mode: Scalar,
     carriers: Carriers,
 ) -> tuple[Float[Array, " stages"], Bool[Array, ""]]:
-    """Tangents at which carriers in step keep their ratio to a screw that turns, and whether found.
+    """Tangents at which carriers in step keep their ratio to a turning screw, and whether found.
 
-    From rest they leave in this ratio at once: until the speeds grow, directions of slip alone
-    decide, and every other ratio settles in no time. It has to attract. Of a screw that is braked
-    there is always a second balance, with carriers that turn against it: they would leave that one
-    at once, whichever way. Where friction cannot brake the carriers as hard as the screw is braked
-    it is the only one.
+    From rest carriers start in this ratio at once: until the speeds grow, only the directions of
+    slip matter, and any other ratio settles immediately. The balance has to be stable. If the screw
+    is braked there is always a second balance, with carriers that turn against it, which is
+    unstable. Where friction cannot brake the carriers as hard as the screw is braked, that second
+    balance is the only one.
     """
     applied, scale = problem.scenario.torque_at(time), problem.torque_scale
     unit = scale / problem.total_inertia
@@ -279,16 +279,16 @@ def leaving(
 
     count = len(problem.kinematics)
     start = jnp.concatenate([jnp.zeros_like(speed)[None], first_unknowns(problem)])
-    unknowns, found = find_roots(residual, start, tolerance=_accuracy(speed), max_steps=40)
-    return unknowns[1 : 1 + count], found & _attracts(residual, unknowns, count)
+    unknowns, converged = find_roots(residual, start, tolerance=_accuracy(speed), max_steps=40)
+    return unknowns[1 : 1 + count], converged & _attracts(residual, unknowns, count)
 
 
 def _attracts(residual, unknowns: Float[Array, " unknowns"], count: int) -> Bool[Array, ""]:
-    """Whether carriers return to a balance: what they are out of it grows with each tangent.
+    """Whether a balance is stable: the residual of each carrier grows with its tangent.
 
-    The acceleration of the screw, and shares of normal forces, follow the tangents at once. Each
-    carrier's own derivative decides: those of the others come by the friction of splines and thrust
-    bearings alone.
+    The acceleration of the screw, and shares of normal forces, follow the tangents at once. Only
+    each carrier's own derivative counts: those by the others are due to the friction of splines and
+    thrust bearings alone.
     """
     slopes = jax.jacfwd(residual)(jax.lax.stop_gradient(unknowns))
     own, size = slice(1, 1 + count), unknowns.size
@@ -303,28 +303,28 @@ def _attracts(residual, unknowns: Float[Array, " unknowns"], count: int) -> Bool
 def onsets(
     problem: TorqueProblem, time: Scalar, angle: Scalar, carriers: Carriers
 ) -> tuple[tuple[StageState, ...], Float[Array, "2"]]:
-    """Forces of all stages, and the load, where a screw at rest is about to turn: either way.
+    """Forces of all stages, and the load, at the onset of turning from rest in both senses.
 
-    Some carriers may coast; the tangents of the others are found here.
+    Some carriers may coast; the tangents of the others are solved for.
 
-    **Returns:** what `_forces` does, with an axis in front: turning backward, and forward.
+    **Returns:** the results of `_forces`, with a first axis: turning backward, and forward.
     """
-    none = jnp.zeros_like(angle)
-    still, count = ScrewMotion(angle, none, none), len(problem.kinematics)
+    zero = jnp.zeros_like(angle)
+    at_rest, count = ScrewMotion(angle, zero, zero), len(problem.kinematics)
 
     def forces(sense, unknowns):
         moved = eqx.tree_at(lambda c: c.tangent, carriers, unknowns[:count])
         shares = shares_of(problem, unknowns)
-        return moved, _forces(problem, time, still, sense, moved, shares)
+        return moved, _forces(problem, time, at_rest, sense, moved, shares)
 
     def onset(sense):
         def residual(unknowns):
             moved, (states, _) = forces(sense, unknowns)
-            balance = _out_of_balance(problem, states, none, sense, moved)
+            balance = _out_of_balance(problem, states, zero, sense, moved)
             return jnp.stack([*balance, *missed_by(states)])
 
         unknowns = first_unknowns(problem)
-        # Where nothing resists the rollers the slip is that of geometry alone.
+        # Where nothing resists the rollers the slip depends on geometry alone.
         if any(resists_turning(problem)) or unknowns.size > count:
             unknowns, _ = find_roots(residual, unknowns, tolerance=_accuracy(angle), max_steps=30)
         return forces(sense, unknowns)[1]

@@ -1,4 +1,4 @@
-"""What a torque-driven run neglects by taking its carriers as quasi-steady."""
+"""Error of a torque-driven run due to its quasi-steady carriers."""
 
 import jax
 import jax.numpy as jnp
@@ -9,7 +9,7 @@ from ..histories import CarrierHistory
 from ._driven_carriers import slip_geometry
 from ._torque_balance import STICKING, TorqueProblem
 
-#: Bound on what a reversal makes of an error: accelerations after it over those before.
+#: Bound on the growth of an error at a reversal: acceleration after it over that before.
 _LARGEST_GROWTH = 10.0
 
 
@@ -21,12 +21,13 @@ def neglected(
 ) -> tuple[Scalar, Scalar]:
     """Error of the screw speed over its largest, and the longest time in which carriers settle [s].
 
-    The balance of quasi-steady carriers leaves out the part `P = I ω̇ − N f·d` of their inertia
-    forces, `I ζ̇ Ω` where friction suffices. Friction hardly changes its power with the direction of
-    slip near the balance, so the screw has to supply that of P, which retards it by `ζ P/J`. Summed
-    over the time, this is the error of its speed to first order in the time constant of settling
-    over that of the motion. A phase of sticking ends where the torque passes a limit, whatever was
-    before: errors begin anew. Past a reversal without one they grow as the acceleration does.
+    The balance of quasi-steady carriers neglects the part `P = I ω̇ − N f·d` of their inertia
+    forces, `I ζ̇ Ω` where friction suffices. Near the balance, the power of friction hardly changes
+    with the direction of slip, so the screw has to supply the power of P, which decelerates it by
+    `ζ P/J`. The sum over time is the error of its speed to first order in the time constant of
+    settling over that of the motion. A phase of sticking ends where the torque passes a limit,
+    whatever the error before: errors start from zero again. At a reversal without sticking they
+    grow in proportion to the acceleration.
 
     **Arguments:**
 
@@ -49,23 +50,23 @@ def neglected(
     impulse = inertia * middle(speed)[:, None] * jnp.diff(ratio, axis=0)
     impulse = impulse + middle(unbalanced) * step[:, None]
     lost = jnp.sum(middle(ratio) * impulse, axis=1) / problem.total_inertia
-    whole = moves[1:] & moves[:-1] & (mode[1:] == mode[:-1])
+    same_phase = moves[1:] & moves[:-1] & (mode[1:] == mode[:-1])
     reverses = turns[1:] & turns[:-1] & (mode[1:] != mode[:-1])
     before = jnp.where(acceleration[:-1] == 0, 1.0, acceleration[:-1])
     growth = jnp.clip(acceleration[1:] / before, -_LARGEST_GROWTH, _LARGEST_GROWTH)
-    kept = jnp.where(reverses, growth, jnp.where(turns[1:] & turns[:-1], 1.0, 0.0))
+    carry_factor = jnp.where(reverses, growth, jnp.where(turns[1:] & turns[:-1], 1.0, 0.0))
 
     def advance(error, interval):
         factor, change = interval
         error = factor * error + change
         return error, jnp.abs(error)
 
-    changes = (kept, jnp.where(whole, lost, 0.0))
+    changes = (carry_factor, jnp.where(same_phase, lost, 0.0))
     _, errors = jax.lax.scan(advance, jnp.zeros_like(step[0]), changes)
     largest = jnp.max(jnp.abs(speed))
     error = jnp.max(errors) / jnp.where(largest > 0, largest, 1.0)
-    found = (error, jnp.max(_time_constants(problem, history, moves)))
-    return jax.lax.stop_gradient(found)
+    result = (error, jnp.max(_time_constants(problem, history, moves)))
+    return jax.lax.stop_gradient(result)
 
 
 def _time_constants(

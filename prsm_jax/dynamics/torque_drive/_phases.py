@@ -1,9 +1,8 @@
-"""Integration through phases that end at events: what stick and slip have in common.
+"""Integration through phases of stick and slip that end at events.
 
-Within a phase everything is smooth, also a little past its end, so that the end can be located;
-what changes from one phase to the next (which way the screw turns, whether it sticks) is the label
-of the phase. Derivatives go through the events: the time at which a phase ends moves with the
-parameters.
+Within a phase and slightly past its end everything is smooth, so that the end can be located.
+Discrete quantities (sense of turning of the screw, sticking) are the label of the phase.
+Derivatives pass through the events: the time at which a phase ends moves with the parameters.
 """
 
 import functools
@@ -24,7 +23,7 @@ EVENT = 1e-10
 
 
 def before(share: Scalar) -> Scalar:
-    """A time that much earlier that what jumps at `share` has not jumped yet.
+    """A time slightly earlier, at which a jump at `share` has not happened yet.
 
     Steps begin at a jump; a margin that has already jumped at the beginning of a step would have no
     root within it.
@@ -33,26 +32,26 @@ def before(share: Scalar) -> Scalar:
 
 
 class PhaseLaws(NamedTuple):
-    """What happens within a phase, and from one to the next.
+    """Laws within a phase, and from one phase to the next.
 
-    Time is a share of the duration. `kept` is what lasts through an event, a vector; the label is a
+    Time is a share of the duration. A persistent vector lasts through an event; the label is a
     pytree of arrays, with the mode of the phase under `"mode"`.
     """
 
-    #: (share, kept) to the label of the phase that begins, and its first state.
+    #: (share, persistent vector) to the label of the phase that begins, and its first state.
     begin: Callable[[Scalar, Array], tuple[Any, Array]]
     #: (share, state, label) to the rate of the state.
     rate: Callable[[Scalar, Array, Any], Array]
     #: (share, state, label) to a number that is positive while the phase lasts.
     margin: Callable[[Scalar, Array, Any], Scalar]
-    #: (state, label, whether an event ended the phase) to what is kept.
+    #: (state, label, whether an event ended the phase) to the persistent vector.
     end: Callable[[Array, Any, Bool[Array, ""]], Array]
     #: Label to the longest step, as a share.
     longest: Callable[[Any], Scalar]
 
 
 class Phases(NamedTuple):
-    """States and labels at the sample times, and the phases that were gone through."""
+    """States and labels at the sample times, and all phases."""
 
     states: Float[Array, "times states"]
     labels: Any
@@ -65,11 +64,11 @@ class Phases(NamedTuple):
 
 
 def _event(margin: Callable[[Scalar, Array, Any], Scalar], root_finder: Any) -> Any:
-    """The margin falls through zero; without a root finder the step is not cut."""
+    """Event where the margin falls through zero; without root finder the step is not shortened."""
     import diffrax
 
     def at(t, y, args, **_):
-        # Where an event has not happened diffrax takes 0.0, of the precision that is set.
+        # Without an event diffrax takes 0.0, in the default precision.
         return margin(t, y, args).astype(jnp.result_type(float))
 
     return diffrax.Event(at, root_finder, direction=False)
@@ -106,7 +105,7 @@ def _chosen_steps(
 
 def follow_phases(
     laws: PhaseLaws,
-    first: Float[Array, " kept"],
+    first: Float[Array, " persistent"],
     times: Float[Array, " times"],
     breaks: Float[Array, " breaks"],
     most: int,
@@ -118,11 +117,11 @@ def follow_phases(
     **Arguments:**
 
     - `laws`: the motion.
-    - `first`: what is kept, at the start.
+    - `first`: the persistent vector at the start.
     - `times`: sample times, from 0 to the end [s].
     - `breaks`: times at which the drive jumps or bends [s].
-    - `most`: phases that are followed; running out of them is the code 5.
-    - `solver`: of diffrax.
+    - `most`: largest number of phases; if they do not suffice the code is 5.
+    - `solver`: a solver of diffrax.
     - `settings`: tolerances, steps and kind of derivative.
     """
     import diffrax
@@ -134,8 +133,8 @@ def follow_phases(
     dtype = times.dtype
 
     def phase(carry, _):
-        start, kept, done, values, labels, steps, rejected, code = carry
-        label, state = laws.begin(start, kept)
+        start, persistent, done, values, labels, steps, rejected, code = carry
+        label, state = laws.begin(start, persistent)
         label = jax.lax.stop_gradient(label)
         longest = laws.longest(label)
         controller = controller_of(
@@ -168,35 +167,35 @@ def follow_phases(
                 subs=(diffrax.SubSaveAt(t1=True), diffrax.SubSaveAt(ts=jnp.maximum(grid, start)))
             ),
             stepsize_controller=controller,
-            # Newton would leave the step where the margin bends. To say that it falls saves two
-            # copies of the margin in the program.
+            # Newton's method would leave the step where the margin bends. Declaring that it falls
+            # (`flip`) saves two copies of the margin in the program.
             event=_event(laws.margin, optimistix.Bisection(rtol=EVENT, atol=EVENT, flip=True)),
             adjoint=adjoint_of(settings.gradient),
         )
-        times_found: Any = solution.ts
-        values_found: Any = solution.ys
-        stop, last = times_found[0][-1], values_found[0][-1]
-        # Where the torque jumps over the limit, bisection ends at two neighbouring numbers, and the
-        # margin in between is never small.
+        saved_times: Any = solution.ts
+        saved_values: Any = solution.ys
+        stop, last = saved_times[0][-1], saved_values[0][-1]
+        # Where the torque jumps over the limit, bisection ends at two adjacent floating-point
+        # numbers, and the margin is small at neither.
         ended = (solution.result == diffrax.RESULTS.event_occurred) | (
             solution.result == diffrax.RESULTS.nonlinear_max_steps_reached
         )
         finished = solution.result == diffrax.RESULTS.successful
         stats = solution.stats
         if chosen is not None:
-            # Taken again, the steps lead to the same end, or the phase has failed.
+            # The repeated steps lead to the same end, or the phase has failed.
             stats, event = chosen.stats, diffrax.RESULTS.event_occurred
             ended = ended & (chosen.result == event)
             finished = finished & (chosen.result == diffrax.RESULTS.successful)
         inside = (grid >= start) & (grid <= stop) & jnp.logical_not(done)
-        values = jnp.where(inside[:, None], values_found[1], values)
+        values = jnp.where(inside[:, None], saved_values[1], values)
 
         def at_samples(new, old):
             chosen = jnp.reshape(inside, inside.shape + (1,) * (old.ndim - 1))
             return jnp.where(chosen, new, old)
 
         labels = jax.tree.map(at_samples, label, labels)
-        kept = jnp.where(done, kept, laws.end(last, label, ended))
+        persistent = jnp.where(done, persistent, laws.end(last, label, ended))
         failed = jnp.logical_not(ended | finished | done)
         code = jnp.where(failed & (code == 0), 1, code)
         used = jnp.where(done, 0, 1)
@@ -206,7 +205,7 @@ def follow_phases(
         record = (start * end, following * end, label["mode"])
         carry = (
             following,
-            kept,
+            persistent,
             done | finished | failed,
             values,
             labels,
@@ -216,13 +215,13 @@ def follow_phases(
         )
         return carry, (record, jnp.logical_not(done))
 
-    none, zero = jnp.zeros((), int), jnp.zeros((), dtype)
+    zero_count, zero = jnp.zeros((), int), jnp.zeros((), dtype)
     label, state = jax.eval_shape(laws.begin, zero, first)
     empty = [
         jax.tree.map(lambda x: jnp.zeros((len(times), *x.shape), x.dtype), tree)
         for tree in (state, label)
     ]
-    start = (zero, first, jnp.asarray(False), *empty, none, none, none)
+    start = (zero, first, jnp.asarray(False), *empty, zero_count, zero_count, zero_count)
     carry, (phases, used) = jax.lax.scan(phase, start, None, length=most)
     _, _, done, values, labels, steps, rejected, code = carry
     code = jnp.where(done, code, jnp.where(code == 0, 5, code))

@@ -2,8 +2,8 @@
 
 With bristles (LuGre) or regularised Coulomb friction the contact forces follow from the states at
 any speed. Screw and carriers are then all free: angle and speed of the screw, the speed of every
-carrier, and the deflections of bristles. What sticks with exact Coulomb friction is a stiff spring
-here, or creeps.
+carrier, and the deflections of bristles. Where exact Coulomb friction sticks, these laws act as
+a stiff spring, or creep.
 """
 
 import equinox as eqx
@@ -24,7 +24,7 @@ from ._torque_balance import TorqueProblem, torque_problem
 
 
 class _State(eqx.Module):
-    """Angle and speed of the screw, and what turns and bends behind it."""
+    """Angle and speed of the screw, and the state of carriers and bristles."""
 
     angle: Scalar
     speed: Scalar
@@ -32,7 +32,7 @@ class _State(eqx.Module):
 
 
 def has_smooth_threads(mechanism: Mechanism) -> bool:
-    """Whether any stage's thread friction is made to pass standstill without events."""
+    """Whether thread friction of any stage passes standstill without events."""
     laws = [stage.thread_law for stage in mechanism.stages]
     return any(
         law is not None and law.smooth_at_standstill and not law.load_independent for law in laws
@@ -40,7 +40,7 @@ def has_smooth_threads(mechanism: Mechanism) -> bool:
 
 
 def _jump_of(stage: Stage) -> str | None:
-    """What friction of a stage jumps at standstill, with the remedy."""
+    """The friction of a stage that jumps at standstill, with the remedy."""
     friction = stage.friction
     if friction is None:
         return None
@@ -65,8 +65,8 @@ def _check_smooth(mechanism: Mechanism) -> None:
         jump = _jump_of(stage)
         if jump is not None:
             raise ValueError(
-                "under a prescribed torque some thread friction here is smooth through "
-                f"standstill, so all friction has to be; stage {number}: {jump}"
+                "under a prescribed torque, if some thread friction is smooth through "
+                f"standstill, all friction has to be; stage {number}: {jump}"
             )
 
 
@@ -78,34 +78,34 @@ def _load(problem: TorqueProblem, time: Scalar, state: _State, acceleration: Sca
 
 @physics("smooth_torque_drive")
 def _motion(problem: TorqueProblem, time: Scalar, state: _State):
-    """Forces of all stages, rates of the state, and the acceleration at which torques balance."""
+    """Forces of all stages, rates of the state, the load, and whether the torques balance."""
     torque = problem.scenario.torque_at(time)
 
     def states_at(acceleration):
         load = _load(problem, time, state, acceleration)
-        found = states_with_bristles(
+        forces_and_rates = states_with_bristles(
             problem.mechanism, problem.kinematics, state.rest, state.speed, load, acceleration
         )
-        return *found, load
+        return *forces_and_rates, load
 
     def residual(scaled: Scalar) -> Scalar:
         states, _, _ = states_at(scaled * size / problem.total_inertia)
         return (states[0].screw.drive_torque - torque) / size
 
-    still, _, _ = states_at(jnp.zeros_like(state.speed))
-    size = jnp.abs(still[0].screw.drive_torque) + jnp.abs(torque)
+    unaccelerated, _, _ = states_at(jnp.zeros_like(state.speed))
+    size = jnp.abs(unaccelerated[0].screw.drive_torque) + jnp.abs(torque)
     size = jax.lax.stop_gradient(jnp.where(size > 0, size, 1.0))
-    # Linear but for the moduli in the friction of splines and thrust bearings.
-    scaled, found = find_root(residual, jnp.zeros_like(size), tolerance=1e-12, max_steps=20)
+    # Linear except for the moduli in the friction of splines and thrust bearings.
+    scaled, converged = find_root(residual, jnp.zeros_like(size), tolerance=1e-12, max_steps=20)
     acceleration = scaled * size / problem.total_inertia
     states, bending, load = states_at(acceleration)
     carriers = jnp.stack([one.forces.carrier_drive for one in states]) / problem.inertia
     rates = _State(state.speed, acceleration, BristleState(carriers, bending))
-    return states, rates, load, found
+    return states, rates, load, converged
 
 
 def _scales(problem: TorqueProblem, times: Float[Array, " times"]) -> _State:
-    """Of what size states are: those of bristles before they slip, else of a free run-up."""
+    """Sizes of the states: of bristles before they slip, else of a free run-up."""
     mechanism, scenario = problem.mechanism, problem.scenario
     inertia, one = problem.total_inertia, jnp.ones_like(problem.total_inertia)
     torques = jnp.abs(jax.vmap(lambda time: scenario.torque_at(time))(times))
@@ -131,8 +131,8 @@ def _scales(problem: TorqueProblem, times: Float[Array, " times"]) -> _State:
         angle = jnp.minimum(angle, size)
     speed = jnp.sqrt(torque * angle / inertia)
     both = tuple(size * jnp.ones(2, size.dtype) for size in sizes)
-    found = _State(angle, speed, BristleState(speed * jnp.ones_like(problem.inertia), both))
-    return jax.lax.stop_gradient(found)
+    scales = _State(angle, speed, BristleState(speed * jnp.ones_like(problem.inertia), both))
+    return jax.lax.stop_gradient(scales)
 
 
 def smooth_torque_history(
@@ -152,7 +152,7 @@ def smooth_torque_history(
     times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=dtype) * scenario.duration
     end, scales = scenario.duration, _scales(problem, times)
 
-    # One vector: without bristles there is a part of no length.
+    # One vector, because without bristles one part is empty.
     sizes, unflatten = ravel_pytree(scales)
 
     def physical(scaled):
@@ -178,15 +178,20 @@ def smooth_torque_history(
         scenario.samples,
         settings,
     )
-    found = jax.vmap(physical)(scaled)
-    states, rates, load, balanced = jax.vmap(lambda t, y: _motion(problem, t, y))(times, found)
+    sampled = jax.vmap(physical)(scaled)
+    states, rates, load, balanced = jax.vmap(lambda t, y: _motion(problem, t, y))(times, sampled)
     pushed = jnp.stack([one.forces.contact_force for one in states])
     unbalanced = ~(jnp.all(balanced) & jnp.all(pushed >= 0))
     code = jnp.where((report.code == 0) & unbalanced, 4, report.code)
-    report = eqx.tree_at(lambda found: found.code, report, code)
+    report = eqx.tree_at(lambda r: r.code, report, code)
     history = CarrierHistory(
-        found.speed, rates.speed, load, found.rest.carrier_speed, states, rates.rest.carrier_speed
+        sampled.speed,
+        rates.speed,
+        load,
+        sampled.rest.carrier_speed,
+        states,
+        rates.rest.carrier_speed,
     )
     run = histories(mechanism, problem.kinematics, times, history, report)
-    position = travel_per_turn(mechanism.stages, len(mechanism.stages)) * found.angle
+    position = travel_per_turn(mechanism.stages, len(mechanism.stages)) * sampled.angle
     return eqx.tree_at(lambda r: r.position, run, position, is_leaf=lambda leaf: leaf is None)

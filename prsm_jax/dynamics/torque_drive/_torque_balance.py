@@ -1,9 +1,9 @@
 """Torque and acceleration of a screw whose carriers follow it.
 
-Two questions with one answer: at which acceleration does the motion need the applied torque, and
-which torque does a mechanism at rest need to begin to turn. Friction of splines and thrust bearings
+Two problems with the same equations: the acceleration at which the motion needs the applied torque,
+and the torque at which a mechanism at rest begins to turn. Friction of splines and thrust bearings
 depends on forces that depend on the acceleration, and so do the balances of the carriers: all of
-them are solved at once.
+them are solved together.
 """
 
 from typing import NamedTuple
@@ -30,9 +30,9 @@ class TorqueProblem(eqx.Module):
     kinematics: tuple[StageKinematics, ...]
     scenario: TorqueScenario
     inertia: Float[Array, " stages"]
-    #: Inertia of everything that moves, seen by the screw, to scale accelerations [kg·m²].
+    #: Inertia of everything that moves, referred to the screw, to scale accelerations [kg·m²].
     total_inertia: Scalar
-    #: A torque of the scene, to scale torques [N·m].
+    #: Typical torque of the scene, to scale torques [N·m].
     torque_scale: Scalar
 
 
@@ -50,8 +50,8 @@ class Instant(NamedTuple):
     states: tuple[StageState, ...]
     ratios: Float[Array, " stages"]
     load: Scalar
-    #: How far each carrier and the axial balance of each stage with an unknown share are from
-    #: theirs, and whether friction could drive them.
+    #: Residuals of the carriers' balances and of the axial balances with an unknown share; and
+    #: whether all threads mesh and all contacts push.
     residuals: Float[Array, " unknowns"]
     valid: Bool[Array, ""]
 
@@ -62,20 +62,20 @@ class Instant(NamedTuple):
 
 
 def first_unknowns(problem: TorqueProblem) -> Float[Array, " unknowns"]:
-    """Where to begin a search: tangents of all carriers, and `unknown_shares`."""
+    """Initial guess of a search: tangents of all carriers, and `unknown_shares`."""
     shares = unknown_shares(problem.mechanism.stages, problem.kinematics).values()
     start = jnp.zeros_like(problem.inertia)
     return jnp.concatenate([start, jnp.stack(list(shares))]) if shares else start
 
 
 def shares_of(problem: TorqueProblem, unknowns: Float[Array, " unknowns"]) -> dict[int, Scalar]:
-    """Shares of the normal force that carry, by stage: the last of the unknowns."""
+    """Shares of the normal force that carry axially, by stage: the last of the unknowns."""
     unknown = list(unknown_shares(problem.mechanism.stages, problem.kinematics))
     return {index: unknowns[at - len(unknown)] for at, index in enumerate(unknown)}
 
 
 def missed_by(states: tuple[StageState, ...]) -> list[Scalar]:
-    """What these shares miss the axial balances by."""
+    """Residuals of the axial balances at these shares."""
     each = [state.forces.missed for state in states]
     return [missed for missed in each if missed is not None]
 
@@ -88,11 +88,11 @@ def instant(
     sense: Scalar,
     unknowns: Float[Array, " unknowns"],
 ) -> Instant:
-    """Forces of all stages for a motion of the screw, with slip in the directions of a sense.
+    """Forces of all stages for a motion of the screw, with slip directions of a sense of turning.
 
     **Arguments:**
 
-    - `problem`, `time`, `motion`, `sense`: what moves, when and how; +1 or −1.
+    - `problem`, `time`, `motion`, `sense`: the scene, the screw's motion, its sense +1 or −1.
     - `unknowns`: tangents of the carriers' balances (`CarrierBalance`), and shares (`shares_of`).
     """
     mechanism, kinematics = problem.mechanism, problem.kinematics
@@ -105,10 +105,12 @@ def instant(
     valid = jnp.stack([k.meshing.converged for k in kinematics]).all()
     shares = shares_of(problem, unknowns)
 
-    def motion_of(index: int, flank: Scalar, axial_force: Scalar, axial_acceleration) -> Motion:
+    def motion_of(
+        index: int, flank_sign: Scalar, axial_force: Scalar, axial_acceleration
+    ) -> Motion:
         stage, geometry = mechanism.stages[index], kinematics[index]
-        own_speed, own_sense = flank * motion.speed, flank * sense
-        per_ratio = problem.inertia[index] * (flank * motion.acceleration)
+        own_speed, own_sense = flank_sign * motion.speed, flank_sign * sense
+        per_ratio = problem.inertia[index] * (flank_sign * motion.acceleration)
         balance = carrier_balance(stage, geometry, own_sense, own_speed, axial_force, per_ratio)
         point = balance.at(unknowns[index], shares.get(index))
         ratios.append(point.ratio)
@@ -127,14 +129,14 @@ def instant(
         mechanism, kinematics, motion_of, motion.speed, sense, load, motion.acceleration
     )
     for state in states:
-        # Past the locking limit the axial balance asks for a pulling contact.
+        # Beyond jamming the axial balance requires a contact that pulls.
         valid = valid & (state.forces.contact_force >= 0)
-    missed = jnp.stack([*residuals[::-1], *missed_by(states)])
-    return Instant(states, jnp.stack(ratios[::-1]), load, missed, valid)
+    all_residuals = jnp.stack([*residuals[::-1], *missed_by(states)])
+    return Instant(states, jnp.stack(ratios[::-1]), load, all_residuals, valid)
 
 
 class Balance(NamedTuple):
-    """What a search found."""
+    """Result of a search."""
 
     acceleration: Scalar
     #: As those of `instant`.
@@ -157,26 +159,26 @@ def moving(
         return jnp.concatenate([((now.torque - applied) / scale)[None], now.residuals])
 
     start = jnp.concatenate([jnp.zeros_like(speed)[None], first_unknowns(problem)])
-    unknowns, found = find_roots(residual, start, tolerance=_tolerance(speed), max_steps=30)
-    return Balance(unknowns[0] * unit, unknowns[1:], found)
+    unknowns, converged = find_roots(residual, start, tolerance=_tolerance(speed), max_steps=30)
+    return Balance(unknowns[0] * unit, unknowns[1:], converged)
 
 
 @eqx.filter_jit
 def resting(problem: TorqueProblem, time: Scalar, angle: Scalar, sense: Scalar) -> Balance:
-    """The balances of the carriers in a motion that is about to begin."""
-    none = jnp.zeros_like(angle)
-    still = ScrewMotion(angle, none, none)
+    """The balances of the carriers in impending motion."""
+    zero = jnp.zeros_like(angle)
+    at_rest = ScrewMotion(angle, zero, zero)
     start = first_unknowns(problem)
     resisted = any(has_contact_losses(stage.friction) for stage in problem.mechanism.stages)
     if not resisted and start.size == len(problem.kinematics):
-        # Nothing resists the rollers: the slip is that of geometry alone.
-        return Balance(none, start, jnp.asarray(True))
+        # Nothing resists the rollers: the slip depends on geometry alone.
+        return Balance(zero, start, jnp.asarray(True))
 
     def residual(unknowns):
-        return instant(problem, time, still, sense, unknowns).residuals
+        return instant(problem, time, at_rest, sense, unknowns).residuals
 
-    unknowns, found = find_roots(residual, start, tolerance=_tolerance(angle), max_steps=30)
-    return Balance(none, unknowns, found)
+    unknowns, converged = find_roots(residual, start, tolerance=_tolerance(angle), max_steps=30)
+    return Balance(zero, unknowns, converged)
 
 
 def _tolerance(value: Scalar) -> float:
@@ -187,21 +189,21 @@ def _tolerance(value: Scalar) -> float:
 def breakaway_torques(problem: TorqueProblem, time: Scalar, angle: Scalar) -> Float[Array, "2"]:
     """Torques at which a mechanism at rest begins to turn backward and forward [N·m].
 
-    In between it sticks. Backward it holds by itself if that is negative: self-locking. Friction
-    that is larger at rest than in motion counts as it is at rest.
+    In between it sticks. If the backward torque is negative, the mechanism is self-locking.
+    Friction that is larger at rest than in motion counts with its value at rest.
     """
-    none = jnp.zeros_like(angle)
+    zero = jnp.zeros_like(angle)
 
     def torque(sense):
-        found = resting(problem, time, angle, sense).unknowns
-        return instant(problem, time, ScrewMotion(angle, none, none), sense, found).torque
+        unknowns = resting(problem, time, angle, sense).unknowns
+        return instant(problem, time, ScrewMotion(angle, zero, zero), sense, unknowns).torque
 
     # One program for both senses.
     return jax.vmap(torque)(jnp.asarray([BACKWARD, FORWARD], angle.dtype))
 
 
 def torque_problem(mechanism: Mechanism, scenario: TorqueScenario) -> TorqueProblem:
-    """Collect what the equation of motion needs."""
+    """Collect the input of the equation of motion."""
     kinematics = with_resistance(mechanism.stages, all_kinematics(mechanism))
     inertia = jnp.stack([carrier_inertia(stage) for stage in mechanism.stages])
     zero, one = jnp.zeros((), inertia.dtype), jnp.ones((), inertia.dtype)

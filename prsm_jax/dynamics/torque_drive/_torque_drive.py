@@ -4,7 +4,7 @@ The carriers follow the screw (see `_torque_balance`), so the mechanism has one 
 and three modes: turning forward, turning backward, and sticking. While it turns everything is
 smooth, also past standstill, because the directions of slip are those of the mode and not of the
 speed; an event ends the mode where the speed passes through zero. While it sticks the torque lies
-between the two limits at which it would begin to turn, and an event ends that where one is passed.
+between the two limits at which it would begin to turn; an event ends sticking at a limit.
 """
 
 import equinox as eqx
@@ -24,28 +24,27 @@ from ._torque_balance import (
     moving,
 )
 
-#: While it sticks nothing moves, and steps are limited only so that they see what the torque does.
+#: While it sticks nothing moves, and steps are limited only to follow the torque.
 STEPS_PER_SAMPLE = 4
-#: Between these steps the torque is looked at again, afterwards: a phase that was passed over is
-#: then reported.
+#: Times per sample at which the torque is checked afterwards, to report a missed phase.
 LOOKS_PER_SAMPLE = 32
-#: Result code of that.
+#: Result code of a missed phase.
 MISSED = 8
 
 
 def next_mode(
     scenario: TorqueScenario, time: Scalar, speed: Scalar, limits: Float[Array, "2"]
 ) -> Scalar:
-    """Mode in which the mechanism goes on: by its speed, or from rest by the torque.
+    """Next mode of the mechanism: by its speed, or from rest by the torque.
 
     **Arguments:**
 
-    - `scenario`, `time`, `speed`: what drives it, when, and how fast it turns.
+    - `scenario`, `time`, `speed`: the drive, the time and the screw speed.
     - `limits`: torques at which it begins to turn backward and forward [N·m].
     """
     lower, upper = limits
-    # On a limit itself, where a phase of sticking has just ended, it turns: to the accuracy of the
-    # event, before which a torque that jumps may still be far from the limit.
+    # At a limit, where a phase of sticking has just ended, it turns. The torque is checked within
+    # the accuracy of the event: before the event, a torque that jumps may be far from the limit.
     later = scenario.torque_at(time + 4 * EVENT * scenario.duration)
     now = scenario.torque_at(time)
     width = 1e-9 * (jnp.abs(upper) + jnp.abs(lower))
@@ -62,7 +61,7 @@ def held(applied: Scalar, limits: Float[Array, "2"]) -> Scalar:
 
 
 def looks(time: Scalar, step: Scalar) -> Float[Array, " looks"]:
-    """Times between a sample and the next, itself first."""
+    """Times from a sample to the next, starting with the sample."""
     return time + step * jnp.arange(LOOKS_PER_SAMPLE, dtype=time.dtype) / LOOKS_PER_SAMPLE
 
 
@@ -72,7 +71,7 @@ def passed(margins: Float[Array, " looks"]) -> Bool[Array, ""]:
 
 
 class StickSlip(eqx.Module):
-    """Motion of the screw at the sample times, and the phases it went through."""
+    """Motion of the screw at the sample times, and the phases."""
 
     angle: Float[Array, " times"]
     speed: Float[Array, " times"]
@@ -86,22 +85,22 @@ class StickSlip(eqx.Module):
 def follow(problem: TorqueProblem, times: Float[Array, " times"], settings: Settings) -> StickSlip:
     """Integrate through all phases; each ends at an event, located by bisection.
 
-    Steps are no longer than a quarter of the time between two samples. Where the torque passed a
-    limit and came back between two steps of a phase of sticking, that is reported.
+    Steps are no longer than a quarter of the time between two samples. If the torque passed a limit
+    and came back between two steps of a phase of sticking, the code reports it.
     """
     import diffrax
 
     scenario, inertia = problem.scenario, problem.total_inertia
     end, dtype = times[-1], times.dtype
     torque = problem.torque_scale
-    #: Speed that such a torque reaches in the scene; states and time are of order one in it.
+    #: Speed that the torque scale reaches in the scene; states and time are of order one in it.
     scale = jax.lax.stop_gradient(torque * end / inertia)
 
-    def begin(share, kept):
-        time, angle = share * end, kept[0] * scale * end
+    def begin(share, persistent):
+        time, angle = share * end, persistent[0] * scale * end
         limits = breakaway_torques(problem, time, angle)
-        mode = next_mode(scenario, time, kept[1] * scale, limits)
-        return {"mode": mode}, kept
+        mode = next_mode(scenario, time, persistent[1] * scale, limits)
+        return {"mode": mode}, persistent
 
     def rate(share, state, label):
         mode = label["mode"]
@@ -117,9 +116,9 @@ def follow(problem: TorqueProblem, times: Float[Array, " times"], settings: Sett
 
     def margin(share, state, label):
         mode = label["mode"]
-        kept = hold(before(share) * end, state[0] * scale * end)
-        # A phase of turning begins at rest: it has ended when the speed is truly past zero.
-        return jnp.where(mode == STICKING, kept, mode * state[1] + 1e-12)
+        hold_margin = hold(before(share) * end, state[0] * scale * end)
+        # A phase of turning may begin at rest, so it ends only where the speed is well past zero.
+        return jnp.where(mode == STICKING, hold_margin, mode * state[1] + 1e-12)
 
     laws = PhaseLaws(
         begin,
@@ -129,23 +128,23 @@ def follow(problem: TorqueProblem, times: Float[Array, " times"], settings: Sett
         longest=lambda _: times[1] / end / STEPS_PER_SAMPLE,
     )
     first = jnp.stack([jnp.zeros((), dtype), scenario.initial_speed.astype(dtype) / scale])
-    found = follow_phases(
+    solution = follow_phases(
         laws, first, times, scenario.break_times, scenario.most_phases, diffrax.Tsit5(), settings
     )
-    angle, mode = found.states[:, 0] * scale * end, found.labels["mode"]
+    angle, mode = solution.states[:, 0] * scale * end, solution.labels["mode"]
     sticks = (mode[:-1] == STICKING) & (mode[1:] == STICKING) & (angle[:-1] == angle[1:])
 
     def missed(time, step, angle):
         return passed(jax.vmap(lambda look: hold(look, angle))(looks(time, step)))
 
     passes = jax.vmap(missed)(times[:-1], jnp.diff(times), angle[:-1])
-    code = jnp.where((found.code == 0) & jnp.any(sticks & passes), MISSED, found.code)
+    code = jnp.where((solution.code == 0) & jnp.any(sticks & passes), MISSED, solution.code)
     return StickSlip(
         angle=angle,
-        speed=found.states[:, 1] * scale,
+        speed=solution.states[:, 1] * scale,
         mode=mode,
-        phases=found.phases,
-        steps=found.steps,
-        rejected=found.rejected,
+        phases=solution.phases,
+        steps=solution.steps,
+        rejected=solution.rejected,
         code=code,
     )

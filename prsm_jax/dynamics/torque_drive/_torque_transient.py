@@ -38,8 +38,8 @@ def torque_history(mechanism: Mechanism, scenario: TorqueScenario, settings: Set
     """Integrate under a prescribed torque, and evaluate all forces at the sample times.
 
     Carriers are states too, unless the method is `"quasi_steady"`. While the mechanism sticks,
-    friction takes what it must; reported are then the forces at that one of the two limits which is
-    nearer to the applied torque, and the applied torque itself.
+    friction balances the applied torque; the reported forces are then those at the limit nearer to
+    the applied torque, and the reported torque is the applied one.
     """
     problem = torque_problem(mechanism, scenario)
     times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=problem.inertia.dtype)
@@ -76,10 +76,10 @@ def _integrated(
         now = driven(problem, time, angle, speed, mode, carriers)
         states = jax.tree.map(lambda a, b: jnp.where(rests, a, b), resting, now.states)
         acceleration, accelerations = (
-            jnp.where(rests, 0.0, found) for found in (now.acceleration, now.carriers)
+            jnp.where(rests, 0.0, rate) for rate in (now.acceleration, now.carriers)
         )
         load = jnp.where(rests, load, now.load)
-        # What resists the turning of rollers can hold them, but not turn them back.
+        # The resistance of rollers can stop them, but not reverse them.
         dragged = resists & ~carriers.coasts
         dragged = dragged & (slip_geometry(problem).ratio(carriers.tangent) < 0)
         if carriers.ways is not None:
@@ -101,12 +101,12 @@ def _integrated(
     history = CarrierHistory(
         motions.speed, acceleration, load, motions.carrier_speed, states, accelerations
     )
-    found = motions.found
+    solution = motions.found
     # The torque passed a limit and came back between two steps of a phase of sticking.
-    code = jnp.where((found.code == 0) & jnp.any(missed), MISSED, found.code)
-    report = SolverReport(found.steps, found.rejected, code, f"{settings.name} with events")
-    run = _found(problem, times, history, report, valid)
-    return _with_motion(problem, run, applied, motions.angle, motions.mode, found.phases)
+    code = jnp.where((solution.code == 0) & jnp.any(missed), MISSED, solution.code)
+    report = SolverReport(solution.steps, solution.rejected, code, f"{settings.name} with events")
+    run = _checked_histories(problem, times, history, report, valid)
+    return _with_motion(problem, run, applied, motions.angle, motions.mode, solution.phases)
 
 
 def _quasi_steady(
@@ -120,11 +120,11 @@ def _quasi_steady(
         applied = problem.scenario.torque_at(time)
         limits = breakaway_torques(problem, time, angle)
         sense = jnp.where(sticking, _nearer(applied, limits), mode)
-        still, turning = (
+        at_rest, turning = (
             resting(problem, time, angle, sense),
             moving(problem, time, angle, speed, sense),
         )
-        balance = jax.tree.map(lambda a, b: jnp.where(sticking, a, b), still, turning)
+        balance = jax.tree.map(lambda a, b: jnp.where(sticking, a, b), at_rest, turning)
         acceleration = balance.acceleration
         now = instant(
             problem, time, ScrewMotion(angle, speed, acceleration), sense, balance.unknowns
@@ -146,11 +146,11 @@ def _quasi_steady(
         error_estimate=error,
         time_constant=longest,
     )
-    run = _found(problem, times, history, report, valid)
+    run = _checked_histories(problem, times, history, report, valid)
     return _with_motion(problem, run, applied, motion.angle, motion.mode, motion.phases)
 
 
-def _found(
+def _checked_histories(
     problem: TorqueProblem,
     times: Float[Array, " times"],
     history: CarrierHistory,
@@ -158,7 +158,7 @@ def _found(
     valid: Bool[Array, " times"],
 ) -> Transient:
     code = jnp.where((report.code == 0) & jnp.logical_not(jnp.all(valid)), 4, report.code)
-    report = eqx.tree_at(lambda found: found.code, report, code)
+    report = eqx.tree_at(lambda r: r.code, report, code)
     return histories(problem.mechanism, problem.kinematics, times, history, report)
 
 
@@ -172,7 +172,7 @@ def _with_motion(
 ) -> Transient:
     stages = problem.mechanism.stages
     position = travel_per_turn(stages, len(stages)) * angle
-    # A held screw keeps still under a torque that is NaN.
+    # A held screw stays at rest even if the torque is NaN.
     code = code_of_finite(run.solver.code, jnp.isfinite(applied + position))
     return eqx.tree_at(
         lambda run: (run.drive_torque, run.position, run.sticking, run.phases, run.solver.code),
