@@ -34,7 +34,7 @@ from scipy.optimize import minimize
 import prsm_jax as prsm
 from prsm_jax import report
 from prsm_jax.dynamics import choose_method
-from prsm_jax.mechanism import SCurveMoveProfile, SequenceProfile, SineProfile
+from prsm_jax.scenario import SCurveMoveProfile, SequenceProfile, SineProfile
 
 select_figure_formats(get_ipython(), {"png"})  # show figures, without pyplot
 mechanism = prsm.load("li2021_two_stage")

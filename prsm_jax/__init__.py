@@ -52,9 +52,7 @@ from .dynamics import (
     Implicit as Implicit,
     QuasiSteady as QuasiSteady,
     Rodasp as Rodasp,
-    Scenario as Scenario,
     SteadyState as SteadyState,
-    TorqueScenario as TorqueScenario,
     Transient as Transient,
     simulate as simulate,
     steady_state as steady_state,
@@ -93,6 +91,7 @@ from .response import (
     campbell as campbell,
     frequency_response as frequency_response,
 )
+from .scenario import Scenario as Scenario, TorqueScenario as TorqueScenario
 from .sensitivities import Sensitivity as Sensitivity, sensitivity as sensitivity
 from .sweeps import sweep as sweep
 from .vibration import (

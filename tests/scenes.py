@@ -15,24 +15,26 @@ import numpy as np
 import prsm_jax as prsm
 from prsm_jax import file
 from prsm_jax.contact import stage_contact as _stage_contact
-from prsm_jax.mechanism import (
-    Carrier,
+from prsm_jax.friction import (
     CoulombFriction,
     Drag,
     Friction,
+    RollingHysteresis,
+    SpinFriction,
+    SplineFriction,
+    ThrustBearingFriction,
+)
+from prsm_jax.mechanism import (
+    Carrier,
     Gear,
     Material,
     Mechanism,
     Nut,
     OperatingPoint,
     Roller,
-    RollingHysteresis,
     Screw,
-    SpinFriction,
-    SplineFriction,
     Stage,
     Thread,
-    ThrustBearingFriction,
 )
 
 STEEL = Material(210e9, 0.3, 7850.0)

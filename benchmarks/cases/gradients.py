@@ -9,7 +9,8 @@ import numpy as np
 
 from prsm_jax import modal, steady_state
 from prsm_jax.file import load
-from prsm_jax.mechanism import CoulombFriction, Mechanism, get_parameter, set_parameters
+from prsm_jax.friction import CoulombFriction
+from prsm_jax.mechanism import Mechanism, get_parameter, set_parameters
 
 from ..harness import Case, Kind, Method, Prepared, Problem, Reference
 from ..references.contact import efficiency_slopes

@@ -7,11 +7,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from prsm_jax import compute, to_precision
+from prsm_jax import compute
 from prsm_jax.contact import contact_modulus
 from prsm_jax.file import load
+from prsm_jax.friction import CoulombFriction
 from prsm_jax.geometry import mesh
-from prsm_jax.mechanism import CoulombFriction, Mechanism, material_of, set_parameter
+from prsm_jax.mechanism import Mechanism, material_of, set_parameter
+from prsm_jax.programs import to_precision
 from prsm_jax.stiffness import thread_stiffness
 from prsm_jax.vibration import modal, vibration_system
 

@@ -8,9 +8,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from prsm_jax import HingeLoad, TorqueScenario, simulate
+from prsm_jax import TorqueScenario, simulate
 from prsm_jax.file import load
-from prsm_jax.mechanism import CoulombFriction, Friction, Mechanism, get_parameter, set_parameter
+from prsm_jax.friction import CoulombFriction, Friction
+from prsm_jax.mechanism import Mechanism, get_parameter, set_parameter
+from prsm_jax.scenario import HingeLoad
 
 from ..harness import Case, Method, Prepared, Problem, Reference
 from ..references.torque_runs import Run, TorqueChain

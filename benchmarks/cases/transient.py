@@ -7,8 +7,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from prsm_jax import Scenario, simulate, to_precision
+from prsm_jax import Scenario, simulate
 from prsm_jax.file import load
+from prsm_jax.programs import to_precision
 
 from ..harness import Case, Method, Prepared, Problem, Reference
 from ..method_options import taken

@@ -8,9 +8,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from prsm_jax.contact import largest_pressure, pressure_ratio, stage_contact
+from prsm_jax.fields import as_scalar
 from prsm_jax.geometry import mesh
 from prsm_jax.halfspace import flank_contact
-from prsm_jax.mechanism import Material, Stage, Thread, as_scalar
+from prsm_jax.mechanism import Material, Stage, Thread
 from prsm_jax.strength import side_edges, side_onsets
 
 from ..harness import Case, Method, Prepared, Problem, Reference

@@ -10,7 +10,8 @@ from typing import Any
 
 import mpmath
 
-from prsm_jax.mechanism import CoulombFriction, Mechanism, SplineFriction, ThrustBearingFriction
+from prsm_jax.friction import CoulombFriction, SplineFriction, ThrustBearingFriction
+from prsm_jax.mechanism import Mechanism
 
 from ..references.meshing import Design, mesh_point
 

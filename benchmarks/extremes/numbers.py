@@ -8,7 +8,7 @@ import equinox as eqx
 import jax
 import numpy as np
 
-from prsm_jax.mechanism import ANY, Limit, limit_of
+from prsm_jax.fields import ANY, Limit, limit_of
 
 #: Stiffnesses may be negative in Python: published models are (`prsm_jax.check` finds them).
 _FREE_UNITS = ("N/m",)

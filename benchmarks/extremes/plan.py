@@ -2,7 +2,8 @@
 
 import mpmath
 
-from prsm_jax.mechanism import CoulombFriction, Mechanism
+from prsm_jax.friction import CoulombFriction
+from prsm_jax.mechanism import Mechanism
 
 from .chain import Contact
 from .numbers import Change, numbers_of, split

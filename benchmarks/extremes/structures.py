@@ -15,23 +15,10 @@ import prsm_jax as prsm
 from prsm_jax import file
 from prsm_jax.contact import hertz_contact
 from prsm_jax.fields._fields import Scalar, number
-from prsm_jax.mechanism import (
-    CoulombFriction,
-    Drag,
-    Friction,
-    LuGreFriction,
-    Mechanism,
-    OperatingPoint,
-    Roller,
-    Scenario,
-    SineProfile,
-    Stage,
-    Support,
-    ThrustBearingFriction,
-    TorqueScenario,
-    UnequalRoller,
-)
+from prsm_jax.friction import CoulombFriction, Drag, Friction, LuGreFriction, ThrustBearingFriction
+from prsm_jax.mechanism import Mechanism, OperatingPoint, Roller, Stage, Support, UnequalRoller
 from prsm_jax.quantities import available_quantities, catalogue
+from prsm_jax.scenario import Scenario, SineProfile, TorqueScenario
 
 from .flagged import flagged_quantities
 

@@ -58,10 +58,10 @@ CASES: dict[str, tuple[str, str]] = {
     "many_transients": (
         "Transients of many designs",
         "Map the closed form or the quasi-steady balance where they apply: pass "
-        "`method=prsm.dynamics.choose_method(…).method`, because inside `vmap` the numbers are unknown "
-        "and RODASP is used. Integrate only where it is necessary, in chunks of a few hundred designs, "
-        "because a batch takes as many steps as its slowest member. One thread per core, each with "
-        "its own chunks, halves the time on two cores.",
+        "`method=prsm.dynamics.choose_method(…).method`, because inside `vmap` the numbers are "
+        "unknown and RODASP is used. Integrate only where it is necessary, in chunks of a few "
+        "hundred designs, because a batch takes as many steps as its slowest member. One thread "
+        "per core, each with its own chunks, halves the time on two cores.",
     ),
     "torque_runs": (
         "Runs under a prescribed torque",

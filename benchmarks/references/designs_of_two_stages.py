@@ -10,15 +10,13 @@ import numpy as np
 
 from prsm_jax.dynamics import all_kinematics, axial_inertia, carrier_inertia
 from prsm_jax.file import load
-from prsm_jax.mechanism import (
+from prsm_jax.friction import (
     CoulombFriction,
-    Mechanism,
     RegularisedCoulombFriction,
     SplineFriction,
     ThrustBearingFriction,
-    body_inertia,
-    body_mass,
 )
+from prsm_jax.mechanism import Mechanism, body_inertia, body_mass
 
 from .compiled import DRIVE, STAGE
 from .dynamics import stage_numbers

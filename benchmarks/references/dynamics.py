@@ -10,15 +10,8 @@ from math import cos, pi, sin, sqrt, tan
 
 import mpmath
 
-from prsm_jax.mechanism import (
-    CoulombFriction,
-    Mechanism,
-    SplineFriction,
-    Stage,
-    ThrustBearingFriction,
-    body_inertia,
-    body_mass,
-)
+from prsm_jax.friction import CoulombFriction, SplineFriction, ThrustBearingFriction
+from prsm_jax.mechanism import Mechanism, Stage, body_inertia, body_mass
 
 from .meshing import DIGITS, Design, mesh_point
 

@@ -3,7 +3,8 @@
 import jax.numpy as jnp
 
 from .._errors import MissingDataError
-from ..mechanism import Mechanism, Scalar, of_one_design
+from ..fields import Scalar
+from ..mechanism import Mechanism, of_one_design
 from ..programs import one_program
 from ._thread_contact import StageContact, stage_contact
 from .hertz import HertzMethod

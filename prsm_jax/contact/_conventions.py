@@ -3,8 +3,9 @@
 import equinox as eqx
 import jax.numpy as jnp
 
+from ..fields import Scalar
 from ..geometry import Meshing, RelativeCurvature
-from ..mechanism import CurvatureConvention, Scalar, Thread
+from ..mechanism import CurvatureConvention, Thread
 
 
 class ContactFrame(eqx.Module):

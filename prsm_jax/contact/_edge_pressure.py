@@ -23,8 +23,8 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from ..fields import Scalar
 from ..geometry import FlankEnd, RelativeCurvature, Way
-from ..mechanism import Scalar
 from ..numerics import root_above_one
 from ..programs import physics
 from ._truncation import Onsets, half_extent, onset_pressure, pressure_ratio

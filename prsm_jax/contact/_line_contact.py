@@ -6,8 +6,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from .._errors import MissingDataError
+from ..fields import Scalar
 from ..geometry import contact_zone, fit_parabola, ring_vertex
-from ..mechanism import LineContact, Scalar, Stage, material_of
+from ..mechanism import LineContact, Stage, material_of
 from ..numerics import above_or_nan, below_or_nan, find_root
 from ..programs import physics
 from ._thread_contact import engaged_threads

@@ -24,8 +24,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from ..fields import Scalar
 from ..geometry import RelativeCurvature
-from ..mechanism import Scalar
 from .hertz import HertzContact, anisotropy_of
 
 #: A centre counts as inside the ellipse up to this share of the axes beyond its edge: at the edge

@@ -5,8 +5,9 @@ import jax
 import jax.numpy as jnp
 
 from .._errors import MissingDataError
+from ..fields import Scalar
 from ..geometry import Meshing, mesh
-from ..mechanism import Scalar, Stage, material_of
+from ..mechanism import Stage, material_of
 from ._conventions import ContactFrame, contact_frames
 from .hertz import HertzContact, HertzMethod, contact_modulus, hertz_contact
 

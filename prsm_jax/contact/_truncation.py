@@ -22,8 +22,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ..fields import Scalar
 from ..geometry import FlankEnd, RelativeCurvature
-from ..mechanism import Scalar
 from ..numerics import above_or_nan, below_or_nan
 from ..programs import physics
 from .hertz import HertzContact

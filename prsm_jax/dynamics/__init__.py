@@ -1,10 +1,5 @@
 """Rigid-body dynamics with friction: steady state and transients."""
 
-from ..mechanism import (
-    HingeLoad as HingeLoad,
-    Scenario as Scenario,
-    TorqueScenario as TorqueScenario,
-)
 from ._kinematics import (
     StageKinematics as StageKinematics,
     free_carrier_ratio as free_carrier_ratio,

@@ -4,8 +4,9 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ..fields import Scalar
 from ..geometry import Meshing, mesh
-from ..mechanism import Scalar, Stage, Thread
+from ..mechanism import Stage, Thread
 from ..numerics import dot_few
 
 

@@ -7,9 +7,11 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from .._errors import PrsmError
-from ..mechanism import Mechanism, Scalar, TorqueScenario, check_scenario, of_one_design
+from ..fields import Scalar
+from ..mechanism import Mechanism, of_one_design
 from ..numerics import over_samples
 from ..programs import is_known, one_program_where_possible, traceable
+from ..scenario import TorqueScenario, check_scenario
 from ._kinematics import StageKinematics, free_carrier_ratio
 from .forces import Scenario, default_scenario, drive_once
 from .friction import has_bristles

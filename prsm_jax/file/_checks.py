@@ -1,6 +1,7 @@
 """Relations between numbers; a violation names the place in the file of the number to change."""
 
-from ..mechanism import Contradiction, Mechanism, check_stage
+from ..fields import Contradiction, check_stage
+from ..mechanism import Mechanism
 from .numbers import Misplaced
 
 

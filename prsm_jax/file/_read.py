@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .._errors import FileError, closest, missing_extra
-from ..mechanism import Contradiction, DutyCycle, Mechanism
+from ..fields import Contradiction
+from ..mechanism import DutyCycle, Mechanism
 from ._checks import check_together
 from ._examples import example_names, example_text
 from .numbers import Misplaced, file_error, one_line

@@ -7,7 +7,7 @@ import equinox as eqx
 import numpy as np
 
 from .._errors import FileError
-from ..mechanism import LOADS_OF_MOTION, PROFILES, Scenario, TorqueScenario
+from ..scenario import LOADS_OF_MOTION, PROFILES, Scenario, TorqueScenario
 
 
 def scenario_lines(

@@ -15,8 +15,9 @@ from typing import Annotated, Any, Literal
 import equinox as eqx
 from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model
 
+from ..fields import limit_of
 from ..friction import friction_laws
-from ..mechanism import DutyCycle, OperatingPoint, Stage, limit_of
+from ..mechanism import DutyCycle, OperatingPoint, Stage
 from .numbers import (
     TableChoice,
     module_classes,

@@ -2,8 +2,9 @@
 
 from collections.abc import Iterator
 
+from ..fields import Scalar
 from ..geometry import Finding
-from ..mechanism import Scalar, Stage
+from ..mechanism import Stage
 
 #: Values that differ by less agree [relative].
 _SAME = 0.01

@@ -2,8 +2,9 @@
 
 import equinox as eqx
 
+from ..fields import Scalar
 from ..geometry import Finding
-from ..mechanism import Mechanism, Scalar, of_one_known_design
+from ..mechanism import Mechanism, of_one_known_design
 from ..quantities import Analysis
 from . import _fit, _locking, _preferred, _stiffness, _strength, _truncation
 from ._margin import Source, evaluate_margins, findings_of, margins_of, sources

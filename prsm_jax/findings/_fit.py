@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 
 import jax.numpy as jnp
 
+from ..fields import Scalar
 from ..geometry import (
     Finding,
     bore_margins,
@@ -12,7 +13,7 @@ from ..geometry import (
     dimension_names,
     roller_clearance,
 )
-from ..mechanism import Mechanism, Scalar, Stage
+from ..mechanism import Mechanism, Stage
 from ..quantities import Analysis
 from ..strength import thins_teeth
 from ._margin import Kind, Margin, Reading, is_whole, margin_source

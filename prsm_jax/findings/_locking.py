@@ -13,7 +13,8 @@ from ..dynamics import (
     locking_coefficient,
     steady_state,
 )
-from ..mechanism import Mechanism, Scalar
+from ..fields import Scalar
+from ..mechanism import Mechanism
 from ..quantities import Analysis
 from ._margin import Margin, Reading, margin_source
 

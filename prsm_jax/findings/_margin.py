@@ -14,8 +14,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Int
 
 from .._errors import MissingDataError
+from ..fields import Scalar
 from ..geometry import Finding, Severity
-from ..mechanism import Mechanism, Scalar
+from ..mechanism import Mechanism
 from ..quantities import Analysis, SharedLoad
 
 #: What a violated limit of severity error means for the other results. `existence`: no such

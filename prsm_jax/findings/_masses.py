@@ -6,8 +6,9 @@ from typing import Any
 import equinox as eqx
 
 from .._errors import MissingDataError
+from ..fields import Scalar, as_scalar
 from ..geometry import Finding
-from ..mechanism import Material, Mechanism, Scalar, Stage, as_scalar, body_inertia, body_mass
+from ..mechanism import Material, Mechanism, Stage, body_inertia, body_mass
 
 #: Steel, where no density is given [kg/m³].
 _STEEL_DENSITY = 7850.0

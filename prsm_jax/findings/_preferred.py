@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import jax.numpy as jnp
 import numpy as np
 
-from ..mechanism import Mechanism, Scalar
+from ..fields import Scalar
+from ..mechanism import Mechanism
 from ..quantities import Analysis
 from ._margin import Margin, Reading, margin_source
 

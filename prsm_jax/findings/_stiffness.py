@@ -8,8 +8,9 @@ import numpy as np
 
 from .._errors import MissingDataError
 from ..contact import load_of
+from ..fields import Scalar
 from ..geometry import Finding
-from ..mechanism import Mechanism, Scalar, Stage
+from ..mechanism import Mechanism, Stage
 from ..quantities import Analysis
 from ..stiffness import loaded_threads, thread_stiffness
 from ..vibration import dense_matrices, vibration_system

@@ -6,8 +6,9 @@ from collections.abc import Callable, Iterator
 import jax.numpy as jnp
 
 from .. import strength
+from ..fields import Scalar
 from ..geometry import Finding, Severity
-from ..mechanism import Mechanism, Scalar, Stage, Strength
+from ..mechanism import Mechanism, Stage, Strength
 from ..quantities import (
     Analysis,
     SharedLoad,

@@ -7,8 +7,9 @@ import jax.numpy as jnp
 from .. import strength
 from .._errors import MissingDataError
 from ..contact import load_beyond
+from ..fields import Scalar
 from ..geometry import end_names
-from ..mechanism import Mechanism, Scalar, Stage
+from ..mechanism import Mechanism, Stage
 from ..quantities import (
     Analysis,
     SharedLoad,

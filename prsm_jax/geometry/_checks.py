@@ -6,7 +6,8 @@ from typing import Literal
 import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
-from ..mechanism import Scalar, Stage, Thread, numbers_possible
+from ..fields import Scalar
+from ..mechanism import Stage, Thread, numbers_possible
 
 Severity = Literal["error", "warning", "note"]
 

@@ -3,7 +3,7 @@
 import equinox as eqx
 import jax.numpy as jnp
 
-from ..mechanism import Scalar
+from ..fields import Scalar
 from ._flanks import Slope, SymmetricTensor
 
 

@@ -6,7 +6,8 @@ from typing import Literal, TypeAlias
 import equinox as eqx
 import jax.numpy as jnp
 
-from ..mechanism import Scalar, Stage, Thread
+from ..fields import Scalar
+from ..mechanism import Stage, Thread
 from ..programs import physics
 from ._curvature import direction_coefficient
 from ._flanks import SymmetricTensor, flanks_of, nut_side_hessian, screw_side_hessian

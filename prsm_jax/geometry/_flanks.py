@@ -13,7 +13,8 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
-from ..mechanism import Scalar, Thread
+from ..fields import Scalar
+from ..mechanism import Thread
 
 #: Gradient (∂z/∂x, ∂z/∂y) of a height over the transverse plane. Plain numbers rather than an
 #: array, like `SymmetricTensor`: a batch of designs then runs in one fused loop without a copy.

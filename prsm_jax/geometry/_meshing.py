@@ -4,7 +4,8 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..mechanism import Scalar, Thread, of_one_design
+from ..fields import Scalar
+from ..mechanism import Thread, of_one_design
 from ..numerics import find_root_of
 from ..programs import one_program, physics
 from ._curvature import RelativeCurvature, relative_curvature

@@ -12,7 +12,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
-from ..mechanism import LineContact, Scalar
+from ..fields import Scalar
+from ..mechanism import LineContact
 from ..numerics import find_root
 from ..programs import physics
 

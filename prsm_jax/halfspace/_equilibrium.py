@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
-from ..mechanism import Scalar
+from ..fields import Scalar
 from ._convolution import convolve
 from ._displacement import normal_displacement, normal_influence
 from ._grid import Grid

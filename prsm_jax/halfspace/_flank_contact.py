@@ -8,8 +8,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..contact import HertzContact, contact_modulus, engaged_threads, hertz_contact
+from ..fields import Scalar
 from ..geometry import Meshing, dimensions_possible, mesh
-from ..mechanism import Scalar, Stage, material_of, of_one_design
+from ..mechanism import Stage, material_of, of_one_design
 from ._flank_gap import FlankGap, TangentPlane, checked_side, flank_gap, tangent_plane
 from ._grid import grid_over
 from ._surface_contact import SurfaceContact, solve_contact, within_small_strains

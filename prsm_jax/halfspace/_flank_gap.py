@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from ..fields import Scalar
 from ..geometry import (
     Meshing,
     flanks_of,
@@ -18,7 +19,7 @@ from ..geometry import (
     screw_side_hessian,
     tangent_tensor,
 )
-from ..mechanism import Scalar, Thread
+from ..mechanism import Thread
 from ..programs import physics
 from ._grid import Grid
 

@@ -4,7 +4,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..mechanism import Scalar, as_scalar
+from ..fields import Scalar, as_scalar
 
 
 def _centred(count: int, spacing: Scalar) -> Float[Array, "n"]:

@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..mechanism import Scalar
+from ..fields import Scalar
 
 
 def peak_pressure(pressure: Float[Array, "nx ny"]) -> Scalar:

@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from ..mechanism import Scalar
+from ..fields import Scalar
 
 #: The prescribed quantity: the sum of all pressures, or the approach of the bodies.
 Control: TypeAlias = Literal["load", "approach"]

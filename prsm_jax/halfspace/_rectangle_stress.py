@@ -9,7 +9,7 @@ never 0, and differences over opposite corners are free of the logarithms' singu
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..mechanism import Scalar
+from ..fields import Scalar
 
 #: Coordinates X or Y relative to the corners [m], one axis each.
 Corners = Float[Array, "#cx #cy"]

@@ -4,8 +4,9 @@ import jax
 import jax.numpy as jnp
 
 from ..contact import LineContactResult, line_contact_under_force
+from ..fields import Scalar
 from ..geometry import contact_zone, ring_gap
-from ..mechanism import LineContact, Scalar
+from ..mechanism import LineContact
 from ..programs import physics
 from ._grid import Grid
 from ._surface_contact import SurfaceContact, solve_contact, within_small_strains

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..contact import von_mises_stress
-from ..mechanism import Scalar
+from ..fields import Scalar
 from ..programs import AbstractResult, mapped, physics
 from ._convolution import field_of, influence, spectrum
 from ._grid import Grid

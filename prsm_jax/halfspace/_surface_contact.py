@@ -6,7 +6,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from ..mechanism import Scalar
+from ..fields import Scalar
 from ..programs import physics
 from ._displacement import normal_displacement
 from ._equilibrium import equilibrium

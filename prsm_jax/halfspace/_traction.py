@@ -4,7 +4,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..mechanism import Scalar
+from ..fields import Scalar
 from ..programs import physics
 from ._surface_contact import SurfaceContact, solve_contact
 

@@ -21,7 +21,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..mechanism import Scalar
+from ..fields import Scalar
 from ..programs import physics
 from ._flank_law import flank_energy, flank_force, flank_force_and_slope
 

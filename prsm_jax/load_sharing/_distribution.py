@@ -9,8 +9,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ..contact import StageContact, load_of
+from ..fields import Scalar
 from ..geometry import Meshing
-from ..mechanism import Mechanism, Scalar, Stage, of_one_design
+from ..mechanism import Mechanism, Stage, of_one_design
 from ..programs import AbstractResult, mapped
 from ._block_tridiagonal import control_column
 from ._chains import (

@@ -15,7 +15,7 @@ import jax.numpy as jnp
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Bool, Int
 
-from ..mechanism import Scalar
+from ..fields import Scalar
 from ._block_tridiagonal import solve_linear
 from ._chains import (
     Chains,

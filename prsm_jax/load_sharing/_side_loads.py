@@ -5,7 +5,7 @@ from typing import Literal
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..mechanism import Scalar
+from ..fields import Scalar
 from ..numerics import above_or_nan
 from ..programs import AbstractResult, mapped
 from ._chains import Flanks, Loads

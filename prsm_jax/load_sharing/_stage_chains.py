@@ -13,8 +13,9 @@ from ..contact import (
     contact_frames,
     contact_pair,
 )
+from ..fields import Scalar
 from ..geometry import Meshing, mesh
-from ..mechanism import LoadSharing, Scalar, Stage, material_of, nut_outer_radius
+from ..mechanism import LoadSharing, Stage, material_of, nut_outer_radius
 from ._chains import Chains, Flanks
 from ._flank_law import flank_approach, flank_force
 from ._yamamoto import ToothCompliance, tooth_compliance

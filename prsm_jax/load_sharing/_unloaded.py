@@ -6,7 +6,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..mechanism import Scalar
+from ..fields import Scalar
 from ._chains import Chains, deflection_of
 from ._equilibrium import equilibrium
 from ._stage_chains import regularised

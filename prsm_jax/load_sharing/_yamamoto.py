@@ -3,7 +3,8 @@
 import equinox as eqx
 import jax.numpy as jnp
 
-from ..mechanism import Material, Scalar
+from ..fields import Scalar
+from ..mechanism import Material
 from ..programs import physics
 
 

@@ -1,53 +1,5 @@
 """The mechanism: a frozen pytree in SI units. It holds friction laws and a scenario."""
 
-from ..fields import (
-    ANY as ANY,
-    NOT_NEGATIVE as NOT_NEGATIVE,
-    POSITIVE as POSITIVE,
-    Contradiction as Contradiction,
-    Limit as Limit,
-    Scalar as Scalar,
-    as_scalar as as_scalar,
-    check_stage as check_stage,
-    limit_of as limit_of,
-)
-from ..friction import (
-    CoulombFriction as CoulombFriction,
-    Drag as Drag,
-    Friction as Friction,
-    FrictionLaw as FrictionLaw,
-    LuGreFriction as LuGreFriction,
-    RegularisedCoulombFriction as RegularisedCoulombFriction,
-    RollingHysteresis as RollingHysteresis,
-    SpinFriction as SpinFriction,
-    SplineFriction as SplineFriction,
-    StribeckFriction as StribeckFriction,
-    ThrustBearingFriction as ThrustBearingFriction,
-    ViscousFriction as ViscousFriction,
-)
-from ..scenario import (
-    LOADS_OF_MOTION as LOADS_OF_MOTION,
-    PROFILES as PROFILES,
-    AerodynamicLoad as AerodynamicLoad,
-    ConstantProfile as ConstantProfile,
-    Curve as Curve,
-    FrictionLoad as FrictionLoad,
-    HingeLoad as HingeLoad,
-    PositionTableLoad as PositionTableLoad,
-    Profile as Profile,
-    Scenario as Scenario,
-    SCurveMoveProfile as SCurveMoveProfile,
-    SequenceProfile as SequenceProfile,
-    SineProfile as SineProfile,
-    SumLoad as SumLoad,
-    TableProfile as TableProfile,
-    TorqueScenario as TorqueScenario,
-    TrapezoidalMoveProfile as TrapezoidalMoveProfile,
-    TrapezoidalProfile as TrapezoidalProfile,
-    break_times_of as break_times_of,
-    check_scenario as check_scenario,
-    depends_on_motion as depends_on_motion,
-)
 from ._mechanism import (
     CURVATURE_CONVENTIONS as CURVATURE_CONVENTIONS,
     CurvatureConvention as CurvatureConvention,

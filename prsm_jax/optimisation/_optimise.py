@@ -5,7 +5,8 @@ from collections.abc import Callable, Iterable, Mapping
 import jax.numpy as jnp
 import numpy as np
 
-from ..mechanism import Constraint, DesignProblem, Mechanism, Scalar, Variable, of_one_known_design
+from ..fields import Scalar
+from ..mechanism import Constraint, DesignProblem, Mechanism, Variable, of_one_known_design
 from ._problem import present_design, problem_of
 from ._searches import Searches
 from ._starts import starting_positions

@@ -19,12 +19,13 @@ from ..contact import (
     stage_contact,
 )
 from ..dynamics import StageKinematics, SteadyState, all_kinematics, steady_state
+from ..fields import Scalar
 from ..geometry import Meshing, dimensions_possible, rollers_fit
 from ..load_sharing import (
     LoadDistribution,
     stage_load_distributions,
 )
-from ..mechanism import Mechanism, Scalar, Stage
+from ..mechanism import Mechanism, Stage
 from ..numerics import apart
 from ..stiffness import ThreadStiffness, thread_stiffness
 from ..strength import (

@@ -11,7 +11,8 @@ import numpy as np
 from jaxtyping import Array, Bool, Int
 
 from .._errors import MissingDataError, UnknownNameError, closest
-from ..mechanism import Mechanism, Scalar, of_one_design
+from ..fields import Scalar
+from ..mechanism import Mechanism, of_one_design
 from ..programs import one_program, origin_of
 from ._analysis import Analysis, SharedLoad
 from ._assumptions import known_assumption, sentences

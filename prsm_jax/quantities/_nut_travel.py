@@ -1,7 +1,7 @@
 """Travel and stiffness of the nut under load, computed once for all quantities."""
 
+from ..fields import Scalar
 from ..load_sharing import ElasticDeflection, Resting, elastic_deflection, tangent_stiffness
-from ..mechanism import Scalar
 from ._analysis import Analysis
 
 

@@ -1,8 +1,8 @@
 """Where contact ellipses reach the ends of flanks, computed once for all quantities."""
 
 from .. import strength
+from ..fields import Scalar
 from ..geometry import flanks_end
-from ..mechanism import Scalar
 from ._analysis import Analysis
 
 

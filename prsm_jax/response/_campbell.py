@@ -9,7 +9,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..mechanism import Mechanism, Scalar, of_one_design
+from ..fields import Scalar
+from ..mechanism import Mechanism, of_one_design
 from ..programs import AbstractResult, each, mapped, physics
 from ..vibration import Modes, stage_modes
 from ._orders import (

@@ -9,7 +9,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._errors import UnknownNameError, closest
-from ..mechanism import Damping, ModalDamping, RayleighDamping, Scalar, StructuralDamping
+from ..fields import Scalar
+from ..mechanism import Damping, ModalDamping, RayleighDamping, StructuralDamping
 from ..numerics import above_or_nan
 from ..programs import physics
 from ..vibration import SpringModes, SpringNetwork, spring_modes

@@ -22,7 +22,8 @@ from ..dynamics import (
     ideal_carrier_ratio,
     steady_state,
 )
-from ..mechanism import Mechanism, Scalar, Stage
+from ..fields import Scalar
+from ..mechanism import Mechanism, Stage
 from ..programs import physics
 from ._stage import stage_of
 

@@ -8,7 +8,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Complex, Float
 
-from ..mechanism import ModalDamping, RayleighDamping, Scalar, StructuralDamping
+from ..fields import Scalar
+from ..mechanism import ModalDamping, RayleighDamping, StructuralDamping
 from ..numerics import Factors, factorise, substitute, substitute_transposed
 from ..programs import physics
 from ..vibration import SpringNetwork

@@ -5,7 +5,8 @@ from typing import Literal
 import jax.numpy as jnp
 
 from ..contact import load_of
-from ..mechanism import Mechanism, Scalar, Stage
+from ..fields import Scalar
+from ..mechanism import Mechanism, Stage
 from ..stiffness import loaded_threads, thread_stiffness
 from ..vibration import VibrationSystem, vibration_system
 from ._dissipation import AnyDamping

@@ -7,7 +7,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..mechanism import Mechanism, Parameter, Scalar
+from ..fields import Scalar
+from ..mechanism import Mechanism, Parameter
 from ..quantities import compute_checked
 
 Mode: TypeAlias = Literal["auto", "forward", "reverse"]

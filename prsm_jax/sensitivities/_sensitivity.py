@@ -10,7 +10,8 @@ from jax.core import Tracer
 from jaxtyping import Array, Float
 
 from .._errors import MissingDataError
-from ..mechanism import Mechanism, Parameter, Scalar, find_parameters, of_one_design, what_follows
+from ..fields import Scalar
+from ..mechanism import Mechanism, Parameter, find_parameters, of_one_design, what_follows
 from ..quantities import available_quantities, component_names, find_quantity
 from ._derivatives import Mode, jacobian
 from ._kinks import one_sided

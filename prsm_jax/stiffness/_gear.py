@@ -3,7 +3,8 @@
 import jax.numpy as jnp
 
 from .._errors import MissingDataError
-from ..mechanism import Gear, Scalar, Stage
+from ..fields import Scalar
+from ..mechanism import Gear, Stage
 from ..programs import physics
 
 #: Correction factor C_M, rim factor C_R and basic rack factor C_B of ISO 6336-1.

@@ -9,9 +9,10 @@ from jaxtyping import Array, Float
 
 from .._errors import MissingDataError
 from ..contact import StageContact, ThreadContactSide, stage_contact
+from ..fields import Scalar
 from ..geometry import Meshing
 from ..load_sharing import LoadDistribution, SideLoads, stage_load_distribution
-from ..mechanism import Scalar, Stage, total_factor
+from ..mechanism import Stage, total_factor
 from ..numerics import above_or_nan
 
 

@@ -10,8 +10,9 @@ from ..contact import (
     contact_side,
     engaged_threads,
 )
+from ..fields import Scalar
 from ..geometry import Meshing, mesh
-from ..mechanism import Scalar, SplitNut, Stage, Strength
+from ..mechanism import SplitNut, Stage, Strength
 from ._powers import positive_power
 
 #: Axial load [N]. Its value has no effect: pressures are exactly proportional to its cube root.

@@ -15,8 +15,9 @@ from ..contact import (
     opposite_onset,
     rounded_edges,
 )
+from ..fields import Scalar
 from ..geometry import FlankEnd, Meshing
-from ..mechanism import Scalar, Stage, material_of
+from ..mechanism import Stage, material_of
 from ._contacts import REFERENCE_LOAD, meshing_of, reference_contact, thread_share
 from ._powers import positive_power
 from ._truncation import SideOnset, flank_sides, known_sides, side_onsets

@@ -17,8 +17,9 @@ from jaxtyping import Array, Float
 
 from .._errors import MissingDataError
 from ..contact import StageContact, axis_ratio_of, contact_frames, engaged_threads
+from ..fields import Scalar
 from ..geometry import Meshing
-from ..mechanism import Scalar, Stage
+from ..mechanism import Stage
 from ..numerics import above_or_nan
 from ..programs import physics
 from ._contacts import REFERENCE_LOAD, meshing_of, reference_contact, strength_of, thread_share

@@ -4,7 +4,8 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..mechanism import Scalar, Stage, of_one_design
+from ..fields import Scalar
+from ..mechanism import Stage, of_one_design
 from ..numerics import above_or_nan
 from ..programs import physics
 from ._contacts import preload_of

@@ -8,7 +8,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from .._errors import MissingDataError
-from ..mechanism import DutyCycle, Mechanism, Scalar
+from ..fields import Scalar
+from ..mechanism import DutyCycle, Mechanism
 from ..numerics import above_or_nan
 from ._powers import positive_power
 

@@ -4,8 +4,9 @@ import jax.numpy as jnp
 
 from .._errors import MissingDataError
 from ..contact import StageContact
+from ..fields import Scalar
 from ..geometry import Meshing, mesh
-from ..mechanism import AxialPlay, Scalar, Stage
+from ..mechanism import AxialPlay, Stage
 from ..programs import physics
 from ._contacts import axial_approach, is_braced, preload_of, strength_of, thread_share
 from ._preload import braced_stiffness, relative_displacement

@@ -5,8 +5,9 @@ import math
 import jax.numpy as jnp
 
 from ..contact import StageContact
+from ..fields import Scalar
 from ..geometry import Meshing
-from ..mechanism import Scalar, Stage
+from ..mechanism import Stage
 from ..programs import physics
 from ._contacts import REFERENCE_LOAD, reference_contact, strength_of, thread_share
 from ._fatigue import WEIBULL_SLOPE, carrier_share

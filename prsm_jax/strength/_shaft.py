@@ -5,7 +5,8 @@ import math
 import jax.numpy as jnp
 
 from .._errors import MissingDataError
-from ..mechanism import EndConditions, Scalar, ScrewShaft, Stage, material_of
+from ..fields import Scalar
+from ..mechanism import EndConditions, ScrewShaft, Stage, material_of
 from ..programs import physics
 from ._contacts import strength_of
 

@@ -4,8 +4,9 @@ import jax.numpy as jnp
 
 from .._errors import MissingDataError
 from ..contact import StageContact, contact_frames, engaged_threads
+from ..fields import Scalar
 from ..geometry import Meshing
-from ..mechanism import Scalar, Stage
+from ..mechanism import Stage
 from ..programs import physics
 from ._contacts import meshing_of, reference_contact, strength_of, thread_share
 from ._powers import ratio_or_infinity

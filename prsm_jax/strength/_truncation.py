@@ -21,8 +21,9 @@ from ..contact import (
     share_within,
     truncation,
 )
+from ..fields import Scalar
 from ..geometry import FlankEnd, Meshing, flank_ends, flanks_end
-from ..mechanism import Scalar, Stage
+from ..mechanism import Stage
 from ..numerics import find_root_of
 from ._contacts import REFERENCE_LOAD, meshing_of, reference_contact, thread_share
 from ._powers import positive_power

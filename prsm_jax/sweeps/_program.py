@@ -5,8 +5,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
+from ..fields import Scalar
 from ..findings import first_error, margins_of, shared_loads
-from ..mechanism import Mechanism, Scalar, set_parameters
+from ..mechanism import Mechanism, set_parameters
 from ..quantities import Analysis, evaluate_coded
 
 

@@ -8,8 +8,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from .._errors import MissingDataError, missing_extra
+from ..fields import Scalar
 from ..findings import sources
-from ..mechanism import Mechanism, Scalar, of_one_known_design
+from ..mechanism import Mechanism, of_one_known_design
 from ..quantities import REASONS, find_quantity
 from ._axes import Grid, grid_of
 from ._dataset import labelled

@@ -13,7 +13,6 @@ import jax
 import numpy as np
 
 from ..dynamics import (
-    Scenario,
     StageKinematics,
     SteadyState,
     Transient,
@@ -21,8 +20,11 @@ from ..dynamics import (
     simulate,
     steady_state,
 )
+from ..fields import as_scalar
 from ..file import load
-from ..mechanism import CoulombFriction, Mechanism, ThrustBearingFriction, as_scalar, set_parameter
+from ..friction import CoulombFriction, ThrustBearingFriction
+from ..mechanism import Mechanism, set_parameter
+from ..scenario import Scenario
 
 _SAMPLES = 2001
 

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..dynamics import slip_velocity
-from ..mechanism import CoulombFriction, ViscousFriction
+from ..friction import CoulombFriction, ViscousFriction
 from ._examples import kinematics, scene
 
 

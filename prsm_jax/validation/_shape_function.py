@@ -10,7 +10,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..contact import LineContactResult, contact_modulus, line_contact_under_force
-from ..mechanism import LineContact, as_scalar, material_of
+from ..fields import as_scalar
+from ..mechanism import LineContact, material_of
 from ._difference import consistent, differs, inconsistent, not_comparable
 from ._examples import example
 from ._registry import rows_of

@@ -9,7 +9,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..contact import stage_contact
-from ..mechanism import CURVATURE_CONVENTIONS, Stage, Thread, as_scalar
+from ..fields import as_scalar
+from ..mechanism import CURVATURE_CONVENTIONS, Stage, Thread
 from ._examples import example
 
 #: Axial forces on the pair of threads [N].

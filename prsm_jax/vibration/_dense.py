@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..mechanism import Scalar
+from ..fields import Scalar
 from ..numerics import above_or_nan
 from ..programs import physics
 from ._families import FAMILIES, family_shares

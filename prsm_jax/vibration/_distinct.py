@@ -4,7 +4,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..mechanism import Scalar
+from ..fields import Scalar
 from ..programs import physics
 from ._modes import frequency
 from .arrowhead import arrowhead_modes

@@ -10,9 +10,10 @@ import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from ..contact import StageContact, load_of
+from ..fields import Scalar
 from ..geometry import mesh
 from ..load_sharing import LoadDistribution
-from ..mechanism import Mechanism, Scalar, find_parameters, of_one_design, set_parameter
+from ..mechanism import Mechanism, find_parameters, of_one_design, set_parameter
 from ..programs import AbstractResult, each
 from ..stiffness import loaded_threads, thread_stiffness
 from ._dense import stage_modes

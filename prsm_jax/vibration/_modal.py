@@ -3,7 +3,8 @@
 import jax.numpy as jnp
 
 from ..contact import load_of
-from ..mechanism import Mechanism, Scalar, of_one_design
+from ..fields import Scalar
+from ..mechanism import Mechanism, of_one_design
 from ..programs import one_program, physics
 from ..stiffness import loaded_threads, thread_stiffness
 from ._dense import stage_modes

@@ -18,14 +18,14 @@ from scenes import (
 
 import prsm_jax as prsm
 from prsm_jax.dynamics import all_kinematics, states_at
-from prsm_jax.mechanism import (
+from prsm_jax.friction import (
     CoulombFriction,
     Friction,
-    SineProfile,
     SplineFriction,
     StribeckFriction,
     ThrustBearingFriction,
 )
+from prsm_jax.scenario import SineProfile
 
 
 def _two():

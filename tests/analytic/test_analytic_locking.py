@@ -17,7 +17,7 @@ from scenes import (
 )
 
 import prsm_jax as prsm
-from prsm_jax.mechanism import CoulombFriction, Friction
+from prsm_jax.friction import CoulombFriction, Friction
 from prsm_jax.quantities import compute_checked
 
 COEFFICIENT = "friction.thread.coefficient"

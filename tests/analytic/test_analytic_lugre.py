@@ -12,9 +12,9 @@ from prsm_jax.dynamics import free_carrier_ratio, stage_kinematics
 from prsm_jax.dynamics.friction._bristles import bristle_friction
 from prsm_jax.dynamics.friction._thread_friction import thread_friction
 from prsm_jax.dynamics.steady._carrier_balance import slip_per_turn
-from prsm_jax.friction import Deflected
-from prsm_jax.mechanism import (
+from prsm_jax.friction import (
     CoulombFriction,
+    Deflected,
     Friction,
     LuGreFriction,
     SplineFriction,

@@ -20,22 +20,16 @@ from prsm_jax.dynamics.forces._power import losses
 from prsm_jax.dynamics.forces._roller_balance import roller_support_forces
 from prsm_jax.dynamics.forces._stage_forces import carrier_inertia
 from prsm_jax.dynamics.friction._contact_losses import with_resistance
-from prsm_jax.mechanism import (
-    Carrier,
+from prsm_jax.friction import (
     Drag,
     Friction,
-    Gear,
-    Mechanism,
-    Nut,
-    Roller,
     RollingHysteresis,
-    Screw,
     SpinFriction,
     SplineFriction,
     StribeckFriction,
-    Thread,
     ThrustBearingFriction,
 )
+from prsm_jax.mechanism import Carrier, Gear, Mechanism, Nut, Roller, Screw, Thread
 
 STAGES = (1, 2, 3, 4)
 #: Mechanisms and motions for each number of stages.

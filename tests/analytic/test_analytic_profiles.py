@@ -10,7 +10,7 @@ import scipy.integrate
 import scipy.interpolate
 from scenes import array
 
-from prsm_jax.mechanism import (
+from prsm_jax.scenario import (
     AerodynamicLoad,
     ConstantProfile,
     FrictionLoad,

@@ -8,7 +8,7 @@ from scenes import array, mechanism, stage, thread
 import prsm_jax as prsm
 from prsm_jax.dynamics import locking_coefficient, stage_kinematics
 from prsm_jax.dynamics.steady._carrier_balance import slip_per_turn
-from prsm_jax.mechanism import Friction, RegularisedCoulombFriction
+from prsm_jax.friction import Friction, RegularisedCoulombFriction
 
 FRICTION, LOAD = 0.7, 300.0
 

@@ -7,7 +7,7 @@ from hypothesis import given, strategies
 from scenes import mechanism, stage, steady_state, thread
 
 from prsm_jax.dynamics.forces._chain import _coupled_frictions
-from prsm_jax.mechanism import (
+from prsm_jax.friction import (
     CoulombFriction,
     Drag,
     Friction,

@@ -17,7 +17,7 @@ from prsm_jax.dynamics.forces._reduced_chain import reduced_chain, reduced_rates
 from prsm_jax.dynamics.forces._reduced_stage import ReducedStage
 from prsm_jax.dynamics.speed_drive import _automatic
 from prsm_jax.dynamics.speed_drive._settling import _settled_stage, inverse_path
-from prsm_jax.mechanism import (
+from prsm_jax.friction import (
     CoulombFriction,
     Drag,
     Friction,

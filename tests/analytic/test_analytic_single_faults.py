@@ -22,14 +22,13 @@ from prsm_jax.contact import HertzContact
 from prsm_jax.dynamics import bound_scenario
 from prsm_jax.dynamics.friction._contact_losses import rolling_moment
 from prsm_jax.dynamics.histories import _transient_result
+from prsm_jax.friction import RollingHysteresis
 from prsm_jax.geometry import RelativeCurvature, carrier_clearance
 from prsm_jax.load_sharing import equilibrium, stage_load_distribution
 from prsm_jax.mechanism import (
     AxialPlay,
     Carrier,
     LoadSharing,
-    RollingHysteresis,
-    Scenario,
     Screw,
     ScrewShaft,
     SplitNut,
@@ -37,6 +36,7 @@ from prsm_jax.mechanism import (
     UnequalRoller,
 )
 from prsm_jax.optimisation._searches import Searches
+from prsm_jax.scenario import Scenario
 from prsm_jax.vibration.model._energy import kinetic_energies, strain_energies
 
 _dynamic = eqx.filter_jit(strength.dynamic_capacity)

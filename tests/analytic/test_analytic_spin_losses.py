@@ -15,16 +15,16 @@ import prsm_jax as prsm
 from prsm_jax.dynamics.friction._asked import Slip
 from prsm_jax.dynamics.friction._rubbing import Rubbing, _root, friction_on_roller, rubbed_moment
 from prsm_jax.dynamics.friction._thread_friction import slip_direction, thread_friction
-from prsm_jax.mechanism import (
+from prsm_jax.friction import (
     CoulombFriction,
     Friction,
     LuGreFriction,
-    Material,
     RegularisedCoulombFriction,
     SpinFriction,
     StribeckFriction,
     ViscousFriction,
 )
+from prsm_jax.mechanism import Material
 
 COEFFICIENT = 0.05
 

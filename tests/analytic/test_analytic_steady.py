@@ -22,7 +22,7 @@ from scenes import (
 import prsm_jax as prsm
 from benchmarks.references.contact import forward_efficiency
 from benchmarks.references.meshing import Design
-from prsm_jax.mechanism import (
+from prsm_jax.friction import (
     CoulombFriction,
     Drag,
     Friction,

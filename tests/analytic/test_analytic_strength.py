@@ -12,11 +12,10 @@ from scenes import STEEL, array, mechanism, stage, stage_contact, steady_state, 
 import prsm_jax as prsm
 from prsm_jax import strength
 from prsm_jax.contact import contact_frames
+from prsm_jax.friction import CoulombFriction, Friction
 from prsm_jax.mechanism import (
     AxialPlay,
-    CoulombFriction,
     DutyCycle,
-    Friction,
     LoadSharing,
     Mechanism,
     OperatingPoint,

@@ -18,13 +18,13 @@ from benchmarks.references.torque_runs import TorqueChain
 from prsm_jax.dynamics import carrier_inertia
 from prsm_jax.dynamics.histories._transient_result import Phase
 from prsm_jax.dynamics.torque_drive._stick_slip import joined
-from prsm_jax.mechanism import (
+from prsm_jax.friction import (
     CoulombFriction,
     Friction,
     RegularisedCoulombFriction,
     ThrustBearingFriction,
-    body_inertia,
 )
+from prsm_jax.mechanism import body_inertia
 
 SAMPLES = 81
 

@@ -10,13 +10,8 @@ import pytest
 from scenes import Swing, array, mechanism, stage, steady_state, thread
 
 import prsm_jax as prsm
-from prsm_jax.mechanism import (
-    CoulombFriction,
-    Friction,
-    StribeckFriction,
-    body_inertia,
-    body_mass,
-)
+from prsm_jax.friction import CoulombFriction, Friction, StribeckFriction
+from prsm_jax.mechanism import body_inertia, body_mass
 
 LOAD = 300.0
 AMPLITUDE, FREQUENCY = 3.0, 2.0

@@ -14,7 +14,7 @@ from scenes import Swing, array, mechanism, stage, thread
 
 import prsm_jax as prsm
 from benchmarks.references.torque_spin import SpinningChain
-from prsm_jax.mechanism import CoulombFriction, Friction, SpinFriction
+from prsm_jax.friction import CoulombFriction, Friction, SpinFriction
 
 LOAD, DURATION, SAMPLES = 300.0, 0.5, 41
 SLIDING, SPINNING = 0.7, 0.05

@@ -18,7 +18,7 @@ from scenes import (
 )
 
 import prsm_jax as prsm
-from prsm_jax.mechanism import CoulombFriction, Friction
+from prsm_jax.friction import CoulombFriction, Friction
 
 
 class Swinging(eqx.Module):

@@ -8,7 +8,7 @@ import pytest
 from scenes import array, changed, mechanism, stage
 
 import prsm_jax as prsm
-from prsm_jax.mechanism import CoulombFriction, Friction
+from prsm_jax.friction import CoulombFriction, Friction
 
 
 def test_peak_of_a_parabola_is_exact_wherever_the_samples_fall():

@@ -21,7 +21,7 @@ from scipy.integrate import solve_ivp
 
 import prsm_jax as prsm
 from prsm_jax.dynamics import choose_method, stage_kinematics
-from prsm_jax.mechanism import SequenceProfile, TrapezoidalProfile
+from prsm_jax.scenario import SequenceProfile, TrapezoidalProfile
 
 #: Any method that integrates, whatever the scene.
 INTEGRATORS = ("implicit", "rosenbrock")

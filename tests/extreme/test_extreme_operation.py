@@ -9,7 +9,7 @@ import pytest
 from scenes import array, equal_shares
 
 from prsm_jax.dynamics import all_kinematics, jamming_coefficient, self_locking_margin, steady_state
-from prsm_jax.mechanism import CoulombFriction, SpinFriction
+from prsm_jax.friction import CoulombFriction, SpinFriction
 from prsm_jax.quantities import compute_checked
 
 _NAMES = ("efficiency_forward", "efficiency_backward", "static_safety", "dn_value")

@@ -16,15 +16,9 @@ import prsm_jax as prsm
 from benchmarks.method_options import taken
 from prsm_jax.dynamics.solvers import NAMES
 from prsm_jax.halfspace import RESULTS, flank_contact
-from prsm_jax.mechanism import (
-    DutyCycle,
-    OperatingPoint,
-    Scenario,
-    Screw,
-    TorqueScenario,
-    set_parameters,
-)
+from prsm_jax.mechanism import DutyCycle, OperatingPoint, Screw, set_parameters
 from prsm_jax.quantities import REASONS, compute_coded
+from prsm_jax.scenario import Scenario, TorqueScenario
 
 _BAD_DURATIONS = (-1.0, 0.0, math.nan, math.inf)
 _NOT_FINITE = (math.nan, math.inf, -math.inf)

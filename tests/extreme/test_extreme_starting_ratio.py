@@ -16,7 +16,7 @@ import prsm_jax as prsm
 from benchmarks.references.torque_runs import TorqueChain
 from prsm_jax.dynamics.torque_drive._driven_carriers import Carriers, leaving, slip_geometry
 from prsm_jax.dynamics.torque_drive._torque_balance import torque_problem
-from prsm_jax.mechanism import CoulombFriction, Friction, ThrustBearingFriction
+from prsm_jax.friction import CoulombFriction, Friction, ThrustBearingFriction
 
 
 def chain(friction, bearing, *rollers):

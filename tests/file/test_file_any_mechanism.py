@@ -12,15 +12,14 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 import prsm_jax.file as file
+from prsm_jax.fields import ANY, Limit, limit_of
 from prsm_jax.file.numbers._layout import TableChoice, module_classes, row_class, table_choices
 from prsm_jax.mechanism import (
-    ANY,
     GAP_LISTS,
     AxialPlay,
     Constraint,
     DesignProblem,
     DutyCycle,
-    Limit,
     LoadSharing,
     Mechanism,
     Objective,
@@ -32,7 +31,6 @@ from prsm_jax.mechanism import (
     Thread,
     UnequalRoller,
     Variable,
-    limit_of,
 )
 
 _NAMES = st.from_regex(r"[a-z][a-z_]{0,20}", fullmatch=True)

@@ -4,7 +4,7 @@ import pytest
 
 from prsm_jax import file
 from prsm_jax._errors import FileError
-from prsm_jax.mechanism import CoulombFriction, LuGreFriction, SplineFriction, StribeckFriction
+from prsm_jax.friction import CoulombFriction, LuGreFriction, SplineFriction, StribeckFriction
 
 TEXT = file.example_text("li2020_two_stage")
 

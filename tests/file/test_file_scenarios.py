@@ -11,10 +11,10 @@ from scenes import mechanism
 
 import prsm_jax.file as file
 from prsm_jax._errors import FileError
-from prsm_jax.mechanism import (
-    ANY,
+from prsm_jax.fields import ANY, POSITIVE, limit_of
+from prsm_jax.mechanism import find_parameters, set_parameter
+from prsm_jax.scenario import (
     LOADS_OF_MOTION,
-    POSITIVE,
     PROFILES,
     ConstantProfile,
     HingeLoad,
@@ -22,9 +22,6 @@ from prsm_jax.mechanism import (
     SequenceProfile,
     SumLoad,
     TorqueScenario,
-    find_parameters,
-    limit_of,
-    set_parameter,
 )
 
 MISSION = file.example_text("actuator_mission")

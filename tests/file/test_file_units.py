@@ -8,9 +8,10 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from scenes import example
 
+from prsm_jax.fields import ANY, NOT_NEGATIVE, limit_of
 from prsm_jax.file.numbers._numbers import bare_number, read_number, read_quantity, write_number
 from prsm_jax.file.numbers._units import WRITTEN_UNITS, unit_factor
-from prsm_jax.mechanism import ANY, NOT_NEGATIVE, all_parameters, limit_of
+from prsm_jax.mechanism import all_parameters
 
 _FINITE = st.floats(allow_nan=False, allow_infinity=False)
 

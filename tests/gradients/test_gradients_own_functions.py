@@ -13,7 +13,7 @@ from scenes import example
 
 import prsm_jax as prsm
 from prsm_jax.dynamics.solvers import converted
-from prsm_jax.mechanism import LuGreFriction
+from prsm_jax.friction import LuGreFriction
 
 #: Read here: within a trace their numbers would be those of that trace.
 _CHAIN = example("li2020_two_stage")

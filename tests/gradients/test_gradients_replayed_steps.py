@@ -14,7 +14,7 @@ from prsm_jax.dynamics.solvers._recorded_steps import Again, Steps
 from prsm_jax.dynamics.torque_drive._phases import PhaseLaws, follow_phases
 from prsm_jax.dynamics.torque_drive._stick_slip import follow_carriers
 from prsm_jax.dynamics.torque_drive._torque_balance import torque_problem
-from prsm_jax.mechanism import CoulombFriction, Friction
+from prsm_jax.friction import CoulombFriction, Friction
 
 
 def _brake(values, gradient):

@@ -15,11 +15,10 @@ from derivatives import (
 )
 from scenes import equal_shares, stage
 
+from prsm_jax.friction import CoulombFriction, Friction
 from prsm_jax.mechanism import (
     AxialPlay,
-    CoulombFriction,
     DutyCycle,
-    Friction,
     LoadSharing,
     Mechanism,
     OperatingPoint,

@@ -13,7 +13,7 @@ from prsm_jax.dynamics.histories._integration import Settings
 from prsm_jax.dynamics.torque_drive._stick_slip import follow_carriers
 from prsm_jax.dynamics.torque_drive._torque_balance import torque_problem
 from prsm_jax.dynamics.torque_drive._torque_drive import follow
-from prsm_jax.mechanism import CoulombFriction, Friction
+from prsm_jax.friction import CoulombFriction, Friction
 
 VARIABLES = ("lead", "contact_angle", "roller_radius")
 

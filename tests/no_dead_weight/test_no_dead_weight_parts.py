@@ -58,7 +58,7 @@ def test_every_optional_field_says_what_is_missed_without_it():
     assert {
         Stage,
         prsm.mechanism.Thread,
-        prsm.mechanism.LuGreFriction,
+        prsm.friction.LuGreFriction,
         prsm.mechanism.SplitNut,
     } <= classes
     assert not [name for cls in classes for name in undescribed(cls)]
@@ -66,7 +66,7 @@ def test_every_optional_field_says_what_is_missed_without_it():
 
 def test_a_new_field_without_a_word_on_it_is_found():
     class Oiled(Stage):
-        oil: prsm.mechanism.Drag | None = None
+        oil: prsm.friction.Drag | None = None
 
     assert undescribed(Oiled) == ["Oiled.oil"]
 

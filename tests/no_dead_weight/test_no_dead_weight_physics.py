@@ -11,24 +11,20 @@ import pytest
 from scenes import FIRST_STAGE_LOSSES, array, equal_shares, example, mechanism, stage, thread
 
 import prsm_jax as prsm
-from prsm_jax.mechanism import (
-    Carrier,
+from prsm_jax.friction import (
     CoulombFriction,
     Drag,
     Friction,
-    GivenStiffness,
     LuGreFriction,
-    Nut,
     RegularisedCoulombFriction,
-    Roller,
     RollingHysteresis,
     SpinFriction,
     SplineFriction,
     StribeckFriction,
     ThrustBearingFriction,
-    UnequalRoller,
     ViscousFriction,
 )
+from prsm_jax.mechanism import Carrier, GivenStiffness, Nut, Roller, UnequalRoller
 
 COULOMB = CoulombFriction(0.05)
 

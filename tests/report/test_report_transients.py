@@ -11,7 +11,6 @@ from report_checks import assert_printable, axis_labels
 from report_scenes import make_steady, make_transient
 from scenes import array, example, simulate
 
-from prsm_jax.dynamics import Scenario
 from prsm_jax.dynamics.histories._transient_result import Phase
 from prsm_jax.report import (
     PowerFlow,
@@ -28,6 +27,7 @@ from prsm_jax.report import (
 from prsm_jax.report.animations._stage_animation import angle_scale, poses
 from prsm_jax.report.document._transient_pictures import _forces
 from prsm_jax.report.motion_charts._history_chart import sticking_phases, travel_of
+from prsm_jax.scenario import Scenario
 
 
 @pytest.fixture(scope="module")

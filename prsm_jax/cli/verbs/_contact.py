@@ -17,9 +17,10 @@ from ...contact import (
     stress_peak_on_axis,
     thread_contacts,
 )
+from ...fields import Scalar
 from ...geometry import Meshing, mesh
 from ...load_sharing import LoadDistribution, SideLoads, load_distribution
-from ...mechanism import Mechanism, Scalar, Stage, material_of
+from ...mechanism import Mechanism, Stage, material_of
 from ...quantities import assumptions
 from ...strength import SideOnset, side_onsets, truncated_pressure
 from .._app import app

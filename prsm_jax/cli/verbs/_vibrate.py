@@ -8,7 +8,8 @@ import numpy as np
 from cyclopts import Parameter
 
 from ..._errors import PrsmError
-from ...mechanism import Mechanism, ModalDamping, RayleighDamping, StructuralDamping, as_scalar
+from ...fields import as_scalar
+from ...mechanism import Mechanism, ModalDamping, RayleighDamping, StructuralDamping
 from ...process import make_folder
 from ...quantities import assumptions
 from ...response import (

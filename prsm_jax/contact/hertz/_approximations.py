@@ -6,7 +6,7 @@ the range of roller screws are in `benchmarks`; the exact solution is the defaul
 
 import jax.numpy as jnp
 
-from ...mechanism import Scalar
+from ...fields import Scalar
 from ..special_functions import complete_elliptic_integrals
 from ._axis_ratio import antoine_log_axis_ratio
 

@@ -7,7 +7,8 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 
-from ...mechanism import Material, Scalar
+from ...fields import Scalar
+from ...mechanism import Material
 from ...numerics import above_or_nan
 from ...programs import physics
 from ._approximations import APPROXIMATIONS

@@ -2,7 +2,7 @@
 
 import jax.numpy as jnp
 
-from ...mechanism import Scalar
+from ...fields import Scalar
 from ...programs import physics
 from ..special_functions import carlson_rf_and_rd
 

@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ...mechanism import Scalar
+from ...fields import Scalar
 from ...numerics import above_or_nan, solve
 from ...programs import physics
 from ._axis_stress import axis_stress

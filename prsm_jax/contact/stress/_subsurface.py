@@ -19,7 +19,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float
 
-from ...mechanism import Scalar
+from ...fields import Scalar
 from ...numerics import above_or_nan
 from ...programs import physics
 from ..special_functions import (

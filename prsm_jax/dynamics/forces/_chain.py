@@ -3,7 +3,8 @@
 import equinox as eqx
 import jax.numpy as jnp
 
-from ...mechanism import Mechanism, Scalar, Stage, body_inertia, body_mass
+from ...fields import Scalar
+from ...mechanism import Mechanism, Stage, body_inertia, body_mass
 from ...programs import physics
 from .._kinematics import StageKinematics, travel_per_turn
 from ..friction import bearing_torque, drag_torque, loaded_flank, spline_force

@@ -8,8 +8,10 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ...mechanism import Mechanism, Scalar, Scenario, break_times_of, depends_on_motion
+from ...fields import Scalar
+from ...mechanism import Mechanism
 from ...programs import physics
+from ...scenario import Scenario, break_times_of, depends_on_motion
 from .._kinematics import travel_per_turn
 
 #: Gauss–Legendre on [−1, 1], five points: exact to the ninth order in every interval.

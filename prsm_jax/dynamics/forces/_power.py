@@ -2,7 +2,8 @@
 
 import jax.numpy as jnp
 
-from ...mechanism import Mechanism, Scalar, Stage
+from ...fields import Scalar
+from ...mechanism import Mechanism, Stage
 from ...numerics import dot_few
 from .._kinematics import StageKinematics
 from ..friction import bristle_power, deflected

@@ -4,7 +4,8 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ...mechanism import Mechanism, Scalar
+from ...fields import Scalar
+from ...mechanism import Mechanism
 from .._kinematics import StageKinematics, travel_per_turn
 from ._chain import ScrewForces, screw_forces
 from ._reduced_stage import (

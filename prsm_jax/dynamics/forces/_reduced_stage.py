@@ -12,7 +12,8 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 
-from ...mechanism import Scalar, Stage
+from ...fields import Scalar
+from ...mechanism import Stage
 from ...numerics import above_or_nan, dot_few
 from ...programs import physics
 from .._kinematics import StageKinematics

@@ -3,7 +3,8 @@
 import equinox as eqx
 import jax.numpy as jnp
 
-from ...mechanism import Gear, Scalar, Stage, body_inertia, mean_roller_inertia, mean_roller_mass
+from ...fields import Scalar
+from ...mechanism import Gear, Stage, body_inertia, mean_roller_inertia, mean_roller_mass
 from ...numerics import root_or_zero
 from ...programs import physics
 from .._kinematics import StageKinematics

@@ -3,8 +3,10 @@
 from typing import NamedTuple
 
 from ..._errors import MissingDataError
-from ...mechanism import Mechanism, Scalar, Scenario as Scenario, TorqueScenario
+from ...fields import Scalar
+from ...mechanism import Mechanism
 from ...numerics import apart
+from ...scenario import Scenario as Scenario, TorqueScenario
 
 
 class Drive(NamedTuple):

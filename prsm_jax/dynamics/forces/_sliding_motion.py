@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ...mechanism import Scalar
+from ...fields import Scalar
 from .._kinematics import StageKinematics, slip_velocity
 from ..friction import slip_direction
 from ._stage_forces import Motion

@@ -7,14 +7,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..._errors import MissingDataError
-from ...mechanism import (
-    Scalar,
-    Stage,
-    body_inertia,
-    body_mass,
-    mean_roller_inertia,
-    mean_roller_mass,
-)
+from ...fields import Scalar
+from ...mechanism import Stage, body_inertia, body_mass, mean_roller_inertia, mean_roller_mass
 from ...numerics import dot_few
 from ...programs import physics
 from .._kinematics import StageKinematics

@@ -8,8 +8,9 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ...fields import Scalar
 from ...friction import FrictionLaw
-from ...mechanism import Scalar, Stage
+from ...mechanism import Stage
 from ...numerics import above_or_nan, length_few
 from .._kinematics import StageKinematics
 

@@ -7,8 +7,9 @@ transverse part determines it.
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ...fields import Scalar
 from ...friction import Deflected, StatefulFrictionLaw
-from ...mechanism import Mechanism, Scalar, Stage
+from ...mechanism import Mechanism, Stage
 from ...numerics import dot_few
 from ...programs import physics
 from .._kinematics import StageKinematics

@@ -27,8 +27,10 @@ from ...contact import (
     engaged_threads,
     side_contact,
 )
+from ...fields import Scalar
+from ...friction import Friction, RollingHysteresis, SpinFriction
 from ...geometry import RelativeCurvature
-from ...mechanism import Friction, RollingHysteresis, Scalar, SpinFriction, Stage
+from ...mechanism import Stage
 from ...numerics import above_or_nan, apart
 from ...programs import physics
 from .._kinematics import StageKinematics

@@ -10,8 +10,8 @@ carrier are turned back.
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ...fields import Scalar
 from ...friction import FrictionLaw
-from ...mechanism import Scalar
 
 
 def loaded_flank(law: FrictionLaw | None, axial_force: Scalar, axial_slip: Scalar) -> Scalar:

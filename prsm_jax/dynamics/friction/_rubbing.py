@@ -17,8 +17,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ...contact import EllipseShape, slip_and_spin
+from ...fields import Scalar
 from ...friction import Deflected, FrictionLaw
-from ...mechanism import Scalar, Stage
+from ...mechanism import Stage
 from ...numerics import above_or_nan, dot_few, find_root, sum_few
 from ...programs import physics
 from .._kinematics import StageKinematics

@@ -6,8 +6,8 @@ part is not.
 
 import jax.numpy as jnp
 
-from ...friction import FrictionAtRadius, FrictionLaw
-from ...mechanism import Drag, Scalar
+from ...fields import Scalar
+from ...friction import Drag, FrictionAtRadius, FrictionLaw
 from ...programs import physics
 from ._thread_friction import thread_friction
 

@@ -9,8 +9,8 @@ from collections.abc import Mapping
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ...fields import Scalar
 from ...friction import FrictionLaw, Sliding
-from ...mechanism import Scalar
 from ...numerics import above_or_nan, length_few, sum_few
 from ...programs import physics
 

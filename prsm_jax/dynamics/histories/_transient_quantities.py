@@ -9,7 +9,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ..._errors import UnknownNameError, closest
-from ...mechanism import Scalar
+from ...fields import Scalar
 from ...numerics import above_or_nan
 from ...programs import mapped, one_program
 from ._transient_result import Transient

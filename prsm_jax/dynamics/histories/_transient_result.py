@@ -10,8 +10,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from ...fields import Scalar
 from ...geometry import dimensions_possible, rollers_fit
-from ...mechanism import Mechanism, Scalar, body_inertia, body_mass
+from ...mechanism import Mechanism, body_inertia, body_mass
 from ...numerics import any_few, over_samples, sum_few
 from ...programs import AbstractResult, listed
 from .._kinematics import StageKinematics, travel_per_turn

@@ -7,7 +7,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ...mechanism import Mechanism, Scalar, of_one_design
+from ...fields import Scalar
+from ...mechanism import Mechanism, of_one_design
 from ...numerics import length_few
 from ...programs import AbstractResult, mapped, one_program
 from .._kinematics import StageKinematics, travel_per_turn

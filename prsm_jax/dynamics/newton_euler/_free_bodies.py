@@ -14,15 +14,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..._errors import MissingDataError
-from ...mechanism import (
-    Gear,
-    Scalar,
-    Stage,
-    body_inertia,
-    body_mass,
-    mean_roller_inertia,
-    mean_roller_mass,
-)
+from ...fields import Scalar
+from ...mechanism import Gear, Stage, body_inertia, body_mass, mean_roller_inertia, mean_roller_mass
 from ...programs import physics
 from .._kinematics import StageKinematics, slip_velocity
 from ..friction import (

@@ -12,7 +12,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ...mechanism import Mechanism, Scalar, Stage
+from ...fields import Scalar
+from ...mechanism import Mechanism, Stage
 from ...numerics import solve
 from ...programs import physics
 from .._kinematics import StageKinematics

@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PyTree
 
-from ...mechanism import Scalar
+from ...fields import Scalar
 
 
 class StepInterpolation(diffrax.AbstractLocalInterpolation):

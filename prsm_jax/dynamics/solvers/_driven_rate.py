@@ -12,7 +12,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ...mechanism import Scalar
+from ...fields import Scalar
 from ...numerics import apart
 
 

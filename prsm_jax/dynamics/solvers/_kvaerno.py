@@ -19,7 +19,7 @@ import numpy as np
 from jax.flatten_util import ravel_pytree
 from jaxtyping import PyTree
 
-from ...mechanism import Scalar
+from ...fields import Scalar
 from ...numerics import all_few, dot_few, solver
 from ._dense_output import StepInterpolation
 

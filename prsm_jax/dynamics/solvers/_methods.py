@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from ...mechanism import Scalar
+from ...fields import Scalar
 
 if TYPE_CHECKING:
     from ._step_control import Weight

@@ -19,7 +19,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from ...mechanism import Scalar
+from ...fields import Scalar
 
 #: Largest distance behind a break at which a step past it begins, in roundings.
 _NEXT = 4

@@ -31,7 +31,7 @@ import jax.numpy as jnp
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Bool, Float, PyTree
 
-from ...mechanism import Scalar
+from ...fields import Scalar
 from ...numerics import any_few, dot_few, solve_small
 from ._dense_output import StepInterpolation
 from ._driven_rate import DrivenRate

@@ -26,7 +26,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, PyTree
 
-from ...mechanism import Scalar
+from ...fields import Scalar
 from ...numerics import root_or_zero
 
 #: Longest step as a share of the time to a standstill, and of the time since one.

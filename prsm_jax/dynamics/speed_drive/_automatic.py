@@ -5,9 +5,11 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ...mechanism import Mechanism, Scalar, TorqueScenario, of_one_design
+from ...fields import Scalar
+from ...mechanism import Mechanism, of_one_design
 from ...numerics import over_samples
 from ...programs import is_known, one_program_where_possible, traceable
+from ...scenario import TorqueScenario
 from .._kinematics import StageKinematics
 from ..forces import Scenario, bound_scenario
 from ..friction import has_bristles, with_resistance

@@ -10,7 +10,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ...mechanism import Mechanism, Scalar
+from ...fields import Scalar
+from ...mechanism import Mechanism
 from ...programs import physics
 from .._kinematics import StageKinematics
 from ..forces import (

@@ -8,7 +8,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ...mechanism import Mechanism, Scalar
+from ...fields import Scalar
+from ...mechanism import Mechanism
 from ...programs import physics
 from .._kinematics import StageKinematics, free_carrier_ratio, turning_range
 from ..forces import (

@@ -12,7 +12,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ...mechanism import Mechanism, Scalar
+from ...fields import Scalar
+from ...mechanism import Mechanism
 from ...numerics import above_or_nan
 from ...programs import physics
 from .._kinematics import StageKinematics

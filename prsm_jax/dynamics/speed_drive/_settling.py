@@ -18,7 +18,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ...mechanism import Mechanism, Scalar, Stage
+from ...fields import Scalar
+from ...mechanism import Mechanism, Stage
 from ...numerics import above_or_nan
 from ...programs import physics
 from ..forces import (

@@ -7,7 +7,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ..._errors import MissingDataError
-from ...mechanism import Scalar, Stage
+from ...fields import Scalar
+from ...mechanism import Stage
 from ...numerics import above_or_nan, dot_few, sum_few
 from ...programs import physics
 from .._kinematics import StageKinematics, free_carrier_ratio

@@ -15,8 +15,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
-from ...friction import scaled_friction
-from ...mechanism import Friction, Mechanism, Scalar, Stage
+from ...fields import Scalar
+from ...friction import Friction, scaled_friction
+from ...mechanism import Mechanism, Stage
 from ...numerics import dot_few, find_root
 from ...programs import physics
 from .._kinematics import StageKinematics, travel_per_turn

@@ -7,8 +7,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from ..._errors import MissingDataError
+from ...fields import Scalar
 from ...geometry import dimensions_possible, rollers_fit
-from ...mechanism import Mechanism, Scalar, of_one_design
+from ...mechanism import Mechanism, of_one_design
 from ...numerics import above_or_nan, apart, length_few, sum_few
 from ...programs import AbstractResult, listed, one_program, physics
 from .._kinematics import StageKinematics, stage_kinematics, travel_per_turn

@@ -18,7 +18,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ...mechanism import Scalar
+from ...fields import Scalar
 from ...numerics import above_or_nan, find_root, solve_small, sum_few
 from ...programs import physics
 from .._kinematics import travel_per_turn

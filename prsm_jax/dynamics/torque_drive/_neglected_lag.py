@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ...mechanism import Scalar
+from ...fields import Scalar
 from ..histories import CarrierHistory
 from ._driven_carriers import slip_geometry
 from ._torque_balance import STICKING, TorqueProblem

@@ -14,7 +14,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from ...mechanism import Scalar
+from ...fields import Scalar
 from ..histories import Phase, Settings
 from ..solvers import adjoint_of, controller_of, is_short, still
 

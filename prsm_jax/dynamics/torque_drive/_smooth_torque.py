@@ -12,10 +12,12 @@ import jax.numpy as jnp
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float
 
+from ...fields import Scalar
 from ...friction import friction_laws
-from ...mechanism import Mechanism, Scalar, Stage, TorqueScenario
+from ...mechanism import Mechanism, Stage
 from ...numerics import find_root, sum_few
 from ...programs import physics
+from ...scenario import TorqueScenario
 from .._kinematics import free_carrier_ratio, travel_per_turn
 from ..friction import bristles_of, has_contact_losses
 from ..histories import CarrierHistory, Settings, Transient, histories, integrated

@@ -23,7 +23,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ..._errors import MissingDataError
-from ...mechanism import Scalar
+from ...fields import Scalar
 from ...numerics import min_few
 from ..histories import Phase, Settings
 from ..solvers import solver_of

@@ -13,8 +13,10 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ...mechanism import Mechanism, Scalar, TorqueScenario
+from ...fields import Scalar
+from ...mechanism import Mechanism
 from ...programs import physics
+from ...scenario import TorqueScenario
 from .._kinematics import StageKinematics, travel_per_turn
 from ..forces import Motion, StageState, carrier_inertia, chain_forces
 from ..friction import has_contact_losses, unknown_shares, with_resistance

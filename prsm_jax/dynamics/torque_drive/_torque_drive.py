@@ -12,7 +12,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from ...mechanism import Scalar, TorqueScenario
+from ...fields import Scalar
+from ...scenario import TorqueScenario
 from ..histories import Phase, Settings
 from ._phases import EVENT, PhaseLaws, before, follow_phases
 from ._torque_balance import (

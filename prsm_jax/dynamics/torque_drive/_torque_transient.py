@@ -5,7 +5,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ...mechanism import Mechanism, Scalar, TorqueScenario
+from ...fields import Scalar
+from ...mechanism import Mechanism
+from ...scenario import TorqueScenario
 from .._kinematics import travel_per_turn
 from ..histories import (
     CarrierHistory,

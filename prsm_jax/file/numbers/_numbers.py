@@ -9,7 +9,7 @@ import re
 from decimal import Context, Decimal
 from fractions import Fraction
 
-from ...mechanism import Limit
+from ...fields import Limit
 
 _NUMBER = r"[+-]?(?:\d{1,40}(?:\.\d{0,40})?|\.\d{1,40})(?:[eE][+-]?\d{1,3})?(?![\d.])"
 _PLAIN_NUMBER = re.compile(_NUMBER)

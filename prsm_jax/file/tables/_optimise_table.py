@@ -5,16 +5,8 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field
 
 from ..._errors import UnknownNameError
-from ...mechanism import (
-    ANY,
-    Constraint,
-    DesignProblem,
-    Limit,
-    Mechanism,
-    Objective,
-    Variable,
-    find_parameters,
-)
+from ...fields import ANY, Limit
+from ...mechanism import Constraint, DesignProblem, Mechanism, Objective, Variable, find_parameters
 from ..numbers import Misplaced, read_integer, read_number
 from ._table import Table, checked, read_choice, read_name, read_tables
 

@@ -10,14 +10,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..._errors import closest
-from ...mechanism import (
-    ANY,
-    LOADS_OF_MOTION,
-    PROFILES,
-    Scenario,
-    TorqueScenario,
-    limit_of,
-)
+from ...fields import ANY, limit_of
+from ...scenario import LOADS_OF_MOTION, PROFILES, Scenario, TorqueScenario
 from ..numbers import Misplaced, Place, read_integer, read_number
 from ._table import read_boolean, read_choice
 

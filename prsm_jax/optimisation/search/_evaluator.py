@@ -8,8 +8,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ...fields import Scalar
 from ...findings import Margin, evaluate_margins, margins_of, shared_loads, sources
-from ...mechanism import DesignProblem, Mechanism, Scalar, set_parameters
+from ...mechanism import DesignProblem, Mechanism, set_parameters
 from ...quantities import Analysis, component_names, compute, find_quantity
 from ._margin_rows import (
     WHOLE_SCALE,

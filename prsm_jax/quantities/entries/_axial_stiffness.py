@@ -9,7 +9,8 @@ import functools
 from collections.abc import Callable
 
 from ... import strength
-from ...mechanism import Scalar, Stage
+from ...fields import Scalar
+from ...mechanism import Stage
 from ...stiffness import ThreadStiffness, axial_stiffness as stage_axial_stiffness, in_series
 from .._analysis import Analysis, SharedLoad
 from .._catalogue import quantity

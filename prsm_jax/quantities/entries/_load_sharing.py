@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 
 from ..._errors import MissingDataError
-from ...mechanism import Scalar
+from ...fields import Scalar
 from .._analysis import Analysis
 from .._catalogue import quantity
 from .._nut_travel import elastic_of

@@ -7,7 +7,9 @@ import jax.numpy as jnp
 from ... import strength
 from ..._errors import MissingDataError
 from ...dynamics import steady_state
-from ...mechanism import Friction, Mechanism, Scalar, Stage
+from ...fields import Scalar
+from ...friction import Friction
+from ...mechanism import Mechanism, Stage
 from ...numerics import above_or_nan
 from .._analysis import Analysis
 from .._catalogue import quantity

@@ -4,7 +4,8 @@ import jax.numpy as jnp
 
 from ... import strength
 from ..._errors import MissingDataError
-from ...mechanism import Scalar, Stage
+from ...fields import Scalar
+from ...mechanism import Stage
 from .._analysis import Analysis
 from .._catalogue import quantity
 from ._strength import dynamic_capacity_of, on_one_flank, per_stage, truncated_fatigue_of

@@ -9,9 +9,10 @@ from collections.abc import Callable
 import jax.numpy as jnp
 
 from ... import strength
+from ...fields import Scalar
 from ...geometry import flanks_end
 from ...load_sharing import SideLoads
-from ...mechanism import Scalar, Stage
+from ...mechanism import Stage
 from .._analysis import Analysis, SharedLoad
 from .._catalogue import quantity
 from .._onsets import onsets_anywhere

@@ -1,7 +1,8 @@
 """Quantities of contact ellipses that extend beyond the ends of their flanks."""
 
 from ... import strength
-from ...mechanism import Scalar, Stage
+from ...fields import Scalar
+from ...mechanism import Stage
 from .._analysis import Analysis
 from .._catalogue import quantity
 from .._onsets import onsets_of

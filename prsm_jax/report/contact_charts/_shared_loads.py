@@ -3,8 +3,9 @@
 import equinox as eqx
 import jax.numpy as jnp
 
+from ...fields import Scalar
 from ...load_sharing import ForceDeflection, LoadDistribution, force_deflection, load_distribution
-from ...mechanism import Mechanism, Scalar
+from ...mechanism import Mechanism
 
 #: Points of a force–deflection curve, and its largest load over the load of the distribution.
 _POINTS, _BEYOND = 61, 1.5

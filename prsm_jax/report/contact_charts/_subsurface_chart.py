@@ -15,7 +15,7 @@ from ...contact import (
     subsurface_stress,
     von_mises_stress,
 )
-from ...mechanism import Scalar
+from ...fields import Scalar
 from ...text import display_unit, in_unit
 from .._style import INK, SMALL, Figure, drawn, page_figure
 

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
-from ...mechanism import Scalar
+from ...fields import Scalar
 from ...strength import LoadSpectrum, TruncatedFatigue
 from ...text import display_unit, in_unit, number
 from .._style import FREE, INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure

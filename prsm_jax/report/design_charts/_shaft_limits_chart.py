@@ -7,7 +7,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ...mechanism import END_CONDITIONS, Scalar, Stage
+from ...fields import Scalar
+from ...mechanism import END_CONDITIONS, Stage
 from ...strength import buckling_load, loaded_length, permissible_speed, unsupported_length
 from ...text import DisplayUnit, display_unit, in_unit, show
 from .._style import INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure, readable

@@ -7,7 +7,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
-from ...mechanism import DutyCycle, Mechanism, Scalar, Stage
+from ...fields import Scalar
+from ...mechanism import DutyCycle, Mechanism, Stage
 from ...quantities import find_quantity
 from ...strength import (
     LoadSpectrum,

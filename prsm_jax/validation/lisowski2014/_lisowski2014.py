@@ -13,7 +13,8 @@ from ...contact import (
     hertz_contact,
     lisowski_coefficients,
 )
-from ...mechanism import CurvatureConvention, as_scalar, material_of
+from ...fields import as_scalar
+from ...mechanism import CurvatureConvention, material_of
 from .._difference import consistent, differs, formula, inconsistent, unexplained
 from .._examples import example
 from .._registry import rows_of

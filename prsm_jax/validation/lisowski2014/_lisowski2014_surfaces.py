@@ -7,9 +7,10 @@ from collections.abc import Iterator
 import equinox as eqx
 import jax.numpy as jnp
 
+from ...fields import as_scalar
 from ...geometry import Meshing, mesh
 from ...halfspace import FlankContact, flank_contact
-from ...mechanism import Stage, as_scalar
+from ...mechanism import Stage
 from .._difference import not_comparable, unexplained
 from .._examples import example
 from .._registry import rows_of

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 
-from ...mechanism import Scalar
+from ...fields import Scalar
 from ._poles import added, in_given_order, rounding, sorted_poles
 from ._secular import pole_distances, root_values, secular_roots, support_distances
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
-from ...mechanism import Scalar
+from ...fields import Scalar
 
 #: Pairs that are compared, in this sequence, to sort three values.
 _EXCHANGES = ((0, 1), (1, 2), (0, 1))

@@ -2,7 +2,7 @@
 
 import jax.numpy as jnp
 
-from ...mechanism import Scalar
+from ...fields import Scalar
 
 #: Polynomial in u = √((1 + r)/2) of cos(arccos(r)/3), by Chebyshev interpolation: 5e-10. In u
 #: the function has no root singularity at r = −1, and no arccosine is needed.

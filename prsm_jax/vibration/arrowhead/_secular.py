@@ -17,7 +17,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
-from ...mechanism import Scalar
+from ...fields import Scalar
 from ._poles import Poles, added, rounding, shortest
 from ._quartic import quartic_roots
 

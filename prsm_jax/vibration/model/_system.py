@@ -4,7 +4,8 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ...mechanism import Scalar, Stage, Support, body_inertia, body_mass
+from ...fields import Scalar
+from ...mechanism import Stage, Support, body_inertia, body_mass
 from ...stiffness import ThreadStiffness, ring_roller_stiffness
 
 
