@@ -46,6 +46,7 @@ from .speed_drive import (
     Problem,
     bristle_history,
     chosen_method,
+    closed_form_history,
     driven_states,
     error_weight,
     quasi_steady_at,
@@ -53,7 +54,6 @@ from .speed_drive import (
     sample_times,
     scaled_rate,
     scene_problem,
-    settling_history,
     standstills,
 )
 from .torque_drive import has_smooth_threads, smooth_torque_history, torque_history
@@ -214,7 +214,7 @@ def _transient(
         report = quasi_steady_report(neglected)
     else:
         if settings.method == "closed_form":
-            speeds, report = settling_history(problem.reduced, problem.scenario, times)
+            speeds, report = closed_form_history(problem.reduced, problem.scenario, times)
         else:
             speeds, report = _integrated(problem, times, settings)
         rows = over_samples(lambda time, w: rows_at(evaluated(problem, time, w)), times, speeds)

@@ -5,7 +5,7 @@ from ..mechanism import Mechanism
 from .numbers import Misplaced
 
 
-def check_together(mechanism: Mechanism) -> None:
+def check_dimensions(mechanism: Mechanism) -> None:
     """Refuse dimensions that contradict each other.
 
     **Raises:** `Misplaced` at the first key that does not fit the others.

@@ -10,7 +10,7 @@ import numpy as np
 from .._errors import FileError, closest, missing_extra
 from ..fields import Contradiction
 from ..mechanism import DutyCycle, Mechanism
-from ._checks import check_together
+from ._checks import check_dimensions
 from ._examples import example_names, example_text
 from .numbers import Misplaced, file_error, one_line
 
@@ -153,7 +153,7 @@ def _mechanism(table: "Table") -> Mechanism:
         )
     except ValueError as error:
         raise Misplaced((), str(error)) from error
-    check_together(mechanism)
+    check_dimensions(mechanism)
     if optimise is None:
         return mechanism
     # The names of its variables can be looked up only once there is a mechanism.

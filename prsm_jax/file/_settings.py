@@ -10,7 +10,7 @@ from ..mechanism import (
     find_parameters,
     set_parameter,
 )
-from ._checks import check_together
+from ._checks import check_dimensions
 from .numbers import Misplaced, is_plain_number, one_line, read_integer, read_number, table_name
 
 #: Settings that are words rather than numbers, with the allowed words.
@@ -82,7 +82,7 @@ def apply_settings(
             raise FileError(one_line(f"{shown}: {error}", 700)) from error
     try:
         # After the last one: two settings may fit each other, but neither fits the old mechanism.
-        check_together(mechanism)
+        check_dimensions(mechanism)
     except Misplaced as error:
         place = f"{table_name(error.place[:-1])}: {error.place[-1]}"
         raise FileError(f"after {shown}: {place} {error.message}") from error

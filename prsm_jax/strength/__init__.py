@@ -44,11 +44,11 @@ from ._play import (
 )
 from ._preload import (
     OPENING_RATIO as OPENING_RATIO,
-    braced_loads as braced_loads,
-    braced_stiffness as braced_stiffness,
     flank_loads as flank_loads,
     preload_opening_load as preload_opening_load,
     preload_torque as preload_torque,
+    preloaded_pair_loads as preloaded_pair_loads,
+    preloaded_pair_stiffness as preloaded_pair_stiffness,
     relative_displacement as relative_displacement,
 )
 from ._reliability import (

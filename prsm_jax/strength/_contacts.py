@@ -85,7 +85,7 @@ def preload_of(stage: Stage) -> Scalar | None:
     return split.preload
 
 
-def is_braced(stage: Stage) -> bool:
+def is_preloaded(stage: Stage) -> bool:
     """Whether two nuts, or the halves of one, are preloaded; the force need not be known."""
     play = None if stage.strength is None else stage.strength.play
     force_given = play is not None and play.preload_force is not None

@@ -8,8 +8,8 @@ from ..fields import Scalar
 from ..geometry import Meshing, mesh
 from ..mechanism import AxialPlay, Stage
 from ..programs import physics
-from ._contacts import axial_approach, is_braced, preload_of, strength_of, thread_share
-from ._preload import braced_stiffness, relative_displacement
+from ._contacts import axial_approach, is_preloaded, preload_of, strength_of, thread_share
+from ._preload import preloaded_pair_stiffness, relative_displacement
 
 
 def play_of(stage: Stage) -> AxialPlay:
@@ -95,7 +95,7 @@ def thins_teeth(play: AxialPlay) -> bool:
 def needs_meshing_for_backlash(stage: Stage) -> bool:
     """Whether the backlash follows from the teeth."""
     play = None if stage.strength is None else stage.strength.play
-    if play is None or play.axial_backlash is not None or is_braced(stage):
+    if play is None or play.axial_backlash is not None or is_preloaded(stage):
         return False
     return thins_teeth(play)
 
@@ -147,4 +147,4 @@ def preloaded_stiffness(stage: Stage, load: Scalar, contact: StageContact | None
     **Raises:** `MissingDataError` if data are missing.
     """
     preload = preload_force(stage)
-    return braced_stiffness(load, preload, _approach(stage, preload, contact))
+    return preloaded_pair_stiffness(load, preload, _approach(stage, preload, contact))

@@ -64,7 +64,7 @@ def _relative_displacement_jvp(primals, tangents):
 
 
 @physics("preload")
-def braced_loads(
+def preloaded_pair_loads(
     load: Float[Array, "*batch"], preload: Scalar
 ) -> tuple[Float[Array, "*batch"], Float[Array, "*batch"]]:
     """Loads on the two nuts of a preloaded pair under an axial load [N].
@@ -96,10 +96,10 @@ def flank_loads(
     """
     if preload is None:
         return jnp.maximum(load, 0.0), jnp.maximum(-load, 0.0)
-    return braced_loads(load, preload)
+    return preloaded_pair_loads(load, preload)
 
 
-def braced_stiffness(load: Scalar, preload: Scalar, preload_approach: Scalar) -> Scalar:
+def preloaded_pair_stiffness(load: Scalar, preload: Scalar, preload_approach: Scalar) -> Scalar:
     r"""Tangent stiffness of a preloaded pair, $\tfrac32 (F_p/\delta_0)(\sqrt{1+s} + \sqrt{1-s})$.
 
     In N/m; without load it is twice the tangent stiffness of one nut under its preload.

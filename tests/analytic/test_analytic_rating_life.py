@@ -117,7 +117,7 @@ def test_a_preload_loads_both_flanks_always():
     braced = stage(strength=Strength(play=AxialPlay(preload_force=2e3)))
     idle = life(braced, array(CAPACITY), spectrum([0.0, 0.0, 0.0], [1, 2, 3], np.ones(3)))
     np.testing.assert_allclose(idle.revolutions, 1e6 * 25**3 * 2**-0.9, rtol=1e-13)
-    first, second = strength.braced_loads(array(3e3), array(2e3))
+    first, second = strength.preloaded_pair_loads(array(3e3), array(2e3))
     loaded = life(braced, array(CAPACITY), spectrum(3 * [3e3], [1, 2, 3], np.ones(3)))
     risk = sum((float(load) / CAPACITY) ** (10 / 3) for load in (first, second))
     np.testing.assert_allclose(loaded.revolutions, 1e6 * risk**-0.9, rtol=1e-13)
@@ -243,7 +243,7 @@ def test_a_swing_is_judged_under_the_largest_load_on_a_flank():
     cycle = DutyCycle(*(jnp.asarray(x) for x in ([1.0, 1.0], [10.0, 10.0], [0.0, 8e3])))
     one = dataclasses.replace(one, duty_cycle=cycle)
     expected = eqx.filter_jit(strength.minimum_oscillation_amplitude)(
-        swinging, strength.braced_loads(array(8e3), array(4e3))[0]
+        swinging, strength.preloaded_pair_loads(array(8e3), array(4e3))[0]
     )
     name = "minimum_oscillation_amplitude"
     found = eqx.filter_jit(lambda m: prsm.compute(m, [name])[name])(one)

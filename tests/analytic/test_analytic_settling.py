@@ -15,8 +15,8 @@ from prsm_jax import Scenario
 from prsm_jax.dynamics import all_kinematics, carrier_inertia, choose_method, states_at
 from prsm_jax.dynamics.forces._reduced_chain import reduced_chain, reduced_rates
 from prsm_jax.dynamics.forces._reduced_stage import ReducedStage
-from prsm_jax.dynamics.speed_drive import _automatic
-from prsm_jax.dynamics.speed_drive._settling import _settled_stage, inverse_path
+from prsm_jax.dynamics.speed_drive import _choose_method
+from prsm_jax.dynamics.speed_drive._closed_form import _settled_stage, inverse_path
 from prsm_jax.friction import (
     CoulombFriction,
     Drag,
@@ -293,7 +293,7 @@ def test_the_method_is_chosen_in_compiled_programs(monkeypatch):
         traced.append(isinstance(mechanism.stages[0].thread.lead, jax.core.Tracer))
         return all_kinematics(mechanism)
 
-    monkeypatch.setattr(_automatic, "all_kinematics", kinematics)
+    monkeypatch.setattr(_choose_method, "all_kinematics", kinematics)
     # A number of samples of its own, so that nothing is compiled already.
     choose_method(SINGLE, Scenario(100.0, 7000.0, DURATION, samples=23))
     assert traced == [True]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scenes import array
 
-from prsm_jax.dynamics.steady._small_newton import find_roots, find_roots_and
+from prsm_jax.dynamics.steady._root_search import find_roots, find_roots_and
 
 ROOT = np.sqrt([2.0, 3.0])
 

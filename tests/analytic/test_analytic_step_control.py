@@ -14,7 +14,7 @@ from benchmarks.extremes import structures
 from prsm_jax.dynamics.histories._integration import Settings, integrated
 from prsm_jax.dynamics.solvers._kvaerno import Kvaerno
 from prsm_jax.dynamics.solvers._step_control import root_mean_square
-from prsm_jax.dynamics.speed_drive._automatic import scene_problem
+from prsm_jax.dynamics.speed_drive._choose_method import scene_problem
 
 
 @eqx.filter_jit

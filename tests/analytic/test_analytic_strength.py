@@ -369,7 +369,7 @@ def test_braced_nuts_balance_the_load(ratio):
     np.testing.assert_allclose(displacement(array(-ratio)), -s, rtol=1e-15)
 
 
-_braced = eqx.filter_jit(strength.braced_loads)
+_braced = eqx.filter_jit(strength.preloaded_pair_loads)
 
 
 def test_a_braced_nut_opens_at_two_to_the_three_halves():
@@ -405,9 +405,9 @@ def test_stiffness_of_a_braced_pair():
     preload, approach = array(1000.0), array(5e-6)
     one = 1.5 * 1000.0 / 5e-6
     np.testing.assert_allclose(
-        strength.braced_stiffness(array(0.0), preload, approach), 2 * one, rtol=1e-14
+        strength.preloaded_pair_stiffness(array(0.0), preload, approach), 2 * one, rtol=1e-14
     )
-    opened = strength.braced_stiffness(array(2**1.5 * 1000.0), preload, approach)
+    opened = strength.preloaded_pair_stiffness(array(2**1.5 * 1000.0), preload, approach)
     np.testing.assert_allclose(opened, np.sqrt(2) * one, rtol=1e-7)
 
 

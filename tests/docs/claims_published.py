@@ -7,7 +7,7 @@ from claims import Claim
 
 from prsm_jax.validation import Row, validate
 from prsm_jax.validation._examples import knees, settling_time, steady, transient
-from prsm_jax.validation._newton import newton
+from prsm_jax.validation._newtons_equations import newtons_equations
 from prsm_jax.validation._shape_function import _flatter_angle
 from prsm_jax.validation._thread_contacts import LOADS, pairs_of_threads
 from prsm_jax.validation.lisowski2014._lisowski2014_surfaces import LOW, flanks
@@ -72,7 +72,7 @@ def _ring_gear() -> list[float]:
     """At the start, time of zero [ms], in the end, of both stages."""
     found = []
     for stage in (0, 1):
-        force, time = np.asarray(newton(LI2020, stage).ring_gear), transient(LI2020).time
+        force, time = np.asarray(newtons_equations(LI2020, stage).ring_gear), transient(LI2020).time
         after = int(np.argmax(force < 0))
         share = force[after - 1] / (force[after - 1] - force[after])
         zero = time[after - 1] + share * (time[after] - time[after - 1])

@@ -100,7 +100,7 @@ def _dent() -> list[float]:
 def _usual_preload() -> list[float]:
     """By how much the usual approximation of the loaded nut is too high at most [%]."""
     loads = jnp.linspace(0.01, 2**1.5, 400)
-    exact, _ = strength.braced_loads(loads, array(1.0))
+    exact, _ = strength.preloaded_pair_loads(loads, array(1.0))
     return [float(jnp.max(100 * ((1 + loads / 2.83) ** 1.5 / exact - 1)))]
 
 

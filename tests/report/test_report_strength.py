@@ -14,9 +14,9 @@ from prsm_jax.report import ReportData, life_chart, shaft_limits_chart
 from prsm_jax.report.document._strength_section import strength_section
 from prsm_jax.strength import (
     LoadSpectrum,
-    braced_loads,
     buckling_load,
     permissible_speed,
+    preloaded_pair_loads,
     rating_life,
 )
 
@@ -132,7 +132,7 @@ def test_the_life_in_a_report_is_drawn_with_the_preload(actuator):
     spectrum = prsm.strength.load_spectrum(braced.duty_cycle)
     means = [
         float(np.cbrt(jnp.sum(spectrum.weights * load**3)))
-        for load in braced_loads(spectrum.load, jnp.asarray(8e3))
+        for load in preloaded_pair_loads(spectrum.load, jnp.asarray(8e3))
     ]
     np.testing.assert_allclose(mean, max(means), rtol=1e-12)
     both = sum((1e6 * (6e4 / x) ** 3) ** (-10 / 9) for x in means) ** -0.9

@@ -15,6 +15,7 @@ from .._kinematics import StageKinematics, travel_per_turn
 from ..friction import bearing_torque, drag_torque, spline_force, with_resistance
 from ..histories import Transient
 from ..steady import SteadyState, all_kinematics
+from ._equations_of_motion import contact_moments, from_following, newton_forces
 from ._free_bodies import (
     PartMasses,
     ScrewAcceleration,
@@ -23,7 +24,6 @@ from ._free_bodies import (
     roller_acceleration,
     roller_forces,
 )
-from ._newton import contact_moments, from_following, newton_forces
 
 
 class Instant(eqx.Module):

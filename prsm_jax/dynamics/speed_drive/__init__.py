@@ -1,12 +1,5 @@
 """Transients whose screw speed is prescribed."""
 
-from ._automatic import (
-    MethodChoice as MethodChoice,
-    choose_method as choose_method,
-    chosen_method as chosen_method,
-    sample_times as sample_times,
-    scene_problem as scene_problem,
-)
 from ._bristle_transient import (
     BristleState as BristleState,
     bristle_history as bristle_history,
@@ -21,8 +14,15 @@ from ._carrier_motion import (
     standstills as standstills,
     states_at as states_at,
 )
+from ._choose_method import (
+    MethodChoice as MethodChoice,
+    choose_method as choose_method,
+    chosen_method as chosen_method,
+    sample_times as sample_times,
+    scene_problem as scene_problem,
+)
+from ._closed_form import closed_form_history as closed_form_history
 from ._quasi_steady import (
     quasi_steady_at as quasi_steady_at,
     quasi_steady_report as quasi_steady_report,
 )
-from ._settling import settling_history as settling_history

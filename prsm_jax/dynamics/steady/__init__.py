@@ -12,7 +12,7 @@ from ._locking import (
     locking_coefficient as locking_coefficient,
     self_locking_margin as self_locking_margin,
 )
-from ._small_newton import find_roots as find_roots
+from ._root_search import find_roots as find_roots
 from ._steady import (
     STEADY_RESULTS as STEADY_RESULTS,
     SteadyState as SteadyState,

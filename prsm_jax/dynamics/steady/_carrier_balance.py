@@ -22,7 +22,7 @@ from ..friction import (
     screw_contact,
     slip_direction,
 )
-from ._small_newton import find_roots_and
+from ._root_search import find_roots_and
 
 #: Largest share of the friction that may drive an accelerating carrier. Where the load passes
 #: through zero there is no friction to drive it: it then coasts for an instant, out of balance.

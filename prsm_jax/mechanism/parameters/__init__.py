@@ -14,4 +14,7 @@ from ._parameters import (
     get_parameter as get_parameter,
     set_parameter as set_parameter,
 )
-from ._together import check_independent as check_independent, set_parameters as set_parameters
+from ._set_parameters import (
+    check_independent as check_independent,
+    set_parameters as set_parameters,
+)

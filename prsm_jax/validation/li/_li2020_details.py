@@ -18,7 +18,7 @@ from .._examples import (
     transient,
     two_stages,
 )
-from .._newton import newton
+from .._newtons_equations import newtons_equations
 from .._registry import rows_of
 from .._row import Row, number, trend
 from ._li_radii import radius_rows
@@ -33,7 +33,7 @@ def viscous_friction() -> Iterator[Row]:
     """Section 3.1, figure 8: Newton's law against the Lagrange model of Jones et al. 2016."""
     mechanism, run = scene(_VISCOUS)
     stage, geometry = mechanism.stages[0], kinematics(_VISCOUS)[0]
-    solution = newton(_VISCOUS, 0)
+    solution = newtons_equations(_VISCOUS, 0)
     error = np.abs(solution.carrier_acceleration - run.carrier_acceleration[0])
     error = float(error.max() / np.abs(solution.carrier_acceleration).max())
     yield trend(
@@ -114,7 +114,7 @@ def steps_of_efficiency() -> Iterator[Row]:
         f"to what a figure can show: until {1e3 * float(run.time[efficiency.argmin()]):.2f} ms it "
         f"falls by {100 * (1 - efficiency.min() / efficiency[0]):.2f} %, then it rises",
     )
-    tangential = np.stack([newton(_NAME, k).friction for k in (0, 1)])
+    tangential = np.stack([newtons_equations(_NAME, k).friction for k in (0, 1)])
     tangential = tangential[:, :, 1]
     yield trend(
         "section 3.2: tangential friction opposes the screw most at the start, then falls",
@@ -132,7 +132,7 @@ def ring_gear_and_carrier() -> Iterator[Row]:
     """Section 3.2, figures 9c and 9d."""
     run = transient(_NAME)
     for stage in (0, 1):
-        solution = newton(_NAME, stage)
+        solution = newtons_equations(_NAME, stage)
         sign = np.sign(solution.ring_gear)
         changes = np.flatnonzero(np.diff(sign))
         angle = get_parameter(two_stages(_NAME), f"stage.{stage + 1}.gear.pressure_angle")
@@ -161,7 +161,7 @@ def ring_gear_and_carrier() -> Iterator[Row]:
             f"correlation {match:.4f} once the carrier force rises; the normal forces of "
             "both threads have radial parts, too, and two pins hold a roller",
         )
-    exact, printed = newton(_NAME, 0), newton(_NAME, 0, printed=True)
+    exact, printed = newtons_equations(_NAME, 0), newtons_equations(_NAME, 0, printed=True)
     yield differs(
         "equation 17 as printed: carrier 1 at the start",
         "speeds up forwards",

@@ -7,7 +7,7 @@ import numpy as np
 from ...mechanism import get_parameter
 from .._difference import differs
 from .._examples import kinematics, knees, settling_time, steady, transient, two_stages
-from .._newton import newton
+from .._newtons_equations import newtons_equations
 from .._registry import rows_of
 from .._row import Row, trend
 from ._li_radii import radius_rows
@@ -51,7 +51,7 @@ def base_case_over_time() -> Iterator[Row]:
             loose < knee < tight,
             "the text gives 0.14 and 0.46 ms for the carriers; see their rows",
         )
-    slip = [newton(_NAME, k).friction for k in (0, 1)]
+    slip = [newtons_equations(_NAME, k).friction for k in (0, 1)]
     yield trend(
         "section 3.1: axial friction rises as the carriers speed up",
         "rises",
@@ -91,7 +91,7 @@ def equation_23() -> Iterator[Row]:
     ):
         side = geometry.meshing.screw
         radius, angle = float(side.contact_radius), float(side.contact_angle_position)
-        x, y, _ = newton(_NAME, index).friction[-1]
+        x, y, _ = newtons_equations(_NAME, index).friction[-1]
         torque += radius * (y * np.cos(angle) - x * np.sin(angle))
         travel += float(stage.thread.lead) / (2 * np.pi)
     literal = float(get_parameter(mechanism, "operating_point.load")) * travel / abs(torque)

@@ -16,8 +16,8 @@ from ..friction import has_bristles, with_resistance
 from ..solvers import MethodName
 from ..steady import all_kinematics
 from ._carrier_motion import Problem, carrier_problem
+from ._closed_form import closed_form_history, settles_in_closed_form
 from ._quasi_steady import quasi_steady_at, quasi_steady_report
-from ._settling import settles_in_closed_form, settling_history
 
 #: Largest time constant of settling over the time between two samples at which settling does not
 #: show: after so many time constants the initial deviation has decayed to rounding.
@@ -134,7 +134,7 @@ def sample_times(problem: Problem) -> Float[Array, " times"]:
 @one_program_where_possible
 def _settling_code(mechanism, scenario, kinematics):
     problem = scene_problem(mechanism, scenario, kinematics)
-    return settling_history(problem.reduced, problem.scenario, sample_times(problem))[1].code
+    return closed_form_history(problem.reduced, problem.scenario, sample_times(problem))[1].code
 
 
 @one_program_where_possible

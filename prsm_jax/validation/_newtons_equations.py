@@ -26,7 +26,7 @@ class NewtonSolution:
 
 
 @functools.cache
-def newton(name: str, stage: int, printed: bool = False) -> NewtonSolution:
+def newtons_equations(name: str, stage: int, printed: bool = False) -> NewtonSolution:
     """Solve Li et al. 2020, equations 17 (tangential), 18 and 28, at a constant screw speed.
 
     Unknown are the tangential forces of ring gear and pin and the carriers' acceleration; the

@@ -218,7 +218,7 @@ def settled_ratios(
     return jnp.stack(ratios[::-1]), valid
 
 
-def settling_history(
+def closed_form_history(
     chain: ReducedChain | None, scenario: Scenario, times: Float[Array, " times"]
 ) -> tuple[Float[Array, "times stages"], SolverReport]:
     """Carrier speeds at the sample times [rad/s].
