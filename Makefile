@@ -1,6 +1,6 @@
 # Two commands on a fresh machine with Python 3.11 or newer, git and make:
 #   make demo   analyse, differentiate and improve a real mechanism into out/demo/
-#   make test   run all tests (ROOM=dynamics: those of one room)
+#   make test   run the tests (ROOM=dynamics: those of one room)
 # Both create the environment in .venv first, if it is not there or out of date.
 
 PYTHON ?= python3
@@ -10,11 +10,12 @@ DEMO_STAMP := $(VENV)/.installed-demo
 TEST_STAMP := $(VENV)/.installed-test
 WORKERS ?= 2
 
-.PHONY: help demo test versions lint bench guard docs notebooks clean
+.PHONY: help demo test slow versions lint bench guard docs notebooks clean
 
 help:
 	@echo "make demo       analyse and improve the actuator example into out/demo/"
-	@echo "make test       run all tests; ROOM=dynamics only those of one room of the package"
+	@echo "make test       run the tests, but not the slow ones; ROOM=dynamics: those of one room"
+	@echo "make slow       run the slow tests; ROOM=dynamics: those of one room"
 	@echo "make versions   test the core paths with the lowest and the newest versions"
 	@echo "make lint       ruff and pyright"
 	@echo "make bench      error against run time, all cases: out/bench/, and the page in docs/"
@@ -42,13 +43,11 @@ $(TEST_STAMP): pyproject.toml constraints.txt | $(BIN)/python
 demo: $(DEMO_STAMP)
 	@$(BIN)/prsm demo --out out/demo
 
-test: $(TEST_STAMP)
-ifdef ROOM
+test: CHOICE := not slow
+slow: CHOICE := slow
+test slow: $(TEST_STAMP)
 	files=$$($(BIN)/python -m tests.of_room $(ROOM)) && \
-	  $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal $$files
-else
-	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
-endif
+	  $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "$(CHOICE)" $$files
 
 # The tests of the core paths with the lowest versions that pyproject.toml allows, and with the
 # newest ones on other Pythons; one that is not on this machine is named as not tested.

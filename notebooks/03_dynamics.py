@@ -217,9 +217,9 @@ report.sweep_map(
 
 # %% [markdown]
 # ## Improving a design with its gradient
-# Which flank angles lose least energy in the mission? For two angles forward mode is cheaper than
-# reverse mode, and a quasi-Newton method needs a few steps. A single stage has its best angle at
-# $45° - \tfrac12\arctan\mu$ when the screw drives, and at $45° + \tfrac12\arctan\mu$ when the load
+# Which contact angles lose least energy in the mission? For two angles forward mode is cheaper than
+# reverse mode, and a quasi-Newton method needs a few steps. A single stage has its best angle near
+# $45° + \tfrac12\arctan\mu$ when the screw drives, and at $45° - \tfrac12\arctan\mu$ when the load
 # does; this mission has both.
 
 # %%
@@ -245,5 +245,5 @@ _, before = slopes_and_value(jnp.radians(jnp.array([55.0, 35.0])))
 half = np.degrees(np.arctan(0.1)) / 2
 print(f"energy lost {before:.3f} J, then {found.fun:.3f} J after {found.nit} steps")
 print(f"angles {np.degrees(found.x[0]):.3f}° and {np.degrees(found.x[1]):.3f}°")
-print(f"one stage: {45 - half:.3f}° when the screw drives, {45 + half:.3f}° when the load does")
+print(f"one stage: {45 + half:.3f}° when the screw drives, {45 - half:.3f}° when the load does")
 assert 45 - half < np.degrees(found.x).min() < np.degrees(found.x).max() < 45 + half

@@ -4,6 +4,7 @@ import contextlib
 import ctypes
 import gc
 import importlib.metadata
+import json
 import os
 import sys
 import tempfile
@@ -162,6 +163,8 @@ def pytest_sessionfinish(session):
         return
     if not _peaks:
         _peaks["this process"] = _peak()
+    if _SECONDS:
+        Path(_SECONDS).write_text(json.dumps(_seconds, indent=1), encoding="utf-8")
     strict = os.environ.get("PRSM_TEST_MEMORY", "strict") != "told"
     if strict and max(_peaks.values()) > _MOST_MEMORY and session.exitstatus == 0:
         session.exitstatus = pytest.ExitCode.TESTS_FAILED
@@ -176,6 +179,36 @@ def pytest_terminal_summary(terminalreporter):
             terminalreporter.write_line(words, red=True, bold=True)
         elif len(_peaks) > 1:
             terminalreporter.write_line(words)
+
+
+#: Slow tests, one name in each line (`python -m tests.slow` writes it from measured times).
+_SLOW = Path(__file__).with_name("slow.txt")
+#: Where the seconds of every test of this run are written, for `python -m tests.slow`.
+_SECONDS = os.environ.get("PRSM_TEST_SECONDS")
+_seconds: dict[str, float] = {}
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config, items):
+    """Mark slow tests, before tests are chosen by their marks."""
+    slow = set(_SLOW.read_text(encoding="utf-8").splitlines())
+    for item in items:
+        if item.nodeid in slow:
+            item.add_marker(pytest.mark.slow)
+    if not any("::" in argument for argument in config.args):
+        files = {item.nodeid.partition("::")[0] for item in items}
+        names = {item.nodeid for item in items}
+        unknown = sorted(n for n in slow - names if n.partition("::")[0] in files)
+        if unknown:
+            raise pytest.UsageError(
+                f"{_SLOW.name} names tests that do not exist: {', '.join(unknown)}; take them out"
+            )
+
+
+def pytest_runtest_logreport(report):
+    """Add up the seconds of set-up, test and take-down."""
+    if _SECONDS:
+        _seconds[report.nodeid] = _seconds.get(report.nodeid, 0.0) + report.duration
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""`python -m tests.of_room ROOM`: files of tests of one room of the package, for `make test`."""
+"""`python -m tests.of_room [ROOM]`: files of tests of one room of the package, or of all."""
 
 import sys
 from pathlib import Path
@@ -55,6 +55,9 @@ def files_of(room: str) -> list[str]:
 
 def main() -> int:
     """Print them, or say which rooms there are."""
+    if not sys.argv[1:]:
+        print("tests")
+        return 0
     try:
         print(" ".join(files_of(sys.argv[1])))
     except ValueError as error:

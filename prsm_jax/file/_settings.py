@@ -4,12 +4,7 @@ import dataclasses
 from collections.abc import Iterable
 
 from .._errors import FileError, UnknownNameError, missing_extra
-from ..mechanism import (
-    CURVATURE_CONVENTIONS,
-    Mechanism,
-    find_parameters,
-    set_parameter,
-)
+from ..mechanism import CURVATURE_CONVENTIONS, Mechanism, find_parameters, set_parameter
 from ._checks import check_dimensions
 from .numbers import Misplaced, is_plain_number, one_line, read_integer, read_number, table_name
 

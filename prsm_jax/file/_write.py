@@ -17,14 +17,7 @@ from ..mechanism import DesignProblem, DutyCycle, Mechanism, find_parameters
 from ..process import whole_file
 from ._read import loads
 from ._scenario_lines import scenario_lines
-from .numbers import (
-    bare_number,
-    is_law_field,
-    row_class,
-    table_choices,
-    unit_of,
-    write_number,
-)
+from .numbers import bare_number, is_law_field, row_class, table_choices, unit_of, write_number
 
 
 def _string(text: str) -> str:

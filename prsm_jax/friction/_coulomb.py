@@ -4,12 +4,7 @@ from typing import ClassVar
 
 import jax.numpy as jnp
 
-from ..fields import (
-    NOT_NEGATIVE,
-    POSITIVE,
-    Scalar,
-    number,
-)
+from ..fields import NOT_NEGATIVE, POSITIVE, Scalar, number
 from ._law import FrictionLaw, Sliding
 from ._register import friction_law
 

@@ -13,10 +13,7 @@ from typing import ClassVar, NamedTuple
 import equinox as eqx
 from jaxtyping import Array, Float
 
-from ..fields import (
-    Limited,
-    Scalar,
-)
+from ..fields import Limited, Scalar
 from ..numerics import dot_few
 
 #: Quantities that a law may request, with unit and meaning.

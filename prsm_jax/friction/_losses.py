@@ -2,14 +2,7 @@
 
 import equinox as eqx
 
-from ..fields import (
-    NOT_NEGATIVE,
-    SHARE,
-    Limited,
-    Scalar,
-    number,
-    part,
-)
+from ..fields import NOT_NEGATIVE, SHARE, Limited, Scalar, number, part
 from ._law import FrictionLaw
 from ._screw_friction import Drag, SplineFriction, ThrustBearingFriction
 

@@ -8,13 +8,7 @@ of slip. The deflection z lies in the tangent plane of the contact, like the sli
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..fields import (
-    NOT_NEGATIVE,
-    POSITIVE,
-    Scalar,
-    number,
-    optional_number,
-)
+from ..fields import NOT_NEGATIVE, POSITIVE, Scalar, number, optional_number
 from ..numerics import dot_few, length_few, sum_few
 from ._law import Deflected, Sliding, StatefulFrictionLaw
 from ._register import friction_law

@@ -4,14 +4,7 @@ from typing import Any
 
 import equinox as eqx
 
-from ..fields import (
-    NOT_NEGATIVE,
-    POSITIVE,
-    Limited,
-    Scalar,
-    number,
-    optional_number,
-)
+from ..fields import NOT_NEGATIVE, POSITIVE, Limited, Scalar, number, optional_number
 from ._coulomb import CoulombFriction
 from ._law import FrictionLaw
 

@@ -4,11 +4,7 @@ from typing import ClassVar
 
 import jax.numpy as jnp
 
-from ..fields import (
-    NOT_NEGATIVE,
-    Scalar,
-    number,
-)
+from ..fields import NOT_NEGATIVE, Scalar, number
 from ._law import FrictionLaw, Sliding
 from ._register import friction_law
 

@@ -17,15 +17,7 @@ from jaxtyping import Array, Bool, Int
 
 from ..fields import Scalar
 from ._block_tridiagonal import solve_linear
-from ._chains import (
-    Chains,
-    Control,
-    State,
-    Teeth,
-    balance,
-    forces_and_slopes,
-    residual,
-)
+from ._chains import Chains, Control, State, Teeth, balance, forces_and_slopes, residual
 from ._flank_law import flank_approach
 
 #: A step is cut while more than this share of the energy's slope along it remains.

@@ -11,20 +11,11 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
 from .._errors import MissingDataError
-from ..contact import (
-    AxisMeasure,
-    StageContact,
-    StressPeak,
-    load_of,
-    stage_contact,
-)
+from ..contact import AxisMeasure, StageContact, StressPeak, load_of, stage_contact
 from ..dynamics import StageKinematics, SteadyState, all_kinematics, steady_state
 from ..fields import Scalar
 from ..geometry import Meshing, dimensions_possible, rollers_fit
-from ..load_sharing import (
-    LoadDistribution,
-    stage_load_distributions,
-)
+from ..load_sharing import LoadDistribution, stage_load_distributions
 from ..mechanism import Mechanism, Stage
 from ..numerics import apart
 from ..stiffness import ThreadStiffness, thread_stiffness

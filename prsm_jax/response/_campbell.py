@@ -13,13 +13,7 @@ from ..fields import Scalar
 from ..mechanism import Mechanism, of_one_design
 from ..programs import AbstractResult, each, mapped, physics
 from ..vibration import Modes, stage_modes
-from ._orders import (
-    ExcitationOrder,
-    excitation_orders,
-    find_order,
-    phasing,
-    working_carrier_ratio,
-)
+from ._orders import ExcitationOrder, excitation_orders, find_order, phasing, working_carrier_ratio
 from ._stage import stage_of, stage_system
 
 #: Below this share of the highest frequency a mode is a rigid motion, without a critical speed.

@@ -6,13 +6,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..fields import (
-    ANY,
-    MANY,
-    Scalar,
-    choice,
-    numbers,
-)
+from ..fields import ANY, MANY, Scalar, choice, numbers
 from ._profiles import (
     ConstantProfile,
     SCurveMoveProfile,

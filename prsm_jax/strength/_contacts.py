@@ -3,13 +3,7 @@
 import jax.numpy as jnp
 
 from .._errors import MissingDataError
-from ..contact import (
-    StageContact,
-    contact_frames,
-    contact_pair,
-    contact_side,
-    engaged_threads,
-)
+from ..contact import StageContact, contact_frames, contact_pair, contact_side, engaged_threads
 from ..fields import Scalar
 from ..geometry import Meshing, mesh
 from ..mechanism import SplitNut, Stage, Strength

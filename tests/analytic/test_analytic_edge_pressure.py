@@ -108,7 +108,6 @@ def test_peaks_on_true_flanks_against_half_spaces_of_numpy(side, lead, pressure,
     assert expected > 1.3 * float(pressure_ratio(array(pressure), onset.onsets)) or radius > 1e-4
 
 
-@pytest.mark.slow
 def test_the_solver_on_the_flanks_takes_the_radius_of_the_thread():
     one = _rounded(screw_of_30_mm(3e-3, load=3e5)).stages[0]
 

@@ -148,7 +148,6 @@ def test_stiff_bristles_approach_coulomb_friction():
     np.testing.assert_allclose(np.array(missing[:-1]) / missing[1:], 4.0, rtol=0.02)
 
 
-@pytest.mark.slow
 def test_derivatives_in_both_modes():
     """Half way through the run-up, one parameter at a time, against central differences."""
     one = _one()

@@ -68,7 +68,6 @@ def test_any_solver_of_diffrax(method):
     assert error < 2e-6
 
 
-@pytest.mark.slow
 def test_any_solver_of_diffrax_under_a_prescribed_torque():
     exact = simulate(ONE, TORQUE, method=prsm.Rodasp(rtol=1e-9))
     found = simulate(ONE, TORQUE, method=prsm.Diffrax(diffrax.Tsit5(), rtol=1e-7))

@@ -133,7 +133,6 @@ def test_stribeck_with_a_viscous_part():
     assert lost > float(alone[1].losses["thread_sliding"])
 
 
-@pytest.mark.slow
 def test_contact_losses_and_derivatives_under_another_law():
     """Resisting moments shift the carriers under any law; both derivative modes agree."""
     law = StribeckFriction(0.15, 0.05, 0.1, 5.0)

@@ -167,13 +167,11 @@ def _two_stages(scene, bearing, *rollers):
     return found, peak
 
 
-@pytest.mark.slow
 def test_two_stages_of_which_one_coasts():
     """Light rollers in one stage stop with the screw, heavy ones in the other do not."""
     _two_stages(scenario(torque(amplitude=4.0, frequency=8.0), 0.2), 0.0, 0.05, 2.0)
 
 
-@pytest.mark.slow
 def test_carriers_of_two_stages_stop_one_after_the_other():
     """Beside a held screw each is braked by a constant friction of its own until it stops."""
     scene = scenario(torque(3.0, change=0.1, after=0.0), 0.4, 100.0)

@@ -48,7 +48,6 @@ def _found():
     return run(one(), scenario())
 
 
-@pytest.mark.slow
 def test_against_scipy():
     """Sticks, breaks away, reverses and sticks; screw, carrier and the times of the events."""
     found = _found()
@@ -93,7 +92,6 @@ def test_the_reference_is_the_integral_over_the_ellipse():
     assert errors[2] < 1e-10
 
 
-@pytest.mark.slow
 def test_two_stages_of_which_one_coasts_through_a_reversal():
     """Light rollers stop with the screw; heavy ones turn on, against a screw that has reversed.
 
@@ -120,7 +118,6 @@ def test_two_stages_of_which_one_coasts_through_a_reversal():
     assert np.max(found.newton_residual) < 1e-12
 
 
-@pytest.mark.slow
 def test_power_is_in_balance_through_a_reversal():
     found = _found()
     turning = np.asarray(found.screw_speed) != 0
@@ -131,7 +128,6 @@ def test_power_is_in_balance_through_a_reversal():
     assert np.all(spin[~turning] == 0)
 
 
-@pytest.mark.slow
 def test_spin_holds_longer_and_slows_the_carriers():
     """The same run without spin: it breaks away earlier, and its rollers turn faster."""
     found, plain = _found(), run(one(spins=False), scenario())

@@ -157,7 +157,6 @@ def test_energies_of_a_transient_balance():
         prsm.dynamics.energy(run, "thread_slidin")
 
 
-@pytest.mark.slow
 def test_derivatives_of_what_designs_are_judged_by():
     """Forward and reverse against central differences, by geometry, friction and inertias."""
     slope = jax.jit(lambda at, direction: jax.jvp(_numbers, (at,), (direction,)))

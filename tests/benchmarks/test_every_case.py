@@ -45,7 +45,6 @@ def run(tmp_path_factory):
     return find
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", case_names())
 def test_a_case_runs_and_comes_near_its_target(run, name):
     """Some setting of this package's methods comes near the error that the case compares at."""
@@ -73,7 +72,6 @@ def test_a_case_runs_and_comes_near_its_target(run, name):
             assert re.search(rf"\| {re.escape(absent['method'])} \(rival\) \|.*left out", text)
 
 
-@pytest.mark.slow
 def test_no_problem_of_a_case_is_left_out_of_the_smoke_run(run):
     """Settling, missions few and many, without a jump of friction too, derivatives, lock step."""
     names = {problem["name"] for problem in run("many_transients")[0]["problems"]}
@@ -90,7 +88,6 @@ def test_rivals_that_are_not_installed_are_rows(monkeypatch):
     }
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("row", "case", "problem", "method", "place"),
     [
@@ -117,7 +114,6 @@ def test_tolerances_of_the_readme(run, row, case, problem, method, place):
     assert 0.1 * stated <= max(errors) <= stated
 
 
-@pytest.mark.slow
 def test_derivatives_through_the_chain_against_equations_written_apart(run):
     """Geometry to frequency by mpmath: meshing, curvatures, contact, gear, masses, eigenvalues."""
     (problem,) = [one for one in run("many_designs")[0]["problems"] if one["name"] == "geometry"]

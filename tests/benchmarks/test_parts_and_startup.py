@@ -52,7 +52,6 @@ def test_each_part_is_a_row_or_is_named_beneath():
     assert lines[lines.index("## slow") + 2] == "Not measured: not done in 9 s."
 
 
-@pytest.mark.slow
 def test_parts_of_an_example_in_a_process_of_its_own(tmp_path):
     words = ["li2021_two_stage", "--programs", "steady_state", "--count-only"]
     assert parts([*words, "--out", str(tmp_path), "--docs", str(tmp_path)]) == 0
@@ -129,7 +128,6 @@ def test_program_cells_and_ratios(tmp_path):
     assert "li2020_two_stage steady_state" in page.partition("Not in this run: ")[2]
 
 
-@pytest.mark.slow
 def test_a_program_and_one_that_there_is_not():
     row = measured("li2020_two_stage", "max_pressure", "value", 1, 200.0)
     assert row["error"] is None

@@ -116,7 +116,6 @@ def test_the_optimum_is_at_limits_that_are_named(optimum):
     assert best.optimum.objective > best.start.objective
 
 
-@pytest.mark.slow
 def test_brute_force_finds_nothing_better(optimum):
     """A grid over the whole box: no feasible design is better, and the best is a step away."""
     mechanism, best = optimum
@@ -151,7 +150,6 @@ def test_brute_force_finds_nothing_better(optimum):
 OPTIMISED = [name for name in file.example_names() if "\n[optimise]" in file.example_text(name)]
 
 
-@pytest.mark.slow
 @pytest.mark.timeout(900)
 @pytest.mark.parametrize("name", OPTIMISED)
 def test_the_optimum_of_every_example_passes_check(prsm, prsm_json, tmp_path, name):
@@ -172,7 +170,6 @@ def test_the_example_of_the_demo_is_one_of_them():
     assert "actuator" in OPTIMISED
 
 
-@pytest.mark.slow
 @pytest.mark.timeout(900)
 def test_demo(prsm, tmp_path):
     """Everything is there, and the optimised file gives the numbers that the report claims."""

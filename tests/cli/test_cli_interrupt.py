@@ -68,7 +68,6 @@ class Terminal:
         return lines[-1].rpartition("\r\x1b[K")[2]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "moment"),
     [

@@ -99,7 +99,6 @@ def _seen(words, tmp_path):
     return process.wait(timeout=60), text.decode().replace("\r\n", "\n")
 
 
-@pytest.mark.slow
 def test_on_a_terminal_and_in_a_pipe(tmp_path):
     """An empty folder of programs: both compile. Steps are shown, and erased at the end."""
     words = ["steady", "actuator"]
@@ -142,7 +141,6 @@ jax.numpy.zeros((10**7, 10**7)).block_until_ready()
 """
 
 
-@pytest.mark.slow
 def test_slow_compilation_raises_no_alarm_and_errors_of_xla_arrive(tmp_path):
     def process(**more):
         environment = {k: v for k, v in os.environ.items() if k != "TF_CPP_MIN_LOG_LEVEL"}

@@ -68,7 +68,6 @@ def readable(folder):
             assert path.read_text().rstrip().endswith(f"</{path.suffix[1:]}>")
 
 
-@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="needs Linux's /proc")
 @pytest.mark.parametrize("verb", VERBS)
 def test_signals_at_random_times(verb, tmp_path):
@@ -101,7 +100,6 @@ def test_signals_at_random_times(verb, tmp_path):
         readable(folder)
 
 
-@pytest.mark.slow
 def test_killed_while_it_writes(tmp_path):
     """What was there is whole after SIGKILL at random moments of writing, again and again."""
     code = """
@@ -136,7 +134,6 @@ while True:
         assert len({int(n) for name in "xy" for n in data[name].values}) == 1
 
 
-@pytest.mark.slow
 def test_two_runs_in_one_folder_with_one_cache(tmp_path):
     """Both end well and give the same numbers; so does a third from what they kept."""
     words = ("steady", "wu2022", "--out", "out", "--json")

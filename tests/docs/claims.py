@@ -32,8 +32,6 @@ class Claim:
     halves: float = 1.0
     #: Least share of a limit that the computed number reaches, so that no limit is idle.
     least: float = 0.05
-    #: Whether computing it takes ten seconds or more.
-    slow: bool = False
 
     @property
     def pattern(self) -> re.Pattern[str]:

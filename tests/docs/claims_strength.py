@@ -107,7 +107,7 @@ def _usual_preload() -> list[float]:
 def _table_line(side: str, lead: float, pressure: float) -> Claim:
     head = f"{side}, {lead * 1e3:g} mm, {pressure * 1e-9:.1f} GPa"
     text = f"| {{}} | {head} | {{}} | {{}} | {{}} | {{}} | {{}} |"
-    return Claim(STRENGTH, text, lambda: _line(side, lead, pressure), slow=True)
+    return Claim(STRENGTH, text, lambda: _line(side, lead, pressure))
 
 
 CLAIMS = [
@@ -122,7 +122,6 @@ CLAIMS = [
         STRENGTH,
         "the pressure of the laminae differs from the half-spaces by {} to {} %",
         lambda: [min(_errors(1, 2)), max(_errors(1, 2))],
-        slow=True,
     ),
     Claim(
         STRENGTH,
@@ -130,7 +129,6 @@ CLAIMS = [
         lambda: [max(abs(one) for one in _errors(4, 5))],
         rounded=False,
         least=0.5,
-        slow=True,
     ),
     *(
         Claim(STRENGTH, f"| {words} | {{}} | {{}} | {{}} | {{}} | {{}} | {{}} | {{}} |", _row(k))

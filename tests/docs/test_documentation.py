@@ -19,7 +19,6 @@ def _pages_with(language):
     return [pytest.param(p, id=p.stem) for p in PAGES if p.exists() and blocks(p, language)]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("page", _pages_with("python"))
 def test_python_blocks_run(page, capsys):
     # One page is one session: later blocks use what earlier ones made.

@@ -83,7 +83,7 @@ GIVEN = {
 
 @pytest.mark.parametrize(
     "claim",
-    [pytest.param(one, marks=[pytest.mark.slow] if one.slow else []) for one in CLAIMS],
+    CLAIMS,
     ids=lambda claim: f"{claim.page[5:]}: {claim.text[:60]}",
 )
 def test_number_is_the_computed_one(claim):

@@ -31,7 +31,6 @@ def run(one: Structure, rows) -> Table:
     return table
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", REDUCED)
 def test_no_cell_is_bad(name):
     one = structure(name)

@@ -27,10 +27,10 @@ _SOME = (
     "axis_axial_stiffness_secant",
     "lost_motion",
 )
-_QUICK = [("lisowski2014", None)]
-_SLOW = [
+EXAMPLES = [
     (name, None)
     for name in (
+        "lisowski2014",
         "actuator",
         "actuator_load_sharing",
         "actuator_mission",
@@ -41,7 +41,6 @@ _SLOW = [
         "wu2022",
     )
 ]
-EXAMPLES = _QUICK + [pytest.param(*row, marks=pytest.mark.slow) for row in _SLOW]
 
 
 def _with_each(values, changed):
@@ -104,7 +103,6 @@ def _coded(mechanism, names, load):
     return compute_coded(mechanism, names, load=load)
 
 
-@pytest.mark.slow
 def test_strength_and_stiffness_of_a_load_that_is_nan():
     """Given as an argument, not in the mechanism; its own program."""
     found, code = _coded(scenes.equal_shares("actuator"), _SOME[:4], jnp.asarray(jnp.nan))

@@ -95,7 +95,7 @@ _METHODS = ["closed_form", "quasi_steady", "rosenbrock"]
 
 @pytest.mark.parametrize(
     "method",
-    [*_METHODS, *(pytest.param(m, marks=pytest.mark.slow) for m in ("explicit", "implicit"))],
+    [*_METHODS, "explicit", "implicit"],
 )
 def test_in_a_trace_every_method_gives_them_a_code(method):
     mechanism = scenes.mechanism()
@@ -167,11 +167,7 @@ _PROFILE = prsm.scenario.TrapezoidalProfile(100.0, 1e-2, 2e-2, dwell_time=1e-2)
     [
         (Scenario(_PROFILE, 7e3, 5e-2, samples=21), "quasi_steady"),
         (Scenario(100.0, 7e3, 2e-3, samples=5), "closed_form"),
-        pytest.param(
-            TorqueScenario(16.0, 7e3, 2e-3, samples=5, most_phases=4),
-            "quasi_steady",
-            marks=pytest.mark.slow,
-        ),
+        (TorqueScenario(16.0, 7e3, 2e-3, samples=5, most_phases=4), "quasi_steady"),
     ],
 )
 def test_nan_in_any_number_of_a_scene_is_told(scenario, method):

@@ -37,7 +37,6 @@ def _bounded(name):
     ]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES[:2])
 def test_a_number_out_of_its_limit_is_refused_when_it_is_set(name):
     mechanism, bounded = example(name), _bounded(name)

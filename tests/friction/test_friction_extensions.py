@@ -48,7 +48,6 @@ def _pressed(position, screw_speed):
     return 500.0 + np.where(deflection > 0, np.maximum(pressed, 0.0), 0.0)
 
 
-@pytest.mark.slow
 def test_a_load_under_a_prescribed_torque():
     """The nut runs into the stop and is thrown back."""
     scene = prsm.TorqueScenario(array(2.0), _stop(), array(0.2), samples=201)
@@ -165,7 +164,6 @@ def _prsm(folder, *words):
     )  # fmt: skip
 
 
-@pytest.mark.slow
 def test_a_verb_and_a_law_on_the_command_line(tmp_path):
     """In processes of their own: what a plugin adds stays in the process."""
     verb = _prsm(tmp_path, "--plugin", FOLDER / "loads_verb.py", "loads", "actuator", 5, 20,

@@ -130,7 +130,6 @@ METHODS = [
 ]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("scene", "method"), METHODS)
 def test_a_law_that_asks_in_vain_is_coulombs_in_every_method(scene, method):
     """The unknown share of the normal force changes nothing; events are located to 1e-9."""

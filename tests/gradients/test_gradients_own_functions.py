@@ -72,7 +72,6 @@ def agree(name):
     np.testing.assert_allclose(gradient(jax.jacfwd, "forward"), as_it_comes, rtol=1e-6)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", _SCENES)
 def test_gradients_through_what_a_function_holds(name):
     """In a process of its own: the types that tests check wrap functions, which hides the fault."""

@@ -101,7 +101,6 @@ def _end(values, stages, gradient, rtol=1e-7):
     return jnp.where(run.found.code == 0, weights @ found, jnp.nan)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("stages", [2])
 def test_reverse_agrees_with_forward_in_a_batch(stages):
     """Torques of either size in one batch, whose runs have different numbers of steps."""
@@ -118,7 +117,6 @@ def test_reverse_agrees_with_forward_in_a_batch(stages):
     np.testing.assert_allclose(reverse, forward, rtol=1e-5, atol=1e-6 * np.max(np.abs(forward)))
 
 
-@pytest.mark.slow
 def test_forward_agrees_with_differences():
     """Through a jump of the torque and a stop."""
     point = np.array(_POINT)

@@ -68,7 +68,6 @@ def _differences(tolerance):
     return np.stack(slopes, axis=1)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("transform", "gradient"), [(jax.jacfwd, "forward"), (jax.jacrev, "reverse")]
 )

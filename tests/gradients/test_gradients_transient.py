@@ -18,7 +18,6 @@ from prsm_jax.friction import CoulombFriction, Friction
 VARIABLES = ("lead", "contact_angle", "roller_radius")
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("method", ["implicit", "rosenbrock"])
 def test_derivatives_against_differences(method):
     """Half way through the run-up, where everything still moves.
@@ -151,7 +150,6 @@ def _compare(quasi_steady, rtol):
     return jax.jit(jax.grad(weighted("both")))(point), slopes
 
 
-@pytest.mark.slow
 def test_torque_driven_carriers_through_events():
     """Forward and reverse through sticking, breaking away and a reversal, against differences.
 
@@ -164,7 +162,6 @@ def test_torque_driven_carriers_through_events():
     np.testing.assert_allclose(chosen_anew, slopes, rtol=5e-5)
 
 
-@pytest.mark.slow
 def test_torque_driven_screw_with_quasi_steady_carriers():
     """The same where the screw alone is a state."""
     chosen_anew, slopes = _compare(quasi_steady=True, rtol=3e-6)

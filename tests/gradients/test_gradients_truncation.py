@@ -37,7 +37,6 @@ def _scene(lead, load):
     return eqx.tree_at(lambda m: m.duty_cycle, one, cycle, is_leaf=lambda x: x is None)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("lead", "load"),
     [(15e-3, 20e3), (5e-3, 300e3), (2e-3, 600e3), (5e-3, 0.0)],

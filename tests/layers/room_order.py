@@ -16,7 +16,7 @@ LAYERS = {
     "friction": set(),
     "scenario": set(),
     "mechanism": {"friction", "scenario"},
-    "file": {"friction", "mechanism"},
+    "file": {"friction", "scenario", "mechanism"},
     "geometry": {"mechanism"},
     "contact": {"mechanism", "geometry"},
     "halfspace": {"mechanism", "geometry", "contact"},
@@ -24,7 +24,7 @@ LAYERS = {
     "strength": {"mechanism", "geometry", "contact", "load_sharing"},
     "stiffness": {"mechanism", "geometry", "contact", "load_sharing"},
     "vibration": {"mechanism", "geometry", "contact", "load_sharing", "stiffness"},
-    "dynamics": {"friction", "mechanism", "geometry", "contact", "stiffness"},
+    "dynamics": {"friction", "scenario", "mechanism", "geometry", "contact", "stiffness"},
     "response": {
         "mechanism",
         "geometry",

@@ -1,6 +1,9 @@
 """The house: layers point down only, doors only re-export, imports are light, files are short."""
 
 import ast
+import importlib
+import inspect
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -187,6 +190,55 @@ def test_doors_only_re_export(door):
             # PEP 562: names that would pull in heavy modules are looked up on first use.
             assert node.name in ("__getattr__", "__dir__")
     assert ast.get_docstring(tree)
+
+
+def _offered() -> set[str]:
+    """Names at the top that are not rooms."""
+    return {
+        name
+        for name in dir(prsm_jax)
+        if not name.startswith("_")
+        and name != "TYPE_CHECKING"
+        and not inspect.ismodule(getattr(prsm_jax, name))
+    }
+
+
+def test_the_top_offers_few_names_and_the_page_has_all_of_them():
+    page = (ROOT.parent / "docs" / "api.md").read_text(encoding="utf-8")
+    offered = _offered()
+    assert len(offered) <= 50
+    assert set(re.findall(r"`(\w+)`", page)) == offered
+    # No room shares its name with a verb.
+    assert not offered & {path.name for path in ROOT.iterdir() if path.is_dir()}
+
+
+@pytest.mark.parametrize(
+    "room", sorted(path.stem for path in (ROOT.parent / "docs" / "api").glob("*.md"))
+)
+def test_names_on_the_page_of_a_room_are_there(room):
+    page = (ROOT.parent / "docs" / "api" / f"{room}.md").read_text(encoding="utf-8")
+    members = page.split(":members:")[1].split(":imported-members:")[0]
+    module = importlib.import_module(f"prsm_jax.{room}")
+    missing = [name for name in re.findall(r"\w+", members) if not hasattr(module, name)]
+    assert not missing
+    assert f"api/{room}\n" in (ROOT.parent / "docs" / "api.md").read_text(encoding="utf-8")
+
+
+def test_names_that_were_at_the_top_say_where_they_are():
+    pages = {
+        path.stem: set(re.findall(r"\w+", path.read_text(encoding="utf-8")))
+        for path in (ROOT.parent / "docs" / "api").glob("*.md")
+    }
+    moved = [(room, name) for room, names in prsm_jax._MOVED.items() for name in names.split()]
+    assert len(moved) > 40
+    for room, name in moved:
+        with pytest.warns(DeprecationWarning, match=rf"prsm_jax\.{name} is now .*{room}\.{name}"):
+            assert getattr(prsm_jax, name) is getattr(
+                importlib.import_module(f"prsm_jax.{room}"), name
+            )
+        assert name in pages.get(room, {name}), f"{room}.{name} is on no page"
+    with pytest.raises(AttributeError, match="no attribute 'modall'"):
+        _ = prsm_jax.modall
 
 
 def test_import_pulls_in_none_of_the_heavy_modules():

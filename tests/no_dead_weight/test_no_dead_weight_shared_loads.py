@@ -52,7 +52,6 @@ def _asked():
     return asked
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("what", ["quantity", "margin"])
 def test_announced_loads_are_those_asked_for(what):
     wrong = {

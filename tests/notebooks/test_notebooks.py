@@ -15,7 +15,6 @@ build = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(build)
 
 
-@pytest.mark.slow
 @pytest.mark.timeout(900)
 @pytest.mark.filterwarnings("default")  # those of the kernel's own machinery are not ours
 @pytest.mark.parametrize("script", build.scripts(), ids=lambda path: path.stem)

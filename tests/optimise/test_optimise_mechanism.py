@@ -13,7 +13,6 @@ from prsm_jax.quantities import compute
 from prsm_jax.sweeps import sweep
 
 
-@pytest.mark.slow
 def test_nothing_on_a_grid_is_better():
     mechanism = scenes.mechanism(scenes.stage(nut=Nut(mass=2.0, inertia=9e-4, wall_thickness=8e-3)))
     box = {"lead": (5e-3, 15e-3), "contact_angle": (0.5, 1.1), "roller_radius": (3e-3, 6e-3)}
@@ -41,7 +40,6 @@ def test_nothing_on_a_grid_is_better():
     assert best.optimum.objective <= float(found.max()) + 3 * spacing
 
 
-@pytest.mark.slow
 def test_the_actuator_and_its_own_problem():
     mechanism = scenes.example("actuator")
     best = optimise(mechanism, starts=2)

@@ -49,7 +49,6 @@ def test_gradients_of_dimensions():
     np.testing.assert_allclose(table["nut_speed", "lead"], 100 / (2 * np.pi), rtol=1e-13)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("mode", ["forward", "reverse"])
 def test_gradients_against_central_differences(mode):
     table = sensitivity(mechanism(), QUANTITIES, PARAMETERS, mode=mode)

@@ -10,7 +10,6 @@ import sys
 from pathlib import Path
 
 import jax
-import pytest
 
 SCRIPT = Path(__file__).with_name("scenes_at_once.py")
 #: Compiling seven programs on a busy machine; far from for ever [s].
@@ -38,6 +37,5 @@ def _at_once(seconds):
     assert min(int(one) for one in rounds) >= 7
 
 
-@pytest.mark.slow
 def test_eight_threads_for_a_minute():
     _at_once(60)

@@ -8,13 +8,7 @@ from ...fields import Scalar
 from ...mechanism import Mechanism
 from .._kinematics import StageKinematics, travel_per_turn
 from ._chain import ScrewForces, screw_forces
-from ._reduced_stage import (
-    ReducedForces,
-    ReducedStage,
-    is_reducible,
-    reduced_forces,
-    reduced_stage,
-)
+from ._reduced_stage import ReducedForces, ReducedStage, is_reducible, reduced_forces, reduced_stage
 from ._stage_forces import axial_inertia
 
 

@@ -6,7 +6,7 @@ from ..._errors import MissingDataError
 from ...fields import Scalar
 from ...mechanism import Mechanism
 from ...numerics import apart
-from ...scenario import Scenario as Scenario, TorqueScenario
+from ...scenario import Scenario, TorqueScenario
 
 
 class Drive(NamedTuple):

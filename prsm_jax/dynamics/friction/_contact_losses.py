@@ -20,13 +20,7 @@ import jax
 import jax.numpy as jnp
 
 from ..._errors import MissingDataError
-from ...contact import (
-    HertzContact,
-    contact_frames,
-    ellipse_shape,
-    engaged_threads,
-    side_contact,
-)
+from ...contact import HertzContact, contact_frames, ellipse_shape, engaged_threads, side_contact
 from ...fields import Scalar
 from ...friction import Friction, RollingHysteresis, SpinFriction
 from ...geometry import RelativeCurvature

@@ -16,14 +16,7 @@ from ...fields import Scalar
 from ...scenario import TorqueScenario
 from ..histories import Phase, Settings
 from ._phases import EVENT, PhaseLaws, before, follow_phases
-from ._torque_balance import (
-    BACKWARD,
-    FORWARD,
-    STICKING,
-    TorqueProblem,
-    breakaway_torques,
-    moving,
-)
+from ._torque_balance import BACKWARD, FORWARD, STICKING, TorqueProblem, breakaway_torques, moving
 
 #: While it sticks nothing moves, and steps are limited only to follow the torque.
 STEPS_PER_SAMPLE = 4

@@ -2,14 +2,7 @@
 
 from typing import TypeAlias
 
-from ...fields import (
-    DAMPING_RATIO,
-    NOT_NEGATIVE,
-    SHARE,
-    Limited,
-    Scalar,
-    number,
-)
+from ...fields import DAMPING_RATIO, NOT_NEGATIVE, SHARE, Limited, Scalar, number
 
 
 class ModalDamping(Limited):

@@ -1,13 +1,6 @@
 """The flanks of an annular roller: rings without a lead, in line contact with the screw."""
 
-from ...fields import (
-    ACUTE_ANGLE,
-    SLANT,
-    Limited,
-    Scalar,
-    number,
-    optional_number,
-)
+from ...fields import ACUTE_ANGLE, SLANT, Limited, Scalar, number, optional_number
 
 
 class LineContact(Limited):

@@ -1,15 +1,6 @@
 """Rollers that differ from the others of their stage: worn, out of place, or missing."""
 
-from ...fields import (
-    ANY,
-    POSITIVE,
-    ROLLER_NUMBER,
-    SLANT,
-    Limited,
-    Scalar,
-    choice,
-    optional_number,
-)
+from ...fields import ANY, POSITIVE, ROLLER_NUMBER, SLANT, Limited, Scalar, choice, optional_number
 
 
 class UnequalRoller(Limited):

@@ -12,13 +12,7 @@ from ...fields import Scalar
 from ...findings import Margin, evaluate_margins, margins_of, shared_loads, sources
 from ...mechanism import DesignProblem, Mechanism, set_parameters
 from ...quantities import Analysis, component_names, compute, find_quantity
-from ._margin_rows import (
-    WHOLE_SCALE,
-    MarginRows,
-    is_constraint,
-    probe_positions,
-    sorted_margins,
-)
+from ._margin_rows import WHOLE_SCALE, MarginRows, is_constraint, probe_positions, sorted_margins
 
 
 def _outputs(inputs: tuple, position: Float[Array, " variables"]):

@@ -8,13 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ...contact import (
-    HertzContact,
-    StressPeak,
-    stress_peak,
-    subsurface_stress,
-    von_mises_stress,
-)
+from ...contact import HertzContact, StressPeak, stress_peak, subsurface_stress, von_mises_stress
 from ...fields import Scalar
 from ...text import display_unit, in_unit
 from .._style import INK, SMALL, Figure, drawn, page_figure

@@ -10,12 +10,7 @@ from jaxtyping import Array
 
 from ..._errors import MissingDataError, PrsmError
 from ...contact import StageContact, load_of, stage_contact
-from ...dynamics import (
-    SteadyState,
-    Transient,
-    simulate,
-    steady_state,
-)
+from ...dynamics import SteadyState, Transient, simulate, steady_state
 from ...findings import check
 from ...geometry import Finding, Meshing, mesh
 from ...load_sharing import ForceDeflection, LoadDistribution

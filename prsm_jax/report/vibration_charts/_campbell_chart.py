@@ -5,16 +5,7 @@ import textwrap
 import numpy as np
 
 from ...response import Campbell, Crossing
-from .._style import (
-    FAMILY_COLOURS,
-    MUTED,
-    SMALL,
-    Figure,
-    drawn,
-    page_figure,
-    place_axes,
-    readable,
-)
+from .._style import FAMILY_COLOURS, MUTED, SMALL, Figure, drawn, page_figure, place_axes, readable
 
 _WIDTH, _HEIGHT = 180.0, 150.0
 # Axes, and the room on the right for the names of the orders [mm].

@@ -6,16 +6,7 @@ import numpy as np
 
 from ...text import DisplayUnit, display_unit, in_unit, show
 from ...vibration import FAMILIES, FrequencyLoci, Veering
-from .._style import (
-    FAMILY_COLOURS,
-    INK,
-    SMALL,
-    Axes,
-    Figure,
-    drawn,
-    page_figure,
-    readable,
-)
+from .._style import FAMILY_COLOURS, INK, SMALL, Axes, Figure, drawn, page_figure, readable
 
 #: Frequencies that differ by more than this factor are drawn on a logarithmic axis.
 _WIDE = 20.0
