@@ -24,7 +24,8 @@ def code_of(analysis: Analysis) -> Int[Array, ""]:
     """0 where an analysis is valid, else the index of the reason in `REASONS`.
 
     As `Analysis.valid`, it checks what has been evaluated so far, and whether the mechanism can
-    be built. Of several reasons the first in `REASONS` counts.
+    be built. Of several reasons the most basic counts: dimensions, rollers that overlap, meshing,
+    steady state.
     """
     stages = analysis.mechanism.stages
     code = jnp.where(analysis.computed, 0, REASONS.index("not_computed"))

@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ..numerics import above_or_nan
 from .model import SpringNetwork, VibrationSystem
 
 #: In the order of `family_shares`. A rigid motion is a mode without strain, of any family.
@@ -21,7 +22,8 @@ def _orthonormal(patterns: list[Float[Array, " rollers"]]) -> Float[Array, "patt
             for row in rows:
                 rest = rest - jnp.sum(row * rest) * row
         square = jnp.sum(rest**2)
-        independent = square > _ABSENT * jnp.sum(pattern**2)
+        # A pattern of NaN stays NaN.
+        independent = above_or_nan(square, _ABSENT * jnp.sum(pattern**2))
         rows.append(
             jnp.where(independent, rest, 0.0) / jnp.sqrt(jnp.where(independent, square, 1.0))
         )

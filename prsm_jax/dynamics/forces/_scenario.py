@@ -29,7 +29,7 @@ def drive_once(scenario: Scenario, time: Scalar) -> Drive:
     """As `drive_at`, computed once for everything that uses it.
 
     XLA would otherwise fuse it with every use: a step with a sinusoidal screw speed had 141 sines
-    and cosines instead of 13.
+    and cosines instead of 15.
     """
     if callable(scenario.speed) or callable(scenario.load):
         return apart(drive_at)(scenario, time)

@@ -109,8 +109,8 @@ def _is_constant(history: _History) -> bool:
 def history_chart(mechanism: Mechanism, run: Transient) -> Figure:
     """Draw speed, travel, torque, load, efficiency, carriers and forces over time.
 
-    Phases in which the mechanism sticks are shaded. Quantities that do not change are named in the
-    heading instead of being drawn.
+    Phases in which the mechanism sticks are shaded. Constant histories are not drawn; the heading
+    gives the values of a constant speed, torque, travel or load.
 
     **Arguments:**
 

@@ -26,7 +26,7 @@ ELEMENTS = {"screw": ("608", "1480", "1586"), "nut": (None, "879", "1531")}
 _ERRORS = {"screw": ("39.1", "17.6", "0.1"), "nut": (None, "28.0", "0.5")}
 _DISPLACEMENTS = {"screw": ("0.00654", "0.01306", "0.02616"), "nut": (None, "0.01519", "0.03064")}
 TABLES = {"screw": "Table 1", "nut": "Table 2"}
-#: Relative error of Hertz coefficients from three-digit tables, or from the fits of equations 8, 9.
+#: Relative error of pressures that are computed with three-digit tables of Hertz coefficients.
 _COEFFICIENT_ERROR = 0.002
 #: Expected values of the rows below: pressures with the flanks' curvatures and with those of
 #: equations 1 to 3 [MPa], and axial approaches with the latter [mm].
@@ -281,7 +281,7 @@ def coefficients() -> Iterator[Row]:
                     f"{fit:.5g}",
                     true,
                     tolerance=0.006 * fit,
-                    note="the formula's value; its fit is good to 0.6 %",
+                    note="the formula's value; its error here is at most 0.6 %",
                 )
     first, second = _curvatures("screw")
     yield inconsistent(
