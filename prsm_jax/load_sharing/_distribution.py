@@ -11,7 +11,7 @@ from jaxtyping import Array, Bool, Float
 from ..contact import StageContact, load_of
 from ..fields import Scalar
 from ..geometry import Meshing
-from ..mechanism import Mechanism, Stage, of_one_design
+from ..mechanism import Mechanism, Stage, of_one_design, stage_at
 from ..programs import AbstractResult, mapped
 from ._block_tridiagonal import control_column
 from ._chains import (
@@ -306,13 +306,3 @@ def load_distribution(
 
 #: One program where a user calls it by itself; operation by operation it takes seconds.
 _compiled = eqx.filter_jit(stage_load_distribution)
-
-
-def stage_at(mechanism: Mechanism, stage: int) -> Stage:
-    """One stage by its number.
-
-    **Raises:** `ValueError` for a stage that is not there.
-    """
-    if not 1 <= stage <= len(mechanism.stages):
-        raise ValueError(f"stage is {stage}; the mechanism has stages 1 to {len(mechanism.stages)}")
-    return mechanism.stages[stage - 1]

@@ -8,10 +8,10 @@ import jax.numpy as jnp
 from jax.typing import ArrayLike
 from jaxtyping import Array, Bool, Float
 
-from ..mechanism import Mechanism, Stage, of_one_design
+from ..mechanism import Mechanism, Stage, of_one_design, stage_at
 from ..programs import AbstractResult
 from ._chains import Control
-from ._distribution import balanced, stage_at
+from ._distribution import balanced
 from ._stage_chains import sharing_of, stage_chains
 
 

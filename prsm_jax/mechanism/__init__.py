@@ -7,6 +7,7 @@ from ._mechanism import (
     Mechanism as Mechanism,
     OperatingPoint as OperatingPoint,
     Stage as Stage,
+    stage_at as stage_at,
 )
 from ._one_design import (
     check_one_design as check_one_design,

@@ -234,3 +234,13 @@ class Mechanism(eqx.Module):
 
 # Set after the class is created: inside it, this would be taken as the default.
 Mechanism.title = _Title()  # type: ignore[assignment]
+
+
+def stage_at(mechanism: Mechanism, stage: int) -> Stage:
+    """One stage by its number, counted from 1.
+
+    **Raises:** `ValueError` for a stage that does not exist.
+    """
+    if not 1 <= stage <= len(mechanism.stages):
+        raise ValueError(f"stage is {stage}; the mechanism has stages 1 to {len(mechanism.stages)}")
+    return mechanism.stages[stage - 1]

@@ -52,8 +52,8 @@ from .motion_charts import (
     power_flow_chart as power_flow_chart,
     power_history as power_history,
     power_history_chart as power_history_chart,
-    settling_time as settling_time,
     steady_flow as steady_flow,
+    time_to_settle as time_to_settle,
     transient_chart as transient_chart,
 )
 from .vibration_charts import (

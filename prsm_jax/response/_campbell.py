@@ -10,11 +10,11 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..fields import Scalar
-from ..mechanism import Mechanism, of_one_design
+from ..mechanism import Mechanism, of_one_design, stage_at
 from ..programs import AbstractResult, each, mapped, physics
 from ..vibration import Modes, stage_modes
 from ._orders import ExcitationOrder, excitation_orders, find_order, phasing, working_carrier_ratio
-from ._stage import stage_of, stage_system
+from ._stage import stage_system
 
 #: Below this share of the highest frequency a mode is a rigid motion, without a critical speed.
 _RIGID = 1e-9
@@ -172,7 +172,7 @@ def campbell(
     """
     if harmonics < 1:
         raise ValueError(f"harmonics is {harmonics}; give at least 1")
-    chosen = stage_of(mechanism, stage)
+    chosen = stage_at(mechanism, stage)
     ratio = working_carrier_ratio(mechanism, stage) if carrier_ratio is None else carrier_ratio
     ratio = jnp.asarray(ratio, chosen.thread.lead.dtype)
     known = excitation_orders(chosen, ratio)

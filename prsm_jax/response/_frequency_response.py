@@ -9,12 +9,12 @@ import numpy as np
 from jaxtyping import Array, Bool, Complex, Float
 
 from ..fields import Scalar
-from ..mechanism import Mechanism, of_one_design
+from ..mechanism import Mechanism, of_one_design, stage_at
 from ..programs import AbstractResult
 from ..vibration import VibrationSystem, spring_network
 from ._dissipation import LAWS, AnyDamping
 from ._receptance import Solver, infinite, receptance_matrix
-from ._stage import AsGiven, stage_damping, stage_of, stage_system
+from ._stage import AsGiven, stage_damping, stage_system
 
 #: Displacement, velocity or acceleration per force.
 Kind: TypeAlias = Literal["receptance", "mobility", "accelerance"]
@@ -135,7 +135,7 @@ def frequency_response(
     network = spring_network(system)
     hertz = jnp.asarray(frequency, network.mass.dtype)
     omega = 2 * jnp.pi * hertz
-    chosen = stage_damping(stage_of(mechanism, stage), damping)
+    chosen = stage_damping(stage_at(mechanism, stage), damping)
     receptances, at_pole = receptance_matrix(
         network, omega, (response,), (excitation,), chosen, method
     )

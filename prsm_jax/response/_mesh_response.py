@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Complex, Float
 
 from ..fields import Scalar
-from ..mechanism import Mechanism, of_one_design
+from ..mechanism import Mechanism, of_one_design, stage_at
 from ..programs import AbstractResult, physics
 from ..vibration import Coordinate, Spring, SpringNetwork, VibrationSystem, spring_network
 from ._dissipation import AnyDamping
@@ -21,7 +21,7 @@ from ._orders import (
     working_carrier_ratio,
 )
 from ._receptance import Solver, harmonic_response
-from ._stage import AsGiven, stage_damping, stage_of, stage_system
+from ._stage import AsGiven, stage_damping, stage_system
 
 
 class MeshResponse(AbstractResult):
@@ -187,7 +187,7 @@ def mesh_response(
     **Raises:** `ValueError` for an order that the stage does not have; `MissingDataError` if the
     mechanism lacks data.
     """
-    chosen = stage_of(mechanism, stage)
+    chosen = stage_at(mechanism, stage)
     ratio = working_carrier_ratio(mechanism, stage) if carrier_ratio is None else carrier_ratio
     system = stage_system(mechanism, stage, load)
     dtype = system.roller_equivalent_mass.dtype

@@ -23,9 +23,8 @@ from ..dynamics import (
     steady_state,
 )
 from ..fields import Scalar
-from ..mechanism import Mechanism, Stage
+from ..mechanism import Mechanism, Stage, stage_at
 from ..programs import physics
-from ._stage import stage_of
 
 Phasing: TypeAlias = Literal["torsional", "transverse", "roller"]
 
@@ -57,7 +56,7 @@ def working_carrier_ratio(mechanism: Mechanism, stage: int = 1) -> Scalar:
 
     **Raises:** `ValueError` for a stage that does not exist.
     """
-    chosen = stage_of(mechanism, stage)
+    chosen = stage_at(mechanism, stage)
     if not has_contact_losses(chosen.friction):
         return free_carrier_ratio(all_kinematics(mechanism)[stage - 1])
     try:

@@ -6,23 +6,13 @@ import jax.numpy as jnp
 
 from ..contact import load_of
 from ..fields import Scalar
-from ..mechanism import Mechanism, Stage
+from ..mechanism import Mechanism, Stage, stage_at
 from ..stiffness import loaded_threads, thread_stiffness
 from ..vibration import VibrationSystem, vibration_system
 from ._dissipation import AnyDamping
 
 #: Use the damping of the mechanism, if it has any.
 AsGiven = Literal["given"]
-
-
-def stage_of(mechanism: Mechanism, stage: int) -> Stage:
-    """One stage by its number.
-
-    **Raises:** `ValueError` for a stage that does not exist.
-    """
-    if not 1 <= stage <= len(mechanism.stages):
-        raise ValueError(f"stage is {stage}; the mechanism has stages 1 to {len(mechanism.stages)}")
-    return mechanism.stages[stage - 1]
 
 
 def stage_system(
@@ -32,7 +22,7 @@ def stage_system(
 
     **Raises:** `MissingDataError` if data are missing; `ValueError` for an unknown stage.
     """
-    chosen = stage_of(mechanism, stage)
+    chosen = stage_at(mechanism, stage)
     threads = thread_stiffness(
         chosen, lambda: loaded_threads(chosen, jnp.abs(load_of(mechanism, load)))
     )

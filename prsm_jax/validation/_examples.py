@@ -17,6 +17,7 @@ from ..dynamics import (
     SteadyState,
     Transient,
     all_kinematics,
+    settling_time,
     simulate,
     steady_state,
 )
@@ -143,8 +144,8 @@ def knees(time: np.ndarray, curve: np.ndarray) -> list[float]:
     return [float(t) for t in np.asarray(time)[1:-1][lowest]]
 
 
-def settling_time(run: Transient, stage: int, within: float) -> float:
-    """Time from which on a carrier stays within a relative distance of its steady ratio [s].
+def time_to_settle(run: Transient, stage: int, within: float) -> float:
+    """Time after which a carrier stays within a relative distance of its last ratio [s].
 
     **Arguments:**
 
@@ -152,6 +153,4 @@ def settling_time(run: Transient, stage: int, within: float) -> float:
     - `stage`: index of the stage, from 0.
     - `within`: relative distance.
     """
-    ratio = np.asarray(run.carrier_ratio[stage])
-    outside = np.nonzero(np.abs(ratio / ratio[-1] - 1) > within)[0]
-    return float(run.time[outside[-1] + 1]) if len(outside) else 0.0
+    return float(settling_time(run.time, run.carrier_ratio[stage], within)[0])

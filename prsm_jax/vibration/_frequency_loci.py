@@ -13,7 +13,7 @@ from ..contact import StageContact, load_of
 from ..fields import Scalar
 from ..geometry import mesh
 from ..load_sharing import LoadDistribution
-from ..mechanism import Mechanism, find_parameters, of_one_design, set_parameter
+from ..mechanism import Mechanism, find_parameters, of_one_design, set_parameter, stage_at
 from ..programs import AbstractResult, each
 from ..stiffness import loaded_threads, thread_stiffness
 from ._dense import stage_modes
@@ -171,8 +171,7 @@ def frequency_loci(
     values that are not finite or not in order, or a stage that does not exist; `MissingDataError`
     if the mechanism lacks data.
     """
-    if not 1 <= stage <= len(mechanism.stages):
-        raise ValueError(f"stage is {stage}; the mechanism has stages 1 to {len(mechanism.stages)}")
+    dtype = stage_at(mechanism, stage).thread.lead.dtype
     known = find_parameters(mechanism, parameter)[0]
     points = np.asarray(values, float)
     steps = np.diff(points)
@@ -180,7 +179,6 @@ def frequency_loci(
         raise ValueError(f"values of {parameter} must be a list of at least two finite numbers")
     if not ((steps > 0).all() or (steps < 0).all()):
         raise ValueError(f"values of {parameter} must be strictly ascending or descending")
-    dtype = mechanism.stages[stage - 1].thread.lead.dtype
     first = mechanism
     if known.static:
         each = [set_parameter(mechanism, parameter, value) for value in points]

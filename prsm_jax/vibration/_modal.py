@@ -4,7 +4,7 @@ import jax.numpy as jnp
 
 from ..contact import load_of
 from ..fields import Scalar
-from ..mechanism import Mechanism, of_one_design
+from ..mechanism import Mechanism, of_one_design, stage_at
 from ..programs import one_program, physics
 from ..stiffness import loaded_threads, thread_stiffness
 from ._dense import stage_modes
@@ -42,9 +42,7 @@ def modal(
     **Raises:** `MissingDataError` if data are missing; `ValueError` for a stage that does not
     exist.
     """
-    if not 1 <= stage <= len(mechanism.stages):
-        raise ValueError(f"stage is {stage}; the mechanism has stages 1 to {len(mechanism.stages)}")
-    chosen = mechanism.stages[stage - 1]
+    chosen = stage_at(mechanism, stage)
     threads = thread_stiffness(
         chosen, lambda: loaded_threads(chosen, jnp.abs(load_of(mechanism, load)))
     )

@@ -6,7 +6,7 @@ import numpy as np
 from claims import Claim
 
 from prsm_jax.validation import Row, validate
-from prsm_jax.validation._examples import knees, settling_time, steady, transient
+from prsm_jax.validation._examples import knees, steady, time_to_settle, transient
 from prsm_jax.validation._newtons_equations import newtons_equations
 from prsm_jax.validation._shape_function import _flatter_angle
 from prsm_jax.validation._thread_contacts import LOADS, pairs_of_threads
@@ -82,7 +82,7 @@ def _ring_gear() -> list[float]:
 
 def _settling() -> list[float]:
     run = transient(LI2021)
-    return [1e3 * settling_time(run, stage, within) for within in (1e-3, 1e-4) for stage in (0, 1)]
+    return [1e3 * time_to_settle(run, stage, within) for within in (1e-3, 1e-4) for stage in (0, 1)]
 
 
 def _split_leads() -> list[float]:

@@ -18,7 +18,7 @@ def test_a_convention_is_set_in_all_stages_or_in_one():
 @pytest.mark.parametrize(
     ("setting", "message"),
     [
-        ("curvature=hertz", "none of exact, lisowski2014, wu2022"),
+        ("curvature=hertz", "is not one of exact, lisowski2014, wu2022"),
         ("stage.3.curvature=exact", "has 2 stage"),
         ("thread.curvature=exact", "did you mean curvature"),
     ],

@@ -282,3 +282,14 @@ def body_forces(stages: int = 2, times: int = 81) -> BodyForces:
     given["solved"] = jnp.ones(times, bool)
     given["over_time"] = True
     return BodyForces(**given)
+
+
+def time_within_one_per_cent(run: Transient) -> float:
+    """After which every carrier ratio stays within 1 % of its last value, as it decays [s]."""
+    time, times = np.asarray(run.time), []
+    for ratio in np.asarray(run.carrier_ratio):
+        distance = np.abs(ratio / ratio[-1] - 1)
+        last = np.flatnonzero(distance > 0.01)[-1]
+        pair = slice(last, last + 2)
+        times.append(np.interp(-np.log(0.01), -np.log(distance[pair]), time[pair]))
+    return float(max(times))

@@ -56,9 +56,7 @@ def test_transient():
         for curve in curves:
             chart.curve(axes, chart.lines(axes)[0], run.time, curve, ("s", unit))
     # Within one per cent of the last value from here on.
-    ratio = np.asarray(run.carrier_ratio)
-    near = (np.abs(ratio / ratio[:, -1:] - 1) <= 0.01).all(axis=0)
-    settled = float(run.time[np.flatnonzero(~near)[-1] + 1])
+    settled = made.time_within_one_per_cent(run)
     for axes in (upper, middle, lower):
         chart.level(axes, settled, "s", "x")
     words = chart.text("dashed: carriers within")

@@ -447,9 +447,7 @@ def test_sensitivities_of_a_locked_thread_and_at_a_kink(data):
 def test_transient(sections, data):
     (table,) = sections["transient"].tables
     run = data.transient
-    ratio = np.asarray(run.carrier_ratio)
-    near = (np.abs(ratio / ratio[:, -1:] - 1) <= 0.01).all(axis=0)
-    settled = float(run.time[np.flatnonzero(~near)[-1] + 1])
+    settled = made.time_within_one_per_cent(run)
     torque = np.asarray(run.drive_torque)
     found = dict(table.rows)
     expected = {

@@ -267,7 +267,7 @@ def test_designs_that_do_not_mesh_are_left_out():
         ("leed", [1e-3, 2e-3], "leed"),
         ("lead", [1e-3], "at least two"),
         ("lead", [1e-3, np.nan], "finite"),
-        ("lead", [1e-3, 2e-3, 2e-3], "none twice"),
+        ("lead", [1e-3, 2e-3, 2e-3], "strictly ascending or descending"),
         ("roller_count", [3.5, 4.5], "whole number"),
     ],
 )

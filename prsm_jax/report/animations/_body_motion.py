@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...mechanism import Mechanism
+from ...mechanism import Mechanism, stage_at
 from ...vibration import Modes
 from ..drawings import roller_places
 
@@ -90,8 +90,7 @@ def mode_motions(mechanism: Mechanism, modes: Modes, stage: int = 1) -> tuple[Mo
 
     **Raises:** `ValueError` if the shapes were not computed, or the stage does not exist.
     """
-    if not 1 <= stage <= len(mechanism.stages):
-        raise ValueError(f"stage is {stage}; the mechanism has stages 1 to {len(mechanism.stages)}")
+    chosen = stage_at(mechanism, stage)
     shapes = np.asarray(modes.shapes)
     frequencies = np.asarray(modes.frequencies)
     families, multiplicities = modes.families, modes.multiplicities
@@ -100,10 +99,10 @@ def mode_motions(mechanism: Mechanism, modes: Modes, stage: int = 1) -> tuple[Mo
     masses = np.asarray(modes.network.mass) if modes.network is not None else np.ones(len(shapes))
     names = [str(coordinate) for coordinate in modes.coordinates]
     symmetric = modes.group("coupled") is None
-    centre = 1e3 * float(mechanism.stages[stage - 1].thread.centre_distance)
+    centre = 1e3 * float(chosen.thread.centre_distance)
     empty = tuple(
         (centre * math.cos(angle), centre * math.sin(angle))
-        for angle, present in roller_places(mechanism.stages[stage - 1])
+        for angle, present in roller_places(chosen)
         if not present
     )
     motions, first = [], 0

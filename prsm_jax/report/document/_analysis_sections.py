@@ -16,9 +16,9 @@ from ..motion_charts import (
     power_flow_chart,
     power_history_chart,
     settles,
-    settling_time,
     share_text,
     steady_flow,
+    time_to_settle,
     transient_chart,
 )
 from ..vibration_charts import elastic_modes, frequency_chart
@@ -227,7 +227,7 @@ def transient_section(data: ReportData) -> Section | None:
     rows = []
     if settling:
         unit = display_unit("s", float(run.time[-1]))
-        settled = settling_time(run)
+        settled = time_to_settle(run)
         words = "longer than the simulation" if settled is None else in_unit(settled, unit, 3)
         rows += [
             ("efficiency at the start", share_text(run.efficiency[0])),

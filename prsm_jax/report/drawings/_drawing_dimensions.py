@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from ...geometry import mesh
-from ...mechanism import Mechanism, Stage
+from ...mechanism import Mechanism, Stage, stage_at
 
 #: Addendum of a thread where it is not given, as a share of the height of a pointed tooth.
 _USUAL_ADDENDUM = 0.7
@@ -133,9 +133,7 @@ def drawing_dimensions(mechanism: Mechanism, stage: int = 1) -> DrawingDimension
     """
     import equinox as eqx
 
-    if not 1 <= stage <= len(mechanism.stages):
-        raise ValueError(f"stage is {stage}; the mechanism has stages 1 to {len(mechanism.stages)}")
-    chosen = mechanism.stages[stage - 1]
+    chosen = stage_at(mechanism, stage)
     thread, carrier, ring = chosen.thread, chosen.carrier, chosen.ring_gear
     meshing = eqx.filter_jit(mesh)(thread)
     touching = bool(meshing.converged)

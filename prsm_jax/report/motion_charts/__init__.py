@@ -20,6 +20,6 @@ from ._power_flow_chart import (
 )
 from ._transient_chart import (
     settles as settles,
-    settling_time as settling_time,
+    time_to_settle as time_to_settle,
     transient_chart as transient_chart,
 )

@@ -2,31 +2,27 @@
 
 import numpy as np
 
-from ...dynamics import Transient
+from ...dynamics import Transient, settling_time
 from ...text import display_unit, in_unit
 from .._style import MUTED, SERIES, SMALL, Figure, drawn, page_figure
 
 _DASHES = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (6, 1.5, 1.5, 1.5)))
 
 
-def settling_time(transient: Transient, tolerance: float = 0.01) -> float | None:
-    """The time after which every carrier ratio stays within a tolerance of its last value [s].
+def time_to_settle(transient: Transient, band: float = 0.01) -> float | None:
+    """Time after which every carrier ratio stays within a band around its last value [s].
 
     **Arguments:**
 
     - `transient`: the time histories.
-    - `tolerance`: relative to the last value.
+    - `band`: half the width of the band, relative to the last value.
 
-    **Returns:** time of the first sample from which this holds; `None` if that is the last sample,
-    so that the settling time is unknown.
+    **Returns:** the latest `settling_time` of all stages; `None` if it lies after the last sample
+    but one, so that the settling time is unknown.
     """
-    ratio = np.asarray(transient.carrier_ratio)
-    last = ratio[:, -1:]
-    outside = (np.abs(ratio - last) > tolerance * np.abs(last)).any(axis=0)
-    if not outside.any():
-        return float(transient.time[0])
-    index = int(np.flatnonzero(outside)[-1]) + 1
-    return float(transient.time[index]) if index < ratio.shape[1] - 1 else None
+    times, _ = settling_time(transient.time, transient.carrier_ratio, band)
+    latest = float(np.max(np.asarray(times)))
+    return latest if latest <= float(transient.time[-2]) else None
 
 
 def settles(transient: Transient) -> bool:
@@ -69,7 +65,7 @@ def transient_chart(transient: Transient) -> Figure:
     lower.plot(time, np.asarray(transient.drive_torque), color=SERIES[3])
     lower.set_ylabel("drive torque in N·m")
     lower.set_xlabel(f"time in {unit.label}")
-    settled = settling_time(transient)
+    settled = time_to_settle(transient)
     for axes in (upper, middle, lower):
         axes.grid(True)
         axes.margins(x=0, y=0.08)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...mechanism import get_parameter
 from .._difference import differs, formula
-from .._examples import settling_time, steady, transient, two_stages
+from .._examples import steady, time_to_settle, transient, two_stages
 from .._registry import rows_of
 from .._row import Row, number, trend
 
@@ -34,7 +34,7 @@ def efficiency() -> Iterator[Row]:
     yield number("section 3.2: steady efficiency", "0.87", float(end.efficiency))
 
     slope = np.gradient(run.efficiency, run.time)
-    settled = [settling_time(run, stage, 1e-3) for stage in (0, 1)]
+    settled = [time_to_settle(run, stage, 1e-3) for stage in (0, 1)]
     shares = []
     start = 0.0
     for time in settled:
@@ -89,7 +89,7 @@ def forces() -> Iterator[Row]:
         "quick rise",
         f"95 % at {1e3 * quick[0]:.3f} ms and {1e3 * quick[1]:.3f} ms",
         bool(np.all(pin[:, 0] < 0.5 * steady_pin))
-        and all(q < settling_time(run, k, 1e-3) for k, q in enumerate(quick)),
+        and all(q < time_to_settle(run, k, 1e-3) for k, q in enumerate(quick)),
         "before the carriers are within 0.1 % of their steady ratio",
     )
     for name, curve, when, index in (

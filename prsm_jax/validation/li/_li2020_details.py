@@ -12,9 +12,9 @@ from .._examples import (
     kinematics,
     knees,
     scene,
-    settling_time,
     steady,
     steady_example,
+    time_to_settle,
     transient,
     two_stages,
 )
@@ -94,10 +94,10 @@ def steps_of_efficiency() -> Iterator[Row]:
         "figure 9b: number of steps of the efficiency", "2", float(len(knee_times)), tolerance=0.0
     )
     for stage, knee in enumerate(knee_times[:2]):
-        loose, tight = (settling_time(run, stage, within) for within in (0.1, 0.01))
+        loose, tight = (time_to_settle(run, stage, within) for within in (0.1, 0.01))
         share = float(np.interp(knee, run.time, run.carrier_ratio[stage]))
         share /= float(run.carrier_ratio[stage, -1])
-        near = settling_time(run, stage, 0.05)
+        near = time_to_settle(run, stage, 0.05)
         yield trend(
             f"figure 9b: step {stage + 1} begins when carrier {stage + 1} becomes steady",
             "at the same time",

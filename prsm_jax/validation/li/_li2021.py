@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from .._examples import settling_time, steady, transient
+from .._examples import steady, time_to_settle, transient
 from .._registry import rows_of
 from .._row import Row, at_most, number, trend
 
@@ -30,21 +30,21 @@ def base_case() -> Iterator[Row]:
         tolerance=0.01,
         note="given as approximate: one unit of its last digit is allowed",
     )
-    tight = 1e3 * settling_time(run, 0, 1e-4)
+    tight = 1e3 * time_to_settle(run, 0, 1e-4)
     yield number(
         "section 3.1: carrier 1 steady after",
         "0.14",
-        1e3 * settling_time(run, 0, 1e-3),
+        1e3 * time_to_settle(run, 0, 1e-3),
         "ms",
         tolerance=0.01,
         note="given as approximate, without a threshold: here within 0.1 % of the steady ratio; "
         f"within 0.01 % it takes {tight:.3f} ms",
     )
-    loose = 1e3 * settling_time(run, 1, 1e-3)
+    loose = 1e3 * time_to_settle(run, 1, 1e-3)
     yield number(
         "section 3.1: carrier 2 steady after",
         "0.46",
-        1e3 * settling_time(run, 1, 1e-4),
+        1e3 * time_to_settle(run, 1, 1e-4),
         "ms",
         note="no threshold is given: here within 0.01 % of the steady ratio; within 0.1 %, the "
         f"threshold of the row before, it takes {loose:.3f} ms",
@@ -109,12 +109,12 @@ def friction_coefficients() -> Iterator[Row]:
     """Section 3.2, figure 4."""
     base = transient(_NAME)
     threads, spline = transient(_NAME, (_THREAD, 0.2)), transient(_NAME, (_SPLINE, 0.3))
-    times = [1e3 * settling_time(run, 0, 1e-3) for run in (base, threads)]
+    times = [1e3 * time_to_settle(run, 0, 1e-3) for run in (base, threads)]
     yield trend(
         "figure 4a: thread friction 0.2 instead of 0.1 speeds the carriers up faster",
         "steeper",
         f"carrier 1 settled after {times[1]:.3f} instead of {times[0]:.3f} ms",
-        all(settling_time(threads, k, 1e-3) < settling_time(base, k, 1e-3) for k in (0, 1)),
+        all(time_to_settle(threads, k, 1e-3) < time_to_settle(base, k, 1e-3) for k in (0, 1)),
     )
     cases = [(), ((_THREAD, 0.2),), ((_SPLINE, 0.3),)]
     spread = np.ptp([steady(_NAME, *case).carrier_ratio for case in cases], axis=0).max()
@@ -198,7 +198,7 @@ def leads() -> Iterator[Row]:
         note,
     )
     first = [float(end.carrier_ratio[0]) for end in ends]
-    times = [1e3 * settling_time(transient(_NAME, *case), 0, 1e-3) for case in cases]
+    times = [1e3 * time_to_settle(transient(_NAME, *case), 0, 1e-3) for case in cases]
     yield trend(
         "figure 5a: with a smaller lead of its screw, carrier 1 settles sooner and faster",
         "sooner, higher ratio",

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...mechanism import get_parameter
 from .._difference import differs
-from .._examples import kinematics, knees, settling_time, steady, transient, two_stages
+from .._examples import kinematics, knees, steady, time_to_settle, transient, two_stages
 from .._newtons_equations import newtons_equations
 from .._registry import rows_of
 from .._row import Row, trend
@@ -42,12 +42,12 @@ def base_case_over_time() -> Iterator[Row]:
         float(time[leaves]) > 0.15e-3 and torque[-1] < 0.6 * torque[at],
     )
     for stage, knee in enumerate(knees(time, np.asarray(run.efficiency))[:2]):
-        loose, tight = (settling_time(run, stage, within) for within in (0.1, 0.01))
+        loose, tight = (time_to_settle(run, stage, within) for within in (0.1, 0.01))
         yield trend(
             f"figure 3d: efficiency bends over where carrier {stage + 1} becomes steady",
             "at the same time",
             f"at {1e3 * knee:.4f} ms, carrier within 5 % at "
-            f"{1e3 * settling_time(run, stage, 0.05):.4f} ms",
+            f"{1e3 * time_to_settle(run, stage, 0.05):.4f} ms",
             loose < knee < tight,
             "the text gives 0.14 and 0.46 ms for the carriers; see their rows",
         )
@@ -171,7 +171,7 @@ def leads_over_time() -> Iterator[Row]:
     runs = [transient(_NAME, *_pitches(*pair)) for pair in _LEADS]
     ends = [steady(_NAME, *_pitches(*pair)) for pair in _LEADS]
     second = [float(end.carrier_ratio[1]) for end in ends]
-    times = [1e3 * settling_time(run, 1, 1e-3) for run in runs]
+    times = [1e3 * time_to_settle(run, 1, 1e-3) for run in runs]
     yield trend(
         "figure 5a: carrier 2 likewise with the lead of screw 2",
         "sooner, higher ratio",

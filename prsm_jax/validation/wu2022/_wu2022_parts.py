@@ -100,5 +100,6 @@ def torsional_stiffnesses() -> Iterator[Row]:
         evidence_between=(7.69e6, 7.70e6),
         because=f"a sleeve of the nut's mass, as long as the roller ({1e3 * width:.1f} mm by its "
         f"mass) and thus of {2e3 * outer:.1f} mm outside diameter, has the computed value, "
-        f"{sleeve * nut**2:.3g} N·m/rad: the printed number is 1.22 times this stiffness in N/mm (the evidence)",
+        f"{sleeve * nut**2:.3g} N·m/rad: the printed number is 1.22 times this stiffness in N/mm "
+        "(the evidence)",
     )
