@@ -35,7 +35,7 @@ _TESTS: tuple[tuple[str, str], ...] = (
         "analytic/line_contact analytic/subsurface analytic/single_faults gradients/halfspace",
     ),
     ("load_sharing/_flank_law", "analytic/ends_of_laws analytic/load_sharing"),
-    ("load_sharing/_wide", "analytic/load_sharing extreme/load_sharing"),
+    ("load_sharing/_large", "analytic/load_sharing extreme/load_sharing"),
     (
         "load_sharing",
         "analytic/load_sharing analytic/single_faults analytic/axial_stiffness "
