@@ -1,4 +1,4 @@
-"""`python -m tests.of_room [ROOM]`: files of tests of one room of the package, or of all."""
+"""`python -m tests.of_room [ROOM]`: folders of tests of one room of the package, or of all."""
 
 import sys
 from pathlib import Path
@@ -7,18 +7,10 @@ from tests.layers.room_order import LAYERS
 from tests.mutation.rooms import TESTS
 
 ROOT = Path(__file__).parent
-#: Folders of tests that have other names than their rooms.
-_FOLDERS = {
-    "sensitivities": ("sensitivity",),
-    "optimisation": ("optimise",),
-    "sweeps": ("sweep",),
-    "report": ("report", "reading"),
-    "explanation": ("no_dead_weight",),
-}
-#: Tests of rooms at the ground, which faults are not put into.
-_FILES = {
-    "fields": ("analytic/test_analytic_ends_of_laws.py", "file/test_file_errors.py"),
-    "programs": ("analytic/test_analytic_one_program.py", "analytic/test_analytic_batches.py"),
+#: Tests in folders of other rooms, where no list of faults names them.
+_ELSEWHERE = {
+    "report": ("reading",),
+    "fields": ("file/test_file_errors.py", "file/test_file_limits.py"),
     "text": (
         "cli/test_cli_tables.py",
         "reading/test_reading_display_units.py",
@@ -28,8 +20,8 @@ _FILES = {
     "process": (
         "cli/test_cli_interrupt.py",
         "cli/test_cli_signals.py",
-        "sweep/test_sweep_stores.py",
-        "threads/test_threads_fork.py",
+        "sweeps/test_sweep_stores.py",
+        "programs/test_threads_fork.py",
     ),
 }
 
@@ -37,11 +29,11 @@ _FILES = {
 def files_of(room: str) -> list[str]:
     """Files and folders of tests, from the top folder of the project; the layers among them.
 
-    **Raises:** `ValueError` for a room that there is not.
+    **Raises:** `ValueError` for a room that does not exist.
     """
     if room not in LAYERS:
         raise ValueError(f"ROOM is {room!r}; choose one of {', '.join(LAYERS)}")
-    folders = list(_FOLDERS.get(room, (room,) if (ROOT / room).is_dir() else ()))
+    folders = [room] if (ROOT / room).is_dir() else []
     files = [
         name
         for start, names in TESTS
@@ -49,12 +41,12 @@ def files_of(room: str) -> list[str]:
         for name in names
         if name.split("/")[0] not in folders
     ]
-    files += _FILES.get(room, ())
+    files += _ELSEWHERE.get(room, ())
     return [f"tests/{name}" for name in ("layers", *folders, *dict.fromkeys(files))]
 
 
 def main() -> int:
-    """Print them, or say which rooms there are."""
+    """Print them, or say which rooms exist."""
     if not sys.argv[1:]:
         print("tests")
         return 0

@@ -13,65 +13,65 @@ ASSERTED = [
     (
         "slip orthogonal",
         "1e-12",
-        "analytic/test_analytic_meshing.py::test_slip_is_tangential_at_every_carrier_speed",
+        "geometry/test_analytic_meshing.py::test_slip_is_tangential_at_every_carrier_speed",
     ),
     (
         "slip and spin",
         "2e-7",
-        "analytic/test_analytic_slip_and_spin.py::test_long_ellipses_against_direct_integration",
+        "contact/test_analytic_slip_and_spin.py::test_long_ellipses_against_direct_integration",
     ),
     (
         "stress below",
         "1e-11",
-        "analytic/test_analytic_subsurface.py::"
+        "contact/test_analytic_subsurface.py::"
         "test_axis_by_closed_form_by_quadrature_and_by_textbook",
     ),
     (
         "stress below",
         "1e-9",
-        "analytic/test_analytic_subsurface.py::test_against_direct_integration_of_point_forces",
+        "contact/test_analytic_subsurface.py::test_against_direct_integration_of_point_forces",
     ),
     (
         "loads of threads",
         "1e-9",
-        "analytic/test_analytic_load_sharing.py::test_rigid_roller_in_closed_form",
+        "load_sharing/test_analytic_load_sharing.py::test_rigid_roller_in_closed_form",
     ),
     (
         "loads of threads",
         "1e-6",
-        "analytic/test_analytic_load_sharing.py::test_against_a_minimisation_of_the_energy",
+        "load_sharing/test_analytic_load_sharing.py::test_against_a_minimisation_of_the_energy",
     ),
     (
         "loads of threads",
         "1e-8",
-        "analytic/test_analytic_load_sharing.py::test_work_is_stored_energy",
+        "load_sharing/test_analytic_load_sharing.py::test_work_is_stored_energy",
     ),
     (
         "natural frequencies",
         "1e-13",
-        "analytic/test_analytic_vibration.py::test_symmetry_reduction_equals_the_full_problem",
+        "vibration/test_analytic_vibration.py::test_symmetry_reduction_equals_the_full_problem",
     ),
-    ("modes by symmetry", "1e-12", "analytic/test_analytic_modes.py::test_both_paths_agree"),
-    ("derivatives at repeated", "1e-5", "gradients/test_gradients_modes.py::test_clusters"),
+    ("modes by symmetry", "1e-12", "vibration/test_analytic_modes.py::test_both_paths_agree"),
+    ("derivatives at repeated", "1e-5", "vibration/test_gradients_modes.py::test_clusters"),
     (
         "power balance",
         "1e-12",
-        "analytic/test_analytic_steady.py::test_power_balance_of_random_mechanisms",
+        "dynamics/steady/test_analytic_steady.py::test_power_balance_of_random_mechanisms",
     ),
     (
         "accelerations and shared",
         "1e-12",
-        "analytic/test_analytic_newton.py::test_newton_accelerates_the_carriers_as_lagrange",
+        "dynamics/newton_euler/test_analytic_newton.py::test_newton_accelerates_the_carriers_as_lagrange",
     ),
     (
         "settling of carriers",
         "3e-11",
-        "analytic/test_analytic_settling.py::test_closed_form_and_integration_agree",
+        "dynamics/speed_drive/test_analytic_settling.py::test_closed_form_and_integration_agree",
     ),
     (
         "settling of carriers",
         "5e-12",
-        "analytic/test_analytic_settling.py::test_closed_form_against_scipy",
+        "dynamics/speed_drive/test_analytic_settling.py::test_closed_form_against_scipy",
     ),
     (
         "receptances",
@@ -86,28 +86,40 @@ ASSERTED = [
     (
         "quasi-steady transients",
         "2e-8",
-        "analytic/test_analytic_quasi_steady.py::test_error_is_what_the_estimate_says",
+        "dynamics/speed_drive/test_analytic_quasi_steady.py::test_error_is_what_the_estimate_says",
     ),
     (
         "quasi-steady transients",
         "0.3",
-        "analytic/test_analytic_quasi_steady.py::test_error_is_what_the_estimate_says",
+        "dynamics/speed_drive/test_analytic_quasi_steady.py::test_error_is_what_the_estimate_says",
     ),
-    ("extreme scenes", "1e-6", "extreme/test_extreme_dynamics.py::BOUND"),
-    ("extreme scenes", "2e-6", "extreme/test_extreme_dynamics.py::BOUND"),
-    ("stick and slip", "1e-7", "analytic/test_analytic_torque_carriers.py::test_against_scipy"),
-    ("stick and slip", "2e-8", "analytic/test_analytic_torque_carriers.py::test_against_scipy"),
+    ("extreme scenes", "1e-6", "dynamics/speed_drive/test_extreme_dynamics.py::BOUND"),
+    ("extreme scenes", "2e-6", "dynamics/speed_drive/test_extreme_dynamics.py::BOUND"),
+    (
+        "stick and slip",
+        "1e-7",
+        "dynamics/torque_drive/test_analytic_torque_carriers.py::test_against_scipy",
+    ),
+    (
+        "stick and slip",
+        "2e-8",
+        "dynamics/torque_drive/test_analytic_torque_carriers.py::test_against_scipy",
+    ),
     (
         "excitation orders",
         "1e-5",
         "response/test_response_counted_orders.py::test_order_is_what_passes_per_turn",
     ),
-    ("LuGre", "1e-14", "analytic/test_analytic_lugre.py::test_steady_slip_is_stribecks_law"),
-    ("self-locking", "1e-14", "analytic/test_analytic_locking.py::test_limits_of_one_stage"),
+    (
+        "LuGre",
+        "1e-14",
+        "dynamics/speed_drive/test_analytic_lugre.py::test_steady_slip_is_stribecks_law",
+    ),
+    ("self-locking", "1e-14", "dynamics/steady/test_analytic_locking.py::test_limits_of_one_stage"),
     (
         "gradients, forward",
         "1e-7",
-        "gradients/test_gradients_examples.py::test_forward_and_reverse_against_central_differences",
+        "quantities/test_gradients_examples.py::test_forward_and_reverse_against_central_differences",
     ),
 ]
 

@@ -2,8 +2,10 @@
 
 from pathlib import Path
 
+_FOLDER = Path(__file__).parents[1]
+
 #: By the start of a file's path inside of the package, the more particular first: files of tests,
-#: `analytic/hertz` for `analytic/test_analytic_hertz.py`. Tests that are marked slow are left out.
+#: `analytic/hertz` for `test_analytic_hertz.py`, wherever it is. Slow tests are left out.
 _TESTS: tuple[tuple[str, str], ...] = (
     ("numerics", "numerics/jacobi numerics/solves response/elimination"),
     ("geometry/_flank_ends", "analytic/truncation analytic/single_faults"),
@@ -153,7 +155,7 @@ _TESTS: tuple[tuple[str, str], ...] = (
     ),
     (
         "findings/_margin",
-        "sweep/test_sweep.py analytic/findings_numbers analytic/construction analytic/findings",
+        "sweep/values analytic/findings_numbers analytic/construction analytic/findings",
     ),
     ("findings/_sharing", "analytic/assumptions analytic/findings analytic/findings_numbers"),
     ("findings/_locking", "analytic/locking analytic/findings analytic/findings_numbers"),
@@ -168,14 +170,14 @@ _TESTS: tuple[tuple[str, str], ...] = (
         "optimise/box optimise/analytic analytic/single_faults optimise/findings "
         "optimise/mechanism",
     ),
-    ("sweeps", "sweep/test_sweep.py analytic/single_faults"),
+    ("sweeps", "sweep/values analytic/single_faults"),
     ("scenario/_profiles", "analytic/profiles"),
     ("scenario/_sequences", "analytic/profiles"),
     ("scenario", "analytic/profiles file/scenarios"),
     ("mechanism/parameters/_follows", "sensitivity/values"),
     (
         "mechanism/parameters/_parameters",
-        "analytic/construction sweep/test_sweep.py sensitivity/values optimise/analytic",
+        "analytic/construction sweep/values sensitivity/values optimise/analytic",
     ),
     (
         "mechanism",
@@ -187,9 +189,13 @@ _TESTS: tuple[tuple[str, str], ...] = (
 )
 
 
+#: Every file of tests by its name, which no two of them share.
+_FILES = {path.name: path for path in _FOLDER.rglob("test_*.py")}
+
+
 def _file(name: str) -> str:
-    folder, _, last = name.partition("/")
-    return name if name.endswith(".py") else f"{folder}/test_{folder}_{last}.py"
+    kind, _, topic = name.partition("/")
+    return _FILES[f"test_{kind}_{topic}.py"].relative_to(_FOLDER).as_posix()
 
 
 TESTS = tuple((start, tuple(_file(name) for name in names.split())) for start, names in _TESTS)

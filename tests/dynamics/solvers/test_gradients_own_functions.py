@@ -76,7 +76,7 @@ def agree(name):
 def test_gradients_through_what_a_function_holds(name):
     """In a process of its own: the types that tests check wrap functions, which hides the fault."""
     here = Path(__file__).parent
-    paths = [str(here), str(here.parent), str(Path(prsm.__file__).parents[1])]
+    paths = [str(here), str(here.parents[1]), str(Path(prsm.__file__).parents[1])]
     code = (
         f"import sys; sys.path[:0] = {paths}\n"
         f"import {Path(__file__).stem} as tests; tests.agree({name!r})"
