@@ -21,6 +21,7 @@ from prsm_jax.mechanism import (
     Support,
     Thread,
     set_parameters,
+    stage_at,
 )
 
 
@@ -142,3 +143,12 @@ def test_traced_and_unknown_numbers_pass():
     )
     assert moved.stages[0].thread.lead.shape == batch.stages[0].thread.lead.shape == (2,)
     assert math.isnan(float(Thread(math.nan, 5.0, 4e-3, math.pi / 4).lead))
+
+
+def test_a_stage_by_its_number_counts_from_one():
+    two = prsm.load("li2020_two_stage")
+    assert stage_at(two, 1) is two.stages[0]
+    assert stage_at(two, 2) is two.stages[1]
+    for number in (0, 3, -1):
+        with pytest.raises(ValueError, match=f"stage is {number}; the mechanism has stages 1 to 2"):
+            stage_at(two, number)
