@@ -1,7 +1,7 @@
 """`python -m tests.slow SECONDS.json`: write which tests are slow, from the times of a run.
 
-`PRSM_TEST_SECONDS=SECONDS.json make test slow` measures them; use an empty compilation cache
-(`PRSM_TEST_CACHE`) and a machine without other work.
+`PRSM_TEST_SECONDS=SECONDS.json .venv/bin/python -m pytest -n 2` measures all of them in one run.
+Use an empty compilation cache (`PRSM_TEST_CACHE`) and a machine without other work.
 """
 
 import json

@@ -18,6 +18,7 @@ from prsm_jax.mechanism import (
     stage_mass,
 )
 from prsm_jax.stiffness import ThreadStiffness, axial_stiffness
+from prsm_jax.vibration._families import _orthonormal
 
 # Sums and products of a few doubles.
 _ROUNDING = 1e-14
@@ -85,3 +86,12 @@ def test_masses_of_all_rollers_scaled_are_a_scaled_roller(actuator):
         np.testing.assert_allclose(
             law(all_heavier.stages[0]), law(heavier.stages[0]), rtol=10 * _ROUNDING
         )
+
+
+def test_patterns_are_orthonormal_and_a_pattern_of_nan_stays_nan():
+    ones, slope = jnp.ones(4), jnp.arange(4.0)
+    rows = np.asarray(_orthonormal([ones, 2 * ones, slope]))
+    # The second depends on the first; the third is the slope without its mean.
+    expected = [[0.5] * 4, [0.0] * 4, np.array([-1.5, -0.5, 0.5, 1.5]) / np.sqrt(5)]
+    np.testing.assert_allclose(rows, expected, atol=1e-15)
+    assert np.isnan(_orthonormal([ones, ones.at[2].set(jnp.nan)])[1]).all()
