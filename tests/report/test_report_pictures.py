@@ -135,8 +135,9 @@ def test_a_mechanism_that_stands_or_locks_still_has_a_loss_chart(output):
 
 def test_settling_time_is_where_the_ratio_stays_within_the_tolerance():
     run = make_transient()
-    # 1 − e^{−t/τ} is within 1 % of 1 after τ ln 100 = 0.4605 ms; its last value is 2e-9 below 1.
-    assert time_to_settle(run) == pytest.approx(1e-4 * np.log(100), rel=1e-7)
+    # 1 − e^{−t/τ} is within 1 % of its last value, 1 − e^{−20}, at e^{−t/τ} = 0.01 + 0.99 e^{−20}.
+    expected = -1e-4 * np.log(0.01 + 0.99 * np.exp(-20.0))
+    assert time_to_settle(run) == pytest.approx(expected, rel=1e-12)
     import equinox as eqx
 
     late = eqx.tree_at(lambda r: r.carrier_ratio, run, jnp.tile(run.time, (2, 1)) + 1e-4)
