@@ -69,7 +69,7 @@ def test_an_operating_point_without_time_is_refused():
         ValueError, match=r"OperatingPoint: duration is -1 s; it must be more than 0"
     ):
         OperatingPoint(100.0, 7e3, -1.0)
-    with pytest.raises(ValueError, match=r"DutyCycle: duration is .*0 or more"):
+    with pytest.raises(ValueError, match=r"DutyCycle: duration is -1 s; it must be more than 0"):
         DutyCycle([1.0, -1.0], [1.0, 1.0], [1e3, 1e3])
 
 
