@@ -107,6 +107,10 @@ def test_whole_numbers_by_an_object(own_quantities):
     assert found[0].to_dict() == found[1].to_dict()
     for best in found:
         assert best.optimum.variables["starts_at_fixed_pitch"] == pytest.approx(5.0, abs=1e-6)
+    # COBYQA searches with the whole numbers too; after L-BFGS, SLSQP does.
+    assert all("trust-region radius" in run.message for run in found[3].runs)
+    assert "projected gradient" in found[2].runs[0].message
+    assert "projected gradient" not in found[2].runs[-1].message
 
 
 def test_the_learning_rate_is_the_first_step_of_adam():
@@ -325,6 +329,16 @@ def test_the_search_of_the_page_finds_the_deeper_valley(own_quantities):
     # The same designs in every run; others with another seed.
     histories = [found(replace(evolution, seed=seed), 4.0).objective_history for seed in (0, 0, 1)]
     assert histories[0] == histories[1] != histories[2]
+
+
+def test_the_search_of_the_page_comes_near_without_derivatives():
+    """Before SLSQP finishes it, and on the allowed side of x + y <= 0.8."""
+    evolution = extension("differential_evolution").DifferentialEvolution(generations=40)
+    for bowl, expected in ((_bowl(), MIDDLE), (_bowl(-np.inf, 0.8), [0.21, 0.59])):
+        steps = []
+        found = evolution.search(bowl, START, 1e-8, steps.append)
+        np.testing.assert_allclose(steps[39], expected, atol=1e-2)
+        np.testing.assert_allclose(found.position, expected, atol=1e-7)
 
 
 class _Guarded(SearchMethod):
