@@ -40,6 +40,7 @@ from ._limits import (
     Limit as Limit,
     limit_of as limit_of,
 )
+from ._renamed import renamed as renamed, renamed_arguments as renamed_arguments
 from ._within import (
     FREE_UNITS as FREE_UNITS,
     Contradiction as Contradiction,

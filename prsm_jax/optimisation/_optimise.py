@@ -112,7 +112,7 @@ def optimise(
         iterations = _ITERATIONS[method] if max_iterations is None else max_iterations
         searches.run_all(search, positions, iterations)
     evaluator.guard(False)
-    if evaluator.margins.whole:
+    if evaluator.margins.integer:
         final_method = method if method not in BOUNDS_ONLY else "slsqp"
         searches.make_whole(find_search(final_method, True)[1], _ITERATIONS[final_method])
     best, end, conditions = searches.best(initial)
