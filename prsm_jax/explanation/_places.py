@@ -31,7 +31,7 @@ class Place:
     - `present`: whether the part is there.
     - `law`, `laws`: the law that is there, and the possible laws, if there are several.
     - `meaning`: what the part is.
-    - `misses`: what results miss without it.
+    - `without`: what results miss without it.
     - `write`: what to write in the file to have it.
     """
 
@@ -42,7 +42,7 @@ class Place:
     law: str | None
     laws: tuple[str, ...]
     meaning: str
-    misses: str
+    without: str
     write: str
 
 

@@ -41,6 +41,7 @@ from ._limits import (
     Limit as Limit,
     limit_of as limit_of,
 )
+from ._renamed import renamed as renamed, renamed_arguments as renamed_arguments
 from ._within import (
     Contradiction as Contradiction,
     Limited as Limited,

@@ -109,7 +109,7 @@ def optimise(
         searches.clear()
         searches.run_all(search, positions)
     evaluator.guard(False)
-    if evaluator.margins.whole:
+    if evaluator.margins.integer:
         # `max_iterations` is per start, and these searches are no starts.
         searches.make_whole(search_of(requested, True) if search.accepts_constraints else Slsqp())
     best, end, conditions = searches.best(initial)

@@ -60,7 +60,7 @@ class Searches:
         end = self._ends[self._best()]
         if end is None:
             return
-        rows = self._evaluator.margins.whole[:_MOST_WHOLE]
+        rows = self._evaluator.margins.integer[:_MOST_WHOLE]
         values = [end[0].values[self._evaluator.rows.first_margin + row.place] for row in rows]
         self._final = len(self.runs)
         for choice in itertools.product(*map(_either_side, rows, values)):

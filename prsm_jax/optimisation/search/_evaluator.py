@@ -251,7 +251,7 @@ class Evaluator:
         explicit = np.arange(len(limits)) < self.rows.explicit
         scale = np.where((limits > 0) & explicit, limits, reached)
         self.row_scale = np.where(scale > 0, scale, 1.0)
-        for row in self.margins.whole:
+        for row in self.margins.integer:
             self.row_scale[self.rows.names.index(row.label, self.rows.explicit)] = WHOLE_SCALE
 
     def cost(self, point: Point) -> float:

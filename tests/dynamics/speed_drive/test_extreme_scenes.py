@@ -133,7 +133,7 @@ def test_a_half_space_under_a_load_that_no_half_space_bears_says_so():
     assert int(solve(stage, load=array(1e4)).surface.code) == 0
     crushed = solve(stage, load=array(1e9))
     assert RESULTS[int(crushed.surface.code)].startswith("not a half-space")
-    assert not bool(crushed.surface.found)
+    assert not bool(crushed.surface.converged)
     # NaN is another matter.
     assert int(solve(stage, load=array(jnp.nan)).surface.code) == 1
 
