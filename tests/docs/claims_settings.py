@@ -16,7 +16,6 @@ from prsm_jax.dynamics.friction import _rubbing
 from prsm_jax.findings import _locking, _masses, _preferred, _stiffness
 from prsm_jax.optimisation.results._rounding import rounded_variables
 from prsm_jax.scenario import Scenario, TorqueScenario, _sequences
-from prsm_jax.validation.lisowski2014._lisowski2014 import ELEMENTS, HERTZ
 
 COMMANDS, FILES, FINDINGS = "docs/command_line.md", "docs/files.md", "docs/findings.md"
 FRICTION, MODEL, STRENGTH = "docs/friction.md", "docs/model.md", "docs/strength.md"
@@ -78,18 +77,6 @@ def _elliptic_error() -> list[float]:
     return [worst]
 
 
-def _departures_from_hertz() -> list[float]:
-    """Of the paper's finite elements at 25 and 50 N, from its own Hertz pressures [%]."""
-    pairs = [
-        (float(printed), float(HERTZ[side][index]))
-        for side, pressures in ELEMENTS.items()
-        for index, printed in enumerate(pressures[:2])
-        if printed is not None
-    ]
-    errors = [100 * abs(elements / hertz - 1) for elements, hertz in pairs]
-    return [min(errors), max(errors)]
-
-
 CLAIMS = [
     Claim(FINDINGS, "differs by {} % or more from every lead", lambda: [100 * _preferred._SAME]),
     Claim(FINDINGS, "({} kg/m³ if no density is given)", lambda: [_masses._STEEL_DENSITY]),
@@ -117,5 +104,4 @@ CLAIMS = [
         rounded=False,
     ),
     Claim(MODEL, "errors up to {})", _elliptic_error, rounded=False, least=0.5),
-    Claim("docs/contact_surfaces.md", "at 25 and 50 N ({} to {} %)", _departures_from_hertz),
 ]  # fmt: skip

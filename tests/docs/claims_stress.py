@@ -173,5 +173,5 @@ CLAIMS = [
         "at a depth of 0.3 $b$ is {} % of $p_0$ on 32 × 32 cells and {} % on 64 × 64",
         _fields,
     ),
-    Claim(SURFACES, "do not explain errors of {} to {} %", _of_paper),
+    Claim(SURFACES, "at 25 and 50 N ({} to {} %)", _of_paper),
 ]
