@@ -74,6 +74,10 @@ def _gap_opening(radial_shift: Float[Array, " classes"] | None):
     return 0.0 if radial_shift is None else radial_shift[:, None]
 
 
+def _loads(forces: list[Array]) -> Loads:
+    return forces[0], forces[1] if len(forces) > 1 else None
+
+
 class Flanks(eqx.Module):
     """The flanks between rollers and screw, or rollers and nut."""
 
@@ -105,6 +109,13 @@ class Flanks(eqx.Module):
         if self.reverse_gap is not None:
             each.append(-approach - self.reverse_gap - opening)
         return [FlankApproach(one, self.hertz, self.tooth) for one in each]
+
+    def loads(self, approach: Float[Array, "classes threads"], opening) -> Loads:
+        """Force on forward and reverse flanks, with derivatives to everything [N].
+
+        **Arguments:** those of `approaches`.
+        """
+        return _loads([flank_force(*one) for one in self.approaches(approach, opening)])
 
     def teeth(
         self, approach: Float[Array, "classes threads"], regularisation: Scalar, laws: list[Law]
@@ -234,11 +245,8 @@ def forces_and_slopes(chains: Chains, state: State) -> tuple[Teeth, Teeth]:
 
 def flank_loads(chains: Chains, state: State) -> tuple[Loads, Loads]:
     """Forces on forward and reverse flanks, screw side and nut side, differentiable [N]."""
-    screw, nut = (
-        (forces[0], forces[1] if len(forces) > 1 else None)
-        for forces in _evaluated(flank_force, chains, state)
-    )
-    return screw, nut
+    screw, nut = _evaluated(flank_force, chains, state)
+    return _loads(screw), _loads(nut)
 
 
 @physics("thread_chains")
