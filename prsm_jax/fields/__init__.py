@@ -8,6 +8,10 @@ from ._checked import (
     check_positive as check_positive,
 )
 from ._fields import (
+    Converted as Converted,
+    Number as Number,
+    Numbers as Numbers,
+    OptionalNumber as OptionalNumber,
     Scalar as Scalar,
     as_scalar as as_scalar,
     choice as choice,

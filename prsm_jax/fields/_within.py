@@ -74,7 +74,7 @@ class Limited(eqx.Module):
     **Raises:** `ValueError` at construction for a known number out of its range.
     """
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         for field in dataclasses.fields(self):
             unit = field.metadata.get("unit")
             if unit is not None:

@@ -138,7 +138,7 @@ class StatefulFrictionLaw(FrictionLaw):
     smooth_at_standstill: ClassVar[bool] = True
     has_state: ClassVar[bool] = True
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         if self.asks:
             raise ValueError(
                 f"{type(self).__name__}: asks for {', '.join(self.asks)}; a law with a state "

@@ -4,7 +4,16 @@ from typing import Any
 
 import equinox as eqx
 
-from ..fields import NOT_NEGATIVE, POSITIVE, Limited, Scalar, number, optional_number
+from ..fields import (
+    NOT_NEGATIVE,
+    POSITIVE,
+    Limited,
+    Number,
+    OptionalNumber,
+    Scalar,
+    number,
+    optional_number,
+)
 from ._coulomb import CoulombFriction
 from ._law import FrictionLaw
 
@@ -37,7 +46,7 @@ class FrictionAtRadius(Limited):
     law: eqx.AbstractVar[FrictionLaw]
     radius: eqx.AbstractVar[Scalar | None]
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         law, owner = self.law, type(self).__name__
         if law.has_state or law.asks:
             reason = "has a state" if law.has_state else f"asks for {', '.join(law.asks)}"
@@ -81,11 +90,11 @@ class ThrustBearingFriction(FrictionAtRadius):
 class Drag(Limited):
     """Drag torque on the screw, independent of the load (seals, lubricant): constant, and c Ω."""
 
-    torque: Scalar = number("N·m", "constant drag torque", limit=NOT_NEGATIVE)
-    viscous_coefficient: Scalar | None = optional_number(
+    torque: Number = number("N·m", "constant drag torque", limit=NOT_NEGATIVE)
+    viscous_coefficient: OptionalNumber = optional_number(
         "N·m·s", "viscous drag coefficient, c", limit=NOT_NEGATIVE
     )
-    width: Scalar | None = optional_number(
+    width: OptionalNumber = optional_number(
         "rad/s",
         "speed over which the constant torque changes its sign; step change if not given",
         limit=POSITIVE,

@@ -9,7 +9,8 @@ from ..fields import (
     POSITIVE,
     ROLLERS,
     Limited,
-    Scalar,
+    Number,
+    OptionalNumber,
     as_scalar,
     check_finite,
     check_not_negative,
@@ -91,7 +92,7 @@ class Stage(Limited):
     strength: Strength | None = part(
         "no capacities, safety, life, buckling, critical speed of the shaft, or play"
     )
-    engaged_threads: Scalar | None = optional_number(
+    engaged_threads: OptionalNumber = optional_number(
         "1",
         "threads of one roller that carry load, per side, z",
         limit=POSITIVE,
@@ -108,7 +109,7 @@ class Stage(Limited):
         metadata={"without": "all rollers are equal, in their places, and present"},
     )
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         if self.roller_count < 1:
             raise ValueError(
                 f"roller_count is {self.roller_count}; a stage needs at least one roller"
@@ -136,9 +137,9 @@ class Stage(Limited):
 class OperatingPoint(Limited):
     """The steady operating point: prescribed screw speed and load on the last nut."""
 
-    speed: Scalar = number("rad/s", "screw speed; negative when the load drives the screw back")
-    load: Scalar = number("N", "axial load on the last nut, against its motion at positive speed")
-    duration: Scalar | None = optional_number("s", "length of a transient simulation")
+    speed: Number = number("rad/s", "screw speed; negative when the load drives the screw back")
+    load: Number = number("N", "axial load on the last nut, against its motion at positive speed")
+    duration: OptionalNumber = optional_number("s", "length of a transient simulation")
 
 
 class DutyCycle(eqx.Module):
@@ -154,7 +155,7 @@ class DutyCycle(eqx.Module):
         converter=as_scalar, metadata={"unit": "N", "description": "axial load in each phase"}
     )
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         check_not_negative("DutyCycle", duration=self.duration)
         for name, unit in (("duration", "s"), ("speed", "rad/s"), ("load", "N")):
             values = {name: getattr(self, name)}
@@ -221,7 +222,7 @@ class Mechanism(eqx.Module):
         "torque"
     )
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         if not self.stages:
             raise ValueError("stages is empty; a mechanism needs at least one stage")
         first = self.stages[0].friction

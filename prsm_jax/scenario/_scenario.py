@@ -6,7 +6,6 @@ other. Those read from a file can be written to a file.
 """
 
 import dataclasses
-from collections.abc import Callable
 
 import equinox as eqx
 import jax
@@ -18,6 +17,7 @@ from ..fields import (
     MANY,
     POSITIVE,
     SAMPLES,
+    Number,
     Scalar,
     check_finite,
     check_positive,
@@ -25,8 +25,8 @@ from ..fields import (
     driven,
     number,
 )
-from ._loads import LoadOfMotion, break_times_of, load_value
-from ._sequences import Profile
+from ._loads import DrivenLoad, break_times_of, load_value
+from ._sequences import Driven
 
 
 def _check_samples(samples: int) -> None:
@@ -70,21 +70,21 @@ class Scenario(eqx.Module):
     """
 
     #: Screw speed Ω [rad/s].
-    speed: Scalar | Profile | Callable = driven("rad/s", "screw speed")
+    speed: Driven = driven("rad/s", "screw speed")
     #: Load on the last nut, against its motion at positive speed [N].
-    load: Scalar | Profile | LoadOfMotion | Callable = driven("N", "load on the last nut")
+    load: DrivenLoad = driven("N", "load on the last nut")
     #: Length of the simulation [s].
-    duration: Scalar = number("s", "length of the simulation", limit=POSITIVE)
+    duration: Number = number("s", "length of the simulation", limit=POSITIVE)
     #: Carrier ratio ω/Ω at the start, of every stage; 0 if the rollers do not orbit.
-    initial_carrier_ratio: Scalar = number("1", "carrier ratio at the start", default=0.0)
+    initial_carrier_ratio: Number = number("1", "carrier ratio at the start", default=0.0)
     #: Number of equally spaced times in the result.
     samples: int = choice("number of times in the result", default=201, limit=SAMPLES)
     #: Position of the nut at the start [m].
-    initial_position: Scalar = number(
+    initial_position: Number = number(
         "m", "position of the nut at the start", default=0.0, limit=ANY
     )
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         _check_samples(self.samples)
         check_scenario(self)
 
@@ -115,25 +115,25 @@ class TorqueScenario(eqx.Module):
     """
 
     #: Torque at the first screw: a number, or a pure function of time [N·m].
-    torque: Scalar | Profile | Callable = driven("N·m", "torque at the first screw")
+    torque: Driven = driven("N·m", "torque at the first screw")
     #: Load on the last nut [N]: a number, a function of time, or one of time, position, speed and
     #: acceleration of the nut, such as a `HingeLoad`.
-    load: Scalar | Profile | LoadOfMotion | Callable = driven("N", "load on the last nut")
+    load: DrivenLoad = driven("N", "load on the last nut")
     #: [s]
-    duration: Scalar = number("s", "length of the simulation", limit=POSITIVE)
+    duration: Number = number("s", "length of the simulation", limit=POSITIVE)
     #: Screw speed at the start [rad/s]. The carriers start in the ratio in which they settle with
     #: this motion of the screw. If they do not settle, because the screw is braked harder than
     #: friction in the threads can brake them, they start in the ratio of rolling.
-    initial_speed: Scalar = number("rad/s", "screw speed at the start", default=0.0)
+    initial_speed: Number = number("rad/s", "screw speed at the start", default=0.0)
     #: Position of the nut at the start [m].
-    initial_position: Scalar = number(
+    initial_position: Number = number(
         "m", "position of the nut at the start", default=0.0, limit=ANY
     )
     samples: int = choice("number of times in the result", default=201, limit=SAMPLES)
     #: Maximum number of phases of stick or slip; exceeding it is reported.
     most_phases: int = choice("maximum number of phases of stick or slip", default=32, limit=MANY)
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         _check_samples(self.samples)
         check_scenario(self)
 

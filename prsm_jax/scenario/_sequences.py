@@ -1,12 +1,13 @@
 """Tables over time, and sequences of profiles: repeated, optionally with alternating sign."""
 
+from collections.abc import Callable
 from typing import ClassVar, NamedTuple, TypeAlias
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, ArrayLike, Float
 
-from ..fields import ANY, MANY, Scalar, choice, numbers
+from ..fields import ANY, MANY, Converted, Numbers, Scalar, choice, numbers
 from ._profiles import (
     ConstantProfile,
     SCurveMoveProfile,
@@ -25,11 +26,11 @@ class TableProfile(eqx.Module):
     """A table over time, interpolated; outside of it the first or last value."""
 
     kind: ClassVar[str] = "table"
-    times: Float[Array, " points"] = numbers("s", "increasing times, from 0 on", limit=ANY)
-    values: Float[Array, " points"] = numbers("*", "values at these times", limit=ANY)
+    times: Numbers = numbers("s", "increasing times, from 0 on", limit=ANY)
+    values: Numbers = numbers("*", "values at these times", limit=ANY)
     interpolation: Interpolation = choice("between the points", default="linear")
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         self._curve().check("TableProfile")
 
     def _curve(self) -> Curve:
@@ -64,7 +65,7 @@ class SequenceProfile(eqx.Module):
     repeats: int = choice("number of times the parts are run through", default=1, limit=MANY)
     reversing: bool = choice("whether every second time has the opposite sign", default=False)
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         if not self.part:
             raise ValueError("SequenceProfile: part is empty; give at least one profile")
         for part in self.part:
@@ -200,6 +201,10 @@ PartProfile: TypeAlias = (
     | SequenceProfile
 )
 Profile: TypeAlias = SineProfile | PartProfile
+#: Field with a number or a function of time.
+Driven: TypeAlias = Converted[
+    Scalar | Profile | Callable[..., Scalar], ArrayLike | Callable[..., Scalar]
+]
 #: Profiles by the name of their kind.
 PROFILES: dict[str, type[eqx.Module]] = {
     cls.kind: cls

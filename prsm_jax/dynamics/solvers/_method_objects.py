@@ -105,7 +105,7 @@ class Diffrax(Integrating):
         self.solver, self.controller = solver, controller
         self.rtol, self.atol, self.max_steps = rtol, atol, max_steps
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         import diffrax
 
         if not isinstance(self.solver, diffrax.AbstractSolver):
