@@ -12,6 +12,7 @@ from ._fields import (
     Number as Number,
     Numbers as Numbers,
     OptionalNumber as OptionalNumber,
+    OptionalNumbers as OptionalNumbers,
     Scalar as Scalar,
     as_scalar as as_scalar,
     choice as choice,

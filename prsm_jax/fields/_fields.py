@@ -39,6 +39,10 @@ Number: TypeAlias = Converted[Scalar, ArrayLike]
 OptionalNumber: TypeAlias = Converted[Scalar | None, ArrayLike | None]
 #: Field with a list of numbers: holds an array of the shape (points,).
 Numbers: TypeAlias = Converted[Float[Array, " points"], ArrayLike | Sequence[ArrayLike]]
+#: Field with a number for each thread, or `None`.
+OptionalNumbers: TypeAlias = Converted[
+    Float[Array, " threads"] | None, ArrayLike | Sequence[ArrayLike] | None
+]
 
 
 def as_scalar(value: ArrayLike | Sequence[ArrayLike]) -> Array:

@@ -3,10 +3,12 @@
 from typing import Any
 
 import equinox as eqx
+from jaxtyping import ArrayLike
 
 from ..fields import (
     NOT_NEGATIVE,
     POSITIVE,
+    Converted,
     Limited,
     Number,
     OptionalNumber,
@@ -18,7 +20,7 @@ from ._coulomb import CoulombFriction
 from ._law import FrictionLaw
 
 
-def _law(value: Any) -> FrictionLaw:
+def _law(value: FrictionLaw | ArrayLike) -> FrictionLaw:
     return value if isinstance(value, FrictionLaw) else CoulombFriction(value)
 
 
@@ -72,8 +74,8 @@ class FrictionAtRadius(Limited):
 class SplineFriction(FrictionAtRadius):
     """Friction in the spline that turns an axially moving screw (not the first one)."""
 
-    law: FrictionLaw = _law_field()
-    radius: Scalar | None = _radius("effective radius of the spline, r_SS")
+    law: Converted[FrictionLaw, FrictionLaw | ArrayLike] = _law_field()
+    radius: OptionalNumber = _radius("effective radius of the spline, r_SS")
 
 
 class ThrustBearingFriction(FrictionAtRadius):
@@ -83,8 +85,8 @@ class ThrustBearingFriction(FrictionAtRadius):
     N·m·s.
     """
 
-    law: FrictionLaw = _law_field(**{"N·s/m": "N·m·s"})
-    radius: Scalar | None = _radius("effective radius of the bearing, r_NS")
+    law: Converted[FrictionLaw, FrictionLaw | ArrayLike] = _law_field(**{"N·s/m": "N·m·s"})
+    radius: OptionalNumber = _radius("effective radius of the bearing, r_NS")
 
 
 class Drag(Limited):

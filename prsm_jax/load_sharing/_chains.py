@@ -44,6 +44,8 @@ class Teeth(NamedTuple):
 #: Force and slope of one kind of flanks; forces on forward and reverse flanks of one side.
 Law: TypeAlias = tuple[Array, Array]
 Loads: TypeAlias = tuple[Array, Array | None]
+#: Gap that the radial shift of each class of rollers has opened on one side [m]; 0 without shift.
+Opening: TypeAlias = Float[Array, "classes 1"] | float
 
 
 class FlankApproach(NamedTuple):
@@ -70,7 +72,7 @@ def _evaluate_alike(law: Callable, flanks: list[FlankApproach]) -> list:
     return [jax.tree.map(lambda x, k=k: x[k], values_of_all) for k in range(len(flanks))]
 
 
-def _gap_opening(radial_shift: Float[Array, " classes"] | None):
+def _gap_opening(radial_shift: Float[Array, " classes"] | None) -> Opening:
     return 0.0 if radial_shift is None else radial_shift[:, None]
 
 
@@ -93,12 +95,14 @@ class Flanks(eqx.Module):
             return self.gap
         return (self.gap - self.reverse_gap) / 2
 
-    def _approaches(self, approach, opening):
+    def _approaches(
+        self, approach: Float[Array, "classes threads"], opening: Opening
+    ) -> tuple[Array, Array | None]:
         """Of forward and reverse flanks [m]; `None` for reverse flanks that are not modelled."""
         forward = approach - self.gap - opening
         return forward, None if self.reverse_gap is None else -approach - self.reverse_gap - opening
 
-    def loads(self, approach: Float[Array, "classes threads"], opening):
+    def loads(self, approach: Float[Array, "classes threads"], opening: Opening) -> Loads:
         """Force on forward and reverse flanks, with derivatives to everything [N].
 
         **Arguments:**
@@ -112,7 +116,9 @@ class Flanks(eqx.Module):
             return load, None
         return load, flank_force(reverse, self.hertz, self.tooth)
 
-    def approaches(self, approach: Float[Array, "classes threads"], opening) -> list[FlankApproach]:
+    def approaches(
+        self, approach: Float[Array, "classes threads"], opening: Opening
+    ) -> list[FlankApproach]:
         """The flanks that are modelled: forward, then reverse."""
         both = self._approaches(approach, opening)
         return [FlankApproach(one, self.hertz, self.tooth) for one in both if one is not None]
@@ -143,7 +149,9 @@ class Flanks(eqx.Module):
             return Teeth(forward + spring, forward)
         return Teeth(forward - reverse + spring, forward, forward + reverse)
 
-    def energy(self, approach: Float[Array, "classes threads"], opening):
+    def energy(
+        self, approach: Float[Array, "classes threads"], opening: Opening
+    ) -> Float[Array, "classes threads"]:
         """Energy stored in the flanks and teeth [J]."""
         forward, reverse = self._approaches(approach, opening)
         energy = flank_energy(forward, self.hertz, self.tooth)

@@ -82,7 +82,7 @@ def traceable(tree: _Tree) -> _Tree:
     return jax.tree.map(_traceable, tree, is_leaf=_is_of_a_user)
 
 
-def is_known(tree) -> bool:
+def is_known(tree: object) -> bool:
     """Whether all numbers are known: neither they nor results calculated from them are traced."""
     leaves = (*jax.tree.leaves(tree), jnp.zeros(()))
     return not any(isinstance(leaf, Tracer) for leaf in leaves)

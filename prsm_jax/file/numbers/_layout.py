@@ -4,20 +4,21 @@ import dataclasses
 import re
 import types
 import typing
+from typing import Any
 
 import equinox as eqx
 
 from ...friction import FrictionLaw, friction_laws
 
 
-def module_classes(hint) -> tuple[type[eqx.Module], ...]:
+def module_classes(hint: object) -> tuple[type[eqx.Module], ...]:
     """The classes of the mechanism that a type hint allows; empty for numbers and choices."""
     union = typing.get_origin(hint) in (typing.Union, types.UnionType)
     members = typing.get_args(hint) if union else (hint,)
     return tuple(m for m in members if isinstance(m, type) and issubclass(m, eqx.Module))
 
 
-def row_class(hint) -> type[eqx.Module] | None:
+def row_class(hint: object) -> type[eqx.Module] | None:
     """The class of the elements of a tuple of modules, which is an array of tables in a file."""
     if typing.get_origin(hint) is not tuple:
         return None
@@ -41,7 +42,7 @@ class TableChoice:
         of_law = self.law is None or type(getattr(value, "law", None)) is self.law
         return type(value) is self.cls and of_law
 
-    def fields(self) -> list[tuple[dataclasses.Field, object, dict[str, str]]]:
+    def fields(self) -> list[tuple[dataclasses.Field[Any], object, dict[str, str]]]:
         """Fields of the table with type hints, and units that replace those of a law's numbers."""
         hints = typing.get_type_hints(self.cls)
         entries = []
@@ -57,7 +58,7 @@ class TableChoice:
             entries += [(one, own[one.name], units) for one in dataclasses.fields(self.law)]
         return entries
 
-    def needs(self, field: dataclasses.Field) -> bool:
+    def needs(self, field: dataclasses.Field[Any]) -> bool:
         """Whether the table needs a field."""
         if self.law is not None and field.name == "radius":
             return True
@@ -65,12 +66,12 @@ class TableChoice:
         return no_default and field.default_factory is dataclasses.MISSING
 
 
-def is_law_field(field: dataclasses.Field) -> bool:
+def is_law_field(field: dataclasses.Field[Any]) -> bool:
     """Whether a field is a law whose numbers are in the table of the field's owner."""
     return bool(field.metadata.get("same_table"))
 
 
-def unit_of(field: dataclasses.Field, units: dict[str, str]) -> str | None:
+def unit_of(field: dataclasses.Field[Any], units: dict[str, str]) -> str | None:
     """SI unit of a number after replacement by `units`; `None` if the field is no number."""
     unit: str | None = field.metadata.get("unit")
     return None if unit is None else units.get(unit, unit)

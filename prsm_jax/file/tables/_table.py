@@ -1,5 +1,6 @@
 """The base of every table of a file, and the types of its keys."""
 
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, PlainValidator, model_validator
@@ -11,7 +12,7 @@ from ..numbers import TableChoice
 _LONGEST_KEY = 100
 
 
-def problem(message: str, **context) -> PydanticCustomError:
+def problem(message: str, **context: object) -> PydanticCustomError:
     """A validation error with a message that pydantic does not reword.
 
     **Arguments:**
@@ -25,7 +26,9 @@ def problem(message: str, **context) -> PydanticCustomError:
 class Table(BaseModel):
     """A table of the file; only known keys are allowed."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, protected_namespaces=())
+    model_config: ClassVar[ConfigDict] = ConfigDict(
+        extra="forbid", frozen=True, protected_namespaces=()
+    )
     #: The part of the mechanism that the table describes, if any.
     choice: ClassVar[TableChoice | None] = None
 
@@ -47,7 +50,7 @@ class Table(BaseModel):
         return data
 
 
-def checked(function, *args) -> PlainValidator:
+def checked(function: Callable[..., object], *args: object) -> PlainValidator:
     """A pydantic type whose value is `function(value, *args)`; its ValueError is the message."""
 
     def read(value):
@@ -59,14 +62,14 @@ def checked(function, *args) -> PlainValidator:
     return PlainValidator(read)
 
 
-def read_text(value) -> str:
+def read_text(value: object) -> str:
     """A string. **Raises:** `ValueError` if it is anything else."""
     if not isinstance(value, str):
         raise ValueError("must be a string")
     return value
 
 
-def read_name(value) -> str:
+def read_name(value: object) -> str:
     """A name of this package's vocabulary. **Raises:** `ValueError` if it cannot be one."""
     if not (isinstance(value, str) and len(value) <= _LONGEST_KEY):
         raise ValueError("must be a name, as a string")
@@ -75,14 +78,14 @@ def read_name(value) -> str:
     return value
 
 
-def read_boolean(value) -> bool:
+def read_boolean(value: object) -> bool:
     """True or false. **Raises:** `ValueError` if it is anything else."""
     if not isinstance(value, bool):
         raise ValueError("must be true or false")
     return value
 
 
-def read_choice(value, allowed: tuple[str, ...]) -> str:
+def read_choice(value: object, allowed: tuple[str, ...]) -> str:
     """One of several words. **Raises:** `ValueError` if it is none of them."""
     if not isinstance(value, str) or value not in allowed:
         choices = ", ".join(f'"{name}"' for name in allowed)
@@ -90,7 +93,7 @@ def read_choice(value, allowed: tuple[str, ...]) -> str:
     return value
 
 
-def read_tables(value) -> list:
+def read_tables(value: object) -> list[dict[str, Any]]:
     """An array of tables. **Raises:** a validation error if it is not one, or is empty."""
     if not isinstance(value, list) or not all(isinstance(row, dict) for row in value):
         raise problem("must be tables, each under a header in double brackets")

@@ -10,9 +10,11 @@ every stage that has the field, set together. Unequal rollers are named by their
 
 import dataclasses
 from collections.abc import Callable, Iterator, Mapping
+from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
+from jaxtyping import ArrayLike
 
 from ..._errors import UnknownNameError, closest
 from ...fields import (
@@ -41,8 +43,8 @@ class Parameter:
     path: str
     unit: str
     description: str
-    get: Callable[[Mechanism], Scalar]
-    set: Callable[[Mechanism, Scalar], Mechanism]
+    get: Callable[[Mechanism], Any]
+    set: Callable[[Mechanism, Any], Mechanism]
     static: bool = False
     limit: Limit = ANY
 
@@ -321,7 +323,9 @@ def find_parameters(mechanism: Mechanism, name: str) -> tuple[Parameter, ...]:
     return tuple(matches)
 
 
-def set_parameter(mechanism: Mechanism, name: str, value, *, checked: bool = True) -> Mechanism:
+def set_parameter(
+    mechanism: Mechanism, name: str, value: ArrayLike, *, checked: bool = True
+) -> Mechanism:
     """A mechanism with the named number set [SI], in every stage unless the name picks one.
 
     **Arguments:**
@@ -364,7 +368,7 @@ def check_stages(mechanism: Mechanism) -> None:
         check_stage(stage)
 
 
-def get_parameter(mechanism: Mechanism, name: str):
+def get_parameter(mechanism: Mechanism, name: str) -> Scalar | int:
     """The value of the named number [SI]; of the first stage when several stages have it."""
     return find_parameters(mechanism, name)[0].get(mechanism)
 

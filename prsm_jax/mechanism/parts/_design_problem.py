@@ -12,7 +12,7 @@ class Variable:
     lower: float
     upper: float
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if not self.lower < self.upper:
             raise ValueError(
                 f"variable {self.name!r}: lower bound {self.lower} is not below upper bound "
@@ -38,7 +38,7 @@ class Constraint:
     upper: float | None = None
     equal: float | None = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if self.equal is None and self.lower is None and self.upper is None:
             raise ValueError(
                 f"constraint on {self.quantity!r} has no limit; give lower, upper or equal"

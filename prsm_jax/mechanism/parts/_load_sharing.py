@@ -1,8 +1,6 @@
 """Data for the load sharing of threads and rollers: sections, teeth, errors, preload."""
 
-from typing import Literal, TypeAlias
-
-from jaxtyping import Array, Float
+from typing import Any, Literal, TypeAlias
 
 from ...fields import (
     ANY,
@@ -13,6 +11,7 @@ from ...fields import (
     Limited,
     Number,
     OptionalNumber,
+    OptionalNumbers,
     choice,
     number,
     optional_number,
@@ -80,7 +79,7 @@ class SplitNut(Limited):
             )
 
 
-def _gap(description: str, limit: Limit):
+def _gap(description: str, limit: Limit) -> Any:
     return optional_numbers("m", description + ", one number per thread", limit=limit)
 
 
@@ -129,29 +128,25 @@ class LoadSharing(Limited):
         "axial stiffness of the nut over one pitch; from its section when absent",
         limit=POSITIVE,
     )
-    screw_pitch_error: Float[Array, " threads"] | None = _gap(
-        "position error of the screw's teeth", limit=ANY
-    )
-    roller_pitch_error: Float[Array, " threads"] | None = _gap(
+    screw_pitch_error: OptionalNumbers = _gap("position error of the screw's teeth", limit=ANY)
+    roller_pitch_error: OptionalNumbers = _gap(
         "position error of the rollers' teeth",
         limit=ANY,
     )
-    nut_pitch_error: Float[Array, " threads"] | None = _gap(
-        "position error of the nut's teeth", limit=ANY
-    )
-    screw_relief: Float[Array, " threads"] | None = _gap(
+    nut_pitch_error: OptionalNumbers = _gap("position error of the nut's teeth", limit=ANY)
+    screw_relief: OptionalNumbers = _gap(
         "profile relief between screw and roller, axially, on either flank",
         limit=NOT_NEGATIVE,
     )
-    nut_relief: Float[Array, " threads"] | None = _gap(
+    nut_relief: OptionalNumbers = _gap(
         "profile relief between nut and roller, axially, on either flank",
         limit=NOT_NEGATIVE,
     )
-    screw_wear: Float[Array, " threads"] | None = _gap(
+    screw_wear: OptionalNumbers = _gap(
         "axial wear of the flanks between screw and roller that carry a positive load",
         limit=NOT_NEGATIVE,
     )
-    nut_wear: Float[Array, " threads"] | None = _gap(
+    nut_wear: OptionalNumbers = _gap(
         "axial wear of the flanks between nut and roller that carry a positive load",
         limit=NOT_NEGATIVE,
     )

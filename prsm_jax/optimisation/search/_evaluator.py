@@ -89,13 +89,14 @@ class Rows:
                     low = high = constraint.equal
                 lower.append(-np.inf if low is None else low)
                 upper.append(np.inf if high is None else high)
-        self.units = [find_quantity(name.partition("[")[0]).unit for name in self.names]
-        self.index = np.array(index, dtype=int)
-        self.lower, self.upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
-        self.equality = np.array(equality, dtype=bool)
-        self.explicit = len(self.names)
-        self.first_margin = int(first[-1])
-        self.weights = np.zeros(int(first[-1]) + margins)
+        self.units: list[str] = [find_quantity(name.partition("[")[0]).unit for name in self.names]
+        self.index: np.ndarray = np.array(index, dtype=int)
+        self.lower: np.ndarray = np.array(lower, dtype=float)
+        self.upper: np.ndarray = np.array(upper, dtype=float)
+        self.equality: np.ndarray = np.array(equality, dtype=bool)
+        self.explicit: int = len(self.names)
+        self.first_margin: int = int(first[-1])
+        self.weights: np.ndarray = np.zeros(int(first[-1]) + margins)
         for term in problem.objectives:
             if int(np.prod(shapes[term.quantity])) != 1:
                 raise ValueError(
@@ -128,7 +129,9 @@ class Point:
     """One evaluated design; derivatives are added on demand."""
 
     def __init__(self, position: np.ndarray, values: np.ndarray, good: bool):
-        self.position, self.values, self.good = position, values, good
+        self.position: np.ndarray = position
+        self.values: np.ndarray = values
+        self.good: bool = good
         self.jacobian: np.ndarray | None = None
 
 
@@ -152,9 +155,10 @@ class Evaluator:
     ):
         names = tuple(variable.name for variable in problem.variables)
         terms = (*problem.objectives, *problem.constraints)
-        self.quantities = tuple(dict.fromkeys(term.quantity for term in terms))
-        self.lower = np.array([variable.lower for variable in problem.variables])
-        self.width = np.array([variable.upper for variable in problem.variables]) - self.lower
+        self.quantities: tuple[str, ...] = tuple(dict.fromkeys(term.quantity for term in terms))
+        self.lower: np.ndarray = np.array([variable.lower for variable in problem.variables])
+        upper = np.array([variable.upper for variable in problem.variables])
+        self.width: np.ndarray = upper - self.lower
         self._given = (
             mechanism,
             names,
@@ -173,19 +177,21 @@ class Evaluator:
         )
         known = _margins(written, speed, load) if margins else ()
         shape_of = {name: shapes[name].shape for name in self.quantities}
-        self.rows = Rows(problem, shape_of, len(known))
-        self.evaluations = self.derivative_evaluations = 0
+        self.rows: Rows = Rows(problem, shape_of, len(known))
+        self.evaluations: int = 0
+        self.derivative_evaluations: int = 0
         self._last: Point | None = None
         #: Whether a design that violates a margin is unusable: for searches with bounds only.
-        self.guarded = False
-        self.margins = MarginRows()
+        self.guarded: bool = False
+        self.margins: MarginRows = MarginRows()
         if known:
             points = [self.point(p) for p in probe_positions(len(names))]
             values = np.stack([point.values[self.rows.first_margin :] for point in points])
             self.margins = sorted_margins(known, values)
             self.rows.add(self.margins)
             self._last = None
-        self.cost_scale, self.row_scale = 1.0, np.ones(len(self.rows.names))
+        self.cost_scale: float = 1.0
+        self.row_scale: np.ndarray = np.ones(len(self.rows.names))
 
     def _shapes(self, mechanism, speed, load):
         # `compute` names the quantity for which data are missing.
@@ -291,7 +297,7 @@ class Guarded:
 
     def __init__(self, evaluator: Evaluator):
         self.evaluator = evaluator
-        self.failures = 0
+        self.failures: int = 0
         self.good: list[Point] = []
         self._previous: Point | None = None
 

@@ -1,9 +1,13 @@
 """The spring network of a stage, and its reduced networks by symmetry."""
 
+import functools
+import operator
+
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Inexact
 
+from ...fields import Scalar
 from ...programs import physics
 from ..arrowhead import SpringBlock
 from ._spring_network import Coordinate, NetworkBuilder, Spring, SpringNetwork
@@ -23,9 +27,9 @@ def is_mesh(spring: str) -> bool:
     return spring.endswith("_roller")
 
 
-def roller_corner(system: VibrationSystem):
+def roller_corner(system: VibrationSystem) -> Scalar:
     """k_s + k_r + k_n, the total stiffness of the mesh springs of one roller [N/m]."""
-    return sum(body.mesh_stiffness for body in system.bodies)
+    return functools.reduce(operator.add, (body.mesh_stiffness for body in system.bodies))
 
 
 def _block(system: VibrationSystem, support: str, mass: str, share: float) -> SpringBlock:
