@@ -120,7 +120,7 @@ def _inside(module: Any, path: tuple[str | int, ...], name: str, header: str) ->
                     yield from _inside(one, (*here, index), f"{own}.{number}", below)
 
 
-def is_optional(field: dataclasses.Field, hint: Any) -> bool:
+def is_optional(field: dataclasses.Field[Any], hint: Any) -> bool:
     """Whether a field of the mechanism may be left out."""
     if field.metadata.get("law_decides"):
         return False
@@ -129,12 +129,17 @@ def is_optional(field: dataclasses.Field, hint: Any) -> bool:
     return may_be_none or (row_class(hint) is not None and field.default == ())
 
 
-def _is_number(field: dataclasses.Field) -> bool:
+def _is_number(field: dataclasses.Field[Any]) -> bool:
     return "unit" in field.metadata
 
 
 def _place(
-    field: dataclasses.Field, hint: Any, value: Any, path: tuple, name: str, header: str
+    field: dataclasses.Field[Any],
+    hint: Any,
+    value: Any,
+    path: tuple[Any, ...],
+    name: str,
+    header: str,
 ) -> Place:
     present = bool(value) if isinstance(value, tuple) else value is not None
     if _is_number(field):

@@ -3,7 +3,7 @@
 import dataclasses
 import tomllib
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -88,7 +88,7 @@ def loads(text: str, name: str = "<string>") -> Mechanism:
         raise file_error(name, data, [((), "is nested too deeply")]) from error
 
 
-def _parse(text: str, name: str) -> dict:
+def _parse(text: str, name: str) -> dict[str, Any]:
     try:
         # A lone surrogate cannot be in a file, but it can be in a Python string.
         size = len(text.encode("utf-8"))
@@ -109,7 +109,7 @@ def _parse(text: str, name: str) -> dict:
         raise file_error(name, {}, [((), f"is not valid TOML: {error}")]) from error
 
 
-def _validated(data: dict, name: str) -> "Table":
+def _validated(data: dict[str, Any], name: str) -> "Table":
     try:
         import pint  # noqa: F401
         from pydantic import ValidationError
@@ -160,6 +160,6 @@ def _mechanism(table: "Table") -> Mechanism:
     return dataclasses.replace(mechanism, design_problem=design_problem(optimise, mechanism))
 
 
-def _duty_cycle(rows: list) -> DutyCycle:
+def _duty_cycle(rows: list[Any]) -> DutyCycle:
     names = type(rows[0]).model_fields
     return DutyCycle(**{k: np.array([getattr(row, k) for row in rows], float) for k in names})

@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import equinox as eqx
 import numpy as np
@@ -26,7 +27,7 @@ def scenario_lines(
     **Raises:** `FileError` for a function that a file cannot hold.
     """
 
-    def value_of(field: dataclasses.Field, value, unit: str | None, key: str) -> str:
+    def value_of(field: dataclasses.Field[Any], value, unit: str | None, key: str) -> str:
         if field.metadata.get("list"):
             return f"[{', '.join(number(one, unit or '1', key) for one in np.asarray(value))}]"
         if unit is not None:

@@ -41,10 +41,10 @@ from .tables import (
 )
 
 
-def _number_or_choice(field: dataclasses.Field, hint, unit: str | None) -> Any:
+def _number_or_choice(field: dataclasses.Field[Any], hint, unit: str | None) -> Any:
     limit = limit_of(unit or "1", field.metadata.get("limit"))
     if field.metadata.get("list"):
-        return Annotated[tuple, checked(read_numbers, unit, limit)]
+        return Annotated[tuple[Any, ...], checked(read_numbers, unit, limit)]
     if unit is not None:
         return Annotated[float, checked(read_number, unit, limit)]
     if hint is bool:
@@ -88,7 +88,7 @@ def _table_type(hint) -> Any:
     return Annotated[typing.Union[members], discriminator, check]  # noqa: UP007
 
 
-def _kind(field: dataclasses.Field, hint, unit: str | None) -> Any:
+def _kind(field: dataclasses.Field[Any], hint, unit: str | None) -> Any:
     row = row_class(hint)
     if row is not None:
         rows = table_of(TableChoice(row))
@@ -96,7 +96,7 @@ def _kind(field: dataclasses.Field, hint, unit: str | None) -> Any:
     return _table_type(hint) if module_classes(hint) else _number_or_choice(field, hint, unit)
 
 
-def _meaning(field: dataclasses.Field, unit: str | None) -> str:
+def _meaning(field: dataclasses.Field[Any], unit: str | None) -> str:
     text = field.metadata.get("description", "")
     return text if unit in (None, "1") or not text else f"{text} [{unit}]"
 

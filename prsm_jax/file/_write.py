@@ -7,6 +7,7 @@ import os
 import typing
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import equinox as eqx
 import numpy as np
@@ -73,7 +74,7 @@ def _module(module: eqx.Module, header: str, units: Mapping[str, str] | None = N
     yield from inner
 
 
-def _inner_table(field: dataclasses.Field, value: eqx.Module, hint, header: str) -> list[str]:
+def _inner_table(field: dataclasses.Field[Any], value: eqx.Module, hint, header: str) -> list[str]:
     choices = table_choices(hint)
     law = next((name for name, choice in choices.items() if choice.holds(value)), None)
     if law is None:

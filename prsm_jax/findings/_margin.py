@@ -8,7 +8,7 @@ severity error as a constraint, with exact derivatives. To add a finding, write 
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Int
@@ -226,7 +226,7 @@ def findings_of(
     mechanism: Mechanism, values: list[dict[str, float] | None]
 ) -> Iterator[tuple[Margin, Finding]]:
     """The findings of evaluated margins: the most serious per name, stage and subject."""
-    worst: dict[tuple, tuple[Margin, Finding]] = {}
+    worst: dict[tuple[Any, ...], tuple[Margin, Finding]] = {}
     for margin, numbers in zip(margins_of(mechanism), values, strict=True):
         finding = finding_of(mechanism, margin, numbers)
         if finding is None:

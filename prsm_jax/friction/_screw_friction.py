@@ -1,6 +1,6 @@
 """Friction outside the threads: any law at the radius of a spline or a thrust bearing; drag."""
 
-from typing import Any
+from typing import Any, TypeAlias
 
 import equinox as eqx
 from jaxtyping import ArrayLike
@@ -18,6 +18,9 @@ from ..fields import (
 )
 from ._coulomb import CoulombFriction
 from ._law import FrictionLaw
+
+#: Field with a law: a number stands for Coulomb friction with this coefficient.
+Law: TypeAlias = Converted[FrictionLaw, FrictionLaw | ArrayLike]
 
 
 def _law(value: FrictionLaw | ArrayLike) -> FrictionLaw:
@@ -45,8 +48,8 @@ class FrictionAtRadius(Limited):
     or requests more than the slip speed.
     """
 
-    law: eqx.AbstractVar[FrictionLaw]
-    radius: eqx.AbstractVar[Scalar | None]
+    law: eqx.AbstractVar[Law]
+    radius: eqx.AbstractVar[OptionalNumber]
 
     def __check_init__(self) -> None:
         law, owner = self.law, type(self).__name__
@@ -74,7 +77,7 @@ class FrictionAtRadius(Limited):
 class SplineFriction(FrictionAtRadius):
     """Friction in the spline that turns an axially moving screw (not the first one)."""
 
-    law: Converted[FrictionLaw, FrictionLaw | ArrayLike] = _law_field()
+    law: Law = _law_field()
     radius: OptionalNumber = _radius("effective radius of the spline, r_SS")
 
 
@@ -85,7 +88,7 @@ class ThrustBearingFriction(FrictionAtRadius):
     N·m·s.
     """
 
-    law: Converted[FrictionLaw, FrictionLaw | ArrayLike] = _law_field(**{"N·s/m": "N·m·s"})
+    law: Law = _law_field(**{"N·s/m": "N·m·s"})
     radius: OptionalNumber = _radius("effective radius of the bearing, r_NS")
 
 

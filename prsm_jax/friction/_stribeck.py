@@ -11,10 +11,10 @@ from ._register import friction_law
 class StribeckCurve(FrictionLaw):
     """Steady slip of laws whose coefficient falls from a static to a sliding one."""
 
-    static_coefficient: eqx.AbstractVar[Scalar]
-    coefficient: eqx.AbstractVar[Scalar]
-    stribeck_speed: eqx.AbstractVar[Scalar]
-    viscous_coefficient: eqx.AbstractVar[Scalar | None]
+    static_coefficient: eqx.AbstractVar[Number]
+    coefficient: eqx.AbstractVar[Number]
+    stribeck_speed: eqx.AbstractVar[Number]
+    viscous_coefficient: eqx.AbstractVar[OptionalNumber]
 
     def friction_coefficient(self, sliding: Sliding) -> Scalar:
         """μ + (μ_s − μ) e^{−(v/v_S)²}."""

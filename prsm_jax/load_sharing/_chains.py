@@ -14,7 +14,7 @@ of a split nut to the screw. With one flank it changes nothing, because a roller
 """
 
 from collections.abc import Callable
-from typing import Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import equinox as eqx
 import jax
@@ -56,7 +56,7 @@ class FlankApproach(NamedTuple):
     tooth: Float[Array, "classes #threads"] | None
 
 
-def _evaluate_alike(law: Callable, flanks: list[FlankApproach]) -> list:
+def _evaluate_alike(law: Callable[..., Any], flanks: list[FlankApproach]) -> list[Any]:
     """A law of several flanks, compiled once where they have the same compliances."""
     kinds = {(one.hertz is None, one.tooth is None) for one in flanks}
     if len(kinds) > 1:

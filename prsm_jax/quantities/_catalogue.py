@@ -3,6 +3,7 @@
 import functools
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -282,7 +283,9 @@ def available_quantities(
 
 
 @functools.lru_cache(maxsize=64)
-def _available(structure, leaves: tuple, candidates: tuple[Quantity, ...]) -> tuple[str, ...]:
+def _available(
+    structure, leaves: tuple[Any, ...], candidates: tuple[Quantity, ...]
+) -> tuple[str, ...]:
     # Which data exist depends only on the structure; a trace takes seconds.
     names: list[str] = []
 

@@ -144,7 +144,7 @@ class Sensitivity(eqx.Module):
         return words.rstrip()
 
 
-def _plain(array) -> list | float | None:
+def _plain(array) -> list[Any] | float | None:
     """Nested lists of floats, `None` for numbers that JSON cannot represent."""
     array = np.asarray(array, dtype=float)
     if array.ndim == 0:

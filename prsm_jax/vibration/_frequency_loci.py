@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -203,7 +204,7 @@ def frequency_loci(
     )
 
 
-def _stacked(results: list) -> tuple[dict[str, Array], Array | None, Array]:
+def _stacked(results: list[Any]) -> tuple[dict[str, Array], Array | None, Array]:
     """Results of all points as arrays; modes that a point lacks are NaN."""
 
     def padded(rows: list[np.ndarray], fill: float) -> Array:

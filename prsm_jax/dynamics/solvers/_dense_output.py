@@ -16,8 +16,8 @@ from ...fields import Scalar
 class StepInterpolation(diffrax.AbstractLocalInterpolation):
     """States between the ends of one step."""
 
-    t0: Float[Array, ""]
-    t1: Float[Array, ""]
+    t0: Float[Array, ""]  # pyright: ignore[reportIncompatibleVariableOverride]
+    t1: Float[Array, ""]  # pyright: ignore[reportIncompatibleVariableOverride]
     y0: PyTree
     y1: PyTree
 

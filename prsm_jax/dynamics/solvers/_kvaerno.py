@@ -96,7 +96,7 @@ def _refined(matrix):
     return solved
 
 
-class Kvaerno(diffrax.AbstractAdaptiveSolver):
+class Kvaerno(diffrax.AbstractAdaptiveSolver[Any]):
     """Kvaerno 5(4): A-L-stable, stiffly accurate, dense output of order 4.
 
     A stage whose iteration does not converge makes the error of its step infinite, so that the step

@@ -174,7 +174,7 @@ def _grows(jacobian: Float[Array, "states states"], start: Any, end: Any) -> Boo
     return any_few(rates * (end - start) > _LARGEST_GROWTH) & ~is_shortest(start, end)
 
 
-class Rodasp(diffrax.AbstractAdaptiveSolver):
+class Rodasp(diffrax.AbstractAdaptiveSolver[Any]):
     """RODASP, order 4 with an embedded one of order 3, for stiff problems with few states.
 
     `autonomous` says that the right-hand side does not depend on time: its derivative by time is

@@ -6,6 +6,7 @@ Its functions are tables with a key `kind`; their keys are the fields of the cla
 import dataclasses
 import typing
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -43,7 +44,7 @@ def scenario_of(data: object) -> Scenario | TorqueScenario:
     return _module(cls, data, place, "1")
 
 
-def _module(cls: type, data: Mapping, place: Place, unit: str):
+def _module(cls: type, data: Mapping[str, Any], place: Place, unit: str):
     fields = {field.name: field for field in dataclasses.fields(cls)}
     hints = typing.get_type_hints(cls)
     for key in data:
@@ -64,7 +65,7 @@ def _module(cls: type, data: Mapping, place: Place, unit: str):
         raise Misplaced(place, str(error)) from error
 
 
-def _value(field: dataclasses.Field, hint, value, place: Place, outer: str):
+def _value(field: dataclasses.Field[Any], hint, value, place: Place, outer: str):
     unit = field.metadata.get("unit")
     unit = outer if unit == "*" else unit
     limit = limit_of(unit or "1", field.metadata.get("limit"))
@@ -94,13 +95,13 @@ def _is_number(hint) -> bool:
     return not any(isinstance(member, type) and hasattr(member, "kind") for member in members)
 
 
-def _parts(value, place: Place, unit: str) -> tuple:
+def _parts(value, place: Place, unit: str) -> tuple[Any, ...]:
     if not isinstance(value, list) or not all(isinstance(row, dict) for row in value):
         raise ValueError("must be tables, each under a header in double brackets")
     return tuple(_function(row, (*place, index), unit) for index, row in enumerate(value))
 
 
-def _function(data: Mapping, place: Place, unit: str):
+def _function(data: Mapping[str, Any], place: Place, unit: str):
     kinds = kinds_of(unit)
     choices = ", ".join(f'"{name}"' for name in kinds)
     in_sum = isinstance(place[-1], int) and unit == "N"
@@ -114,7 +115,7 @@ def _function(data: Mapping, place: Place, unit: str):
     return _module(kinds[kind], data, place, unit)
 
 
-def _number(data: Mapping, place: Place, unit: str) -> np.ndarray:
+def _number(data: Mapping[str, Any], place: Place, unit: str) -> np.ndarray:
     if set(data) != {"kind", "value"}:
         raise Misplaced(place, "a number has the keys kind and value")
     try:

@@ -135,7 +135,7 @@ def _walk(
     prefix: tuple[str, ...],
     unit: str = "1",
     units: Mapping[str, str] | None = None,
-) -> Iterator[tuple[tuple[str, ...], dict, bool]]:
+) -> Iterator[tuple[tuple[str, ...], dict[str, Any], bool]]:
     """Yield (path, metadata, static) of every number that is present in a module.
 
     `unit` replaces the unit `*` of a function's numbers. `units` maps units that differ where the
@@ -177,7 +177,7 @@ def _descend(tree, path: tuple[str, ...]):
     return tree
 
 
-def _at(where: Callable, static: bool, path: tuple[str, ...]):
+def _at(where: Callable[..., Any], static: bool, path: tuple[str, ...]):
     """Getter and setter for the number at `path` below `where(mechanism)`."""
 
     # No annotations on these: shape checking would decorate them again at every call.
@@ -203,7 +203,7 @@ def _at(where: Callable, static: bool, path: tuple[str, ...]):
     return get, set_static if static else set_traced
 
 
-def _stage_at(index: int) -> Callable:
+def _stage_at(index: int) -> Callable[..., Any]:
     return lambda mechanism: mechanism.stages[index]
 
 

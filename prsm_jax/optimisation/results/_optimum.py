@@ -201,7 +201,7 @@ def _plain(value: float | None) -> float | None:
     return None if value is None or not math.isfinite(value) else float(value)
 
 
-def _finding_entry(finding: Finding) -> dict:
+def _finding_entry(finding: Finding) -> dict[str, Any]:
     keys = ("name", "severity", "stage", "value", "limit", "message")
     entry = {key: getattr(finding, key) for key in keys}
     return entry | {key: _plain(entry[key]) for key in ("value", "limit")}

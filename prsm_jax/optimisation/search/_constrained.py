@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -46,7 +47,7 @@ def slsqp(
         slopes = functions.constraint_jacobian(position)
         return np.concatenate([slopes[has_lower], -slopes[has_upper]])
 
-    constraints: list[dict] = []
+    constraints: list[dict[str, Any]] = []
     if has_lower.any() or has_upper.any():
         constraints.append({"type": "ineq", "fun": inequalities, "jac": inequality_slopes})
     if equal.any():

@@ -1,6 +1,7 @@
 """The design problem as guarded functions of a point in the unit box, with a cache."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -15,7 +16,7 @@ from ...quantities import Analysis, component_names, compute, find_quantity
 from ._margin_rows import WHOLE_SCALE, MarginRows, is_constraint, probe_positions, sorted_margins
 
 
-def _outputs(inputs: tuple, position: Float[Array, " variables"]):
+def _outputs(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
     """Quantities and margins of a design as separate arrays, and whether the design is usable."""
     mechanism, names, quantities, margins, lower, width, speed, load = inputs
     values = lower + width * position
@@ -38,12 +39,12 @@ def _outputs(inputs: tuple, position: Float[Array, " variables"]):
 
 
 @eqx.filter_jit
-def _values(inputs: tuple, position: Float[Array, " variables"]):
+def _values(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
     return _outputs(inputs, position)
 
 
 @eqx.filter_jit
-def _derivatives(inputs: tuple, position: Float[Array, " variables"]):
+def _derivatives(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
     # Forward mode: one pass per variable, and there are few variables.
     _, push = jax.linearize(lambda point: _outputs(inputs, point)[0], position)
     return jax.vmap(push, out_axes=-1)(jnp.eye(position.shape[0], dtype=position.dtype))

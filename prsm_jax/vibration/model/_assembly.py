@@ -2,6 +2,7 @@
 
 import functools
 import operator
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -249,7 +250,7 @@ def harmonic_network(system: VibrationSystem, harmonic: int) -> SpringNetwork:
     for body in system.bodies:
         sign = body.roller_sign
         alpha = jnp.zeros((), dtype) if body.contact_angle is None else body.contact_angle
-        elongation: list = [(u, jnp.full((), sign, dtype))]
+        elongation: list[Any] = [(u, jnp.full((), sign, dtype))]
         if moving is not None:
             elongation += [(tangential, -jnp.cos(alpha)), (radial, -sign * jnp.sin(alpha))]
         if central is not None:
@@ -261,8 +262,8 @@ def harmonic_network(system: VibrationSystem, harmonic: int) -> SpringNetwork:
         builder.add((Spring(mesh_name(body.name)),), body.mesh_stiffness, elongation)
     if moving is not None:
         minus = jnp.full((), -1.0, dtype)
-        across: list = [(radial, minus)]
-        along: list = [(tangential, minus)]
+        across: list[Any] = [(radial, minus)]
+        along: list[Any] = [(tangential, minus)]
         if carrier is not None and central is not None:
             along.append((Coordinate("carrier", central), factor))
             if harmonic == 1:
