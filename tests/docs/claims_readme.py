@@ -5,6 +5,7 @@ import claims_published as published
 from claims import Claim
 
 from prsm_jax.validation import validate
+from tests.present import present
 
 README = "README.md"
 
@@ -20,7 +21,7 @@ def _largest_of_hertz() -> list[float]:
     found = published.rows("lisowski2014").values()
     return [
         max(
-            100 * abs(one.relative_difference)
+            100 * abs(present(one.relative_difference))
             for one in found
             if ": Hertz pressure on the " in one.item and one.verdict == "reproduced"
         )

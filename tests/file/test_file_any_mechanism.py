@@ -32,6 +32,7 @@ from prsm_jax.mechanism import (
     UnequalRoller,
     Variable,
 )
+from tests.present import present
 
 _NAMES = st.from_regex(r"[a-z][a-z_]{0,20}", fullmatch=True)
 _LARGEST = 1e120
@@ -160,7 +161,7 @@ def _thick_enough(strength, bore_radius):
         return strength
     root = max(float(shaft.root_radius), float(bore_radius) * 1.1 + 1e-3)
     shaft = dataclasses.replace(shaft, root_radius=root)
-    return dataclasses.replace(strength, shaft=shaft)
+    return dataclasses.replace(present(strength), shaft=shaft)
 
 
 @st.composite

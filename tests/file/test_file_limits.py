@@ -12,6 +12,7 @@ from prsm_jax import file
 from prsm_jax.fields import FREE_UNITS
 from prsm_jax.friction import CoulombFriction, Drag, SpinFriction, StribeckFriction
 from prsm_jax.mechanism.parts import LoadSharing, ModalDamping, ScrewShaft
+from tests.present import present
 
 NAMES = ("actuator", "actuator_mission", "li2020_two_stage", "wu2022", "ring_roller")
 
@@ -43,7 +44,7 @@ def test_a_number_out_of_its_limit_is_refused_when_it_is_set(name):
     assert len(bounded) > 5
     for parameter, value in bounded:
         with pytest.raises(ValueError, match=r"must be (more|0 or more|between|from|less)"):
-            prsm.set_parameter(mechanism, parameter.path, value)
+            prsm.set_parameter(mechanism, parameter.path, present(value))
         with pytest.raises(prsm.PrsmError, match="must be"):
             file.apply_settings(mechanism, [f"{parameter.path}={value}"])
 

@@ -23,6 +23,7 @@ from prsm_jax.scenario import (
     SumLoad,
     TorqueScenario,
 )
+from tests.present import present
 
 MISSION = file.example_text("actuator_mission")
 
@@ -53,7 +54,7 @@ def _functions(draw, kinds, depth=2):
         elif name in ("times", "positions"):
             values[name] = draw(_increasing())
         elif name == "values":
-            size = len(values.get("times", values.get("positions")))
+            size = len(present(values.get("times", values.get("positions"))))
             values[name] = np.array(
                 draw(st.lists(st.floats(-1e6, 1e6), min_size=size, max_size=size))
             )

@@ -38,6 +38,7 @@ from prsm_jax.mechanism import (
 from prsm_jax.optimisation._searches import Searches
 from prsm_jax.scenario import Scenario
 from prsm_jax.vibration.model._energy import kinetic_energies, strain_energies
+from tests.present import present
 
 _dynamic = eqx.filter_jit(strength.dynamic_capacity)
 _static = eqx.filter_jit(strength.static_capacity)
@@ -196,7 +197,7 @@ def test_force_in_the_spacer_balances_the_half_that_it_holds(load):
     net = np.asarray(nut.weight) @ (np.asarray(nut.forward) - np.asarray(nut.reverse))
     near, far = net[:10].sum(), net[10:].sum()
     np.testing.assert_allclose(near + far, load, rtol=1e-9)
-    np.testing.assert_allclose(float(found.spacer_force), -far, rtol=1e-9)
+    np.testing.assert_allclose(float(present(found.spacer_force)), -far, rtol=1e-9)
 
 
 def _findings(load, speed):
@@ -235,15 +236,17 @@ def test_energies_of_a_mode_add_up(unequal):
         one = eqx.tree_at(lambda m: m.stages[0].unequal_roller, one, rollers)
     modes = scenes.modal(one, shapes=True)
     network, shapes = modes.network, modes.shapes
-    kinetic = sum(kinetic_energies(network, shapes).values())
+    kinetic = sum(kinetic_energies(present(network), shapes).values())
     np.testing.assert_allclose(kinetic, 1.0, rtol=1e-9)
     squares = (2 * np.pi * np.asarray(modes.frequencies)) ** 2
-    strain = sum(strain_energies(network, shapes).values())
+    strain = sum(strain_energies(present(network), shapes).values())
     np.testing.assert_allclose(strain, squares, rtol=1e-7, atol=1e-9 * squares.max())
     # Each roller, and each spring, by itself adds up to its kind.
-    by_roller = kinetic_energies(network, shapes, each_roller=True)
+    by_roller = kinetic_energies(present(network), shapes, each_roller=True)
     rollers = sum(v for k, v in by_roller.items() if k.startswith("roller "))
-    np.testing.assert_allclose(rollers, kinetic_energies(network, shapes)["roller"], rtol=1e-12)
+    np.testing.assert_allclose(
+        rollers, kinetic_energies(present(network), shapes)["roller"], rtol=1e-12
+    )
 
 
 @pytest.mark.usefixtures("unchecked")

@@ -16,6 +16,7 @@ import prsm_jax as prsm
 from prsm_jax import file
 from prsm_jax.mechanism import Support, UnequalRoller
 from prsm_jax.vibration import directional_derivatives, family_modes
+from tests.present import present
 
 #: `stablehlo.custom_call @lapack_dgesdd_ffi(...)`.
 _CALL = re.compile(r"custom_call\s+@(\w+)")
@@ -94,7 +95,7 @@ def test_one_sided_slopes():
             body = dataclasses.replace(
                 system.bodies[0], mesh_stiffness=system.bodies[0].mesh_stiffness * (1 + t)
             )
-            return dataclasses.replace(system, bodies=(body, *system.bodies[1:]))
+            return dataclasses.replace(present(system), bodies=(body, *system.bodies[1:]))
 
         return directional_derivatives(system_at, at)
 

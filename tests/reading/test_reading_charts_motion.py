@@ -22,6 +22,7 @@ from prsm_jax.report import (
 )
 from prsm_jax.report.motion_charts._power_flow import PowerFlow
 from prsm_jax.validation._figures import Curve, Mark, Panel, PublishedFigure
+from tests.present import present
 
 #: Of the example of two stages, by hand: two leads of 10 mm for each turn.
 _TRAVEL = 2 * 10e-3 / (2 * math.pi)
@@ -344,7 +345,9 @@ def test_words_of_the_motion(mechanism, monkeypatch, tmp_path):
     assert len(said) == 9
     time = np.asarray(run.time)
     for at, words in zip(np.linspace(0, 2e-3, 9), said, strict=True):
-        speed, travel = (float(np.interp(at, time, v)) for v in (run.screw_speed, run.position))
+        speed, travel = (
+            float(np.interp(at, time, present(v))) for v in (run.screw_speed, run.position)
+        )
         heading = words[-1]
         found = numbers(heading)
         assert [one.label for one in found] == ["ms", "rpm", "mm"]

@@ -35,6 +35,7 @@ from prsm_jax.validation import (
 from prsm_jax.validation._row import half_unit
 from prsm_jax.validation.wu2022._wu2022_frequencies import stable_frequencies
 from prsm_jax.validation.wu2022._wu2022_matrix import published_matrices, published_modes
+from tests.present import present
 
 #: Rows whose reason can be put in, and how near the printed number then comes (see the notes).
 PUT_IN = {
@@ -422,7 +423,7 @@ def test_lisowski_pressure_maps_hold_what_the_paper_prints(rows):
     assert edge_zone.file_name == "lisowski2014-edge-zone"
     for panel in cut:
         edge = panel.contact.flanks.body_edge
-        assert float(jnp.min(edge)) < 0 < float(jnp.max(edge))
+        assert float(jnp.min(present(edge))) < 0 < float(jnp.max(present(edge)))
         peak = panel.contact.surface.max_pressure
         assert peak > 1.1 * whole.contact.surface.max_pressure
     assert published_pressures("wu2022") == ()

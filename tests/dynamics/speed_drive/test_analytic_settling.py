@@ -26,6 +26,7 @@ from prsm_jax.friction import (
     ThrustBearingFriction,
     ViscousFriction,
 )
+from tests.present import present
 
 #: After a while, and long after: 40 time constants of the slowest carrier.
 DURATION = 2e-3
@@ -71,7 +72,7 @@ def _both_rates(one, speed, slope, load, ratios):
         states = states_at(one, kinematics, scenario, array(0.0), carriers)
         full = jnp.stack([s.forces.carrier_drive for s in states]) / inertia
         chain = reduced_chain(one, kinematics, inertia)
-        return full, reduced_rates(chain, speed, slope, load, carriers)
+        return full, reduced_rates(present(chain), speed, slope, load, carriers)
 
     return jax.vmap(at)(speed, slope, load, ratios)
 
