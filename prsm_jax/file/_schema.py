@@ -92,7 +92,7 @@ def _kind(field: dataclasses.Field[Any], hint, unit: str | None) -> Any:
     row = row_class(hint)
     if row is not None:
         rows = table_of(TableChoice(row))
-        return Annotated[list[rows], BeforeValidator(read_tables)]  # pyright: ignore[reportInvalidTypeForm]
+        return Annotated[list[rows], BeforeValidator(read_tables)]
     return _table_type(hint) if module_classes(hint) else _number_or_choice(field, hint, unit)
 
 
@@ -128,8 +128,8 @@ def _document(laws: tuple[tuple[str, type], ...]) -> type[Table]:
     rows = BeforeValidator(read_tables)
     point: Any = table_of(TableChoice(OperatingPoint))
     stage, phase = table_of(TableChoice(Stage)), table_of(TableChoice(DutyCycle))
-    stages: Any = Annotated[list[stage], rows]  # pyright: ignore[reportInvalidTypeForm]
-    phases: Any = Annotated[list[phase], rows]  # pyright: ignore[reportInvalidTypeForm]
+    stages: Any = Annotated[list[stage], rows]
+    phases: Any = Annotated[list[phase], rows]
     fields: dict[str, Any] = {
         "title": (Annotated[str, checked(read_text)], ""),
         "operating_point": (point | None, None),

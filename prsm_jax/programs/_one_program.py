@@ -52,7 +52,7 @@ def _keeping_arguments(function: Callable[..., _Return]) -> Callable[..., _Retur
     """
     anew = eqx.filter_checkpoint(
         lambda arguments: function(*arguments[0], **arguments[1]),
-        prevent_cse=False,  # type: ignore[call-arg]
+        prevent_cse=False,
     )
 
     def run(moving, known, structure) -> _Return:

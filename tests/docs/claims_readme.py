@@ -12,7 +12,9 @@ README = "README.md"
 
 def _misprint() -> list[float]:
     return [
-        published.row("lisowski2014", "Table 2: Hertz pressure on the nut side, 100 N").computed
+        float(
+            published.row("lisowski2014", "Table 2: Hertz pressure on the nut side, 100 N").computed
+        )
     ]
 
 
@@ -29,7 +31,7 @@ def _largest_of_hertz() -> list[float]:
 
 
 def _single_tooth() -> list[float]:
-    return [2.464e8 / published.row("wu2022", "Table 4: gear mesh stiffness, eq").computed]
+    return [2.464e8 / float(published.row("wu2022", "Table 4: gear mesh stiffness, eq").computed)]
 
 
 CLAIMS = [

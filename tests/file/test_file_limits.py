@@ -1,6 +1,7 @@
 """One declaration of what a number may be: the same at every door."""
 
 import dataclasses
+from typing import Any
 
 import equinox as eqx
 import numpy as np
@@ -57,11 +58,12 @@ def test_a_number_out_of_its_limit_is_refused_when_a_part_is_made(name):
     def look(module):
         nonlocal seen
         for field in dataclasses.fields(module):
-            value, limit = getattr(module, field.name), field.metadata.get("limit")
+            value: Any = getattr(module, field.name)
+            limit = field.metadata.get("limit")
             for part in value if isinstance(value, tuple) else (value,):
                 if isinstance(part, eqx.Module):
                     look(part)
-            if limit is None or not eqx.is_inexact_array(value) or value.ndim:
+            if limit is None or not eqx.is_inexact_array(value) or np.ndim(value):
                 continue
             bad = _outside(limit)
             if bad is not None and field.metadata["unit"] not in FREE_UNITS:

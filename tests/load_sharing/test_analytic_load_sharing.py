@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from jax.flatten_util import ravel_pytree
 from scenes import STEEL, array, mechanism
 from sharing_scenes import (
     HERTZ,
@@ -98,7 +99,7 @@ def test_tooth_compliance_against_the_integrals_of_a_wedge_shaped_beam():
     angle, pitch, thickness, depth, radius = np.radians(40.0), 2e-3, 0.9e-3, 0.5e-3, 12e-3
     values = [array(x) for x in (angle, pitch, thickness, depth, radius)]
     solid = tooth_compliance(STEEL, *values)
-    sleeve = tooth_compliance(STEEL, *values, array(18e-3))
+    sleeve = tooth_compliance(STEEL, *values, array(18e-3))  # pyright: ignore[reportCallIssue]
     modulus, poisson = 210e9, 0.3
     nodes, weights = np.polynomial.legendre.leggauss(40)
     place, weights = depth * (nodes + 1) / 2, weights * depth / 2
@@ -233,21 +234,19 @@ def test_the_tangent_is_symmetric_and_the_elimination_solves_it(weight):
     state = State(
         *(1e-6 * jnp.asarray(rng.normal(size=s)) for s in ((count, 5), (5,))),
         *(10.0 * jnp.asarray(rng.normal(size=s)) for s in ((count, 4), (4,))),
-        1e-7 * jnp.asarray(rng.normal(size=count)),
-        array(300.0),
+        1e-7 * jnp.asarray(rng.normal(size=count)),  # pyright: ignore[reportCallIssue]
+        array(300.0),  # pyright: ignore[reportCallIssue]
     )
-    flat, shape = jax.flatten_util.ravel_pytree(state)
+    flat, shape = ravel_pytree(state)
     value = array(1e-5)
 
     @jax.jit
     def both(right):
         matrix = jax.jacobian(
-            lambda x: jax.flatten_util.ravel_pytree(residual(bare, shape(x), "deflection", value))[
-                0
-            ]
+            lambda x: ravel_pytree(residual(bare, shape(x), "deflection", value))[0]
         )(flat)
         solved = response(bare, state, "deflection", value, shape(right))
-        return matrix, jax.flatten_util.ravel_pytree(solved)[0]
+        return matrix, ravel_pytree(solved)[0]
 
     right = rng.normal(size=flat.size)
     # Approaches in metres and forces in newtons: to one scale.
@@ -326,7 +325,7 @@ def test_split_nut():
     np.testing.assert_allclose(nut.reverse[:, 10:].sum(), 300.0, rtol=1e-6)
     assert np.all(np.asarray(nut.forward)[:, 10:] == 0)
     # Radially the screw bears what the nut presses; axially its flanks cancel.
-    pressed = screw.forward + screw.reverse
+    pressed = screw.forward + present(screw.reverse)
     np.testing.assert_allclose(pressed.sum(), 600.0, rtol=1e-5)
     np.testing.assert_allclose(screw.roller_load, 0.0, atol=1e-6)
     assert float(present(found.chains.offset)) > 0

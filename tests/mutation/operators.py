@@ -120,7 +120,7 @@ class _Finder(ast.NodeVisitor):
     def visit_Import(self, node):
         pass
 
-    visit_ImportFrom = visit_Import
+    visit_ImportFrom = visit_Import  # pyright: ignore[reportAssignmentType]
 
     def visit_AnnAssign(self, node):
         if node.value is not None:

@@ -1,6 +1,7 @@
 """Searches in a box, on functions without a mechanism: steps, directions, a minimum."""
 
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ def _functions(cost, gradient):
     return SimpleNamespace(cost=cost, gradient=gradient, evaluator=evaluator)
 
 
-def _plane(*slopes):
+def _plane(*slopes) -> Any:
     slopes = np.asarray(slopes)
     return _functions(lambda x: float(slopes @ x), lambda x: slopes)
 
@@ -54,7 +55,7 @@ def test_lbfgs_finds_the_minimum_of_a_bowl_in_few_steps():
             lambda x, m=middle: float(weights @ (x - m) ** 2),
             lambda x, m=middle: 2 * weights * (x - m),
         )
-        found = lbfgs(bowl, np.array([0.8, 0.1]), 1e-6, 30, lambda position: None)
+        found = lbfgs(bowl, np.array([0.8, 0.1]), 1e-6, 30, lambda position: None)  # pyright: ignore[reportArgumentType]
         assert found.message == "projected gradient below tolerance"
         np.testing.assert_allclose(found.position, np.minimum(middle, 1.0), atol=1e-6)
         assert found.iterations <= 20

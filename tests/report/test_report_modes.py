@@ -155,7 +155,7 @@ def test_an_animation_is_one_period_that_repeats(wu2022, modes, tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["mode.gif"]
     assert 50_000 < path.stat().st_size < 1_000_000
     with Image.open(path) as animation:
-        assert animation.n_frames == 24
+        assert animation.n_frames == 24  # pyright: ignore[reportAttributeAccessIssue]
         assert animation.info["loop"] == 0
         frames = []
         for index in (0, 1, 12, 23):

@@ -3,6 +3,7 @@
 import dataclasses
 import re
 from types import SimpleNamespace
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -181,14 +182,14 @@ def test_derivatives_of_the_life_by_differences():
 def test_equivalent_load_of_histories():
     """|sin|³ has the mean 4/(3π); a speed that turns round weighs its load by |speed|."""
     time = jnp.linspace(0.0, 1.0, 2001)
-    swing = SimpleNamespace(
+    swing: Any = SimpleNamespace(
         time=time, screw_speed=jnp.full(2001, 3.0), load=1e3 * jnp.sin(2 * jnp.pi * time)
     )
     # The trapezoidal rule on |sin|³, which is smooth to the second derivative.
     np.testing.assert_allclose(
         equivalent_load(strength.load_spectrum(swing)), 1e3 * np.cbrt(4 / (3 * np.pi)), rtol=1e-9
     )
-    to_and_fro = SimpleNamespace(
+    to_and_fro: Any = SimpleNamespace(
         time=time, screw_speed=jnp.cos(2 * jnp.pi * time), load=jnp.where(time < 0.5, 1e3, 2e3)
     )
     found = equivalent_load(strength.load_spectrum(to_and_fro))

@@ -116,7 +116,8 @@ def test_verdicts_follow_from_the_numbers(rows):
             assert row.tolerance is not None
             assert abs(row.computed - row.published) <= row.tolerance, row
         if isinstance(row.published, float) and isinstance(row.computed, float):
-            expected = None if row.published == 0 else row.computed / row.published - 1
+            published = row.published
+            expected = None if published == 0 else row.computed / published - 1
             assert row.relative_difference == expected
         else:
             assert row.relative_difference is None
@@ -191,13 +192,13 @@ def test_table_5_is_reproduced_to_the_printed_digit(by_item):
         for line in csv.DictReader(lines)
     }
     assert len(corrections) == 5
-    found = [row for (source, item), row in by_item.items() if item.startswith("Table 5, N = ")]
+    found = [row for (_, item), row in by_item.items() if item.startswith("Table 5, N = ")]
     assert len(found) == 60
     explained = 0
     for row in found:
         head, mode = row.item.removeprefix("Table 5, N = ").split(": ")
         key = int(head), mode.split(",")[0]
-        correct = corrections.get(key, row.published)
+        correct = corrections.get(key, float(row.published))
         assert isinstance(row.computed, float)
         assert abs(row.computed - correct) <= 0.5
         corrected = correct != row.published

@@ -327,7 +327,7 @@ def test_chunks_change_nothing():
     for chunk in (1, 4, 11, 100):
         found = map_in_chunks(one, designs, chunk=chunk)
         np.testing.assert_allclose(found, designs[0].sum(1) * designs[1], rtol=1e-14)
-    chunked = functools.partial(map_in_chunks, lambda design: _listed(*design), chunk=4)
+    chunked = functools.partial(map_in_chunks, lambda design: _listed(*design), chunk=4)  # pyright: ignore[reportGeneralTypeIssues]
     np.testing.assert_allclose(jax.jit(chunked)(designs), _many(*designs), rtol=1e-14)
     slope = jax.grad(lambda c: jnp.sum(map_in_chunks(one, (designs[0], c), chunk=4)))(designs[1])
     np.testing.assert_allclose(slope, designs[0].sum(1), rtol=1e-14)

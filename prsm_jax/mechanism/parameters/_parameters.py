@@ -14,7 +14,7 @@ from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import ArrayLike
+from jaxtyping import Array, ArrayLike
 
 from ..._errors import UnknownNameError, closest
 from ...fields import (
@@ -368,7 +368,7 @@ def check_stages(mechanism: Mechanism) -> None:
         check_stage(stage)
 
 
-def get_parameter(mechanism: Mechanism, name: str) -> Scalar | int:
+def get_parameter(mechanism: Mechanism, name: str) -> Array | int:
     """The value of the named number [SI]; of the first stage when several stages have it."""
     return find_parameters(mechanism, name)[0].get(mechanism)
 

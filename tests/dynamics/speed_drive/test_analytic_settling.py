@@ -5,6 +5,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from jax.core import Tracer
 from scenes import array, example, mechanism, simulate, stage, thread
 from scipy.integrate import solve_ivp
 
@@ -291,7 +292,7 @@ def test_the_method_is_chosen_in_compiled_programs(monkeypatch):
     traced = []
 
     def kinematics(mechanism):
-        traced.append(isinstance(mechanism.stages[0].thread.lead, jax.core.Tracer))
+        traced.append(isinstance(mechanism.stages[0].thread.lead, Tracer))
         return all_kinematics(mechanism)
 
     monkeypatch.setattr(_choose_method, "all_kinematics", kinematics)

@@ -10,6 +10,7 @@ from scenes import Swing, array, changed, mechanism, stage, thread
 import prsm_jax as prsm
 from prsm_jax.dynamics import slip_velocity, stage_kinematics
 from prsm_jax.dynamics.histories._integration import Settings
+from prsm_jax.dynamics.solvers import Gradient
 from prsm_jax.dynamics.torque_drive._stick_slip import follow_carriers
 from prsm_jax.dynamics.torque_drive._torque_balance import torque_problem
 from prsm_jax.dynamics.torque_drive._torque_drive import follow
@@ -28,7 +29,7 @@ def test_derivatives_against_differences(method):
     """
     one = mechanism(stage(friction=Friction(thread=CoulombFriction(0.1))))
 
-    def evaluate(changes, gradient="both"):
+    def evaluate(changes, gradient: Gradient = "both"):
         moved = changed(one, VARIABLES, changes)
         scenario = prsm.Scenario(array(100.0), array(5e3), array(0.1e-3), samples=3)
         run = prsm.simulate(

@@ -17,6 +17,7 @@ import prsm_jax as prsm
 from benchmarks.references.torque_runs import TorqueChain
 from prsm_jax.dynamics import carrier_inertia
 from prsm_jax.dynamics.histories._transient_result import Phase
+from prsm_jax.dynamics.solvers import MethodName
 from prsm_jax.dynamics.torque_drive._stick_slip import joined
 from prsm_jax.friction import (
     CoulombFriction,
@@ -74,7 +75,7 @@ def scenario(drive, duration, load=300.0, speed=0.0):
 
 
 @eqx.filter_jit
-def run(chain, scene, method="rosenbrock"):
+def run(chain, scene, method: MethodName = "rosenbrock"):
     return prsm.simulate(chain, scene, method=method, gradient="forward", throw=False)
 
 
