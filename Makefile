@@ -17,7 +17,7 @@ help:
 	@echo "make test       run the tests, but not the slow ones; ROOM=dynamics: those of one room"
 	@echo "make slow       run the slow tests; ROOM=dynamics: those of one room"
 	@echo "make versions   test the core paths with the lowest and the newest versions"
-	@echo "make lint       ruff and pyright"
+	@echo "make lint       ruff, pyright, and the types of public names"
 	@echo "make bench      error against run time, all cases: out/bench/, and the page in docs/"
 	@echo "make guard      compare errors and ratios of quick benchmarks with stored ones"
 	@echo "make docs       build the documentation into out/docs/"
@@ -60,6 +60,7 @@ lint: $(TEST_STAMP)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/pyright
+	$(BIN)/python -m tests.layers.public_types
 
 bench: $(TEST_STAMP)
 	$(BIN)/prsm bench --out out/bench --docs docs

@@ -3,9 +3,9 @@
 import numpy as np
 import scipy.special
 from scenes import array
-from scipy.optimize import brentq
 
 from prsm_jax.strength import _fatigue
+from tests.roots import root_between
 
 
 def ring(conformity, ratio, sense, diameter=10.0):
@@ -19,7 +19,7 @@ def ring(conformity, ratio, sense, diameter=10.0):
         first, second = scipy.special.ellipk(1 - k * k), scipy.special.ellipe(1 - k * k)
         return (first - second) / (second / k**2 - first) - across / rolling
 
-    k = brentq(excess, 1e-4, 1 - 1e-12)
+    k = root_between(excess, 1e-4, 1 - 1e-12)
     second = scipy.special.ellipe(1 - k * k)
     contact = modulus / (2 * (1 - poisson**2))
     major = (3 * second / (2 * np.pi * contact * k * k * (across + rolling))) ** (1 / 3)

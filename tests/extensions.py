@@ -7,6 +7,7 @@ from pathlib import Path
 
 from prsm_jax import FrictionLaw
 from prsm_jax.friction import _register
+from tests.present import present
 
 FOLDER = Path(__file__).parents[1] / "docs" / "extensions"
 
@@ -14,7 +15,7 @@ FOLDER = Path(__file__).parents[1] / "docs" / "extensions"
 @functools.cache
 def _loaded(name):
     spec = importlib.util.spec_from_file_location(f"extension_{name}", FOLDER / f"{name}.py")
-    module = importlib.util.module_from_spec(spec)
+    module = importlib.util.module_from_spec(present(spec))
     sys.modules[spec.name] = module
     spec.loader.exec_module(module)
     return module

@@ -3,10 +3,10 @@
 import numpy as np
 from scenes import array, mesh
 from scipy.integrate import quad
-from scipy.optimize import brentq
 
 from prsm_jax.contact import contact_frames, stage_contact
 from prsm_jax.geometry import flank_ends
+from tests.roots import root_between
 
 
 def lamina_load(reach):
@@ -28,7 +28,7 @@ def pressure_ratio_by_bisection(reaches):
     def excess(ratio):
         return ratio**3 * (1 - sum(lamina_load(min(t / ratio, 1.0)) for t in reaches)) - 1
 
-    return brentq(excess, 1.0, 50.0, xtol=1e-13)
+    return root_between(excess, 1.0, 50.0, xtol=1e-13)
 
 
 def sides_of(one, load):

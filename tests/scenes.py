@@ -6,11 +6,13 @@ uses the same program: build variants with `prsm.set_parameter` or `eqx.tree_at`
 
 import dataclasses
 import functools
+from typing import Any
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import ArrayLike
 
 import prsm_jax as prsm
 from prsm_jax import file
@@ -99,7 +101,13 @@ def simulate(mechanism, scenario=None, **options):
     return prsm.simulate(mechanism, scenario, throw=False, **options)
 
 
-def thread(roller_radius=4e-3, lead=10e-3, contact_angle=np.pi / 4, starts=5.0, **more):
+def thread(
+    roller_radius: ArrayLike = 4e-3,
+    lead: ArrayLike = 10e-3,
+    contact_angle: ArrayLike = np.pi / 4,
+    starts: ArrayLike = 5.0,
+    **more: Any,
+) -> Thread:
     """Thread geometry in metres and radians."""
     return Thread(
         lead=lead,

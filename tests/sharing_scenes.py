@@ -1,10 +1,12 @@
 """Chains of threads that several tests use, and the compiled functions that they share."""
 
 import dataclasses
+from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import ArrayLike
 from scenes import STEEL, array, stage
 
 from prsm_jax.load_sharing import (
@@ -29,14 +31,14 @@ def chains(
     threads=20,
     weight=(1.0,),
     *,
-    gap=0.0,
+    gap: ArrayLike = 0.0,
     backlash=None,
-    hertz=HERTZ,
-    tooth=TOOTH,
+    hertz: ArrayLike | None = HERTZ,
+    tooth: ArrayLike | None = TOOTH,
     segments=(SEGMENT, 8 * SEGMENT, SEGMENT / 4),
     same_end=True,
     load=1200.0,
-    **more,
+    **more: Any,
 ):
     """Chains with alike flanks on both sides; `segments` of screw, rollers and nut."""
     classes = len(weight)
@@ -84,7 +86,8 @@ def loads_of(bare, found):
 
 def sharing_stage(unequal=(), **more):
     """A stage with sections, materials, teeth and 20 threads."""
-    sharing = LoadSharing(20, **({"tooth": ThreadTooth(8e-4, *[4.5e-4] * 3)} | more))
+    data: dict[str, Any] = {"tooth": ThreadTooth(8e-4, 4.5e-4, 4.5e-4, 4.5e-4)} | more
+    sharing = LoadSharing(20, **data)
     return stage(
         friction=None,
         screw=Screw(mass=0.76, inertia=1.7e-4, bore_radius=4e-3),

@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -48,7 +49,7 @@ def _efficiency(mechanism: Mechanism):
     return lambda design: [steady_state(_moved(mechanism, design)).efficiency[None]]
 
 
-def _differences(values: Callable) -> Callable:
+def _differences(values: Callable[..., Any]) -> Callable[..., Any]:
     """Central differences of second order, with a step relative to each parameter."""
 
     def slopes(design, step):
@@ -64,13 +65,15 @@ def _problem(
     name: str,
     title: str,
     label: str,
-    values: Callable,
+    values: Callable[..., Any],
     designs: np.ndarray,
     exact: Callable[[np.ndarray], np.ndarray],
     compared: int,
     least: bool = False,
 ) -> Problem:
-    def method(label_of: str, differentiate: Callable, kind: Kind = "method", settings=(None,)):
+    def method(
+        label_of: str, differentiate: Callable[..., Any], kind: Kind = "method", settings=(None,)
+    ):
         def one_or_many(batched: bool) -> Method:
             rows = jnp.asarray(designs if batched else designs[:1])
             given = rows if batched else rows[0]

@@ -1,6 +1,7 @@
 """Millions of designs: the distinct natural frequencies, their derivatives, the whole chain."""
 
 import functools
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -39,7 +40,7 @@ _HAND_WRITTEN = 5e7 / 2
 _COUNT = 7
 
 
-def _distinct(system: VibrationSystem, count) -> list:
+def _distinct(system: VibrationSystem, count) -> list[Any]:
     """Carrier, torsional, transverse, roller: one number each, to stay contiguous."""
     found = distinct_frequencies(system, roller_count=count)
     return [found.carrier, *found.torsional, *found.transverse, found.roller]

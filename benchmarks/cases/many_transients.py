@@ -123,7 +123,7 @@ def _tight(scene: Scene, rows: np.ndarray, solver: str, rtol: float) -> np.ndarr
     return np.array(found)
 
 
-def _reference(scene: Scene, count: int, solver: str, rtol: float) -> Callable:
+def _reference(scene: Scene, count: int, solver: str, rtol: float) -> Callable[..., Any]:
     return lambda: {_RATIO: Reference(_tight(scene, scene.rows(count), solver, rtol), _SCALE)}
 
 
@@ -146,10 +146,6 @@ def _solver(scene: Scene, method: Any, meshes: bool = False):
     return solve
 
 
-def _named(out):
-    return {_RATIO: np.asarray(out[0])}
-
-
 def _steps(out):
     steps = np.asarray(out[1])
     if not steps.any():
@@ -161,7 +157,7 @@ def _ours(
     scene: Scene,
     name: str,
     method: Any,
-    settings: Sequence,
+    settings: Sequence[Any],
     chunk: int = 0,
     order=None,
     threads: int = 0,
@@ -219,7 +215,7 @@ def _ours(
     return Method(name, prepare, settings, "rtol" if settings != (None,) else "")
 
 
-def _in_threads(scene: Scene, settings: Sequence) -> Method:
+def _in_threads(scene: Scene, settings: Sequence[Any]) -> Method:
     """RODASP in a thread for each core, as the rivals' loops; large batches in chunks."""
     count, cores = len(scene.designs.speed), len(os.sched_getaffinity(0))
     chunk = min(-(-count // cores), _IN_CACHE)
@@ -313,7 +309,7 @@ def _settle(size: Size) -> Problem:
     )
 
 
-def _mission_reference(scene: Scene, compared: int) -> Callable:
+def _mission_reference(scene: Scene, compared: int) -> Callable[..., Any]:
     def reference():
         rows = scene.rows(compared)
         # SciPy's solvers give up where the force jumps. Over a nanometre per second it does not,

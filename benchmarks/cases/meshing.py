@@ -26,7 +26,8 @@ def _named(radius, angle) -> dict[str, Any]:
 
 
 def _batched(
-    name: str, designs: Designs, solve: Callable[..., object], *, first: Callable = lambda out: out,
+    name: str, designs: Designs, solve: Callable[..., object], *,
+    first: Callable[..., Any] = lambda out: out,
     settings=(None,), setting_name: str = "", kind: Kind = "method", dtype=jnp.float64,
     one: bool = False,
 ) -> Method:  # fmt: skip

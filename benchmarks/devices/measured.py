@@ -87,7 +87,7 @@ def _error(found: Any, expected: Any) -> float:
 
 
 def measured(
-    name: str, size: int, device: Any, dtype: Any, expected: Any, ceiling: dict
+    name: str, size: int, device: Any, dtype: Any, expected: Any, ceiling: dict[str, Any]
 ) -> dict[str, Any]:
     """One row: a task in one size on one device, in one precision."""
     function, inputs = TASKS[name].build(size)

@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 
 class Status(NamedTuple):
@@ -58,15 +58,15 @@ class Table:
 
     structure: str
     columns: tuple[str, ...]
-    rows: list[dict] = field(default_factory=list)
+    rows: list[dict[str, Any]] = field(default_factory=list)
     cells: dict[str, dict[str, tuple[Cell, ...]]] = field(default_factory=dict)
     seconds: dict[str, float] = field(default_factory=dict)
     #: Whether the process came as far as the first row that is not here.
     ended: bool = True
 
-    def counts(self, column: str | None = None, group: str | None = None) -> Counter:
+    def counts(self, column: str | None = None, group: str | None = None) -> Counter[str]:
         """How many cells have each status; of one column or group of rows if asked."""
-        found: Counter = Counter()
+        found: Counter[str] = Counter()
         groups = {row["name"]: row["group"] for row in self.rows}
         for row, columns in self.cells.items():
             if group is not None and groups[row] != group:
@@ -86,7 +86,7 @@ class Table:
             if is_bad(cell.status)
         ]
 
-    def as_json(self) -> dict:
+    def as_json(self) -> dict[str, Any]:
         """Letters and errors, row by row: one string per kind, a letter per column."""
         rows = []
         for row in self.rows:
@@ -119,7 +119,7 @@ class Table:
         }
 
 
-def table_of(data: dict) -> Table:
+def table_of(data: dict[str, Any]) -> Table:
     """A table from what `Table.as_json` wrote."""
     table = Table(data["structure"], tuple(data["columns"]), seconds=data["seconds"])
     for row in data["rows"]:
@@ -159,9 +159,9 @@ def _rounded(error: float | None) -> float | None:
     return None if error is None or not error < float("inf") else float(f"{error:.1e}")
 
 
-def total(tables: Iterable[Table]) -> Counter:
+def total(tables: Iterable[Table]) -> Counter[str]:
     """Counts over several tables."""
-    found: Counter = Counter()
+    found: Counter[str] = Counter()
     for table in tables:
         found.update(table.counts())
     del found["absent"]

@@ -11,6 +11,7 @@ import threading
 import time
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
 from ..harness._atomic import written_whole
 from .cells import STATUSES, Cell, Table, is_bad, joined, table_of, total
@@ -43,7 +44,7 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     return parser.parse_args(argv)
 
 
-def _reader(stream, lines: queue.Queue) -> None:
+def _reader(stream, lines: queue.Queue[Any]) -> None:
     for line in stream:
         lines.put(line)
     lines.put(None)
@@ -63,13 +64,13 @@ class _Worker:
             stdout=subprocess.PIPE,
             text=True,
         )
-        self.lines: queue.Queue = queue.Queue()
+        self.lines: queue.Queue[Any] = queue.Queue()
         self.reader = threading.Thread(
             target=_reader, args=(self.process.stdout, self.lines), daemon=True
         )
         self.reader.start()
 
-    def next(self, limit: float) -> dict | None:
+    def next(self, limit: float) -> dict[str, Any] | None:
         """The next line; `None` at the end of the process.
 
         **Raises:** `queue.Empty` past the limit.
@@ -132,7 +133,7 @@ def run_structure(name: str, arguments: argparse.Namespace) -> Table:
 
 def faults(table: Table) -> list[str]:
     """Every class of faults once, with how many cells it has and the first of them."""
-    classes: Counter = Counter()
+    classes: Counter[tuple[str, str, str]] = Counter()
     example = {}
     for row, column, kind, cell in table.bad():
         key = (column, kind, cell.status)
@@ -161,7 +162,7 @@ def summary(tables: list[Table]) -> str:
     return "\n".join(lines)
 
 
-def document(tables: list[Table], arguments: argparse.Namespace, seconds: float) -> dict:
+def document(tables: list[Table], arguments: argparse.Namespace, seconds: float) -> dict[str, Any]:
     """Everything as JSON-able data."""
     return {
         "schema": 1,

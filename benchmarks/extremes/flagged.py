@@ -31,7 +31,7 @@ class _Shared(Analysis):
     """An analysis that takes its parts from a store, and remembers which it took."""
 
     store: _Store
-    loads: tuple
+    loads: tuple[Any, ...]
 
     def __init__(self, mechanism, speed=None, load=None):
         super().__init__(mechanism, speed, load)

@@ -4,6 +4,7 @@ import base64
 import struct
 import zlib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -42,7 +43,7 @@ def _png(pixels: np.ndarray) -> bytes:
     )
 
 
-def _image(table: Table, rows: list[dict], wide: int, high: int) -> bytes:
+def _image(table: Table, rows: list[dict[str, Any]], wide: int, high: int) -> bytes:
     """Cells of so many pixels, apart from each other where they are large enough for it.
 
     As large as they are shown, for not every viewer leaves the edges of enlarged pixels sharp.
@@ -83,14 +84,14 @@ def _runs(names: list[str]) -> list[tuple[str, int, int]]:
     return found
 
 
-def _labels(rows: list[dict], group: str) -> list[tuple[str, int, int]]:
+def _labels(rows: list[dict[str, Any]], group: str) -> list[tuple[str, int, int]]:
     if group == "number":
         # Four rows to a number: one label for them.
         return _runs([row["name"].rpartition(":")[0] for row in rows])
     return [(row["name"], index, 1) for index, row in enumerate(rows)]
 
 
-def _key(table: Table, rows: list[dict]) -> list[str]:
+def _key(table: Table, rows: list[dict[str, Any]]) -> list[str]:
     """Colours that occur, and what they mean."""
     found = {_worst(cells) for row in rows for cells in table.cells.get(row["name"], {}).values()}
     parts = []

@@ -7,6 +7,7 @@ by 1e-13 does.
 
 import contextlib
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import mpmath
 import numpy as np
@@ -41,7 +42,9 @@ def _solvable():
         raise NoReference("a complex number") from error
 
 
-def _conditioned(function: Callable[[dict[str, list]], dict], given: Given) -> Expected:
+def _conditioned(
+    function: Callable[[dict[str, list[Any]]], dict[str, Any]], given: Given
+) -> Expected:
     """Values at the numbers, and how far a small change of them moves the values."""
     random = np.random.default_rng(50)
     with mpmath.workdps(DIGITS):
@@ -64,7 +67,7 @@ def _conditioned(function: Callable[[dict[str, list]], dict], given: Given) -> E
     return found
 
 
-def _list(value) -> list:
+def _list(value) -> list[Any]:
     return value if isinstance(value, list) else [value]
 
 

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
 
@@ -29,7 +30,7 @@ class Row:
     offered: str = ""
     precision: str = "float64"
 
-    def as_json(self) -> dict:
+    def as_json(self) -> dict[str, Any]:
         """What a file needs to know of it."""
         return {
             "name": self.name,

@@ -15,7 +15,7 @@ from .chain import Contact, NoReference, Number, need
 class StageNumbers:
     """Numbers of a stage by name, and what follows from them."""
 
-    def __init__(self, stage: Stage, numbers: dict[str, list]):
+    def __init__(self, stage: Stage, numbers: dict[str, list[Any]]):
         self.stage, self.numbers = stage, numbers
 
     def of(self, name: str) -> Number:
@@ -62,7 +62,7 @@ class StageNumbers:
         return load / (self.stage.roller_count * self["engaged_threads"])
 
     @cached_property
-    def sides(self) -> dict[str, tuple]:
+    def sides(self) -> dict[str, tuple[Any, ...]]:
         """A, B and F_n/F_a of both sides."""
         contact = self.contact
         point, profile, roller = contact.point, contact.profile, contact.roller
@@ -98,7 +98,7 @@ class StageNumbers:
             found[side] = (smaller, larger, 1 / upward)
         return found
 
-    def hertz(self, side: str) -> tuple:
+    def hertz(self, side: str) -> tuple[Any, ...]:
         """Largest pressure, approach and semi-axes of one thread's contact."""
         smaller, larger, factor = self.sides[side]
         return exact_hertz(self.thread_force * factor, smaller, larger, self.modulus)

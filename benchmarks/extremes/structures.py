@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import prsm_jax as prsm
 from prsm_jax import file
 from prsm_jax.contact import hertz_contact
-from prsm_jax.fields._fields import Scalar, number
+from prsm_jax.fields._fields import Number, number
 from prsm_jax.friction import CoulombFriction, Drag, Friction, LuGreFriction, ThrustBearingFriction
 from prsm_jax.mechanism import Mechanism, OperatingPoint, Roller, Stage, Support, UnequalRoller
 from prsm_jax.quantities import available_quantities, catalogue
@@ -425,10 +425,10 @@ def bristles() -> Structure:
 class Ellipse(eqx.Module):
     """A bare Hertz contact: force, A + B and (B − A)² of the gap A x² + B y², E*."""
 
-    force: Scalar = number("N", "normal force")
-    total: Scalar = number("1/m", "A + B")
-    difference_squared: Scalar = number("1/m²", "(B − A)²")
-    modulus: Scalar = number("Pa", "E*")
+    force: Number = number("N", "normal force")
+    total: Number = number("1/m", "A + B")
+    difference_squared: Number = number("1/m²", "(B − A)²")
+    modulus: Number = number("Pa", "E*")
 
 
 def hertz() -> Structure:

@@ -109,7 +109,7 @@ def reference_jacobian(function: Callable[[jax.Array], jax.Array], centre: jax.A
 
 
 def timed(
-    functions: Mapping[str, Callable], designs: jax.Array, seconds: float
+    functions: Mapping[str, Callable[..., Any]], designs: jax.Array, seconds: float
 ) -> dict[str, Sample]:
     """Compile each function for a batch and sample them in turn; times are those of a design."""
     compiled, compiling, instructions = {}, {}, {}

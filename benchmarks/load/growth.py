@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -23,12 +24,12 @@ def exponent(sizes: Sequence[float], values: Sequence[float | None]) -> float | 
     return float(np.polyfit(size, value, 1)[0])
 
 
-def finished(rows: Sequence[dict]) -> list[dict]:
+def finished(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """Sizes with a finite result: how long one ran that did not end says nothing."""
     return [row for row in rows if row["error"] is not None and math.isfinite(row["error"])]
 
 
-def of_rows(rows: Sequence[dict]) -> dict[str, float | None]:
+def of_rows(rows: Sequence[dict[str, Any]]) -> dict[str, float | None]:
     """Powers of the size with which operations, processor time and memory grow."""
     rows = finished(rows)
     sizes = [row["size"] for row in rows]

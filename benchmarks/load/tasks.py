@@ -156,7 +156,7 @@ _VARIABLES = ("lead", "contact_angle", "roller_radius")
 _QUANTITIES = ("efficiency", "max_pressure", "mass")
 
 
-def _gradients(derivative: Callable, size: int) -> Work:
+def _gradients(derivative: Callable[..., Any], size: int) -> Work:
     """Three quantities of many designs and their derivatives by three dimensions."""
     actuator = prsm.load("actuator")
     start = np.array([float(np.ravel(prsm.get_parameter(actuator, n))[0]) for n in _VARIABLES])

@@ -11,6 +11,7 @@ import gc
 import json
 import sys
 import time
+from typing import Any
 
 import jax
 
@@ -30,7 +31,7 @@ def _peak() -> int | None:
     return unit * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
-def measure(name: str, size: int, seconds: float) -> dict:
+def measure(name: str, size: int, seconds: float) -> dict[str, Any]:
     """Times, operations, memory and error of one size.
 
     **Arguments:**

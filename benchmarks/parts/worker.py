@@ -5,11 +5,12 @@ Prints one JSON object: what `prsm_jax.explain` finds with `time=True`.
 
 import argparse
 import json
+from typing import Any
 
 import prsm_jax as prsm
 
 
-def measure(example: str, programs: list[str] | None, time: bool = True) -> dict:
+def measure(example: str, programs: list[str] | None, time: bool = True) -> dict[str, Any]:
     """Costs of all parts of an example that are tables or stages.
 
     **Arguments:**

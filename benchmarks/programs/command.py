@@ -77,7 +77,7 @@ def main(argv: list[str] | None = None) -> int:
         print(f"programs: {write_page(document, given.docs or given.out)}")
         return 0
     path = given.out / "programs.json"
-    rows: dict[tuple, dict[str, Any]] = {}
+    rows: dict[tuple[Any, ...], dict[str, Any]] = {}
     if given.add and path.exists():
         rows = {_key(r): r for r in json.loads(path.read_text(encoding="utf-8"))["programs"]}
     document: dict[str, Any] = {}

@@ -6,6 +6,7 @@ Prints one JSON object.
 import json
 import sys
 import time
+from typing import Any
 
 import jax
 import numpy as np
@@ -16,7 +17,7 @@ from .functions import program
 _SAMPLING_S = 0.3
 
 
-def measure(example: str, name: str, kind: str, batch: int) -> dict:
+def measure(example: str, name: str, kind: str, batch: int) -> dict[str, Any]:
     """Equations, processor time of tracing and compiling, flops and run time of one program.
 
     **Arguments:** as for `program`.

@@ -1,7 +1,7 @@
 """Random two-stage designs for transients, as JAX pytrees and as numbers for compiled rivals."""
 
 import functools
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -46,7 +46,7 @@ def random_designs(count: int) -> Designs:
     return Designs(factors, speed, force)
 
 
-def _laws(mechanism: Mechanism) -> list:
+def _laws(mechanism: Mechanism) -> list[Any]:
     return [stage.friction and stage.friction.thread for stage in mechanism.stages]
 
 
@@ -64,7 +64,7 @@ def base(width: float) -> Mechanism:
     return mechanism if width == 0 else regularised(mechanism, width)
 
 
-def _varied(mechanism: Mechanism) -> list:
+def _varied(mechanism: Mechanism) -> list[Any]:
     found = []
     for stage, law in zip(mechanism.stages, _laws(mechanism), strict=True):
         assert stage.carrier is not None

@@ -5,6 +5,8 @@ stiffness by ISO 6336-1, masses of cylinders, N + 10 degrees of freedom: all wri
 package, with the numbers of its example typed in again (SI).
 """
 
+from typing import Any
+
 import mpmath
 import numpy as np
 
@@ -42,7 +44,7 @@ def _gradient_and_hessian(profile, reduced_lead, x, y, profile_bend=0):
     return gradient, hessian
 
 
-def _curvatures(gradient, difference) -> tuple:
+def _curvatures(gradient, difference) -> tuple[Any, ...]:
     """A and B of the gap A x² + B y² in the tangent plane, A ≤ B, and the normal's z component.
 
     Roots k of det(H − k (I + g gᵀ)) = 0, over √(1 + g²), halved.
@@ -59,7 +61,7 @@ def _curvatures(gradient, difference) -> tuple:
     return ends[0] * upward / 2, ends[1] * upward / 2, upward
 
 
-def _roller_stiffness(lead, contact_angle, roller) -> tuple:
+def _roller_stiffness(lead, contact_angle, roller) -> tuple[Any, ...]:
     """Axial secant stiffness of one roller against screw and nut, threads in parallel [N/m]."""
     flank = mpmath.pi / 2 - contact_angle
     profile = roller / mpmath.sin(flank)
@@ -95,7 +97,7 @@ def _roller_stiffness(lead, contact_angle, roller) -> tuple:
     return tuple(found)
 
 
-def _cylinder(length, inner, outer) -> tuple:
+def _cylinder(length, inner, outer) -> tuple[Any, ...]:
     """Mass and moment of inertia about the axis."""
     mass = mpmath.pi * _DENSITY * mpmath.mpf(length) * (outer**2 - inner**2)
     return mass, mass * (outer**2 + inner**2) / 2
@@ -108,7 +110,7 @@ def _gear_stiffness():
     return mpmath.mpf("0.8") / q * _FACE_WIDTH * 10**9
 
 
-def numbers(lead, contact_angle, roller) -> list:
+def numbers(lead, contact_angle, roller) -> list[Any]:
     """The eighteen numbers of the vibration model, in the order of `references.vibration`."""
     lead, contact_angle, roller = (mpmath.mpf(one) for one in (lead, contact_angle, roller))
     screw, nut, centre = ((STARTS - 2) * roller, STARTS * roller, (STARTS - 1) * roller)
@@ -125,7 +127,7 @@ def numbers(lead, contact_angle, roller) -> list:
         (*_cylinder(_RING_LENGTH, nut, nut + ring_wall), nut, _gear_stiffness()),
         (*_cylinder(_NUT_LENGTH, nut, nut + wall), nut, nut_roller * share),
     )
-    found: list = []
+    found: list[Any] = []
     for (mass, inertia, radius, mesh), (radial, torsional) in zip(bodies, _SUPPORTS, strict=True):
         found += [mass, inertia / radius**2, mesh, mpmath.mpf(radial), mpmath.mpf(torsional)]
     mass, inertia = _cylinder(_ROLLER_LENGTH, 0, roller)

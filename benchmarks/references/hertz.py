@@ -1,5 +1,7 @@
 """Elliptical Hertz contact in mpmath (Johnson 1985, chapter 4)."""
 
+from typing import Any
+
 import mpmath
 
 #: Decimal digits; the cancellation in K − E near circles costs up to a dozen of them.
@@ -16,7 +18,7 @@ def hertz(force, first, second, modulus) -> tuple[float, float, float, float]:
         return float(pressure), float(approach), float(major), float(minor)
 
 
-def exact_hertz(force, first, second, modulus) -> tuple:
+def exact_hertz(force, first, second, modulus) -> tuple[Any, ...]:
     """The same in mpmath's numbers, at the digits that it works with."""
     force, modulus = mpmath.mpf(force), mpmath.mpf(modulus)
     smaller, larger = mpmath.mpf(first), mpmath.mpf(second)

@@ -9,6 +9,7 @@ roller; equivalent mass and torsional support of the carrier.
 import itertools
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import mpmath
 import numpy as np
@@ -20,7 +21,7 @@ SIGNS = (1, -1, -1)
 NUMBERS = 18
 
 
-def structure(count: int, library=math) -> tuple[list[list[tuple]], list[list[int]]]:
+def structure(count: int, library=math) -> tuple[list[list[tuple[Any, ...]]], list[list[int]]]:
     """What each number does: springs `(coordinates, coefficients)`, and the masses it adds to.
 
     **Arguments:**
@@ -31,7 +32,7 @@ def structure(count: int, library=math) -> tuple[list[list[tuple]], list[list[in
     **Returns:** for each number the springs whose stiffness it is, and for each number the
     coordinates whose mass it is.
     """
-    springs: list[list[tuple]] = [[] for _ in range(NUMBERS)]
+    springs: list[list[tuple[Any, ...]]] = [[] for _ in range(NUMBERS)]
     masses: list[list[int]] = [[] for _ in range(NUMBERS)]
     carrier = 9 + count
     for body, sign in enumerate(SIGNS):
@@ -101,7 +102,7 @@ def frequencies(
         return np.array([float(f) for f in frequency]), _cluster_means(frequency, rates)
 
 
-def _rates(numbers, springs, masses, value, shape) -> list:
+def _rates(numbers, springs, masses, value, shape) -> list[Any]:
     """½ p φᵀ(∂K/∂p − λ ∂M/∂p)φ / λ for every number p: the elasticity of one frequency."""
     rates = []
     for number, group, coordinates in zip(numbers, springs, masses, strict=True):

@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 
 from prsm_jax import friction_law
-from prsm_jax.fields import Scalar, number
+from prsm_jax.fields import Number, number
 from prsm_jax.friction import StatefulFrictionLaw
 
 
@@ -11,8 +11,8 @@ from prsm_jax.friction import StatefulFrictionLaw
 class DahlFriction(StatefulFrictionLaw):
     """Force per normal force σ z, ż = v − σ |v| z/μ (Dahl 1968); Coulomb's law in steady slip."""
 
-    coefficient: Scalar = number("1", "friction coefficient, μ")
-    stiffness: Scalar = number("1/m", "stiffness per normal force, σ")
+    coefficient: Number = number("1", "friction coefficient, μ")
+    stiffness: Number = number("1/m", "stiffness per normal force, σ")
 
     def friction_coefficient(self, sliding):
         return self.coefficient

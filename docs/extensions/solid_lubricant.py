@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 
 from prsm_jax import FrictionLaw, friction_law
-from prsm_jax.fields import NOT_NEGATIVE, Scalar, number
+from prsm_jax.fields import NOT_NEGATIVE, Number, number
 
 
 @friction_law("solid_lubricant")
@@ -15,8 +15,8 @@ class SolidLubricantFriction(FrictionLaw):
     """
 
     asks = ("pressure",)
-    shear_strength: Scalar = number("Pa", "shear strength of the film, τ₀")
-    coefficient: Scalar = number("1", "coefficient at high pressure, α", limit=NOT_NEGATIVE)
+    shear_strength: Number = number("Pa", "shear strength of the film, τ₀")
+    coefficient: Number = number("1", "coefficient at high pressure, α", limit=NOT_NEGATIVE)
 
     def friction_coefficient(self, sliding):
         mean_pressure = jnp.maximum(2 / 3 * sliding.pressure, 10 * self.shear_strength)

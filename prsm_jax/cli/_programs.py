@@ -11,7 +11,7 @@ import hashlib
 import os
 import pickle
 import platform
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -43,7 +43,7 @@ def _processor() -> str:
     return repr((platform.machine(), platform.processor(), instructions))
 
 
-def _key(name: str, leaves: list, structure: Any) -> str:
+def _key(name: str, leaves: list[Any], structure: Any) -> str:
     shapes = [(leaf.shape, str(leaf.dtype)) for leaf in leaves]
     made_by = (jax.__version__, version("jaxlib"), jax.default_backend())
     flags = os.environ.get("XLA_FLAGS", ""), os.environ.get("EQX_ON_ERROR", "")
@@ -123,7 +123,7 @@ def _is_known(mechanism: Mechanism) -> bool:
 
 
 @contextlib.contextmanager
-def _not_in_the_cache_of_jax() -> Iterator[None]:
+def _not_in_the_cache_of_jax() -> Generator[None, None, None]:
     """Compile without writing to JAX's own cache.
 
     A program that was read from that cache lacks some functions when it is serialised again.

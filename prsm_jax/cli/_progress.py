@@ -11,7 +11,7 @@ import shutil
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Generator
 
 _ERASE = "\r\x1b[K"
 _FIRST_S, _EVERY_S = 1.0, 0.2
@@ -111,7 +111,7 @@ def _listen() -> None:
 
 
 @contextlib.contextmanager
-def progress(verb: str) -> Iterator[None]:
+def progress(verb: str) -> Generator[None, None, None]:
     """Show the progress line while the verb runs, if stderr is a terminal that can erase a line."""
     global _current
     if not sys.stderr.isatty() or os.environ.get("TERM") == "dumb":

@@ -12,7 +12,7 @@ class _Sink(io.FileIO):
     failure: OSError | None = None
     closed_before = False
 
-    def write(self, data) -> int:  # type: ignore[override]
+    def write(self, data) -> int:
         if self.failure is None:
             try:
                 return super().write(data)

@@ -1,12 +1,12 @@
 """Verbs that users add."""
 
 from collections.abc import Callable
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from ..programs import origin_of
 from ._verbs import app
 
-_Verb = TypeVar("_Verb", bound=Callable)
+_Verb = TypeVar("_Verb", bound=Callable[..., Any])
 #: Module and name of the functions behind verbs that were added.
 _own: dict[str, tuple[str, str]] = {}
 

@@ -1,5 +1,7 @@
 """Slip at the screw–roller contact, in the frame that turns with the carrier."""
 
+from collections.abc import Sequence
+
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -105,7 +107,7 @@ def ideal_carrier_ratio(thread: Thread) -> Scalar:
     return thread.screw_radius / (2 * thread.centre_distance)
 
 
-def travel_per_turn(stages, upto: int) -> Scalar:
+def travel_per_turn(stages: Sequence[Stage], upto: int) -> Scalar:
     """Axial travel of the nut of stage `upto` (1-based count) per radian of screw turn [m/rad]."""
     travel = jnp.zeros_like(stages[0].thread.lead)
     for stage in stages[:upto]:

@@ -84,7 +84,7 @@ def _numbers(results: Any) -> list[jax.Array]:
     return [x for x in leaves if eqx.is_array(x) and jnp.issubdtype(x.dtype, jnp.inexact)]
 
 
-def traced(analysis: _Analysis, mechanism: Mechanism) -> tuple[Account, frozenset[tuple]]:
+def traced(analysis: _Analysis, mechanism: Mechanism) -> tuple[Account, frozenset[tuple[Any, ...]]]:
     """Count a program without compiling it.
 
     **Returns:** the account, and the paths of the numbers of the mechanism that it reads.

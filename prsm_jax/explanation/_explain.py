@@ -1,6 +1,7 @@
 """The function `explain`: counts programs with every part, and without each."""
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 from .._errors import UnknownNameError, closest
 from ..mechanism import Mechanism, check_one_design
@@ -20,7 +21,7 @@ class _Counted:
         self.time = time
         self.account, self.read = self._count(mechanism, None)
 
-    def _count(self, mechanism: Mechanism, same: Account | None) -> tuple[Account, frozenset]:
+    def _count(self, mechanism: Mechanism, same: Account | None) -> tuple[Account, frozenset[Any]]:
         account, read = traced(self.analysis, mechanism)
         if not self.time:
             return account, read

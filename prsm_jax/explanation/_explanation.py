@@ -3,7 +3,7 @@
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from ..fields import renamed
+from ..fields import old_name
 from ..text import TextTable
 from ._account import MEASURES, Account
 from ._places import Place
@@ -48,7 +48,11 @@ class Part:
     costs: dict[str, Cost]
     assumed: tuple[str, ...] = ()
     quantities_lost: tuple[str, ...] = ()
-    lost = renamed("lost", "quantities_lost")
+
+    @property
+    def lost(self) -> tuple[str, ...]:
+        """Old name of `quantities_lost`."""
+        return old_name(self, "lost", "quantities_lost")
 
     @property
     def name(self) -> str:

@@ -131,7 +131,7 @@ def is_optional(one: Declared) -> bool:
     return may_be_none or (one.element is not None and one.default == ())
 
 
-def _place(one: Declared, value: Any, path: tuple, name: str, header: str) -> Place:
+def _place(one: Declared, value: Any, path: tuple[Any, ...], name: str, header: str) -> Place:
     present = bool(value) if isinstance(value, tuple) else value is not None
     if one.unit is not None:
         key = one.name if one.unit == "1" else f"{one.name}, in {one.unit}"

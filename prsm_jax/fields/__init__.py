@@ -8,6 +8,11 @@ from ._declared import (
     values_of as values_of,
 )
 from ._fields import (
+    Converted as Converted,
+    Number as Number,
+    Numbers as Numbers,
+    OptionalNumber as OptionalNumber,
+    OptionalNumbers as OptionalNumbers,
     Scalar as Scalar,
     as_scalar as as_scalar,
     choice as choice,
@@ -41,7 +46,7 @@ from ._limits import (
     Limit as Limit,
     limit_of as limit_of,
 )
-from ._renamed import renamed as renamed, renamed_arguments as renamed_arguments
+from ._renamed import old_name as old_name, renamed_arguments as renamed_arguments
 from ._within import (
     Contradiction as Contradiction,
     Limited as Limited,

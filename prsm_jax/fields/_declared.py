@@ -143,7 +143,7 @@ def declared(cls: type, unit: str = "1") -> tuple[Declared, ...]:
     - `unit`: SI unit in place of `*`, that of a function's values.
     """
 
-    def one(field: dataclasses.Field) -> Declared:
+    def one(field: dataclasses.Field[Any]) -> Declared:
         own = field.metadata.get("unit")
         own = unit if own == "*" else own
         limit = limit_of(own or "1", field.metadata.get("limit"))

@@ -1,14 +1,51 @@
 """How numbers enter the mechanism: as scalar arrays that can be differentiated."""
 
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
+
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array
+from jaxtyping import Array, ArrayLike, Float
 
 from ..numerics import Scalar as Scalar
 from ._limits import ANY, Limit
 
+if TYPE_CHECKING:
+    _Held = TypeVar("_Held", covariant=True)
+    _Given = TypeVar("_Given", contravariant=True)
 
-def as_scalar(value) -> Array:
+    class Converted(Generic[_Held, _Given]):
+        """Type of a field that takes one type and holds another: `Converted[held, taken]`."""
+
+        def __get__(self, instance: object, owner: type | None = None) -> _Held: ...
+        def __set__(self, instance: object, value: _Given) -> None: ...
+
+else:
+
+    class Converted:
+        """Type of a field that takes one type and holds another: `Converted[held, taken]`.
+
+        A type checker reads it as a descriptor, so that `Thread(lead=2e-3)` is right and
+        `thread.lead` is an array; at run time it is the type that the field holds.
+        """
+
+        def __class_getitem__(cls, types: tuple[Any, Any]) -> Any:
+            return types[0]
+
+
+#: Field with one number: takes a Python number or an array, holds a scalar array.
+Number: TypeAlias = Converted[Scalar, ArrayLike]
+#: The same, or `None`.
+OptionalNumber: TypeAlias = Converted[Scalar | None, ArrayLike | None]
+#: Field with a list of numbers: holds an array of the shape (points,).
+Numbers: TypeAlias = Converted[Float[Array, " points"], ArrayLike | Sequence[ArrayLike]]
+#: Field with a number for each thread, or `None`.
+OptionalNumbers: TypeAlias = Converted[
+    Float[Array, " threads"] | None, ArrayLike | Sequence[ArrayLike] | None
+]
+
+
+def as_scalar(value: ArrayLike | Sequence[ArrayLike]) -> Array:
     """`value` as a floating-point array; an array that is floating-point keeps its dtype."""
     if isinstance(value, int | float):
         # An explicit dtype: a weakly typed leaf would compile everything a second time.
@@ -17,15 +54,17 @@ def as_scalar(value) -> Array:
     return array if jnp.issubdtype(array.dtype, jnp.floating) else array.astype(float)
 
 
-def _as_optional_scalar(value):
+def _as_optional_scalar(value: ArrayLike | None) -> Array | None:
     return None if value is None else as_scalar(value)
 
 
-def _metadata(unit: str, description: str, limit: Limit | None, **more) -> dict:
+def _metadata(
+    unit: str, description: str, limit: Limit | None, **more: object
+) -> dict[str, object]:
     return {"unit": unit, "description": description, "limit": limit, **more}
 
 
-def number(unit: str, description: str, *, limit: Limit | None = None, **kwargs):
+def number(unit: str, description: str, *, limit: Limit | None = None, **kwargs: Any) -> Any:
     """A required number (a differentiable leaf), with its SI unit, meaning and limit as metadata.
 
     Without a limit, the limit of the unit applies: a length is positive, a force is finite.
@@ -35,7 +74,7 @@ def number(unit: str, description: str, *, limit: Limit | None = None, **kwargs)
 
 def optional_number(
     unit: str, description: str, *, limit: Limit | None = None, law_decides: bool = False
-):
+) -> Any:
     """A number that may be absent; `None` leaves the physics that needs it untraced.
 
     With `law_decides`, the law beside it determines whether the number is required.
@@ -47,7 +86,7 @@ def optional_number(
     )
 
 
-def part(without: str, **kwargs):
+def part(without: str, **kwargs: Any) -> Any:
     """A part of the physics that may be absent; `None` leaves it untraced.
 
     `without` says what results lack then (`prsm_jax.explain`).
@@ -55,18 +94,18 @@ def part(without: str, **kwargs):
     return eqx.field(default=None, metadata={"without": without}, **kwargs)
 
 
-def _number_or_function(value):
+def _number_or_function(value: ArrayLike | Callable[..., Any]) -> Array | Callable[..., Any]:
     return value if callable(value) else as_scalar(value)
 
 
-def driven(unit: str, description: str):
+def driven(unit: str, description: str) -> Any:
     """A number, or a function of time (of more variables for a load) in its place."""
     return eqx.field(converter=_number_or_function, metadata=_metadata(unit, description, ANY))
 
 
 def _list(
     unit: str, description: str, limit: Limit | None, least: int, length: str, increasing: bool
-) -> dict:
+) -> dict[str, object]:
     rules = {"least": least, "length": length, "increasing": increasing}
     return _metadata(unit, description, limit, **rules)
 
@@ -79,7 +118,7 @@ def numbers(
     least: int = 1,
     length: str = "",
     increasing: bool = False,
-):
+) -> Any:
     """A required list of numbers (one differentiable leaf).
 
     **Arguments:**
@@ -93,14 +132,16 @@ def numbers(
     return eqx.field(converter=as_scalar, metadata=metadata)
 
 
-def _as_optional_numbers(value):
+def _as_optional_numbers(value: ArrayLike | Sequence[ArrayLike] | None) -> Array | None:
     if value is None:
         return None
     array = as_scalar(value)
     return array[None] if array.ndim == 0 else array
 
 
-def optional_numbers(unit: str, description: str, *, limit: Limit | None = None, length: str = ""):
+def optional_numbers(
+    unit: str, description: str, *, limit: Limit | None = None, length: str = ""
+) -> Any:
     """A list of numbers (one differentiable leaf) that may be absent; `length` as in `numbers`."""
     metadata = _list(unit, description, limit, 1, length, False)
     return eqx.field(converter=_as_optional_numbers, default=None, metadata=metadata)
@@ -112,8 +153,8 @@ def choice(
     implied: bool = False,
     without: str | None = None,
     limit: Limit | None = None,
-    **kwargs,
-):
+    **kwargs: Any,
+) -> Any:
     """A static choice: part of the pytree's structure, never traced.
 
     The annotation declares what it may be: the words of a `Literal`, or a whole number with a

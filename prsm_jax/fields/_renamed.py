@@ -8,23 +8,20 @@ from typing import Any, TypeVar, cast
 _Target = TypeVar("_Target", bound=Callable[..., Any])
 
 
-def _warn(owner: str, old: str, new: str) -> None:
-    warnings.warn(f"{owner}: {old} is now {new}", DeprecationWarning, stacklevel=3)
+def _warn(owner: str, old: str, new: str, stacklevel: int = 3) -> None:
+    warnings.warn(f"{owner}: {old} is now {new}", DeprecationWarning, stacklevel)
 
 
-def renamed(old: str, new: str) -> property:
-    """The old name of a field, as a property of its class.
+def old_name(module: object, old: str, new: str) -> Any:
+    """The value of a field, with the warning that its name is new; for a property `old`.
 
     **Arguments:**
 
+    - `module`: the object that has the field.
     - `old`, `new`: the names.
     """
-
-    def value(self):
-        _warn(type(self).__name__, old, new)
-        return getattr(self, new)
-
-    return property(value, doc=f"Old name of `{new}`.")
+    _warn(type(module).__name__, old, new, stacklevel=4)
+    return getattr(module, new)
 
 
 def renamed_arguments(**new_names: str) -> Callable[[_Target], _Target]:

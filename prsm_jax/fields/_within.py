@@ -146,7 +146,7 @@ class Limited(eqx.Module):
     #: Whether NaN passes, as a number to be set later.
     to_come: ClassVar[bool] = True
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         check_fields(self, to_come=self.to_come)
 
 

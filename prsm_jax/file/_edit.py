@@ -50,7 +50,9 @@ def edit(text: str, mechanism: Mechanism, quantity_units: Mapping[str, str] | No
     return edited if same else anew
 
 
-def _change(document: MutableMapping, before: Mapping[str, Any], after: Mapping[str, Any]) -> None:
+def _change(
+    document: MutableMapping[str, Any], before: Mapping[str, Any], after: Mapping[str, Any]
+) -> None:
     """Apply the differences between two tables to a document that is equivalent to the first."""
     for key in before.keys() - after.keys():
         document.pop(key, None)

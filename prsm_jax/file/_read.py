@@ -2,6 +2,7 @@
 
 import tomllib
 from pathlib import Path
+from typing import Any
 
 from .._errors import FileError, closest, missing_extra
 from ..mechanism import Mechanism
@@ -82,7 +83,7 @@ def loads(text: str, name: str = "<string>") -> Mechanism:
         raise file_error(name, data, [((), "is nested too deeply")]) from error
 
 
-def _parse(text: str, name: str) -> dict:
+def _parse(text: str, name: str) -> dict[str, Any]:
     try:
         # A lone surrogate cannot be in a file, but it can be in a Python string.
         size = len(text.encode("utf-8"))

@@ -27,7 +27,7 @@ from .tables import (
 )
 
 
-def _stages(value: Any, place: Place) -> tuple:
+def _stages(value: Any, place: Place) -> tuple[Any, ...]:
     return read_rows(value, place, lambda row, at: read_module(TableChoice(Stage), row, at))
 
 
@@ -62,7 +62,7 @@ _KEYS = {
 }
 
 
-def mechanism_of(data: dict) -> Mechanism:
+def mechanism_of(data: dict[str, Any]) -> Mechanism:
     """The mechanism that a file describes.
 
     **Raises:** `Misplaced` with the places of all errors.

@@ -1,5 +1,7 @@
 """All findings of a mechanism."""
 
+from typing import Any
+
 import equinox as eqx
 
 from ..fields import Scalar
@@ -26,7 +28,7 @@ def _margins_by(_sources: tuple[Source, ...], mechanism: Mechanism):
     return check_margins(mechanism)
 
 
-def _plain(values: list) -> list[dict[str, float] | None]:
+def _plain(values: list[Any]) -> list[dict[str, float] | None]:
     return [
         None if numbers is None else {name: float(number) for name, number in numbers.items()}
         for numbers in values

@@ -8,13 +8,13 @@ severity error as a constraint, with exact derivatives. To add a finding, write 
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Int
 
 from .._errors import MissingDataError
-from ..fields import Scalar, renamed, renamed_arguments
+from ..fields import Scalar, old_name, renamed_arguments
 from ..geometry import Finding, Severity
 from ..mechanism import Mechanism
 from ..quantities import Analysis, SharedLoad
@@ -69,9 +69,13 @@ class Margin:
     smooth: bool = True
     #: Distinguishes findings of one name and stage; for each subject the worst is reported.
     subject: str = ""
-    whole = renamed("whole", "integer")
     #: Loads for which the margin needs the load distribution (`Analysis.distribution`).
     shares: tuple[SharedLoad, ...] = ()
+
+    @property
+    def whole(self) -> bool:
+        """Old name of `integer`."""
+        return old_name(self, "whole", "integer")
 
     @property
     def error_limit(self) -> float | None:
@@ -228,7 +232,7 @@ def findings_of(
     mechanism: Mechanism, values: list[dict[str, float] | None]
 ) -> Iterator[tuple[Margin, Finding]]:
     """The findings of evaluated margins: the most serious per name, stage and subject."""
-    worst: dict[tuple, tuple[Margin, Finding]] = {}
+    worst: dict[tuple[Any, ...], tuple[Margin, Finding]] = {}
     for margin, numbers in zip(margins_of(mechanism), values, strict=True):
         finding = finding_of(mechanism, margin, numbers)
         if finding is None:

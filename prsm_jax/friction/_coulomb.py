@@ -4,7 +4,7 @@ from typing import ClassVar
 
 import jax.numpy as jnp
 
-from ..fields import NOT_NEGATIVE, POSITIVE, Scalar, number
+from ..fields import NOT_NEGATIVE, POSITIVE, Number, Scalar, number
 from ._law import FrictionLaw, Sliding
 from ._register import friction_law
 
@@ -14,7 +14,7 @@ class CoulombFriction(FrictionLaw):
     """Coulomb friction: force μ F against the slip."""
 
     constant: ClassVar[bool] = True
-    coefficient: Scalar = number("1", "friction coefficient, μ", limit=NOT_NEGATIVE)
+    coefficient: Number = number("1", "friction coefficient, μ", limit=NOT_NEGATIVE)
 
     def friction_coefficient(self, sliding: Sliding) -> Scalar:
         """μ."""
@@ -30,8 +30,8 @@ class RegularisedCoulombFriction(FrictionLaw):
     """
 
     smooth_at_standstill: ClassVar[bool] = True
-    coefficient: Scalar = number("1", "friction coefficient, μ", limit=NOT_NEGATIVE)
-    width: Scalar = number(
+    coefficient: Number = number("1", "friction coefficient, μ", limit=NOT_NEGATIVE)
+    width: Number = number(
         "m/s", "slip speed over which the force changes its sign, ε", limit=POSITIVE
     )
 

@@ -13,7 +13,7 @@ from typing import ClassVar, NamedTuple
 import equinox as eqx
 from jaxtyping import Array, Float
 
-from ..fields import Limited, Scalar, renamed, renamed_arguments
+from ..fields import Limited, Scalar, old_name, renamed_arguments
 from ..numerics import dot_few
 
 #: Quantities that a law may request, with unit and meaning.
@@ -39,7 +39,11 @@ class Sliding(eqx.Module):
     speed: Scalar
     law_inputs: dict[str, Scalar] = eqx.field(default_factory=dict)
     squared_speed: Scalar | None = None
-    asked = renamed("asked", "law_inputs")
+
+    @property
+    def asked(self) -> dict[str, Scalar]:
+        """Old name of `law_inputs`."""
+        return old_name(self, "asked", "law_inputs")
 
     @property
     def square(self) -> Scalar:
@@ -127,7 +131,11 @@ class Deflected(NamedTuple):
     #: mean local slip speed [m/s]; `None` if spin is not modelled.
     friction_direction: Float[Array, "3"] | None = None
     mean_speed: Scalar | None = None
-    held = renamed("held", "friction_direction")
+
+    @property
+    def held(self) -> Float[Array, "3"] | None:
+        """Old name of `friction_direction`."""
+        return old_name(self, "held", "friction_direction")
 
 
 class StatefulFrictionLaw(FrictionLaw):
@@ -141,7 +149,7 @@ class StatefulFrictionLaw(FrictionLaw):
     smooth_at_standstill: ClassVar[bool] = True
     has_state: ClassVar[bool] = True
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         if self.asks:
             raise ValueError(
                 f"{type(self).__name__}: asks for {', '.join(self.asks)}; a law with a state "

@@ -1,6 +1,6 @@
 """Friction of one stage: each loss is modelled only if the input defines it."""
 
-from ..fields import NOT_NEGATIVE, SHARE, Limited, Scalar, number, part
+from ..fields import NOT_NEGATIVE, SHARE, Limited, Number, number, part
 from ._law import FrictionLaw
 from ._screw_friction import Drag, SplineFriction, ThrustBearingFriction
 
@@ -12,7 +12,7 @@ class SpinFriction(Limited):
     spins simultaneously: there the friction law of the threads applies.
     """
 
-    coefficient: Scalar = number(
+    coefficient: Number = number(
         "1", "friction coefficient in the spinning contact, μ", limit=NOT_NEGATIVE
     )
 
@@ -20,7 +20,7 @@ class SpinFriction(Limited):
 class RollingHysteresis(Limited):
     """Rolling resistance by elastic hysteresis in the contact ellipses (screw and nut side)."""
 
-    loss_factor: Scalar = number(
+    loss_factor: Number = number(
         "1", "share of the elastic energy lost per cycle, α_h", limit=SHARE
     )
 

@@ -8,7 +8,7 @@ of slip. The deflection z lies in the tangent plane of the contact, like the sli
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..fields import NOT_NEGATIVE, POSITIVE, Scalar, number, optional_number
+from ..fields import NOT_NEGATIVE, POSITIVE, Number, OptionalNumber, Scalar, number, optional_number
 from ..numerics import dot_few, length_few, sum_few
 from ._law import Deflected, Sliding, StatefulFrictionLaw
 from ._register import friction_law
@@ -30,21 +30,21 @@ class LuGreFriction(StribeckCurve, StatefulFrictionLaw):
     with a damping speed v_d the damping decreases with slip, `σ₁ e^{−(v/v_d)²}`.
     """
 
-    static_coefficient: Scalar = number(
+    static_coefficient: Number = number(
         "1", "friction coefficient at the onset of slip, μ_s", limit=NOT_NEGATIVE
     )
-    coefficient: Scalar = number("1", "friction coefficient of fast slip, μ", limit=NOT_NEGATIVE)
-    stribeck_speed: Scalar = number("m/s", "slip speed of the transition, v_S")
-    bristle_stiffness: Scalar = number(
+    coefficient: Number = number("1", "friction coefficient of fast slip, μ", limit=NOT_NEGATIVE)
+    stribeck_speed: Number = number("m/s", "slip speed of the transition, v_S")
+    bristle_stiffness: Number = number(
         "1/m", "stiffness of the bristles per normal force, σ₀", limit=POSITIVE
     )
-    bristle_damping: Scalar = number(
+    bristle_damping: Number = number(
         "s/m", "damping of the bristles per normal force, σ₁", limit=NOT_NEGATIVE
     )
-    damping_speed: Scalar | None = optional_number(
+    damping_speed: OptionalNumber = optional_number(
         "m/s", "slip speed over which bristle damping decreases, v_d; constant damping if not given"
     )
-    viscous_coefficient: Scalar | None = optional_number(
+    viscous_coefficient: OptionalNumber = optional_number(
         "N·s/m",
         "viscous friction coefficient of one roller, σ₂",
         limit=NOT_NEGATIVE,

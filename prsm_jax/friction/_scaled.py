@@ -1,5 +1,7 @@
 """The friction of a stage times a factor."""
 
+from typing import Any
+
 import equinox as eqx
 
 from ..fields import Scalar
@@ -54,7 +56,7 @@ def scaled_friction(friction: Friction, factor: Scalar) -> Friction:
     """All friction of a stage times a factor."""
 
     # Not `dataclasses.replace`: it would run converters, which may reject a batched leaf.
-    def strengths(one: Friction) -> list:
+    def strengths(one: Friction) -> list[Any]:
         coefficients = []
         if one.spin is not None:
             coefficients.append(one.spin.coefficient)
@@ -66,7 +68,7 @@ def scaled_friction(friction: Friction, factor: Scalar) -> Friction:
                 coefficients.append(one.drag.viscous_coefficient)
         return coefficients
 
-    def laws(one: Friction) -> list:
+    def laws(one: Friction) -> list[Any]:
         holders = [one.thread, one.spline and one.spline.law]
         holders.append(one.thrust_bearing and one.thrust_bearing.law)
         return [law for law in holders if law is not None]

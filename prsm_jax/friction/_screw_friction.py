@@ -1,15 +1,29 @@
 """Friction outside the threads: any law at the radius of a spline or a thrust bearing; drag."""
 
-from typing import Any
+from typing import Any, TypeAlias
 
 import equinox as eqx
+from jaxtyping import ArrayLike
 
-from ..fields import NOT_NEGATIVE, POSITIVE, Limited, Scalar, number, optional_number
+from ..fields import (
+    NOT_NEGATIVE,
+    POSITIVE,
+    Converted,
+    Limited,
+    Number,
+    OptionalNumber,
+    Scalar,
+    number,
+    optional_number,
+)
 from ._coulomb import CoulombFriction
 from ._law import FrictionLaw
 
+#: Field with a law: a number stands for Coulomb friction with this coefficient.
+Law: TypeAlias = Converted[FrictionLaw, FrictionLaw | ArrayLike]
 
-def _law(value: Any) -> FrictionLaw:
+
+def _law(value: FrictionLaw | ArrayLike) -> FrictionLaw:
     return value if isinstance(value, FrictionLaw) else CoulombFriction(value)
 
 
@@ -34,10 +48,10 @@ class FrictionAtRadius(Limited):
     or requests more than the slip speed.
     """
 
-    law: eqx.AbstractVar[FrictionLaw]
-    radius: eqx.AbstractVar[Scalar | None]
+    law: eqx.AbstractVar[Law]
+    radius: eqx.AbstractVar[OptionalNumber]
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         law, owner = self.law, type(self).__name__
         if law.has_state or law.asks:
             reason = "has a state" if law.has_state else f"asks for {', '.join(law.asks)}"
@@ -63,8 +77,8 @@ class FrictionAtRadius(Limited):
 class SplineFriction(FrictionAtRadius):
     """Friction in the spline that turns an axially moving screw (not the first one)."""
 
-    law: FrictionLaw = _law_field()
-    radius: Scalar | None = _radius("effective radius of the spline, r_SS")
+    law: Law = _law_field()
+    radius: OptionalNumber = _radius("effective radius of the spline, r_SS")
 
 
 class ThrustBearingFriction(FrictionAtRadius):
@@ -74,18 +88,18 @@ class ThrustBearingFriction(FrictionAtRadius):
     N·m·s.
     """
 
-    law: FrictionLaw = _law_field(**{"N·s/m": "N·m·s"})
-    radius: Scalar | None = _radius("effective radius of the bearing, r_NS")
+    law: Law = _law_field(**{"N·s/m": "N·m·s"})
+    radius: OptionalNumber = _radius("effective radius of the bearing, r_NS")
 
 
 class Drag(Limited):
     """Drag torque on the screw, independent of the load (seals, lubricant): constant, and c Ω."""
 
-    torque: Scalar = number("N·m", "constant drag torque", limit=NOT_NEGATIVE)
-    viscous_coefficient: Scalar | None = optional_number(
+    torque: Number = number("N·m", "constant drag torque", limit=NOT_NEGATIVE)
+    viscous_coefficient: OptionalNumber = optional_number(
         "N·m·s", "viscous drag coefficient, c", limit=NOT_NEGATIVE
     )
-    width: Scalar | None = optional_number(
+    width: OptionalNumber = optional_number(
         "rad/s",
         "speed over which the constant torque changes its sign; step change if not given",
         limit=POSITIVE,

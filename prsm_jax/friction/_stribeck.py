@@ -3,7 +3,7 @@
 import equinox as eqx
 import jax.numpy as jnp
 
-from ..fields import NOT_NEGATIVE, Scalar, number, optional_number
+from ..fields import NOT_NEGATIVE, Number, OptionalNumber, Scalar, number, optional_number
 from ._law import FrictionLaw, Sliding
 from ._register import friction_law
 
@@ -11,10 +11,10 @@ from ._register import friction_law
 class StribeckCurve(FrictionLaw):
     """Steady slip of laws whose coefficient falls from a static to a sliding one."""
 
-    static_coefficient: eqx.AbstractVar[Scalar]
-    coefficient: eqx.AbstractVar[Scalar]
-    stribeck_speed: eqx.AbstractVar[Scalar]
-    viscous_coefficient: eqx.AbstractVar[Scalar | None]
+    static_coefficient: eqx.AbstractVar[Number]
+    coefficient: eqx.AbstractVar[Number]
+    stribeck_speed: eqx.AbstractVar[Number]
+    viscous_coefficient: eqx.AbstractVar[OptionalNumber]
 
     def friction_coefficient(self, sliding: Sliding) -> Scalar:
         """μ + (μ_s − μ) e^{−(v/v_S)²}."""
@@ -34,12 +34,12 @@ class StribeckFriction(StribeckCurve):
     Force `(μ + (μ_s − μ) e^{−(v/v_S)²}) F + c v` against the slip.
     """
 
-    static_coefficient: Scalar = number(
+    static_coefficient: Number = number(
         "1", "friction coefficient at the onset of slip, μ_s", limit=NOT_NEGATIVE
     )
-    coefficient: Scalar = number("1", "friction coefficient of fast slip, μ", limit=NOT_NEGATIVE)
-    stribeck_speed: Scalar = number("m/s", "slip speed of the transition, v_S")
-    viscous_coefficient: Scalar | None = optional_number(
+    coefficient: Number = number("1", "friction coefficient of fast slip, μ", limit=NOT_NEGATIVE)
+    stribeck_speed: Number = number("m/s", "slip speed of the transition, v_S")
+    viscous_coefficient: OptionalNumber = optional_number(
         "N·s/m",
         "viscous friction coefficient, c; in a thread: per roller",
         limit=NOT_NEGATIVE,

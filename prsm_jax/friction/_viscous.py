@@ -4,7 +4,7 @@ from typing import ClassVar
 
 import jax.numpy as jnp
 
-from ..fields import NOT_NEGATIVE, Scalar, number
+from ..fields import NOT_NEGATIVE, Number, Scalar, number
 from ._law import FrictionLaw, Sliding
 from ._register import friction_law
 
@@ -15,7 +15,7 @@ class ViscousFriction(FrictionLaw):
 
     smooth_at_standstill: ClassVar[bool] = True
     load_independent: ClassVar[bool] = True
-    coefficient: Scalar = number(
+    coefficient: Number = number(
         "N·s/m",
         "viscous friction coefficient, c; in a thread: per roller",
         limit=NOT_NEGATIVE,

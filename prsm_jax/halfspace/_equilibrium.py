@@ -81,7 +81,10 @@ def _rigid(grid: Grid, gap, pressure, modulus) -> Float[Array, "nx ny"]:
 
 
 def _conjugate_gradients(
-    precondition: Callable, max_iterations: int, system: Callable, right: Float[Array, "nx ny"]
+    precondition: Callable[..., Any],
+    max_iterations: int,
+    system: Callable[..., Any],
+    right: Float[Array, "nx ny"],
 ) -> Float[Array, "nx ny"]:
     """Solve `system(x) = right`, symmetric and positive definite where `right` is not zero."""
     target = _DERIVATIVE_TOLERANCE**2 * jnp.sum(right**2)

@@ -25,7 +25,7 @@ class Grid(eqx.Module):
     #: Length of a cell along y [m].
     spacing_y: Scalar = eqx.field(converter=as_scalar)
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         if len(self.shape) != 2 or min(self.shape) < 4:
             raise ValueError(
                 f"the grid's shape is {self.shape!r}; give two numbers of cells, at least 4 each"

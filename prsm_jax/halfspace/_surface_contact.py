@@ -6,7 +6,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from ..fields import Scalar, renamed
+from ..fields import Scalar, old_name
 from ..programs import physics
 from ._displacement import normal_displacement
 from ._equilibrium import equilibrium
@@ -55,7 +55,11 @@ class SurfaceContact(eqx.Module):
     residual: Scalar
     #: One of `RESULTS`; 0 is success.
     code: Int[Array, ""]
-    found = renamed("found", "converged")
+
+    @property
+    def found(self) -> Bool[Array, ""]:
+        """Old name of `converged`."""
+        return old_name(self, "found", "converged")
 
     @property
     def converged(self) -> Bool[Array, ""]:

@@ -21,7 +21,7 @@ from ._large_block_tridiagonal import BlockTridiagonal, eliminate as eliminate_l
 _LARGEST = 4
 
 
-def _inverse(matrix: list[list]) -> list[list]:
+def _inverse(matrix: list[list[Any]]) -> list[list[Any]]:
     """Inverse of a small matrix by Gauss and Jordan, in place and without pivoting."""
     size = range(len(matrix))
     rows = [list(row) for row in matrix]

@@ -14,7 +14,7 @@ of a split nut to the screw. With one flank it changes nothing, because a roller
 """
 
 from collections.abc import Callable
-from typing import Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import equinox as eqx
 import jax
@@ -44,6 +44,8 @@ class Teeth(NamedTuple):
 #: Force and slope of one kind of flanks; forces on forward and reverse flanks of one side.
 Law: TypeAlias = tuple[Array, Array]
 Loads: TypeAlias = tuple[Array, Array | None]
+#: Gap that the radial shift of each class of rollers has opened on one side [m]; 0 without shift.
+Opening: TypeAlias = Float[Array, "classes 1"] | float
 
 
 class FlankApproach(NamedTuple):
@@ -54,7 +56,7 @@ class FlankApproach(NamedTuple):
     tooth: Float[Array, "classes #threads"] | None
 
 
-def _evaluate_alike(law: Callable, flanks: list[FlankApproach]) -> list:
+def _evaluate_alike(law: Callable[..., Any], flanks: list[FlankApproach]) -> list[Any]:
     """A law of several flanks, compiled once where they have the same compliances."""
     kinds = {(one.hertz is None, one.tooth is None) for one in flanks}
     if len(kinds) > 1:
@@ -70,7 +72,7 @@ def _evaluate_alike(law: Callable, flanks: list[FlankApproach]) -> list:
     return [jax.tree.map(lambda x, k=k: x[k], values_of_all) for k in range(len(flanks))]
 
 
-def _gap_opening(radial_shift: Float[Array, " classes"] | None):
+def _gap_opening(radial_shift: Float[Array, " classes"] | None) -> Opening:
     return 0.0 if radial_shift is None else radial_shift[:, None]
 
 
@@ -97,7 +99,9 @@ class Flanks(eqx.Module):
             return self.gap
         return (self.gap - self.reverse_gap) / 2
 
-    def approaches(self, approach: Float[Array, "classes threads"], opening) -> list[FlankApproach]:
+    def approaches(
+        self, approach: Float[Array, "classes threads"], opening: Opening
+    ) -> list[FlankApproach]:
         """The flanks that are modelled: forward, then reverse.
 
         **Arguments:**
@@ -110,7 +114,7 @@ class Flanks(eqx.Module):
             each.append(-approach - self.reverse_gap - opening)
         return [FlankApproach(one, self.hertz, self.tooth) for one in each]
 
-    def loads(self, approach: Float[Array, "classes threads"], opening) -> Loads:
+    def loads(self, approach: Float[Array, "classes threads"], opening: Opening) -> Loads:
         """Force on forward and reverse flanks, with derivatives to everything [N].
 
         **Arguments:** those of `approaches`.
@@ -143,7 +147,9 @@ class Flanks(eqx.Module):
             return Teeth(forward + spring, forward)
         return Teeth(forward - reverse + spring, forward, forward + reverse)
 
-    def energy(self, approach: Float[Array, "classes threads"], opening):
+    def energy(
+        self, approach: Float[Array, "classes threads"], opening: Opening
+    ) -> Float[Array, "classes threads"]:
         """Energy stored in the flanks and teeth [J]."""
         energies = [flank_energy(*one) for one in self.approaches(approach, opening)]
         return sum(energies[1:], energies[0])
@@ -225,7 +231,9 @@ def deflection_of(chains: Chains, state: State, load: Scalar, offset: Scalar) ->
     return travel
 
 
-def _evaluated(law: Callable, chains: Chains, state: State) -> tuple[list, list]:
+def _evaluated(
+    law: Callable[..., Any], chains: Chains, state: State
+) -> tuple[list[Any], list[Any]]:
     """A law of all flanks: on the screw side, then on the nut side."""
     opening = _gap_opening(state.radial_shift)
     screw = chains.screw.approaches(state.screw_approach, opening)

@@ -1,7 +1,7 @@
 """How one stage shares its load: threads, rollers, pressures, stiffness of the nut."""
 
 from collections.abc import Callable
-from typing import Literal
+from typing import Any, Literal
 
 import equinox as eqx
 import jax
@@ -115,7 +115,7 @@ def tangent_stiffness(chains: Chains, state: State) -> Scalar:
     return -1 / sum((jnp.sum(a * b) for a, b in pairs), own)
 
 
-def _each(function: Callable, values: Array, *more):
+def _each(function: Callable[..., Any], values: Array, *more):
     """A function of scalars, mapped over an array of values or applied to a single one."""
     return (jax.vmap(function) if values.ndim else function)(values, *more)
 

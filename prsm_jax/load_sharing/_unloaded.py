@@ -6,7 +6,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..fields import Scalar, renamed
+from ..fields import Scalar, old_name
 from ._chains import Chains, deflection_of
 from ._equilibrium import equilibrium
 from ._stage_chains import regularised
@@ -26,7 +26,11 @@ class ElasticDeflection(NamedTuple):
     preloaded: Bool[Array, ""]
     #: Whether the balance without a load was found (none is needed where there is play).
     converged: Bool[Array, ""]
-    rest = renamed("rest", "unloaded_position")
+
+    @property
+    def rest(self) -> Scalar:
+        """Old name of `unloaded_position`."""
+        return old_name(self, "rest", "unloaded_position")
 
 
 def first_contacts(chains: Chains) -> tuple[Scalar, Scalar | None]:

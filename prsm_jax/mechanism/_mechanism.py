@@ -3,13 +3,14 @@
 from typing import Any, ClassVar, Literal, TypeAlias, get_args
 
 import equinox as eqx
-from jaxtyping import Array, Float
 
 from ..fields import (
     POSITIVE,
     ROLLERS,
     Limited,
-    Scalar,
+    Number,
+    Numbers,
+    OptionalNumber,
     check_stage,
     choice,
     number,
@@ -89,7 +90,7 @@ class Stage(Limited):
     strength: Strength | None = part(
         "no capacities, safety, life, buckling, critical speed of the shaft, or play"
     )
-    engaged_threads: Scalar | None = optional_number(
+    engaged_threads: OptionalNumber = optional_number(
         "1",
         "threads of one roller that carry load, per side, z",
         limit=POSITIVE,
@@ -106,7 +107,7 @@ class Stage(Limited):
         metadata={"without": "all rollers are equal, in their places, and present"},
     )
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         check_unequal_rollers(self.unequal_roller, self.roller_count)
         check_stage(self)
 
@@ -124,20 +125,18 @@ class Stage(Limited):
 class OperatingPoint(Limited):
     """The steady operating point: prescribed screw speed and load on the last nut."""
 
-    speed: Scalar = number("rad/s", "screw speed; negative when the load drives the screw back")
-    load: Scalar = number("N", "axial load on the last nut, against its motion at positive speed")
-    duration: Scalar | None = optional_number("s", "length of a transient simulation")
+    speed: Number = number("rad/s", "screw speed; negative when the load drives the screw back")
+    load: Number = number("N", "axial load on the last nut, against its motion at positive speed")
+    duration: OptionalNumber = optional_number("s", "length of a transient simulation")
 
 
 class DutyCycle(Limited):
     """A sequence of operating phases."""
 
     to_come: ClassVar[bool] = False
-    duration: Float[Array, " phases"] = numbers("s", "length of each phase")
-    speed: Float[Array, " phases"] = numbers(
-        "rad/s", "screw speed in each phase", length="duration"
-    )
-    load: Float[Array, " phases"] = numbers("N", "axial load in each phase", length="duration")
+    duration: Numbers = numbers("s", "length of each phase")
+    speed: Numbers = numbers("rad/s", "screw speed in each phase", length="duration")
+    load: Numbers = numbers("N", "axial load in each phase", length="duration")
 
 
 class _StoredTitle:
@@ -200,7 +199,7 @@ class Mechanism(Limited):
         "torque"
     )
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         if not self.stages:
             raise ValueError("stages is empty; a mechanism needs at least one stage")
         first = self.stages[0].friction

@@ -1,6 +1,7 @@
 """Optimisation of a mechanism: starts, searches, and the best result."""
 
 from collections.abc import Callable, Iterable, Mapping
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -17,10 +18,10 @@ from .search import Evaluator, SearchMethod, Slsqp, search_of
 @of_one_known_design
 def optimise(
     mechanism: Mechanism,
-    variables: Mapping[str, tuple] | Iterable[Variable] | None = None,
-    maximise: str | Mapping | None = None,
-    minimise: str | Mapping | None = None,
-    constraints: Mapping | Iterable[Constraint] | None = None,
+    variables: Mapping[str, tuple[Any, ...]] | Iterable[Variable] | None = None,
+    maximise: str | Mapping[str, float | int] | None = None,
+    minimise: str | Mapping[str, float | int] | None = None,
+    constraints: Mapping[str, Any] | Iterable[Constraint] | None = None,
     *,
     problem: DesignProblem | None = None,
     speed: float | Scalar | None = None,

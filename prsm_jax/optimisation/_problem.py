@@ -1,6 +1,7 @@
 """What to optimise: from the mechanism's own design problem, or from arguments."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
+from typing import Literal
 
 import numpy as np
 
@@ -71,7 +72,9 @@ def _variables(variables) -> tuple[Variable, ...]:
     return tuple(variables)
 
 
-def _objectives(terms: str | Mapping | Iterable | None, sense) -> tuple[Objective, ...]:
+def _objectives(
+    terms: str | Mapping[str, float | int] | None, sense: Literal["maximise", "minimise"]
+) -> tuple[Objective, ...]:
     if terms is None:
         return ()
     if isinstance(terms, str):

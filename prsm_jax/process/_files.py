@@ -11,7 +11,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Generator
 from pathlib import Path
 from typing import NoReturn
 
@@ -32,7 +32,7 @@ _OPEN_FILES = ("/dev/fd/", "/dev/stdin", "/dev/stdout", "/dev/stderr", "/proc/")
 
 
 @contextlib.contextmanager
-def _removed_afterwards(path: Path) -> Iterator[Path]:
+def _removed_afterwards(path: Path) -> Generator[Path, None, None]:
     """A path that is removed afterwards, unless it was moved."""
     _unfinished.add(path)
     try:
@@ -109,7 +109,7 @@ def _barred(path: Path) -> bool:
     return False
 
 
-def taking_place() -> contextlib.AbstractContextManager:
+def taking_place() -> contextlib.AbstractContextManager[object]:
     """Held while a finished result is put in place in several steps: all are done or none."""
     return _placing
 
@@ -141,7 +141,7 @@ def real_path(path: Path) -> Path:
 
 
 @contextlib.contextmanager
-def whole_file(target: Path) -> Iterator[Path]:
+def whole_file(target: Path) -> Generator[Path, None, None]:
     """A path to write to, which becomes `target` if nothing fails.
 
     It lies beside the target, because a rename is atomic only within one file system. If anything
@@ -167,7 +167,7 @@ def whole_file(target: Path) -> Iterator[Path]:
 
 
 @contextlib.contextmanager
-def temporary_folder(parent: Path, prefix: str) -> Iterator[Path]:
+def temporary_folder(parent: Path, prefix: str) -> Generator[Path, None, None]:
     """A private folder beside the future result, removed afterwards."""
     # Another process that stopped without a result may have removed the empty folder.
     parent.mkdir(parents=True, exist_ok=True)
@@ -176,7 +176,7 @@ def temporary_folder(parent: Path, prefix: str) -> Iterator[Path]:
 
 
 @contextlib.contextmanager
-def folder_for_results(folder: Path) -> Iterator[Path]:
+def folder_for_results(folder: Path) -> Generator[Path, None, None]:
     """A folder to write into, made if it does not exist, and removed if it stays empty."""
     try:
         yield make_folder(folder)

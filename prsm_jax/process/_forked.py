@@ -41,10 +41,10 @@ def _in_child() -> None:
         core.trace_ctx.set_trace(refusing)
         # Other threads of the child use it unless they have set their own.
         if hasattr(core, "trace_state_strong_ref"):
-            core.trace_state.set_global(refusing._weakref)
+            core.trace_state.set_global(refusing._weakref)  # pyright: ignore[reportPrivateUsage]
             core.trace_state_strong_ref.set_global(refusing)
         else:  # JAX 0.7
-            older.trace_state.set_global(refusing._weakref)
+            older.trace_state.set_global(refusing._weakref)  # pyright: ignore[reportPrivateUsage]
             setattr(core.TracingContext, "trace", property(lambda _: refusing, _refuse))  # noqa: B010
         core.TracingContext.set_trace = _refuse
     except (ImportError, AttributeError):

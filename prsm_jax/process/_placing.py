@@ -5,7 +5,7 @@ import ctypes
 import errno
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Generator
 from pathlib import Path
 
 from ._files import is_written_through, real_path, taking_place, whole_file
@@ -19,7 +19,7 @@ _HERE, _EXCHANGE = -100, 2  # AT_FDCWD and RENAME_EXCHANGE of Linux
 
 
 @contextlib.contextmanager
-def placing_in(folder: Path) -> Iterator[None]:
+def placing_in(folder: Path) -> Generator[None, None, None]:
     """Held while results are put into a folder: no signal stops it, another process waits."""
     with taking_place():
         lock = None

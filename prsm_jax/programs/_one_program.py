@@ -52,7 +52,7 @@ def _keeping_arguments(function: Callable[..., _Return]) -> Callable[..., _Retur
     """
     anew = eqx.filter_checkpoint(
         lambda arguments: function(*arguments[0], **arguments[1]),
-        prevent_cse=False,  # type: ignore[call-arg]
+        prevent_cse=False,
     )
 
     def run(moving, known, structure) -> _Return:
@@ -82,7 +82,7 @@ def traceable(tree: _Tree) -> _Tree:
     return jax.tree.map(_traceable, tree, is_leaf=_is_of_a_user)
 
 
-def is_known(tree) -> bool:
+def is_known(tree: object) -> bool:
     """Whether all numbers are known: neither they nor results calculated from them are traced."""
     leaves = (*jax.tree.leaves(tree), jnp.zeros(()))
     return not any(isinstance(leaf, Tracer) for leaf in leaves)

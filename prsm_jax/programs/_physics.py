@@ -7,7 +7,7 @@ mention is not traced; profiles show the same names.
 
 import functools
 from collections.abc import Callable
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 import jax
 
@@ -30,7 +30,7 @@ def physics(name: str) -> Callable[[Callable[_P, _R]], Callable[_P, _R]]:
     return decorate
 
 
-def traced_physics(function: Callable, *args) -> set[str]:
+def traced_physics(function: Callable[..., Any], *args: Any) -> set[str]:
     """The names of the physical laws that `function(*args)` traces.
 
     **Arguments:**

@@ -6,14 +6,19 @@ is the default and is enabled when `prsm_jax` is imported. Float32 is a choice w
 follows the dtype of what it is given.
 """
 
+from typing import TypeVar
+
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import DTypeLike
+
+_Tree = TypeVar("_Tree")
 
 jax.config.update("jax_enable_x64", True)
 
 
-def to_precision(tree, dtype):
+def to_precision(tree: _Tree, dtype: DTypeLike) -> _Tree:
     """Cast every floating-point leaf of a pytree (a mechanism, a result) to `dtype`."""
 
     def cast(leaf):

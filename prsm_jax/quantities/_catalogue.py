@@ -176,7 +176,11 @@ def _find_all(quantities: Iterable[str]) -> tuple[Quantity, ...]:
 
 
 def _computed(
-    mechanism: Mechanism, quantities: Iterable[str], speed, load, verdict: Callable | None = None
+    mechanism: Mechanism,
+    quantities: Iterable[str],
+    speed,
+    load,
+    verdict: Callable[..., Any] | None = None,
 ) -> tuple[dict[str, Array], Any]:
     """Values by name, in the requested order, and a verdict on the analysis and its values."""
     selected = _find_all(quantities)
@@ -186,7 +190,11 @@ def _computed(
 
 @one_program
 def _program(
-    mechanism: Mechanism, selected: tuple[Quantity, ...], speed, load, verdict: Callable | None
+    mechanism: Mechanism,
+    selected: tuple[Quantity, ...],
+    speed,
+    load,
+    verdict: Callable[..., Any] | None,
 ):
     analysis = Analysis(mechanism, speed, load)
     values = _evaluated(analysis, selected)
@@ -273,7 +281,9 @@ def available_quantities(
 
 
 @functools.lru_cache(maxsize=64)
-def _available(structure, leaves: tuple, candidates: tuple[Quantity, ...]) -> tuple[str, ...]:
+def _available(
+    structure, leaves: tuple[Any, ...], candidates: tuple[Quantity, ...]
+) -> tuple[str, ...]:
     # Which data exist depends only on the structure; a trace takes seconds.
     names: list[str] = []
 

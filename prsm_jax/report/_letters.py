@@ -3,7 +3,7 @@
 import contextlib
 import re
 import warnings
-from collections.abc import Iterator
+from collections.abc import Generator
 from typing import Any
 
 from ..text import MINUS
@@ -13,7 +13,7 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 @contextlib.contextmanager
-def any_letter() -> Iterator[None]:
+def any_letter() -> Generator[None, None, None]:
     """Draw characters that the font lacks as boxes, without warnings."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", r"Glyph \d+ .*missing from", UserWarning)
@@ -38,6 +38,6 @@ def write_powers_out(figure: Any) -> None:
                 axis.set_minor_formatter(Powers(minor_thresholds=minor.minor_thresholds))
 
 
-def _power(match: re.Match) -> str:
+def _power(match: re.Match[str]) -> str:
     sign, times, base, power = match.groups()
     return f"{sign and MINUS}{times + '·' if times else ''}{base}{power.translate(_RAISED)}"

@@ -1,6 +1,7 @@
 """Vibration excited by the contacts: amplitudes and dynamic forces over screw speed."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -72,7 +73,7 @@ class MeshResponse(AbstractResult):
         return jnp.max(magnitude(self.spring_force[..., jnp.asarray(places)]), axis=-1)
 
 
-def _place(known: tuple, name: str) -> int:
+def _place(known: tuple[Any, ...], name: str) -> int:
     names = [str(one) for one in known]
     if name not in names:
         raise ValueError(f"{name!r} does not exist; choose one of {', '.join(names)}")

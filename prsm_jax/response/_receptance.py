@@ -1,7 +1,7 @@
 """Receptances of a spring network: by direct solution, and as a sum over modes."""
 
 from collections.abc import Callable
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import equinox as eqx
 import jax
@@ -70,7 +70,7 @@ def _scale(network: SpringNetwork, losses: Dissipation) -> _Scaled:
     )
 
 
-def _each(function: Callable, *arrays: Array):
+def _each(function: Callable[..., Any], *arrays: Array):
     """`function` at every frequency: all at once, or in chunks of bounded size."""
     if arrays[0].shape[0] <= _CHUNK:
         return jax.vmap(function)(*arrays)

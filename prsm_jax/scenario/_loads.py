@@ -6,18 +6,21 @@ time alone and plain numbers are loads, too: `load_value` accepts them all.
 """
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import ClassVar, TypeAlias, get_args
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, ArrayLike, DTypeLike, Float
 
 from ..fields import (
     ANY,
     NOT_NEGATIVE,
     POSITIVE,
+    Converted,
     Limited,
+    Number,
+    Numbers,
     Scalar,
     as_scalar,
     choice,
@@ -25,7 +28,7 @@ from ..fields import (
     number,
     numbers,
 )
-from ._sequences import Profile
+from ._sequences import Driven, Profile
 from ._tables import Curve, Interpolation
 
 
@@ -36,10 +39,10 @@ class HingeLoad(Limited):
     """
 
     kind: ClassVar[str] = "hinge"
-    constant: Scalar = number("N", "load at rest at position 0", default=0.0)
-    stiffness: Scalar = number("N/m", "stiffness of the spring", default=0.0, limit=ANY)
-    damping: Scalar = number("N·s/m", "damping", default=0.0, limit=ANY)
-    mass: Scalar = number("kg", "mass that moves with the nut", default=0.0, limit=NOT_NEGATIVE)
+    constant: Number = number("N", "load at rest at position 0", default=0.0)
+    stiffness: Number = number("N/m", "stiffness of the spring", default=0.0, limit=ANY)
+    damping: Number = number("N·s/m", "damping", default=0.0, limit=ANY)
+    mass: Number = number("kg", "mass that moves with the nut", default=0.0, limit=NOT_NEGATIVE)
 
     def __call__(
         self, time: Scalar, position: Scalar, speed: Scalar, acceleration: Scalar
@@ -57,12 +60,12 @@ class AerodynamicLoad(Limited):
     """
 
     kind: ClassVar[str] = "aerodynamic"
-    stiffness_per_pressure: Scalar = number("m", "force per deflection and pressure, k", limit=ANY)
-    dynamic_pressure: Scalar | Profile | Callable = driven("Pa", "dynamic pressure of the flow, q̄")
-    constant: Scalar = number("N", "load at rest at position 0", default=0.0)
-    damping_per_pressure: Scalar = number("m·s", "force per speed and pressure, c", default=0.0)
-    quadratic_damping: Scalar = number("N·s²/m²", "force per speed squared, c₂", default=0.0)
-    mass: Scalar = number("kg", "mass that moves with the nut", default=0.0, limit=NOT_NEGATIVE)
+    stiffness_per_pressure: Number = number("m", "force per deflection and pressure, k", limit=ANY)
+    dynamic_pressure: Driven = driven("Pa", "dynamic pressure of the flow, q̄")
+    constant: Number = number("N", "load at rest at position 0", default=0.0)
+    damping_per_pressure: Number = number("m·s", "force per speed and pressure, c", default=0.0)
+    quadratic_damping: Number = number("N·s²/m²", "force per speed squared, c₂", default=0.0)
+    mass: Number = number("kg", "mass that moves with the nut", default=0.0, limit=NOT_NEGATIVE)
 
     def __call__(
         self, time: Scalar, position: Scalar, speed: Scalar, acceleration: Scalar
@@ -84,12 +87,10 @@ class PositionTableLoad(Limited):
     """A table over the position of the nut, interpolated; constant outside of it."""
 
     kind: ClassVar[str] = "position_table"
-    positions: Float[Array, " points"] = numbers(
+    positions: Numbers = numbers(
         "m", "increasing positions of the nut", limit=ANY, least=2, increasing=True
     )
-    values: Float[Array, " points"] = numbers(
-        "N", "loads at these positions", least=2, length="positions"
-    )
+    values: Numbers = numbers("N", "loads at these positions", least=2, length="positions")
     interpolation: Interpolation = choice("between the points", default="linear")
 
     def _curve(self) -> Curve:
@@ -106,8 +107,8 @@ class FrictionLoad(Limited):
     """Friction of a guide: `F = force ż / √(ż² + width²)`."""
 
     kind: ClassVar[str] = "friction"
-    force: Scalar = number("N", "friction force of the guide", limit=NOT_NEGATIVE)
-    width: Scalar = number("m/s", "speed over which the force changes its sign", limit=POSITIVE)
+    force: Number = number("N", "friction force of the guide", limit=NOT_NEGATIVE)
+    width: Number = number("m/s", "speed over which the force changes its sign", limit=POSITIVE)
 
     def __call__(
         self, time: Scalar, position: Scalar, speed: Scalar, acceleration: Scalar
@@ -116,15 +117,19 @@ class FrictionLoad(Limited):
         return self.force * speed / jnp.sqrt(speed**2 + self.width**2)
 
 
+def _parts(
+    parts: Iterable[ArrayLike | Callable[..., Scalar]],
+) -> tuple[Scalar | Callable[..., Scalar], ...]:
+    return tuple(part if callable(part) else as_scalar(part) for part in parts)
+
+
 class SumLoad(Limited):
     """Sum of several loads: loads of motion, functions of time and numbers."""
 
     kind: ClassVar[str] = "sum"
-    part: tuple["PartLoad | Callable", ...] = eqx.field(
-        converter=lambda parts: tuple(p if callable(p) else as_scalar(p) for p in parts)
-    )
+    part: tuple["PartLoad | Callable[..., Scalar]", ...] = eqx.field(converter=_parts)
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         if not self.part:
             raise ValueError("SumLoad: part is empty; give at least one load")
 
@@ -146,9 +151,13 @@ class SumLoad(Limited):
 
 LoadOfMotion: TypeAlias = HingeLoad | AerodynamicLoad | PositionTableLoad | FrictionLoad | SumLoad
 PartLoad: TypeAlias = Scalar | Profile | LoadOfMotion
+#: Field with a number, a function of time, or one of time and of the motion of the nut.
+DrivenLoad: TypeAlias = Converted[
+    Scalar | Profile | LoadOfMotion | Callable[..., Scalar], ArrayLike | Callable[..., Scalar]
+]
 
 
-def depends_on_motion(load) -> bool:
+def depends_on_motion(load: ArrayLike | Callable[..., Scalar]) -> bool:
     """Whether a load is a function of the nut's motion, and not of time alone."""
     if isinstance(load, SumLoad):
         return any(map(depends_on_motion, load.part))
@@ -162,7 +171,11 @@ def depends_on_motion(load) -> bool:
     return sum(p.default is p.empty and p.kind in positional for p in parameters) > 1
 
 
-def load_value(load, time: Scalar, motion: Callable[[], tuple[Scalar, Scalar, Scalar]]) -> Scalar:
+def load_value(
+    load: ArrayLike | Callable[..., Scalar],
+    time: Scalar,
+    motion: Callable[[], tuple[Scalar, Scalar, Scalar]],
+) -> Scalar:
     """Load at an instant [N].
 
     **Arguments:**
@@ -178,7 +191,9 @@ def load_value(load, time: Scalar, motion: Callable[[], tuple[Scalar, Scalar, Sc
     return jnp.asarray(load(time), time.dtype)
 
 
-def break_times_of(function, dtype) -> Float[Array, " breaks"]:
+def break_times_of(
+    function: ArrayLike | Callable[..., Scalar], dtype: DTypeLike
+) -> Float[Array, " breaks"]:
     """Times at which a number or function has a jump or a kink, from its `break_times` [s]."""
     times = getattr(function, "break_times", None)
     return jnp.zeros(0, dtype) if times is None else jnp.asarray(times, dtype)

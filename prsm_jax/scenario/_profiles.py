@@ -21,6 +21,8 @@ from ..fields import (
     NOT_ZERO,
     POSITIVE,
     Limited,
+    Number,
+    OptionalNumber,
     Scalar,
     number,
     optional_number,
@@ -31,10 +33,10 @@ class SineProfile(Limited):
     """`mean + amplitude sin(2π f t + phase)`."""
 
     kind: ClassVar[str] = "sine"
-    amplitude: Scalar = number("*", "amplitude", limit=ANY)
-    frequency: Scalar = number("Hz", "frequency, f", limit=NOT_NEGATIVE)
-    mean: Scalar = number("*", "mean value", default=0.0, limit=ANY)
-    phase: Scalar = number("rad", "phase at the start", default=0.0)
+    amplitude: Number = number("*", "amplitude", limit=ANY)
+    frequency: Number = number("Hz", "frequency, f", limit=NOT_NEGATIVE)
+    mean: Number = number("*", "mean value", default=0.0, limit=ANY)
+    phase: Number = number("rad", "phase at the start", default=0.0)
 
     def _turned(self, time: Scalar) -> Scalar:
         return 2 * jnp.pi * self.frequency * time + self.phase
@@ -113,8 +115,8 @@ class ConstantProfile(AbstractSegmentedProfile):
     """One value for a given time: a part of a sequence."""
 
     kind: ClassVar[str] = "constant"
-    value: Scalar = number("*", "value", limit=ANY)
-    hold_time: Scalar = number("s", "duration of this value", limit=POSITIVE)
+    value: Number = number("*", "value", limit=ANY)
+    hold_time: Number = number("s", "duration of this value", limit=POSITIVE)
 
     def _segments(self) -> _Segments:
         one, zero = self.value[None], jnp.zeros_like(self.value)[None]
@@ -125,13 +127,13 @@ class TrapezoidalProfile(AbstractSegmentedProfile):
     """Linear rise, plateau, linear fall, and a dwell at 0."""
 
     kind: ClassVar[str] = "trapezoidal"
-    peak: Scalar = number("*", "value of the plateau", limit=ANY)
-    rise_time: Scalar = number("s", "time from 0 to the plateau", limit=POSITIVE)
-    hold_time: Scalar = number("s", "length of the plateau", limit=NOT_NEGATIVE)
-    fall_time: Scalar | None = optional_number(
+    peak: Number = number("*", "value of the plateau", limit=ANY)
+    rise_time: Number = number("s", "time from 0 to the plateau", limit=POSITIVE)
+    hold_time: Number = number("s", "length of the plateau", limit=NOT_NEGATIVE)
+    fall_time: OptionalNumber = optional_number(
         "s", "time from the plateau to 0; equal to the rise time if not given", limit=POSITIVE
     )
-    dwell_time: Scalar = number("s", "rest at 0 afterwards", default=0.0, limit=NOT_NEGATIVE)
+    dwell_time: Number = number("s", "rest at 0 afterwards", default=0.0, limit=NOT_NEGATIVE)
 
     def _segments(self) -> _Segments:
         fall = self.rise_time if self.fall_time is None else self.fall_time
@@ -156,15 +158,15 @@ class TrapezoidalMoveProfile(AbstractSegmentedProfile):
 
     kind: ClassVar[str] = "trapezoidal_move"
     value_unit: ClassVar[str] = "rad/s"
-    angle_moved: Scalar = number("rad", "angle of the move; negative backwards", limit=NOT_ZERO)
-    speed_limit: Scalar = number("rad/s", "largest speed", limit=POSITIVE)
-    acceleration_limit: Scalar = number("rad/s²", "largest acceleration", limit=POSITIVE)
-    deceleration_limit: Scalar | None = optional_number(
+    angle_moved: Number = number("rad", "angle of the move; negative backwards", limit=NOT_ZERO)
+    speed_limit: Number = number("rad/s", "largest speed", limit=POSITIVE)
+    acceleration_limit: Number = number("rad/s²", "largest acceleration", limit=POSITIVE)
+    deceleration_limit: OptionalNumber = optional_number(
         "rad/s²",
         "largest deceleration; equal to the acceleration if not given",
         limit=POSITIVE,
     )
-    dwell_time: Scalar = number("s", "rest afterwards", default=0.0, limit=NOT_NEGATIVE)
+    dwell_time: Number = number("s", "rest afterwards", default=0.0, limit=NOT_NEGATIVE)
 
     def _segments(self) -> _Segments:
         distance, up = jnp.abs(self.angle_moved), self.acceleration_limit
@@ -188,11 +190,11 @@ class SCurveMoveProfile(AbstractSegmentedProfile):
 
     kind: ClassVar[str] = "s_curve_move"
     value_unit: ClassVar[str] = "rad/s"
-    angle_moved: Scalar = number("rad", "angle of the move; negative backwards", limit=NOT_ZERO)
-    speed_limit: Scalar = number("rad/s", "largest speed", limit=POSITIVE)
-    acceleration_limit: Scalar = number("rad/s²", "largest acceleration", limit=POSITIVE)
-    jerk_limit: Scalar = number("rad/s³", "largest jerk", limit=POSITIVE)
-    dwell_time: Scalar = number("s", "rest afterwards", default=0.0, limit=NOT_NEGATIVE)
+    angle_moved: Number = number("rad", "angle of the move; negative backwards", limit=NOT_ZERO)
+    speed_limit: Number = number("rad/s", "largest speed", limit=POSITIVE)
+    acceleration_limit: Number = number("rad/s²", "largest acceleration", limit=POSITIVE)
+    jerk_limit: Number = number("rad/s³", "largest jerk", limit=POSITIVE)
+    dwell_time: Number = number("s", "rest afterwards", default=0.0, limit=NOT_NEGATIVE)
 
     def _segments(self) -> _Segments:
         distance, jerk = jnp.abs(self.angle_moved), self.jerk_limit

@@ -5,7 +5,6 @@ numbers differentiable): the profiles of `_profiles` and `_sequences`, the loads
 other. Those read from a file can be written to a file.
 """
 
-from collections.abc import Callable
 from typing import ClassVar
 
 import jax
@@ -18,14 +17,15 @@ from ..fields import (
     POSITIVE,
     SAMPLES,
     Limited,
+    Number,
     Scalar,
     check_fields,
     choice,
     driven,
     number,
 )
-from ._loads import LoadOfMotion, break_times_of, load_value
-from ._sequences import Profile
+from ._loads import DrivenLoad, break_times_of, load_value
+from ._sequences import Driven
 
 
 def check_scenario(scenario: "Scenario | TorqueScenario") -> None:
@@ -59,17 +59,17 @@ class Scenario(Limited):
 
     to_come: ClassVar[bool] = False
     #: Screw speed Ω [rad/s].
-    speed: Scalar | Profile | Callable = driven("rad/s", "screw speed")
+    speed: Driven = driven("rad/s", "screw speed")
     #: Load on the last nut, against its motion at positive speed [N].
-    load: Scalar | Profile | LoadOfMotion | Callable = driven("N", "load on the last nut")
+    load: DrivenLoad = driven("N", "load on the last nut")
     #: Length of the simulation [s].
-    duration: Scalar = number("s", "length of the simulation", limit=POSITIVE)
+    duration: Number = number("s", "length of the simulation", limit=POSITIVE)
     #: Carrier ratio ω/Ω at the start, of every stage; 0 if the rollers do not orbit.
-    initial_carrier_ratio: Scalar = number("1", "carrier ratio at the start", default=0.0)
+    initial_carrier_ratio: Number = number("1", "carrier ratio at the start", default=0.0)
     #: Number of equally spaced times in the result.
     samples: int = choice("number of times in the result", default=201, limit=SAMPLES)
     #: Position of the nut at the start [m].
-    initial_position: Scalar = number(
+    initial_position: Number = number(
         "m", "position of the nut at the start", default=0.0, limit=ANY
     )
 
@@ -101,18 +101,18 @@ class TorqueScenario(Limited):
 
     to_come: ClassVar[bool] = False
     #: Torque at the first screw: a number, or a pure function of time [N·m].
-    torque: Scalar | Profile | Callable = driven("N·m", "torque at the first screw")
+    torque: Driven = driven("N·m", "torque at the first screw")
     #: Load on the last nut [N]: a number, a function of time, or one of time, position, speed and
     #: acceleration of the nut, such as a `HingeLoad`.
-    load: Scalar | Profile | LoadOfMotion | Callable = driven("N", "load on the last nut")
+    load: DrivenLoad = driven("N", "load on the last nut")
     #: [s]
-    duration: Scalar = number("s", "length of the simulation", limit=POSITIVE)
+    duration: Number = number("s", "length of the simulation", limit=POSITIVE)
     #: Screw speed at the start [rad/s]. The carriers start in the ratio in which they settle with
     #: this motion of the screw. If they do not settle, because the screw is braked harder than
     #: friction in the threads can brake them, they start in the ratio of rolling.
-    initial_speed: Scalar = number("rad/s", "screw speed at the start", default=0.0)
+    initial_speed: Number = number("rad/s", "screw speed at the start", default=0.0)
     #: Position of the nut at the start [m].
-    initial_position: Scalar = number(
+    initial_position: Number = number(
         "m", "position of the nut at the start", default=0.0, limit=ANY
     )
     samples: int = choice("number of times in the result", default=201, limit=SAMPLES)

@@ -1,12 +1,13 @@
 """Tables over time, and sequences of profiles: repeated, optionally with alternating sign."""
 
+from collections.abc import Callable
 from typing import ClassVar, NamedTuple, TypeAlias, get_args
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, ArrayLike, Float
 
-from ..fields import ANY, MANY, Limited, Scalar, choice, numbers
+from ..fields import ANY, MANY, Converted, Limited, Numbers, Scalar, choice, numbers
 from ._profiles import (
     ConstantProfile,
     SCurveMoveProfile,
@@ -24,12 +25,10 @@ class TableProfile(Limited):
     """A table over time, interpolated; outside of it the first or last value."""
 
     kind: ClassVar[str] = "table"
-    times: Float[Array, " points"] = numbers(
+    times: Numbers = numbers(
         "s", "increasing times, from 0 on", limit=ANY, least=2, increasing=True
     )
-    values: Float[Array, " points"] = numbers(
-        "*", "values at these times", limit=ANY, least=2, length="times"
-    )
+    values: Numbers = numbers("*", "values at these times", limit=ANY, least=2, length="times")
     interpolation: Interpolation = choice("between the points", default="linear")
 
     def _curve(self) -> Curve:
@@ -64,7 +63,7 @@ class SequenceProfile(Limited):
     repeats: int = choice("number of times the parts are run through", default=1, limit=MANY)
     reversing: bool = choice("whether every second time has the opposite sign", default=False)
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         if not self.part:
             raise ValueError("SequenceProfile: part is empty; give at least one profile")
         for part in self.part:
@@ -198,5 +197,9 @@ PartProfile: TypeAlias = (
     | SequenceProfile
 )
 Profile: TypeAlias = SineProfile | PartProfile
+#: Field with a number or a function of time.
+Driven: TypeAlias = Converted[
+    Scalar | Profile | Callable[..., Scalar], ArrayLike | Callable[..., Scalar]
+]
 #: Profiles by the name of their kind.
 PROFILES: dict[str, type[eqx.Module]] = {cls.kind: cls for cls in get_args(Profile)}

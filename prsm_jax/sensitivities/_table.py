@@ -2,6 +2,7 @@
 
 import math
 import textwrap
+from typing import Any
 
 import equinox as eqx
 import numpy as np
@@ -77,7 +78,7 @@ class Sensitivity(eqx.Module):
         row, column = self.quantities.index(quantity), self.parameters.index(parameter)
         return self.gradient[..., row, column]
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """Plain lists for JSON; `None` where a number is not finite or not defined.
 
         **Raises:** `ValueError` for a batched table.
@@ -143,7 +144,7 @@ class Sensitivity(eqx.Module):
         return words.rstrip()
 
 
-def _plain(array) -> list | float | None:
+def _plain(array) -> list[Any] | float | None:
     """Nested lists of floats, `None` for numbers that JSON cannot represent."""
     array = np.asarray(array, dtype=float)
     if array.ndim == 0:

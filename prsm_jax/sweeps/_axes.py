@@ -3,6 +3,7 @@
 import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -39,7 +40,9 @@ class Grid:
     def traced(self) -> tuple[Axis, ...]:
         return tuple(axis for axis in self.axes if not axis.static)
 
-    def combinations(self, mechanism: Mechanism) -> Iterator[tuple[tuple, str, Mechanism]]:
+    def combinations(
+        self, mechanism: Mechanism
+    ) -> Iterator[tuple[tuple[Any, ...], str, Mechanism]]:
         """For every combination of static values: its place in the grid, text and mechanism."""
         choices = [range(len(axis.values)) if axis.static else [None] for axis in self.axes]
         for choice in itertools.product(*choices):
@@ -52,7 +55,7 @@ class Grid:
             yield where, ", ".join(words), chosen
 
 
-def grid_of(mechanism: Mechanism, axes: Mapping, fixed: Mapping[str, object]) -> Grid:
+def grid_of(mechanism: Mechanism, axes: Mapping[str, Any], fixed: Mapping[str, object]) -> Grid:
     """Check the axes of a sweep.
 
     **Arguments:**

@@ -1,6 +1,6 @@
 """Labels: arrays over a grid become a data set with names, units and descriptions."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,7 +19,7 @@ def labelled(
     grid: Grid,
     values: dict[str, np.ndarray],
     codes: dict[str, np.ndarray],
-    point: dict,
+    point: dict[str, Any],
 ) -> "xarray.Dataset":
     """The data set of a sweep.
 
@@ -35,11 +35,11 @@ def labelled(
     import xarray
 
     over = tuple(axis.name for axis in grid.axes)
-    coordinates: dict = {
+    coordinates: dict[str, Any] = {
         axis.name: (axis.name, axis.values, {"units": axis.unit, "long_name": axis.description})
         for axis in grid.axes
     }
-    variables: dict = {}
+    variables: dict[str, Any] = {}
     for name, array in values.items():
         quantity = find_quantity(name)
         attributes = {

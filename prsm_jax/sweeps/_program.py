@@ -1,5 +1,7 @@
 """The compiled part of a sweep: one chunk of designs, all at once."""
 
+from typing import Any
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -21,7 +23,7 @@ def evaluate_chunk(
     chunk: int,
     speed: Scalar | None,
     load: Scalar | None,
-    sources: tuple | None,
+    sources: tuple[Any, ...] | None,
 ) -> tuple[dict[str, Array], Int[Array, " chunk"], Int[Array, " chunk"]]:
     """Quantities of `chunk` neighbouring designs of a grid, with the last axis varying fastest.
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 _MARKS = ("zarr.json", ".zgroup")
 
 
-def check_store(store: str | os.PathLike) -> None:
+def check_store(store: str | os.PathLike[str]) -> None:
     """Check, before anything is computed, that a store can be written.
 
     **Raises:** `MissingExtraError` without zarr; `ValueError` if the path holds something that is
@@ -35,7 +35,7 @@ def check_store(store: str | os.PathLike) -> None:
             )
 
 
-def write_store(dataset: "xarray.Dataset", store: str | os.PathLike) -> None:
+def write_store(dataset: "xarray.Dataset", store: str | os.PathLike[str]) -> None:
     """Write a data set as a zarr store (format 3), under a temporary name until it is complete."""
     path = real_path(Path(store))
     with temporary_folder(path.parent, f".{path.name}-") as temporary:

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable, Iterable, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -26,14 +26,14 @@ DEFAULT_CHUNK = 4096
 @of_one_known_design
 def sweep(
     mechanism: Mechanism,
-    axes: Mapping[str, Iterable],
+    axes: Mapping[str, Iterable[Any]],
     quantities: Iterable[str],
     *,
     speed: float | Scalar | None = None,
     load: float | Scalar | None = None,
     chunk: int = DEFAULT_CHUNK,
     progress: bool | Callable[[int, int], None] = False,
-    store: str | os.PathLike | None = None,
+    store: str | os.PathLike[str] | None = None,
     findings: bool = True,
 ) -> "xarray.Dataset":
     """Evaluate quantities on the full grid of some parameters.
@@ -109,9 +109,9 @@ def _evaluate(
     mechanism: Mechanism,
     grid: Grid,
     names: tuple[str, ...],
-    point: dict,
+    point: dict[str, Any],
     chunk: int,
-    sources: tuple | None,
+    sources: tuple[Any, ...] | None,
     bar,
 ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
     """All quantities over the grid, and codes of each design: why it failed, which error it has."""

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import SupportsFloat
+from typing import Any, SupportsFloat
 
 MINUS = "\N{MINUS SIGN}"
 #: A non-breaking space that is narrower than a space between words.
@@ -17,7 +17,7 @@ class DisplayUnit:
     label: str
     per_si: float
 
-    def __call__(self, value):
+    def __call__(self, value: Any) -> Any:
         """An SI number, or array of them, in this unit."""
         return value * self.per_si
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -10,7 +11,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from ..contact import StageContact, load_of
-from ..fields import Scalar, renamed
+from ..fields import Scalar, old_name
 from ..geometry import mesh
 from ..load_sharing import LoadDistribution
 from ..mechanism import Mechanism, find_parameters, of_one_design, set_parameter, stage_at
@@ -64,7 +65,11 @@ class FrequencyLoci(AbstractResult):
     stage: int = eqx.field(static=True)
     #: Whether only whole numbers are possible (the number of rollers).
     integer: bool = eqx.field(static=True)
-    whole = renamed("whole", "integer")
+
+    @property
+    def whole(self) -> bool:
+        """Old name of `integer`."""
+        return old_name(self, "whole", "integer")
 
     @property
     def batch_shape(self) -> tuple[int, ...]:
@@ -204,7 +209,7 @@ def frequency_loci(
     )
 
 
-def _stacked(results: list) -> tuple[dict[str, Array], Array | None, Array]:
+def _stacked(results: list[Any]) -> tuple[dict[str, Array], Array | None, Array]:
     """Results of all points as arrays; modes that a point lacks are NaN."""
 
     def padded(rows: list[np.ndarray], fill: float) -> Array:

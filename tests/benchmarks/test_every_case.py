@@ -7,16 +7,16 @@ import subprocess
 import sys
 from pathlib import Path
 
-import jax
 import pytest
 
 from benchmarks.cases import case_names, many_transients
+from tests.compilation_cache import cache_folder
 
 ROOT = Path(__file__).parents[2]
 _PATHS = [str(ROOT), os.environ["PYTHONPATH"]]
 #: A second run of the tests finds the programs of the first.
 _KEPT = {
-    "JAX_COMPILATION_CACHE_DIR": str(jax.config.jax_compilation_cache_dir),
+    "JAX_COMPILATION_CACHE_DIR": cache_folder(),
     "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0",
 }
 

@@ -193,7 +193,7 @@ def test_a_value_that_jumps_has_no_derivative_and_hides_no_other():
     def verdict(given, histories=True):
         return slope_cell(value, np.array(given), measured, 1e-6, histories, False)
 
-    assert verdict([1.0, 1e12]) == Cell("open", pytest.approx(0.0), "jump")
+    assert verdict([1.0, 1e12]) == Cell("open", pytest.approx(0.0), "jump")  # pyright: ignore[reportArgumentType]
     assert verdict([1.1, 1e12]).status == "wrong_gradient"
     assert verdict([1.0, 1e12], histories=False).status == "wrong_gradient"
     # An error that is small beside the values is not that of a jump.

@@ -6,13 +6,14 @@ import jax
 import pytest
 
 from prsm_jax.cli import main
+from tests.compilation_cache import cache_folder
 
 
 @pytest.fixture
 def prsm(monkeypatch, tmp_path, capsys):
     """`prsm(*words)` gives exit status, stdout and stderr; the working directory is empty."""
-    shared = jax.config.jax_compilation_cache_dir
-    monkeypatch.setenv("PRSM_JAX_CACHE", str(shared or ""))
+    shared = cache_folder()
+    monkeypatch.setenv("PRSM_JAX_CACHE", shared)
     monkeypatch.chdir(tmp_path)
 
     def run(*words):

@@ -11,6 +11,7 @@ import pytest
 import prsm_jax
 from prsm_jax import file
 from tests import scenes
+from tests.present import present
 
 _compute = eqx.filter_jit(
     lambda m: prsm_jax.compute(m, ["efficiency", "max_pressure_shared", "drive_torque"])
@@ -32,7 +33,7 @@ def test_sensitivity_json(prsm_json):
     # ω² = K/(J/a² + N m) and a is proportional to the roller radius: closed form.
     stage = scenes.example("wu2022").stages[0]
     turning = float(stage.carrier.inertia / stage.thread.centre_distance**2)
-    circling = 7 * float(stage.roller.mass)
+    circling = 7 * float(present(stage.roller.mass))
     assert results["elasticity"][1][1] == pytest.approx(turning / (turning + circling), rel=1e-10)
 
 

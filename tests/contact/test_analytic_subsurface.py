@@ -377,7 +377,7 @@ def test_no_stress_without_a_load():
 def test_wrong_choices_are_refused():
     given = array(1.0), array(1.0), array(1.0), array(RATIO)
     with pytest.raises(ValueError, match="choose one of von_mises"):
-        stress_peak_on_axis(*given, "mises")
+        stress_peak_on_axis(*given, "mises")  # pyright: ignore[reportArgumentType]
     point, axes = jnp.zeros(3), jnp.ones(2)
     with pytest.raises(ValueError, match="nodes is 7"):
         subsurface_stress(point, axes, array(1.0), array(RATIO), nodes=7)

@@ -10,7 +10,6 @@ import pytest
 from laminae import lamina_load, lamina_risk, pressure_ratio_by_bisection, sides_of
 from scenes import array, example, mechanism, mesh, stage, stage_contact, thread
 from scipy.integrate import quad
-from scipy.optimize import brentq
 from truncation_scenes import screw_of_30_mm, without_addenda
 
 import prsm_jax as prsm
@@ -31,6 +30,8 @@ from prsm_jax.contact import (
 from prsm_jax.geometry import flank_ends, flanks_end
 from prsm_jax.halfspace import flank_contact, tangent_plane
 from prsm_jax.mechanism import LoadSharing, ScrewShaft, Strength, ThreadTooth
+from tests.present import present
+from tests.roots import root_between
 
 _compute = eqx.filter_jit(prsm.compute)
 
@@ -81,7 +82,7 @@ def _nearest(one, plane, end, size):
     best = (np.inf, 0.0)
     for angle in np.linspace(0, 2 * np.pi, 721):
         if beyond(0.0, angle) * beyond(size, angle) < 0:
-            best = min(best, (brentq(beyond, 0.0, size, args=(angle,)), angle))
+            best = min(best, (root_between(beyond, 0.0, size, args=(angle,)), angle))
     return best
 
 
@@ -182,7 +183,7 @@ def _static_by_bisection(one, permissible):
             ratio = pressure_ratio_by_bisection([t / scale for t in reaches])
             return float(hertz.max_pressure) * scale * ratio / permissible - 1
 
-        loads.append(brentq(pressure, 1e4, 1e7, rtol=1e-12))
+        loads.append(root_between(pressure, 1e4, 1e7, rtol=1e-12))
     return min(loads)
 
 
@@ -330,7 +331,7 @@ def test_half_spaces_agree_with_those_of_numpy(side):
     force, height = 100.0 * (3.5e9 / unit) ** 3, 0.2 * 3e-3 / 5
     expected = contact_pressure(design, side, (height, height), force, modulus, 160)
     one = screw_of_30_mm(3e-3).stages[0]
-    total = force * 10 * float(one.engaged_threads)
+    total = force * 10 * float(present(one.engaged_threads))
     found, code = _on_true_flanks(one, side, array(total))
     assert int(code) == 0
     # 48 cells a side, whose rows change the cut by up to a cell: an edge of first order.

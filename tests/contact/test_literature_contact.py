@@ -10,6 +10,7 @@ from scenes import array, example, mesh, stage, stage_contact, thread
 import prsm_jax as prsm
 from prsm_jax.contact import contact_frames, contact_modulus, hertz_contact
 from prsm_jax.mechanism import GivenStiffness, Material
+from tests.present import present
 
 _hertz = eqx.filter_jit(hertz_contact)
 BEARING_STEEL = Material(210e9, 0.3)
@@ -87,7 +88,7 @@ def test_lisowski_2014_with_exact_flank_curvatures(load, screw, nut):
     """The same loads on the true flanks, F/cos α₀ along the normal; independent reference."""
     pair = _one_pair("exact")
     frames = contact_frames(pair.thread, mesh(pair.thread), "exact")
-    modulus = contact_modulus(pair.material, pair.material)
+    modulus = contact_modulus(present(pair.material), present(pair.material))
     for frame, published in zip(frames, (screw, nut), strict=True):
         curvature = frame.curvature
         force = array(load / np.cos(np.pi / 4))

@@ -23,6 +23,7 @@ from prsm_jax.contact import (
 from prsm_jax.geometry import matched_profile_angle
 from prsm_jax.halfspace import grid_over, ring_contact, solve_contact
 from prsm_jax.mechanism import material_of
+from tests.present import present
 
 HERTZ = "docs/contact_hertz.md"
 SURFACES = "docs/contact_surfaces.md"
@@ -122,7 +123,9 @@ def _ring(lead_angle: float):
     """Slices and modulus of the ring example at some lead angle [deg], 55 N."""
     stage = example("ring_roller").stages[0]
     steel = material_of(stage, "screw")
-    contact = dataclasses.replace(stage.line_contact, lead_angle=array(np.radians(lead_angle)))
+    contact = dataclasses.replace(
+        present(stage.line_contact), lead_angle=array(np.radians(lead_angle))
+    )
     modulus = contact_modulus(steel, steel)
     return contact, modulus, _slices(contact, modulus)
 

@@ -16,6 +16,7 @@ from benchmarks.references.meshing import Design
 from benchmarks.references.truncated import hertz_pressure, pressures
 from prsm_jax import strength
 from prsm_jax.contact import largest_pressure, pressure_ratio, truncation
+from tests.present import present
 
 STRENGTH = "docs/strength.md"
 _CELLS, _RADIUS = 192, 0.1e-3
@@ -28,7 +29,7 @@ _compute = eqx.filter_jit(prsm.compute)
 @eqx.filter_jit
 def _laws(stage, pressure):
     """Share cut, pressure at the contact point and largest one over Hertz, of both sides."""
-    both = zip(strength.side_onsets(stage), strength.side_edges(stage), strict=True)
+    both = zip(present(strength.side_onsets(stage)), strength.side_edges(stage), strict=True)
     return [
         (
             truncation(pressure, side.onsets),

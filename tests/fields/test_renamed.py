@@ -19,7 +19,7 @@ def _margin(**arguments) -> Margin:
 def test_old_names_of_arguments():
     inputs = {"pressure": jnp.asarray(1e9)}
     with pytest.warns(DeprecationWarning, match="asked is now law_inputs"):
-        sliding = Sliding(jnp.asarray(0.1), asked=inputs)
+        sliding = Sliding(jnp.asarray(0.1), asked=inputs)  # pyright: ignore[reportCallIssue]
     assert sliding.law_inputs == inputs
     with pytest.warns(DeprecationWarning, match="whole is now integer"):
         assert _margin(whole=True).integer is True

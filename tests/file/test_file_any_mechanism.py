@@ -5,6 +5,7 @@ The strategies are made from the classes as the schema is, so a new field is tes
 
 import dataclasses
 import typing
+from typing import Any
 
 import equinox as eqx
 import numpy as np
@@ -32,6 +33,7 @@ from prsm_jax.mechanism import (
     UnequalRoller,
     Variable,
 )
+from tests.present import present
 
 _NAMES = st.from_regex(r"[a-z][a-z_]{0,20}", fullmatch=True)
 _LARGEST = 1e120
@@ -69,7 +71,8 @@ def _choice(draw, choice: TableChoice):
     if choice.law is None:
         return draw(modules(choice.cls))
     law = draw(modules(choice.law))
-    return choice.cls(law, None if choice.law.load_independent else draw(numbers(limit_of("m"))))
+    kind: Any = choice.cls
+    return kind(law, None if choice.law.load_independent else draw(numbers(limit_of("m"))))
 
 
 @st.composite
@@ -155,7 +158,7 @@ def _thick_enough(strength, bore_radius):
         return strength
     root = max(float(shaft.root_radius), float(bore_radius) * 1.1 + 1e-3)
     shaft = dataclasses.replace(shaft, root_radius=root)
-    return dataclasses.replace(strength, shaft=shaft)
+    return dataclasses.replace(present(strength), shaft=shaft)
 
 
 @st.composite
@@ -233,7 +236,7 @@ def mechanisms(draw):
 
 # The tests' shape checks sample long tuples at random, here of modules that a strategy builds.
 @pytest.mark.filterwarnings("ignore:Do not use the `random` module inside strategies")
-@settings(max_examples=20, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=20, deadline=None, suppress_health_check=tuple(HealthCheck))  # pyright: ignore[reportArgumentType]
 @given(mechanisms())
 def test_any_mechanism_survives_exactly(identical, mechanism):
     again = file.loads(file.dumps(mechanism))

@@ -73,10 +73,10 @@ def test_a_word_is_one_of_those_that_the_field_declares(make, cls, name):
     [
         (lambda: stage(roller_count=2000), "Stage: roller_count is 2000; it must be a whole numb"),
         (lambda: stage(roller_count=0), "roller_count is 0; it must be a whole number from 1 to"),
-        (lambda: stage(roller_count=9.0), "roller_count is 9.0; it must be a whole number from"),
+        (lambda: stage(roller_count=9.0), "roller_count is 9.0; it must be a whole number from"),  # pyright: ignore[reportArgumentType]
         (lambda: Carrier(count=0), "Carrier: count is 0; it must be a whole number from 1 to 100"),
         (lambda: UnequalRoller(0, mass_factor=1.0), "number is 0; it must be a whole number"),
-        (lambda: UnequalRoller(1, missing="yes"), "missing is 'yes'; it must be True or False"),
+        (lambda: UnequalRoller(1, missing="yes"), "missing is 'yes'; it must be True or False"),  # pyright: ignore[reportArgumentType]
         (lambda: Scenario(1.0, 1.0, 1.0, samples=1), "samples is 1; it must be a whole number fr"),
         (lambda: DesignProblem((), (), starts=0), "DesignProblem: starts is 0; it must be a whole"),
         (lambda: DesignProblem((), (), seed=-1), "seed is -1; it must be a whole number from 0"),

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import prsm_jax.file as file
+from tests.present import present
 
 NAMES = (
     "actuator",
@@ -93,28 +94,32 @@ def test_wu2022_columns_give_the_reference_frequencies():
     tangent = float(thread.lead) / (2 * np.pi * starts * roller_radius)
     helix = 1 / (1 + tangent**2)
     bodies = (
-        (stage.screw, starts - 2, float(stage.stiffness.screw_roller) * helix, -1, 1),
-        (stage.ring_gear, starts, float(stage.stiffness.ring_roller), 1, -1),
-        (stage.nut, starts, float(stage.stiffness.nut_roller) * helix, 1, -1),
+        (stage.screw, starts - 2, float(present(stage.stiffness.screw_roller)) * helix, -1, 1),
+        (stage.ring_gear, starts, float(present(stage.stiffness.ring_roller)), 1, -1),
+        (stage.nut, starts, float(present(stage.stiffness.nut_roller)) * helix, 1, -1),
     )
     stiffness, mass = np.zeros((count + 10, count + 10)), np.zeros(count + 10)
     for index, (body, ratio, mesh, turn, sign) in enumerate(bodies):
         at = slice(3 * index, 3 * index + 3)
-        radial = float(body.support.radial_stiffness)
-        stiffness[at, at] = np.diag([radial, radial, float(body.support.torsional_stiffness)])
-        equivalent = float(body.inertia) / (ratio * roller_radius) ** 2
-        assert equivalent == pytest.approx(float(body.mass), rel=1e-3)
-        mass[at] = float(body.mass), float(body.mass), equivalent
+        radial = float(present(body.support.radial_stiffness))
+        stiffness[at, at] = np.diag(
+            [radial, radial, float(present(body.support.torsional_stiffness))]
+        )
+        equivalent = float(present(body.inertia)) / (ratio * roller_radius) ** 2
+        assert equivalent == pytest.approx(float(present(body.mass)), rel=1e-3)
+        mass[at] = float(present(body.mass)), float(present(body.mass)), equivalent
         for i in range(count):
             angle = turn * 2 * np.pi * i / count
             direction = np.zeros(count + 10)
             direction[at] = -np.sin(angle), np.cos(angle), 1
             direction[9 + i] = sign
             stiffness += mesh * np.outer(direction, direction)
-    mass[9 : 9 + count] = float(stage.roller.inertia) / roller_radius**2
+    mass[9 : 9 + count] = float(present(stage.roller.inertia)) / roller_radius**2
     circle = ((starts - 1) * roller_radius) ** 2
-    mass[-1] = float(stage.carrier.inertia) / circle + count * float(stage.roller.mass)
-    stiffness[-1, -1] = float(stage.carrier.support.torsional_stiffness)
+    mass[-1] = float(present(stage.carrier.inertia)) / circle + count * float(
+        present(stage.roller.mass)
+    )
+    stiffness[-1, -1] = float(present(stage.carrier.support.torsional_stiffness))
     squares = np.linalg.eigvalsh(stiffness / np.sqrt(np.outer(mass, mass)))
     expected = [293.3, 839.1, *[2262.2] * 2, *[3604.0] * 2, 4847.5, 13856.5, *[21761.9] * 2]
     expected += [*[22838.8] * 4, 27273.8, *[34523.4] * 2]

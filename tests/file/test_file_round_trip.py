@@ -10,6 +10,7 @@ import pytest
 import prsm_jax.file as file
 from prsm_jax._errors import FileError
 from prsm_jax.mechanism import set_parameter
+from tests.present import present
 
 
 @pytest.mark.parametrize("name", file.example_names())
@@ -84,7 +85,9 @@ def test_a_mechanism_that_cannot_be_read_back_is_not_written(tmp_path):
         with pytest.raises(FileError, match=message):
             file.dump(change, path)
     renamed = dataclasses.replace(file.load("actuator").design_problem.variables[0], name="leed")
-    problem = dataclasses.replace(file.load("actuator").design_problem, variables=(renamed,))
+    problem = dataclasses.replace(
+        present(file.load("actuator").design_problem), variables=(renamed,)
+    )
     with pytest.raises(FileError, match="leed"):
         file.dump(dataclasses.replace(mechanism, design_problem=problem), path)
     assert not path.exists()

@@ -3,6 +3,7 @@
 import dataclasses
 import re
 import typing
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ from prsm_jax.scenario import (
     SumLoad,
     TorqueScenario,
 )
+from tests.present import present
 
 MISSION = file.example_text("actuator_mission")
 
@@ -53,7 +55,7 @@ def _functions(draw, kinds, depth=2):
         elif name in ("times", "positions"):
             values[name] = draw(_increasing())
         elif name == "values":
-            size = len(values.get("times", values.get("positions")))
+            size = len(present(values.get("times", values.get("positions"))))
             values[name] = np.array(
                 draw(st.lists(st.floats(-1e6, 1e6), min_size=size, max_size=size))
             )
@@ -106,7 +108,7 @@ def scenarios(draw):
 
 
 @pytest.mark.filterwarnings("ignore:Do not use the `random` module inside strategies")
-@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=40, deadline=None, suppress_health_check=tuple(HealthCheck))  # pyright: ignore[reportArgumentType]
 @given(scenarios())
 def test_any_scenario_survives_exactly(identical, scenario):
     whole = dataclasses.replace(mechanism(), scenario=scenario)
@@ -173,7 +175,8 @@ def test_numbers_of_a_scenario_have_full_names():
     mission = file.load("actuator_mission")
     name = "scenario.speed.part.1.speed_limit"
     moved = set_parameter(mission, name, 10.0)
-    assert float(moved.scenario.speed.part[0].speed_limit) == 10.0
+    scenario: Any = moved.scenario
+    assert float(scenario.speed.part[0].speed_limit) == 10.0
     assert find_parameters(mission, name)[0].unit == "rad/s"
     assert find_parameters(mission, "scenario.load.part.2.amplitude")[0].unit == "N"
     (speed,) = find_parameters(mission, "speed")
@@ -188,4 +191,5 @@ def test_a_sequence_in_a_sequence():
     whole = dataclasses.replace(mechanism(), scenario=Scenario(SequenceProfile((part,)), 1.0, 1.0))
     text = file.dumps(whole)
     assert "[[scenario.speed.part.part]]" in text
-    assert file.loads(text).scenario.speed.part[0].reversing
+    scenario: Any = file.loads(text).scenario
+    assert scenario.speed.part[0].reversing

@@ -1,5 +1,7 @@
 """Findings: each appears when it should, with the numbers that it names, and only then."""
 
+from typing import Any
+
 import equinox as eqx
 import numpy as np
 import pytest
@@ -184,7 +186,7 @@ def test_unusual_module(radius, found):
 def test_advice_to_thin_teeth_only_where_nothing_is_known_of_them(play, shared, names):
     """`thin the teeth by at least 0.054 mm` is no advice for teeth that are thinned by more."""
     play = AxialPlay(**play) if isinstance(play, dict) else play
-    given = {} if play is None else {"strength": Strength(play=play)}
+    given: dict[str, Any] = {} if play is None else {"strength": Strength(play=play)}
     if shared is not None:
         given["load_sharing"] = LoadSharing(20, backlash=shared)
     found = _findings(stage(**given))

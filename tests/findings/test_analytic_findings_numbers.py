@@ -1,6 +1,7 @@
 """Findings on masses and stiffnesses: each where it should appear, with its numbers, only there."""
 
 import dataclasses
+from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -26,7 +27,7 @@ from prsm_jax.mechanism import (
 
 NAMES = {"inertia", "mass", "torsional_support", "negative_stiffness"}
 #: J = ½ m (R² + r²) for a nut of 20 mm and 30 mm.
-SOUND = {
+SOUND: dict[str, Any] = {
     "screw": Screw(mass=1.0, inertia=0.72e-4),
     "roller": Roller(mass=0.03, inertia=2.4e-7),
     "nut": Nut(mass=2.0, inertia=1.3e-3),
@@ -243,7 +244,7 @@ def test_shipped_examples(name):
 
 def test_findings_come_stage_by_stage():
     bad = stage(13, geometry=thread(), **SOUND)
-    worse = stage(**(SOUND | {"roller": Roller(mass=0.03, inertia=4.8e-7)}))
+    worse = stage(**{**SOUND, "roller": Roller(mass=0.03, inertia=4.8e-7)})
     found = prsm.check(prsm.Mechanism((worse, bad)))
     assert [f.stage for f in found] == sorted(f.stage for f in found)
     assert {(f.name, f.stage) for f in found} >= {("inertia", 1), ("roller_clearance", 2)}

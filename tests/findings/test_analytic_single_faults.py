@@ -5,6 +5,7 @@ Found by putting one fault at a time into the package and running the tests.
 
 import dataclasses
 from types import SimpleNamespace
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -38,6 +39,7 @@ from prsm_jax.mechanism import (
 from prsm_jax.optimisation._searches import Searches
 from prsm_jax.scenario import Scenario
 from prsm_jax.vibration.model._energy import kinetic_energies, strain_energies
+from tests.present import present
 
 _dynamic = eqx.filter_jit(strength.dynamic_capacity)
 _static = eqx.filter_jit(strength.static_capacity)
@@ -71,14 +73,14 @@ def test_capacities_grow_with_the_threads_and_a_split_nut_has_half_of_them():
 def test_a_history_is_weighted_by_the_trapezoidal_rule():
     """A speed that rises evenly turns by ½ Ω T, exactly; the first and last sample count half."""
     time = jnp.linspace(0.0, 2.0, 11)
-    history = SimpleNamespace(time=time, screw_speed=-50.0 * time, load=1e3 + 500.0 * time)
+    history: Any = SimpleNamespace(time=time, screw_speed=-50.0 * time, load=1e3 + 500.0 * time)
     spectrum = strength.load_spectrum(history)
     np.testing.assert_allclose(jnp.sum(spectrum.turned_angle), 100.0, rtol=1e-14)
     steps = np.array([0.1, *[0.2] * 9, 0.1])
     np.testing.assert_allclose(spectrum.duration, steps, rtol=1e-14)
     np.testing.assert_allclose(spectrum.mean_speed, 50.0, rtol=1e-14)
     # Of the other way round as well: what comes first counts no more than what comes last.
-    back = SimpleNamespace(time=time, screw_speed=50.0 * (2 - time), load=1e3 + 500.0 * time)
+    back: Any = SimpleNamespace(time=time, screw_speed=50.0 * (2 - time), load=1e3 + 500.0 * time)
     np.testing.assert_allclose(jnp.sum(strength.load_spectrum(back).turned_angle), 100.0)
 
 
@@ -95,7 +97,7 @@ def test_hysteresis_is_the_moment_of_the_pressure_in_front(along):
     def edge(x):
         return other * np.sqrt(max(1 - (x / length) ** 2, 0.0))
 
-    moment, _ = dblquad(front, 0, length, lambda x: -edge(x), edge)
+    moment, _ = dblquad(front, 0, length, lambda x: -edge(x), edge)  # pyright: ignore[reportAssignmentType]
     one = array(1.0)
     hertz = HertzContact(array(a), array(b), array(peak), one, one, one, one)
     # The flatter direction, with the smaller coefficient of the gap, is that of the major axis.
@@ -137,7 +139,7 @@ def test_a_load_of_the_motion_starts_where_the_nut_starts():
     start, speed, lead = 0.013, 100.0, 10e-3
     travel = lead / (2 * np.pi)
     scenario = Scenario(speed, _Spring(array(2e5)), 0.5, initial_position=start, samples=5)
-    bound = bound_scenario(mechanism(), scenario)
+    bound: Any = bound_scenario(mechanism(), scenario)
     for time in (0.0, 0.2, 0.5):
         position = start + travel * speed * time
         np.testing.assert_allclose(bound.load.position(array(time)), position, rtol=1e-14)
@@ -196,7 +198,7 @@ def test_force_in_the_spacer_balances_the_half_that_it_holds(load):
     net = np.asarray(nut.weight) @ (np.asarray(nut.forward) - np.asarray(nut.reverse))
     near, far = net[:10].sum(), net[10:].sum()
     np.testing.assert_allclose(near + far, load, rtol=1e-9)
-    np.testing.assert_allclose(float(found.spacer_force), -far, rtol=1e-9)
+    np.testing.assert_allclose(float(present(found.spacer_force)), -far, rtol=1e-9)
 
 
 def _findings(load, speed):
@@ -235,15 +237,17 @@ def test_energies_of_a_mode_add_up(unequal):
         one = eqx.tree_at(lambda m: m.stages[0].unequal_roller, one, rollers)
     modes = scenes.modal(one, shapes=True)
     network, shapes = modes.network, modes.shapes
-    kinetic = sum(kinetic_energies(network, shapes).values())
+    kinetic = sum(kinetic_energies(present(network), shapes).values())
     np.testing.assert_allclose(kinetic, 1.0, rtol=1e-9)
     squares = (2 * np.pi * np.asarray(modes.frequencies)) ** 2
-    strain = sum(strain_energies(network, shapes).values())
+    strain = sum(strain_energies(present(network), shapes).values())
     np.testing.assert_allclose(strain, squares, rtol=1e-7, atol=1e-9 * squares.max())
     # Each roller, and each spring, by itself adds up to its kind.
-    by_roller = kinetic_energies(network, shapes, each_roller=True)
+    by_roller = kinetic_energies(present(network), shapes, each_roller=True)
     rollers = sum(v for k, v in by_roller.items() if k.startswith("roller "))
-    np.testing.assert_allclose(rollers, kinetic_energies(network, shapes)["roller"], rtol=1e-12)
+    np.testing.assert_allclose(
+        rollers, kinetic_energies(present(network), shapes)["roller"], rtol=1e-12
+    )
 
 
 @pytest.mark.usefixtures("unchecked")
@@ -258,11 +262,14 @@ def test_the_best_of_several_runs():
         def cost(self, point):
             return point[0]
 
+    evaluator: Any = _Evaluator()
+    report: Any = None
+
     def run(cost, violation=0.0, residual=0.0):
         return (cost, violation), SimpleNamespace(residual=residual)
 
     def best(*ends):
-        searches = Searches(_Evaluator(), None, tolerance, len(ends))
+        searches: Any = Searches(evaluator, report, tolerance, len(ends))
         searches._ends = list(ends)
         searches.runs = [
             SimpleNamespace(end=None if end is None else SimpleNamespace(violation=end[0][1]))

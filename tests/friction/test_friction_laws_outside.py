@@ -8,7 +8,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-import scipy.optimize
 from extensions import extension
 from scenes import Swing, array, mechanism, simulate, stage, steady_state, thread
 
@@ -26,6 +25,7 @@ from prsm_jax.friction import (
     SplineFriction,
     ThrustBearingFriction,
 )
+from tests.roots import root_between
 
 LOAD = 7e3
 
@@ -79,7 +79,7 @@ def test_pressure_enters_the_axial_balance():
         share = abs(normal[2]) - coefficient(force) * along[2]
         return force * share - LOAD / one.stages[0].roller_count
 
-    force = scipy.optimize.brentq(missed, 100.0, 5e3, xtol=1e-10, rtol=1e-14)
+    force = root_between(missed, 100.0, 5e3, xtol=1e-10, rtol=1e-14)
     assert float(found.contact_force[0]) == pytest.approx(force, rel=1e-12)
     sliding = coefficient(force) * force * found.slip_speed[0] * one.stages[0].roller_count
     assert float(found.losses["thread_sliding"]) == pytest.approx(float(sliding), rel=1e-12)
@@ -324,7 +324,7 @@ def test_naming_a_law():
     with pytest.raises(ValueError, match="asks for 'temperature'; choose from normal_force"):
         made("hot", asks=("temperature",))
     with pytest.raises(TypeError, match="must be a class of FrictionLaw"):
-        prsm.friction_law("a_function")(lambda: 0)
+        prsm.friction_law("a_function")(lambda: 0)  # pyright: ignore[reportArgumentType]
     with pytest.raises(ValueError, match="plain has no unit"):
         made("unitless", plain=0.1, __annotations__={"plain": float})
     # A cell of a notebook may be run twice: the last one counts.

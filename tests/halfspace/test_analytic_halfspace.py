@@ -39,7 +39,7 @@ def paraboloid(grid, first, second):
 
 def _point_by_quadrature(x, y, spacing_x, spacing_y):
     """∬ 1/(π E* r) over one cell centred on the origin, seen from (x, y)."""
-    value, _ = scipy.integrate.dblquad(
+    value, _ = scipy.integrate.dblquad(  # pyright: ignore[reportAssignmentType]
         lambda v, u: 1 / (np.pi * float(MODULUS) * np.hypot(x - u, y - v)),
         -spacing_x / 2,
         spacing_x / 2,

@@ -1,6 +1,7 @@
 """Half-space contact of flanks; tangential traction; stress below by influence functions."""
 
 import functools
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -8,7 +9,6 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from scenes import array, mesh, stage, thread
-from scipy.optimize import brentq
 
 import prsm_jax as prsm
 from prsm_jax.contact import hertz_contact, subsurface_stress
@@ -23,6 +23,8 @@ from prsm_jax.halfspace import (
     tangent_plane,
 )
 from prsm_jax.halfspace._flank_gap import _crests
+from tests.present import present
+from tests.roots import root_between
 
 MODULUS = array(1.15e11)
 SHAPE = (32, 32)
@@ -322,7 +324,7 @@ def test_flanks_end_at_their_crests():
     x, y = (np.asarray(c)[..., None] for c in grid.points)
     points = np.asarray(plane.origin) + x * np.asarray(plane.major) + y * np.asarray(plane.minor)
     radius = np.hypot(points[..., 0] - 20e-3, points[..., 1])
-    np.testing.assert_allclose(edge, (5.05e-3 - radius) * np.sqrt(2), atol=1e-12)
+    np.testing.assert_allclose(present(edge), (5.05e-3 - radius) * np.sqrt(2), atol=1e-12)
 
 
 @pytest.mark.parametrize(("x", "y"), [(9e-3, 0.0), (8.6e-3, 1.2e-3), (14.7e-3, -0.4e-3)])
@@ -332,12 +334,12 @@ def test_distances_from_crests(x, y):
     roller = float(geometry.roller_radius)
     screw, axis = 3 * roller, 4 * roller
     from_centre, from_axis = np.hypot(x, y), np.hypot(x - axis, y)
-    expected = {
+    expected: dict[Any, Any] = {
         "screw": (screw + 0.4e-3 - from_centre, roller + 0.3e-3 - from_axis),
         "nut": (from_centre - (axis + roller - 0.4e-3), roller + 0.3e-3 - from_axis),
     }
     for side, distances in expected.items():
-        found = _crests(geometry, side, array(x), array(y))
+        found = [present(one) for one in _crests(geometry, side, array(x), array(y))]
         np.testing.assert_allclose(found, distances, rtol=1e-13, atol=1e-17)
     assert _crests(thread(5e-3), "screw", array(x), array(y)) == (None, None)
 
@@ -373,7 +375,7 @@ def _distance_along_normal(flank, foot, normal, origin):
     if not len(crossings):
         return None
     nearest = crossings[np.argmin(np.abs(places[crossings]))]
-    return brentq(above, places[nearest], places[nearest + 1], xtol=1e-16)
+    return root_between(above, places[nearest], places[nearest + 1], xtol=1e-16)
 
 
 def test_a_gap_is_that_of_the_flanks_or_none():
@@ -405,7 +407,9 @@ def test_a_gap_is_that_of_the_flanks_or_none():
     for place in np.ndindex(grid.shape):
         along, across = (float(c[place]) for c in grid.points)
         foot = origin + along * major + across * minor
-        distances = [_distance_along_normal(f, foot, normal, origin) for f in (screw, roller)]
+        distances: list[Any] = [
+            _distance_along_normal(f, foot, normal, origin) for f in (screw, roller)
+        ]
         if None in distances:
             assert not there[place]
             beyond += 1
@@ -441,7 +445,8 @@ def test_roughness_on_flanks():
 def test_misuse_of_flanks_is_refused():
     with pytest.raises(ValueError, match="choose 'screw' or 'nut'"):
         flank_contact(_STAGE, "left", 100.0)
-    for given in ({}, {"load": 100.0, "approach": 1e-6}):
+    wrong: tuple[dict[str, Any], ...] = ({}, {"load": 100.0, "approach": 1e-6})
+    for given in wrong:
         with pytest.raises(ValueError, match="exactly one of the two"):
             flank_contact(_STAGE, "nut", shape=SHAPE, **given)
     with pytest.raises(prsm.MissingDataError, match="engaged_threads"):

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from jax.flatten_util import ravel_pytree
 from scenes import STEEL, array, mechanism
 from sharing_scenes import (
     HERTZ,
@@ -34,6 +35,7 @@ from prsm_jax.load_sharing._equilibrium import response
 from prsm_jax.mechanism import GivenStiffness, LoadSharing, SplitNut, UnequalRoller
 from prsm_jax.stiffness import axial_stiffness, thread_stiffness
 from prsm_jax.vibration import spring_network, vibration_system
+from tests.present import present
 
 #: The search stops at 1e-12 of the largest force; a film 1e-12 as stiff as a contact adds as much.
 _BALANCE = 1e-10
@@ -97,7 +99,7 @@ def test_tooth_compliance_against_the_integrals_of_a_wedge_shaped_beam():
     angle, pitch, thickness, depth, radius = np.radians(40.0), 2e-3, 0.9e-3, 0.5e-3, 12e-3
     values = [array(x) for x in (angle, pitch, thickness, depth, radius)]
     solid = tooth_compliance(STEEL, *values)
-    sleeve = tooth_compliance(STEEL, *values, array(18e-3))
+    sleeve = tooth_compliance(STEEL, *values, array(18e-3))  # pyright: ignore[reportCallIssue]
     modulus, poisson = 210e9, 0.3
     nodes, weights = np.polynomial.legendre.leggauss(40)
     place, weights = depth * (nodes + 1) / 2, weights * depth / 2
@@ -232,21 +234,19 @@ def test_the_tangent_is_symmetric_and_the_elimination_solves_it(weight):
     state = State(
         *(1e-6 * jnp.asarray(rng.normal(size=s)) for s in ((count, 5), (5,))),
         *(10.0 * jnp.asarray(rng.normal(size=s)) for s in ((count, 4), (4,))),
-        1e-7 * jnp.asarray(rng.normal(size=count)),
-        array(300.0),
+        1e-7 * jnp.asarray(rng.normal(size=count)),  # pyright: ignore[reportCallIssue]
+        array(300.0),  # pyright: ignore[reportCallIssue]
     )
-    flat, shape = jax.flatten_util.ravel_pytree(state)
+    flat, shape = ravel_pytree(state)
     value = array(1e-5)
 
     @jax.jit
     def both(right):
         matrix = jax.jacobian(
-            lambda x: jax.flatten_util.ravel_pytree(residual(bare, shape(x), "deflection", value))[
-                0
-            ]
+            lambda x: ravel_pytree(residual(bare, shape(x), "deflection", value))[0]
         )(flat)
         solved = response(bare, state, "deflection", value, shape(right))
-        return matrix, jax.flatten_util.ravel_pytree(solved)[0]
+        return matrix, ravel_pytree(solved)[0]
 
     right = rng.normal(size=flat.size)
     # Approaches in metres and forces in newtons: to one scale.
@@ -320,17 +320,17 @@ def test_split_nut():
     found = load_distribution(one, array(0.0))
     assert bool(found.converged)
     nut, screw = found.nut, found.screw
-    assert float(found.spacer_force) == pytest.approx(3e3, rel=1e-6)
+    assert float(present(found.spacer_force)) == pytest.approx(3e3, rel=1e-6)
     np.testing.assert_allclose(nut.forward[:, :10].sum(), 300.0, rtol=1e-6)
     np.testing.assert_allclose(nut.reverse[:, 10:].sum(), 300.0, rtol=1e-6)
     assert np.all(np.asarray(nut.forward)[:, 10:] == 0)
     # Radially the screw bears what the nut presses; axially its flanks cancel.
-    pressed = screw.forward + screw.reverse
+    pressed = screw.forward + present(screw.reverse)
     np.testing.assert_allclose(pressed.sum(), 600.0, rtol=1e-5)
     np.testing.assert_allclose(screw.roller_load, 0.0, atol=1e-6)
-    assert float(found.chains.offset) > 0
+    assert float(present(found.chains.offset)) > 0
     # Both halves take part in a small load: stiffer than one nut under the load of a half.
-    assert float(found.tangent_stiffness) > 8e8
+    assert float(present(found.tangent_stiffness)) > 8e8
 
 
 def test_deflection_of_a_braced_nut_is_that_of_the_load_alone():
@@ -340,7 +340,7 @@ def test_deflection_of_a_braced_nut_is_that_of_the_load_alone():
     assert float(resting.deflection) > 5e-6
     assert float(resting.elastic.deflection) == pytest.approx(0.0, abs=1e-15)
     assert float(resting.secant_stiffness) == 0
-    tangent = float(resting.tangent_stiffness)
+    tangent = float(present(resting.tangent_stiffness))
     for load in (100.0, -100.0):
         found = load_distribution(one, array(load))
         elastic = found.elastic
@@ -423,7 +423,9 @@ def test_stiffness_of_unlike_rollers(factors, thinning):
     # A given stiffness is a nominal one and takes the factors; thinner teeth do not enter it.
     given_ = dataclasses.replace(stage, stiffness=GivenStiffness(nut_roller=array(1e8)))
     np.testing.assert_allclose(
-        thread_stiffness(given_, lambda: found).nut_each, 1e8 * np.asarray(factors), rtol=1e-12
+        present(thread_stiffness(given_, lambda: found).nut_each),
+        1e8 * np.asarray(factors),
+        rtol=1e-12,
     )
 
 

@@ -51,7 +51,7 @@ def test_stiff_and_soft(errors):
     """Contacts over 24 decades, shafts from rigid to none, loads from 1 µN to 1 MN."""
     grid = np.array(list(itertools.product(_CONTACTS, _SEGMENTS, _LOADS)))
     pattern = jnp.asarray(errors * np.abs(_ERRORS) / np.abs(_ERRORS).max())
-    result, steps, total, least = _grid(*(jnp.asarray(c) for c in grid.T), pattern)
+    result, steps, total, least = _grid(*(jnp.asarray(c) for c in grid.T), pattern)  # pyright: ignore[reportCallIssue]
     assert np.all(np.asarray(result) == 0), grid[np.asarray(result) != 0]
     np.testing.assert_allclose(total, grid[:, 2], rtol=1e-8)
     assert np.all(np.asarray(least) >= 0)

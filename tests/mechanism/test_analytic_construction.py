@@ -26,6 +26,7 @@ from prsm_jax.mechanism import (
     set_parameters,
     stage_at,
 )
+from tests.present import present
 
 
 @pytest.mark.parametrize(
@@ -120,7 +121,7 @@ def test_a_negative_stiffness_is_refused_outside_a_trace():
     ):
         with pytest.raises(ValueError, match=r"ness is -?[01].* N/m; it must|screw_roller is -1"):
             make()
-    assert float(Support(radial_stiffness=0.0).radial_stiffness) == 0.0
+    assert float(present(Support(radial_stiffness=0.0).radial_stiffness)) == 0.0
     traced = jax.jit(lambda k: Support(radial_stiffness=k).radial_stiffness)
     assert float(traced(-1e6)) == -1e6
 
@@ -129,7 +130,7 @@ def test_numbers_that_only_fit_together_are_set_together():
     """One after the other the bore would once be wider than the screw."""
     whole = scenes.mechanism(scenes.stage(screw=Screw(mass=0.76, bore_radius=4e-3)))
     moved = set_parameters(whole, {"screw.bore_radius": 13e-3, "roller_radius": 6e-3})
-    assert float(moved.stages[0].screw.bore_radius) == 13e-3
+    assert float(present(moved.stages[0].screw.bore_radius)) == 13e-3
 
 
 def test_traced_and_unknown_numbers_pass():

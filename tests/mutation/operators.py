@@ -5,6 +5,8 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from tests.present import present
+
 #: Each with what a plausible slip makes of it.
 _BINARY: dict[type, tuple[str, str]] = {
     ast.Add: ("+", "-"),
@@ -118,7 +120,7 @@ class _Finder(ast.NodeVisitor):
     def visit_Import(self, node):
         pass
 
-    visit_ImportFrom = visit_Import
+    visit_ImportFrom = visit_Import  # pyright: ignore[reportAssignmentType]
 
     def visit_AnnAssign(self, node):
         if node.value is not None:
@@ -185,7 +187,7 @@ class _Finder(ast.NodeVisitor):
         new = _NAMES.get(node.attr)
         end = self._span(node)[1]
         if new is not None:
-            self._add(node.end_lineno, end - len(node.attr), node.attr, new)
+            self._add(present(node.end_lineno), end - len(node.attr), node.attr, new)
         self.visit(node.value)
 
 

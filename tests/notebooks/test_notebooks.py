@@ -3,9 +3,10 @@
 import importlib.util
 from pathlib import Path
 
-import jax
 import jupytext
 import pytest
+
+from tests.compilation_cache import cache_folder
 
 FOLDER = Path(__file__).parents[2] / "notebooks"
 _spec = importlib.util.spec_from_file_location("build_notebooks", FOLDER / "build.py")
@@ -20,7 +21,7 @@ _spec.loader.exec_module(build)
 @pytest.mark.parametrize("script", build.scripts(), ids=lambda path: path.stem)
 def test_a_notebook_runs(script, monkeypatch):
     # The kernel is a process of its own; let it share what the tests have compiled.
-    monkeypatch.setenv("JAX_COMPILATION_CACHE_DIR", jax.config.jax_compilation_cache_dir)
+    monkeypatch.setenv("JAX_COMPILATION_CACHE_DIR", cache_folder())
     monkeypatch.setenv("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0")
     notebook = build.execute(script)
     pictures = [

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import optax
@@ -51,7 +52,7 @@ def hollow(own_quantities):
     own_quantities("hollow_limit", lambda a: _point(a)[0] + 10 * _point(a)[1])
 
 
-def _bowl(lower=None, upper=None):
+def _bowl(lower=None, upper=None) -> Any:
     """9 (y − 0.6)² + (x − 0.3)², with limits on x + y if there are any."""
     count = int(lower is not None)
     slopes = np.ones((count, 2))
@@ -124,7 +125,7 @@ def test_the_learning_rate_is_the_first_step_of_adam():
 def test_the_memory_of_lbfgs():
     """In ten variables a memory of one step needs more steps than a memory of ten."""
     weights = np.linspace(1.0, 300.0, 10)
-    bowl = SimpleNamespace(
+    bowl: Any = SimpleNamespace(
         cost=lambda x: float(weights @ (x - 0.4) ** 2),
         gradient=lambda x: 2 * weights * (x - 0.4),
         usable=lambda x: True,
@@ -225,7 +226,7 @@ def test_options_of_scipy_are_those_that_scipy_describes(name):
     with pytest.raises(ValueError, match=f"{name}.. takes .*, but not wings; leave it out") as told:
         Scipy(name, {"wings": 2})
     listed = str(told.value).split("takes ")[1].split(", but not")[0].split(", ")
-    described = scipy.optimize.show_options("minimize", name, disp=False)
+    described = str(scipy.optimize.show_options("minimize", name, disp=False))
     for option in listed:
         assert f"{option} : " in described or f"{option}, " in described, option
         if "tol" in option:
@@ -264,8 +265,8 @@ def test_methods_of_scipy_on_a_mechanism(hollow):
 class _Ends(SearchMethod):
     """Looks at some positions, and returns one of its own choice."""
 
-    looks: tuple[tuple[float, float], ...]
-    end: tuple[float, float]
+    looks: tuple[tuple[float, ...], ...]
+    end: tuple[float, ...]
 
     def search(self, functions, start, tolerance, report):
         for position in self.looks:
@@ -367,15 +368,15 @@ def test_a_design_with_an_error_of_check_fails_for_a_search_without_constraints(
 @pytest.mark.parametrize(
     ("made", "message"),
     [
-        (lambda: Slsqp(memory_size=3), "Slsqp takes restarts, max_iterations, but not memory_size"),
-        (lambda: Lbfgs(restarts=3), "Lbfgs takes memory_size, max_iterations, but not restarts"),
-        (lambda: TrustConstr(xtol=1.0), "TrustConstr takes max_iterations, but not xtol; leave"),
-        (lambda: Adam(rate=0.1), "Adam takes learning_rate, max_iterations, but not rate; leave"),
-        (lambda: Optax(optax.sgd(0.1), steps=9), "transformation, max_iterations, but not steps"),
+        (lambda: Slsqp(memory_size=3), "Slsqp takes restarts, max_iterations, but not memory_size"),  # pyright: ignore[reportCallIssue]
+        (lambda: Lbfgs(restarts=3), "Lbfgs takes memory_size, max_iterations, but not restarts"),  # pyright: ignore[reportCallIssue]
+        (lambda: TrustConstr(xtol=1.0), "TrustConstr takes max_iterations, but not xtol; leave"),  # pyright: ignore[reportCallIssue]
+        (lambda: Adam(rate=0.1), "Adam takes learning_rate, max_iterations, but not rate; leave"),  # pyright: ignore[reportCallIssue]
+        (lambda: Optax(optax.sgd(0.1), steps=9), "transformation, max_iterations, but not steps"),  # pyright: ignore[reportCallIssue]
         (lambda: Scipy("TNC", {"maxfun": 9}), "maxfun is given by max_iterations"),
         (lambda: Scipy("BFGS"), "method is 'BFGS'; choose one of SLSQP, COBYQA, L-BFGS-B, TNC"),
         (lambda: Scipy("TNC", max_iterations=0), "max_iterations is 0; it must be at least 1"),
-        (lambda: Slsqp(max_iterations=2.5), "max_iterations is 2.5; it must be a whole number"),
+        (lambda: Slsqp(max_iterations=2.5), "max_iterations is 2.5; it must be a whole number"),  # pyright: ignore[reportArgumentType]
         (lambda: Slsqp(restarts=-1), "restarts is -1; it must be at least 0"),
         (lambda: Lbfgs(memory_size=0), "memory_size is 0; it must be at least 1"),
         (lambda: Adam(max_iterations=0), "max_iterations is 0"),
@@ -384,7 +385,7 @@ def test_a_design_with_an_error_of_check_fails_for_a_search_without_constraints(
         (lambda: Optax("adam"), "transformation is 'adam'; give one of optax, such as optax.adam"),
         (lambda: Optax(optax.lbfgs()), r"value_fn.*optax\.lbfgs\(linesearch=None\)"),
         (lambda: search_of("optax", False), "choose one of auto, adam, lbfgs, slsqp, trust-constr"),
-        (lambda: search_of(Slsqp, False), "give an object such as prsm_jax.optimisation.Slsqp"),
+        (lambda: search_of(Slsqp, False), "give an object such as prsm_jax.optimisation.Slsqp"),  # pyright: ignore[reportArgumentType]
         (lambda: search_of("adam", True), "'adam' accepts bounds only; .* slsqp or trust-constr"),
         (lambda: search_of(Optax(optax.sgd(0.1)), True), "'Optax' accepts bounds only"),
         (lambda: search_of(Scipy("Powell"), True), "'SciPy Powell' accepts bounds only"),

@@ -1,6 +1,7 @@
 """Searches in a box, on functions without a mechanism: steps, directions, a minimum."""
 
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from prsm_jax.optimisation import Adam, Lbfgs
 pytestmark = pytest.mark.usefixtures("unchecked")
 
 
-def _functions(cost, gradient):
+def _functions(cost, gradient) -> Any:
     """What a search evaluates, for a function of the position alone."""
     return SimpleNamespace(cost=cost, gradient=gradient, usable=lambda position: True)
 

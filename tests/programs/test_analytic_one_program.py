@@ -12,6 +12,7 @@ import jax.monitoring
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from jax.core import Tracer
 
 import prsm_jax as prsm
 from prsm_jax.programs._one_program import one_program
@@ -30,7 +31,7 @@ def _heard(event, duration, **about):
         _traced.append(str(about.get("fun_name")))
 
 
-jax.monitoring.register_event_duration_secs_listener(_heard)
+jax.monitoring.register_event_duration_secs_listener(_heard)  # pyright: ignore[reportArgumentType]
 
 
 @contextlib.contextmanager
@@ -142,7 +143,7 @@ def test_what_cannot_be_told_apart_runs_without_a_program():
 
     @one_program
     def applied(function, time):
-        sides.append(isinstance(time, jax.core.Tracer))
+        sides.append(isinstance(time, Tracer))
         return function(time)
 
     assert float(applied(Unhashable(2.0), 3.0)) == 6.0

@@ -8,8 +8,9 @@ import os
 import subprocess
 import sys
 
-import jax
 import pytest
+
+from tests.compilation_cache import cache_folder
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
 
@@ -45,7 +46,7 @@ _REFUSED = (
 
 def _ended(code):
     environment = os.environ | {
-        "JAX_COMPILATION_CACHE_DIR": str(jax.config.jax_compilation_cache_dir),
+        "JAX_COMPILATION_CACHE_DIR": cache_folder(),
         "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0",
     }
     done = subprocess.run(

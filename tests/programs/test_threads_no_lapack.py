@@ -14,8 +14,10 @@ from scenes import example
 
 import prsm_jax as prsm
 from prsm_jax import file
+from prsm_jax.dynamics.solvers import Gradient
 from prsm_jax.mechanism import Support, UnequalRoller
 from prsm_jax.vibration import directional_derivatives, family_modes
+from tests.present import present
 
 #: `stablehlo.custom_call @lapack_dgesdd_ffi(...)`.
 _CALL = re.compile(r"custom_call\s+@(\w+)")
@@ -94,7 +96,7 @@ def test_one_sided_slopes():
             body = dataclasses.replace(
                 system.bodies[0], mesh_stiffness=system.bodies[0].mesh_stiffness * (1 + t)
             )
-            return dataclasses.replace(system, bodies=(body, *system.bodies[1:]))
+            return dataclasses.replace(present(system), bodies=(body, *system.bodies[1:]))
 
         return directional_derivatives(system_at, at)
 
@@ -105,10 +107,14 @@ def test_one_sided_slopes():
 def test_transients_and_their_derivatives(method):
     two = example("li2020_two_stage")
 
-    def run(load, gradient="forward"):
+    def run(load, gradient: Gradient = "forward"):
         scenario = prsm.Scenario(jnp.asarray(100.0), load, jnp.asarray(3e-4), samples=5)
         return prsm.simulate(
-            two, scenario, method=method, gradient=gradient, throw=False
+            two,
+            scenario,
+            method=method,
+            gradient=gradient,
+            throw=False,
         ).efficiency
 
     load = jnp.asarray(7e3)
@@ -128,7 +134,11 @@ def test_responses_and_contacts():
     for method in ("direct", "modal"):
         assert not _called(
             lambda m, method=method: prsm.frequency_response(
-                m, "screw u", "nut u", hertz, method=method
+                m,
+                "screw u",
+                "nut u",
+                hertz,
+                method=method,  # pyright: ignore[reportArgumentType]
             ),
             mechanism,
         )

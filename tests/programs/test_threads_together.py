@@ -9,7 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-import jax
+from tests.compilation_cache import cache_folder
 
 SCRIPT = Path(__file__).with_name("scenes_at_once.py")
 #: Compiling seven programs on a busy machine; far from for ever [s].
@@ -18,7 +18,7 @@ PATIENCE = 400
 
 def _at_once(seconds):
     environment = os.environ | {
-        "JAX_COMPILATION_CACHE_DIR": str(jax.config.jax_compilation_cache_dir),
+        "JAX_COMPILATION_CACHE_DIR": cache_folder(),
         "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0",
     }
     done = subprocess.run(

@@ -10,6 +10,7 @@ from scenes import example
 import prsm_jax as prsm
 from prsm_jax import file
 from prsm_jax.quantities import assumption, quantity
+from tests.present import present
 
 EQUAL = "All engaged threads of all rollers carry the same load"
 #: Quantities of the design actuator that change where threads share for real, or would if they
@@ -67,7 +68,7 @@ def test_equal_by_name_keeps_the_sentence_and_says_why():
 
 def test_given_capacities_and_stiffnesses_assume_nothing():
     given = dataclasses.replace(
-        _design().stages[0].strength, static_capacity=1e5, dynamic_capacity=6e4
+        present(_design().stages[0].strength), static_capacity=1e5, dynamic_capacity=6e4
     )
     mechanism = _design(strength=given)
     assert prsm.assumptions(mechanism, ["static_safety", "rating_life"]) == ()

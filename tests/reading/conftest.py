@@ -5,6 +5,8 @@ import json
 import jax
 import pytest
 
+from tests.compilation_cache import cache_folder
+
 pytest.register_assert_rewrite("reading_figures", "reading_tables", "reading_units")
 
 
@@ -16,8 +18,8 @@ def run(monkeypatch, tmp_path, capsys):
 
     from prsm_jax.cli import main
 
-    shared = jax.config.jax_compilation_cache_dir
-    monkeypatch.setenv("PRSM_JAX_CACHE", str(shared or ""))
+    shared = cache_folder()
+    monkeypatch.setenv("PRSM_JAX_CACHE", shared)
     monkeypatch.setenv("COLUMNS", "300")
     monkeypatch.chdir(tmp_path)
 

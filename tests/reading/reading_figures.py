@@ -5,7 +5,7 @@ remembers which were read: `finish` fails if a curve, a bar, a marker, an image 
 number was not.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -15,9 +15,11 @@ from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.text import Text
+from numpy.typing import ArrayLike
+from reading_artists import box_of, x_data
 from reading_units import assert_reads, label_unit, same_dimension, to_si
 
-Expected = Sequence[float] | np.ndarray | float
+Expected = ArrayLike
 
 
 def _ticks(axes: Axes) -> set[int]:
@@ -84,7 +86,7 @@ class Chart:
             found = self.si(axes, way, np.asarray(data, float), si_unit)
             wanted = np.asarray(wanted, float)
             scale = float(np.nanmax(np.abs(wanted), initial=0.0))
-            limits = {"rtol": 1e-9, "atol": 1e-9 * scale} | tolerance
+            limits: dict[str, Any] = {"rtol": 1e-9, "atol": 1e-9 * scale} | tolerance
             np.testing.assert_allclose(found, np.broadcast_to(wanted, found.shape), **limits)
         self.take(line)
 
@@ -107,10 +109,10 @@ class Chart:
         wanted = np.atleast_1d(np.asarray(lengths, float))
         bars = [p for p in axes.patches if id(p) not in self._read][: len(wanted)]
         assert len(bars) == len(wanted)
-        size = [p.get_height() if way == "y" else p.get_width() for p in bars]
-        limits = {"rtol": 1e-9, "atol": 1e-9 * float(np.abs(wanted).max())}
+        size = [box_of(p).get_height() if way == "y" else box_of(p).get_width() for p in bars]
+        limits: dict[str, Any] = {"rtol": 1e-9, "atol": 1e-9 * float(np.abs(wanted).max())}
         np.testing.assert_allclose(self.si(axes, way, size, si_unit), wanted, **limits)
-        begin = [p.get_y() if way == "y" else p.get_x() for p in bars]
+        begin = [box_of(p).get_y() if way == "y" else box_of(p).get_x() for p in bars]
         starts = np.zeros(len(bars)) if starts is None else np.asarray(starts, float)
         np.testing.assert_allclose(self.si(axes, way, begin, si_unit), starts, **limits)
         self.take(*bars)
@@ -173,7 +175,7 @@ class Chart:
             for artist in [*axes.lines, *axes.patches, *axes.collections, *axes.images]:
                 if id(artist) in self._read or not artist.get_visible():
                     continue
-                if isinstance(artist, Line2D) and not len(artist.get_xdata()):
+                if isinstance(artist, Line2D) and not len(x_data(artist)):
                     continue
                 kind = next(
                     k for k in (Line2D, Patch, Collection, AxesImage) if isinstance(artist, k)

@@ -69,7 +69,7 @@ def meshing() -> Meshing:
         sides.append(
             ThreadContact(odd(0.01), odd(0.1), odd(4e-3), odd(0.2), tuple(odds(3)), curvature)
         )
-    return Meshing(*sides, odd(1e-5), number(True))
+    return Meshing(*sides, odd(1e-5), number(True))  # pyright: ignore[reportCallIssue]
 
 
 @functools.cache
@@ -106,12 +106,12 @@ def line_contact() -> tuple[LineContact, LineContactResult]:
     slices = SliceGeometry(
         radius, -4e-4 * (radius / 9e-3), 0 * radius, 0 * radius, 0 * radius, number(True)
     )
-    line = LineContactResult(
-        slices, 3 * pressure, half, pressure, half, *(odd() for _ in range(4)), number(1.07e9),
-        number(5e-5), number(0.512), *(odd(), odd()), number(True),
+    line = LineContactResult(  # pyright: ignore[reportCallIssue]
+        slices, 3 * pressure, half, pressure, half, *(odd() for _ in range(4)), number(1.07e9),  # pyright: ignore[reportCallIssue]
+        number(5e-5), number(0.512), *(odd(), odd()), number(True),  # pyright: ignore[reportCallIssue]
     )  # fmt: skip
     flanks = LineContact(
-        *(number(v) for v in (9e-3, 11e-3, 8e-3, 10e-3, 19e-3)), number(0.5), number(0.4)
+        *(number(v) for v in (9e-3, 11e-3, 8e-3, 10e-3, 19e-3, 0.5, 0.4)),
     )
     return flanks, line
 

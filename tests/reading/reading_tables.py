@@ -134,7 +134,7 @@ class Terminal:
                 if isinstance(one, str):
                     assert cell == one, f"{name}: {cell!r} is not {one!r}"
                 else:
-                    _assert_six(cell, column_unit(name), *one, f"{row[0]}, {name}")
+                    _assert_six(cell, column_unit(name), *one, f"{row[0]}, {name}")  # pyright: ignore[reportCallIssue]
 
     def finish(self) -> None:
         """Every line with a number has been read."""

@@ -6,6 +6,7 @@ import pytest
 import reading_scenes as scenes
 from expectations import reads
 from matplotlib.patches import Ellipse
+from reading_artists import box_of, levels_of, vertices_of, x_data, y_data
 from reading_figures import Chart, handles
 from reading_units import assert_reads, label_unit, to_si
 
@@ -23,6 +24,7 @@ from prsm_jax.report import (
 )
 from prsm_jax.report.contact_charts import _subsurface_chart
 from prsm_jax.validation import PressureFigure, PressurePanel, PrintedEllipse, PrintedPressure
+from tests.present import present
 
 number = jnp.asarray
 
@@ -195,14 +197,14 @@ def test_stress_section(along):
     filled, lines = axes.collections
     assert filled.get_clim()[1] > 0
     # Steps of the contours hold the largest stress, in the unit of the colour bar.
-    levels = to_si(filled.levels, label_unit(bar.get_ylabel()))
+    levels = to_si(levels_of(filled), label_unit(bar.get_ylabel()))
     assert levels[0] == 0
     assert 9.13e8 <= levels[-1] < 1.3 * 9.13e8
     assert filled.get_array().size == len(levels) - 1
     # Where the stress is largest a filled step is closed around the mark.
-    x, y = (float(v[0]) for v in (mark.get_xdata(), mark.get_ydata()))
-    top = max(k for k, path in enumerate(filled.get_paths()) if len(path.vertices))
-    vertices = filled.get_paths()[top].vertices
+    x, y = (float(v[0]) for v in (x_data(mark), y_data(mark)))
+    top = max(k for k, path in enumerate(filled.get_paths()) if len(vertices_of(path)))
+    vertices = vertices_of(filled.get_paths()[top])
     assert np.hypot(vertices[:, 0] - x, vertices[:, 1] - y).max() < 0.03
     assert levels[top] <= 9.13e8 <= levels[top + 1]
     chart.take(filled, lines)
@@ -241,19 +243,19 @@ def test_stress_below_a_contact(monkeypatch):
         )
         chart.says("", (peak.value, "Pa"), (peak.depth, "m"), within="at depth", place=axes)
         filled, lines = axes.collections
-        levels = to_si(filled.levels, label_unit(bar.get_ylabel()))
-        inside = [k for k, path in enumerate(filled.get_paths()) if len(path.vertices)]
+        levels = to_si(levels_of(filled), label_unit(bar.get_ylabel()))
+        inside = [k for k, path in enumerate(filled.get_paths()) if len(vertices_of(path))]
         # The field that is drawn ends in the step of the largest stress, grid or not.
         assert levels[max(inside)] <= float(peak.value) * 1.001
         assert levels[max(inside) + 1] >= 0.98 * float(peak.value)
         # A point on a contour has the stress of that contour.
         level, path = next(
             (float(to_si(v, label_unit(bar.get_ylabel()))), p)
-            for v, p in zip(lines.levels, lines.get_paths(), strict=True)
-            if len(p.vertices) and v > 0.5 * lines.levels[-1]
+            for v, p in zip(levels_of(lines), lines.get_paths(), strict=True)
+            if len(vertices_of(p)) and v > 0.5 * levels_of(lines)[-1]
         )
-        x = chart.si(axes, "x", path.vertices[0, 0], "m")
-        z = chart.si(axes, "y", path.vertices[0, 1], "m")
+        x = chart.si(axes, "x", vertices_of(path)[0, 0], "m")
+        z = chart.si(axes, "y", vertices_of(path)[0, 1], "m")
         point = jnp.asarray([float(x), 0.0, float(z)])
         # Linear interpolation between the points of a grid.
         stress, _ = _hill(point[None], *given, traction)
@@ -284,8 +286,8 @@ def test_line_contact():
     (path,) = area.get_paths()
     half, arc = np.asarray(line.half_width), np.asarray(line.slices.arc)
     loaded = half > 0
-    x = chart.si(below, "x", path.vertices[:, 0], "m")
-    y = chart.si(below, "y", path.vertices[:, 1], "m")
+    x = chart.si(below, "x", vertices_of(path)[:, 0], "m")
+    y = chart.si(below, "y", vertices_of(path)[:, 1], "m")
     at = np.interp(x, line.slices.radius, arc)
     assert np.abs(y - at).max() == pytest.approx(half.max(), rel=1e-6)
     assert (x.min(), x.max()) == pytest.approx(
@@ -331,7 +333,7 @@ def test_loads_of_threads_as_bars():
         chart.axes, (found.screw, found.nut), ("screw side", "nut side"), strict=True
     ):
         forward, reverse = np.asarray(side.forward)[0], np.asarray(side.reverse)[0]
-        middles = [p.get_x() + p.get_width() / 2 for p in axes.patches]
+        middles = [box_of(p).get_x() + box_of(p).get_width() / 2 for p in axes.patches]
         np.testing.assert_allclose(middles, [1, 2, 3, 4, 5] * 2)
         _axial(chart, axes, forward)
         _axial(chart, axes, -reverse)
@@ -360,7 +362,7 @@ def test_loads_of_unlike_rollers_as_maps():
         for loads, flank in ((side.forward, "forward"), (side.reverse, "opposite")):
             axes = named[f"{words}, {flank} flanks"]
             (image,) = axes.images
-            np.testing.assert_allclose(image.get_array(), np.asarray(loads)[pick])
+            np.testing.assert_allclose(present(image.get_array()), np.asarray(loads)[pick])
             assert image.get_clim() == pytest.approx((0, largest))
             assert image.get_extent() == [0.5, 5.5, 3.5, -0.5]
             chart.take(image)
@@ -381,8 +383,8 @@ def test_loads_of_unlike_rollers_as_maps():
         net = forward - reverse
         chart.level(axes, net.mean(), "N", "x")
         (marks,) = chart.lines(axes)
-        np.testing.assert_allclose(marks.get_xdata(), net)
-        np.testing.assert_allclose(marks.get_ydata(), [0, 1, 2, 3])
+        np.testing.assert_allclose(x_data(marks), net)
+        np.testing.assert_allclose(y_data(marks), [0, 1, 2, 3])
         chart.take(marks)
     words = chart.text("Load per thread under")
     assert_reads(words, (1512.0, "N"), *factors)

@@ -3,6 +3,7 @@
 import math
 import re
 from types import SimpleNamespace
+from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -11,6 +12,7 @@ import pytest
 import scenes
 from expectations import reads
 from matplotlib.patches import Arc, Circle
+from reading_artists import box_of, levels_of, vertices_of, x_data, y_data
 from reading_figures import Chart, handles
 from reading_units import assert_reads, label_unit, numbers, same_dimension, to_si
 
@@ -50,12 +52,12 @@ def test_the_way_to_an_optimum():
     )
     left, right = chart.axes
     path, inside, outside = chart.lines(left)
-    np.testing.assert_allclose(path.get_xdata(), [0, 1, 2])
+    np.testing.assert_allclose(x_data(path), [0, 1, 2])
     assert label_unit(left.get_xlabel()) == ""
     chart.curve(left, path, None, history, ("", "1"))
-    np.testing.assert_allclose(inside.get_xdata(), [0, 2])
+    np.testing.assert_allclose(x_data(inside), [0, 2])
     chart.curve(left, inside, None, (0.851, 0.879), ("", "1"))
-    np.testing.assert_allclose(outside.get_xdata(), [1])
+    np.testing.assert_allclose(x_data(outside), [1])
     chart.curve(left, outside, None, 0.883, ("", "1"))
     assert outside.get_markerfacecolor() == "white"
     chart.bars(right, [2.91 / 3, 1.21 / 1.31, 1.0], "1", "x")
@@ -141,15 +143,15 @@ def test_sweeps():
     assert same_dimension(label, "Pa")
     filled, lines = axes.collections
     plane = values[:, :, best[2]]
-    levels = to_si(filled.levels, label)
+    levels = to_si(levels_of(filled), label)
     assert levels[0] <= np.nanmin(plane) <= levels[1]
     assert levels[-2] <= np.nanmax(plane) <= levels[-1]
     # A contour passes where the plane, linear between the designs, has its value.
     from scipy.interpolate import RegularGridInterpolator
 
     plane_at = RegularGridInterpolator((data["lead"].values, angle), plane)
-    middle = len(lines.levels) // 2
-    path = lines.get_paths()[middle].vertices
+    middle = len(levels_of(lines)) // 2
+    path = vertices_of(lines.get_paths()[middle])
     points = np.stack(
         [chart.si(axes, "x", path[:, 0], "m"), chart.si(axes, "y", path[:, 1], "rad")], axis=1
     )
@@ -157,7 +159,7 @@ def test_sweeps():
     known = np.isfinite(found)
     assert known.sum() > 3
     # On an edge between two designs exactly; inside of a cell matplotlib joins these points.
-    np.testing.assert_allclose(found[known], to_si(lines.levels[middle], label), rtol=1e-6)
+    np.testing.assert_allclose(found[known], to_si(levels_of(lines)[middle], label), rtol=1e-6)
     chart.take(filled, lines)
     chart.finish()
 
@@ -194,7 +196,7 @@ def test_life():
     mean = harm.sum() ** (1 / 3)
     starts = np.array([0, 0.08, 0.4])
     for axes, heights, unit in ((bars, force, "N"), (damage, harm / harm.sum(), "1")):
-        places = [(p.get_x(), p.get_width()) for p in axes.patches]
+        places = [(box_of(p).get_x(), box_of(p).get_width()) for p in axes.patches]
         found = chart.si(axes, "x", places, "1")
         np.testing.assert_allclose(found, np.stack([starts, share], axis=1), atol=1e-12)
         chart.bars(axes, heights, unit)
@@ -256,7 +258,7 @@ def test_limits_of_the_shaft(actuator):
         chart.curve(axes, dot, float(length), value, ("m", unit))
         chart.says(words, (value, unit))
     limit = float(stage.strength.shaft.dn_limit)
-    text = next(t for t in speed.texts if "DN limit" in t.get_text())
+    text: Any = next(t for t in speed.texts if "DN limit" in t.get_text())
     chart.says("DN limit ", (limit, "m*rad/s"))
     # D N: the screw's diameter times its speed.
     at = chart.si(speed, "y", text.xy[1], "rad/s")
@@ -345,14 +347,14 @@ def test_drawing(actuator):
         (along, float(stage.nut.length) / 2),
         (along, float(stage.roller.length) / 2),
     ):
-        at = [line.get_xdata()[0] for line in axes.lines if len(set(line.get_xdata())) == 1]
+        at = [x_data(line)[0] for line in axes.lines if len(set(x_data(line))) == 1]
         assert any(x == pytest.approx(1e3 * half) for x in at)
         assert any(x == pytest.approx(-1e3 * half) for x in at)
     for axes, length in ((along, 10.0), (detail, 1.0)):
         words = chart.text(f"{length:g} mm", place=axes)
         (bar,) = [
             line for line in axes.lines
-            if len(line.get_xdata()) == 2 and line.get_linewidth() == 1.2
+            if len(x_data(line)) == 2 and line.get_linewidth() == 1.2
             and np.ptp(line.get_ydata()) == 0
         ]  # fmt: skip
         assert np.ptp(bar.get_xdata()) == pytest.approx(length)
@@ -376,8 +378,8 @@ def test_drawing(actuator):
         on_paper = axes.get_position().width * width
         assert on_paper / np.ptp(axes.get_xlim()) == pytest.approx(ratio, rel=5e-3)
     # Threads: crests and roots in the detail lie about the nominal radii.
-    outlines = [line for line in detail.lines if len(line.get_xdata()) > 40]
-    middles = [np.mean([min(line.get_ydata()), max(line.get_ydata())]) for line in outlines]
+    outlines = [line for line in detail.lines if len(x_data(line)) > 40]
+    middles = [np.mean([min(y_data(line)), max(y_data(line))]) for line in outlines]
     nominal = [screw, nut, centre + roller, centre - roller]
     for height, radius in zip(middles, nominal, strict=True):
         assert height == pytest.approx(1e3 * radius, abs=0.25 * 1e3 * lead / starts)

@@ -7,6 +7,7 @@ import pytest
 import reading_scenes as made
 import scenes
 from expectations import reads
+from reading_artists import box_of, vertices_of
 from reading_figures import Chart, handles
 from reading_units import assert_reads, numbers, to_si
 
@@ -22,6 +23,7 @@ from prsm_jax.report import (
 )
 from prsm_jax.report.motion_charts._power_flow import PowerFlow
 from prsm_jax.validation._figures import Curve, Mark, Panel, PublishedFigure
+from tests.present import present
 
 #: Of the example of two stages, by hand: two leads of 10 mm for each turn.
 _TRAVEL = 2 * 10e-3 / (2 * math.pi)
@@ -169,7 +171,7 @@ def test_losses():
         lost = {name: float(power) for name, power in state.losses.items()}
         useful = max(float(state.output_power), 0.0)
         source, start = useful + sum(lost.values()), 0.0
-        assert all(p.get_y() == pytest.approx(row - 0.3) for p in [above.patches[4 * row]])
+        assert all(box_of(p).get_y() == pytest.approx(row - 0.3) for p in [above.patches[4 * row]])
         chart.bars(above, useful / source, "1", "x")
         chart.bars(
             above,
@@ -218,16 +220,16 @@ def test_power_flows(unit):
         ("moving masses", False): "into moving masses",
     }
     (trunk,) = axes.collections
-    y = trunk.get_paths()[0].vertices[:, 1]
+    y = vertices_of(trunk.get_paths()[0])[:, 1]
     assert np.ptp(y) == pytest.approx(46.0)
     chart.take(trunk)
     for ends, source in ((flow.sources, True), (flow.sinks, False)):
         for name, value in ends.items():
             block = next(
                 p for p in axes.patches if p.get_label() == name
-                and (p.get_x() < 60) == source and hasattr(p, "get_height")
+                and (box_of(p).get_x() < 60) == source and hasattr(p, "get_height")
             )  # fmt: skip
-            assert block.get_height() == pytest.approx(height * value)
+            assert box_of(block).get_height() == pytest.approx(height * value)
             chart.take(block)
             label = words.get((name, source), name.replace("_", " "))
             expected = [(value, flow.unit)]
@@ -237,7 +239,7 @@ def test_power_flows(unit):
     chart.says("", (total, flow.unit))
     # Bands are as high as their blocks.
     bands = [p for p in axes.patches if not hasattr(p, "get_height")]
-    sizes = [np.ptp(p.get_path().vertices[[0, -2], 1]) for p in bands]
+    sizes = [np.ptp(vertices_of(p.get_path())[[0, -2], 1]) for p in bands]
     every = [*flow.sources.values(), *flow.sinks.values()]
     assert sorted(sizes) == pytest.approx(sorted(height * v for v in every))
     chart.take(*bands)
@@ -270,8 +272,8 @@ def test_powers(mechanism, to_and_fro):
                 continue
             area = next(a for a in areas if a.get_label() == name)
             top = base + sign * power
-            x = chart.si(axes, "x", area.get_paths()[0].vertices[:, 0], "s")
-            y = chart.si(axes, "y", area.get_paths()[0].vertices[:, 1], "W")
+            x = chart.si(axes, "x", vertices_of(area.get_paths()[0])[:, 0], "s")
+            y = chart.si(axes, "y", vertices_of(area.get_paths()[0])[:, 1], "W")
             edges = [np.interp(x, time, edge) for edge in (base, top)]
             off = np.minimum(np.abs(y - edges[0]), np.abs(y - edges[1]))
             assert off.max() <= 1e-9 * np.abs(motor).max()
@@ -344,7 +346,9 @@ def test_words_of_the_motion(mechanism, monkeypatch, tmp_path):
     assert len(said) == 9
     time = np.asarray(run.time)
     for at, words in zip(np.linspace(0, 2e-3, 9), said, strict=True):
-        speed, travel = (float(np.interp(at, time, v)) for v in (run.screw_speed, run.position))
+        speed, travel = (
+            float(np.interp(at, time, present(v))) for v in (run.screw_speed, run.position)
+        )
         heading = words[-1]
         found = numbers(heading)
         assert [one.label for one in found] == ["ms", "rpm", "mm"]

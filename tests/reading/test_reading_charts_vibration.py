@@ -1,6 +1,7 @@
 """Pictures of vibration: frequencies, orders, responses and shapes read back in SI."""
 
 import re
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 import reading_scenes as made
 import scenes
 from expectations import reads
+from reading_artists import box_of, x_data, y_data
 from reading_figures import Chart, handles
 from reading_units import assert_reads, numbers
 
@@ -40,7 +42,7 @@ def test_frequencies():
     assert chart.ticks(axes) == [name for name, _ in rows]
     left = axes.get_xlim()[0]
     # Which design a dot belongs to is seen by its filling, as in the legend.
-    legend = [one.get_markerfacecolor() == "white" for one in axes.get_legend().legend_handles]
+    legend = [one.get_markerfacecolor() == "white" for one in axes.get_legend().legend_handles]  # pyright: ignore[reportAttributeAccessIssue]
     assert legend == [True, False]
     for index, (_, pair) in enumerate(rows):
         places = []
@@ -49,8 +51,8 @@ def test_frequencies():
             chart.curve(axes, stem, [left, value], None, ("Hz", ""))
             chart.curve(axes, dot, value, None, ("Hz", ""))
             assert (dot.get_markerfacecolor() == "white") == hollow
-            places.append(dot.get_ydata()[0])
-            assert set(stem.get_ydata()) == {places[-1]}
+            places.append(y_data(dot)[0])
+            assert set(y_data(stem)) == {places[-1]}
             expected = [(value, "Hz")] + ([(times, "", "whole")] if times > 1 else [])
             chart.says("", *expected, within="Hz", place=axes)
         assert np.mean(places) == pytest.approx(index)
@@ -85,11 +87,12 @@ def test_loci():
     chart.says("A: ", (60.0, "Hz"), (0.8, "rad"))
     (frame,) = main.patches
     scale = 1e3 if main.get_ylabel().endswith("kHz") else 1.0
-    edges = np.radians([frame.get_x(), frame.get_x() + frame.get_width()])
+    edges = np.radians([box_of(frame).get_x(), box_of(frame).get_x() + box_of(frame).get_width()])
     assert np.mean(edges) == pytest.approx(0.8)
     inside = np.radians(enlarged.get_xlim())
     assert tuple(edges) == pytest.approx(tuple(inside))
-    assert scale * frame.get_y() < 2970 < 3030 < scale * (frame.get_y() + frame.get_height())
+    box = box_of(frame)
+    assert scale * box.get_y() < 2970 < 3030 < scale * (box.get_y() + box.get_height())
     chart.take(frame)
     assert handles(chart.figure) == ["torsional", "transverse (×2)"]
     chart.text("torsional")
@@ -113,7 +116,7 @@ def test_responses():
     for response in found.values():
         size = 20 * np.log10(np.abs(np.asarray(response.value)))
         line = chart.lines(upper)[0]
-        np.testing.assert_allclose(line.get_ydata(), size)
+        np.testing.assert_allclose(y_data(line), size)
         chart.curve(upper, line, response.frequency, None, ("Hz", "1"))
         line = chart.lines(lower)[0]
         angle = np.angle(np.asarray(response.value))
@@ -126,7 +129,9 @@ def test_responses():
     chart.text("mobility in dB")
     assert upper.get_title("left") == "nut x under a force at screw u"
     assert {"light", "heavy", "carrier", "torsional", "transverse", "roller"} == {
-        text.get_text() for legend in (upper.get_legend(), *upper.artists) for text in legend.texts
+        text.get_text()
+        for legend in (upper.get_legend(), *upper.artists)
+        for text in legend.texts  # pyright: ignore[reportAttributeAccessIssue]
     }
     chart.finish()
 
@@ -166,7 +171,7 @@ def test_orders_meet_frequencies(campbell):
             ),
         )
         height = np.log(count * speed / (2 * np.pi) / low) / np.log(high / low)
-        assert pointer.get_ydata()[0] == pytest.approx(height)
+        assert y_data(pointer)[0] == pytest.approx(height)
         chart.take(pointer, text)
     for value in np.unique(np.asarray(campbell.modes.frequencies)):
         if low < value < high:
@@ -177,8 +182,8 @@ def test_orders_meet_frequencies(campbell):
             words = f"{value:,.0f} Hz".replace(",", "\u202f")
             chart.says("", *expected, within=words)
     dots = {
-        (round(float(chart.si(axes, "x", line.get_xdata()[0], "rad/s")), 6),
-         round(float(chart.si(axes, "y", line.get_ydata()[0], "Hz")), 4),
+        (round(float(chart.si(axes, "x", x_data(line)[0], "rad/s")), 6),
+         round(float(chart.si(axes, "y", y_data(line)[0], "Hz")), 4),
          line.get_markerfacecolor() != "white")
         for line in chart.lines(axes)
     }  # fmt: skip
@@ -196,7 +201,7 @@ def test_orders_meet_frequencies(campbell):
             (one.speed, "rad/s", "whole"),
             (one.frequency, "Hz", "whole"),
         )
-        mark = next(t for t in axes.texts if t.get_text() == str(index))
+        mark: Any = next(t for t in axes.texts if t.get_text() == str(index))
         place = (chart.si(axes, "x", mark.xy[0], "rad/s"), chart.si(axes, "y", mark.xy[1], "Hz"))
         assert place == pytest.approx((one.speed, one.frequency))
         chart.take(mark)

@@ -110,7 +110,7 @@ def test_same_pressures(found, monkeypatch):
         cells = dict(zip(table.head, row, strict=True))
         assert_cell(cells["p₀ in MPa"], (p, "Pa"), "p₀ in MPa")
         assert_cell(cells["p₀ of the whole ellipse in MPa"], (w, "Pa"), "p₀ in MPa")
-    shares = dict(sections["load_sharing"].tables[0].rows)
+    shares = {row[0]: row[1] for row in sections["load_sharing"].tables[0].rows}
     assert_cell(shares["largest pressure"], (shared, "Pa"))
     of_whole = sharing["whole_ellipse_max_pressure_pa"], "Pa"
     assert_cell(shares["largest pressure of a whole ellipse"], of_whole)

@@ -3,6 +3,7 @@
 import ast
 import importlib
 from pathlib import Path
+from typing import Any
 
 from expectations import READ
 
@@ -39,7 +40,7 @@ def test_every_section_has_a_reader():
         if isinstance(node, ast.FunctionDef) and node.name == "_sections"
     )
     # Rows of the table: anchor, title, and the function that makes the section.
-    rows = [node.elts for node in ast.walk(body) if isinstance(node, ast.Tuple)]
+    rows: list[Any] = [node.elts for node in ast.walk(body) if isinstance(node, ast.Tuple)]
     given = {row[2].id for row in rows if len(row) == 3 and isinstance(row[0], ast.Constant)}
     assert given == _read("section")
 
@@ -49,6 +50,8 @@ def test_every_verb_has_a_reader():
     for path in (_REPORT.parent / "cli").rglob("*.py"):
         for node in ast.parse(path.read_text()).body:
             decorators = getattr(node, "decorator_list", [])
-            if any(ast.unparse(one).startswith("app.command") for one in decorators):
+            if isinstance(node, ast.FunctionDef) and any(
+                ast.unparse(one).startswith("app.command") for one in decorators
+            ):
                 found.add(node.name)
     assert found == _read("verb")

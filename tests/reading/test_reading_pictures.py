@@ -1,5 +1,7 @@
 """Folders of pictures: which numbers each picture is given."""
 
+from typing import Any
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -36,7 +38,7 @@ def test_pictures_of_contacts(monkeypatch):
         *("contact_ellipses", "pressure_map", "pressure_profiles", "subsurface_chart"),
         *("thread_load_chart", "force_deflection_chart"),
     )
-    drawn = _contact_pictures.contact_pictures(mechanism, 4321.0, cells=16)
+    drawn: dict[str, Any] = _contact_pictures.contact_pictures(mechanism, 4321.0, cells=16)
     title = mechanism.title
     assert {name: one[0] for name, one in drawn.items()} == {
         "contact-ellipses": "contact_ellipses",
@@ -61,7 +63,7 @@ def test_pictures_of_contacts(monkeypatch):
         hertz, ratio, friction = drawn[f"stress-{side}"][1]
         assert hertz is getattr(pair, side).hertz
         assert float(ratio) == float(stage.material.poisson_ratio)
-        assert friction == float(stage.friction.thread.coefficient)
+        assert friction == float(stage.friction.thread.coefficient)  # pyright: ignore[reportAttributeAccessIssue]
     assert drawn["thread-loads"][1] == (shared,)
     assert drawn["force-deflection"][1] == ({title: curve},)
 
@@ -73,7 +75,8 @@ def test_curves_go_half_as_far_again_as_the_load(monkeypatch, reverse):
 
     one = scenes.mechanism(sharing_stage(**({"backlash": 1e-5} if reverse else {})))
     _recorded(monkeypatch, _shared_loads, "_force_deflection", "_load_distribution")
-    distribution, curve = _shared_loads.shared_loads(one, jnp.asarray(-2e3), 1)
+    recorded: Any = _shared_loads.shared_loads(one, jnp.asarray(-2e3), 1)
+    distribution, curve = recorded
     assert float(distribution[1][1]) == -2e3
     loads = np.asarray(curve[1][1])
     assert (loads[0], loads[-1], len(loads)) == (-3e3 if reverse else 0.0, 3e3, 61)

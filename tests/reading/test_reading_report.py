@@ -3,6 +3,7 @@
 import dataclasses
 import math
 from types import SimpleNamespace
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -390,7 +391,7 @@ def test_steady(sections, data):
 def test_a_locked_mechanism_has_no_efficiency_of_the_load(data):
     locked = dataclasses.replace(data, backward=made.steady(0, True), improved=None)
     section = next(s for s in report_sections(locked) if s.anchor == "steady")
-    cells = dict(section.tables[0].rows)
+    cells = {row[0]: row[1] for row in section.tables[0].rows}
     assert cells["efficiency, load drives"] == "self-locking"
     assert any("is self-locking" in words for words in section.paragraphs)
 
@@ -412,7 +413,7 @@ def test_a_locked_or_jammed_thread_says_what_it_is(data, name, words):
     after = dataclasses.replace(data.improved, steady=state)
     locked = dataclasses.replace(data, steady=state, forward=state, backward=state, improved=after)
     sections = {section.anchor: section for section in report_sections(locked)}
-    cells = dict(sections["steady"].tables[0].rows)
+    cells = {row[0]: row[1] for row in sections["steady"].tables[0].rows}
     assert cells["efficiency, screw drives"] == cells["efficiency, load drives"] == words
     first = next(p for p in sections["summary"].paragraphs if p.startswith("At "))
     assert f"the mechanism has no efficiency; {words}" in first
@@ -517,7 +518,7 @@ def test_optimisation(sections, data):
     assert_table(variables, head, rows)
     before, after = data.steady, data.improved.steady
     lost = [sum(float(v) for v in s.losses.values()) for s in (before, after)]
-    rows = [
+    rows: list[Any] = [
         ("efficiency", (0.8512, "1"), (0.8791, "1"), "+2.79 points"),
         ("max pressure", (2.13e9, "Pa"), (2.97e9, "Pa"), _change(2.13, 2.97)),
     ]
@@ -597,7 +598,7 @@ def test_stages_keep_their_numbers_apart(data):
         backward=steady,
     )
     found = {section.anchor: section for section in report_sections(both)}
-    cells = dict(found["steady"].tables[0].rows)
+    cells = {row[0]: row[1] for row in found["steady"].tables[0].rows}
     for k in range(2):
         for words, values, unit in (
             ("carrier speed over screw speed", steady.carrier_ratio, ""),

@@ -1,6 +1,7 @@
 """Every key and line of the verbs of vibration and of design, against SI numbers."""
 
 import dataclasses
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -492,7 +493,7 @@ def test_sweep(run, monkeypatch, tmp_path):
             "code": (codes, "successful impossible_dimension overlapping_rollers no_meshing"),
             "error": (errors, "none dimension roller_clearance backlash static_safety"),
         }
-        variables = {
+        variables: dict[str, Any] = {
             name: ("design", values, {"flag_meanings": words})
             for name, (values, words) in meanings.items()
         }

@@ -20,6 +20,7 @@ from prsm_jax.report import (
 )
 from prsm_jax.vibration import frequency_loci
 from tests import scenes
+from tests.present import present
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +90,7 @@ def test_a_transverse_mode_moves_the_screw_by_what_is_printed(sheet, modes):
     x, y, angle = _placed(axes)["screw"]
     assert (y, angle) == pytest.approx((0, 0), abs=1e-9)
     share = float(modes.kinetic_energy_shares()["screw"][2])
-    mass = float(scenes.example("wu2022").stages[0].screw.mass)
+    mass = float(present(scenes.example("wu2022").stages[0].screw.mass))
     # ½ m (ω a)² is the screw's share of 1 mJ.
     amplitude = math.sqrt(2 * 1e-3 * share / mass) / (2 * math.pi * float(modes.frequencies[2]))
     printed = next(t.get_text() for t in axes.texts if "displacements" in t.get_text())
@@ -154,7 +155,7 @@ def test_an_animation_is_one_period_that_repeats(wu2022, modes, tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["mode.gif"]
     assert 50_000 < path.stat().st_size < 1_000_000
     with Image.open(path) as animation:
-        assert animation.n_frames == 24
+        assert animation.n_frames == 24  # pyright: ignore[reportAttributeAccessIssue]
         assert animation.info["loop"] == 0
         frames = []
         for index in (0, 1, 12, 23):

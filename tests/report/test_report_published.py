@@ -54,6 +54,6 @@ def test_an_unknown_source_is_refused():
 def test_knees_are_where_a_curve_bends_over():
     time = np.linspace(0.0, 10.0, 1001)
     # Two ramps that end at 2 and at 7, rounded; the sum of their lengths is what they rise by.
-    ramp = sum(np.clip(time - start, 0, 1) for start in (1.0, 6.0))
+    ramp = np.clip(time - 1.0, 0, 1) + np.clip(time - 6.0, 0, 1)
     smooth = np.convolve(ramp, np.hanning(31) / np.hanning(31).sum(), mode="same")[50:-50]
     assert knees(time[50:-50], smooth) == pytest.approx([2.0, 7.0], abs=0.1)

@@ -27,7 +27,12 @@ def _response(kind="receptance", loss=0.1, at_pole=False):
         marks[100] = True
         value[100] = np.inf
     return FrequencyResponse(
-        jnp.asarray(hertz), jnp.asarray(value), jnp.asarray(marks), "screw u", "nut u", kind
+        jnp.asarray(hertz),
+        jnp.asarray(value),
+        jnp.asarray(marks),
+        "screw u",
+        "nut u",
+        kind,  # pyright: ignore[reportArgumentType]
     )
 
 

@@ -30,4 +30,4 @@ def test_nothing_to_show_is_said():
     with pytest.raises(ValueError, match="no load"):
         subsurface_chart(empty, 0.3)
     with pytest.raises(ValueError, match="choose major or minor"):
-        subsurface_chart(empty, 0.3, along="middle")
+        subsurface_chart(empty, 0.3, along="middle")  # pyright: ignore[reportArgumentType]

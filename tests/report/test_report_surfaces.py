@@ -128,7 +128,7 @@ def test_section_shows_the_largest_stress():
     tensor = jnp.zeros((4, 16, 12, 3, 3)).at[..., 0, 0].set(1e6)
     stress = SubsurfaceStress(grid, depths, tensor.at[2, 4, 7, 0, 0].set(9e8))
     for along, position, title in (("x", -0.07, "y = 0.0300"), ("y", 0.03, "x = −0.0700")):
-        figure = stress_section(stress, along)
+        figure = stress_section(stress, along)  # pyright: ignore[reportArgumentType]
         assert_printable(figure)
         axes = figure.axes[0]
         assert f"section at {title}" in axes.get_title(loc="left")
@@ -160,11 +160,11 @@ def test_line_contact_shows_pressure_and_footprint():
         radius, jnp.full(41, -4e-4), 0 * radius, 0 * radius, 0 * radius, number(True)
     )
     line = LineContactResult(
-        slices, pressure, half, pressure, half, *(number(1.0),) * 4, number(1e9), number(5e-5),
-        number(0.5), *(number(1.0),) * 2, number(True),
+        slices, pressure, half, pressure, half, *(number(1.0),) * 4, number(1e9), number(5e-5),  # pyright: ignore[reportCallIssue]
+        number(0.5), *(number(1.0),) * 2, number(True),  # pyright: ignore[reportCallIssue]
     )  # fmt: skip
     flanks = LineContact(
-        *(number(v) for v in (9e-3, 11e-3, 8e-3, 10e-3, 19e-3)), number(0.5), number(0.5)
+        *(number(v) for v in (9e-3, 11e-3, 8e-3, 10e-3, 19e-3, 0.5, 0.5)),
     )
     alone = line_contact_chart(flanks, line)
     assert_printable(alone)

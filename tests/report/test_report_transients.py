@@ -194,7 +194,7 @@ def test_all_pictures_are_written(mechanism, settling, tmp_path):
 def test_the_animation_moves_and_repeats(mechanism, settling, tmp_path):
     path = save_motion_animation(tmp_path / "motion", mechanism, settling, frames=8)
     with Image.open(path) as picture:
-        assert picture.n_frames == 8
+        assert picture.n_frames == 8  # pyright: ignore[reportAttributeAccessIssue]
         assert picture.info["loop"] == 0
         first = np.asarray(picture.convert("RGB")).astype(int)
         picture.seek(4)

@@ -2,6 +2,7 @@
 
 import dataclasses
 import functools
+from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -38,7 +39,7 @@ def with_rollers(*unequal, translating=False, y_stiffness=None):
     """Wu's mechanism with unequal rollers, rollers that translate, or an anisotropic support."""
     one = example("wu2022")
     stage = one.stages[0]
-    changes = {"unequal_roller": tuple(unequal)}
+    changes: dict[str, Any] = {"unequal_roller": tuple(unequal)}
     if translating:
         changes["roller"] = Roller(stage.roller.mass, stage.roller.inertia, support=Support(2.2e5))
     if y_stiffness is not None:

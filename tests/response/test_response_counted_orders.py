@@ -14,6 +14,7 @@ import pytest
 from scenes import example
 
 from prsm_jax.response import excitation_orders, find_order
+from tests.present import present
 
 #: Turns of the screw, enough for six digits: the time from the first to the last passing counts.
 _TURNS = 40.0
@@ -159,7 +160,7 @@ def _scene(carrier_ratio):
         starts=round(float(thread.starts)),
         lead=float(thread.lead),
         rollers=stage.roller_count,
-        roller_teeth=round(float(stage.gear.roller_teeth)),
+        roller_teeth=round(float(present(stage.gear.roller_teeth))),
         carrier_ratio=carrier_ratio,
     )
     return plain, excitation_orders(stage, jnp.asarray(carrier_ratio))

@@ -267,9 +267,9 @@ def test_values_of_loads():
             lambda: TableProfile([0.0, 1.0], [1.0]),
             "values has 1 number, but times has 2; give as many",
         ),
-        (lambda: TableProfile([0.0, 1.0], [1.0, 2.0], "quintic"), "choose one of linear"),
+        (lambda: TableProfile([0.0, 1.0], [1.0, 2.0], "quintic"), "choose one of linear"),  # pyright: ignore[reportArgumentType]
         (lambda: SequenceProfile(()), "part is empty"),
-        (lambda: SequenceProfile((SineProfile(1.0, 1.0),)), "has no end"),
+        (lambda: SequenceProfile((SineProfile(1.0, 1.0),)), "has no end"),  # pyright: ignore[reportArgumentType]
         (lambda: SequenceProfile((TRAPEZOID,), 0), "repeats is 0"),
         (lambda: SumLoad(()), "part is empty"),
         (lambda: Scenario(1.0, 1.0, 1.0, samples=1), "samples is 1"),

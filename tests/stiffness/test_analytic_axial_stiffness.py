@@ -1,6 +1,7 @@
 """Axial stiffnesses: secants and tangents of contacts, nut and axis, against closed forms."""
 
 import dataclasses
+from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -10,6 +11,7 @@ from scenes import example
 
 import prsm_jax as prsm
 from prsm_jax.mechanism import LoadSharing, ScrewShaft, Strength, Support, ThreadTooth
+from tests.present import present
 
 NAMES = tuple(
     f"{part}_axial_stiffness_{kind}"
@@ -28,11 +30,13 @@ def _mechanism(rigid=False, **supports):
     """The actuator's stage with a shaft and, where not `rigid`, elastic teeth and sections."""
     base = example("actuator")
     dedendum = 0.45e-3
+    # Rigid: a million times stiffer than the contacts.
+    bodies = ("screw", "roller", "nut") if rigid else ()
+    stiff: dict[str, Any] = {f"{body}_segment_stiffness": 1e16 for body in bodies}
     sharing = LoadSharing(
         thread_count=20,
         tooth=None if rigid else ThreadTooth(0.8e-3, dedendum, dedendum, dedendum),
-        # Rigid: a million times stiffer than the contacts.
-        **({f"{b}_segment_stiffness": 1e16 for b in ("screw", "roller", "nut")} if rigid else {}),
+        **stiff,
     )
     stage = base.stages[0]
     screw = dataclasses.replace(stage.screw, bore_radius=BORE, support=supports.get("screw"))
@@ -74,7 +78,10 @@ def test_without_the_table_contacts_alone_in_closed_form():
 def test_given_stiffnesses_are_linear_springs():
     found = _compute(example("wu2022"), NAMES[:2])
     stage = example("wu2022").stages[0]
-    springs = [float(stage.stiffness.screw_roller), float(stage.stiffness.nut_roller)]
+    springs = [
+        float(present(stage.stiffness.screw_roller)),
+        float(present(stage.stiffness.nut_roller)),
+    ]
     expected = stage.roller_count / sum(1 / one for one in springs)
     for value in found.values():
         assert float(value) == pytest.approx(expected, rel=1e-14)
@@ -84,7 +91,7 @@ def test_rigid_shafts_and_teeth_leave_the_contacts():
     """Then the nut is its contacts: secants and tangents agree, and the tangent is 3/2."""
     found = {k: float(v) for k, v in _compute(_mechanism(rigid=True), NAMES).items()}
     # Segments a million times as stiff as a contact, in 19 places.
-    near = {"rel": 1e-5}
+    near: dict[str, Any] = {"rel": 1e-5}
     assert found["nut_axial_stiffness_secant"] == pytest.approx(
         found["contact_axial_stiffness_secant"], **near
     )
@@ -123,7 +130,10 @@ def test_tangent_and_secant_of_the_nut_from_its_travel():
 
 def test_the_axis_is_springs_in_series(elastic):
     shaft = YOUNG * np.pi * (ROOT**2 - BORE**2) / LENGTH
-    supports = {"screw": Support(axial_stiffness=3e8), "nut": Support(axial_stiffness=2e9)}
+    supports: dict[str, Any] = {
+        "screw": Support(axial_stiffness=3e8),
+        "nut": Support(axial_stiffness=2e9),
+    }
     held = _compute(_mechanism(**supports), NAMES[2:])
     for kind in ("secant", "tangent"):
         nut = elastic[f"nut_axial_stiffness_{kind}"]

@@ -1,6 +1,7 @@
 """The peak of pressure at a rounded crest: half-plane in closed form, half-spaces, limits."""
 
 import dataclasses
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 from scenes import array
 from scipy.integrate import quad
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import minimize_scalar
 from truncation_scenes import screw_of_30_mm, without_addenda
 
 import prsm_jax as prsm
@@ -24,6 +25,8 @@ from prsm_jax.contact import (
     pressure_ratio,
 )
 from prsm_jax.halfspace import flank_contact
+from tests.present import present
+from tests.roots import root_between
 
 _compute = eqx.filter_jit(prsm.compute)
 _MODULUS = 210e9 / (1 - 0.3**2) / 2
@@ -48,7 +51,7 @@ def _half_plane(steepness, intensity, share):
         whole = quad(lambda w: 2 * (length - w**2), 0, np.sqrt(length))[0]
         return stress * (1 - length / share) - steepness / (2 * np.pi) * whole
 
-    length = brentq(far, 1e-14, share)
+    length = root_between(far, 1e-14, share)
 
     def pressure(depth):
         # The principal value, with u = w² so that only that place is singular.
@@ -63,7 +66,9 @@ def _half_plane(steepness, intensity, share):
         return steepness / (2 * np.pi) * middle * part + 2 * stress / share * middle
 
     # Of the part from the edge alone the place is known; that of the sum is near it.
-    found = minimize_scalar(lambda v: -pressure(v * length), bounds=(0.5, 0.95), method="bounded")
+    found: Any = minimize_scalar(
+        lambda v: -pressure(v * length), bounds=(0.5, 0.95), method="bounded"
+    )
     at_peak = pressure(length / 1.1996786402577338**2)
     return at_peak, -found.fun
 
@@ -137,7 +142,7 @@ def test_quantities_are_those_of_the_worst_contact():
     sides, edges = strength.side_onsets(one.stages[0]), strength.side_edges(one.stages[0])
     for name, load in (("edge_pressure", 1e5), ("edge_pressure_largest", 4e5)):
         values = []
-        for side, of_side in zip(sides, edges, strict=True):
+        for side, of_side in zip(present(sides), edges, strict=True):
             hertz = side.pressure(array(load))
             values.append(float(hertz * pressure_ratio(hertz, side.onsets)))
             for edge in of_side:

@@ -1,5 +1,7 @@
 """Capacities, buckling, whirling and preload against closed forms, and each other."""
 
+from typing import Any
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -441,7 +443,7 @@ def test_backlash_adds_up_the_teeth():
 
 
 def test_two_preloads_for_one_force_are_found():
-    def found(stated, spacer, arrangement="split_nut"):
+    def found(stated, spacer, arrangement: Any = "split_nut"):
         one = stage(
             strength=Strength(play=AxialPlay(preload_force=stated, arrangement=arrangement)),
             load_sharing=LoadSharing(20, split_nut=SplitNut(10, preload=spacer)),
@@ -489,7 +491,7 @@ def test_contradictions_of_strength_and_load_sharing_are_found():
 def test_the_preload_of_a_split_nut_counts_in_strength():
     """Given for load sharing only, it is that which strength could have been given itself."""
     names = ["static_safety", "rating_life", "axial_backlash", "lost_motion", "preload_torque"]
-    data = {"static_capacity": 9e4, "dynamic_capacity": 6e4}
+    data: dict[str, Any] = {"static_capacity": 9e4, "dynamic_capacity": 6e4}
     stated = AxialPlay(preload_force=3e3, arrangement="split_nut")
     program = eqx.filter_jit(lambda m: prsm.compute(m, names))
 

@@ -11,13 +11,13 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from laminae import lamina_risk, pressure_ratio_by_bisection, sides_of
-from scipy.optimize import brentq
 from truncation_scenes import NUT_LENGTH, screw_of_30_mm, without_addenda
 
 import prsm_jax as prsm
 from prsm_jax import strength
 from prsm_jax.contact import half_extent
 from prsm_jax.mechanism import AxialPlay, DutyCycle, LoadSharing, SplitNut, Strength
+from tests.roots import root_between
 
 _PERMISSIBLE, _FACTOR, _LEAD = 4.2e9, 1.1, 3e-3
 _RATED = np.log(1 / 0.9)
@@ -34,7 +34,7 @@ def _with_cycle(one, loads, turned):
 
 
 @functools.cache
-def _unit(lead):
+def _unit(lead) -> list[tuple[float, tuple[float, ...], float]]:
     """Of either side under 10 kN in equal shares: Hertz pressure, reaches, risk of fatigue."""
     one = screw_of_30_mm(lead).stages[0]
     risks = strength.truncated_fatigue(one).risks
@@ -87,12 +87,14 @@ def _rates(phases, **more):
 
 
 def _capacity(lead, **more):
-    return brentq(lambda load: _life(_risk(lead, load, **more)) / 1e6 - 1, 1e3, 1e7, rtol=1e-13)
+    return root_between(
+        lambda load: _life(_risk(lead, load, **more)) / 1e6 - 1, 1e3, 1e7, rtol=1e-13
+    )
 
 
 def _on_flanks(load, preload):
     """Loads of two nuts that are braced, from F/F_p = (1 + s)^1.5 − (1 − s)^1.5."""
-    shift = brentq(
+    shift = root_between(
         lambda s: (1 + s) ** 1.5 - np.maximum(1 - s, 0.0) ** 1.5 - abs(load) / preload, 0, 500
     )
     both = preload * (1 + shift) ** 1.5, preload * max(1 - shift, 0.0) ** 1.5
@@ -133,7 +135,7 @@ def test_a_split_nut(name):
 
     onset = min(1e4 * min(t) ** 3 for _, t, _ in _unit(_LEAD)) * scale
     np.testing.assert_allclose(found["truncation_load"], onset, rtol=1e-9)
-    static = brentq(
+    static = root_between(
         lambda load: max(_pressures(_LEAD, load / scale)) / _PERMISSIBLE - 1, 1e3, 1e7, rtol=1e-13
     )
     np.testing.assert_allclose(found["static_capacity"], static, rtol=1e-9)
@@ -214,7 +216,7 @@ def test_threads_that_share_unequally():
     )
     assert found["max_pressure_shared"] > 1.05 * found["max_pressure"]
     worst = max(side.max() for side in sides) / mean
-    capacity = brentq(
+    capacity = root_between(
         lambda x: max(_pressures(5e-3, x * worst / _part())) / _PERMISSIBLE - 1, 1e3, 1e7,
         rtol=1e-13,
     )  # fmt: skip

@@ -35,6 +35,7 @@ from prsm_jax.validation import (
 from prsm_jax.validation._row import half_unit
 from prsm_jax.validation.wu2022._wu2022_frequencies import stable_frequencies
 from prsm_jax.validation.wu2022._wu2022_matrix import published_matrices, published_modes
+from tests.present import present
 
 #: Rows whose reason can be put in, and how near the printed number then comes (see the notes).
 PUT_IN = {
@@ -115,7 +116,8 @@ def test_verdicts_follow_from_the_numbers(rows):
             assert row.tolerance is not None
             assert abs(row.computed - row.published) <= row.tolerance, row
         if isinstance(row.published, float) and isinstance(row.computed, float):
-            expected = None if row.published == 0 else row.computed / row.published - 1
+            published = row.published
+            expected = None if published == 0 else row.computed / published - 1
             assert row.relative_difference == expected
         else:
             assert row.relative_difference is None
@@ -190,13 +192,13 @@ def test_table_5_is_reproduced_to_the_printed_digit(by_item):
         for line in csv.DictReader(lines)
     }
     assert len(corrections) == 5
-    found = [row for (source, item), row in by_item.items() if item.startswith("Table 5, N = ")]
+    found = [row for (_, item), row in by_item.items() if item.startswith("Table 5, N = ")]
     assert len(found) == 60
     explained = 0
     for row in found:
         head, mode = row.item.removeprefix("Table 5, N = ").split(": ")
         key = int(head), mode.split(",")[0]
-        correct = corrections.get(key, row.published)
+        correct = corrections.get(key, float(row.published))
         assert isinstance(row.computed, float)
         assert abs(row.computed - correct) <= 0.5
         corrected = correct != row.published
@@ -422,7 +424,7 @@ def test_lisowski_pressure_maps_hold_what_the_paper_prints(rows):
     assert edge_zone.file_name == "lisowski2014-edge-zone"
     for panel in cut:
         edge = panel.contact.flanks.body_edge
-        assert float(jnp.min(edge)) < 0 < float(jnp.max(edge))
+        assert float(jnp.min(present(edge))) < 0 < float(jnp.max(present(edge)))
         peak = panel.contact.surface.max_pressure
         assert peak > 1.1 * whole.contact.surface.max_pressure
     assert published_pressures("wu2022") == ()

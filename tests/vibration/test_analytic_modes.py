@@ -16,6 +16,7 @@ from prsm_jax.vibration import (
     dense_modes,
     symmetric_modes,
 )
+from tests.present import present
 
 _both = eqx.filter_jit(
     lambda system: (symmetric_modes(system, shapes=True), dense_modes(system)),
@@ -87,7 +88,7 @@ def test_both_paths_agree_on_soft_supports(ratio):
         )
         for body in system.bodies
     )
-    reduced, dense = _both(dataclasses.replace(system, bodies=bodies))
+    reduced, dense = _both(dataclasses.replace(present(system), bodies=bodies))
     np.testing.assert_allclose(dense.frequencies, reduced.frequencies, rtol=1e-12)
     assert dense.families == reduced.families
 
@@ -202,13 +203,13 @@ def test_stiff_pins_bring_back_rollers_that_only_rotate():
     """
     system = _wu()
     held = dataclasses.replace(
-        system.carrier,
+        present(system.carrier),
         mass=array(0.023),
         radial_support=array(1e17),
         torsional_support=array(1e17),
     )
     moving = dataclasses.replace(
-        system,
+        present(system),
         carrier=held,
         translation=RollerTranslation(array(0.0326), array(1e17)),
         bodies=tuple(
@@ -218,7 +219,7 @@ def test_stiff_pins_bring_back_rollers_that_only_rotate():
     )
     reduced, dense = _both(moving)
     np.testing.assert_allclose(dense.frequencies, reduced.frequencies, rtol=1e-11)
-    expected = _both(dataclasses.replace(system, carrier=None))[0].frequencies
+    expected = _both(dataclasses.replace(present(system), carrier=None))[0].frequencies
     np.testing.assert_allclose(reduced.frequencies[:16], expected, rtol=1e-7)
     assert float(reduced.frequencies[16]) > 100 * float(expected[-1])
 
@@ -241,11 +242,11 @@ def test_path_is_decided_by_the_scene():
     """What differs in structure is traced densely, even with the numbers of equal rollers."""
     system = _wu()
     even = RollerScatter(system.roller_positions, numbers=tuple(range(1, 8)))
-    scattered = dataclasses.replace(system, scatter=even)
+    scattered = dataclasses.replace(present(system), scatter=even)
     assert system.symmetric
     assert not scattered.symmetric
     with pytest.raises(ValueError, match="dense_modes"):
         symmetric_modes(scattered)
     np.testing.assert_allclose(
-        _dense(scattered).frequencies, _dense(system).frequencies, rtol=1e-13
+        _dense(scattered).frequencies, _dense(present(system)).frequencies, rtol=1e-13
     )

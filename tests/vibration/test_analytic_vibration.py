@@ -260,7 +260,7 @@ def test_torsional_block_with_stiff_and_soft_springs(ratio):
 
 
 def _block(support, mesh, mass, signs=(1, -1, -1), count=7.0):
-    return SpringBlock(*(jnp.asarray(v) for v in (support, mesh, mass, count**0.5)), signs)
+    return SpringBlock(*(jnp.asarray(v) for v in (support, mesh, mass, count**0.5)), signs)  # pyright: ignore[reportCallIssue]
 
 
 def _squares_of(block):

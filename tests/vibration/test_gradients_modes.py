@@ -29,6 +29,7 @@ from prsm_jax.vibration import (
     symmetric_modes,
 )
 from prsm_jax.vibration.arrowhead._arrowhead import arrowhead_modes
+from tests.present import present
 
 DIRECTION = np.array([0.3, -0.5, 0.9, 0.1, -0.7, 0.4, 1.1])
 PATHS = ("stiffness", "mass", "position", "support", "equal")
@@ -56,7 +57,9 @@ def _system_at(t, path):
         screw = dataclasses.replace(screw, radial_support_y=screw.radial_support * (1 + 100 * t))
     if path == "equal":
         screw = dataclasses.replace(screw, mesh_stiffness=screw.mesh_stiffness * (1 + t))
-    return dataclasses.replace(system, bodies=(screw, *others), scatter=scatter, carrier=None)
+    return dataclasses.replace(
+        present(system), bodies=(screw, *others), scatter=scatter, carrier=None
+    )
 
 
 def _observed(t, path):
@@ -161,7 +164,7 @@ def test_closed_form_of_the_second_derivative(ratio):
 
     Also where the supports are 1e12 times softer than the contacts.
     """
-    system = dataclasses.replace(_system(), carrier=None)
+    system = dataclasses.replace(present(_system()), carrier=None)
     system = dataclasses.replace(
         system,
         bodies=tuple(

@@ -1,6 +1,7 @@
 """Forces through a chain of stages: each nut carries the next screw."""
 
 import functools
+from collections.abc import Callable
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -133,7 +134,7 @@ def _friction(per_load: Scalar | None, load: Scalar, constant: Scalar | None) ->
 def chain_forces(
     mechanism: Mechanism,
     kinematics: tuple[StageKinematics, ...],
-    motion_of,
+    motion_of: Callable[[int, Scalar, Scalar, Scalar | None], Motion],
     speed: Scalar,
     sense: Scalar,
     load: Scalar,

@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -34,7 +35,7 @@ class AngleByQuadrature(eqx.Module):
     one more interval completes the angle from the last node.
     """
 
-    speed: Callable
+    speed: Callable[..., Any]
     nodes: Float[Array, " nodes"]
     angles: Float[Array, " nodes"]
 
@@ -44,7 +45,7 @@ class AngleByQuadrature(eqx.Module):
         return self.angles[index] + _gauss(self.speed, self.nodes[index], time)
 
 
-def _gauss(speed: Callable, start: Scalar, end: Scalar) -> Scalar:
+def _gauss(speed: Callable[..., Any], start: Scalar, end: Scalar) -> Scalar:
     half, middle = (end - start) / 2, (end + start) / 2
     total = jnp.zeros_like(half)
     for node, weight in zip(_NODES, _WEIGHTS, strict=True):
@@ -65,11 +66,11 @@ def angle_by_quadrature(scenario: Scenario) -> AngleByQuadrature:
 class BoundLoad(eqx.Module):
     """A load that depends on the nut's motion, with known motion: a function of time."""
 
-    load: Callable
+    load: Callable[..., Any]
     scenario: Scenario
     #: Travel of the nut per radian [m].
     travel: Scalar
-    angle: Callable | None
+    angle: Callable[..., Any] | None
 
     def position(self, time: Scalar) -> Scalar:
         """Position of the nut [m]."""

@@ -3,12 +3,13 @@
 States and time are scaled to order one, so that tolerances have the same meaning in every scene.
 """
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, DTypeLike, Float, Int
 
 from ...fields import Scalar
 from ..solvers import (
@@ -50,7 +51,7 @@ class Settings(NamedTuple):
             return type(self.own.solver).__name__
         return NAMES["rosenbrock" if self.method == "auto" else self.method]
 
-    def within(self, dtype) -> "Settings":
+    def within(self, dtype: DTypeLike) -> "Settings":
         """The settings, with tolerances that numbers of this precision can meet.
 
         Errors below their rounding are noise, and so are steps chosen by them: there are then more
@@ -70,7 +71,7 @@ class Settings(NamedTuple):
 
 
 def integrated(
-    rate,
+    rate: Callable[[Scalar, Any, Any], Any],
     start: Any,
     end: Scalar,
     breaks: Float[Array, " breaks"],

@@ -85,7 +85,9 @@ class SolverReport(AbstractResult):
         return _MEANINGS[int(self.code)]
 
 
-def prescribed(scenario: Scenario, times: Float[Array, " times"]):
+def prescribed(
+    scenario: Scenario, times: Float[Array, " times"]
+) -> tuple[Float[Array, " times"], Float[Array, " times"] | None, Float[Array, " times"]]:
     """Screw speed, acceleration (or `None`) and load of a scenario at all times."""
     load = jax.vmap(scenario.load_at)(times) if callable(scenario.load) else None
     if load is None:

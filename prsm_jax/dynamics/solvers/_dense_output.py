@@ -4,7 +4,7 @@ Imports diffrax, so it is itself imported only where something is integrated.
 """
 
 from abc import abstractmethod
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import diffrax
 import jax
@@ -17,8 +17,8 @@ from ...fields import Scalar
 class StepInterpolation(diffrax.AbstractLocalInterpolation):
     """States between the ends of one step."""
 
-    t0: Float[Array, ""]
-    t1: Float[Array, ""]
+    t0: Float[Array, ""]  # pyright: ignore[reportIncompatibleVariableOverride]
+    t1: Float[Array, ""]  # pyright: ignore[reportIncompatibleVariableOverride]
     y0: PyTree
     y1: PyTree
 
@@ -36,7 +36,7 @@ class StepInterpolation(diffrax.AbstractLocalInterpolation):
         return self._at(share)
 
 
-class OneStep(diffrax.AbstractAdaptiveSolver):
+class OneStep(diffrax.AbstractAdaptiveSolver[Any]):
     """A solver without memory from one step to the next."""
 
     term_structure: ClassVar = diffrax.AbstractTerm

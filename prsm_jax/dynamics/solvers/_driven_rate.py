@@ -21,7 +21,7 @@ def _called(function, *args):
     return function(*args)
 
 
-def converted(function, *args):
+def converted(function: Callable[..., Any], *args: Any) -> Callable[..., Any]:
     """A function whose traced values are its leaves, also those of functions in its arguments.
 
     The lambda is needed because Equinox does not convert a function without a closure.

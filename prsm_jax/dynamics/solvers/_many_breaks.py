@@ -19,7 +19,7 @@ from jaxtyping import Array, Float, Int
 from ...numerics import any_few
 
 
-class ManyBreaks(diffrax.ClipStepSizeController):
+class ManyBreaks(diffrax.ClipStepSizeController[Any, Any]):
     """As the base class with `jump_ts` alone, but each step looks only at two adjacent breaks."""
 
     def adapt_step_size(

@@ -4,10 +4,22 @@ The words that `simulate` also takes (`"rosenbrock"`, …) stand for such object
 """
 
 import dataclasses
-from typing import Any, ClassVar, NamedTuple
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
 
 import equinox as eqx
+from jaxtyping import ArrayLike
 
+if TYPE_CHECKING:
+    import diffrax
+
+    Solver: TypeAlias = diffrax.AbstractSolver[Any]
+    Controller: TypeAlias = diffrax.AbstractAdaptiveStepSizeController[Any, Any]
+else:
+    # Types of diffrax, which is imported where it is used.
+    Solver = Controller = Any
+
+Tolerance: TypeAlias = ArrayLike | None
 #: Default tolerances and number of steps.
 RTOL, ATOL, MAX_STEPS = 1e-8, 1e-10, 4096
 
@@ -37,9 +49,9 @@ class Integrating(Method):
     - `max_steps`: steps allowed; the result code reports if they do not suffice.
     """
 
-    rtol: Any = RTOL
-    atol: Any = ATOL
-    max_steps: int = eqx.field(static=True, default=MAX_STEPS)
+    rtol: Tolerance = RTOL
+    atol: Tolerance = ATOL
+    max_steps: int | None = eqx.field(static=True, default=MAX_STEPS)
 
 
 class Auto(Integrating):
@@ -56,8 +68,8 @@ class QuasiSteady(Integrating):
     """
 
     word: ClassVar[str] = "quasi_steady"
-    rtol: Any = None
-    atol: Any = None
+    rtol: Tolerance = None
+    atol: Tolerance = None
     max_steps: int | None = eqx.field(static=True, default=None)
 
 
@@ -98,14 +110,24 @@ class Diffrax(Integrating):
     """
 
     word: ClassVar[str] = "diffrax"
-    solver: Any = None
-    controller: Any = None
+    solver: Solver = eqx.field(default=None)
+    controller: Controller | None = None
 
-    def __init__(self, solver, controller=None, *, rtol=RTOL, atol=ATOL, max_steps=MAX_STEPS):
+    def __init__(
+        self,
+        solver: Solver,
+        controller: Controller | None = None,
+        *,
+        rtol: Tolerance = RTOL,
+        atol: Tolerance = ATOL,
+        max_steps: int | None = MAX_STEPS,
+    ) -> None:
         self.solver, self.controller = solver, controller
-        self.rtol, self.atol, self.max_steps = rtol, atol, max_steps
+        self.rtol: Tolerance = rtol
+        self.atol: Tolerance = atol
+        self.max_steps: int | None = max_steps
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         import diffrax
 
         if not isinstance(self.solver, diffrax.AbstractSolver):
@@ -130,8 +152,8 @@ class Diffrax(Integrating):
 class OwnSolver(NamedTuple):
     """A solver of diffrax, and a controller or `None` for the default one."""
 
-    solver: Any
-    controller: Any
+    solver: Solver
+    controller: Controller | None
 
 
 _BY_WORD: dict[str, type[Method]] = {
@@ -175,7 +197,9 @@ def method_of(method: Method | str, **options: Any) -> Method:
     return cls(**options)
 
 
-def refuse_options(method: str, options, takes: tuple[str, ...], where: str = "") -> None:
+def refuse_options(
+    method: str, options: Iterable[str], takes: tuple[str, ...], where: str = ""
+) -> None:
     """**Raises:** `ValueError` for an option that a method does not take."""
     for name in options:
         if name not in takes:

@@ -3,17 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, DTypeLike, Float, Int
 
 from ...fields import Scalar
+from ._method_objects import Controller, OwnSolver, Solver
 
 if TYPE_CHECKING:
+    import diffrax
+
     from ._step_control import Weight
+
+    StepSizes: TypeAlias = diffrax.AbstractStepSizeController[Any, Any]
+    Adjoint: TypeAlias = diffrax.AbstractAdjoint
+else:
+    # Types of diffrax, which is imported where it is used.
+    StepSizes = Adjoint = Any
 
 #: Words for methods with their usual options.
 MethodName = Literal["auto", "closed_form", "implicit", "explicit", "rosenbrock", "quasi_steady"]
@@ -36,8 +45,8 @@ def solver_of(
     autonomous: bool,
     *,
     compact: bool = False,
-    own: Any = None,
-):
+    own: OwnSolver | None = None,
+) -> Solver:
     """The solver of diffrax for the word of a method, or the user's solver `own`."""
     import diffrax
 
@@ -90,8 +99,8 @@ def controller_of(
     weight: Weight | None = None,
     standstills: Callable[[Scalar], tuple[Scalar, Scalar]] | None = None,
     moved: Callable[[Scalar], Scalar] | None = None,
-    own: Any = None,
-):
+    own: Controller | None = None,
+) -> StepSizes:
     """Controller of steps by tolerances; steps end where speed or load jump or bend.
 
     A pulse between two long steps would otherwise be missed, and an error estimate across a jump is
@@ -145,7 +154,7 @@ def breaks_inside(
     return jax.lax.stop_gradient(jumps)
 
 
-def adjoint_of(gradient: Gradient):
+def adjoint_of(gradient: Gradient) -> Adjoint:
     import diffrax
 
     adjoints = {
@@ -166,7 +175,7 @@ def still(tree: Any) -> Any:
     return jax.tree.map(lambda x: jax.lax.stop_gradient(x) if eqx.is_inexact_array(x) else x, tree)
 
 
-def is_short(dtype) -> bool:
+def is_short(dtype: DTypeLike) -> bool:
     """Whether numbers have less than double precision.
 
     Errors of steps are then close to rounding, and steps repeated in reverse mode would differ from
@@ -183,7 +192,7 @@ def is_concrete(array: Array) -> bool:
     return True
 
 
-def code_of(result) -> Int[Array, ""]:
+def code_of(result: Any) -> Int[Array, ""]:
     """0 success, 1 out of steps, 2 step size too small, 3 anything else (a root search failed)."""
     import diffrax
 

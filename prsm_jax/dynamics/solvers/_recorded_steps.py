@@ -59,7 +59,7 @@ def steps_between(
     return Steps(jnp.where(taken, first, unused), jnp.where(taken, ends, unused), count)
 
 
-class Recording(diffrax.AbstractStepSizeController):
+class Recording(diffrax.AbstractStepSizeController[Any, Any]):
     """Wraps a controller; a record of the accepted steps is the last entry of its state."""
 
     controller: Any
@@ -93,7 +93,7 @@ class Recording(diffrax.AbstractStepSizeController):
         return keep, start, end, jump, (inner, steps), result
 
 
-class Again(diffrax.AbstractStepSizeController):
+class Again(diffrax.AbstractStepSizeController[Any, Any]):
     """The steps of a record, all of them accepted; after the last one the integration ends."""
 
     steps: Steps

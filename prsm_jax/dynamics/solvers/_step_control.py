@@ -43,23 +43,23 @@ def _controller(wrapper: "_Around") -> Any:
     return wrapper.controller
 
 
-class _Around(diffrax.AbstractAdaptiveStepSizeController):
+class _Around(diffrax.AbstractAdaptiveStepSizeController[Any, Any]):
     """Wraps a controller, which does everything that is not overridden."""
 
     controller: Any
 
     @property
-    def rtol(self):
+    def rtol(self) -> Any:  # pyright: ignore[reportIncompatibleVariableOverride]
         """Relative tolerance of the controller that is wrapped."""
         return self.controller.rtol
 
     @property
-    def atol(self):
+    def atol(self) -> Any:  # pyright: ignore[reportIncompatibleVariableOverride]
         """Absolute tolerance of the controller that is wrapped."""
         return self.controller.atol
 
     @property
-    def norm(self):
+    def norm(self) -> Any:  # pyright: ignore[reportIncompatibleMethodOverride]
         """Norm of errors of the controller that is wrapped."""
         return self.controller.norm
 

@@ -118,7 +118,7 @@ def _scaled_speed(drive: Drive, problem: Problem) -> tuple[Scalar, Scalar]:
 
 
 #: d(ω/Ω₀)/d(t/τ): both state and time of order one, so that one tolerance fits every scene.
-scaled_rate = DrivenRate(_scaled_drive, _scaled_rate, _scaled_speed)
+scaled_rate: DrivenRate = DrivenRate(_scaled_drive, _scaled_rate, _scaled_speed)
 
 
 def carrier_problem(

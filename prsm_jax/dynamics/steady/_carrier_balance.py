@@ -135,7 +135,7 @@ class CarrierBalance(eqx.Module):
     #: (ζ∞ − ζ)/t.
     lag_per_tangent: Scalar
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         if self.stage.friction is None or self.stage.friction.thread is None:
             raise MissingDataError(
                 "spin, rolling losses and inertia resist the rollers, and only thread friction can "

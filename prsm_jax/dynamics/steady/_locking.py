@@ -9,6 +9,7 @@ direction of slip, which follows from geometry alone, so both are closed forms; 
 
 import dataclasses
 import functools
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -112,7 +113,7 @@ def _scaled(mechanism: Mechanism, factor: Scalar) -> Mechanism:
     """The mechanism with all friction times a factor."""
     stages = [i for i, stage in enumerate(mechanism.stages) if stage.friction is not None]
 
-    def frictions(one: Mechanism) -> list:
+    def frictions(one: Mechanism) -> list[Any]:
         return [one.stages[i].friction for i in stages]
 
     scaled = [scaled_friction(friction, factor) for friction in frictions(mechanism)]

@@ -56,7 +56,7 @@ class Phases(NamedTuple):
     states: Float[Array, "times states"]
     labels: Any
     phases: Phase
-    count: Int[Array, ""]
+    count: Int[Array, ""]  # pyright: ignore[reportIncompatibleMethodOverride]
     steps: Int[Array, ""]
     rejected: Int[Array, ""]
     #: 0 success, 1 out of steps, 5 out of phases.
@@ -76,13 +76,13 @@ def _event(margin: Callable[[Scalar, Array, Any], Scalar], root_finder: Any) -> 
 
 def _chosen_steps(
     laws: PhaseLaws,
-    integrate: Callable,
+    integrate: Callable[..., Any],
     controller: Any,
     settings: Settings,
     start: Scalar,
     state: Array,
     label: Any,
-) -> tuple[Callable, Any]:
+) -> tuple[Callable[..., Any], Any]:
     """The rate, traced, and one phase without derivatives, with a record of its steps."""
     import diffrax
 

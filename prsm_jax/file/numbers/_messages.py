@@ -66,7 +66,7 @@ def _sentence(data, place: Place, message: str) -> str:
     return f"{table + ': ' if table else ''}{key}{assignment}: {message}"
 
 
-def file_error(name: str, data, problems: Sequence[tuple[Place, str]]) -> FileError:
+def file_error(name: str, data: object, problems: Sequence[tuple[Place, str]]) -> FileError:
     """The error for one or several problems in a file, on one line.
 
     **Arguments:**

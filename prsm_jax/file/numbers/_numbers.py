@@ -88,7 +88,7 @@ def read_quantity(text: str, unit: str | None) -> float:
     return math.copysign(value, -1.0) if number.startswith("-") else value
 
 
-def read_number(value, unit: str | None, limit: Limit) -> float:
+def read_number(value: object, unit: str | None, limit: Limit) -> float:
     """The SI value of a number from a file: bare, or a string with a unit.
 
     **Raises:** `ValueError` if it is of the wrong type, unit or sign, too large, or not finite.
@@ -106,7 +106,7 @@ def read_number(value, unit: str | None, limit: Limit) -> float:
     return number
 
 
-def read_numbers(value, unit: str, limit: Limit, least: int = 1) -> tuple[float, ...]:
+def read_numbers(value: object, unit: str, limit: Limit, least: int = 1) -> tuple[float, ...]:
     """The SI values of a list of numbers, each bare or a string with a unit.
 
     **Raises:** `ValueError` if it is not a list, has fewer numbers than `least`, or `read_number`
@@ -124,7 +124,7 @@ def read_numbers(value, unit: str, limit: Limit, least: int = 1) -> tuple[float,
     return tuple(numbers)
 
 
-def read_integer(value, limit: Limit) -> int:
+def read_integer(value: object, limit: Limit) -> int:
     """A whole number from a file.
 
     **Raises:** `ValueError` if it is not an integer or outside the limit.

@@ -27,7 +27,8 @@ _VARIABLE, _OBJECTIVE, _CONSTRAINT, _PROBLEM = (
     for cls in (Variable, Objective, Constraint, DesignProblem)
 )
 # Bounds are read when the parameter's unit is known.
-_VARIABLE |= {side: _VARIABLE[side]._replace(read=lambda v, _: v) for side in ("lower", "upper")}
+for _side in ("lower", "upper"):
+    _VARIABLE[_side] = _VARIABLE[_side]._replace(read=lambda v, _: v)
 _SENSE = next(one for one in declared(Objective) if one.name == "sense")
 _OBJECTIVE["sense"] = _OBJECTIVE["sense"]._replace(meaning=_SENSE.description)
 _NAME = Key(plain(read_name))

@@ -21,7 +21,7 @@ class Key(NamedTuple):
     meaning: str | None = None
 
 
-def plain(read: Callable, *args: Any) -> Callable[[Any, Place], Any]:
+def plain(read: Callable[..., Any], *args: Any) -> Callable[[Any, Place], Any]:
     """A reader that does not need the place."""
     return lambda value, place: read(value, *args)
 
@@ -61,7 +61,7 @@ def read_rows(value: Any, place: Place, read: Callable[[Any, Place], _Row]) -> t
     return tuple(_all([(read, row, (*place, index)) for index, row in enumerate(value)]))
 
 
-def _all(readings: list[tuple[Callable[[Any, Place], Any], Any, Place]]) -> list:
+def _all(readings: list[tuple[Callable[[Any, Place], Any], Any, Place]]) -> list[Any]:
     values, problems = [], []
     for read, value, place in readings:
         try:
@@ -75,14 +75,14 @@ def _all(readings: list[tuple[Callable[[Any, Place], Any], Any, Place]]) -> list
     return values
 
 
-def read_text(value) -> str:
+def read_text(value: object) -> str:
     """A string. **Raises:** `ValueError` if it is anything else."""
     if not isinstance(value, str):
         raise ValueError("must be a string")
     return value
 
 
-def read_name(value) -> str:
+def read_name(value: object) -> str:
     """A name of this package's vocabulary. **Raises:** `ValueError` if it cannot be one."""
     if not (isinstance(value, str) and len(value) <= _LONGEST_KEY):
         raise ValueError("must be a name, as a string")
@@ -91,14 +91,14 @@ def read_name(value) -> str:
     return value
 
 
-def read_boolean(value) -> bool:
+def read_boolean(value: object) -> bool:
     """True or false. **Raises:** `ValueError` if it is anything else."""
     if not isinstance(value, bool):
         raise ValueError("must be true or false")
     return value
 
 
-def read_choice(value, allowed: tuple[str, ...]) -> str:
+def read_choice(value: object, allowed: tuple[str, ...]) -> str:
     """One of several words. **Raises:** `ValueError` if it is none of them."""
     if not isinstance(value, str) or value not in allowed:
         choices = ", ".join(f'"{name}"' for name in allowed)

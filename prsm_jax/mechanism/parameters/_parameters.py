@@ -10,9 +10,11 @@ every stage that has the field, set together. Unequal rollers are named by their
 
 import dataclasses
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
+from jaxtyping import Array, ArrayLike
 
 from ..._errors import UnknownNameError, closest
 from ...fields import (
@@ -43,8 +45,8 @@ class Parameter:
     path: str
     unit: str
     description: str
-    get: Callable[[Mechanism], Scalar]
-    set: Callable[[Mechanism, Scalar], Mechanism]
+    get: Callable[[Mechanism], Any]
+    set: Callable[[Mechanism, Any], Mechanism]
     static: bool = False
     limit: Limit = ANY
     words: tuple[str, ...] = ()
@@ -160,7 +162,7 @@ def _descend(tree, path: tuple[str, ...]):
     return tree
 
 
-def _at(where: Callable, static: bool, path: tuple[str, ...]):
+def _at(where: Callable[..., Any], static: bool, path: tuple[str, ...]):
     """Getter and setter for the number at `path` below `where(mechanism)`."""
 
     # No annotations on these: shape checking would decorate them again at every call.
@@ -188,7 +190,7 @@ def _at(where: Callable, static: bool, path: tuple[str, ...]):
     return get, set_static if static else set_traced
 
 
-def _stage_at(index: int) -> Callable:
+def _stage_at(index: int) -> Callable[..., Any]:
     return lambda mechanism: mechanism.stages[index]
 
 
@@ -294,7 +296,9 @@ def find_parameters(
     return tuple(matches)
 
 
-def set_parameter(mechanism: Mechanism, name: str, value, *, checked: bool = True) -> Mechanism:
+def set_parameter(
+    mechanism: Mechanism, name: str, value: ArrayLike | str, *, checked: bool = True
+) -> Mechanism:
     """A mechanism with the named number set [SI], in every stage unless the name picks one.
 
     A choice is set by its word.
@@ -340,7 +344,7 @@ def check_stages(mechanism: Mechanism) -> None:
         check_stage(stage)
 
 
-def get_parameter(mechanism: Mechanism, name: str):
+def get_parameter(mechanism: Mechanism, name: str) -> Array | int:
     """The value of the named number [SI]; of the first stage when several stages have it."""
     return find_parameters(mechanism, name)[0].get(mechanism)
 

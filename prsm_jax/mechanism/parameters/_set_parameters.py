@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 
 import numpy as np
+from jaxtyping import ArrayLike
 
 from .._mechanism import Mechanism
 from ._parameters import check_parameter, check_stages, find_parameters, set_parameter
@@ -13,7 +14,9 @@ _ROUNDING = 1e-6
 _PROBE = 1e-2
 
 
-def set_parameters(mechanism: Mechanism, values: Mapping, *, checked: bool = True) -> Mechanism:
+def set_parameters(
+    mechanism: Mechanism, values: Mapping[str, ArrayLike], *, checked: bool = True
+) -> Mechanism:
     """A mechanism with several named numbers set [SI], one after the other.
 
     **Arguments:**

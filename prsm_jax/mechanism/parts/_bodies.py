@@ -8,7 +8,8 @@ from ...fields import (
     POSITIVE,
     SLANT,
     Limited,
-    Scalar,
+    Number,
+    OptionalNumber,
     choice,
     number,
     optional_number,
@@ -19,28 +20,30 @@ from ...fields import (
 class Material(Limited):
     """An isotropic elastic material."""
 
-    youngs_modulus: Scalar = number("Pa", "Young's modulus, E")
-    poisson_ratio: Scalar = number("1", "Poisson's ratio, ν", limit=POISSON_RATIO)
-    density: Scalar | None = optional_number("kg/m³", "density, for masses derived from dimensions")
+    youngs_modulus: Number = number("Pa", "Young's modulus, E")
+    poisson_ratio: Number = number("1", "Poisson's ratio, ν", limit=POISSON_RATIO)
+    density: OptionalNumber = optional_number(
+        "kg/m³", "density, for masses derived from dimensions"
+    )
 
 
 class Support(Limited):
     """Springs from a body to the housing; absent ones are not modelled."""
 
-    radial_stiffness: Scalar | None = optional_number(
+    radial_stiffness: OptionalNumber = optional_number(
         "N/m", "bending (radial) stiffness of the support, equal in x and y unless y has its own"
     )
-    torsional_stiffness: Scalar | None = optional_number(
+    torsional_stiffness: OptionalNumber = optional_number(
         "N/m", "torsional stiffness as a force per tangential displacement u = r θ"
     )
-    radial_stiffness_y: Scalar | None = optional_number(
+    radial_stiffness_y: OptionalNumber = optional_number(
         "N/m", "bending stiffness in y where it differs from that in x (radial_stiffness)"
     )
-    axial_stiffness: Scalar | None = optional_number(
+    axial_stiffness: OptionalNumber = optional_number(
         "N/m", "axial stiffness: of the screw's thrust bearing, or of the nut's mounting"
     )
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         if self.radial_stiffness_y is not None and self.radial_stiffness is None:
             raise ValueError(
                 "the support has radial_stiffness_y but no radial_stiffness, which is the one in "
@@ -51,10 +54,10 @@ class Support(Limited):
 class Screw(Limited):
     """The screw; its outer radius is the nominal one of the thread."""
 
-    mass: Scalar | None = optional_number("kg", "mass; from length and density when absent")
-    inertia: Scalar | None = optional_number("kg·m²", "moment of inertia about the axis")
-    length: Scalar | None = optional_number("m", "length of the cylinder")
-    bore_radius: Scalar | None = optional_number(
+    mass: OptionalNumber = optional_number("kg", "mass; from length and density when absent")
+    inertia: OptionalNumber = optional_number("kg·m²", "moment of inertia about the axis")
+    length: OptionalNumber = optional_number("m", "length of the cylinder")
+    bore_radius: OptionalNumber = optional_number(
         "m", "radius of a central bore", limit=NOT_NEGATIVE
     )
     material: Material | None = part("the body has the material of its stage")
@@ -68,17 +71,17 @@ class Roller(Limited):
     rollers turn freely on their pins, and the pins are isotropic.
     """
 
-    mass: Scalar | None = optional_number("kg", "mass; from length and density when absent")
-    inertia: Scalar | None = optional_number("kg·m²", "moment of inertia about its own axis")
-    length: Scalar | None = optional_number("m", "length of the cylinder")
-    bore_radius: Scalar | None = optional_number(
+    mass: OptionalNumber = optional_number("kg", "mass; from length and density when absent")
+    inertia: OptionalNumber = optional_number("kg·m²", "moment of inertia about its own axis")
+    length: OptionalNumber = optional_number("m", "length of the cylinder")
+    bore_radius: OptionalNumber = optional_number(
         "m", "radius of a central bore", limit=NOT_NEGATIVE
     )
     material: Material | None = part("the body has the material of its stage")
     #: Pins of the roller in the carriers; if given, rollers also move in translation.
     support: Support | None = part("the rollers only rotate: no translation on their pins")
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         if self.support is None:
             return
         if self.support.torsional_stiffness is not None:
@@ -96,10 +99,10 @@ class Roller(Limited):
 class Nut(Limited):
     """The nut: a sleeve whose inner radius is the nominal one of the thread."""
 
-    mass: Scalar | None = optional_number("kg", "mass; from dimensions and density when absent")
-    inertia: Scalar | None = optional_number("kg·m²", "moment of inertia about the axis")
-    length: Scalar | None = optional_number("m", "length of the sleeve")
-    wall_thickness: Scalar | None = optional_number(
+    mass: OptionalNumber = optional_number("kg", "mass; from dimensions and density when absent")
+    inertia: OptionalNumber = optional_number("kg·m²", "moment of inertia about the axis")
+    length: OptionalNumber = optional_number("m", "length of the sleeve")
+    wall_thickness: OptionalNumber = optional_number(
         "m", "wall outside the nominal thread radius; the outer radius follows"
     )
     material: Material | None = part("the body has the material of its stage")
@@ -109,10 +112,10 @@ class Nut(Limited):
 class RingGear(Limited):
     """The ring gear: an annulus whose inner radius is the pitch radius."""
 
-    mass: Scalar | None = optional_number("kg", "mass; from dimensions and density when absent")
-    inertia: Scalar | None = optional_number("kg·m²", "moment of inertia about the axis")
-    length: Scalar | None = optional_number("m", "axial width of the annulus")
-    wall_thickness: Scalar | None = optional_number("m", "rim outside the pitch radius")
+    mass: OptionalNumber = optional_number("kg", "mass; from dimensions and density when absent")
+    inertia: OptionalNumber = optional_number("kg·m²", "moment of inertia about the axis")
+    length: OptionalNumber = optional_number("m", "axial width of the annulus")
+    wall_thickness: OptionalNumber = optional_number("m", "rim outside the pitch radius")
     material: Material | None = part("the body has the material of its stage")
     support: Support | None = part("the ring gear is free: no springs to its mounting")
 
@@ -120,10 +123,10 @@ class RingGear(Limited):
 class Carrier(Limited):
     """The carriers (planet cages): annuli centred on the circle of the roller axes."""
 
-    mass: Scalar | None = optional_number("kg", "mass of one carrier")
-    inertia: Scalar | None = optional_number("kg·m²", "moment of inertia of one carrier")
-    length: Scalar | None = optional_number("m", "axial thickness of one annulus")
-    radial_width: Scalar | None = optional_number("m", "radial width of the annulus")
+    mass: OptionalNumber = optional_number("kg", "mass of one carrier")
+    inertia: OptionalNumber = optional_number("kg·m²", "moment of inertia of one carrier")
+    length: OptionalNumber = optional_number("m", "axial thickness of one annulus")
+    radial_width: OptionalNumber = optional_number("m", "radial width of the annulus")
     count: int = choice(
         "number of carriers in the stage (one at either end: 2)", default=2, limit=COUNT
     )
@@ -138,17 +141,17 @@ class Gear(Limited):
     number of ring gear teeth n z_R follow from the thread.
     """
 
-    pressure_angle: Scalar = number("rad", "pressure angle", limit=ACUTE_ANGLE)
-    roller_teeth: Scalar | None = optional_number(
+    pressure_angle: Number = number("rad", "pressure angle", limit=ACUTE_ANGLE)
+    roller_teeth: OptionalNumber = optional_number(
         "1",
         "number of teeth of the roller's gear, z_R; needed for the mesh stiffness",
         limit=POSITIVE,
     )
-    face_width: Scalar | None = optional_number("m", "face width; needed for the mesh stiffness")
-    roller_profile_shift: Scalar = number("1", "profile shift coefficient of the roller", default=0)
-    ring_profile_shift: Scalar = number("1", "profile shift coefficient of the ring", default=0)
-    helix_angle: Scalar = number("rad", "helix angle of the gear teeth", default=0, limit=SLANT)
-    mesh_factor: Scalar = number(
+    face_width: OptionalNumber = optional_number("m", "face width; needed for the mesh stiffness")
+    roller_profile_shift: Number = number("1", "profile shift coefficient of the roller", default=0)
+    ring_profile_shift: Number = number("1", "profile shift coefficient of the ring", default=0)
+    helix_angle: Number = number("rad", "helix angle of the gear teeth", default=0, limit=SLANT)
+    mesh_factor: Number = number(
         "1",
         "mesh stiffness over single-tooth stiffness (0.75 ε_α + 0.25 in ISO 6336-1)",
         default=1,
@@ -159,12 +162,12 @@ class Gear(Limited):
 class GivenStiffness(Limited):
     """Stiffnesses taken as given (measured, or from a paper) instead of being derived."""
 
-    screw_roller: Scalar | None = optional_number(
+    screw_roller: OptionalNumber = optional_number(
         "N/m", "thread contact stiffness of one roller with the screw, all its threads"
     )
-    nut_roller: Scalar | None = optional_number(
+    nut_roller: OptionalNumber = optional_number(
         "N/m", "thread contact stiffness of one roller with the nut, all its threads"
     )
-    ring_roller: Scalar | None = optional_number(
+    ring_roller: OptionalNumber = optional_number(
         "N/m", "gear mesh stiffness of one roller with the ring gear"
     )

@@ -2,22 +2,22 @@
 
 from typing import TypeAlias
 
-from ...fields import DAMPING_RATIO, NOT_NEGATIVE, SHARE, Limited, Scalar, number
+from ...fields import DAMPING_RATIO, NOT_NEGATIVE, SHARE, Limited, Number, number
 
 
 class ModalDamping(Limited):
     """Viscous damping with the same ratio in every mode."""
 
-    ratio: Scalar = number("1", "damping ratio of every mode, ζ", limit=DAMPING_RATIO)
+    ratio: Number = number("1", "damping ratio of every mode, ζ", limit=DAMPING_RATIO)
 
 
 class RayleighDamping(Limited):
     """Viscous damping proportional to mass and stiffness, C = α M + β K."""
 
-    mass_coefficient: Scalar = number(
+    mass_coefficient: Number = number(
         "1/s", "coefficient of the mass matrix, α", limit=NOT_NEGATIVE
     )
-    stiffness_coefficient: Scalar = number(
+    stiffness_coefficient: Number = number(
         "s", "coefficient of the stiffness matrix, β", limit=NOT_NEGATIVE
     )
 
@@ -25,7 +25,7 @@ class RayleighDamping(Limited):
 class StructuralDamping(Limited):
     """Hysteretic damping of steady harmonic vibration, K (1 + iη)."""
 
-    loss_factor: Scalar = number("1", "loss factor of every spring, η", limit=SHARE)
+    loss_factor: Number = number("1", "loss factor of every spring, η", limit=SHARE)
 
 
 Damping: TypeAlias = ModalDamping | RayleighDamping | StructuralDamping

@@ -17,7 +17,7 @@ class Variable:
     lower: float = choice("lower bound")
     upper: float = choice("upper bound")
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if not self.lower < self.upper:
             raise ValueError(
                 f"variable {self.name!r}: lower bound {self.lower} is not below upper bound "
@@ -35,7 +35,7 @@ class Objective:
     )
     weight: float = choice("weight in the sum", default=1.0)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_fields(self)
 
 
@@ -48,7 +48,7 @@ class Constraint:
     upper: float | None = choice("upper limit", default=None)
     equal: float | None = choice("value", default=None)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if self.equal is None and self.lower is None and self.upper is None:
             raise ValueError(
                 f"constraint on {self.quantity!r} has no limit; give lower, upper or equal"
@@ -75,5 +75,5 @@ class DesignProblem:
     seed: int = choice("seed of their starting points", default=0, limit=_SEED)
     method: str = choice("method of the search", default="auto")
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_fields(self)

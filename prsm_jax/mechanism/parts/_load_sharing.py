@@ -1,8 +1,6 @@
 """Data for the load sharing of threads and rollers: sections, teeth, errors, preload."""
 
-from typing import Literal, TypeAlias, get_args
-
-from jaxtyping import Array, Float
+from typing import Any, Literal, TypeAlias, get_args
 
 from ...fields import (
     ANY,
@@ -11,7 +9,9 @@ from ...fields import (
     THREADS,
     Limit,
     Limited,
-    Scalar,
+    Number,
+    OptionalNumber,
+    OptionalNumbers,
     choice,
     declared,
     number,
@@ -32,16 +32,16 @@ class ThreadTooth(Limited):
     shrinks as a ring, under the mean of all contacts around it, so this part has its own length.
     """
 
-    effective_length: Scalar = number("m", "length of thread that carries one contact")
-    screw_dedendum: Scalar = number("m", "depth of the screw's thread below its nominal radius")
-    roller_dedendum: Scalar = number("m", "depth of the roller's thread below its nominal radius")
-    nut_dedendum: Scalar = number("m", "depth of the nut's thread beyond its nominal radius")
-    radial_length: Scalar | None = optional_number(
+    effective_length: Number = number("m", "length of thread that carries one contact")
+    screw_dedendum: Number = number("m", "depth of the screw's thread below its nominal radius")
+    roller_dedendum: Number = number("m", "depth of the roller's thread below its nominal radius")
+    nut_dedendum: Number = number("m", "depth of the nut's thread beyond its nominal radius")
+    radial_length: OptionalNumber = optional_number(
         "m",
         "length of thread over which one contact widens a body; its share of the circumference "
         "when absent",
     )
-    pitch_line_thickness: Scalar | None = optional_number(
+    pitch_line_thickness: OptionalNumber = optional_number(
         "m", "axial thickness of a tooth at the nominal radius; half a pitch when absent"
     )
 
@@ -56,27 +56,27 @@ class SplitNut(Limited):
     """
 
     after_thread: int = choice("number of the thread after which the nut is split", limit=THREADS)
-    preload: Scalar | None = optional_number(
+    preload: OptionalNumber = optional_number(
         "N", "force in the spacer without an axial load", limit=POSITIVE
     )
-    offset: Scalar | None = optional_number(
+    offset: OptionalNumber = optional_number(
         "m",
         "length of the spacer minus the gap between the halves at first contact",
         limit=ANY,
     )
-    spacer_stiffness: Scalar | None = optional_number(
+    spacer_stiffness: OptionalNumber = optional_number(
         "N/m",
         "axial stiffness of the spacer; that of the nut between two threads when absent",
         limit=POSITIVE,
     )
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         if (self.preload is None) == (self.offset is None):
             state = "both" if self.preload is not None else "neither"
             raise ValueError(f"split_nut needs either preload or offset; it has {state}")
 
 
-def _gap(description: str, limit: Limit):
+def _gap(description: str, limit: Limit) -> Any:
     text = description + ", one number per thread"
     return optional_numbers("m", text, limit=limit, length="thread_count")
 
@@ -106,54 +106,50 @@ class LoadSharing(Limited):
         "teeth are rigid: only contacts and shafts are elastic, and loads are less even"
     )
     split_nut: SplitNut | None = part("one nut without preload")
-    backlash: Scalar | None = optional_number(
+    backlash: OptionalNumber = optional_number(
         "m",
         "axial play of the nut between its flanks; below 0 for rollers that are too thick",
         limit=ANY,
     )
-    screw_segment_stiffness: Scalar | None = optional_number(
+    screw_segment_stiffness: OptionalNumber = optional_number(
         "N/m",
         "axial stiffness of the screw over one pitch; from its section when absent",
         limit=POSITIVE,
     )
-    roller_segment_stiffness: Scalar | None = optional_number(
+    roller_segment_stiffness: OptionalNumber = optional_number(
         "N/m",
         "axial stiffness of a roller over one pitch; from its section when absent",
         limit=POSITIVE,
     )
-    nut_segment_stiffness: Scalar | None = optional_number(
+    nut_segment_stiffness: OptionalNumber = optional_number(
         "N/m",
         "axial stiffness of the nut over one pitch; from its section when absent",
         limit=POSITIVE,
     )
-    screw_pitch_error: Float[Array, " threads"] | None = _gap(
-        "position error of the screw's teeth", limit=ANY
-    )
-    roller_pitch_error: Float[Array, " threads"] | None = _gap(
+    screw_pitch_error: OptionalNumbers = _gap("position error of the screw's teeth", limit=ANY)
+    roller_pitch_error: OptionalNumbers = _gap(
         "position error of the rollers' teeth",
         limit=ANY,
     )
-    nut_pitch_error: Float[Array, " threads"] | None = _gap(
-        "position error of the nut's teeth", limit=ANY
-    )
-    screw_relief: Float[Array, " threads"] | None = _gap(
+    nut_pitch_error: OptionalNumbers = _gap("position error of the nut's teeth", limit=ANY)
+    screw_relief: OptionalNumbers = _gap(
         "profile relief between screw and roller, axially, on either flank",
         limit=NOT_NEGATIVE,
     )
-    nut_relief: Float[Array, " threads"] | None = _gap(
+    nut_relief: OptionalNumbers = _gap(
         "profile relief between nut and roller, axially, on either flank",
         limit=NOT_NEGATIVE,
     )
-    screw_wear: Float[Array, " threads"] | None = _gap(
+    screw_wear: OptionalNumbers = _gap(
         "axial wear of the flanks between screw and roller that carry a positive load",
         limit=NOT_NEGATIVE,
     )
-    nut_wear: Float[Array, " threads"] | None = _gap(
+    nut_wear: OptionalNumbers = _gap(
         "axial wear of the flanks between nut and roller that carry a positive load",
         limit=NOT_NEGATIVE,
     )
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         if self.split_nut is not None and self.split_nut.after_thread >= self.thread_count:
             raise ValueError(
                 f"split_nut has after_thread {self.split_nut.after_thread}, but there are "

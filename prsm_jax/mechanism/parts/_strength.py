@@ -8,7 +8,8 @@ from ...fields import (
     POSITIVE,
     SHARE_ABOVE_0,
     Limited,
-    Scalar,
+    Number,
+    OptionalNumber,
     choice,
     number,
     optional_number,
@@ -31,25 +32,25 @@ class ScrewShaft(Limited):
     """
 
     end_conditions: EndConditions = choice("supports of the two ends of the screw")
-    unsupported_length: Scalar | None = optional_number(
+    unsupported_length: OptionalNumber = optional_number(
         "m", "longest length between supports; the screw's length when absent"
     )
-    loaded_length: Scalar | None = optional_number(
+    loaded_length: OptionalNumber = optional_number(
         "m", "longest length under axial load; the unsupported length when absent"
     )
-    root_radius: Scalar | None = optional_number(
+    root_radius: OptionalNumber = optional_number(
         "m", "radius at the root of the screw's thread; r_s minus the roller's addendum when absent"
     )
-    yield_strength: Scalar | None = optional_number(
+    yield_strength: OptionalNumber = optional_number(
         "Pa", "yield strength, for the buckling of short screws; Euler alone when absent"
     )
-    permissible_speed_share: Scalar = number(
+    permissible_speed_share: Number = number(
         "1",
         "permissible share of the critical speed",
         default=0.8,
         limit=SHARE_ABOVE_0,
     )
-    dn_limit: Scalar | None = optional_number(
+    dn_limit: OptionalNumber = optional_number(
         "m·rad/s", "largest product of nominal screw diameter and speed (DN value)"
     )
 
@@ -63,27 +64,27 @@ class AxialPlay(Limited):
     a backlash.
     """
 
-    axial_backlash: Scalar | None = optional_number(
+    axial_backlash: OptionalNumber = optional_number(
         "m",
         "measured travel of the unloaded nut from flank to flank",
         limit=NOT_NEGATIVE,
     )
-    screw_tooth_thinning: Scalar | None = optional_number(
+    screw_tooth_thinning: OptionalNumber = optional_number(
         "m",
         "half a pitch minus the axial thickness of a screw tooth at its nominal radius",
         limit=NOT_NEGATIVE,
     )
-    roller_tooth_thinning: Scalar | None = optional_number(
+    roller_tooth_thinning: OptionalNumber = optional_number(
         "m",
         "half a pitch minus the axial thickness of a roller tooth at its nominal radius",
         limit=NOT_NEGATIVE,
     )
-    nut_tooth_thinning: Scalar | None = optional_number(
+    nut_tooth_thinning: OptionalNumber = optional_number(
         "m",
         "half a pitch minus the axial thickness of a nut tooth at its nominal radius",
         limit=NOT_NEGATIVE,
     )
-    preload_force: Scalar | None = optional_number(
+    preload_force: OptionalNumber = optional_number(
         "N",
         "axial preload between two nuts or nut halves",
         limit=POSITIVE,
@@ -93,7 +94,7 @@ class AxialPlay(Limited):
         default="double_nut",
     )
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         if self.preload_force is not None and self.axial_backlash is not None:
             raise ValueError(
                 "the play has preload_force and axial_backlash, but a preloaded nut has no "
@@ -109,37 +110,37 @@ class Strength(Limited):
     data are not evaluated.
     """
 
-    permissible_pressure: Scalar | None = optional_number(
+    permissible_pressure: OptionalNumber = optional_number(
         "Pa", "Hertz pressure of the static capacity (ISO 76: 4.2 GPa for ball bearings)"
     )
-    static_capacity: Scalar | None = optional_number(
+    static_capacity: OptionalNumber = optional_number(
         "N", "static axial capacity, C_0a, if known", limit=POSITIVE
     )
-    dynamic_capacity: Scalar | None = optional_number(
+    dynamic_capacity: OptionalNumber = optional_number(
         "N",
         "dynamic axial capacity for 1e6 turns, C_a, if known",
         limit=POSITIVE,
     )
-    material_factor: Scalar | None = optional_number(
+    material_factor: OptionalNumber = optional_number(
         "1",
         "capacity of the steel over that of Lundberg and Palmgren, b_m; to estimate C_a",
         limit=POSITIVE,
     )
-    reliability: Scalar | None = optional_number(
+    reliability: OptionalNumber = optional_number(
         "1",
         "probability of survival for the modified life",
         limit=INNER_SHARE,
     )
-    life_modification_factor: Scalar | None = optional_number(
+    life_modification_factor: OptionalNumber = optional_number(
         "1",
         "factor of lubrication, cleanliness and material on life, a_ISO",
         limit=POSITIVE,
     )
-    oscillation_amplitude: Scalar | None = optional_number(
+    oscillation_amplitude: OptionalNumber = optional_number(
         "rad",
         "half of the angle of oscillation, for a screw that oscillates",
         limit=POSITIVE,
     )
-    required_life: Scalar | None = optional_number("s", "required life, as operating time")
+    required_life: OptionalNumber = optional_number("s", "required life, as operating time")
     shaft: ScrewShaft | None = part("no buckling, critical speed or DN value of the screw")
     play: AxialPlay | None = part("no backlash or lost motion")

@@ -9,6 +9,8 @@ from ...fields import (
     POSITIVE,
     STARTS,
     Limited,
+    Number,
+    OptionalNumber,
     Scalar,
     number,
     optional_number,
@@ -38,34 +40,34 @@ class Thread(Limited):
     radius of 0 or less or of more than a metre, starts of 2 or less, an angle that is not acute.
     """
 
-    lead: Scalar = number(
+    lead: Number = number(
         "m", "lead of screw and nut (axial travel per turn), L", limit=OF_A_THREAD
     )
-    starts: Scalar = number("1", "number of thread starts of screw and nut, n", limit=STARTS)
-    roller_radius: Scalar = number(
+    starts: Number = number("1", "number of thread starts of screw and nut, n", limit=STARTS)
+    roller_radius: Number = number(
         "m", "nominal (pitch) radius of the roller, r_R", limit=OF_A_THREAD
     )
-    contact_angle: Scalar = number(
+    contact_angle: Number = number(
         "rad",
         "contact angle, from the transverse plane to the flank normal, λ",
         limit=ACUTE_ANGLE,
     )
-    roller_profile_radius: Scalar | None = optional_number(
+    roller_profile_radius: OptionalNumber = optional_number(
         "m",
         "radius of the roller's convex thread profile, ρ; r_R / sin α when absent",
         limit=OF_A_THREAD,
     )
-    screw_addendum: Scalar | None = optional_number(
+    screw_addendum: OptionalNumber = optional_number(
         "m",
         "height of the screw's thread above its nominal radius",
         limit=NOT_NEGATIVE,
     )
-    roller_addendum: Scalar | None = optional_number(
+    roller_addendum: OptionalNumber = optional_number(
         "m",
         "height of the roller's thread above its nominal radius",
         limit=NOT_NEGATIVE,
     )
-    edge_radius: Scalar | None = optional_number(
+    edge_radius: OptionalNumber = optional_number(
         "m",
         "rounding radius of the edges between flanks and crests, of all threads",
         limit=POSITIVE,

@@ -1,6 +1,16 @@
 """Rollers that differ from the others of their stage: worn, out of place, or missing."""
 
-from ...fields import ANY, POSITIVE, ROLLER_NUMBER, SLANT, Limited, Scalar, choice, optional_number
+from ...fields import (
+    ANY,
+    POSITIVE,
+    ROLLER_NUMBER,
+    SLANT,
+    Limited,
+    OptionalNumber,
+    Scalar,
+    choice,
+    optional_number,
+)
 
 
 class UnequalRoller(Limited):
@@ -14,29 +24,29 @@ class UnequalRoller(Limited):
     """
 
     number: int = choice("number of the roller, from 1 at the angle 0", limit=ROLLER_NUMBER)
-    stiffness_factor: Scalar | None = optional_number(
+    stiffness_factor: OptionalNumber = optional_number(
         "1",
         "stiffness of this roller's meshes (screw, ring gear, nut) over that of the others",
         limit=POSITIVE,
     )
-    mass_factor: Scalar | None = optional_number(
+    mass_factor: OptionalNumber = optional_number(
         "1",
         "mass and moment of inertia of this roller over those of the others",
         limit=POSITIVE,
     )
-    position_offset: Scalar | None = optional_number(
+    position_offset: OptionalNumber = optional_number(
         "rad",
         "angle of this roller from its place, positive in the direction of numbering",
         limit=SLANT,
     )
-    tooth_thinning: Scalar | None = optional_number(
+    tooth_thinning: OptionalNumber = optional_number(
         "m",
         "axial thickness of the others' teeth minus that of this roller's (load sharing)",
         limit=ANY,
     )
     missing: bool = choice("whether the place of this roller is empty", default=False, implied=True)
 
-    def __check_init__(self):
+    def __check_init__(self) -> None:
         differs = [
             name
             for name in ("stiffness_factor", "mass_factor", "position_offset", "tooth_thinning")

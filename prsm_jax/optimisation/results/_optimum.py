@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, field
+from typing import Any
 
 from ...geometry import Finding
 from ...mechanism import DesignProblem, Mechanism
@@ -24,7 +25,7 @@ class Design:
     #: Margins of findings that depend on the variables [SI], by finding and stage.
     margins: dict[str, float] = field(default_factory=dict)
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """Plain numbers for JSON; `None` where one is not finite."""
         return {
             "variables": {name: _plain(value) for name, value in self.variables.items()},
@@ -55,7 +56,7 @@ class ConstraintReport:
     satisfied: bool
     multiplier: float
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """Plain numbers for JSON."""
         numbers = ("value", "limit", "lower", "upper", "equal", "multiplier")
         return {
@@ -87,7 +88,7 @@ class Run:
     iterations: int
     message: str
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """Plain numbers for JSON."""
         return {
             "start": self.start.to_dict(),
@@ -154,7 +155,7 @@ class Optimum:
         reports = (*self.constraints, *self.margins)
         return tuple(report.name for report in reports if not report.satisfied)
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """Plain numbers for JSON; `None` where one is not finite."""
         return {
             "start": self.start.to_dict(),
@@ -200,7 +201,7 @@ def _plain(value: float | None) -> float | None:
     return None if value is None or not math.isfinite(value) else float(value)
 
 
-def _finding_entry(finding: Finding) -> dict:
+def _finding_entry(finding: Finding) -> dict[str, Any]:
     keys = ("name", "severity", "stage", "value", "limit", "message")
     entry = {key: getattr(finding, key) for key in keys}
     return entry | {key: _plain(entry[key]) for key in ("value", "limit")}

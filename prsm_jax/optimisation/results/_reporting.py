@@ -20,7 +20,7 @@ class Reporter:
         self._names = [variable.name for variable in problem.variables]
         all_maximise = all(term.sense == "maximise" for term in problem.objectives)
         #: Objective = sign × cost, so that a sum that is only maximised has its own sign.
-        self.sign = -1.0 if all_maximise else 1.0
+        self.sign: float = -1.0 if all_maximise else 1.0
 
     def variables(self, position: np.ndarray) -> dict[str, float]:
         values = self._evaluator.physical(position)

@@ -2,6 +2,7 @@
 
 import warnings
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -27,7 +28,7 @@ def scipy_optimize():
     return scipy.optimize
 
 
-def nonlinear_constraints(functions: SearchFunctions) -> list:
+def nonlinear_constraints(functions: SearchFunctions) -> list[Any]:
     """All constraints as one `NonlinearConstraint` of SciPy, or none."""
     optimize = scipy_optimize()
     lower, upper = functions.limits
@@ -62,7 +63,7 @@ class Slsqp(WithOptions):
     restarts: int = 3
     max_iterations: int = 300
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_at_least(0, restarts=self.restarts)
         check_at_least(1, max_iterations=self.max_iterations)
 
@@ -82,7 +83,7 @@ class Slsqp(WithOptions):
             slopes = functions.constraint_jacobian(position)
             return np.concatenate([slopes[has_lower], -slopes[has_upper]])
 
-        constraints: list[dict] = []
+        constraints: list[dict[str, Any]] = []
         if has_lower.any() or has_upper.any():
             constraints.append({"type": "ineq", "fun": inequalities, "jac": inequality_slopes})
         if equal.any():
@@ -135,7 +136,7 @@ class TrustConstr(WithOptions):
     accepts_constraints = True
     max_iterations: int = 3000
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_at_least(1, max_iterations=self.max_iterations)
 
     def search(

@@ -1,5 +1,7 @@
 """The design problem as guarded functions of a point in the unit box, with a cache."""
 
+from typing import Any
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -13,7 +15,7 @@ from ...quantities import Analysis, component_names, compute, find_quantity
 from ._margin_rows import WHOLE_SCALE, MarginRows, is_constraint, probe_positions, sorted_margins
 
 
-def _outputs(inputs: tuple, position: Float[Array, " variables"]):
+def _outputs(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
     """Quantities and margins of a design as separate arrays, and whether the design is usable."""
     mechanism, names, quantities, margins, lower, width, speed, load = inputs
     values = lower + width * position
@@ -36,12 +38,12 @@ def _outputs(inputs: tuple, position: Float[Array, " variables"]):
 
 
 @eqx.filter_jit
-def _values(inputs: tuple, position: Float[Array, " variables"]):
+def _values(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
     return _outputs(inputs, position)
 
 
 @eqx.filter_jit
-def _derivatives(inputs: tuple, position: Float[Array, " variables"]):
+def _derivatives(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
     # Forward mode: one pass per variable, and there are few variables.
     _, push = jax.linearize(lambda point: _outputs(inputs, point)[0], position)
     return jax.vmap(push, out_axes=-1)(jnp.eye(position.shape[0], dtype=position.dtype))
@@ -87,13 +89,14 @@ class Rows:
                     low = high = constraint.equal
                 lower.append(-np.inf if low is None else low)
                 upper.append(np.inf if high is None else high)
-        self.units = [find_quantity(name.partition("[")[0]).unit for name in self.names]
-        self.index = np.array(index, dtype=int)
-        self.lower, self.upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
-        self.equality = np.array(equality, dtype=bool)
-        self.explicit = len(self.names)
-        self.first_margin = int(first[-1])
-        self.weights = np.zeros(int(first[-1]) + margins)
+        self.units: list[str] = [find_quantity(name.partition("[")[0]).unit for name in self.names]
+        self.index: np.ndarray = np.array(index, dtype=int)
+        self.lower: np.ndarray = np.array(lower, dtype=float)
+        self.upper: np.ndarray = np.array(upper, dtype=float)
+        self.equality: np.ndarray = np.array(equality, dtype=bool)
+        self.explicit: int = len(self.names)
+        self.first_margin: int = int(first[-1])
+        self.weights: np.ndarray = np.zeros(int(first[-1]) + margins)
         for term in problem.objectives:
             if int(np.prod(shapes[term.quantity])) != 1:
                 raise ValueError(
@@ -126,7 +129,9 @@ class Point:
     """One evaluated design; derivatives are added on demand."""
 
     def __init__(self, position: np.ndarray, values: np.ndarray, good: bool):
-        self.position, self.values, self.good = position, values, good
+        self.position: np.ndarray = position
+        self.values: np.ndarray = values
+        self.good: bool = good
         self.jacobian: np.ndarray | None = None
 
 
@@ -150,9 +155,10 @@ class Evaluator:
     ):
         names = tuple(variable.name for variable in problem.variables)
         terms = (*problem.objectives, *problem.constraints)
-        self.quantities = tuple(dict.fromkeys(term.quantity for term in terms))
-        self.lower = np.array([variable.lower for variable in problem.variables])
-        self.width = np.array([variable.upper for variable in problem.variables]) - self.lower
+        self.quantities: tuple[str, ...] = tuple(dict.fromkeys(term.quantity for term in terms))
+        self.lower: np.ndarray = np.array([variable.lower for variable in problem.variables])
+        upper = np.array([variable.upper for variable in problem.variables])
+        self.width: np.ndarray = upper - self.lower
         self._given = (
             mechanism,
             names,
@@ -171,19 +177,21 @@ class Evaluator:
         )
         known = _margins(written, speed, load) if margins else ()
         shape_of = {name: shapes[name].shape for name in self.quantities}
-        self.rows = Rows(problem, shape_of, len(known))
-        self.evaluations = self.derivative_evaluations = 0
+        self.rows: Rows = Rows(problem, shape_of, len(known))
+        self.evaluations: int = 0
+        self.derivative_evaluations: int = 0
         self._last: Point | None = None
         #: Whether a design that violates a margin is unusable: for searches with bounds only.
-        self.guarded = False
-        self.margins = MarginRows()
+        self.guarded: bool = False
+        self.margins: MarginRows = MarginRows()
         if known:
             points = [self.point(p) for p in probe_positions(len(names))]
             values = np.stack([point.values[self.rows.first_margin :] for point in points])
             self.margins = sorted_margins(known, values)
             self.rows.add(self.margins)
             self._last = None
-        self.cost_scale, self.row_scale = 1.0, np.ones(len(self.rows.names))
+        self.cost_scale: float = 1.0
+        self.row_scale: np.ndarray = np.ones(len(self.rows.names))
 
     def _shapes(self, mechanism, speed, load):
         # `compute` names the quantity for which data are missing.

@@ -18,7 +18,7 @@ class SearchFunctions:
 
     def __init__(self, evaluator: Evaluator):
         self._evaluator = evaluator
-        self.failures = 0
+        self.failures: int = 0
         self._good: list[Point] = []
         self._previous: Point | None = None
 

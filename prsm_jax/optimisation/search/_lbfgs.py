@@ -35,7 +35,7 @@ class Lbfgs(WithOptions):
     memory_size: int = 10
     max_iterations: int = 500
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_at_least(1, memory_size=self.memory_size, max_iterations=self.max_iterations)
 
     def search(

@@ -89,7 +89,7 @@ class Adam(WithOptions):
     learning_rate: float = 0.05
     max_iterations: int = 2000
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_at_least(1, max_iterations=self.max_iterations)
         if not 0 < self.learning_rate < np.inf:
             raise ValueError(f"learning_rate is {self.learning_rate}; it must be above 0")
@@ -122,7 +122,7 @@ class Optax(WithOptions):
     transformation: Any
     max_iterations: int = 2000
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         import optax
 
         check_at_least(1, max_iterations=self.max_iterations)

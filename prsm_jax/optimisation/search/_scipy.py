@@ -75,7 +75,7 @@ class Scipy(WithOptions):
     options: Mapping[str, Any] = field(default_factory=dict, hash=False)
     max_iterations: int = 1000
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_at_least(1, max_iterations=self.max_iterations)
         if self.method not in _METHODS:
             raise ValueError(

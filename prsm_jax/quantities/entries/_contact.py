@@ -1,6 +1,7 @@
 """Quantities of the thread contacts."""
 
 from collections.abc import Callable
+from typing import Any
 
 import jax.numpy as jnp
 
@@ -37,7 +38,7 @@ def _on_sides(
     symbol: str,
     unit: str,
     description: str,
-    function: Callable,
+    function: Callable[..., Any],
     assumes: tuple[str, ...] = ("equal_contacts",),
     *,
     sides: tuple[str, ...] = ("screw", "nut"),
@@ -58,7 +59,7 @@ def _on_sides(
         add(lambda analysis, side=side: function(analysis, side))
 
 
-def _of_hertz(name: str) -> Callable:
+def _of_hertz(name: str) -> Callable[..., Any]:
     return lambda analysis, side: jnp.stack(
         [getattr(getattr(contact, side).hertz, name) for contact in analysis.contacts]
     )

@@ -25,7 +25,7 @@ def _still(motion: ModeMotion, energy: float) -> Figure:
     height = _OVER + _SIDE + _UNDER
     axes = place_axes(figure, 0.0, _UNDER, _SIDE, _SIDE)
     axes.set_label("mechanism")
-    place: dict = {"ha": "center", "va": "center"}
+    place: dict[str, Any] = {"ha": "center", "va": "center"}
     words = f"{headline(motion)}, {frequency_words(motion)}"
     style = {"color": FAMILY_COLOURS[motion.family], "fontweight": "bold", "fontsize": TEXT + 1}
     figure.text(0.5, 1 - 5.5 / height, words, **place, **style)

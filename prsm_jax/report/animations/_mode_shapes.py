@@ -1,6 +1,7 @@
 """Mode shapes drawn as motion of the bodies: one panel for each distinct frequency."""
 
 import math
+from typing import Any
 
 from ...mechanism import Mechanism
 from ...text import number, show
@@ -120,7 +121,7 @@ def scale_words(motion: ModeMotion, energy: float) -> str:
 
 
 def _words(axes, motion: ModeMotion, energy: float) -> None:
-    over: dict = {"transform": axes.transAxes, "ha": "center", "va": "bottom"}
+    over: dict[str, Any] = {"transform": axes.transAxes, "ha": "center", "va": "bottom"}
     colour = FAMILY_COLOURS[motion.family]
     axes.text(0.5, 1.085, headline(motion), color=colour, fontweight="bold", **over)
     axes.text(0.5, 1.0, frequency_words(motion), **over)
@@ -164,7 +165,7 @@ def _legend(figure: Figure, height: float, motions: tuple[ModeMotion, ...], ener
     from matplotlib.patches import Patch
 
     kinds = {body.kind for body in motions[0].bodies}
-    handles: list = [
+    handles: list[Any] = [
         Patch(facecolor=colour, edgecolor=MUTED, linewidth=0.5, label=readable(body))
         for body, colour in BODY_COLOURS.items()
         if body in kinds and body != "carrier"

@@ -4,13 +4,16 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...text import trimmed
 from .._style import INK, MUTED, SMALL, Figure, drawn, page_figure, readable, series_style
 
 
 @drawn
-def sensitivity_bars(quantities: Sequence[str], parameters: Sequence[str], elasticity) -> Figure:
+def sensitivity_bars(
+    quantities: Sequence[str], parameters: Sequence[str], elasticity: ArrayLike
+) -> Figure:
     """Draw elasticities as horizontal bars, grouped by quantity.
 
     **Arguments:**

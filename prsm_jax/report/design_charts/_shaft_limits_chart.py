@@ -29,7 +29,7 @@ def _with_ends(stage: Stage, end_conditions: str) -> Stage:
     assert stage.strength is not None
     assert stage.strength.shaft is not None
     shaft = dataclasses.replace(stage.strength.shaft, end_conditions=end_conditions)
-    return eqx.tree_at(lambda s: s.strength.shaft, stage, shaft)  # pyright: ignore[reportOptionalMemberAccess]
+    return eqx.tree_at(lambda s: s.strength.shaft, stage, shaft)
 
 
 @drawn

@@ -1,6 +1,7 @@
 """Contact, vibration, steady state and transient as sections of a report."""
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -27,7 +28,7 @@ from ._pressures import SIDES, any_cut, largest_pressures
 from ._section import Picture, Section, Table
 
 
-def _designs(data: ReportData, part: str, index: int | None = None) -> dict:
+def _designs(data: ReportData, part: str, index: int | None = None) -> dict[str, Any]:
     """A part of the analysis by label: of the design alone, or before and after."""
     own, other = getattr(data, part), getattr(data.improved, part, None)
     pick = (lambda value: value) if index is None else (lambda value: value[index])

@@ -164,7 +164,7 @@ def analyse(
     faults: list[tuple[str, str]] = []
     original, mechanism = mechanism, _written_out(mechanism)
 
-    def attempt(part: str, function: Callable, *args) -> Any:
+    def attempt(part: str, function: Callable[..., Any], *args) -> Any:
         try:
             return function(*args)
         except (MissingDataError, PrsmError, ValueError) as error:

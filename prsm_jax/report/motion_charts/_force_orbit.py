@@ -57,7 +57,7 @@ def force_orbit(mechanism: Mechanism, run: Transient, forces: BodyForces | None 
 
 
 def _orbits(
-    axes: Axes, forces: BodyForces, stage: int, chosen: tuple, plane: tuple[int, int]
+    axes: Axes, forces: BodyForces, stage: int, chosen: tuple[Any, ...], plane: tuple[int, int]
 ) -> None:
     paths = [
         ends * np.asarray(getattr(forces, attribute))[stage][:, plane]

@@ -1,6 +1,7 @@
 """Campbell diagram: natural frequencies and excitation orders against the screw speed."""
 
 import textwrap
+from typing import Any
 
 import numpy as np
 
@@ -128,7 +129,7 @@ def _plain_ticks(axis) -> None:
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.0f}".replace(",", " ")))
 
 
-def _draw_orders(axes, lines, excited: set, rpm: float) -> None:
+def _draw_orders(axes, lines, excited: set[Any], rpm: float) -> None:
     """Order lines, with their names where they leave the axes on the right."""
     low, high = np.log(axes.get_ylim())
     first = axes.get_xlim()[0]
@@ -155,7 +156,7 @@ def _draw_orders(axes, lines, excited: set, rpm: float) -> None:
         axes.text(1.035, place, words, transform=axes.transAxes, va="center", fontsize=SMALL)
 
 
-def _draw_frequencies(axes, campbell: Campbell) -> list:
+def _draw_frequencies(axes, campbell: Campbell) -> list[Any]:
     """Horizontal lines with their frequencies at the left; returns the boxes of these [pixels]."""
     from matplotlib.transforms import Bbox
 
@@ -194,7 +195,7 @@ def _draw_frequencies(axes, campbell: Campbell) -> list:
     return boxes
 
 
-def _place_numbers(axes, points: list[tuple[float, float]], words: list) -> None:
+def _place_numbers(axes, points: list[tuple[float, float]], words: list[Any]) -> None:
     """Numbers beside their dots, where they cover as few words, numbers and dots as possible."""
     from matplotlib.transforms import Bbox
 
@@ -241,7 +242,7 @@ def _common(first, second) -> float:
     return max(wide, 0.0) * max(high, 0.0)
 
 
-def _outside(axes, box) -> list:
+def _outside(axes, box) -> list[Any]:
     """The box itself if it leaves the axes, which counts as covering something."""
     frame = axes.bbox
     inside = frame.x0 < box.x0 and box.x1 < frame.x1 and frame.y0 < box.y0 and box.y1 < frame.y1

@@ -106,7 +106,7 @@ def _without_jumps(angle: np.ndarray) -> np.ndarray:
     return angle
 
 
-def _mark(upper, lower, modes: Modes) -> list:
+def _mark(upper, lower, modes: Modes) -> list[Any]:
     """Natural frequencies as thin lines in the colour of their family; handles for a legend."""
     from matplotlib.lines import Line2D
 

@@ -1,9 +1,14 @@
 """The spring network of a stage, and its reduced networks by symmetry."""
 
+import functools
+import operator
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Inexact
 
+from ...fields import Scalar
 from ...programs import physics
 from ..arrowhead import SpringBlock
 from ._spring_network import Coordinate, NetworkBuilder, Spring, SpringNetwork
@@ -23,9 +28,9 @@ def is_mesh(spring: str) -> bool:
     return spring.endswith("_roller")
 
 
-def roller_corner(system: VibrationSystem):
+def roller_corner(system: VibrationSystem) -> Scalar:
     """k_s + k_r + k_n, the total stiffness of the mesh springs of one roller [N/m]."""
-    return sum(body.mesh_stiffness for body in system.bodies)
+    return functools.reduce(operator.add, (body.mesh_stiffness for body in system.bodies))
 
 
 def _block(system: VibrationSystem, support: str, mass: str, share: float) -> SpringBlock:
@@ -245,7 +250,7 @@ def harmonic_network(system: VibrationSystem, harmonic: int) -> SpringNetwork:
     for body in system.bodies:
         sign = body.roller_sign
         alpha = jnp.zeros((), dtype) if body.contact_angle is None else body.contact_angle
-        elongation: list = [(u, jnp.full((), sign, dtype))]
+        elongation: list[Any] = [(u, jnp.full((), sign, dtype))]
         if moving is not None:
             elongation += [(tangential, -jnp.cos(alpha)), (radial, -sign * jnp.sin(alpha))]
         if central is not None:
@@ -257,8 +262,8 @@ def harmonic_network(system: VibrationSystem, harmonic: int) -> SpringNetwork:
         builder.add((Spring(mesh_name(body.name)),), body.mesh_stiffness, elongation)
     if moving is not None:
         minus = jnp.full((), -1.0, dtype)
-        across: list = [(radial, minus)]
-        along: list = [(tangential, minus)]
+        across: list[Any] = [(radial, minus)]
+        along: list[Any] = [(tangential, minus)]
         if carrier is not None and central is not None:
             along.append((Coordinate("carrier", central), factor))
             if harmonic == 1:

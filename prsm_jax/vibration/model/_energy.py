@@ -16,7 +16,10 @@ def _gathered(names: list[str], energy: Float[Array, "items modes"]) -> dict[str
 
 
 def kinetic_energies(
-    network: SpringNetwork, shapes: Inexact[Array, "coordinates modes"], *, each_roller=False
+    network: SpringNetwork,
+    shapes: Inexact[Array, "coordinates modes"],
+    *,
+    each_roller: bool = False,
 ) -> dict[str, Float[Array, " modes"]]:
     """`φ² m` of each mode by body; they add up to one for mass-normalised shapes.
 
@@ -34,7 +37,10 @@ def kinetic_energies(
 
 
 def strain_energies(
-    network: SpringNetwork, shapes: Inexact[Array, "coordinates modes"], *, each_spring=False
+    network: SpringNetwork,
+    shapes: Inexact[Array, "coordinates modes"],
+    *,
+    each_spring: bool = False,
 ) -> dict[str, Float[Array, " modes"]]:
     """`k (g φ)²` of each mode by kind of spring; they add up to ω² for mass-normalised shapes.
 

@@ -1,6 +1,7 @@
 """A linear vibrating system as masses and springs, from which all matrices are assembled."""
 
 import dataclasses
+from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -82,7 +83,7 @@ class NetworkBuilder:
         self._stiffness: list[Array] = []
         self._rows: list[Array] = []
 
-    def add(self, springs: tuple[Spring, ...], stiffness, elongation: list) -> None:
+    def add(self, springs: tuple[Spring, ...], stiffness, elongation: list[Any]) -> None:
         """Springs of one kind.
 
         **Arguments:**
@@ -104,7 +105,7 @@ class NetworkBuilder:
         self._stiffness.append(jnp.broadcast_to(stiffness, (count,)))
         self._rows.append(rows)
 
-    def network(self, mass: dict) -> SpringNetwork:
+    def network(self, mass: dict[Coordinate, Array]) -> SpringNetwork:
         """The network, with the mass of every coordinate [kg]."""
         dtype = _widest(self._rows)
         return SpringNetwork(

@@ -30,6 +30,7 @@ from prsm_jax.friction import (
     ThrustBearingFriction,
 )
 from prsm_jax.mechanism import Carrier, Gear, Mechanism, Nut, Roller, Screw, Thread
+from tests.present import present
 
 STAGES = (1, 2, 3, 4)
 #: Mechanisms and motions for each number of stages.
@@ -150,8 +151,8 @@ def _both(mechanism, kinematics, speed, acceleration, load, carrier_speed):
         "carrier_acceleration": drive / inertia,
         "drive_torque": jnp.stack([s.screw.drive_torque for s in states]),
         "thrust_bearing_force": jnp.stack([s.screw.support_force for s in states]),
-        "thrust_bearing_torque": jnp.stack([s.screw.bearing_torque for s in states]),
-        "drag_torque": jnp.stack([s.screw.drag_torque for s in states]),
+        "thrust_bearing_torque": jnp.stack([present(s.screw.bearing_torque) for s in states]),
+        "drag_torque": jnp.stack([present(s.screw.drag_torque) for s in states]),
         "spline_friction": jnp.stack(
             [zero if s.screw.spline_friction is None else s.screw.spline_friction for s in states]
         ),

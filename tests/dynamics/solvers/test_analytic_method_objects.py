@@ -134,10 +134,10 @@ def test_the_closed_form_is_refused_with_smooth_friction_too():
 @pytest.mark.parametrize(
     ("made", "message"),
     [
-        (lambda: prsm.Diffrax("tsit5"), "solver is 'tsit5'; give a solver of diffrax"),
+        (lambda: prsm.Diffrax("tsit5"), "solver is 'tsit5'; give a solver of diffrax"),  # pyright: ignore[reportArgumentType]
         (lambda: prsm.Diffrax(diffrax.KenCarp4()), "KenCarp4, which needs an equation"),
         (
-            lambda: prsm.Diffrax(diffrax.Tsit5(), diffrax.ConstantStepSize()),
+            lambda: prsm.Diffrax(diffrax.Tsit5(), diffrax.ConstantStepSize()),  # pyright: ignore[reportArgumentType]
             "give one that adapts its steps",
         ),
     ],

@@ -9,6 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from jax.core import Tracer
 from scenes import example
 
 import prsm_jax as prsm
@@ -98,7 +99,7 @@ def test_what_a_function_in_the_arguments_holds_becomes_a_number_of_the_converte
     def held(value):
         function = lambda time: value * time  # noqa: E731
         found = converted(_at, jnp.asarray(2.0), function)
-        assert any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(found))
+        assert any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(found))
         return found(jnp.asarray(2.0), function)
 
     assert jax.jvp(held, (3.0,), (1.0,)) == (6.0, 2.0)

@@ -1,10 +1,11 @@
 """Reverse mode through runs whose steps are taken again: torques that jump, stages, batches."""
 
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-import scipy.optimize
 from scenes import array, mechanism, stage, thread
 
 import prsm_jax as prsm
@@ -15,6 +16,7 @@ from prsm_jax.dynamics.torque_drive._phases import PhaseLaws, follow_phases
 from prsm_jax.dynamics.torque_drive._stick_slip import follow_carriers
 from prsm_jax.dynamics.torque_drive._torque_balance import torque_problem
 from prsm_jax.friction import CoulombFriction, Friction
+from tests.roots import root_between
 
 
 def _brake(values, gradient):
@@ -63,7 +65,7 @@ def _brake_exactly(deceleration, start):
         waves = sine * np.sin(3 * time) + cosine * np.cos(3 * time)
         return free * np.exp(-0.3 * time) + constant + waves
 
-    end = 1.0 if at(1.0) > 0 else scipy.optimize.brentq(at, 0.0, 1.0, xtol=1e-15)
+    end = 1.0 if at(1.0) > 0 else root_between(at, 0.0, 1.0, xtol=1e-15)
     return at(0.25) + 2 * end
 
 
@@ -140,11 +142,13 @@ def test_steps_taken_again_move_with_the_start_as_far_as_a_jump():
 
     def times(start):
         controller = Again(steps)
-        nothing = (None,) * 6
+        nothing: Any = (None,) * 6
         end, state = controller.init(None, start, array(2.0), *nothing[:5])
         found = [start, end]
         for _ in range(3):
-            _, start, end, _, state, _ = controller.adapt_step_size(start, end, *nothing[:5], state)
+            _, start, end, _, state, _ = controller.adapt_step_size(
+                start, end, *nothing[:5], controller_state=state
+            )
             found += [start, end]
         return jnp.stack(found)
 

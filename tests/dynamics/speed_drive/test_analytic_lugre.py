@@ -16,6 +16,7 @@ from prsm_jax.friction import (
     CoulombFriction,
     Deflected,
     Friction,
+    FrictionLaw,
     LuGreFriction,
     SplineFriction,
     StribeckFriction,
@@ -41,7 +42,7 @@ class Cosine(eqx.Module):
         return self.amplitude * jnp.cos(2 * jnp.pi * self.frequency * time)
 
 
-def _one(law=LAW, **more):
+def _one(law: FrictionLaw = LAW, **more):
     return mechanism(stage(friction=Friction(thread=law), **more))
 
 

@@ -5,6 +5,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from jax.core import Tracer
 from scenes import array, example, mechanism, simulate, stage, thread
 from scipy.integrate import solve_ivp
 
@@ -26,6 +27,7 @@ from prsm_jax.friction import (
     ThrustBearingFriction,
     ViscousFriction,
 )
+from tests.present import present
 
 #: After a while, and long after: 40 time constants of the slowest carrier.
 DURATION = 2e-3
@@ -71,7 +73,7 @@ def _both_rates(one, speed, slope, load, ratios):
         states = states_at(one, kinematics, scenario, array(0.0), carriers)
         full = jnp.stack([s.forces.carrier_drive for s in states]) / inertia
         chain = reduced_chain(one, kinematics, inertia)
-        return full, reduced_rates(chain, speed, slope, load, carriers)
+        return full, reduced_rates(present(chain), speed, slope, load, carriers)
 
     return jax.vmap(at)(speed, slope, load, ratios)
 
@@ -290,7 +292,7 @@ def test_the_method_is_chosen_in_compiled_programs(monkeypatch):
     traced = []
 
     def kinematics(mechanism):
-        traced.append(isinstance(mechanism.stages[0].thread.lead, jax.core.Tracer))
+        traced.append(isinstance(mechanism.stages[0].thread.lead, Tracer))
         return all_kinematics(mechanism)
 
     monkeypatch.setattr(_choose_method, "all_kinematics", kinematics)

@@ -2,6 +2,7 @@
 
 import functools
 import math
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -31,7 +32,8 @@ def test_a_duration_that_is_none_is_refused(scenario, duration):
         scenario(100.0, 7e3, duration)
     # As `jax.tree` and `eqx.tree_at` set it: past the construction, but not past `simulate`.
     past = eqx.tree_at(lambda s: s.duration, scenario(100.0, 7e3, 1e-3), array(duration))
-    for method in ("auto", *NAMES):
+    methods: tuple[Any, ...] = ("auto", *NAMES)
+    for method in methods:
         with pytest.raises(ValueError, match=r"Scenario: duration is .*; it must be"):
             prsm.simulate(scenes.mechanism(), past, method=method)
 
@@ -104,14 +106,14 @@ def test_in_a_trace_every_method_gives_them_a_code(method):
     scenes_of += [(value, 7e3, 2e-3) for value in _NOT_FINITE]
     scenes_of += [(100.0, value, 2e-3) for value in _NOT_FINITE]
     columns = [array(column) for column in zip(*scenes_of, strict=True)]
-    codes, efficiency = _codes(mechanism, *columns, method)
+    codes, efficiency = _codes(mechanism, *columns, method=method)
     words = [
         eqx.tree_at(lambda r: r.code, _REPORT, code).result.partition(":")[0] for code in codes
     ]
     impossible = ["impossible duration"] * 4
     assert words == ["successful", *impossible, *["not finite"] * 6]
     # The good one beside them is what it is by itself.
-    alone = _codes(mechanism, *(column[:1].repeat(11) for column in columns), method)[1]
+    alone = _codes(mechanism, *(column[:1].repeat(11) for column in columns), method=method)[1]
     assert jnp.allclose(efficiency[0], alone[0], rtol=1e-12, atol=0)
 
 

@@ -11,6 +11,7 @@ from scenes import array, equal_shares
 from prsm_jax.dynamics import all_kinematics, jamming_coefficient, self_locking_margin, steady_state
 from prsm_jax.friction import CoulombFriction, SpinFriction
 from prsm_jax.quantities import compute_checked
+from tests.present import present
 
 _NAMES = ("efficiency_forward", "efficiency_backward", "static_safety", "dn_value")
 
@@ -19,7 +20,10 @@ def _mechanism(coefficient=0.06, spin=None):
     mechanism = equal_shares("actuator")
     (stage,) = mechanism.stages
     friction = dataclasses.replace(
-        stage.friction, thread=CoulombFriction(coefficient), spin=spin, rolling_hysteresis=None
+        present(stage.friction),
+        thread=CoulombFriction(coefficient),
+        spin=spin,
+        rolling_hysteresis=None,
     )
     stage = dataclasses.replace(stage, friction=friction)
     return dataclasses.replace(mechanism, stages=(stage,))
@@ -92,7 +96,7 @@ def test_an_impossible_number_does_not_hide_that_nothing_balances():
     """Rolling losses far past what the threads can drive, by a loss factor that no steel has."""
     (stage,) = equal_shares("actuator").stages
     friction = dataclasses.replace(
-        stage.friction, thread=CoulombFriction(1e-3), spin=SpinFriction(0.06)
+        present(stage.friction), thread=CoulombFriction(1e-3), spin=SpinFriction(0.06)
     )
     mechanism = dataclasses.replace(
         equal_shares("actuator"), stages=(dataclasses.replace(stage, friction=friction),)

@@ -4,6 +4,8 @@ Of a screw that is braked there is always a balance with carriers that turn agai
 leave it at once. They start in a balance that attracts or, where there is none, in that of rolling.
 """
 
+from typing import Any
+
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
@@ -92,7 +94,7 @@ def test_one_stage_starts_where_it_settles(
     scene = chain(friction, bearing, rollers)
     given = torque, load, speed
     ratio, found = started(scene, *(array(x) for x in given))
-    expected = settled(scene, *given)
+    expected: Any = settled(scene, *given)
     assert bool(found) == settles == (expected is not None)
     if expected is not None:
         np.testing.assert_allclose(ratio, expected, rtol=1e-7)
@@ -103,7 +105,7 @@ def test_two_stages_that_are_braked_too_hard_have_only_a_balance_that_repels():
     scene = chain(0.05, 0.6, 2.0, 4.0)
     given = 0.0, 100.0, 200.0
     rate, free = rates(scene, *given)
-    balance = fsolve(rate, free, xtol=1e-13)
+    balance: Any = fsolve(rate, free, xtol=1e-13)
     np.testing.assert_allclose(balance, [-0.0576, -0.0474], atol=1e-4)
     np.testing.assert_allclose(rate(balance), 0.0, atol=1e-9)
     steps = 1e-6 * np.eye(2)
