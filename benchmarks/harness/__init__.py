@@ -22,6 +22,7 @@ from .case import (
     Prepared as Prepared,
     Problem as Problem,
     Reference as Reference,
+    rival as rival,
 )
 from .chart import draw as draw
 from .measure import (
