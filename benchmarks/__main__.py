@@ -17,7 +17,6 @@ worse. `--quick --store` renews the stored numbers.
 import argparse
 import contextlib
 import importlib
-import json
 import os
 import sys
 import time
@@ -29,7 +28,7 @@ import jax
 
 from . import guard
 from .cases import case_names, find_case
-from .harness import FULL, QUICK, SMOKE, Case, Problem, draw, survivors, write
+from .harness import FULL, QUICK, SMOKE, Case, Problem, draw, read_json, survivors, write
 
 #: Folders with a `command` of their own.
 _COMMANDS = ("extremes", "load", "joint", "parts", "programs", "startup", "devices")
@@ -98,7 +97,7 @@ def run(case: Case, folder: Path, *, quick: bool, smoke: bool = False) -> dict[s
         print(f"{case.name}: {problem.title}: {time.perf_counter() - start:.1f} s, {chart}")
     written = write(case, measured, folder, quick=quick)
     print(f"{case.name}: {', '.join(str(path) for path in written)}", flush=True)
-    return json.loads(written[0].read_text(encoding="utf-8"))
+    return read_json(written[0])
 
 
 def share_cores() -> None:

@@ -7,7 +7,7 @@ import numpy as np
 from prsm_jax.numerics import singular_values
 from prsm_jax.vibration import VibrationSystem, spring_network, symmetric_modes
 
-from ..harness import Case, Method, Prepared, Problem, Reference
+from ..harness import Case, Method, Prepared, Problem, Reference, rival
 from ..references.stages import NumPyStage, dense_solver, random_systems, unflattened
 from ..references.vibration import DIGITS, NUMBERS, frequencies
 
@@ -64,12 +64,8 @@ def _without_symmetry(count: int, spread: float, quick: bool) -> Problem:
     """What a stage with unequal rollers takes: all degrees of freedom at once."""
     batches = (1, 100) if quick else (1, 100, 10_000)
     numbers = random_systems(count, batches[-1], spread)
-    unflatten, rival = unflattened(count), NumPyStage(count)
+    unflatten, stage = unflattened(count), NumPyStage(count)
     compared = 2 if quick else 8
-
-    def reference():
-        rows = [frequencies(row, count)[0] for row in numbers[:compared]]
-        return {_FREQUENCIES: Reference(np.array(rows))}
 
     def jacobi(row):
         return jnp.sort(singular_values(_rooted(unflatten, row))[0]) / (2 * jnp.pi)
@@ -88,12 +84,17 @@ def _without_symmetry(count: int, spread: float, quick: bool) -> Problem:
             _vmapped("Jacobi", _FREQUENCIES, jacobi, numbers, batches),
             _vmapped("LAPACK, singular values", _FREQUENCIES, lapack, numbers, batches),
             _vmapped("LAPACK, eigenvalues", _FREQUENCIES, dense_solver(count), numbers, batches),
-            _rival("NumPy eigvalsh, batched", _FREQUENCIES, rival.by_numpy, numbers[:1_000]),
+            _rival("NumPy eigvalsh, batched", _FREQUENCIES, stage.by_numpy, numbers[:1_000]),
         ],
-        reference=reference,
+        reference=lambda: _reference(numbers[:compared], count),
         reference_note=f"mpmath eigsy of the full matrix at {DIGITS} digits, {compared} designs",
         baseline="LAPACK, singular values",
     )
+
+
+def _reference(numbers: np.ndarray, count: int):
+    rows = [frequencies(row, count)[0] for row in numbers]
+    return {_FREQUENCIES: Reference(np.array(rows))}
 
 
 def _vmapped(name, quantity, solve, numbers: np.ndarray, batches, dtype=jnp.float64) -> Method:
@@ -119,70 +120,42 @@ def _chunked(name, quantity, solve, numbers: np.ndarray, chunks) -> Method:
 
 
 def _rival(name, quantity, solve, numbers: np.ndarray) -> Method:
-    return Method(
-        name,
-        lambda _: Prepared(lambda: solve(numbers), len(numbers), lambda out: {quantity: out}),
-        kind="rival",
-    )
+    return rival(name, lambda: solve(numbers), len(numbers), lambda out: {quantity: out})
 
 
 def _values_problem(
     name: str, title: str, count: int, spread: float, quick: bool, *, largest: int
 ) -> Problem:
     numbers = random_systems(count, largest, spread)
-    unflatten, rival = unflattened(count), NumPyStage(count)
+    unflatten, stage = unflattened(count), NumPyStage(count)
     compared = 2 if quick else 8
     dense_batch = 200 if quick else 1_000
     batches = [size for size in (1_000, 10_000, 100_000) if size <= largest]
 
-    def reference():
-        rows = [frequencies(row, count)[0] for row in numbers[:compared]]
-        return {_FREQUENCIES: Reference(np.array(rows))}
+    def reduced(row):
+        return _reduced(unflatten(row))
 
-    def solve(solver):
-        return lambda row: solver(unflatten(row))
+    def lapack(row):
+        return _blocks_by_lapack(unflatten(row))
 
+    def of_all(name: str, solve, batches, dtype=jnp.float64) -> Method:
+        return _vmapped(name, _FREQUENCIES, solve, numbers, batches, dtype)
+
+    chunks = (500,) if quick else (1_000, 4_000)
     return Problem(
         name=name,
         title=title,
         instance="design",
         methods=[
-            _vmapped(
-                "reduced",
-                _FREQUENCIES,
-                solve(_reduced),
-                numbers,
-                batches[-1:] if quick else batches,
-            ),
-            _chunked(
-                "reduced, lax.map",
-                _FREQUENCIES,
-                solve(_reduced),
-                numbers,
-                (500,) if quick else (1_000, 4_000),
-            ),
-            _vmapped(
-                "reduced, float32",
-                _FREQUENCIES,
-                solve(_reduced),
-                numbers,
-                batches[-1:],
-                jnp.float32,
-            ),
-            _vmapped(
-                "reduced, LAPACK", _FREQUENCIES, solve(_blocks_by_lapack), numbers, [dense_batch]
-            ),
-            _vmapped(
-                "dense, jax eigvalsh",
-                _FREQUENCIES,
-                dense_solver(count),
-                numbers,
-                [dense_batch],
-            ),
-            _rival("SciPy eigh(K, M)", _FREQUENCIES, rival.by_scipy, numbers[: dense_batch // 4]),
-            _rival("NumPy eigvalsh, batched", _FREQUENCIES, rival.by_numpy, numbers[:dense_batch]),
+            of_all("reduced", reduced, batches[-1:] if quick else batches),
+            _chunked("reduced, lax.map", _FREQUENCIES, reduced, numbers, chunks),
+            of_all("reduced, float32", reduced, batches[-1:], jnp.float32),
+            of_all("reduced, LAPACK", lapack, [dense_batch]),
+            of_all("dense, jax eigvalsh", dense_solver(count), [dense_batch]),
+            _rival("SciPy eigh(K, M)", _FREQUENCIES, stage.by_scipy, numbers[: dense_batch // 4]),
+            _rival("NumPy eigvalsh, batched", _FREQUENCIES, stage.by_numpy, numbers[:dense_batch]),
         ],
-        reference=reference,
+        reference=lambda: _reference(numbers[:compared], count),
         reference_note=f"mpmath eigsy of the full matrix at {DIGITS} digits, {compared} designs",
         baseline="SciPy eigh(K, M)",
     )
@@ -190,7 +163,7 @@ def _values_problem(
 
 def _gradient_problem(count: int, quick: bool) -> Problem:
     numbers = random_systems(count, 2_000 if quick else 10_000, 0.1)
-    unflatten, rival = unflattened(count), NumPyStage(count)
+    unflatten, stage = unflattened(count), NumPyStage(count)
     dense_batch, compared = (100, 2) if quick else (500, 8)
 
     def reference():
@@ -222,12 +195,12 @@ def _gradient_problem(count: int, quick: bool) -> Problem:
                 [dense_batch],
             ),
             _rival(
-                "SciPy eigh, analytic", _ELASTICITIES, rival.elasticities, numbers[:dense_batch]
+                "SciPy eigh, analytic", _ELASTICITIES, stage.elasticities, numbers[:dense_batch]
             ),
             _rival(
                 "SciPy eigh, central differences",
                 _ELASTICITIES,
-                rival.differences,
+                stage.differences,
                 numbers[: dense_batch // 10],
             ),
         ],

@@ -10,7 +10,7 @@ import numpy as np
 
 from prsm_jax.contact import APPROXIMATIONS, hertz_contact
 
-from ..harness import Case, Method, Prepared, Problem, Reference
+from ..harness import Case, Method, Prepared, Problem, Reference, rival
 from ..references.hertz import DIGITS, hertz
 
 _MODULUS = 1.15e11
@@ -97,11 +97,7 @@ def _brentq(contacts: _Contacts, count: int) -> Method:
             rows.append(_finish(_Contacts(force, smaller, larger), axis_ratio, k, e))
         return np.array(rows).T
 
-    return Method(
-        "SciPy brentq",
-        lambda _: Prepared(call, count, lambda out: _named(*out)),
-        kind="rival",
-    )
+    return rival("SciPy brentq", call, count, lambda out: _named(*out))
 
 
 def _elementwise(contacts: _Contacts) -> Method:
@@ -116,11 +112,8 @@ def _elementwise(contacts: _Contacts) -> Method:
         k, e = ellipkm1(axis_ratio**2), ellipe(1 - axis_ratio**2)
         return _finish(contacts, axis_ratio, k, e)
 
-    return Method(
-        "SciPy elementwise.find_root",
-        lambda _: Prepared(call, len(contacts.force), lambda out: _named(*out)),
-        kind="rival",
-    )
+    count = len(contacts.force)
+    return rival("SciPy elementwise.find_root", call, count, lambda out: _named(*out))
 
 
 def _problem(name: str, title: str, ratios: tuple[float, float], quick: bool) -> Problem:
@@ -128,12 +121,8 @@ def _problem(name: str, title: str, ratios: tuple[float, float], quick: bool) ->
     compared = 40 if quick else 200
 
     def reference():
-        rows = np.array(
-            [
-                hertz(f, a, b, _MODULUS)
-                for f, a, b in zip(*(c[:compared] for c in contacts), strict=True)
-            ]
-        )
+        some = zip(*(column[:compared] for column in contacts), strict=True)
+        rows = np.array([hertz(force, a, b, _MODULUS) for force, a, b in some])
         return {label: Reference(rows[:, i]) for i, label in enumerate(_LABELS)}
 
     return Problem(

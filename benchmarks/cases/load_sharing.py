@@ -12,14 +12,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from prsm_jax.load_sharing import Chains, Flanks, equilibrium, regularised
-
 from ..harness import Case, Method, Prepared, Problem, Reference
+from ..references.chains import HERTZ, SEGMENTS, TOOTH, shared
 
 _THREADS = 20
-#: δ = b f^{2/3} + c f of a thread contact with its teeth, and segments of screw, roller and nut.
-_HERTZ, _TOOTH = 1.5e-7, 5e-9
-_SEGMENTS = (3e-11, 2.4e-10, 0.75e-11)
 _TOLERANCES = (1e-3, 1e-6, 1e-12)
 _LABEL = "thread loads"
 
@@ -44,17 +40,7 @@ def _weights(classes: int) -> np.ndarray:
 
 
 def _loads(load, gap, weights, tolerance):
-    classes = len(weights)
-    dtype = load.dtype
-    hertz, tooth = (jnp.full((classes, 1), value, dtype) for value in (_HERTZ, _TOOTH))
-    flanks = Flanks(gap, None, hertz, tooth)
-    screw, roller, nut = (jnp.full((_THREADS - 1,), value, dtype) for value in _SEGMENTS)
-    unit = jnp.ones((), dtype)
-    bare = Chains(
-        jnp.asarray(weights, dtype), flanks, flanks, screw, roller, nut, unit, unit, 0 * unit
-    )
-    chains = regularised(bare, load=load)
-    found = equilibrium(chains, load, tolerance=tolerance)
+    chains, found = shared(load, gap, weights, tolerance)
     forward, _ = chains.screw.loads(found.state.screw_approach, 0.0)
     return forward
 
@@ -91,12 +77,12 @@ def _ours(
 def _flank(approach):
     """Force and slope of c f + b f^{2/3} = δ, by Newton in f^{1/3} from above."""
     safe = np.maximum(approach, 1e-300)
-    root = np.minimum(np.sqrt(safe / _HERTZ), np.cbrt(safe / _TOOTH))
+    root = np.minimum(np.sqrt(safe / HERTZ), np.cbrt(safe / TOOTH))
     for _ in range(6):
-        value = _TOOTH * root**3 + _HERTZ * root**2 - safe
-        root = root - value / (3 * _TOOTH * root**2 + 2 * _HERTZ * root)
+        value = TOOTH * root**3 + HERTZ * root**2 - safe
+        root = root - value / (3 * TOOTH * root**2 + 2 * HERTZ * root)
     closed = approach > 0
-    slope = 3 * root / (3 * _TOOTH * root + 2 * _HERTZ)
+    slope = 3 * root / (3 * TOOTH * root + 2 * HERTZ)
     return np.where(closed, root**3, 0.0), np.where(closed, slope, 0.0)
 
 
@@ -106,15 +92,20 @@ class _Displacements:
     def __init__(self, load, gap, weights):
         self.load, self.gap, self.weights = load, gap, weights
         self.size = len(weights) + 2
-        springs = np.concatenate([[1 / _SEGMENTS[0]], weights / _SEGMENTS[1], [1 / _SEGMENTS[2]]])
+        springs = np.concatenate([[1 / SEGMENTS[0]], weights / SEGMENTS[1], [1 / SEGMENTS[2]]])
         self.springs = springs[None, :]
 
-    def parts(self, unknown):
-        """Displacements [thread, body]; the nut is held where thread 1 is."""
-        return unknown.reshape(_THREADS, self.size)
+    def start(self):
+        """Displacements at which all threads are pressed about equally."""
+        each = self.load / (10 * _THREADS)
+        reach = HERTZ * each ** (2 / 3) + TOOTH * each + self.gap.max()
+        start = np.zeros((_THREADS, self.size))
+        start[:, 0], start[:, 1:-1] = 2 * reach, reach
+        return start.ravel()
 
     def evaluate(self, unknown):
-        nodes = self.parts(unknown)
+        # Displacements [thread, body]; the nut is held where thread 1 is.
+        nodes = unknown.reshape(_THREADS, self.size)
         screw, rollers, nut = nodes[:, :1], nodes[:, 1:-1], nodes[:, -1:]
         first, k1 = _flank(screw - rollers - self.gap.T)
         second, k2 = _flank(rollers - nut - self.gap.T)
@@ -157,11 +148,7 @@ def _banded(instances: _Instances, classes: int, count: int) -> Method:
 
     def solve(load, gap, tolerance):
         model = _Displacements(load, gap, weights)
-        start = np.zeros((_THREADS, model.size))
-        each = load / (10 * _THREADS)
-        reach = _HERTZ * each ** (2 / 3) + _TOOTH * each
-        start[:, 0], start[:, 1:-1] = 2 * (reach + gap.max()), reach + gap.max()
-        unknown = start.ravel()
+        unknown = model.start()
         gradient, first, k1, k2 = model.evaluate(unknown)
         for _ in range(100):
             error = np.max(np.abs(gradient))
@@ -197,13 +184,9 @@ def _root_finder(instances: _Instances, classes: int, count: int) -> Method:
 
     def solve(load, gap, tolerance):
         model = _Displacements(load, gap, weights)
-        each = load / (10 * _THREADS)
-        reach = _HERTZ * each ** (2 / 3) + _TOOTH * each
-        start = np.zeros((_THREADS, model.size))
-        start[:, 0], start[:, 1:-1] = 2 * (reach + gap.max()), reach + gap.max()
         found = root(
             lambda x: model.evaluate(x * length)[0] / load,
-            start.ravel() / length,
+            model.start() / length,
             method="hybr",
             options={"xtol": tolerance, "maxfev": 20_000},
         )

@@ -19,7 +19,7 @@ from prsm_jax.vibration import (
     vibration_system,
 )
 
-from ..harness import Case, Kind, Method, Prepared, Problem, Reference
+from ..harness import Case, Kind, Method, Prepared, Problem, Reference, rival
 from ..references.geometry_chain import frequency_slopes
 from ..references.stages import (
     NumPyStage,
@@ -97,6 +97,16 @@ def _at_once(name: str, function, inputs, read, batches, kind: Kind = "rival") -
     return Method(name, prepare, batches, "designs at once", kind)
 
 
+def _with_values(direction, function, **options):
+    """Derivatives of a function beside its values."""
+
+    def values_twice(*arguments):
+        found = function(*arguments)
+        return found, found
+
+    return direction(values_twice, has_aux=True, **options)
+
+
 def _two_devices():
     found = jax.devices()
     return found[:2] if len(found) > 1 and found[0].platform == "cpu" else None
@@ -114,7 +124,7 @@ def _values_problem(quick: bool) -> Problem:
     columns = _columns(numbers, _COUNT)
     dense = [2_000] if quick else [20_000, 1_000, 200]
     scipy = numbers[: 200 if quick else 1_000]
-    rival = NumPyStage(_COUNT)
+    stage = NumPyStage(_COUNT)
 
     def solve(design):
         return _distinct(*design)
@@ -141,12 +151,11 @@ def _values_problem(quick: bool) -> Problem:
             lambda found: {_FREQUENCIES: found[:compared]},
             dense,
         ),
-        Method(
+        rival(
             "SciPy eigh(K, M)",
-            lambda _: Prepared(
-                lambda: rival.by_scipy(scipy), len(scipy), lambda out: {_FREQUENCIES: out}
-            ),
-            kind="rival",
+            lambda: stage.by_scipy(scipy),
+            len(scipy),
+            lambda out: {_FREQUENCIES: out},
         ),
     ]
 
@@ -212,17 +221,10 @@ def _derivatives_problem(quick: bool) -> Problem:
     numbers = random_systems(_COUNT, total, 0.1)
     columns = _columns(numbers, _COUNT)
     dense_batch = 100 if quick else 500
-    rows, rival = jnp.asarray(numbers[:dense_batch]), NumPyStage(_COUNT)
-
-    def both(direction, function):
-        def values_twice(*arguments):
-            found = function(*arguments)
-            return found, found
-
-        return direction(values_twice, has_aux=True, argnums=(0, 1))
+    rows, stage = jnp.asarray(numbers[:dense_batch]), NumPyStage(_COUNT)
 
     def slopes(direction):
-        jacobian = both(direction, _distinct)
+        jacobian = _with_values(direction, _distinct, argnums=(0, 1))
         return lambda design: jacobian(*design)
 
     def read(found):
@@ -242,13 +244,7 @@ def _derivatives_problem(quick: bool) -> Problem:
         return {_ELASTICITIES: np.take_along_axis(repeated, order[:, :, None], axis=1)}
 
     def dense(direction):
-        solve = dense_solver(_COUNT)
-
-        def values_twice(row):
-            found = solve(row)
-            return found, found
-
-        return direction(values_twice, has_aux=True)
+        return _with_values(direction, dense_solver(_COUNT))
 
     def read_dense(found):
         derivatives, values = (np.asarray(part) for part in found)
@@ -272,14 +268,11 @@ def _derivatives_problem(quick: bool) -> Problem:
             _at_once("dense, jax, reverse", dense(jax.jacrev), rows, read_dense, [100, 500])
         ]
     methods += [
-        Method(
+        rival(
             "SciPy eigh, analytic",
-            lambda _: Prepared(
-                lambda: rival.elasticities(numbers[:dense_batch]),
-                dense_batch,
-                lambda out: {_ELASTICITIES: out},
-            ),
-            kind="rival",
+            lambda: stage.elasticities(numbers[:dense_batch]),
+            dense_batch,
+            lambda out: {_ELASTICITIES: out},
         )
     ]
     return Problem(

@@ -18,6 +18,7 @@ from ..method_options import taken
 from ..references.compiled import (
     Lsoda,
     casadi_integrators,
+    followed,
     mapped,
     missing_rivals,
     python_rates,
@@ -103,23 +104,10 @@ class Scene:
 
 def _tight(scene: Scene, rows: np.ndarray, solver: str, rtol: float) -> np.ndarray:
     """Carrier speeds over the screw's largest, by SciPy: row × stage × time."""
-    from scipy.integrate import solve_ivp
-
-    found = []
-    for row in rows:
-        rates = python_rates(bool(scene.frequency), row)
-        span = (0.0, scene.duration)
-        solution = solve_ivp(
-            rates,
-            span,
-            np.zeros(2),
-            method=solver,
-            t_eval=scene.times,
-            rtol=rtol,
-            atol=rtol * _ABSOLUTE,
-        )
-        complete = solution.status == 0 and solution.y.shape[1] == scene.samples
-        found.append(solution.y if complete else np.full((2, scene.samples), np.nan))
+    moving, atol = bool(scene.frequency), rtol * _ABSOLUTE
+    found = [
+        followed(python_rates(moving, row), 2, scene.times, solver, rtol, atol) for row in rows
+    ]
     return np.array(found)
 
 

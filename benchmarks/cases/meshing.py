@@ -13,7 +13,7 @@ from prsm_jax.geometry._flanks import screw_side_gap
 from prsm_jax.geometry._meshing import contact_point, starting_slope
 from prsm_jax.mechanism import Thread
 
-from ..harness import Case, Kind, Method, Prepared, Problem, Reference
+from ..harness import Case, Kind, Method, Prepared, Problem, Reference, rival
 from ..references.designs import Designs, random_designs, rows, threads
 from ..references.meshing import DIGITS, Design, mesh_point
 
@@ -157,19 +157,23 @@ def _hybr(designs: Designs, count: int) -> Method:
         return hypot(x, y), atan2(y, centre - x)
 
     some = rows(designs, count)
-    return Method(
-        "SciPy root (hybr)",
-        lambda _: Prepared(
-            lambda: np.array([solve(design) for design in some]), count, lambda out: _named(*out.T)
-        ),
-        kind="rival",
-    )
+
+    def call():
+        return np.array([solve(design) for design in some])
+
+    return rival("SciPy root (hybr)", call, count, lambda out: _named(*out.T))
 
 
 def case(quick: bool) -> Case:
     """The case of this module."""
     designs = random_designs(20_000 if quick else 100_000)
     compared = 40 if quick else 200
+
+    def position(thread: Thread) -> _Positions:
+        return _positions(mesh(thread).screw)
+
+    alone = "mesh, position only"
+    steps: dict[str, Any] = {"settings": (1, 2, 3, 4, 5), "setting_name": "Newton steps"}
 
     def reference():
         with mpmath.workdps(DIGITS):
@@ -190,33 +194,11 @@ def case(quick: bool) -> Case:
                 mesh,
                 first=lambda out: _positions(out.screw),
             ),
-            _batched("mesh, position only", designs, lambda t: _positions(mesh(t).screw)),
-            _batched(
-                "mesh, position only, float32",
-                designs,
-                lambda t: _positions(mesh(t).screw),
-                dtype=jnp.float32,
-            ),
-            _batched(
-                "mesh, position only, one design",
-                designs,
-                lambda t: _positions(mesh(t).screw),
-                one=True,
-            ),
-            _batched(
-                "(x, y) form",
-                designs,
-                _cartesian,
-                settings=(1, 2, 3, 4, 5),
-                setting_name="Newton steps",
-            ),
-            _batched(
-                "two-angle form",
-                designs,
-                _two_angles,
-                settings=(1, 2, 3, 4, 5),
-                setting_name="Newton steps",
-            ),
+            _batched(alone, designs, position),
+            _batched(f"{alone}, float32", designs, position, dtype=jnp.float32),
+            _batched(f"{alone}, one design", designs, position, one=True),
+            _batched("(x, y) form", designs, _cartesian, **steps),
+            _batched("two-angle form", designs, _two_angles, **steps),
             _batched(
                 "small-angle closed form",
                 designs,

@@ -12,7 +12,7 @@ from prsm_jax.contact import contact_modulus
 from prsm_jax.file import load
 from prsm_jax.friction import CoulombFriction
 from prsm_jax.geometry import mesh
-from prsm_jax.mechanism import Mechanism, material_of, set_parameter
+from prsm_jax.mechanism import Mechanism, material_of, set_parameters
 from prsm_jax.programs import to_precision
 from prsm_jax.stiffness import thread_stiffness
 from prsm_jax.vibration import modal, vibration_system
@@ -45,9 +45,7 @@ def _designs(count: int) -> np.ndarray:
 
 
 def _moved(mechanism: Mechanism, design) -> Mechanism:
-    for name, value in zip(_FIELDS, design, strict=True):
-        mechanism = set_parameter(mechanism, name, value)
-    return mechanism
+    return set_parameters(mechanism, dict(zip(_FIELDS, design, strict=True)))
 
 
 def _problem(

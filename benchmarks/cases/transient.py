@@ -13,6 +13,7 @@ from prsm_jax.programs import to_precision
 
 from ..harness import Case, Method, Prepared, Problem, Reference
 from ..method_options import taken
+from ..references.compiled import followed
 from ..references.designs_of_two_stages import regularised
 from ..references.dynamics import Chain
 
@@ -30,24 +31,15 @@ _TIGHT = 3e-14
 
 def _histories(chains: list[Chain], duration: float, solver: str, rtol: float):
     """Carrier ratios and efficiency at the sample times, one trajectory after the other."""
-    from scipy.integrate import solve_ivp
-
     times = np.linspace(0.0, duration, _SAMPLES)
-    ratios, efficiencies = [], []
-    for chain in chains:
-        found = solve_ivp(
-            chain.rate,
-            (0.0, duration),
-            np.zeros(len(chain.stages)),
-            method=solver,
-            t_eval=times,
-            rtol=rtol,
-            atol=rtol * _ABSOLUTE,
-        )
-        if found.status != 0 or found.y.shape[1] != _SAMPLES:
-            found.y = np.full((len(chain.stages), _SAMPLES), np.nan)
-        ratios.append(found.y)
-        efficiencies.append([chain.efficiency(state) for state in found.y.T.tolist()])
+    ratios = [
+        followed(chain.rate, len(chain.stages), times, solver, rtol, rtol * _ABSOLUTE)
+        for chain in chains
+    ]
+    efficiencies = [
+        [chain.efficiency(state) for state in found.T.tolist()]
+        for chain, found in zip(chains, ratios, strict=True)
+    ]
     return np.array(ratios), np.array(efficiencies)
 
 

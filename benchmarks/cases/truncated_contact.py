@@ -134,35 +134,22 @@ def _reference(label: str, side: str, instances, forces, ratio_of, cells: int):
 
 def _problem(side: str, instances, cells, reference_cells: int) -> Problem:
     forces = _forces(side, instances)
-
-    def reference():
-        return _reference(_LABEL, side, instances, forces, contact_pressure, reference_cells)
-
     methods = [
         _law(side, instances, forces, "prsm_jax, laminae", _LABEL),
         _law(side, instances, forces, "Hertz, whole ellipse", _LABEL),
         _half_spaces(side, instances, forces, cells),
     ]
-    return Problem(
-        name=side,
-        title=f"Ellipses cut by the crests, {side} side",
-        instance="contact",
-        methods=methods,
-        reference=reference,
-        reference_note="elastic half-spaces on the true flanks in NumPy, "
-        f"{reference_cells} × {reference_cells} cells, crests sharp",
-        baseline=methods[-1].name,
-    )
+    return _compared(
+        side, f"Ellipses cut by the crests, {side} side", methods, "sharp", reference_cells,
+        lambda: _reference(_LABEL, side, instances, forces, contact_pressure, reference_cells),
+    )  # fmt: skip
 
 
 def _edge_problem(side: str, instances, cells, reference_cells: int) -> Problem:
     forces = _forces(side, instances)
 
-    def reference():
-        def largest(design, side, addenda, force, modulus, cells):
-            return pressures(design, side, addenda, force, modulus, cells, _EDGE_RADIUS)[1]
-
-        return _reference(_AT_EDGE, side, instances, forces, largest, reference_cells)
+    def largest(design, side, addenda, force, modulus, cells):
+        return pressures(design, side, addenda, force, modulus, cells, _EDGE_RADIUS)[1]
 
     methods = [
         _law(side, instances, forces, "prsm_jax, rounded edge", _AT_EDGE),
@@ -170,14 +157,22 @@ def _edge_problem(side: str, instances, cells, reference_cells: int) -> Problem:
         _law(side, instances, forces, "prsm_jax, laminae", _AT_EDGE),
         _half_spaces(side, instances, forces, cells, _AT_EDGE),
     ]
+    title = f"Largest pressure at rounded crests, {side} side"
+    return _compared(
+        f"{side}_edge", title, methods, "rounded by 0.2 mm", reference_cells,
+        lambda: _reference(_AT_EDGE, side, instances, forces, largest, reference_cells),
+    )  # fmt: skip
+
+
+def _compared(name: str, title: str, methods, crests: str, cells: int, reference) -> Problem:
     return Problem(
-        name=f"{side}_edge",
-        title=f"Largest pressure at rounded crests, {side} side",
+        name=name,
+        title=title,
         instance="contact",
         methods=methods,
         reference=reference,
         reference_note="elastic half-spaces on the true flanks in NumPy, "
-        f"{reference_cells} × {reference_cells} cells, crests rounded by 0.2 mm",
+        f"{cells} × {cells} cells, crests {crests}",
         baseline=methods[-1].name,
     )
 

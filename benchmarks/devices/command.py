@@ -4,31 +4,24 @@ import argparse
 import json
 import sys
 import time
-from pathlib import Path
 from typing import Any
 
 import jax
 
-from ..harness import written_whole
-from ..harness.report import machine, versions
+from ..harness import of_this_run, parser_of, read_json, refuse_unknown, write_json
 from .tasks import TASKS
 
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="python -m benchmarks devices", description=__doc__)
+    parser = parser_of("devices", __doc__)
     parser.add_argument("tasks", nargs="*", metavar="task", help="which tasks; default all")
     parser.add_argument("--quick", action="store_true", help="the smallest size of each task")
     parser.add_argument("--smoke", action="store_true", help="a thousand designs")
-    parser.add_argument("--out", type=Path, default=Path("out/benchmarks"), help="folder")
     parser.add_argument(
         "--limit", type=float, default=500.0, help="start no new row after this [s]"
     )
-    parser.add_argument("--docs", type=Path, default=None, help="folder for the page")
-    parser.add_argument("--page", type=Path, metavar="JSON", help="only the page, from this file")
     given = parser.parse_args(argv)
-    unknown = sorted(set(given.tasks) - set(TASKS))
-    if unknown:
-        parser.error(f"unknown task {', '.join(unknown)}; choose from {', '.join(TASKS)}")
+    refuse_unknown(parser, "task", given.tasks, TASKS)
     return given
 
 
@@ -82,22 +75,14 @@ def main(argv: list[str] | None = None) -> int:
     """Entry point; returns the exit status."""
     arguments = _arguments(argv)
     if arguments.page is not None:
-        document = json.loads(arguments.page.read_text())
+        document = read_json(arguments.page)
     else:
         devices, reason = _devices()
-        document = {
-            "machine": machine(),
-            "versions": versions(),
-            "no_accelerator": reason,
-            "ceilings": {},
-            "rows": [],
-        }
+        document = of_this_run(1) | {"no_accelerator": reason, "ceilings": {}, "rows": []}
         if reason:
             print(reason)
         _rows(arguments, devices, document)
-        arguments.out.mkdir(parents=True, exist_ok=True)
-        with written_whole(arguments.out / "devices.json") as path:
-            path.write_text(json.dumps(document, indent=1))
+        write_json(arguments.out / "devices.json", document)
     if arguments.docs is not None:
         from .page import write_page
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from ..harness import written_whole
+from ..harness import row_of, write_text
 from .tasks import TASKS
 
 _HEAD = """\
@@ -60,7 +60,7 @@ that is 1e8 trajectories a second; a tenth of it would be 1e7. None of this is i
 def _line(row: dict[str, Any]) -> str:
     first = [TASKS[row["task"]].title, f"{row['designs']:,}", row["precision"]]
     if "failure" in row:
-        return "| " + " | ".join([*first, row["failure"], "", "", "", ""]) + " |"
+        return row_of([*first, row["failure"], "", "", "", ""])
     rest = [
         f"{row['designs_per_second']:.2e}",
         f"{1e9 * row['seconds'] / row['designs']:.3g} ns",
@@ -68,7 +68,7 @@ def _line(row: dict[str, Any]) -> str:
         f"{row['error']:.0e}",
         f"{row['compile_seconds']:.2g} s",
     ]
-    return "| " + " | ".join([*first, *rest]) + " |"
+    return row_of([*first, *rest])
 
 
 def page_of(document: dict[str, Any]) -> str:
@@ -107,5 +107,4 @@ def page_of(document: dict[str, Any]) -> str:
 
 def write_page(document: dict[str, Any], folder: Path) -> None:
     """Write `devices.md` into a folder, whole or not at all."""
-    with written_whole(folder / "devices.md") as path:
-        path.write_text(page_of(document))
+    write_text(folder / "devices.md", page_of(document))

@@ -13,7 +13,7 @@ import mpmath
 from prsm_jax.friction import CoulombFriction, SplineFriction, ThrustBearingFriction
 from prsm_jax.mechanism import Mechanism
 
-from ..references.meshing import Design, mesh_point
+from ..references.meshing import Design, frame_of, mesh_point
 
 #: mpf or float.
 Number = Any
@@ -40,30 +40,13 @@ class Contact:
         profile = thread.get("roller_profile_radius")
         profile = roller / mpmath.cos(angle) if profile is None else profile
         need(profile > 0, "no profile")
-        self.point = mesh_point(Design(lead, starts, roller, angle, profile))
+        self.design = Design(lead, starts, roller, angle, profile)
+        self.point = mesh_point(self.design)
         need(isinstance(self.point.x, mpmath.mpf), "a complex root")
         near = mpmath.hypot(self.point.x - (starts - 1) * roller, self.point.y)
         need(abs(near - roller) < roller / 2, "a root that is no contact")
         self.axial = lead / (2 * mpmath.pi)
-        self.profile, self.starts, self.roller = profile, starts, roller
-        self.slope = mpmath.tan(mpmath.pi / 2 - angle)
-        radius, turn = self.point.screw_radius, self.point.screw_angle
-        e = (mpmath.cos(turn), mpmath.sin(turn))
-        helical = self.axial / radius
-        gradient = (self.slope * e[0] - helical * e[1], self.slope * e[1] + helical * e[0])
-        size = mpmath.sqrt(1 + gradient[0] ** 2 + gradient[1] ** 2)
-        self.normal = (gradient[0] / size, gradient[1] / size, -1 / size)
-        self.arm = (-radius * e[1], radius * e[0])
-        on_roller = self.point.roller_angle
-        self.drive = (
-            self.arm[0] + starts * self.point.roller_radius * mpmath.sin(on_roller),
-            self.arm[1] + starts * self.point.roller_radius * mpmath.cos(on_roller),
-        )
-        self.steady_ratio = self._dot(self.arm, self.drive) / self._dot(self.drive, self.drive)
-
-    @staticmethod
-    def _dot(one, other):
-        return one[0] * other[0] + one[1] * other[1]
+        self.arm, self.drive, self.normal, self.steady_ratio = frame_of(self.design, self.point)
 
     def slip(self, ratio: Number):
         """Slip of the screw over the roller per screw speed [m]."""
@@ -72,6 +55,13 @@ class Contact:
             self.arm[1] - ratio * self.drive[1],
             self.axial,
         )
+
+    def limits(self) -> tuple[Number, Number]:
+        """Friction coefficients at which the thread locks and at which it jams."""
+        slip = self.slip(self.steady_ratio)
+        size = mpmath.sqrt(sum(part**2 for part in slip))
+        back, held = (self.arm[0] * v[0] + self.arm[1] * v[1] for v in (self.normal, slip))
+        return back * size / held, -self.normal[2] * size / slip[2]
 
 
 def in_plain(value):

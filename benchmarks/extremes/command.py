@@ -13,7 +13,7 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
-from ..harness._atomic import written_whole
+from ..harness import parser_of, read_json, write_text
 from .cells import STATUSES, Cell, Table, is_bad, joined, table_of, total
 from .rows import COMBINATIONS, SEED
 
@@ -22,10 +22,8 @@ ROW_LIMIT, FIRST_LIMIT = 120.0, 1200.0
 
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="python -m benchmarks extremes", description=__doc__)
+    parser = parser_of("extremes", __doc__, several=True)
     parser.add_argument("structures", nargs="*", help="which structures; default all")
-    parser.add_argument("--out", type=Path, default=Path("out/benchmarks"), help="folder for JSON")
-    parser.add_argument("--docs", type=Path, default=None, help="folder for the page and pictures")
     parser.add_argument(
         "--rows", type=int, default=COMBINATIONS, help="number of random combinations"
     )
@@ -37,9 +35,6 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
         "--row", action="append", default=[], metavar="NAME", help="this row only; may be repeated"
     )
     parser.add_argument("--jobs", type=int, default=2, help="number of processes at a time")
-    parser.add_argument(
-        "--page", type=Path, nargs="+", metavar="JSON", help="only the page, from these files"
-    )
     parser.add_argument("--list", action="store_true", help="list the structures and exit")
     return parser.parse_args(argv)
 
@@ -180,7 +175,7 @@ def _page_of(arguments: argparse.Namespace) -> int:
     """The page again, from files of earlier runs of the same seed."""
     from .page import write_page
 
-    found = [json.loads(path.read_text(encoding="utf-8")) for path in arguments.page]
+    found = [*map(read_json, arguments.page)]
     tables = joined([table_of(data) for one in found for data in one["tables"]])
     arguments.seed = found[0]["seed"]
     arguments.rows = max(one["combinations"] for one in found)
@@ -222,14 +217,8 @@ def main(argv: list[str] | None = None) -> int:
     ordered = [tables[name] for name in chosen]
     seconds = time.perf_counter() - begin
     print(summary(ordered))
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    path = arguments.out / "extremes.json"
-    with written_whole(path) as temporary:
-        temporary.write_text(
-            json.dumps(document(ordered, arguments, seconds), allow_nan=False) + "\n",
-            encoding="utf-8",
-        )
-    print(path)
+    content = json.dumps(document(ordered, arguments, seconds), allow_nan=False)
+    print(write_text(arguments.out / "extremes.json", content + "\n"))
     if arguments.docs is not None:
         from .page import write_page
 

@@ -235,7 +235,7 @@ class Verdicts:
                                 cell = again
                                 break
                     forward[name] = _worse(forward.get(name), cell)
-        self._at_zero(forward, random)
+        self._at_zero(forward)
         return forward, self._reverse_cells(forward, tangents, direction, random)
 
     def _measured(self, direction, wobble, shrink=1.0):
@@ -264,7 +264,7 @@ class Verdicts:
         measured = twin._measured(direction, twin._wobble(np.random.default_rng(15)))
         return {name: slope for name, slope in measured.items() if slope is not None}
 
-    def _at_zero(self, cells: dict[str, Cell], random) -> None:
+    def _at_zero(self, cells: dict[str, Cell]) -> None:
         """Derivatives by numbers that are 0 have to be finite too."""
         direction = [
             np.where(leaf == 0, np.where(base == 0, 1e-6, np.abs(base)), 0.0)
@@ -332,15 +332,12 @@ class Verdicts:
             if name not in good or error is None or error <= _TRANSPOSE_TOLERANCE:
                 status = "open" if name not in good else forward[name].status
                 cells[name] = Cell(status, error)
-            elif error <= self._slope_error(forward[name]):
+            elif self.structure.slow and error <= 1e-4:
+                # Methods that choose their steps by tolerance agree to that only.
                 cells[name] = Cell("open", error)
             else:
                 cells[name] = Cell("wrong_gradient", error, "reverse differs from forward")
         return cells
-
-    def _slope_error(self, cell: Cell) -> float:
-        # Methods that choose their steps by tolerance agree to that only.
-        return 1e-4 if self.structure.slow else 0.0
 
     def _weight(self, tangent, random):
         size = np.where(np.abs(tangent) > 0, np.abs(tangent), 1.0)

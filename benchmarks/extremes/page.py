@@ -4,7 +4,7 @@
 
 from pathlib import Path
 
-from ..harness._atomic import written_whole
+from ..harness import row_of, write_text
 from .cells import KINDS, STATUSES, Table, is_bad, total
 from .picture import GROUPS, write_pictures
 from .structures import STRUCTURES, structure
@@ -125,16 +125,16 @@ def _counts(tables: list[Table]) -> list[str]:
         "columns",
         *(name.replace("_", " ") for name in names),
     ]
-    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    lines = [row_of(head), "|" + "---|" * len(head)]
     for table in tables:
         counts = table.counts()
         mixed = sum(row["group"] == "combination" for row in table.rows)
         numbers = len(table.rows), mixed, len(table.columns)
         row = [structure(table.structure).title, *map(str, numbers)]
-        lines.append("| " + " | ".join(row + [str(counts[name]) for name in names]) + " |")
+        lines.append(row_of(row + [str(counts[name]) for name in names]))
     counts = total(tables)
     row = ["**all**", str(sum(len(t.rows) for t in tables)), "", ""]
-    lines.append("| " + " | ".join(row + [str(counts[name]) for name in names]) + " |")
+    lines.append(row_of(row + [str(counts[name]) for name in names]))
     return lines
 
 
@@ -166,7 +166,7 @@ def _largest(tables: list[Table]) -> list[str]:
                 if three[place].status == "agrees" and three[place].error is not None
             ]
             worst.append(f"{max(errors):.1e}" if errors else "")
-        lines.append(f"| {table.structure} | " + " | ".join(worst) + " |")
+        lines.append(row_of([table.structure, *worst]))
     return lines
 
 
@@ -202,7 +202,5 @@ def write_page(tables: list[Table], folder: Path, arguments, seconds: float) -> 
     for name, group, path in pictures:
         relative = path.relative_to(folder).as_posix()
         lines += [f"![{structure(name).title}: {GROUPS[group]}]({relative})", ""]
-    page = folder / "extremes.md"
-    with written_whole(page) as temporary:
-        temporary.write_text("\n".join(lines), encoding="utf-8")
+    page = write_text(folder / "extremes.md", "\n".join(lines))
     return [page, *(path for _, _, path in pictures)]

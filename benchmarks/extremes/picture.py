@@ -1,8 +1,10 @@
 """The matrix as pictures: one coloured cell per pair of row and column."""
 
 import base64
-import struct
-import zlib
+import functools
+import html
+import io
+import itertools
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +15,8 @@ from .cells import KINDS, STATUSES, Table
 #: Worst first: the colour of a pair is that of the worst of its three cells.
 _RANK = ("crash", "hang", "not_finite", "wrong_value", "wrong_gradient", "accepted")
 _RANK = (*_RANK, "open", "finite", "refused", "agrees", "untouched", "absent")
+#: `<`, `>` and `&` as SVG writes them; quotation marks stay.
+escape = functools.partial(html.escape, quote=False)
 _GREY = "#f2f2f2"
 
 
@@ -25,22 +29,11 @@ def _rgb(colour: str) -> tuple[int, int, int]:
 
 
 def _png(pixels: np.ndarray) -> bytes:
-    """An image without a library that would put a date into it."""
-    height, width, _ = pixels.shape
-    rows = b"".join(b"\0" + row.tobytes() for row in pixels.astype(np.uint8))
+    from PIL import Image
 
-    def chunk(kind: bytes, data: bytes) -> bytes:
-        body = kind + data
-        return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
-
-    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    compressed = zlib.compress(rows, 9)
-    return (
-        b"\x89PNG\r\n\x1a\n"
-        + chunk(b"IHDR", header)
-        + chunk(b"IDAT", compressed)
-        + chunk(b"IEND", b"")
-    )
+    written = io.BytesIO()
+    Image.fromarray(pixels).save(written, format="PNG", optimize=True)
+    return written.getvalue()
 
 
 def _image(table: Table, rows: list[dict[str, Any]], wide: int, high: int) -> bytes:
@@ -69,25 +62,12 @@ GROUPS = {
 }
 
 
-def _escaped(text: str) -> str:
-    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
-
-
-def _runs(names: list[str]) -> list[tuple[str, int, int]]:
-    """Stretches of equal names: name, first, length."""
-    found: list[tuple[str, int, int]] = []
-    for index, name in enumerate(names):
-        if found and found[-1][0] == name:
-            found[-1] = (name, found[-1][1], found[-1][2] + 1)
-        else:
-            found.append((name, index, 1))
-    return found
-
-
 def _labels(rows: list[dict[str, Any]], group: str) -> list[tuple[str, int, int]]:
     if group == "number":
         # Four rows to a number: one label for them.
-        return _runs([row["name"].rpartition(":")[0] for row in rows])
+        runs = itertools.groupby(enumerate(rows), lambda pair: pair[1]["name"].rpartition(":")[0])
+        groups = [(name, list(group)) for name, group in runs]
+        return [(name, group[0][0], len(group)) for name, group in groups]
     return [(row["name"], index, 1) for index, row in enumerate(rows)]
 
 
@@ -102,7 +82,7 @@ def _key(table: Table, rows: list[dict[str, Any]]) -> list[str]:
             f'stroke="#888888"/>'
         )
         text = f"{name.replace('_', ' ')}: {STATUSES[name].meaning}"
-        parts.append(f'<text x="30" y="{y}">{_escaped(text)}</text>')
+        parts.append(f'<text x="30" y="{y}">{escape(text)}</text>')
     return parts
 
 
@@ -119,13 +99,13 @@ def svg(table: Table, title: str, group: str) -> str:
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" '
         f'width="{width}" height="{height}" font-family="sans-serif" font-size="9">',
         f'<rect width="{width}" height="{height}" fill="#ffffff"/>',
-        f'<text x="8" y="18" font-size="13">{_escaped(title)}</text>',
+        f'<text x="8" y="18" font-size="13">{escape(title)}</text>',
         f'<text x="8" y="34">{len(rows)} {GROUPS[group]}, {len(table.columns)} columns</text>',
     ]
     for j, column in enumerate(table.columns):
         x = left + wide * j + 8
         parts.append(
-            f'<text transform="translate({x},{top - 5}) rotate(-60)">{_escaped(column)}</text>'
+            f'<text transform="translate({x},{top - 5}) rotate(-60)">{escape(column)}</text>'
         )
     parts += _key(table, rows)
     data = base64.b64encode(_image(table, rows, wide, step)).decode()
@@ -138,7 +118,7 @@ def svg(table: Table, title: str, group: str) -> str:
         for name, first, count in _labels(rows, group):
             y = top + step * (first + count / 2) + 3
             parts.append(
-                f'<text x="{left - 6}" y="{y:.1f}" text-anchor="end">{_escaped(name)}</text>'
+                f'<text x="{left - 6}" y="{y:.1f}" text-anchor="end">{escape(name)}</text>'
             )
     else:
         y = top + step * len(rows) / 2

@@ -39,13 +39,7 @@ def _limits(one: Structure) -> list[Row]:
             names = ("lead", "starts", "roller_radius", "contact_angle", "roller_profile_radius")
             path = f"stage.{index + 1}.thread."
             thread = {n: mpmath.mpf(float(given[path + n])) for n in names if path + n in given}
-            contact = Contact(thread)
-            slip = contact.slip(contact.steady_ratio)
-            size = mpmath.sqrt(sum(part**2 for part in slip))
-            back = contact.arm[0] * contact.normal[0] + contact.arm[1] * contact.normal[1]
-            held = (contact.arm[0] * slip[0] + contact.arm[1] * slip[1]) / size
-            limits = {"locking": back / held, "jamming": -contact.normal[2] * size / slip[2]}
-            for name, limit in limits.items():
+            for name, limit in zip(("locking", "jamming"), Contact(thread).limits(), strict=True):
                 for distance in _DISTANCES:
                     for sign in (-1, 1):
                         value = float(limit * (1 + sign * mpmath.mpf(distance)))

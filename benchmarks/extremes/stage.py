@@ -7,7 +7,8 @@ import mpmath
 
 from prsm_jax.mechanism import Stage
 
-from ..references.geometry_chain import _curvatures, _gradient_and_hessian
+from ..references.contact import gaps
+from ..references.geometry_chain import cylinder, gear_stiffness
 from ..references.hertz import exact_hertz
 from .chain import Contact, NoReference, Number, need
 
@@ -64,38 +65,11 @@ class StageNumbers:
     @cached_property
     def sides(self) -> dict[str, tuple[Any, ...]]:
         """A, B and F_n/F_a of both sides."""
-        contact = self.contact
-        point, profile, roller = contact.point, contact.profile, contact.roller
-        sine = contact.slope / mpmath.sqrt(1 + contact.slope**2)
-        helical, centre = contact.axial, self.radii["centre"]
-
-        def arc(radius):
-            offset = radius - (roller - profile * sine)
-            need(abs(offset) < profile, "beyond the arc")
-            height = mpmath.sqrt(profile**2 - offset**2)
-            return offset / height, profile**2 / height**3
-
-        first, second = arc(point.roller_radius)
-        screw = (
-            _gradient_and_hessian(contact.slope, helical, point.x, point.y),
-            _gradient_and_hessian(
-                -first, helical / contact.starts, point.x - centre, point.y, -second
-            ),
-        )
-        first, second = arc(roller)
-        nut = (
-            _gradient_and_hessian(first, helical / contact.starts, roller, mpmath.mpf(0), second),
-            _gradient_and_hessian(contact.slope, helical, self.radii["nut"], mpmath.mpf(0)),
-        )
         found = {}
-        for side, (upper, lower) in (("screw", screw), ("nut", nut)):
-            difference = [
-                [p - q for p, q in zip(*rows, strict=True)]
-                for rows in zip(upper[1], lower[1], strict=True)
-            ]
-            smaller, larger, upward = _curvatures(upper[0], difference)
+        sides = zip(("screw", "nut"), gaps(self.contact.design, self.contact.point), strict=True)
+        for side, (smaller, larger, factor) in sides:
             need(isinstance(smaller, mpmath.mpf) and smaller > 0, "no ellipse")
-            found[side] = (smaller, larger, 1 / upward)
+            found[side] = (smaller, larger, factor)
         return found
 
     def hertz(self, side: str) -> tuple[Any, ...]:
@@ -132,12 +106,11 @@ class StageNumbers:
         slip = contact.slip(contact.steady_ratio)
         size = mpmath.sqrt(sum(part**2 for part in slip))
         axial = contact.axial
-        back = contact.arm[0] * contact.normal[0] + contact.arm[1] * contact.normal[1]
-        held = (contact.arm[0] * slip[0] + contact.arm[1] * slip[1]) / size
-        jam, friction = -contact.normal[2] * size / slip[2], self["friction.thread.coefficient"]
+        lock, jam = contact.limits()
+        friction = self["friction.thread.coefficient"]
         found: dict[str, Any] = {
             "carrier_ratio": [contact.steady_ratio],
-            "critical_friction_coefficient": [back / held],
+            "critical_friction_coefficient": [lock],
             "jamming_friction_coefficient": [jam],
             "screw_contact_radius": [contact.point.screw_radius],
         }
@@ -181,18 +154,16 @@ class StageNumbers:
             inner, outer = radii["nut"], radii["nut"] + wall
         else:
             inner, outer = radii["centre"] - width / 2, radii["centre"] + width / 2
-        mass = mpmath.pi * self["material.density"] * length * (outer**2 - inner**2)
+        mass, inertia = cylinder(length, inner, outer, self["material.density"])
         need(mass > 0 and inner >= 0, f"no {body}")
-        return mass, mass * (outer**2 + inner**2) / 2
+        return mass, inertia
 
     def _gear(self) -> Number:
         roller_teeth, starts = self["gear.roller_teeth"], self["thread.starts"]
         for name in ("roller_profile_shift", "ring_profile_shift", "helix_angle"):
             need(self[f"gear.{name}"] == 0, "another gear")
-        ring = starts * roller_teeth
-        q = mpmath.mpf("0.04723") + mpmath.mpf("0.15551") / roller_teeth
-        q += mpmath.mpf("0.25791") / ring
-        return mpmath.mpf("0.8") / q * self["gear.face_width"] * 10**9 * self["gear.mesh_factor"]
+        single = gear_stiffness(roller_teeth, starts * roller_teeth, self["gear.face_width"])
+        return single * self["gear.mesh_factor"]
 
     @cached_property
     def bodies(self) -> list[dict[str, Number]]:

@@ -16,7 +16,15 @@ from prsm_jax import file
 from prsm_jax.contact import hertz_contact
 from prsm_jax.fields._fields import Number, number
 from prsm_jax.friction import CoulombFriction, Drag, Friction, LuGreFriction, ThrustBearingFriction
-from prsm_jax.mechanism import Mechanism, OperatingPoint, Roller, Stage, Support, UnequalRoller
+from prsm_jax.mechanism import (
+    Mechanism,
+    OperatingPoint,
+    Roller,
+    Stage,
+    Support,
+    UnequalRoller,
+    set_parameters,
+)
 from prsm_jax.quantities import available_quantities, catalogue
 from prsm_jax.scenario import Scenario, SineProfile, TorqueScenario
 
@@ -82,10 +90,15 @@ def _actuator(
     if not crests:
         # So that no ellipse is cut, and Hertz is the reference.
         thread = dataclasses.replace(thread, screw_addendum=None, roller_addendum=None)
-    stage = dataclasses.replace(stage, thread=thread, **changes)
-    return dataclasses.replace(
-        mechanism, stages=(stage,), design_problem=None, operating_point=_point(mechanism)
-    )
+    mechanism = _with(mechanism, thread=thread, **changes)
+    point = _point(mechanism)
+    return dataclasses.replace(mechanism, design_problem=None, operating_point=point)
+
+
+def _with(mechanism: Mechanism, **changes: Any) -> Mechanism:
+    """A mechanism whose only stage has other parts."""
+    (stage,) = mechanism.stages
+    return dataclasses.replace(mechanism, stages=(dataclasses.replace(stage, **changes),))
 
 
 def _point(mechanism: Mechanism) -> OperatingPoint:
@@ -174,9 +187,8 @@ def quantities_three() -> Structure:
 
 def quantities_sixty() -> Structure:
     mechanism = _actuator(count=60, friction=_NO_SPIN, crests=False)
-    mechanism = prsm.set_parameter(mechanism, "starts", 30.0)
-    mechanism = prsm.set_parameter(mechanism, "roller_radius", 1.5e-3)
-    mechanism = prsm.set_parameter(mechanism, "roller_profile_radius", 2.1e-3)
+    numbers = {"starts": 30.0, "roller_radius": 1.5e-3, "roller_profile_radius": 2.1e-3}
+    mechanism = set_parameters(mechanism, numbers)
     return _of_quantities(
         "sixty_rollers", "sixty rollers", mechanism, _VIBRATION, reference="stage"
     )
@@ -184,36 +196,26 @@ def quantities_sixty() -> Structure:
 
 def quantities_sharing() -> Structure:
     mechanism = _actuator(sharing=True, friction=_NO_SPIN)
-    (stage,) = mechanism.stages
     sharing = dataclasses.replace(
-        stage.load_sharing,
+        mechanism.stages[0].load_sharing,
         backlash=6e-6,
         screw_pitch_error=[0.1e-6 * ((7 * k) % 5 - 2) for k in range(20)],
     )
-    stage = dataclasses.replace(stage, load_sharing=sharing)
     return _of_quantities(
         "load_sharing",
         "threads that share by elasticity, with backlash and pitch errors",
-        dataclasses.replace(mechanism, stages=(stage,)),
+        _with(mechanism, load_sharing=sharing),
         _SHARED,
         tolerance=1e-7,
     )
 
 
 def unequal() -> Structure:
-    mechanism = _actuator(friction=_NO_SPIN)
-    (stage,) = mechanism.stages
-    stage = dataclasses.replace(
-        stage,
-        unequal_roller=(
-            UnequalRoller(2, stiffness_factor=1.05),
-            UnequalRoller(5, mass_factor=0.97),
-        ),
-    )
+    rollers = UnequalRoller(2, stiffness_factor=1.05), UnequalRoller(5, mass_factor=0.97)
     return _of_quantities(
         "unequal_rollers",
         "two of ten rollers deviate: modes without symmetry",
-        dataclasses.replace(mechanism, stages=(stage,)),
+        _with(_actuator(friction=_NO_SPIN), unequal_roller=rollers),
         ("natural_frequencies", "lowest_torsional_frequency", "lowest_mesh_torsional_frequency"),
         reference="unequal",
     )
@@ -221,30 +223,25 @@ def unequal() -> Structure:
 
 def anisotropic() -> Structure:
     mechanism = _actuator(friction=_NO_SPIN)
-    (stage,) = mechanism.stages
-    support = dataclasses.replace(stage.screw.support, radial_stiffness_y=200e6 * (1 + 1e-3))
-    stage = dataclasses.replace(stage, screw=dataclasses.replace(stage.screw, support=support))
+    screw = mechanism.stages[0].screw
+    support = dataclasses.replace(screw.support, radial_stiffness_y=200e6 * (1 + 1e-3))
     return _of_quantities(
         "two_supports",
         "supports that differ in x and y: pairs of roots that nearly repeat",
-        dataclasses.replace(mechanism, stages=(stage,)),
+        _with(mechanism, screw=dataclasses.replace(screw, support=support)),
         ("natural_frequencies", "lowest_transverse_frequency"),
         reference="unequal",
     )
 
 
-def _pinned() -> Mechanism:
-    mechanism = _actuator(friction=_NO_SPIN)
-    (stage,) = mechanism.stages
-    roller = dataclasses.replace(stage.roller, support=Support(radial_stiffness=5e7))
-    return dataclasses.replace(mechanism, stages=(dataclasses.replace(stage, roller=roller),))
-
-
 def pinned() -> Structure:
+    mechanism = _actuator(friction=_NO_SPIN)
+    support = Support(radial_stiffness=5e7)
+    roller = dataclasses.replace(mechanism.stages[0].roller, support=support)
     return _of_quantities(
         "roller_pins",
         "rollers that move on their pins: modes by symmetry, six degrees and more",
-        _pinned(),
+        _with(mechanism, roller=roller),
         ("natural_frequencies", "torsional_frequencies", "transverse_frequencies"),
     )
 
@@ -329,9 +326,7 @@ def _settling(samples: int = 11) -> Mechanism:
 def _swinging(samples: int = 11) -> Mechanism:
     two = _chain(2)
     stages = tuple(
-        dataclasses.replace(
-            stage, screw=dataclasses.replace(stage.screw, mass=0.5), carrier=stage.carrier
-        )
+        dataclasses.replace(stage, screw=dataclasses.replace(stage.screw, mass=0.5))
         for stage in two.stages
     )
     speed = SineProfile(amplitude=30.0, frequency=200.0, mean=100.0)

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from ..harness._markdown import setting_text
 from .compared import Numbers
 
 
@@ -38,7 +39,4 @@ def numbers_of_case(document: Mapping[str, Any]) -> Numbers:
 
 
 def _setting(setting: Mapping[str, Any] | None) -> str:
-    if setting is None:
-        return ""
-    value = setting["value"]
-    return f", {setting['name']} " + (f"{value:g}" if isinstance(value, float) else str(value))
+    return "" if setting is None else f", {setting_text(**setting)}"

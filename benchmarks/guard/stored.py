@@ -2,13 +2,11 @@
 
 import dataclasses
 import datetime
-import json
 import math
 from pathlib import Path
 from typing import Any
 
-from ..harness import written_whole
-from ..harness.report import machine
+from ..harness import machine, read_json, write_json
 from .compared import Numbers
 
 #: Renewed by `--store`.
@@ -20,7 +18,6 @@ def read_stored(path: Path = STORED) -> dict[str, tuple[Numbers, int]]:
     """For each benchmark its stored numbers, and the cores of the machine they were measured on."""
     if not path.exists():
         return {}
-    content = json.loads(path.read_text(encoding="utf-8"))
     return {
         name: (
             Numbers(**{
@@ -30,7 +27,7 @@ def read_stored(path: Path = STORED) -> dict[str, tuple[Numbers, int]]:
             }),
             one["cores"],
         )
-        for name, one in content["benchmarks"].items()
+        for name, one in read_json(path)["benchmarks"].items()
     }  # fmt: skip
 
 
@@ -38,7 +35,7 @@ def store(name: str, numbers: Numbers, path: Path = STORED) -> None:
     """Store the numbers of one benchmark, and leave those of all others."""
     benchmarks: dict[str, Any] = {}
     if path.exists():
-        benchmarks = json.loads(path.read_text(encoding="utf-8"))["benchmarks"]
+        benchmarks = read_json(path)["benchmarks"]
     groups = {group: getattr(numbers, group) for group in _GROUPS}
     benchmarks[name] = {
         "date": datetime.datetime.now(datetime.UTC).date().isoformat(),
@@ -50,12 +47,7 @@ def store(name: str, numbers: Numbers, path: Path = STORED) -> None:
         },
     }
     content = {"schema": 1, "benchmarks": dict(sorted(benchmarks.items()))}
-    with written_whole(path) as temporary:
-        temporary.write_text(
-            json.dumps(content, indent=1, allow_nan=False, ensure_ascii=False) + "\n",
-            encoding="utf-8",
-        )
-        temporary.chmod(0o644)
+    write_json(path, content, allow_nan=False)
 
 
 def _short(value: float) -> float | int | None:

@@ -4,7 +4,7 @@ import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from ..harness.report import machine
+from ..harness import machine
 from .compared import Numbers, compare, conservative, recurring
 from .stored import STORED, read_stored, store
 

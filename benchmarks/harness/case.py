@@ -45,6 +45,16 @@ class Method:
     defaults: Sequence[Any] = ()
 
 
+def rival(
+    name: str,
+    call: Callable[[], Any],
+    instances: int,
+    read: Callable[[Any], Mapping[str, Any]],
+) -> Method:
+    """A rival without a setting; the arguments are those of `Prepared`."""
+    return Method(name, lambda _: Prepared(call, instances, read), kind="rival")
+
+
 @dataclass(frozen=True)
 class Reference:
     """High-precision values of one quantity, one row per instance; the first few are enough.

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ._atomic import written_whole
+from ._atomic import save_picture
 from .case import Problem
 from .measure import Measurement
 
@@ -137,6 +137,4 @@ def draw(problem: Problem, measured: Sequence[Measurement], path: Path) -> Path:
         lines.append(panels[0].plot([], [], label="ring: our default", **_RING)[0])
     figure.suptitle(problem.title, fontsize=12)
     figure.legend(handles=lines, loc="outside lower center", ncols=2, fontsize=9, frameon=False)
-    with written_whole(path) as temporary:
-        figure.savefig(temporary, bbox_inches="tight")
-    return path
+    return save_picture(figure, path, bbox_inches="tight")

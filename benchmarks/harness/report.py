@@ -2,7 +2,6 @@
 
 import datetime
 import importlib.metadata
-import json
 import math
 import os
 import platform
@@ -12,7 +11,8 @@ from typing import Any
 
 import jax
 
-from ._atomic import written_whole
+from ._atomic import write_json, write_text
+from ._markdown import row_of, setting_text, table_of, time_text
 from .case import Case, Problem
 from .measure import ErrorSummary, Measurement
 
@@ -140,15 +140,15 @@ def _equal_error_table(problem: Problem, rows: Sequence[Measurement]) -> list[st
     header = ["method", "setting", f"time per {problem.instance}", "largest error"]
     header.append(f"speed against {problem.baseline}")
     lines = [f"Cheapest settings with errors up to {problem.target:g}:", ""]
-    lines += [_row(header), _row(["---"] * len(header))]
+    lines += table_of(header)
     for row in found["methods"]:
         setting, ratio = row["setting"], row["speed_ratio"]
         cells = [
             row["method"],
             "" if setting is None else f"{setting['name']} {setting['value']:g}",
         ]
-        cells += [_time(row["best_s"]), f"{row['error']:.1e}"]
-        lines.append(_row([*cells, "" if ratio is None else f"{ratio:.3g}"]))
+        cells += [time_text(row["best_s"]), f"{row['error']:.1e}"]
+        lines.append(row_of([*cells, "" if ratio is None else f"{ratio:.3g}"]))
     return [*lines, ""]
 
 
@@ -180,13 +180,6 @@ def document(case: Case, measured: Measured, *, quick: bool) -> dict[str, Any]:
     }
 
 
-def _time(seconds: float) -> str:
-    for factor, unit in ((1.0, "s"), (1e3, "ms"), (1e6, "µs")):
-        if seconds * factor >= 1:
-            return f"{seconds * factor:.3g} {unit}"
-    return f"{seconds * 1e9:.3g} ns"
-
-
 def _error(error: ErrorSummary, instances: int) -> str:
     if error.maximum is None or error.median is None:
         return "none finite"
@@ -194,13 +187,6 @@ def _error(error: ErrorSummary, instances: int) -> str:
     if error.instances < instances:
         text += f", first {error.instances} of {instances}"
     return text + (f" ({error.not_finite} not finite)" if error.not_finite else "")
-
-
-def _setting_text(row: Measurement) -> str:
-    if row.setting is None:
-        return ""
-    value = f"{row.setting:g}" if isinstance(row.setting, float) else str(row.setting)
-    return f"{row.setting_name} {value}"
 
 
 def table(case: Case, measured: Measured) -> str:
@@ -215,39 +201,33 @@ def table(case: Case, measured: Measured) -> str:
         header += [f"error in {name} (max / median)" for name in quantities]
         header += ["first call", "note"]
         lines += [f"## {problem.title}", "", f"Reference: {problem.reference_note}", ""]
-        lines += [_row(header), _row(["---"] * len(header))]
+        lines += table_of(header)
         for row in rows:
-            cells = [row.method + (" (rival)" if row.kind == "rival" else ""), _setting_text(row)]
-            cells += [f"{_time(row.best)} / {_time(row.median)}", f"{1 / row.best:.3g}"]
+            cells = [
+                row.method + (" (rival)" if row.kind == "rival" else ""),
+                setting_text(row.setting_name, row.setting),
+            ]
+            cells += [f"{time_text(row.best)} / {time_text(row.median)}", f"{1 / row.best:.3g}"]
             cells += [
                 f"{row.speed_ratio:.3g} ({row.ratio_range[0]:.3g} … {row.ratio_range[1]:.3g})"
             ]
             if problem.yardstick is not None:
                 cells += [f"{100 / row.best / problem.yardstick:.2g} %"]
             cells += [_error(row.errors[name], row.instances) for name in quantities]
-            cells += [_time(row.first_call), row.note]
-            lines.append(_row(cells))
+            cells += [time_text(row.first_call), row.note]
+            lines.append(row_of(cells))
         for name, reason in problem.left_out.items():
             blank = [""] * (len(header) - 2)
-            lines.append(_row([f"{name} (rival)", *blank, f"left out: {reason}"]))
+            lines.append(row_of([f"{name} (rival)", *blank, f"left out: {reason}"]))
         lines += ["", *_equal_error_table(problem, rows)]
     return "\n".join(lines)
 
 
-def _row(cells: Sequence[str]) -> str:
-    return "| " + " | ".join(cells) + " |"
-
-
 def write(case: Case, measured: Measured, folder: Path, *, quick: bool) -> tuple[Path, Path]:
     """Write `<case>.json` and `<case>.md`, each whole or not at all; returns their paths."""
-    json_path, table_path = folder / f"{case.name}.json", folder / f"{case.name}.md"
+    # NaN is not JSON: better an error here than a file that other programs refuse.
     content = document(case, measured, quick=quick)
-    with written_whole(json_path) as temporary:
-        # NaN is not JSON: better an error here than a file that other programs refuse.
-        temporary.write_text(
-            json.dumps(content, indent=1, allow_nan=False, ensure_ascii=False) + "\n",
-            encoding="utf-8",
-        )
-    with written_whole(table_path) as temporary:
-        temporary.write_text(table(case, measured), encoding="utf-8")
-    return json_path, table_path
+    return (
+        write_json(folder / f"{case.name}.json", content, allow_nan=False),
+        write_text(folder / f"{case.name}.md", table(case, measured)),
+    )

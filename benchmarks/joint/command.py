@@ -1,16 +1,13 @@
 """`python -m benchmarks joint`: joint Jacobians of random subsets, and Hessians; JSON and table."""
 
 import argparse
-import datetime
-import json
 from pathlib import Path
 from typing import Any
 
 import jax
 
 from ..guard import Numbers, guarded
-from ..harness import written_whole
-from ..harness.report import machine, versions
+from ..harness import of_this_run, parser_of, read_json, write_json, write_text
 from .guard import LIMITS, numbers_of_joint
 from .measured import quantity_names, random_subsets
 from .page import tables, write_page
@@ -24,7 +21,7 @@ _SECONDS, _QUICK_SECONDS = 1.0, 0.5
 
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="python -m benchmarks joint", description=__doc__)
+    parser = parser_of("joint", __doc__, several=True)
     parser.add_argument("--example", default="actuator", help="example to vary; default actuator")
     parser.add_argument("--subsets", type=int, default=30, help="number of random subsets")
     parser.add_argument("--designs", type=int, default=1000, help="designs in a batch")
@@ -40,12 +37,7 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--store", action="store_true", help="with --quick: renew the stored numbers"
     )
-    parser.add_argument("--out", type=Path, default=Path("out/benchmarks"), help="folder")
     parser.add_argument("--resume", action="store_true", help="keep the rows of an interrupted run")
-    parser.add_argument("--docs", type=Path, default=None, help="folder for the page and picture")
-    parser.add_argument(
-        "--page", type=Path, nargs="+", metavar="JSON", help="only the page, from these files"
-    )
     return parser.parse_args(argv)
 
 
@@ -55,7 +47,7 @@ def _begun(example: str, designs: int, kept: Path | None) -> dict[str, Any]:
     **Raises:** `ValueError` if that run was of other designs.
     """
     if kept is not None and kept.exists():
-        document = json.loads(kept.read_text(encoding="utf-8"))
+        document = read_json(kept)
         if (document["example"], document["designs"]) != (example, designs):
             raise ValueError(
                 f"{kept} has {document['designs']} designs of {document['example']!r}, not "
@@ -63,10 +55,7 @@ def _begun(example: str, designs: int, kept: Path | None) -> dict[str, Any]:
             )
         return document
     return {
-        "schema": 2,
-        "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
-        "machine": machine(),
-        "versions": versions(),
+        **of_this_run(2),
         "example": example,
         "designs": designs,
         "joint": [],
@@ -78,8 +67,7 @@ def main(argv: list[str] | None = None) -> int:
     """Entry point; with `--quick` the exit status is 1 where the guard finds a number worse."""
     given = _arguments(argv)
     if given.page is not None:
-        parts = [json.loads(path.read_text(encoding="utf-8")) for path in given.page]
-        _said(write_page(parts, given.docs or given.out))
+        _said(write_page([*map(read_json, given.page)], given.docs or given.out))
         return 0
     if given.quick:
         return guarded(
@@ -128,7 +116,5 @@ def _said(paths: list[Path]) -> None:
 
 
 def _write(document: dict[str, Any], path: Path) -> None:
-    with written_whole(path) as temporary:
-        temporary.write_text(json.dumps(document, indent=1, ensure_ascii=False), encoding="utf-8")
-    with written_whole(path.with_suffix(".md")) as temporary:
-        temporary.write_text(tables(document), encoding="utf-8")
+    write_json(path, document)
+    write_text(path.with_suffix(".md"), tables(document))

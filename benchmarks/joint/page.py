@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..harness import written_whole
+from ..harness import write_text
 from .measured import FOUR, VARIABLES
 from .picture import draw
 
@@ -148,8 +148,4 @@ def write_page(documents: Sequence[Mapping[str, Any]], folder: Path) -> list[Pat
         f"{documents[0]['date'][:10]}. On a busy machine compile times are too long.",
         "",
     ]
-    page = folder / "joint_derivatives.md"
-    with written_whole(page) as temporary:
-        temporary.write_text("\n".join(lines), encoding="utf-8")
-        temporary.chmod(0o644)
-    return [page, picture]
+    return [write_text(folder / "joint_derivatives.md", "\n".join(lines)), picture]

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..harness import written_whole
+from ..harness import save_picture
 
 #: The goal: value and Jacobian by three numbers in the time of three values.
 _GOAL = 3.0
@@ -55,7 +55,4 @@ def draw(documents: Sequence[Mapping[str, Any]], path: Path) -> Path:
         axes.set_axisbelow(True)
     panels[0].set_ylabel("run time over that of the value [1]")
     figure.legend(handles=lines, loc="outside lower center", ncols=2, fontsize=9, frameon=False)
-    with written_whole(path) as temporary:
-        figure.savefig(temporary)
-        temporary.chmod(0o644)
-    return path
+    return save_picture(figure, path)

@@ -1,17 +1,21 @@
 """`python -m benchmarks load`: every task in every size; JSON, tables, picture, page."""
 
 import argparse
-import datetime
 import json
 import math
-import subprocess
-import sys
 import time
 from pathlib import Path
 from typing import Any
 
-from ..harness import written_whole
-from ..harness.report import machine, versions
+from ..harness import (
+    of_this_run,
+    parser_of,
+    read_json,
+    refuse_unknown,
+    run_worker,
+    write_json,
+    write_text,
+)
 from .growth import of_rows
 from .page import tables, write_page
 from .picture import draw
@@ -22,22 +26,13 @@ _LIMIT = 1200.0
 
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="python -m benchmarks load", description=__doc__)
+    parser = parser_of("load", __doc__, several=True)
     parser.add_argument("tasks", nargs="*", metavar="task", help="which tasks; default all")
     parser.add_argument("--quick", action="store_true", help="without the largest size")
     parser.add_argument("--smoke", action="store_true", help="the two smallest sizes, two samples")
-    parser.add_argument(
-        "--out", type=Path, default=Path("out/benchmarks"), help="folder for the results"
-    )
-    parser.add_argument("--docs", type=Path, default=None, help="folder for the page and picture")
-    parser.add_argument(
-        "--page", type=Path, nargs="+", metavar="JSON", help="only the page, from these files"
-    )
     parser.add_argument("--list", action="store_true", help="list the tasks and exit")
     given = parser.parse_args(argv)
-    unknown = sorted(set(given.tasks) - set(TASKS))
-    if unknown:
-        parser.error(f"unknown task {', '.join(unknown)}; choose from {', '.join(TASKS)}")
+    refuse_unknown(parser, "task", given.tasks, TASKS)
     return given
 
 
@@ -46,16 +41,10 @@ def _measured(name: str, size: int, seconds: float) -> dict[str, Any]:
 
     **Raises:** `RuntimeError` with what the process said if it failed.
     """
-    command = [sys.executable, "-m", "benchmarks.load.worker", name, str(size)]
-    done = subprocess.run(
-        [*command, "--seconds", str(seconds)],
-        capture_output=True,
-        text=True,
-        timeout=_LIMIT,
-        check=False,
-    )
-    if done.returncode:
-        raise RuntimeError(f"{name}, size {size}: {done.stderr.strip()}")
+    done = run_worker("load.worker", [name, str(size), "--seconds", str(seconds)], _LIMIT)
+    if done is None or done.returncode:
+        why = f"not done in {_LIMIT:g} s" if done is None else done.stderr.strip()
+        raise RuntimeError(f"{name}, size {size}: {why}")
     return json.loads(done.stdout)
 
 
@@ -63,8 +52,7 @@ def main(argv: list[str] | None = None) -> int:
     """Entry point; the exit status is 1 where a result is not finite or a code says it failed."""
     given = _arguments(argv)
     if given.page is not None:
-        parts = [json.loads(path.read_text(encoding="utf-8")) for path in given.page]
-        _said(write_page(_joined(parts), given.docs or given.out))
+        _said(write_page(_joined([*map(read_json, given.page)]), given.docs or given.out))
         return 0
     begin, tasks, document = time.perf_counter(), [], {}
     for name in given.tasks or TASKS:
@@ -100,12 +88,9 @@ def main(argv: list[str] | None = None) -> int:
 
 def _document(tasks: list[dict[str, Any]], seconds: float, quick: bool) -> dict[str, Any]:
     return {
-        "schema": 2,
-        "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        **of_this_run(2),
         "seconds": seconds,
         "quick": quick,
-        "machine": machine(),
-        "versions": versions(),
         "tasks": tasks,
     }
 
@@ -126,10 +111,8 @@ def _said(paths: list[Path]) -> None:
 
 
 def _write(document: dict[str, Any], folder: Path) -> None:
-    with written_whole(folder / "load.json") as temporary:
-        # NaN is not JSON: a size without an error has none there.
-        content = json.loads(json.dumps(document), parse_constant=lambda _: None)
-        temporary.write_text(json.dumps(content, indent=1, ensure_ascii=False), encoding="utf-8")
-    with written_whole(folder / "load.md") as temporary:
-        temporary.write_text(tables(document["tasks"]), encoding="utf-8")
+    # NaN is not JSON: a size without an error has none there.
+    content = json.loads(json.dumps(document), parse_constant=lambda _: None)
+    write_json(folder / "load.json", content)
+    write_text(folder / "load.md", tables(document["tasks"]))
     draw(document["tasks"], folder / "load.png")

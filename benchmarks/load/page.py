@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from ..harness import written_whole
+from ..harness import row_of, table_of, write_text
 from .growth import finished
 from .picture import draw
 from .tasks import TASKS
@@ -56,11 +56,6 @@ At the commit ecd1f5c, on the same machine:
 """
 
 
-def row_of(cells: list[str]) -> str:
-    """A line of a Markdown table."""
-    return "| " + " | ".join(cells) + " |"
-
-
 def _bytes(value: float | None) -> str:
     return "" if value is None else f"{value / 1e6:.3g} MB"
 
@@ -74,16 +69,8 @@ def _error(value: float | None) -> str:
 
 
 def _growth(tasks: list[dict[str, Any]]) -> list[str]:
-    names = [
-        "task",
-        "largest that ended",
-        "operations",
-        "expected",
-        "processor time",
-        "memory",
-        "why",
-    ]
-    lines = [row_of(names), row_of(["---"] * len(names))]
+    names = ["task", "largest that ended", "operations", "expected", "processor time", "memory"]
+    lines = table_of([*names, "why"])
     for task in tasks:
         powers = task["exponents"]
         rows = finished(task["sizes"])
@@ -96,7 +83,7 @@ def _growth(tasks: list[dict[str, Any]]) -> list[str]:
 def _sizes(tasks: list[dict[str, Any]]) -> list[str]:
     names = ["task", "size", "run time", "processor time", "operations", "steps", "memory"]
     names += ["peak", "compiling", "error", "error against"]
-    lines = [row_of(names), row_of(["---"] * len(names))]
+    lines = table_of(names)
     for task in tasks:
         for row in task["sizes"]:
             cells = [task["title"], f"{row['size']:,}", f"{row['best_s']:.3g} s"]
@@ -130,9 +117,7 @@ def write_page(document: dict[str, Any], folder: Path) -> list[Path]:
     **Returns:** their paths.
     """
     tasks, machine = document["tasks"], document["machine"]
-    picture = folder / "images" / "load.png"
-    picture.parent.mkdir(parents=True, exist_ok=True)
-    draw(tasks, picture)
+    picture = draw(tasks, folder / "images" / "load.png")
     lines = [_HEAD, "## Powers of growth", "", *_growth(tasks), ""]
     lines += [
         "A small scene needs the memory of one block of 1,024 samples, and few designs that of one "
@@ -152,7 +137,4 @@ def write_page(document: dict[str, Any], folder: Path) -> list[Path]:
         *_left_out(tasks),
         _BEFORE,
     ]
-    page = folder / "load.md"
-    with written_whole(page) as temporary:
-        temporary.write_text("\n".join(lines), encoding="utf-8")
-    return [page, picture]
+    return [write_text(folder / "load.md", "\n".join(lines)), picture]

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..harness import written_whole
+from ..harness import save_picture
 from .growth import finished
 
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
@@ -61,6 +61,4 @@ def draw(tasks: list[dict[str, Any]], path: Path) -> Path:
         _slope(axes)
     figure.suptitle("Growth with size; dotted lines are linear", fontsize=12)
     figure.legend(handles=lines, loc="outside lower center", ncols=1, fontsize=9, frameon=False)
-    with written_whole(path) as temporary:
-        figure.savefig(temporary)
-    return path
+    return save_picture(figure, path)

@@ -6,13 +6,10 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
-from prsm_jax.load_sharing import Chains, Flanks, equilibrium, regularised
+from ..references.chains import HERTZ, SEGMENTS, TOOTH, shared
 
 #: Load on one thread contact [N].
 _EACH = 60.0
-#: δ = b f^{2/3} + c f of a thread contact with its teeth, and segments of screw, roller and nut.
-_HERTZ, _TOOTH = 1.5e-7, 5e-9
-_SEGMENTS = (3e-11, 2.4e-10, 0.75e-11)
 
 
 def _imbalance(first, second, gap, load: float) -> float:
@@ -22,7 +19,7 @@ def _imbalance(first, second, gap, load: float) -> float:
     the screw as by the nut, if all together carry the load, and if the shafts that they compress
     leave between neighbouring threads just the difference of their approaches.
     """
-    screw, roller, nut = _SEGMENTS
+    screw, roller, nut = SEGMENTS
     # A real shaft is shared by all rollers: its compliance counts for the sum.
     forces = [first.sum(1) - second.sum(1), np.array([first.sum(), second.sum()]) - load]
     wrong = max(float(np.max(np.abs(force))) for force in forces) / _EACH
@@ -31,10 +28,10 @@ def _imbalance(first, second, gap, load: float) -> float:
     of_roller = roller * np.cumsum(first - second, axis=1)[:, :-1]
     of_nut = -nut * (second.sum() - np.cumsum(second.sum(0))[:-1])
     for loads, shaft in ((first, of_screw - of_roller), (second, of_roller - of_nut)):
-        approach = _HERTZ * loads ** (2 / 3) + _TOOTH * loads + gap
+        approach = HERTZ * loads ** (2 / 3) + TOOTH * loads + gap
         open_ = np.diff(approach, axis=1) + shaft
         pressed = (loads[:, 1:] > 0) & (loads[:, :-1] > 0)
-        mean = _HERTZ * _EACH ** (2 / 3)
+        mean = HERTZ * _EACH ** (2 / 3)
         wrong = max(wrong, float(np.max(np.abs(np.where(pressed, open_, 0.0)))) / mean)
     return wrong
 
@@ -49,13 +46,7 @@ def sharing(threads: int, rollers: int):
 
     @eqx.filter_jit
     def solve(load, gap) -> Any:
-        ones = jnp.ones((rollers, 1))
-        flanks = Flanks(gap, None, _HERTZ * ones, _TOOTH * ones)
-        screw, roller, nut = (jnp.full((threads - 1,), value) for value in _SEGMENTS)
-        unit = jnp.ones(())
-        bare = Chains(jnp.ones(rollers), flanks, flanks, screw, roller, nut, unit, unit, 0 * unit)
-        chains = regularised(bare, load=load)
-        found = equilibrium(chains, load, tolerance=1e-12)
+        chains, found = shared(load, gap, jnp.ones(rollers), 1e-12)
         first, _ = chains.screw.loads(found.state.screw_approach, 0.0)
         between = found.state.approach[None] - found.state.screw_approach
         second, _ = chains.nut.loads(between, 0.0)

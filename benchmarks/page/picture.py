@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from ..harness import written_whole
+from ..harness import save_picture
 from .front import error_of, is_ours, is_single, on_front
 
 _COLOURS = (
@@ -121,6 +121,4 @@ def draw(problem: dict[str, Any], path: Path) -> Path | None:
     figure.legend(
         handles=handles, loc="outside lower center", ncols=2, fontsize=size, frameon=False
     )
-    with written_whole(path) as temporary:
-        figure.savefig(temporary)
-    return path
+    return save_picture(figure, path)

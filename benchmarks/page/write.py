@@ -1,11 +1,10 @@
 """`docs/accuracy_and_speed.md`, its JSON and its charts, from the JSON files of the cases."""
 
-import json
 from pathlib import Path
 from typing import Any
 
 from ..cases import case_names
-from ..harness import written_whole
+from ..harness import read_json, row_of, table_of, time_text, write_json, write_text
 from .advice import CASES, REASONS
 from .front import (
     NOISE,
@@ -49,18 +48,6 @@ for this machine and run.** The times do not include compilation; see
 """
 
 
-def _row(cells: list[str]) -> str:
-    return "| " + " | ".join(cells) + " |"
-
-
-def time_text(seconds: float) -> str:
-    """A time with three digits in a unit that fits."""
-    for factor, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs")):
-        if seconds >= factor:
-            return f"{seconds / factor:.3g} {unit}"
-    return f"{seconds / 1e-9:.3g} ns"
-
-
 def setting_text(row: dict[str, Any]) -> str:
     """A method and its setting."""
     setting = row["setting"]
@@ -77,7 +64,7 @@ def joined(folder: Path) -> dict[str, Any]:
     for name in [*CASES, *sorted(set(case_names()) - set(CASES))]:
         path = folder / f"{name}.json"
         if path.is_file():
-            found.append(json.loads(path.read_text(encoding="utf-8")))
+            found.append(read_json(path))
     if not found:
         raise FileNotFoundError(f"{folder}: no results of a case; run `prsm bench` first")
     for case in found:
@@ -109,8 +96,8 @@ def _choices(problem: dict[str, Any]) -> list[str]:
             text = ["none", ""] if row is None else [setting_text(row), time_text(row["best_s"])]
             cells += text
         ratio = "" if not (ours and theirs) else f"{theirs['best_s'] / ours['best_s']:.3g}"
-        lines.append(_row([*cells, ratio]))
-    return [_row(header), _row(["---"] * len(header)), *lines, ""] if lines else []
+        lines.append(row_of([*cells, ratio]))
+    return [*table_of(header), *lines, ""] if lines else []
 
 
 def _verdicts(case: str, problem: dict[str, Any]) -> list[str]:
@@ -183,12 +170,9 @@ def write_page(folder: Path, docs: Path) -> tuple[Path, Path]:
     **Raises:** `FileNotFoundError` if no case has left a file.
     """
     document = joined(folder)
-    json_path, page_path = docs / f"{NAME}.json", docs / f"{NAME}.md"
-    with written_whole(json_path) as temporary:
-        text = json.dumps(document, indent=1, allow_nan=False, ensure_ascii=False)
-        temporary.write_text(text + "\n", encoding="utf-8")
+    json_path = write_json(docs / f"{NAME}.json", document, allow_nan=False)
     # The page is one of the JSON, not of what happens to be in memory.
-    document = json.loads(json_path.read_text(encoding="utf-8"))
+    document = read_json(json_path)
     lines = [_HEAD.format(noise=NOISE), *_summary(document)]
     for case in document["cases"]:
         heading, words = CASES.get(case["case"], (case["description"], ""))
@@ -203,6 +187,4 @@ def write_page(folder: Path, docs: Path) -> tuple[Path, Path]:
         ]
         for problem in case["problems"]:
             lines += _problem(case, problem, docs)
-    with written_whole(page_path) as temporary:
-        temporary.write_text("\n".join(lines).rstrip() + "\n", encoding="utf-8")
-    return page_path, json_path
+    return write_text(docs / f"{NAME}.md", "\n".join(lines).rstrip() + "\n"), json_path

@@ -1,19 +1,14 @@
 """`python -m benchmarks parts`: every example with and without each optional part; JSON, page."""
 
 import argparse
-import datetime
 import json
-import subprocess
-import sys
 import time
-from pathlib import Path
 from typing import Any
 
 import prsm_jax as prsm
 from prsm_jax.explanation import PROGRAMS
 
-from ..harness import written_whole
-from ..harness.report import machine, versions
+from ..harness import of_this_run, parser_of, read_json, run_worker, write_json
 from .page import tables, write_page
 
 #: An example that takes longer is given up [s].
@@ -21,7 +16,7 @@ _LIMIT = 900.0
 
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="python -m benchmarks parts", description=__doc__)
+    parser = parser_of("parts", __doc__)
     parser.add_argument("examples", nargs="*", help="which examples; default all")
     parser.add_argument("--programs", nargs="*", choices=PROGRAMS, default=None)
     parser.add_argument(
@@ -31,11 +26,6 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
         "--add", action="store_true", help="keep the other examples of an earlier run"
     )
     parser.add_argument("--limit", type=float, default=_LIMIT, help="time limit for an example [s]")
-    parser.add_argument(
-        "--out", type=Path, default=Path("out/benchmarks"), help="folder for the results"
-    )
-    parser.add_argument("--docs", type=Path, default=None, help="folder for the page")
-    parser.add_argument("--page", type=Path, metavar="JSON", help="only the page, from this file")
     given = parser.parse_args(argv)
     unknown = sorted(set(given.examples) - set(prsm.example_names()))
     if unknown:
@@ -45,17 +35,14 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
 
 def _measured(example: str, given: argparse.Namespace) -> dict[str, Any]:
     """One example in a process of its own; what went wrong is its `error`."""
-    command = [sys.executable, "-m", "benchmarks.parts.worker", example]
+    words = [example]
     if given.programs is not None:
-        command += ["--programs", *given.programs]
+        words += ["--programs", *given.programs]
     if given.count_only:
-        command.append("--count-only")
+        words.append("--count-only")
     empty = {"example": example, "programs": [], "parts": []}
-    try:
-        done = subprocess.run(
-            command, capture_output=True, text=True, timeout=given.limit, check=False
-        )
-    except subprocess.TimeoutExpired:
+    done = run_worker("parts.worker", words, given.limit)
+    if done is None:
         return {**empty, "error": f"not done in {given.limit:g} s"}
     if done.returncode:
         return {**empty, "error": done.stderr.strip().splitlines()[-1]}
@@ -66,29 +53,21 @@ def main(argv: list[str] | None = None) -> int:
     """Entry point; the exit status is 1 where an example failed."""
     given = _arguments(argv)
     if given.page is not None:
-        document = json.loads(given.page.read_text(encoding="utf-8"))
-        print(f"parts: {write_page(document, given.docs or given.out)}")
+        print(f"parts: {write_page(read_json(given.page), given.docs or given.out)}")
         return 0
     path = given.out / "parts.json"
     rows: dict[str, Any] = {}
     if given.add and path.exists():
-        rows = {r["example"]: r for r in json.loads(path.read_text(encoding="utf-8"))["examples"]}
+        rows = {r["example"]: r for r in read_json(path)["examples"]}
     document: dict[str, Any] = {}
     for example in given.examples or prsm.example_names():
         begin = time.perf_counter()
         rows[example] = _measured(example, given)
         print(f"{example}: {time.perf_counter() - begin:.0f} s", flush=True)
         # After each example: a run that is stopped keeps those that are done.
-        document = {
-            "schema": 1,
-            "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
-            "machine": machine(),
-            "versions": versions(),
-            "examples": [rows[name] for name in prsm.example_names() if name in rows],
-        }
-        with written_whole(path) as temporary:
-            text = json.dumps(document, indent=1, ensure_ascii=False)
-            temporary.write_text(text, encoding="utf-8")
+        examples = [rows[name] for name in prsm.example_names() if name in rows]
+        document = of_this_run(1) | {"examples": examples}
+        write_json(path, document)
     print(tables(document["examples"]))
     if given.docs is not None:
         print(f"parts: {write_page(document, given.docs)}")

@@ -3,8 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from ..harness import written_whole
-from ..load.page import row_of
+from ..harness import row_of, table_of, write_text
 
 _HEAD = """\
 # What each part costs
@@ -39,8 +38,7 @@ def _of(example: dict[str, Any]) -> list[str]:
     if example["error"]:
         return [f"Not measured: {example['error']}.", ""]
     heads = ["program", "without", "equations", "flops", "bytes", "memory", "compiling", "run"]
-    lines, unread, needed = [row_of(heads), row_of(["---"] * len(heads))], {}, {}
-    reasons = []
+    lines, unread, needed, reasons = table_of(heads), {}, {}, []
     for program in example["programs"]:
         name = program["name"]
         if program["error"]:
@@ -83,17 +81,13 @@ def write_page(document: dict[str, Any], folder: Path) -> Path:
 
     **Returns:** its path.
     """
-    machine, page = document["machine"], folder / "parts.md"
+    machine = document["machine"]
     measured = (
         f"On a busy machine of {_number(machine['cores'])} cores ({machine['processor']}), "
         f"{document['date'][:10]}.\n"
     )
-    with written_whole(page) as temporary:
-        temporary.write_text(
-            "\n".join([_HEAD, measured, tables(document["examples"])]).rstrip() + "\n",
-            encoding="utf-8",
-        )
-    return page
+    text = "\n".join([_HEAD, measured, tables(document["examples"])])
+    return write_text(folder / "parts.md", text.rstrip() + "\n")
 
 
 def _number(cores: int) -> str:

@@ -3,8 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from ..harness import written_whole
-from ..load.page import row_of
+from ..harness import row_of, table_of, where_and_when, write_text
 from .functions import EXAMPLES, FUNCTIONS
 
 _HEAD = """\
@@ -26,7 +25,7 @@ def tables(rows: list[dict[str, Any]]) -> str:
     """The measurements as Markdown."""
     heads = ["example", "function", "", "designs", "equations", "tracing", "lowering", "compiling"]
     heads += ["flops", "run"]
-    lines = [row_of(heads), row_of(["---"] * len(heads))]
+    lines = table_of(heads)
     for row in rows:
         cells = [row["example"], row["function"], row["kind"], str(row["batch"])]
         if row["error"]:
@@ -49,8 +48,7 @@ def compared(new: dict[str, Any], old: dict[str, Any]) -> str:
 
     before, after = by_key(old), by_key(new)
     both = [key for key in after if key in before]
-    heads = ["program", *_RATIOS]
-    lines = ["New over old:", "", row_of(heads), row_of(["---"] * len(heads))]
+    lines = ["New over old:", "", *table_of(["program", *_RATIOS])]
     for key in both:
         pairs = [(after[key][name], before[key][name]) for name in _RATIOS]
         ratios = [f"{a / b:.2f}" if a and b else "" for a, b in pairs]
@@ -77,13 +75,8 @@ def write_page(document: dict[str, Any], folder: Path) -> Path:
 
     **Returns:** its path.
     """
-    machine, rows = document["machine"], document["programs"]
-    cores = {1: "one core", 2: "two cores"}.get(machine["cores"], f"{machine['cores']} cores")
-    measured = f"On a busy machine of {cores} ({machine['processor']}), {document['date'][:10]}.\n"
+    rows, measured = document["programs"], f"{where_and_when(document)}.\n"
     longest = sorted((r for r in rows if not r["error"]), key=lambda r: -r["compile_s"])[:10]
     parts = [_HEAD, measured, "## The longest to compile\n", tables(longest), "## All\n"]
-    page = folder / "programs.md"
-    with written_whole(page) as temporary:
-        text = "\n".join([*parts, tables(rows), _missing(rows)]).rstrip() + "\n"
-        temporary.write_text(text, encoding="utf-8")
-    return page
+    text = "\n".join([*parts, tables(rows), _missing(rows)]).rstrip() + "\n"
+    return write_text(folder / "programs.md", text)

@@ -88,6 +88,18 @@ def python_rates(moving: bool, numbers: np.ndarray):
     return lambda time, ratio: rates(time, ratio.tolist(), given, [0.0, 0.0])
 
 
+def followed(rates, size: int, times: np.ndarray, solver: str, rtol: float, atol: float):
+    """A trajectory from zero by SciPy at given times (size × time); NaN where it fails."""
+    from scipy.integrate import solve_ivp
+
+    span = (0.0, float(times[-1]))
+    found = solve_ivp(
+        rates, span, np.zeros(size), method=solver, t_eval=times, rtol=rtol, atol=atol
+    )
+    complete = found.status == 0 and found.y.shape[1] == len(times)
+    return found.y if complete else np.full((size, len(times)), np.nan)
+
+
 class Lsoda:
     """numbalsoda's LSODA over many trajectories, compiled, on all cores."""
 

@@ -4,7 +4,7 @@ import mpmath
 import numpy as np
 
 from .hertz import hertz
-from .meshing import DIGITS, Design, MeshPoint, mesh_point
+from .meshing import DIGITS, Design, MeshPoint, frame_of, mesh_point
 
 Vector = tuple[mpmath.mpf, mpmath.mpf]
 
@@ -29,8 +29,8 @@ def _gap_coefficients(slope: Vector, hessian: mpmath.matrix):
     return mean - root, mean + root, mpmath.sqrt(1 + steepness)
 
 
-def _sides(design: Design, point: MeshPoint):
-    """A, B and F_n/F_a of screw side and nut side."""
+def gaps(design: Design, point: MeshPoint):
+    """A, B and F_n/F_a of screw side and nut side, at the digits that mpmath works with."""
     lead, starts, roller, contact_angle, profile = (mpmath.mpf(value) for value in design)
     flank = mpmath.pi / 2 - contact_angle
     slope, centre = mpmath.tan(flank), (starts - 1) * roller
@@ -62,7 +62,7 @@ def largest_pressure(design: Design, axial_force, modulus) -> float:
     """p₀ of the worse side [Pa]; F_a of one contact [N], E* [Pa]."""
     with mpmath.workdps(DIGITS):
         pressures = []
-        for smaller, larger, factor in _sides(design, mesh_point(design)):
+        for smaller, larger, factor in gaps(design, mesh_point(design)):
             force = mpmath.mpf(axial_force) * factor
             pressures.append(hertz(force, smaller, larger, modulus)[0])
         return max(pressures)
@@ -106,21 +106,9 @@ def _efficiency(design: Design, friction):
 
     `η = 1/(1 + 2π μ ‖v‖/(Ω L (1/Q − μ v_z/‖v‖)))`, `Q = √(1 + tan²α + tan²λ)` at the contact.
     """
-    point, friction = mesh_point(design), mpmath.mpf(friction)
+    arm, drive, normal, ratio = frame_of(design, mesh_point(design))
+    friction = mpmath.mpf(friction)
     axial = mpmath.mpf(design.lead) / (2 * mpmath.pi)
-    flank = mpmath.pi / 2 - mpmath.mpf(design.contact_angle)
-    steepness = mpmath.tan(flank) ** 2 + (axial / point.screw_radius) ** 2
-    screw = (
-        -point.screw_radius * mpmath.sin(point.screw_angle),
-        point.screw_radius * mpmath.cos(point.screw_angle),
-    )
-    starts = mpmath.mpf(design.starts)
-    drive = (
-        screw[0] + starts * point.roller_radius * mpmath.sin(point.roller_angle),
-        screw[1] + starts * point.roller_radius * mpmath.cos(point.roller_angle),
-    )
-    ratio = (screw[0] * drive[0] + screw[1] * drive[1]) / (drive[0] ** 2 + drive[1] ** 2)
-    slip = (screw[0] - ratio * drive[0], screw[1] - ratio * drive[1], axial)
+    slip = (arm[0] - ratio * drive[0], arm[1] - ratio * drive[1], axial)
     size = mpmath.sqrt(sum(component**2 for component in slip))
-    bracket = 1 / mpmath.sqrt(1 + steepness) - friction * axial / size
-    return 1 / (1 + friction * size / (axial * bracket))
+    return 1 / (1 + friction * size / (axial * (-normal[2] - friction * axial / size)))

@@ -6,14 +6,14 @@ Python floats rather than small NumPy arrays: that is the faster choice for SciP
 """
 
 from dataclasses import dataclass
-from math import cos, pi, sin, sqrt, tan
+from math import pi, sqrt
 
 import mpmath
 
 from prsm_jax.friction import CoulombFriction, SplineFriction, ThrustBearingFriction
 from prsm_jax.mechanism import Mechanism, Stage, body_inertia, body_mass
 
-from .meshing import DIGITS, Design, mesh_point
+from .meshing import DIGITS, Design, frame_of, mesh_point
 
 
 @dataclass(frozen=True)
@@ -27,6 +27,8 @@ class StageNumbers:
     #: Generalised arm of the carrier speed, ∂v_R/∂ω [m].
     drive: tuple[float, float]
     normal: tuple[float, float, float]
+    #: ζ∞: friction has no component along ∂v_R/∂ω.
+    steady_ratio: float
     inertia: float
     friction: float
     #: μ_SS/r_SS [1/m] and μ_NS r_NS [m].
@@ -45,16 +47,7 @@ def stage_numbers(stage: Stage) -> StageNumbers:
         float(thread.profile_radius),
     )
     with mpmath.workdps(DIGITS):
-        point = mesh_point(design)
-    radius, angle = float(point.screw_radius), float(point.screw_angle)
-    roller_radius, roller_angle = float(point.roller_radius), float(point.roller_angle)
-    slope, helical = tan(pi / 2 - design.contact_angle), design.lead / (2 * pi * radius)
-    gradient = (
-        slope * cos(angle) - helical * sin(angle),
-        slope * sin(angle) + helical * cos(angle),
-    )
-    length = sqrt(1 + slope**2 + helical**2)
-    screw = (-radius * sin(angle), radius * cos(angle))
+        arm, drive, normal, ratio = frame_of(design, mesh_point(design))
     starts, centre = design.starts, (design.starts - 1) * design.roller_radius
     carriers = 0.0
     if stage.carrier is not None:
@@ -72,12 +65,10 @@ def stage_numbers(stage: Stage) -> StageNumbers:
     return StageNumbers(
         rollers=stage.roller_count,
         lead=design.lead,
-        screw=screw,
-        drive=(
-            screw[0] + starts * roller_radius * sin(roller_angle),
-            screw[1] + starts * roller_radius * cos(roller_angle),
-        ),
-        normal=(gradient[0] / length, gradient[1] / length, -1 / length),
+        screw=(float(arm[0]), float(arm[1])),
+        drive=(float(drive[0]), float(drive[1])),
+        normal=(float(normal[0]), float(normal[1]), float(normal[2])),
+        steady_ratio=float(ratio),
         inertia=carriers
         + stage.roller_count * (roller_inertia * (starts - 1) ** 2 + roller_mass * centre**2),
         friction=float(friction.thread.coefficient),
@@ -135,9 +126,5 @@ class Chain:
         return self.load * travel / (2 * pi * self._solve(ratios)[1])
 
     def steady_ratios(self) -> list[float]:
-        """ζ∞ of every stage: friction has no component along ∂v_R/∂ω."""
-        return [
-            (s.screw[0] * s.drive[0] + s.screw[1] * s.drive[1])
-            / (s.drive[0] ** 2 + s.drive[1] ** 2)
-            for s in self.stages
-        ]
+        """ζ∞ of every stage."""
+        return [stage.steady_ratio for stage in self.stages]

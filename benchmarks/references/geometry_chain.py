@@ -10,8 +10,9 @@ from typing import Any
 import mpmath
 import numpy as np
 
+from .contact import gaps
 from .hertz import exact_hertz
-from .meshing import Design, MeshPoint, mesh_point
+from .meshing import Design, mesh_point
 from .vibration import DIGITS, frequencies
 
 ROLLERS, STARTS, THREADS, LOAD = 10, 5, 20, 12e3
@@ -26,88 +27,28 @@ _CARRIER_SUPPORT = 1e6
 _TEETH, _FACE_WIDTH = 16, 0.006
 
 
-def _gradient_and_hessian(profile, reduced_lead, x, y, profile_bend=0):
-    """First and second derivatives of z = f(r) + (L/2π) θ: f' and f'' given, about the axis."""
-    radius = mpmath.hypot(x, y)
-    radial, tangential = (x / radius, y / radius), (-y / radius, x / radius)
-    turn = reduced_lead / radius
-    gradient = [profile * e + turn * t for e, t in zip(radial, tangential, strict=True)]
-    hessian = [
-        [
-            profile_bend * radial[i] * radial[j]
-            + profile / radius * tangential[i] * tangential[j]
-            - turn / radius * (radial[i] * tangential[j] + tangential[i] * radial[j])
-            for j in range(2)
-        ]
-        for i in range(2)
-    ]
-    return gradient, hessian
-
-
-def _curvatures(gradient, difference) -> tuple[Any, ...]:
-    """A and B of the gap A x² + B y² in the tangent plane, A ≤ B, and the normal's z component.
-
-    Roots k of det(H − k (I + g gᵀ)) = 0, over √(1 + g²), halved.
-    """
-    gx, gy = gradient
-    metric = [[1 + gx * gx, gx * gy], [gx * gy, 1 + gy * gy]]
-    (hxx, hxy), (_, hyy) = difference
-    a = metric[0][0] * metric[1][1] - metric[0][1] ** 2
-    b = -(hxx * metric[1][1] + hyy * metric[0][0] - 2 * hxy * metric[0][1])
-    c = hxx * hyy - hxy**2
-    root = mpmath.sqrt(b * b - 4 * a * c)
-    upward = 1 / mpmath.sqrt(1 + gx * gx + gy * gy)
-    ends = sorted(((-b - root) / (2 * a), (-b + root) / (2 * a)))
-    return ends[0] * upward / 2, ends[1] * upward / 2, upward
-
-
 def _roller_stiffness(lead, contact_angle, roller) -> tuple[Any, ...]:
     """Axial secant stiffness of one roller against screw and nut, threads in parallel [N/m]."""
-    flank = mpmath.pi / 2 - contact_angle
-    profile = roller / mpmath.sin(flank)
-    point: MeshPoint = mesh_point(Design(lead, STARTS, roller, contact_angle, profile))
-    slope, turn = mpmath.tan(flank), lead / (2 * mpmath.pi)
-    centre = (STARTS - 1) * roller
+    design = Design(lead, STARTS, roller, contact_angle, roller / mpmath.cos(contact_angle))
     modulus = mpmath.mpf(_YOUNG) / (2 * (1 - mpmath.mpf(_POISSON) ** 2))
     force = mpmath.mpf(LOAD) / (ROLLERS * THREADS)
     found = []
-    # Screw: its flank faces the roller's arc, whose slope is −d/√(ρ² − d²) with d from its centre.
-    offset = point.roller_radius - (roller - profile * mpmath.sin(flank))
-    height = mpmath.sqrt(profile**2 - offset**2)
-    screw = _gradient_and_hessian(slope, turn, point.x, point.y)
-    arc = _gradient_and_hessian(
-        -offset / height, turn / STARTS, point.x - centre, point.y, -(profile**2) / height**3
-    )
-    # Nut: on the line of centres, both helix angles alike; the arc stands on the other side.
-    nut_radius = STARTS * roller
-    nut = _gradient_and_hessian(slope, turn, nut_radius, mpmath.mpf(0))
-    offset = profile * mpmath.sin(flank)
-    height = mpmath.sqrt(profile**2 - offset**2)
-    outer = _gradient_and_hessian(
-        offset / height, turn / STARTS, roller, mpmath.mpf(0), profile**2 / height**3
-    )
-    for upper, lower in ((screw, arc), (outer, nut)):
-        difference = [
-            [p - q for p, q in zip(*rows, strict=True)]
-            for rows in zip(upper[1], lower[1], strict=True)
-        ]
-        smaller, larger, upward = _curvatures(upper[0], difference)
-        _, approach, _, _ = exact_hertz(force / upward, smaller, larger, modulus)
-        found.append(THREADS * force * upward / approach)
+    for smaller, larger, factor in gaps(design, mesh_point(design)):
+        _, approach, _, _ = exact_hertz(force * factor, smaller, larger, modulus)
+        found.append(THREADS * force / factor / approach)
     return tuple(found)
 
 
-def _cylinder(length, inner, outer) -> tuple[Any, ...]:
+def cylinder(length, inner, outer, density=_DENSITY) -> tuple[Any, ...]:
     """Mass and moment of inertia about the axis."""
-    mass = mpmath.pi * _DENSITY * mpmath.mpf(length) * (outer**2 - inner**2)
+    mass = mpmath.pi * density * mpmath.mpf(length) * (outer**2 - inner**2)
     return mass, mass * (outer**2 + inner**2) / 2
 
 
-def _gear_stiffness():
+def gear_stiffness(teeth, ring_teeth, face_width):
     """Single-tooth stiffness of ISO 6336-1 without profile shift, times the face width [N/m]."""
-    ring = STARTS * _TEETH
-    q = mpmath.mpf("0.04723") + mpmath.mpf("0.15551") / _TEETH + mpmath.mpf("0.25791") / ring
-    return mpmath.mpf("0.8") / q * _FACE_WIDTH * 10**9
+    q = mpmath.mpf("0.04723") + mpmath.mpf("0.15551") / teeth + mpmath.mpf("0.25791") / ring_teeth
+    return mpmath.mpf("0.8") / q * face_width * 10**9
 
 
 def numbers(lead, contact_angle, roller) -> list[Any]:
@@ -122,16 +63,17 @@ def numbers(lead, contact_angle, roller) -> list[Any]:
         mpmath.mpf(_RING_WALL),
         mpmath.mpf(_CARRIER_WIDTH) / 2,
     )
+    gear = gear_stiffness(_TEETH, STARTS * _TEETH, _FACE_WIDTH)
     bodies = (
-        (*_cylinder(_SCREW_LENGTH, mpmath.mpf(_SCREW_BORE), screw), screw, screw_roller * share),
-        (*_cylinder(_RING_LENGTH, nut, nut + ring_wall), nut, _gear_stiffness()),
-        (*_cylinder(_NUT_LENGTH, nut, nut + wall), nut, nut_roller * share),
+        (*cylinder(_SCREW_LENGTH, mpmath.mpf(_SCREW_BORE), screw), screw, screw_roller * share),
+        (*cylinder(_RING_LENGTH, nut, nut + ring_wall), nut, gear),
+        (*cylinder(_NUT_LENGTH, nut, nut + wall), nut, nut_roller * share),
     )
     found: list[Any] = []
     for (mass, inertia, radius, mesh), (radial, torsional) in zip(bodies, _SUPPORTS, strict=True):
         found += [mass, inertia / radius**2, mesh, mpmath.mpf(radial), mpmath.mpf(torsional)]
-    mass, inertia = _cylinder(_ROLLER_LENGTH, 0, roller)
-    _, carrier = _cylinder(_CARRIER_LENGTH, centre - half, centre + half)
+    mass, inertia = cylinder(_ROLLER_LENGTH, 0, roller)
+    _, carrier = cylinder(_CARRIER_LENGTH, centre - half, centre + half)
     carriers = _CARRIERS * carrier / centre**2 + ROLLERS * mass
     return [*found, inertia / roller**2, carriers, mpmath.mpf(_CARRIER_SUPPORT)]
 

@@ -72,3 +72,33 @@ def mesh_point(design: Design) -> MeshPoint:
         mpmath.hypot(x - centre, y),
         mpmath.atan2(y, centre - x),
     )
+
+
+class Frame(NamedTuple):
+    """How screw and roller touch and move at the contact point of the screw side (mpf)."""
+
+    #: Velocity of the screw's contact point per radian of screw turn [m].
+    arm: tuple[mpmath.mpf, mpmath.mpf]
+    #: Generalised arm of the carrier speed, ∂v_R/∂ω [m].
+    drive: tuple[mpmath.mpf, mpmath.mpf]
+    normal: tuple[mpmath.mpf, mpmath.mpf, mpmath.mpf]
+    #: ζ∞: friction has no component along ∂v_R/∂ω.
+    steady_ratio: mpmath.mpf
+
+
+def frame_of(design: Design, point: MeshPoint) -> Frame:
+    """The frame at the contact point of a design, at the digits that mpmath works with."""
+    lead, starts, _, contact_angle, _ = (mpmath.mpf(value) for value in design)
+    slope, radius = mpmath.tan(mpmath.pi / 2 - contact_angle), point.screw_radius
+    cosine, sine = mpmath.cos(point.screw_angle), mpmath.sin(point.screw_angle)
+    helical = lead / (2 * mpmath.pi) / radius
+    gradient = (slope * cosine - helical * sine, slope * sine + helical * cosine)
+    size = mpmath.sqrt(1 + gradient[0] ** 2 + gradient[1] ** 2)
+    arm = (-radius * sine, radius * cosine)
+    turned = starts * point.roller_radius
+    drive = (
+        arm[0] + turned * mpmath.sin(point.roller_angle),
+        arm[1] + turned * mpmath.cos(point.roller_angle),
+    )
+    ratio = (arm[0] * drive[0] + arm[1] * drive[1]) / (drive[0] ** 2 + drive[1] ** 2)
+    return Frame(arm, drive, (gradient[0] / size, gradient[1] / size, -1 / size), ratio)

@@ -201,13 +201,7 @@ class TorqueChain:
             own = np.array(slopes).reshape(-1, len(ratios))[:, rests] * sense
             return np.all(np.linalg.eigvals(own).real < 0)
 
-        free = np.array(
-            [
-                (s.screw[0] * s.drive[0] + s.screw[1] * s.drive[1])
-                / (s.drive[0] ** 2 + s.drive[1] ** 2)
-                for s in self.stages
-            ]
-        )
+        free = np.array([stage.steady_ratio for stage in self.stages])
         start = np.where(rests, free, carriers / small)
         found = fsolve(left, start, xtol=1e-13, full_output=True)[0]
         # A screw that is braked harder than friction can brake the carriers has no such ratio.

@@ -7,7 +7,7 @@ conjugate gradients of Polonsky and Keer; nothing is shared with the package.
 import mpmath
 import numpy as np
 
-from .contact import _sides
+from .contact import gaps
 from .hertz import hertz
 from .meshing import DIGITS, Design, mesh_point
 
@@ -15,7 +15,7 @@ from .meshing import DIGITS, Design, mesh_point
 def hertz_pressure(design: Design, side: str, axial_force: float, modulus: float):
     """p₀ [Pa], the larger semi-axis [m] and the normal force [N] of a whole ellipse."""
     with mpmath.workdps(DIGITS):
-        both = tuple(_sides(design, mesh_point(design)))
+        both = tuple(gaps(design, mesh_point(design)))
         smaller, larger, factor = both[0 if side == "screw" else 1]
         pressure, _, major, _ = hertz(axial_force * factor, smaller, larger, modulus)
         return pressure, major, float(axial_force * factor)

@@ -1,8 +1,6 @@
 """`python -m benchmarks startup`: time from command to answer, cold and warm; JSON, page."""
 
 import argparse
-import datetime
-import json
 import os
 import subprocess
 import sys
@@ -11,8 +9,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from ..harness import written_whole
-from ..harness.report import machine, versions
+from ..harness import of_this_run, parser_of, read_json, refuse_unknown, write_json
 from .child import ORDER
 from .page import tables, write_page
 
@@ -38,19 +35,12 @@ _LIMIT = 300.0
 
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="python -m benchmarks startup", description=__doc__)
+    parser = parser_of("startup", __doc__)
     parser.add_argument("verbs", nargs="*", help=f"which verbs, of {', '.join(COMMANDS)}")
     parser.add_argument("--rounds", type=int, default=3, help="number of warm runs of each verb")
     parser.add_argument("--add", action="store_true", help="keep other verbs of an earlier run")
-    parser.add_argument(
-        "--out", type=Path, default=Path("out/benchmarks"), help="folder for the results"
-    )
-    parser.add_argument("--docs", type=Path, default=None, help="folder for the page")
-    parser.add_argument("--page", type=Path, metavar="JSON", help="only the page, from this file")
     given = parser.parse_args(argv)
-    unknown = sorted(set(given.verbs) - set(COMMANDS))
-    if unknown:
-        parser.error(f"unknown verb {', '.join(unknown)}; choose from {', '.join(COMMANDS)}")
+    refuse_unknown(parser, "verb", given.verbs, COMMANDS)
     return given
 
 
@@ -85,7 +75,7 @@ def command_row(words: tuple[str, ...], folder: Path) -> dict[str, Any]:
     report = folder.parent / "report.json"
     report.unlink(missing_ok=True)
     started, wall, processor, status = _run([str(_CHILD), str(report), *words], folder)
-    told = json.loads(report.read_text(encoding="utf-8"))
+    told = read_json(report)
     interpreter = told["began"] - started
     parts = {f"{name}_s": told[name] for name in ORDER}
     return {
@@ -124,27 +114,18 @@ def main(argv: list[str] | None = None) -> int:
     """Entry point; the exit status is 1 where a command did not end."""
     given = _arguments(argv)
     if given.page is not None:
-        document = json.loads(given.page.read_text(encoding="utf-8"))
-        print(f"startup: {write_page(document, given.docs or given.out)}")
+        print(f"startup: {write_page(read_json(given.page), given.docs or given.out)}")
         return 0
     path = given.out / "startup.json"
     rows: dict[str, Any] = {}
     if given.add and path.exists():
-        rows = {r["verb"]: r for r in json.loads(path.read_text(encoding="utf-8"))["verbs"]}
+        rows = {r["verb"]: r for r in read_json(path)["verbs"]}
     document: dict[str, Any] = {}
     for name in given.verbs or COMMANDS:
         rows[name] = _verb(name, given.rounds)
         print(f"{name}: {rows[name].get('over_imports')}", flush=True)
-        document = {
-            "schema": 1,
-            "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
-            "machine": machine(),
-            "versions": versions(),
-            "verbs": [rows[name] for name in COMMANDS if name in rows],
-        }
-        with written_whole(path) as temporary:
-            text = json.dumps(document, indent=1, ensure_ascii=False)
-            temporary.write_text(text, encoding="utf-8")
+        document = of_this_run(1) | {"verbs": [rows[name] for name in COMMANDS if name in rows]}
+        write_json(path, document)
     print(tables(document["verbs"]))
     if given.docs is not None:
         print(f"startup: {write_page(document, given.docs)}")

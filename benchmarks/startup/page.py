@@ -3,8 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from ..harness import written_whole
-from ..load.page import row_of
+from ..harness import row_of, table_of, where_and_when, write_text
 
 _HEAD = """\
 # From command to answer
@@ -25,7 +24,7 @@ _PARTS = ("wall", "processor", "interpreter", "imports", "tracing", "lowering", 
 def tables(verbs: list[dict[str, Any]]) -> str:
     """The measurements as Markdown."""
     heads = ["command", "", *(f"{part} [s]" for part in _PARTS), "over imports"]
-    lines = [row_of(heads), row_of(["---"] * len(heads))]
+    lines = table_of(heads)
     for row in verbs:
         if row["error"]:
             lines.append(row_of([row["command"], row["error"], *[""] * (len(heads) - 2)]))
@@ -47,16 +46,11 @@ def write_page(document: dict[str, Any], folder: Path) -> Path:
 
     **Returns:** its path.
     """
-    machine, page = document["machine"], folder / "startup.md"
-    cores = {1: "one core", 2: "two cores"}.get(machine["cores"], f"{machine['cores']} cores")
     alone = [row["imports"]["processor_s"] for row in document["verbs"] if not row["error"]]
     measured = (
-        f"On a busy machine of {cores} ({machine['processor']}), {document['date'][:10]}. "
+        f"{where_and_when(document)}. "
         f"`import jax, diffrax` alone took {min(alone):.2f} to {max(alone):.2f} s of processor "
         "time.\n"
     )
-    with written_whole(page) as temporary:
-        temporary.write_text(
-            "\n".join([_HEAD, measured, tables(document["verbs"])]), encoding="utf-8"
-        )
-    return page
+    text = "\n".join([_HEAD, measured, tables(document["verbs"])])
+    return write_text(folder / "startup.md", text)

@@ -1,6 +1,6 @@
 """Pictures and reports for engineers: millimetres, rpm, kilonewtons, megapascals, degrees."""
 
-from ._style import save_figure as save_figure
+from ._style import save_figure as save_figure, save_figures as save_figures
 from .animations import (
     mode_shapes as mode_shapes,
     save_mode_animation as save_mode_animation,

@@ -5,12 +5,12 @@ style applies only while a picture is drawn.
 """
 
 import functools
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, ParamSpec
 
 from .._errors import missing_extra
-from ..process import whole_file
+from ..process import make_folder, whole_file
 from ._letters import any_letter, write_powers_out
 
 if TYPE_CHECKING:
@@ -155,6 +155,13 @@ def series_style(index: int) -> dict[str, Any]:
 def readable(name: str) -> str:
     """A name of the code as words: `thread_sliding` → "thread sliding"."""
     return name.replace("_", " ")
+
+
+def save_figures(folder: str | Path, figures: Mapping[str, Figure]) -> tuple[Path, ...]:
+    """Write pictures by name into a folder, which is made if it is not there; their paths."""
+    place = Path(folder)
+    make_folder(place)
+    return tuple(path for name, one in figures.items() for path in save_figure(one, place / name))
 
 
 def save_figure(

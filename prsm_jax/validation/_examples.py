@@ -6,7 +6,7 @@ change only numbers.
 
 import dataclasses
 import functools
-from typing import Any
+from typing import Any, TypeVar
 
 import equinox as eqx
 import jax
@@ -28,6 +28,13 @@ from ..mechanism import Mechanism, set_parameter
 from ..scenario import Scenario
 
 _SAMPLES = 2001
+_T = TypeVar("_T")
+
+
+def given(part: _T | None) -> _T:
+    """A part or number that the shipped examples have."""
+    assert part is not None
+    return part
 
 
 @functools.cache
@@ -59,10 +66,8 @@ def _numpy(tree) -> Any:
 
 @eqx.filter_jit
 def _simulate(mechanism: Mechanism) -> Transient:
-    point = mechanism.operating_point
-    assert point is not None
-    assert point.duration is not None
-    scenario = Scenario(point.speed, point.load, point.duration, samples=_SAMPLES)
+    point = given(mechanism.operating_point)
+    scenario = Scenario(point.speed, point.load, given(point.duration), samples=_SAMPLES)
     return simulate(mechanism, scenario, gradient="forward")
 
 
@@ -72,7 +77,7 @@ def _steady(mechanism: Mechanism, speed, load) -> SteadyState:
 
 
 def _varied(name: str, changes: tuple[tuple[str, float], ...]) -> Mechanism:
-    mechanism = two_stages(name)
+    mechanism = two_stages(name) if len(example(name).stages) > 1 else example(name)
     for path, value in changes:
         mechanism = set_parameter(mechanism, path, value)
     return mechanism
@@ -80,7 +85,7 @@ def _varied(name: str, changes: tuple[tuple[str, float], ...]) -> Mechanism:
 
 @functools.cache
 def transient(name: str, *changes: tuple[str, float]) -> Transient:
-    """Transient of a two-stage example from rollers at rest, with numbers changed by name."""
+    """Transient of an example from rollers at rest, with numbers changed by name."""
     run = _numpy(_simulate(_varied(name, changes)))
     if int(run.solver.code) != 0:
         raise RuntimeError(f"the transient of {name} did not finish: {run.solver.result}")
@@ -89,36 +94,15 @@ def transient(name: str, *changes: tuple[str, float]) -> Transient:
 
 @functools.cache
 def steady(name: str, *changes: tuple[str, float], sense: float = 1.0) -> SteadyState:
-    """Steady state of a two-stage example; with `sense` −1 the load drives the screw back."""
+    """Steady state of an example; with `sense` −1 the load drives the screw back."""
     mechanism = _varied(name, changes)
-    point = mechanism.operating_point
-    assert point is not None
+    point = given(mechanism.operating_point)
     return _numpy(_steady(mechanism, sense * point.speed, point.load))
-
-
-@functools.cache
-def steady_example(name: str) -> SteadyState:
-    """Steady state of a shipped example at its own operating point."""
-    mechanism = example(name)
-    point = mechanism.operating_point
-    assert point is not None
-    return _numpy(_steady(mechanism, point.speed, point.load))
-
-
-@functools.cache
-def transient_example(name: str) -> Transient:
-    """Transient of a shipped example at its own operating point, from rollers at rest."""
-    run = _numpy(_simulate(example(name)))
-    if int(run.solver.code) != 0:
-        raise RuntimeError(f"the transient of {name} did not finish: {run.solver.result}")
-    return run
 
 
 def scene(name: str) -> tuple[Mechanism, Transient]:
     """A mechanism of these papers, and its transient from rollers at rest."""
-    if len(example(name).stages) > 1:
-        return two_stages(name), transient(name)
-    return example(name), transient_example(name)
+    return _varied(name, ()), transient(name)
 
 
 _kinematics = eqx.filter_jit(all_kinematics)

@@ -79,18 +79,23 @@ def chosen(registry: Mapping[str, _T], source: str | None) -> list[_T]:
     return [entry for name, entry in registry.items() if source in (None, name)]
 
 
+def registered(registry: dict[str, _T], source: str) -> Callable[[_T], _T]:
+    """A decorator that enters a function of one source into a registry."""
+
+    def register(function: _T) -> _T:
+        registry[source] = function
+        return function
+
+    return register
+
+
 FigureFunction = Callable[[], Iterator[PublishedFigure]]
 _FIGURES: dict[str, FigureFunction] = {}
 
 
 def figures_of(name: str) -> Callable[[FigureFunction], FigureFunction]:
     """Register the function that yields the figures of one source."""
-
-    def register(function: FigureFunction) -> FigureFunction:
-        _FIGURES[name] = function
-        return function
-
-    return register
+    return registered(_FIGURES, name)
 
 
 def published_figures(source: str | None = None) -> tuple[PublishedFigure, ...]:

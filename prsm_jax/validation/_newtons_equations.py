@@ -9,7 +9,7 @@ import numpy as np
 
 from ..dynamics import slip_velocity
 from ..friction import CoulombFriction, ViscousFriction
-from ._examples import kinematics, scene
+from ._examples import given, kinematics, scene
 
 
 @dataclasses.dataclass(frozen=True)
@@ -42,7 +42,6 @@ def newtons_equations(name: str, stage: int, printed: bool = False) -> NewtonSol
     mechanism, run = scene(name)
     part = mechanism.stages[stage]
     thread, geometry = part.thread, kinematics(name)[stage]
-    assert part.carrier is not None
     law = part.thread_law
     force = np.asarray(run.contact_force[stage])[:, None]
     slip = np.asarray(
@@ -63,16 +62,13 @@ def newtons_equations(name: str, stage: int, printed: bool = False) -> NewtonSol
     side, count = geometry.meshing.screw, part.present_roller_count
     radius, centre = float(thread.roller_radius), float(thread.centre_distance)
     arm, angle = float(side.roller_contact_radius), float(side.roller_angle_position)
-    assert part.roller.mass is not None
-    assert part.roller.inertia is not None
-    assert part.carrier.inertia is not None
-    mass = float(part.roller.mass) * centre
-    spin = float(part.roller.inertia) * (float(thread.starts) - 1)
+    mass = float(given(part.roller.mass)) * centre
+    spin = float(given(part.roller.inertia)) * (float(thread.starts) - 1)
     matrix = np.array(
         [
             [0.0 if printed else 2.0, 2.0, mass if printed else -mass],
             [2 * radius, 0.0, spin],
-            [0.0, -count * centre, -float(part.carrier.inertia)],
+            [0.0, -count * centre, -float(given(given(part.carrier).inertia))],
         ]
     )
     moment = radius * nut[:, 1] - arm * (np.cos(angle) * screw[:, 1] + np.sin(angle) * screw[:, 0])

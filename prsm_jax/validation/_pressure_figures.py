@@ -4,7 +4,7 @@ import dataclasses
 from collections.abc import Callable, Iterator
 
 from ..halfspace import FlankContact
-from ._figures import chosen
+from ._figures import chosen, registered
 
 
 @dataclasses.dataclass(frozen=True)
@@ -64,12 +64,7 @@ _FIGURES: dict[str, PressureFigureFunction] = {}
 
 def pressure_figures_of(name: str) -> Callable[[PressureFigureFunction], PressureFigureFunction]:
     """Register the function that yields the pressure maps of one source for a number of cells."""
-
-    def register(function: PressureFigureFunction) -> PressureFigureFunction:
-        _FIGURES[name] = function
-        return function
-
-    return register
+    return registered(_FIGURES, name)
 
 
 def published_pressures(

@@ -13,7 +13,7 @@ from ..contact import LineContactResult, contact_modulus, line_contact_under_for
 from ..fields import as_scalar
 from ..mechanism import LineContact, material_of
 from ._difference import consistent, differs, inconsistent, not_comparable
-from ._examples import example
+from ._examples import example, given
 from ._registry import rows_of
 from ._row import Row, misprint, trend
 
@@ -28,11 +28,7 @@ _PRESSURE, _HALF_WIDTH = 229.9, 0.059
 @rows_of("shape_function", _CITATION)
 def line_contact() -> Iterator[Row]:
     """Table 2 against the closures of a Hertz line contact, in mm and N."""
-    stage = example("ring_roller").stages[0]
-    contact = stage.line_contact
-    assert contact is not None
-    steel = material_of(stage, "screw")
-    modulus = float(contact_modulus(steel, steel)) / 1e6
+    modulus = float(_flanks()[1]) / 1e6
     per_length = np.pi / 2 * _PRESSURE * _HALF_WIDTH
     curvature = _PRESSURE / (_HALF_WIDTH * modulus)
     depth = 2 * per_length / (np.pi * modulus)
@@ -85,10 +81,8 @@ def line_contact() -> Iterator[Row]:
 @rows_of("shape_function")
 def geometry() -> Iterator[Row]:
     """Table 1, and the coefficient of the shape function."""
-    stage = example("ring_roller").stages[0]
-    contact = stage.line_contact
-    assert contact is not None
-    assert contact.lead_angle is not None
+    contact, modulus = _flanks()
+    modulus = float(modulus) / 1e6
     distance = 1e3 * float(contact.centre_distance)
     screw, roller = (
         1e3 * float(contact.screw_major_radius),
@@ -104,12 +98,10 @@ def geometry() -> Iterator[Row]:
         note=f"as diameters the bodies would be {distance - (screw + roller) / 2:.0f} mm apart; as "
         f"radii they overlap by s3 + g3 − d = {overlap:.0f} mm, exactly the zone from g1 to g3",
     )
-    material = material_of(stage, "screw")
-    modulus = float(contact_modulus(material, material)) / 1e6
     middle = 1e3 * float(contact.roller_minor_radius + contact.roller_major_radius) / 2
     slope = np.tan(float(contact.screw_profile_angle))
     coefficient = slope * distance / (2 * middle * (distance - middle))
-    projected = coefficient * np.cos(float(contact.lead_angle))
+    projected = coefficient * np.cos(float(given(contact.lead_angle)))
     projected = projected * np.cos(float(contact.roller_profile_angle))
     implied = _PRESSURE / (_HALF_WIDTH * modulus)
     # d/(2r(d − r)) is least where the roller's radius is half the centre distance.
@@ -128,7 +120,7 @@ def geometry() -> Iterator[Row]:
         f"{projected / implied:.2f} times as soft (none is given) or profile angles of "
         f"{np.degrees(_flatter_angle()):.1f}°",
     )
-    printed = np.sin(2 * float(contact.lead_angle)) ** 2 / (8 * (distance - middle))
+    printed = np.sin(2 * float(given(contact.lead_angle))) ** 2 / (8 * (distance - middle))
     printed = printed + 1 / (24 * middle * (distance - middle)) + slope / 2
     # The same formula with lengths in metres, its result in 1/mm.
     metres = (printed - slope / 2) * 1e3 + 1e-3 * slope / 2
@@ -182,9 +174,8 @@ def _solve(contact: LineContact, modulus, directions, force):
 
 def _flanks() -> tuple[LineContact, jax.Array]:
     stage = example("ring_roller").stages[0]
-    assert stage.line_contact is not None
     steel = material_of(stage, "screw")
-    return stage.line_contact, contact_modulus(steel, steel)
+    return given(stage.line_contact), contact_modulus(steel, steel)
 
 
 def _implied_load(width: float) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 from ..contact import stage_contact
 from ..fields import as_scalar
 from ..mechanism import CURVATURE_CONVENTIONS, Stage, Thread
-from ._examples import example
+from ._examples import example, given
 
 #: Axial forces on the pair of threads [N].
 LOADS = (25.0, 50.0, 100.0)
@@ -45,14 +45,13 @@ def pairs_of_threads(name: str) -> dict[str, dict[str, PairOfThreads]]:
     Only thread and material of the example are used: a roller with one loaded thread.
     """
     original = example(name).stages[0]
-    assert original.material is not None
     thread = Thread(
         lead=original.thread.lead,
         starts=original.thread.starts,
         roller_radius=original.thread.roller_radius,
         contact_angle=original.thread.contact_angle,
     )
-    material = dataclasses.replace(original.material, density=None)
+    material = dataclasses.replace(given(original.material), density=None)
     stage = Stage(thread=thread, roller_count=1, material=material, engaged_threads=as_scalar(1.0))
     contacts = _contacts(stage, jnp.asarray(LOADS))
     return {

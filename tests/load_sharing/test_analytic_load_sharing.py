@@ -465,7 +465,10 @@ def test_only_what_a_stage_mentions_is_traced():
     [
         ({"thread_count": 0}, "a whole number from 1 to 1000"),
         ({"thread_count": 3, "mounting": "left"}, "mounting is 'left'"),
-        ({"thread_count": 3, "screw_wear": [1e-6]}, "1 number, but thread_count is 3; give as many"),
+        (
+            {"thread_count": 3, "screw_wear": [1e-6]},
+            "1 number, but thread_count is 3; give as many",
+        ),
     ],
 )
 def test_data_that_cannot_be(unchecked, given_, message):

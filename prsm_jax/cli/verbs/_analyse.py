@@ -7,7 +7,6 @@ import equinox as eqx
 
 from ...dynamics import STEADY_RESULTS, SteadyState, steady_meaning, steady_state
 from ...mechanism import Mechanism, OperatingPoint
-from ...process import make_folder
 from ...quantities import assumptions
 from .._app import app
 from .._assumed import STEADY
@@ -114,15 +113,14 @@ def steady(file: str, *, common: Common = _DEFAULT) -> int:
 
 
 def _steady_pictures(folder: Path, state: SteadyState) -> tuple[Path, ...]:
-    from ...report import loss_chart, power_flow_chart, save_figure, steady_flow
+    from ...report import loss_chart, power_flow_chart, save_figures, steady_flow
 
     doing("drawing")
     figures = {"losses": loss_chart({"operating point": state})}
     flow = steady_flow(state)
     if flow.total > 0:
         figures["power-flow"] = power_flow_chart(flow)
-    make_folder(folder)
-    return tuple(p for name, one in figures.items() for p in save_figure(one, folder / name))
+    return save_figures(folder, figures)
 
 
 #: Labels of the efficiency where there is none.

@@ -39,13 +39,10 @@ def sensitivity(
     expect_programs("_sensitivity")
     table = run_sensitivity(mechanism, words_of(quantities), words_of(parameters))
     if common.out is not None:
-        from ...report import save_figure, sensitivity_bars
+        from ...report import save_figures, sensitivity_bars
 
-        make_folder(common.out)
-        save_figure(
-            sensitivity_bars(table.quantities, table.parameters, table.elasticity),
-            common.out / "sensitivity",
-        )
+        bars = sensitivity_bars(table.quantities, table.parameters, table.elasticity)
+        save_figures(common.out, {"sensitivity": bars})
     valid = emit(
         common,
         table.to_dict(),
@@ -203,10 +200,5 @@ def sweep(
         for name in words_of(quantities) or []:
             if data[name].ndim == 2:
                 save_figure(sweep_map(data, name), common.out / f"sweep-{name}")
-    emit(
-        common,
-        results,
-        text,
-        assumptions(mechanism, words_of(quantities)),
-    )
+    emit(common, results, text, assumptions(mechanism, words_of(quantities)))
     return 0

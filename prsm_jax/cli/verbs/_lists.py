@@ -82,13 +82,12 @@ def validate(
     return 0
 
 
-def _published_pictures(folder: Path, source: str | None) -> list[Path]:
+def _published_pictures(folder: Path, source: str | None) -> tuple[Path, ...]:
     """Draw the figures of the papers."""
-    from ...report import published_figure, published_pressure, save_figure
+    from ...report import published_figure, published_pressure, save_figures
     from ...validation import published_figures, published_pressures
 
     # Everything that can fail is done before the folder is made.
     drawn = {figure.file_name: published_figure(figure) for figure in published_figures(source)}
     drawn |= {one.file_name: published_pressure(one) for one in published_pressures(source)}
-    make_folder(folder)
-    return [path for name, figure in drawn.items() for path in save_figure(figure, folder / name)]
+    return save_figures(folder, drawn)

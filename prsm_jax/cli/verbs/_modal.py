@@ -9,7 +9,6 @@ from cyclopts import Parameter
 
 from ..._errors import PrsmError
 from ...mechanism import Mechanism, find_parameters
-from ...process import make_folder
 from ...quantities import assumptions
 from ...vibration import FAMILIES, FrequencyLoci, Modes, frequency_loci, modal as run_modal
 from .._app import app
@@ -95,19 +94,15 @@ def _pictures(
     loci: FrequencyLoci | None,
     stage: int,
     animation: bool,
-) -> list[Path]:
-    from ...report import frequency_loci_chart, mode_shapes, save_figure, save_mode_animations
+) -> tuple[Path, ...]:
+    from ...report import frequency_loci_chart, mode_shapes, save_figures, save_mode_animations
 
     # Everything that can fail is done before the folder is made.
     drawn = {"mode-shapes": mode_shapes(mechanism, modes, stage=stage)}
     if loci is not None:
-        drawn["frequencies-against-" + loci.parameter.replace(".", "-")] = frequency_loci_chart(
-            loci
-        )
-    make_folder(folder)
-    written = [
-        path for name, figure in drawn.items() for path in save_figure(figure, folder / name)
-    ]
+        name = "frequencies-against-" + loci.parameter.replace(".", "-")
+        drawn[name] = frequency_loci_chart(loci)
+    written = save_figures(folder, drawn)
     if animation:
         written += save_mode_animations(folder, mechanism, modes, stage=stage)
     return written
@@ -150,7 +145,7 @@ def modal(
     if against is not None and values is not None:
         doing(f"frequencies against {against}")
         loci = frequency_loci(mechanism, against, values, stage=stage)
-    written: list[Path] = []
+    written: tuple[Path, ...] = ()
     if common.out is not None:
         doing("drawing")
         written = _pictures(common.out, mechanism, modes, loci, stage, animation)

@@ -10,7 +10,6 @@ from cyclopts import Parameter
 from ..._errors import PrsmError
 from ...fields import as_scalar
 from ...mechanism import Mechanism, ModalDamping, RayleighDamping, StructuralDamping
-from ...process import make_folder
 from ...quantities import assumptions
 from ...response import (
     Campbell,
@@ -139,11 +138,10 @@ def response(
     law = _LAWS[type(damping)]
     picture = None
     if common.out is not None and np.asarray(curve.value).any():
-        from ...report import response_chart, save_figure
+        from ...report import response_chart, save_figures
 
-        make_folder(common.out)
         figure = response_chart({law or "undamped": curve}, modes)
-        picture = save_figure(figure, common.out / "response")[0]
+        picture = save_figures(common.out, {"response": figure})[0]
 
     def text() -> str:
         unit = f"|H| dB re 1 {curve.unit}"
@@ -245,10 +243,9 @@ def campbell(
     )
     picture = None
     if common.out is not None and diagram.crossings(speed):
-        from ...report import campbell_chart, save_figure
+        from ...report import campbell_chart, save_figures
 
-        make_folder(common.out)
-        picture = save_figure(campbell_chart(diagram, speed), common.out / "campbell")[0]
+        picture = save_figures(common.out, {"campbell": campbell_chart(diagram, speed)})[0]
 
     def text() -> str:
         rows = [

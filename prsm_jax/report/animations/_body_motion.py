@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...mechanism import Mechanism, stage_at
+from ...mechanism import Mechanism, Stage, stage_at
 from ...vibration import Modes
 from ..drawings import roller_places
 
@@ -69,10 +69,6 @@ class ModeMotion:
         """The largest displacement of any body, for unit amplitude [1/√kg]."""
         return max(body.largest for body in self.bodies)
 
-    def largest_body(self) -> BodyMotion:
-        """The body that moves most."""
-        return max(self.bodies, key=lambda body: body.largest)
-
     def amplitude(self, energy: float) -> float | None:
         """Amplitude of the largest displacement when the mode has this energy [J → m].
 
@@ -81,6 +77,14 @@ class ModeMotion:
         if self.family == "rigid":
             return None
         return self.largest * math.sqrt(2 * energy) / (2 * math.pi * self.frequency)
+
+
+def drawn_radii(stage: Stage) -> tuple[float, float, float, float]:
+    """Radii of screw, roller and nut, and of the circle of the roller axes [mm]."""
+    thread = stage.thread
+    radii = (thread.screw_radius, thread.roller_radius, thread.nut_radius, thread.centre_distance)
+    screw, roller, nut, centre = (1e3 * float(radius) for radius in radii)
+    return screw, roller, nut, centre
 
 
 def mode_motions(mechanism: Mechanism, modes: Modes, stage: int = 1) -> tuple[ModeMotion, ...]:
@@ -154,16 +158,7 @@ def _bodies(
     """Bodies in the order of drawing; coordinates that the model lacks do not move."""
     system = modes.system
     assert system is not None
-    thread = mechanism.stages[stage - 1].thread
-    screw, roller, nut, centre = (
-        1e3 * float(value)
-        for value in (
-            thread.screw_radius,
-            thread.roller_radius,
-            thread.nut_radius,
-            thread.centre_distance,
-        )
-    )
+    screw, roller, nut, centre = drawn_radii(mechanism.stages[stage - 1])
     radii = {"screw": screw, "ring_gear": nut, "nut": nut, "carrier": centre}
 
     def of(body: str, direction: str) -> float:

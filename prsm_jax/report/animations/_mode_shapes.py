@@ -6,6 +6,7 @@ from typing import Any
 from ...mechanism import Mechanism
 from ...text import number, show
 from ...vibration import Modes
+from .._parts import body_patches, dense_legend
 from .._style import (
     BODY_COLOURS,
     FAMILY_COLOURS,
@@ -162,14 +163,9 @@ def _line(start: str, shares: dict[str, float]) -> str:
 
 def _legend(figure: Figure, height: float, motions: tuple[ModeMotion, ...], energy: float) -> None:
     from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
 
     kinds = {body.kind for body in motions[0].bodies}
-    handles: list[Any] = [
-        Patch(facecolor=colour, edgecolor=MUTED, linewidth=0.5, label=readable(body))
-        for body, colour in BODY_COLOURS.items()
-        if body in kinds and body != "carrier"
-    ]
+    handles: list[Any] = body_patches(body for body in BODY_COLOURS if body in kinds - {"carrier"})
     if "carrier" in kinds:
         handles.append(
             Line2D([], [], color="#7a7f85", lw=1.4, marker="o", ms=3, label="carrier and pins")
@@ -178,17 +174,7 @@ def _legend(figure: Figure, height: float, motions: tuple[ModeMotion, ...], ener
         Line2D([], [], color="#9aa0a6", lw=0.8, label="at rest"),
         Line2D([], [], color="#b3001b", lw=1.2, marker=">", ms=3, label="displacement"),
     ]
-    figure.legend(
-        handles=handles,
-        loc="lower center",
-        bbox_to_anchor=(0.5, 8.0 / height),
-        ncols=len(handles),
-        fontsize=SMALL,
-        handlelength=1.3,
-        columnspacing=1.2,
-        borderaxespad=0,
-        borderpad=0,
-    )
+    dense_legend(figure, handles, (0.5, 8.0 / height))
     words = (
         f"Displacements are magnified as printed, relative to those at a mode energy of "
         f"{1e3 * energy:g} mJ; for a repeated root one shape is drawn.\n"

@@ -9,7 +9,7 @@ import numpy as np
 from ...mechanism import Mechanism
 from .._style import BODY_COLOURS, INK, MUTED, Axes
 from ..drawings import DrawingDimensions, drawing_dimensions, roller_places
-from ._body_motion import BodyMotion, ModeMotion
+from ._body_motion import BodyMotion, ModeMotion, drawn_radii
 from ._moving_view import MovingView
 
 _EDGE = "#3c4043"
@@ -30,23 +30,13 @@ class Pose:
 def turning_view(axes: Axes, mechanism: Mechanism, stage: int) -> MovingView:
     """The view along the axis of one stage, whose bodies `turn_to` moves."""
     part = mechanism.stages[stage - 1]
-    thread = part.thread
-    screw, roller, nut, centre = (
-        1e3 * float(value)
-        for value in (
-            thread.screw_radius,
-            thread.roller_radius,
-            thread.nut_radius,
-            thread.centre_distance,
-        )
-    )
-    places = roller_places(part)
+    screw, roller, nut, centre = drawn_radii(part)
     still = {"shift_x": 0.0, "shift_y": 0.0, "turn": 1.0}
     bodies = [
         BodyMotion("nut", "nut", 0.0, 0.0, nut, **still),
         BodyMotion("screw", "screw", 0.0, 0.0, screw, **still),
     ]
-    for number, (angle, present) in enumerate(places, start=1):
+    for number, (angle, present) in enumerate(roller_places(part), start=1):
         if present:
             x, y = centre * math.cos(angle), centre * math.sin(angle)
             bodies.append(BodyMotion(f"roller {number}", "roller", x, y, roller, **still))
@@ -107,11 +97,6 @@ class TelescopeView:
         axes.set_ylim(-0.12 * outer, 1.06 * outer)
         axes.plot((left, right), (0, 0), color=MUTED, lw=0.7, ls=(0, (9, 2, 1.5, 2)))
 
-    @property
-    def moving(self) -> list[Any]:
-        """The artists that `move` moves."""
-        return [artist for _, _, artists in self._moving for artist in artists]
-
     def move(self, pose: Pose) -> None:
         """Shift every screw and nut by its travel; threads move along as the screw turns."""
         from matplotlib.transforms import Affine2D
@@ -134,15 +119,8 @@ class TelescopeView:
     def _box(self, left: float, right: float, low: float, high: float, body: str, layer: int):
         from matplotlib.patches import Rectangle
 
-        box = Rectangle(
-            (left, low),
-            right - left,
-            high - low,
-            facecolor=BODY_COLOURS[body],
-            edgecolor=_EDGE,
-            lw=0.6,
-            zorder=layer,
-        )
+        style: Any = {"facecolor": BODY_COLOURS[body], "edgecolor": _EDGE, "lw": 0.6}
+        box = Rectangle((left, low), right - left, high - low, zorder=layer, **style)
         return self._axes.add_patch(box)
 
     def _screw(self, stage: int, dims: DrawingDimensions, left: float, right: float) -> None:
@@ -171,21 +149,11 @@ class TelescopeView:
         top = self._box(left, right, dims.nut_radius, dims.drawn_outer_radius, "nut", layer)
         half = min(dims.drawn_roller_length, 0.92 * (right - left)) / 2
         middle = (left + right) / 2
-        roller = self._box(
-            middle - half,
-            middle + half,
-            dims.screw_radius,
-            dims.nut_radius,
-            "roller",
-            layer + 1,
-        )
-        artists = [top, roller]
+        ends, radii = (middle - half, middle + half), (dims.screw_radius, dims.nut_radius)
+        artists = [top, self._box(*ends, *radii, "roller", layer + 1)]
         for sign in (-1, 1)[: dims.carrier_count or 0]:
             end = middle + sign * half
             near, far = sorted((end, end + sign * 0.35 * dims.roller_radius))
-            low, high = (
-                dims.centre_distance - 0.5 * dims.roller_radius,
-                dims.centre_distance + 0.5 * dims.roller_radius,
-            )
+            low, high = (dims.centre_distance + k * dims.roller_radius for k in (-0.5, 0.5))
             artists.append(self._box(near, far, low, high, "carrier", layer + 1))
         self._moving.append((stage, "nut", artists))

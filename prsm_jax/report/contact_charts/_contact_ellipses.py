@@ -6,7 +6,8 @@ import numpy as np
 
 from ...contact import StageContact
 from ...text import display_unit, in_unit
-from .._style import INK, SMALL, Figure, drawn, page_figure
+from .._parts import colour_bar, draw_pressure
+from .._style import Figure, drawn, page_figure
 
 _SIDES = ("screw", "nut")
 
@@ -70,10 +71,7 @@ def contact_ellipses(
             )
             axes.tick_params(labelbottom=True)
         grid[row, 0].set_ylabel(f"minor axis in {unit.label}")
-    assert image is not None
-    bar = figure.colorbar(image, ax=grid, location="right", shrink=0.9, pad=0.02)
-    bar.set_label("contact pressure in MPa", fontsize=SMALL)
-    bar.outline.set_linewidth(0.4)
+    colour_bar(figure, image, grid, "contact pressure in MPa")
     return figure
 
 
@@ -85,21 +83,6 @@ def _ellipse(axes, contact, unit, x_limit: float, y_limit: float, highest: float
     else:
         inside = np.full_like(x, -1.0)
     pressure = 1e-6 * float(contact.max_pressure) * np.sqrt(np.maximum(inside, 0.0))
-    image = axes.imshow(
-        np.ma.masked_where(inside <= 0, pressure),
-        extent=(-x_limit, x_limit, -y_limit, y_limit),
-        origin="lower",
-        cmap="cividis",
-        vmin=0,
-        vmax=highest,
-        interpolation="bilinear",
-        aspect="equal",
-    )
-    from matplotlib.patches import Ellipse
-
-    axes.add_patch(
-        Ellipse((0, 0), 2 * major, 2 * minor, facecolor="none", edgecolor=INK, linewidth=0.8)
-    )
-    axes.axhline(0, color=INK, lw=0.3, ls=(0, (9, 2, 1.5, 2)))
-    axes.axvline(0, color=INK, lw=0.3, ls=(0, (9, 2, 1.5, 2)))
-    return image
+    extent = (-x_limit, x_limit, -y_limit, y_limit)
+    pressure[inside <= 0] = 0.0
+    return draw_pressure(axes, pressure, extent, highest, (major, minor), smooth=True, dashes="-")

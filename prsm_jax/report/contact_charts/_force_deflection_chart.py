@@ -6,6 +6,7 @@ import numpy as np
 
 from ...load_sharing import ForceDeflection
 from ...text import display_unit, in_unit
+from .._parts import legend_below
 from .._style import INK, MUTED, SERIES, SMALL, Figure, drawn, page_figure
 
 _DASHES: tuple[str, ...] = ("-", "--", "-.", ":")
@@ -81,5 +82,5 @@ def force_deflection_chart(curves: Mapping[str, ForceDeflection]) -> Figure:
     below.set_ylabel(f"stiffness in {stiffness.label}")
     below.set_ylim(bottom=0)
     below.margins(x=0.1)
-    figure.legend(loc="outside lower center", ncols=min(len(points) + 1, 4))
+    legend_below(figure, above.get_legend_handles_labels()[0], 4)
     return figure

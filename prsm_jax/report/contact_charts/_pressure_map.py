@@ -7,7 +7,8 @@ import numpy as np
 
 from ...halfspace import FlankContact
 from ...text import display_unit, in_unit, number
-from .._style import INK, SERIES, SMALL, Figure, drawn, page_figure
+from .._parts import colour_bar, draw_pressure, legend_below
+from .._style import SERIES, Figure, drawn, page_figure
 
 _PANEL = 66.0  # mm
 
@@ -68,10 +69,7 @@ def pressure_map(contacts: Mapping[str, FlankContact]) -> Figure:
         row[0].set_ylabel(f"along the minor axis in {unit.label}")
     for axes in list(panels.flat)[len(contacts) :]:
         axes.set_axis_off()
-    assert image is not None
-    bar = figure.colorbar(image, ax=panels, location="right", shrink=0.9, pad=0.02)
-    bar.set_label("contact pressure in MPa", fontsize=SMALL)
-    bar.outline.set_linewidth(0.4)
+    colour_bar(figure, image, panels, "contact pressure in MPa")
     return figure
 
 
@@ -80,26 +78,13 @@ def draw_map(axes, contact: FlankContact, unit, highest: float, *, named: bool =
 
     `named`: whether crests that cross the map get a legend.
     """
-    from matplotlib.patches import Ellipse
-
     surface = contact.surface
     x, y = _in(unit, surface.grid.x), _in(unit, surface.grid.y)
     half_x, half_y = (float(axis[1] - axis[0]) / 2 for axis in (x, y))
     pressure = np.asarray(surface.pressure).T * 1e-6
-    image = axes.imshow(
-        np.ma.masked_where(pressure <= 0, pressure),
-        extent=(x[0] - half_x, x[-1] + half_x, y[0] - half_y, y[-1] + half_y),
-        origin="lower",
-        cmap="cividis",
-        vmin=0,
-        vmax=highest,
-        interpolation="nearest",
-        aspect="equal",
-    )
-    major, minor = _in(unit, contact.hertz.semi_major), _in(unit, contact.hertz.semi_minor)
-    axes.add_patch(
-        Ellipse((0, 0), 2 * major, 2 * minor, facecolor="none", edgecolor=INK, lw=0.9, ls="--")
-    )
+    extent = (x[0] - half_x, x[-1] + half_x, y[0] - half_y, y[-1] + half_y)
+    ellipse = _in(unit, contact.hertz.semi_major), _in(unit, contact.hertz.semi_minor)
+    image = draw_pressure(axes, pressure, extent, highest, ellipse, smooth=False, dashes="--")
     for edge, name in (
         (contact.flanks.roller_edge, "crest of the roller"),
         (contact.flanks.body_edge, "crest of screw or nut"),
@@ -112,8 +97,6 @@ def draw_map(axes, contact: FlankContact, unit, highest: float, *, named: bool =
             axes.plot([], [], color=SERIES[3], lw=1.2, ls=":", label=name)
     if named and axes.get_legend_handles_labels()[0]:
         axes.legend(loc="upper right")
-    axes.axhline(0, color=INK, lw=0.3, ls=(0, (9, 2, 1.5, 2)))
-    axes.axvline(0, color=INK, lw=0.3, ls=(0, (9, 2, 1.5, 2)))
     return image
 
 
@@ -167,6 +150,5 @@ def pressure_profiles(contacts: Mapping[str, FlankContact]) -> Figure:
         axes.set_ylim(bottom=0)
         axes.grid(True)
     panels[0].set_ylabel("contact pressure in MPa")
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=2)
+    legend_below(figure, panels[0].get_legend_handles_labels()[0], 2)
     return figure

@@ -6,6 +6,7 @@ import numpy as np
 
 from ...text import MINUS, DisplayUnit, display_unit, in_unit
 from ...validation import PressureFigure, PressurePanel
+from .._parts import colour_bar, legend_below, page_title
 from .._style import INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure
 from ._pressure_map import draw_map
 
@@ -56,12 +57,9 @@ def published_pressure(figure: PressureFigure) -> Figure:
         axes.set_xlabel("\n".join(words), fontsize=SMALL, linespacing=1.3)
     for row in grid:
         row[0].set_ylabel(f"minor axis in {unit.label}", fontsize=SMALL)
-    assert image is not None
-    bar = page.colorbar(image, ax=grid, location="right", shrink=0.9, pad=0.02)
-    bar.set_label("contact pressure in MPa", fontsize=SMALL)
-    bar.outline.set_linewidth(0.4)
+    colour_bar(page, image, grid, "contact pressure in MPa")
     _legend(page, grid, panels)
-    page.suptitle(figure.caption, fontsize=SMALL + 2, fontweight="bold", x=0.01, ha="left")
+    page_title(page, figure.caption)
     return page
 
 
@@ -122,9 +120,4 @@ def _legend(page: Figure, grid, panels: list[PressurePanel]) -> None:
         handles.append(Line2D([], [], **_PRINTED, label="Hertz ellipse of the paper"))
     if any(axes.collections for axes in grid.flat):
         handles.append(Line2D([], [], **_CREST, label="crest of a thread"))
-    page.legend(
-        handles=handles,
-        loc="outside lower center",
-        ncols=len(handles),
-        labelcolor=MUTED,
-    )
+    legend_below(page, handles, labelcolor=MUTED)

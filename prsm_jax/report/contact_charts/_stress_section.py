@@ -7,7 +7,8 @@ import numpy as np
 
 from ...halfspace import SubsurfaceStress
 from ...text import display_unit, in_unit
-from .._style import INK, SMALL, Figure, drawn, page_figure
+from .._parts import colour_bar
+from .._style import INK, Figure, drawn, page_figure
 
 
 @drawn
@@ -66,9 +67,5 @@ def stress_section(stress: SubsurfaceStress, along: Literal["x", "y"] = "x") -> 
         f"{in_unit(depths[peak[0]], unit, 3)}"
     )
     axes.set_ylabel(f"depth in {unit.label}")
-    bar = figure.colorbar(
-        filled, ax=axes, location="right", shrink=0.9, pad=0.02, ticks=list(steps)
-    )
-    bar.set_label("von Mises stress in MPa", fontsize=SMALL)
-    bar.outline.set_linewidth(0.4)
+    colour_bar(figure, filled, axes, "von Mises stress in MPa", ticks=list(steps))
     return figure

@@ -11,7 +11,8 @@ import numpy as np
 from ...contact import HertzContact, StressPeak, stress_peak, subsurface_stress, von_mises_stress
 from ...fields import Scalar
 from ...text import display_unit, in_unit
-from .._style import INK, SMALL, Figure, drawn, page_figure
+from .._parts import aside, colour_bar
+from .._style import INK, Figure, drawn, page_figure
 
 SectionAxis = Literal["major", "minor"]
 _COLUMNS, _ROWS = 121, 61
@@ -93,11 +94,8 @@ def subsurface_chart(
         panel.set_title(name)
         panel.set_ylabel(f"depth in {unit.label}")
     panels[1].set_xlabel(f"along the {along} axis in {unit.label}")
-    assert image is not None
-    bar = figure.colorbar(image, ax=panels, location="right", shrink=0.9, pad=0.02)
-    bar.set_label("von Mises stress in MPa", fontsize=SMALL)
+    bar = colour_bar(figure, image, panels, "von Mises stress in MPa")
     bar.ax.yaxis.set_major_formatter("{x:.0f}")
-    bar.outline.set_linewidth(0.4)
     return figure
 
 
@@ -111,13 +109,6 @@ def _decorate(panel, unit, semi_axis: float, peak: StressPeak) -> None:
     )  # fmt: skip
     place = unit(float(peak.position[0])), unit(float(peak.position[2]))
     panel.plot(*place, marker="x", color=INK, markersize=6, mew=1.2, clip_on=False)
-    panel.annotate(
-        f"{in_unit(peak.value, display_unit('Pa'))}\nat depth {in_unit(peak.depth, unit, 3)}",
-        place,
-        xytext=(8, -4),
-        textcoords="offset points",
-        va="top",
-        fontsize=SMALL,
-        color=INK,
-        bbox={"boxstyle": "round,pad=0.2", "facecolor": "white", "alpha": 0.75, "lw": 0},
-    )
+    words = f"{in_unit(peak.value, display_unit('Pa'))}\nat depth {in_unit(peak.depth, unit, 3)}"
+    box = {"boxstyle": "round,pad=0.2", "facecolor": "white", "alpha": 0.75, "lw": 0}
+    aside(panel, words, place, (8, -4), va="top", color=INK, bbox=box)

@@ -7,7 +7,8 @@ import numpy as np
 from ...fields import renamed_arguments
 from ...load_sharing import LoadDistribution, SideLoads
 from ...text import display_unit, in_unit, number
-from .._style import FAINT, INK, MUTED, SERIES, SMALL, TITLE, Axes, Figure, drawn, page_figure
+from .._parts import colour_bar, legend_below, page_title
+from .._style import FAINT, INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure
 
 _SIDES = (("screw", "screw side"), ("nut", "nut side"))
 _FORWARD, _REVERSE = SERIES[0], SERIES[1]
@@ -62,8 +63,7 @@ def _bars(distribution: LoadDistribution) -> Figure:
     rows[1].set_xticks(_ticks(len(np.asarray(distribution.screw.forward)[0])))
     rows[1].set_xlabel("thread, from the end where the screw's force enters")
     rows[1].set_xlim(0.3, np.asarray(distribution.screw.forward).shape[1] + 0.7)
-    handles, labels = rows[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=3)
+    legend_below(figure, rows[0].get_legend_handles_labels()[0], 3)
     return figure
 
 
@@ -133,13 +133,11 @@ def _maps(distribution: LoadDistribution) -> Figure:
         for name, words in _SIDES
     ]
     title = f"{_title(distribution)}; largest over mean: {', '.join(factors)}"
-    figure.suptitle(title, x=0.01, ha="left", fontsize=TITLE, fontweight="bold")
-    handles, labels = grid[0, -1].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4)
-    assert image is not None
-    bar = figure.colorbar(image, ax=grid[:, -1].tolist(), aspect=40, pad=0.08)
+    page_title(figure, title)
+    legend_below(figure, grid[0, -1].get_legend_handles_labels()[0], 4)
+    place = {"aspect": 40, "pad": 0.08, "shrink": 1.0}
+    bar = colour_bar(figure, image, grid[:, -1].tolist(), "", **place)
     bar.set_label("axial load of a thread in N")
-    bar.outline.set_linewidth(0.4)
     bar.ax.tick_params(labelsize=SMALL)
     return figure
 

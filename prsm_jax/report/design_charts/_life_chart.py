@@ -11,6 +11,7 @@ from jaxtyping import Array
 from ...fields import Scalar
 from ...strength import LoadSpectrum, TruncatedFatigue
 from ...text import display_unit, in_unit, number
+from .._parts import WHITE, aside, plain_ticks
 from .._style import FREE, INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure
 
 #: Largest number of phases that are numbered.
@@ -153,48 +154,20 @@ def _life_line(
     life = float(life_under(np.asarray([mean]))[0])
     axes.plot([unit(mean)] * 2, [1e5, life], color=MUTED, linewidth=0.8, linestyle=":")
     axes.plot(unit(mean), life, "o", color=SERIES[3], markersize=5)
-    axes.annotate(
-        f"{number(life, 3)} turns\nat {in_unit(mean, unit, 3)}",
-        (unit(mean), life),
-        (8, 4),
-        textcoords="offset points",
-        fontsize=SMALL,
-    )
+    words = f"{number(life, 3)} turns\nat {in_unit(mean, unit, 3)}"
+    aside(axes, words, (unit(mean), life), (8, 4))
     axes.plot(unit(capacity), 1e6, "s", color=SERIES[0], markersize=4)
-    axes.annotate(
-        f"dynamic capacity\n{in_unit(capacity, unit, 3)}",
-        (unit(capacity), 1e6),
-        (-6, -3),
-        textcoords="offset points",
-        ha="right",
-        va="top",
-        fontsize=SMALL,
-    )
+    words = f"dynamic capacity\n{in_unit(capacity, unit, 3)}"
+    aside(axes, words, (unit(capacity), 1e6), (-6, -3), va="top")
     if static_capacity is not None:
         axes.axvline(unit(float(static_capacity)), color=INK, linestyle="--", linewidth=0.8)
-        axes.annotate(
-            f"static capacity\n{in_unit(static_capacity, unit, 3)}",
-            (unit(float(static_capacity)), 1.0),
-            (-4, -2),
-            xycoords=("data", "axes fraction"),
-            textcoords="offset points",
-            ha="right",
-            va="top",
-            fontsize=SMALL,
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0},
-        )
+        words = f"static capacity\n{in_unit(static_capacity, unit, 3)}"
+        place, style = (unit(float(static_capacity)), 1.0), {"bbox": {**WHITE, "pad": 1.0}}
+        style |= {"xycoords": ("data", "axes fraction"), "va": "top"}
+        aside(axes, words, place, (-4, -2), **style)
     axes.set_ylim(bottom=1e5)
     axes.grid(which="major")
     axes.set_xlabel(f"load in {unit.label}")
     axes.set_ylabel("basic rating life in turns")
     axes.set_title("Life against load")
-    _plain_decades(axes)
-
-
-def _plain_decades(axes: Axes) -> None:
-    """Plain numbers at the major ticks of an axis of few decades, none at the minor ones."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
-    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.xaxis.set_minor_formatter(NullFormatter())
+    plain_ticks(axes.xaxis)

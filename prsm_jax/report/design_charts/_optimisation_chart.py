@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ...text import display_unit, in_unit, number
+from .._parts import in_words
 from .._style import ACTIVE, FREE, INK, SERIES, SMALL, Figure, drawn, page_figure, readable
 
 
@@ -86,8 +87,7 @@ def optimisation_chart(
         left.plot(iterations[outside], shown(values[outside]), mfc="white", **dots)
         note = "\nhollow: limits violated"
     left.set_xlabel(f"iteration (number){note}")
-    suffix = f" in {shown.label}" if shown.label else ""
-    left.set_ylabel(readable(objective) + suffix)
+    left.set_ylabel(in_words(readable(objective), shown))
     left.set_title("Objective")
     left.grid(True)
     left.margins(y=0.12)

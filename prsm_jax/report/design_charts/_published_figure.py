@@ -6,6 +6,7 @@ import numpy as np
 
 from ...text import DisplayUnit, display_unit
 from ...validation import Mark, Panel, PublishedFigure, sources
+from .._parts import in_words, legend_below, page_title
 from .._style import INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure
 
 _DASHES = {0: "-", 1: "-", 2: (0, (5, 1.5))}
@@ -53,13 +54,7 @@ def _page(figure: PublishedFigure) -> Figure:
     _legend(page, figure)
     cited = sources().get(figure.source, figure.source).split(",")[0].split(" ")[-1]
     year = "".join(c for c in figure.source if c.isdigit())
-    page.suptitle(
-        f"{figure.caption} ({cited} et al. {year}, figure {figure.number})",
-        fontsize=SMALL + 2,
-        fontweight="bold",
-        x=0.01,
-        ha="left",
-    )
+    page_title(page, f"{figure.caption} ({cited} et al. {year}, figure {figure.number})")
     return page
 
 
@@ -76,11 +71,8 @@ def _style(stage: int, case: int, cases: int) -> dict[str, Any]:
 
 def _panel(axes: Axes, panel: Panel, time: np.ndarray, cases: int, clock: DisplayUnit) -> None:
     everything = np.concatenate([curve.y for curve in panel.curves])
-    unit = DisplayUnit(panel.unit, 1.0)
-    if panel.unit == "1":
-        unit = DisplayUnit("", 1.0)
-    label = f"{_symbol(panel.symbol)} in {unit.label}" if unit.label else _symbol(panel.symbol)
-    axes.set_ylabel(label)
+    unit = DisplayUnit("" if panel.unit == "1" else panel.unit, 1.0)
+    axes.set_ylabel(in_words(_symbol(panel.symbol), unit))
     for curve in panel.curves:
         axes.plot(time, unit(curve.y), **_style(curve.stage, curve.case, cases))
     levels = [mark.level for mark in panel.marks if mark.level is not None]
@@ -173,18 +165,9 @@ def _legend(page: Figure, figure: PublishedFigure) -> None:
     if any(mark.printed for panel in figure.panels for mark in panel.marks):
         dotted = {"color": _MARK, "lw": 0.9, "ls": (0, (1, 1.5))}
         handles.append(Line2D([], [], **dotted, label="value in the text"))
-    if handles:
-        page.legend(
-            handles=handles,
-            loc="outside lower center",
-            ncols=min(len(handles), 7),
-            labelcolor=MUTED,
-        )
+    legend_below(page, handles, labelcolor=MUTED)
 
 
 def _case(words: str) -> str:
     """Symbols of a case as mathematics."""
-    parts = []
-    for word in words.split(" "):
-        parts.append(_symbol(word) if "_" in word else word)
-    return " ".join(parts)
+    return " ".join(_symbol(word) if "_" in word else word for word in words.split(" "))

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...text import trimmed
-from .._style import INK, MUTED, SMALL, Figure, drawn, page_figure, readable, series_style
+from .._parts import aside, legend_below, page_title
+from .._style import INK, MUTED, Figure, drawn, page_figure, readable, series_style
 
 
 @drawn
@@ -47,16 +48,8 @@ def sensitivity_bars(
             y = row + (column - (len(parameters) - 1) / 2) * bar / group
             shown = value if math.isfinite(value) else 0.0
             axes.barh(y, shown, height=0.9 * bar / group, linewidth=0.3, **series_style(column))
-            left = shown < 0
-            axes.annotate(
-                _signed(value),
-                (shown, y),
-                (-2.5 if left else 2.5, 0),
-                textcoords="offset points",
-                ha="right" if left else "left",
-                va="center",
-                fontsize=SMALL,
-            )
+            shift = -2.5 if shown < 0 else 2.5
+            aside(axes, _signed(value), (shown, y), (shift, 0), va="center")
     axes.axvline(0, color=INK, lw=0.6)
     low = min(0.0, float(finite.min()) if finite.size else 0.0)
     high = max(0.0, float(finite.max()) if finite.size else 0.0)
@@ -67,7 +60,7 @@ def sensitivity_bars(
     axes.tick_params(axis="y", length=0)
     axes.grid(axis="x")
     axes.set_xlabel("elasticity in % of the quantity per % of the parameter")
-    figure.suptitle("Elasticities", x=0.01, ha="left", fontsize=9, fontweight="bold")
+    page_title(figure, "Elasticities")
     _legend(figure, parameters)
     return figure
 
@@ -89,4 +82,4 @@ def _legend(figure: Figure, parameters: Sequence[str]) -> None:
     handles = [
         Patch(**series_style(index), label=readable(name)) for index, name in enumerate(parameters)
     ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 4))
+    legend_below(figure, handles, 4)

@@ -8,10 +8,11 @@ import jax.numpy as jnp
 import numpy as np
 
 from ...fields import Scalar
-from ...mechanism import END_CONDITIONS, Stage
+from ...mechanism import END_CONDITIONS, ScrewShaft, Stage
 from ...strength import buckling_load, loaded_length, permissible_speed, unsupported_length
 from ...text import DisplayUnit, display_unit, in_unit, show
-from .._style import INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure, readable
+from .._parts import WHITE, aside, legend_below, plain_ticks
+from .._style import INK, MUTED, SERIES, Axes, Figure, drawn, page_figure, readable
 
 _SAMPLES = 120
 _DASHES = ("-", (0, (6, 2)), (0, (3, 1.5)), (0, (1, 1.2)))
@@ -25,10 +26,14 @@ def _curves(stage: Stage, lengths):
     )
 
 
-def _with_ends(stage: Stage, end_conditions: str) -> Stage:
+def _shaft(stage: Stage) -> ScrewShaft:
     assert stage.strength is not None
     assert stage.strength.shaft is not None
-    shaft = dataclasses.replace(stage.strength.shaft, end_conditions=end_conditions)
+    return stage.strength.shaft
+
+
+def _with_ends(stage: Stage, end_conditions: str) -> Stage:
+    shaft = dataclasses.replace(_shaft(stage), end_conditions=end_conditions)
     return eqx.tree_at(lambda s: s.strength.shaft, stage, shaft)
 
 
@@ -60,11 +65,9 @@ def shaft_limits_chart(
     rpm = display_unit("rad/s")
     figure = page_figure(92)
     panels = figure.subplots(1, 2)
-    assert stage.strength is not None
-    assert stage.strength.shaft is not None
     for index, ends in enumerate(END_CONDITIONS):
         curves = _curves(_with_ends(stage, ends), jnp.asarray(lengths))
-        chosen = ends == stage.strength.shaft.end_conditions
+        chosen = ends == _shaft(stage).end_conditions
         for axes, values, unit in zip(panels, curves, (kilonewtons, rpm), strict=True):
             axes.loglog(
                 millimetres(lengths),
@@ -87,50 +90,29 @@ def shaft_limits_chart(
     panels[1].set_ylabel("permissible speed in rpm")
     panels[0].set_title("Buckling")
     panels[1].set_title("Speed")
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4)
+    legend_below(figure, panels[0].get_legend_handles_labels()[0], 4)
     return figure
 
 
 def _dn_limit(axes: Axes, stage: Stage, length: float, rpm: DisplayUnit) -> None:
     """Label the DN limit, which cuts the speeds off, if there is one."""
-    assert stage.strength is not None
-    assert stage.strength.shaft is not None
-    limit = stage.strength.shaft.dn_limit
+    limit = _shaft(stage).dn_limit
     if limit is None:
         return
     speed = rpm(float(limit / (2 * stage.thread.screw_radius)))
     axes.set_ylim(top=1.5 * speed)
-    axes.annotate(
-        f"DN limit {show(float(limit), 'm·rad/s')}",
-        (length, speed),
-        (0, 5),
-        textcoords="offset points",
-        fontsize=SMALL,
-        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},
-    )
+    words = f"DN limit {show(float(limit), 'm·rad/s')}"
+    aside(axes, words, (length, speed), (0, 5), bbox={**WHITE, "pad": 0.5})
 
 
 def _demand(axes: Axes, length: float, value: float, unit: DisplayUnit, words: str) -> None:
     axes.axvline(length, color=MUTED, linewidth=0.8, linestyle=":")
     axes.plot(length, unit(value), "o", color=INK, markersize=4.5)
-    axes.annotate(
-        f"{words}\n{in_unit(value, unit)}",
-        (length, unit(value)),
-        (-6, -3),
-        textcoords="offset points",
-        ha="right",
-        va="top",
-        fontsize=SMALL,
-    )
+    words += f"\n{in_unit(value, unit)}"
+    aside(axes, words, (length, unit(value)), (-6, -3), va="top")
 
 
 def _plain_numbers(axes: Axes) -> None:
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
     for axis in (axes.xaxis, axes.yaxis):
         low, high = axis.get_view_interval()
-        subs = (1.0, 2.0, 5.0) if high < 1000 * low else (1.0,)
-        axis.set_major_locator(LogLocator(subs=subs))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axis.set_minor_formatter(NullFormatter())
+        plain_ticks(axis, subs=(1.0, 2.0, 5.0) if high < 1000 * low else (1.0,))

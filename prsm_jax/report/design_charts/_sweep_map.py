@@ -5,6 +5,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ...text import display_unit, in_unit
+from .._parts import colour_bar, in_words
 from .._style import INK, SMALL, Figure, drawn, page_figure, readable
 
 
@@ -74,8 +75,7 @@ def _flawed(dataset: Any, data: Any) -> Any:
 def _axis(data: Any, name: str):
     coordinate = np.asarray(data[name].values, dtype=float)
     unit = display_unit(str(data[name].attrs.get("units", "1")), [float(v) for v in coordinate])
-    label = readable(name) + (f" in {unit.label}" if unit.label else "")
-    return unit(coordinate), unit, label
+    return unit(coordinate), unit, in_words(readable(name), unit)
 
 
 def _draw(data, plane, dots, quantity: str, chosen, best, other_axes, sense: str) -> Figure:
@@ -98,9 +98,8 @@ def _draw(data, plane, dots, quantity: str, chosen, best, other_axes, sense: str
         axes.contour(xs, ys, masked, levels=levels[::2], colors="white", linewidths=0.5)
     else:
         filled = axes.pcolormesh(xs, ys, masked, shading="nearest", **style)
-    bar = figure.colorbar(filled, ax=axes, pad=0.02)
-    bar.set_label(readable(quantity) + (f" in {unit.label}" if unit.label else ""))
-    bar.outline.set_linewidth(0.4)
+    bar = colour_bar(figure, filled, axes, "", shrink=1.0)
+    bar.set_label(in_words(readable(quantity), unit))
     failed = np.argwhere(~np.isfinite(values))
     if failed.size:
         axes.plot(

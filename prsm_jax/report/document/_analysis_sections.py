@@ -38,13 +38,6 @@ def _designs(data: ReportData, part: str, index: int | None = None) -> dict[str,
     return {before: pick(own), after: pick(other)}
 
 
-def _of_stage(data: ReportData, index: int) -> tuple[str, str]:
-    """Suffixes of the name and caption of a picture for one of several stages."""
-    if len(data.mechanism.stages) == 1:
-        return "", ""
-    return f"_stage_{index + 1}", f", stage {index + 1}"
-
-
 def _pressures(data: ReportData, index: int) -> dict[str, tuple[float, float]]:
     """Largest pressures of one stage, by label as in `_designs`."""
     designs = (data, data.improved)
@@ -93,8 +86,8 @@ def contact_section(data: ReportData) -> Section | None:
     )
     pictures = tuple(
         Picture(
-            f"contact_ellipses{_of_stage(data, i)[0]}",
-            f"Contact ellipses of one thread{_of_stage(data, i)[1]}, to the same scale.",
+            f"contact_ellipses{data.of_stage(i)[0]}",
+            f"Contact ellipses of one thread{data.of_stage(i)[1]}, to the same scale.",
             lambda i=i: contact_ellipses(_designs(data, "contacts", i), _pressures(data, i)),
         )
         for i in range(len(data.contacts))
@@ -115,7 +108,7 @@ def vibration_section(data: ReportData) -> Section | None:
         return None
     tables, pictures = [], []
     for index, modes in enumerate(data.modes):
-        suffix, words = _of_stage(data, index)
+        suffix, words = data.of_stage(index)
         designs = [elastic_modes(m) for m in _designs(data, "modes", index).values()]
         frequencies, rigid = designs[0]
         rows = []
@@ -181,7 +174,7 @@ def steady_section(data: ReportData) -> Section | None:
         ("output power", show(float(state.output_power), "W")),
     ]
     for index in range(len(data.mechanism.stages)):
-        words = _of_stage(data, index)[1]
+        words = data.of_stage(index)[1]
         rows += [
             (
                 f"carrier speed over screw speed{words}",

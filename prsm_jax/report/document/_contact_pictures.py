@@ -9,10 +9,9 @@ from ...contact import contact_modulus, line_contact, load_of, thread_contacts
 from ...friction import Sliding
 from ...halfspace import FlankContact, flank_contact, ring_contact
 from ...mechanism import Mechanism, Stage, material_of
-from ...process import make_folder
 from ...strength import side_onsets
 from ...text import short_label
-from .._style import Figure, save_figure
+from .._style import Figure, save_figures
 from ..contact_charts import (
     contact_ellipses,
     force_deflection_chart,
@@ -125,7 +124,4 @@ def save_contact_pictures(
     **Raises:** as `contact_pictures`.
     """
     # Everything that can fail runs before the folder is made.
-    figures = contact_pictures(mechanism, load, cells=cells)
-    place = Path(folder)
-    make_folder(place)
-    return tuple(path for name, one in figures.items() for path in save_figure(one, place / name))
+    return save_figures(folder, contact_pictures(mechanism, load, cells=cells))

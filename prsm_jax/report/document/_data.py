@@ -84,6 +84,12 @@ class ReportData:
         """Names of the designs before and after; "best found" if limits are violated."""
         return ("before", "after") if self.feasible else ("before", "best found")
 
+    def of_stage(self, index: int) -> tuple[str, str]:
+        """Suffixes of the name and caption of a picture for one of several stages (from 0)."""
+        if len(self.mechanism.stages) == 1:
+            return "", ""
+        return f"_stage_{index + 1}", f", stage {index + 1}"
+
     @property
     def later(self) -> str:
         """Head of the column of the improved design."""

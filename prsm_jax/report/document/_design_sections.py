@@ -150,16 +150,14 @@ def optimisation_section(data: ReportData) -> Section | None:
     if data.improved is not None:
         improved = data.improved.mechanism
         ends = tuple(name.capitalize() for name in data.ends)
-        for i in range(1, len(data.mechanism.stages) + 1):
-            many = len(data.mechanism.stages) > 1
+        both = {ends[0]: data.mechanism, ends[1]: improved}
+        for i in range(len(data.mechanism.stages)):
+            suffix, words = data.of_stage(i)
             pictures.append(
                 Picture(
-                    f"before_after_stage_{i}" if many else "before_after",
-                    f"{ends[0]} and {ends[1].lower()}, to the same scale"
-                    + (f", stage {i}." if many else "."),
-                    lambda i=i: cross_section(
-                        {ends[0]: data.mechanism, ends[1]: improved}, stage=i
-                    ),
+                    f"before_after{suffix}",
+                    f"{ends[0]} and {ends[1].lower()}, to the same scale{words}.",
+                    lambda i=i: cross_section(both, stage=i + 1),
                 )
             )
     return Section(

@@ -28,20 +28,20 @@ def mechanism_section(data: ReportData) -> Section:
         if point.duration is not None:
             operating.append(("simulated time", show(float(point.duration), "s", digits=3)))
         tables.append(Table("Operating point", ("", ""), tuple(operating)))
-    pictures = tuple(
-        Picture(
-            "cross_section" if len(stages) == 1 else f"cross_section_stage_{i}",
-            "The mechanism to scale: across and along its axis, and its threads."
-            if len(stages) == 1
-            else f"Stage {i} to scale: across and along its axis, and its threads.",
-            lambda i=i: cross_section(
-                {data.label if len(stages) == 1 else f"{data.label}, stage {i}": data.mechanism},
-                stage=i,
-            ),
+    pictures = []
+    for i in range(len(stages)):
+        suffix, words = data.of_stage(i)
+        what = f"Stage {i + 1}" if words else "The mechanism"
+        pictures.append(
+            Picture(
+                f"cross_section{suffix}",
+                f"{what} to scale: across and along its axis, and its threads.",
+                lambda i=i, label=data.label + words: cross_section(
+                    {label: data.mechanism}, stage=i + 1
+                ),
+            )
         )
-        for i in range(1, len(stages) + 1)
-    )
-    return Section("mechanism", "Mechanism", (), tuple(tables), pictures)
+    return Section("mechanism", "Mechanism", (), tuple(tables), tuple(pictures))
 
 
 def findings_section(data: ReportData) -> Section:
@@ -58,11 +58,8 @@ def findings_section(data: ReportData) -> Section:
             words.append(f"{name.capitalize()}: the checks could not be made.".removeprefix(": "))
             continue
         if not findings:
-            words.append(
-                f"{name.capitalize()}: the checks found no errors, warnings or notes."
-                if name
-                else "The checks found no errors, warnings or notes."
-            )
+            found = "the checks found no errors, warnings or notes."
+            words.append(f"{name.capitalize()}: {found}" if name else found.capitalize())
             continue
         rows = tuple(
             (f.severity, *((str(f.stage),) if many else ()), f.name.replace("_", " "), f.message)

@@ -28,12 +28,6 @@ from ._pressures import largest_shared_pressure
 from ._section import Picture, Section, Table
 
 
-def _suffix(data: ReportData, index: int) -> tuple[str, str]:
-    if len(data.mechanism.stages) == 1:
-        return "", ""
-    return f"_stage_{index + 1}", f", stage {index + 1}"
-
-
 def strength_section(data: ReportData) -> Section | None:
     """Capacities, safety, life, limits of the shaft, play: those that the file has data for."""
     if not data.strength:
@@ -65,7 +59,7 @@ def _strength_pictures(data: ReportData) -> tuple[Picture, ...]:
     pictures = []
     cycle = mechanism.duty_cycle
     for index, stage in enumerate(mechanism.stages):
-        suffix, words = _suffix(data, index)
+        suffix, words = data.of_stage(index)
         # Without a life there is no chart: then the preload is not known either.
         drawn = None
         fatigue = data.fatigue[index] if data.fatigue else None
@@ -145,7 +139,7 @@ def sharing_section(data: ReportData) -> Section | None:
         return None
     tables, pictures = [], []
     for index, shared in data.shared.items():
-        suffix, words = _suffix(data, index)
+        suffix, words = data.of_stage(index)
         spacer, tangent = shared.spacer_force, shared.tangent_stiffness
         assert tangent is not None
         largest, uncut = largest_shared_pressure(data, index), float(shared.max_pressure)

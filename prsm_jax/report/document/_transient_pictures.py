@@ -6,8 +6,7 @@ import equinox as eqx
 
 from ...dynamics import Transient, body_forces
 from ...mechanism import Mechanism
-from ...process import make_folder
-from .._style import save_figure
+from .._style import save_figures
 from ..animations import save_motion_animation
 from ..motion_charts import (
     energy_flow,
@@ -52,9 +51,7 @@ def save_transient_pictures(
     flow = energy_flow(mechanism, run)
     if flow.total > 0:
         figures["energy-flow"] = power_flow_chart(flow, "Energy flow of the whole transient")
-    place = Path(folder)
-    make_folder(place)
-    written = [path for name, one in figures.items() for path in save_figure(one, place / name)]
+    written = save_figures(folder, figures)
     if animation:
-        written.append(save_motion_animation(place / "motion", mechanism, run))
-    return tuple(written)
+        written += (save_motion_animation(Path(folder) / "motion", mechanism, run),)
+    return written

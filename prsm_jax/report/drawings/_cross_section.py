@@ -1,8 +1,10 @@
 """The mechanism drawn to scale: across and along its axis, and its threads enlarged."""
 
 from collections.abc import Mapping
+from typing import Any
 
 from ...mechanism import Mechanism
+from .._parts import body_patches, dense_legend
 from .._style import (
     BODY_COLOURS,
     INK,
@@ -13,7 +15,6 @@ from .._style import (
     Figure,
     drawn,
     page_figure,
-    readable,
 )
 from . import _axial_section, _thread_detail, _transverse_view
 from ._drafting import place_sheet
@@ -72,36 +73,19 @@ def cross_section(mechanisms: Mapping[str, Mechanism], *, stage: int = 1) -> Fig
     for column, (label, d) in enumerate(dims.items()):
         left = _MARGIN + column * (width + _GUTTER)
         _heading(figure, left, top, label, d)
-        sheet = place_sheet(
-            figure,
-            left,
-            top - across,
-            width,
-            across,
-            scale,
-            0.0,
-            -outer - _transverse_view.BELOW / scale,
-        )
+        lowest = -outer - _transverse_view.BELOW / scale
+        sheet = place_sheet(figure, left, top - across, width, across, scale, lowest)
         _transverse_view.draw_transverse_view(sheet, d)
         if single:
             left, below = left + width + _GUTTER, top
         else:
             below = top - across
-        sheet = place_sheet(
-            figure, left, below - along, width, along, scale, 0.0, -_axial_section.BELOW / scale
-        )
+        lowest = -_axial_section.BELOW / scale
+        sheet = place_sheet(figure, left, below - along, width, along, scale, lowest)
         _axial_section.draw_axial_section(sheet, d)
         bottom = below - along - _GUTTER - detail
-        sheet = place_sheet(
-            figure,
-            left,
-            bottom,
-            width,
-            detail,
-            detail_scale,
-            0.0,
-            d.centre_distance - detail / detail_scale / 2,
-        )
+        lowest = d.centre_distance - detail / detail_scale / 2
+        sheet = place_sheet(figure, left, bottom, width, detail, detail_scale, lowest)
         _thread_detail.draw_thread_detail(sheet, d)
     _legend(figure, scale, detail_scale, every)
     return figure
@@ -128,33 +112,18 @@ def _legend(
     figure: Figure, scale: float, detail_scale: float, every: list[DrawingDimensions]
 ) -> None:
     from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
 
     shown = {
         "ring_gear": any(d.ring_outer_radius is not None for d in every),
         "carrier": any(d.carrier_outer_radius is not None for d in every),
     }
-    handles = [
-        Patch(facecolor=colour, edgecolor=MUTED, linewidth=0.5, label=readable(body))
-        for body, colour in BODY_COLOURS.items()
-        if shown.get(body, True)
-    ]
+    handles: list[Any] = body_patches(body for body in BODY_COLOURS if shown.get(body, True))
     dot = {"ls": "", "marker": "o", "ms": 3.5}
     handles += [
         Line2D([], [], color="#d55e00", label="contact with screw", **dot),
         Line2D([], [], color="#0072b2", label="contact with nut", **dot),
     ]
-    figure.legend(
-        handles=handles,
-        loc="lower center",
-        bbox_to_anchor=_at(figure, PAGE_WIDTH / 2, 8.5),
-        ncols=len(handles),
-        fontsize=SMALL,
-        handlelength=1.3,
-        columnspacing=1.2,
-        borderaxespad=0,
-        borderpad=0,
-    )
+    dense_legend(figure, handles, _at(figure, PAGE_WIDTH / 2, 8.5))
     figure.text(
         *_at(figure, PAGE_WIDTH / 2, 4.0),
         f"Dimensions in mm; bodies at their nominal radii. On A4: views {_ratio(scale)}, detail "

@@ -4,12 +4,12 @@ import math
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from .._parts import CHAIN
 from .._style import INK, MUTED, SMALL, Axes, Figure, place_axes
 
 #: A length on the drawing or on paper [mm].
 Length: TypeAlias = float | int
 
-_CHAIN = (0, (9, 2, 1.5, 2))
 _ARROW = {"arrowstyle": "<|-|>", "mutation_scale": 5.5, "shrinkA": 0, "shrinkB": 0}
 
 
@@ -35,7 +35,7 @@ class Sheet:
 
     def centre_line(self, xs, ys) -> None:
         """A chain line: an axis or a pitch circle."""
-        self.line(xs, ys, ls=_CHAIN)
+        self.line(xs, ys, ls=CHAIN)
 
     def horizontal_dimension(
         self, x0: Length, x1: Length, y: Length, words: str, start: Length, beside: bool = False
@@ -89,13 +89,12 @@ def place_sheet(
     width: Length,
     height: Length,
     scale: Length,
-    centre_x: Length,
     lowest_y: Length,
 ) -> Sheet:
-    """A sheet at a place on the page [mm], centred on `centre_x`, from `lowest_y` upwards."""
+    """A sheet at a place on the page [mm], centred on x = 0, from `lowest_y` upwards."""
     axes = place_axes(figure, left, bottom, width, height)
     axes.set_axis_off()
-    axes.set_xlim(centre_x - width / scale / 2, centre_x + width / scale / 2)
+    axes.set_xlim(-width / scale / 2, width / scale / 2)
     axes.set_ylim(lowest_y, lowest_y + height / scale)
     axes.set_aspect("equal")
     return Sheet(axes, scale)

@@ -132,19 +132,9 @@ def _profile_radius(sheet: Sheet, dims: DrawingDimensions) -> None:
     drawn = min(radius, (tip_x - left - sheet.paper(4)) / max(math.cos(angle), 1e-6))
     drawn = min(drawn, sheet.paper(42.0))
     start = (tip_x + drawn * direction[0], tip_y + drawn * direction[1])
-    sheet.axes.annotate(
-        "",
-        (tip_x, tip_y),
-        start,
-        arrowprops={
-            "arrowstyle": "-|>",
-            "mutation_scale": 6,
-            "color": INK,
-            "lw": 0.6,
-            "shrinkA": 0,
-            "shrinkB": 0,
-        },
-    )
+    arrow = {"arrowstyle": "-|>", "mutation_scale": 6, "shrinkA": 0, "shrinkB": 0}
+    arrow |= {"color": INK, "lw": 0.6}
+    sheet.axes.annotate("", (tip_x, tip_y), start, arrowprops=arrow)
     if drawn == radius:
         sheet.axes.plot(*start, marker="+", ms=5, mew=0.7, color=INK)
     middle = 0.45 * drawn

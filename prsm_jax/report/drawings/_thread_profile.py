@@ -1,5 +1,6 @@
 """Thread profiles in the axial section through the axes of screw and roller."""
 
+import functools
 import math
 
 import numpy as np
@@ -43,34 +44,22 @@ def thread_profile(half_thickness, addendum: float, dedendum: float, centres):
 
 def screw_profile(dims: DrawingDimensions, centres):
     """Outline of the screw's thread: axial position and radius [mm]."""
-    along, height = thread_profile(
-        lambda h: straight_half_thickness(dims, h),
-        dims.screw_addendum,
-        dims.screw_dedendum,
-        centres,
-    )
+    half = functools.partial(straight_half_thickness, dims)
+    along, height = thread_profile(half, dims.screw_addendum, dims.screw_dedendum, centres)
     return along, dims.screw_radius + height
 
 
 def roller_profile(dims: DrawingDimensions, centres, side: int):
     """Outline of the roller's thread towards the nut (+1) or the screw (−1) [mm]."""
-    along, height = thread_profile(
-        lambda h: roller_half_thickness(dims, h),
-        dims.roller_addendum,
-        dims.roller_dedendum,
-        centres,
-    )
+    half = functools.partial(roller_half_thickness, dims)
+    along, height = thread_profile(half, dims.roller_addendum, dims.roller_dedendum, centres)
     return along, dims.centre_distance + side * (dims.roller_radius + height)
 
 
 def nut_profile(dims: DrawingDimensions, centres):
     """Outline of the nut's thread, which points inwards: axial position and radius [mm]."""
-    along, height = thread_profile(
-        lambda h: straight_half_thickness(dims, h),
-        dims.screw_addendum,
-        dims.roller_addendum,
-        centres,
-    )
+    half = functools.partial(straight_half_thickness, dims)
+    along, height = thread_profile(half, dims.screw_addendum, dims.roller_addendum, centres)
     return along, dims.nut_radius - height
 
 

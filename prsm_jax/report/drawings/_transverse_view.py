@@ -1,6 +1,7 @@
 """The view along the axis: screw, rollers at their places, nut, gear, carriers, contacts."""
 
 import math
+from typing import Any
 
 from ...text import trimmed
 from .._style import BODY_COLOURS, INK, MUTED
@@ -21,84 +22,54 @@ def draw_transverse_view(sheet: Sheet, dims: DrawingDimensions) -> None:
     _dimensions(sheet, dims)
 
 
-def _circle(sheet: Sheet, x: Length, y: Length, radius: Length, name: str, **kwargs) -> None:
+def _circle(
+    sheet: Sheet, radius: Length, name: str, at: tuple[Length, Length] = (0, 0), **kwargs
+) -> None:
     from matplotlib.patches import Circle
 
     style = {"facecolor": "none", "edgecolor": INK, "linewidth": 0.8} | kwargs
-    sheet.axes.add_patch(Circle((x, y), radius, label=name, **style))
+    sheet.axes.add_patch(Circle(at, radius, label=name, **style))
 
 
 def _nut_and_gear(sheet: Sheet, dims: DrawingDimensions) -> None:
-    open_wall = dims.nut_outer_radius is None
-    _circle(
-        sheet,
-        0,
-        0,
-        dims.drawn_outer_radius,
-        "nut",
-        facecolor=BODY_COLOURS["nut"],
-        hatch="////",
-        edgecolor=MUTED,
-        linewidth=0,
-    )
-    _circle(
-        sheet,
-        0,
-        0,
-        dims.drawn_outer_radius,
-        "nut outside",
-        linewidth=0.6 if open_wall else 0.9,
-        linestyle=(0, (3, 2)) if open_wall else "-",
-    )
-    _circle(sheet, 0, 0, dims.nut_radius, "nut thread", facecolor="white")
+    outer = dims.drawn_outer_radius
+    style: Any = {"facecolor": BODY_COLOURS["nut"], "hatch": "////", "edgecolor": MUTED}
+    _circle(sheet, outer, "nut", linewidth=0, **style)
+    edge: Any = {"linewidth": 0.9}
+    if dims.nut_outer_radius is None:
+        edge = {"linewidth": 0.6, "linestyle": (0, (3, 2))}
+    _circle(sheet, outer, "nut outside", **edge)
+    _circle(sheet, dims.nut_radius, "nut thread", facecolor="white")
     if dims.ring_outer_radius is not None:
-        _circle(
-            sheet,
-            0,
-            0,
-            dims.ring_outer_radius,
-            "ring gear outside",
-            edgecolor="#8f5f86",
-            linestyle=(0, (4, 1.5)),
-        )
+        style = {"edgecolor": "#8f5f86", "linestyle": (0, (4, 1.5))}
+        _circle(sheet, dims.ring_outer_radius, "ring gear outside", **style)
     if dims.carrier_inner_radius is not None and dims.carrier_outer_radius is not None:
         for radius in (dims.carrier_inner_radius, dims.carrier_outer_radius):
-            _circle(sheet, 0, 0, radius, "carrier", edgecolor=MUTED, linestyle=(0, (1.5, 1.5)))
+            _circle(sheet, radius, "carrier", edgecolor=MUTED, linestyle=(0, (1.5, 1.5)))
 
 
 def _screw(sheet: Sheet, dims: DrawingDimensions) -> None:
-    _circle(sheet, 0, 0, dims.screw_radius, "screw", facecolor=BODY_COLOURS["screw"], zorder=2)
+    _circle(sheet, dims.screw_radius, "screw", facecolor=BODY_COLOURS["screw"], zorder=2)
     if dims.bore_radius:
-        _circle(sheet, 0, 0, dims.bore_radius, "bore", facecolor="white", zorder=2)
+        _circle(sheet, dims.bore_radius, "bore", facecolor="white", zorder=2)
 
 
 def _rollers(sheet: Sheet, dims: DrawingDimensions) -> None:
-    cross = 0.35 * dims.roller_radius
+    cross, centre = 0.35 * dims.roller_radius, dims.centre_distance
+    empty = {"edgecolor": MUTED, "linestyle": (0, (3, 2))}
     for angle in dims.empty_angles:
-        x, y = dims.centre_distance * math.cos(angle), dims.centre_distance * math.sin(angle)
-        _circle(
-            sheet,
-            x,
-            y,
-            dims.roller_radius,
-            "empty place",
-            edgecolor=MUTED,
-            linestyle=(0, (3, 2)),
-        )
+        at = centre * math.cos(angle), centre * math.sin(angle)
+        _circle(sheet, dims.roller_radius, "empty place", at, **empty)
+    filled = {"facecolor": BODY_COLOURS["roller"], "zorder": 2}
     for angle in dims.roller_angles:
-        x, y = dims.centre_distance * math.cos(angle), dims.centre_distance * math.sin(angle)
-        _circle(
-            sheet, x, y, dims.roller_radius, "roller", facecolor=BODY_COLOURS["roller"], zorder=2
-        )
+        x, y = at = centre * math.cos(angle), centre * math.sin(angle)
+        _circle(sheet, dims.roller_radius, "roller", at, **filled)
         if dims.roller_bore_radius:
-            _circle(
-                sheet, x, y, dims.roller_bore_radius, "roller bore", facecolor="white", zorder=2
-            )
+            _circle(sheet, dims.roller_bore_radius, "roller bore", at, facecolor="white", zorder=2)
         sheet.line((x - cross, x + cross), (y, y), zorder=3, lw=0.4)
         sheet.line((x, x), (y - cross, y + cross), zorder=3, lw=0.4)
     turn = [math.pi * step / 90 for step in range(181)]
-    a = dims.centre_distance
-    sheet.centre_line([a * math.cos(t) for t in turn], [a * math.sin(t) for t in turn])
+    sheet.centre_line([centre * math.cos(t) for t in turn], [centre * math.sin(t) for t in turn])
     reach = dims.drawn_outer_radius + sheet.paper(1.5)
     sheet.centre_line((-reach, reach), (0, 0))
     sheet.centre_line((0, 0), (-reach, reach))
@@ -135,12 +106,5 @@ def _dimensions(sheet: Sheet, dims: DrawingDimensions) -> None:
         sheet.horizontal_dimension(-radius, radius, y, words, 0.0)
     if dims.bore_radius:
         x, y = dims.bore_radius * math.cos(2.3), dims.bore_radius * math.sin(2.3)
-        sheet.leader(
-            x,
-            y,
-            -outer * 0.98,
-            level(1),
-            f"bore Ø{trimmed(2 * dims.bore_radius)}",
-            ha="center",
-            va="bottom",
-        )
+        words = f"bore Ø{trimmed(2 * dims.bore_radius)}"
+        sheet.leader(x, y, -outer * 0.98, level(1), words, ha="center", va="bottom")

@@ -8,6 +8,7 @@ import numpy as np
 from ...dynamics import BodyForces, Transient, body_forces
 from ...mechanism import Mechanism
 from ...text import display_unit, in_unit
+from .._parts import legend_below
 from .._style import INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure
 
 _NORMAL = (
@@ -97,11 +98,4 @@ def _legend(figure: Figure, start: float, end: float) -> None:
         Line2D([], [], mfc="white", mew=1.2, label=f"at {in_unit(start, clock, 3)}", **dot),
         Line2D([], [], label=f"at {in_unit(end, clock, 3)}", **dot),
     ]
-    figure.legend(
-        handles=handles,
-        loc="outside lower center",
-        ncols=len(handles),
-        fontsize=SMALL,
-        columnspacing=1.0,
-        handlelength=1.3,
-    )
+    legend_below(figure, handles, fontsize=SMALL, columnspacing=1.0, handlelength=1.3)

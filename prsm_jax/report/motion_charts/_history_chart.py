@@ -9,9 +9,9 @@ import numpy as np
 from ...dynamics import Transient, travel_per_turn
 from ...mechanism import Mechanism
 from ...text import DisplayUnit, display_unit, in_unit
+from .._parts import DASHES, legend_below, page_title
 from .._style import INK, MUTED, SERIES, Axes, Figure, drawn, page_figure
 
-_DASHES = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (6, 1.5, 1.5, 1.5)))
 _STICK = "#dfe3e8"
 _ROW, _EXTRA = 33.0, 26.0
 #: Below this share of the largest power an efficiency is meaningless.
@@ -141,7 +141,7 @@ def history_chart(mechanism: Mechanism, run: Transient) -> Figure:
     for axes in (grid[-1, 0], grid[-1 if len(shown) % 2 == 0 else -2, 1]):
         axes.set_xlabel(f"time in {clock.label}")
         axes.tick_params(axis="x", labelbottom=True)
-    _head(figure, run, fixed, clock)
+    _head(figure, fixed)
     _legend(figure, np.asarray(run.carrier_ratio).shape[0], bool(phases))
     figure.align_ylabels()
     return figure
@@ -154,7 +154,7 @@ def _draw(axes: Axes, history: _History, time: np.ndarray) -> None:
         if several and not np.any(curve):
             continue
         colour = SERIES[(0, 3, 2, 4)[stage % 4]] if history.colour is None else INK
-        dashes = _DASHES[stage % len(_DASHES)] if several else "-"
+        dashes = DASHES[stage % len(DASHES)] if several else "-"
         axes.plot(time, unit(curve), color=colour, ls=dashes, lw=1.2)
     axes.set_title(history.name)
     axes.set_ylabel(f"in {unit.label}" if unit.label else "")
@@ -171,10 +171,10 @@ def shade(axes: Axes, phases: Iterable[tuple[float, float]], clock: DisplayUnit)
         axes.axvspan(clock(start), clock(end), color=_STICK, lw=0, zorder=0)
 
 
-def _head(figure: Figure, run: Transient, fixed: list[_History], clock: DisplayUnit) -> None:
+def _head(figure: Figure, fixed: list[_History]) -> None:
     words = [f"{one.name} {in_unit(one.curves[0, 0], one.unit)}" for one in fixed]
     heading = "Time histories" + (f": {', '.join(words)}" if words else "")
-    figure.suptitle(heading, fontsize=9, fontweight="bold", x=0.01, ha="left")
+    page_title(figure, heading)
 
 
 def _legend(figure: Figure, stages: int, sticks: bool) -> None:
@@ -184,9 +184,8 @@ def _legend(figure: Figure, stages: int, sticks: bool) -> None:
     handles: list[Any] = []
     if stages > 1:
         for stage in range(stages):
-            style = {"color": SERIES[(0, 3, 2, 4)[stage % 4]], "ls": _DASHES[stage % len(_DASHES)]}
+            style = {"color": SERIES[(0, 3, 2, 4)[stage % 4]], "ls": DASHES[stage % len(DASHES)]}
             handles.append(Line2D([], [], lw=1.2, label=f"stage {stage + 1}", **style))
     if sticks:
         handles.append(Patch(facecolor=_STICK, edgecolor=MUTED, lw=0.4, label="sticks"))
-    if handles:
-        figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+    legend_below(figure, handles, len(handles))

@@ -5,6 +5,7 @@ from typing import Any
 
 from ...dynamics import SteadyState
 from ...text import display_unit, in_unit, number
+from .._parts import legend_below
 from .._style import LOSS_COLOURS, MUTED, SERIES, SMALL, Figure, drawn, page_figure, readable
 
 _OUTPUT = "#b8d8c8"
@@ -45,7 +46,7 @@ def loss_chart(states: Mapping[str, SteadyState]) -> Figure:
     small = display_unit("W", [float(sum(s.losses.values(), 0.0)) for s in states.values()])
     figure = page_figure(2 * (9 * len(states) + 14) + 14)
     above, below = figure.subplots(2, 1)
-    for row, (label, state) in enumerate(states.items()):
+    for row, state in enumerate(states.values()):
         output, losses = float(state.output_power), {n: float(v) for n, v in state.losses.items()}
         total = sum(losses.values())
         source = max(output, 0.0) + total
@@ -66,7 +67,6 @@ def loss_chart(states: Mapping[str, SteadyState]) -> Figure:
         words = f"  input {in_unit(source, unit)}" if source > 0 else "  no motion, no power"
         above.text(100 if source > 0 else 0, row, words, va="center", fontsize=SMALL)
         below.text(position, row, f"  {in_unit(total, small)}", va="center", fontsize=SMALL)
-        del label
     for axes in (above, below):
         axes.set_yticks(range(len(states)), list(states))
         axes.set_ylim(len(states) - 0.5, -0.5)
@@ -90,4 +90,4 @@ def _legend(figure: Figure, names: list[str]) -> None:
     handles += [
         Patch(**loss_style(name, index), label=readable(name)) for index, name in enumerate(names)
     ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 7))
+    legend_below(figure, handles)

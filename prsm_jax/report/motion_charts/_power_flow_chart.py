@@ -7,6 +7,7 @@ import numpy as np
 from ...dynamics import Transient
 from ...mechanism import Mechanism
 from ...text import DisplayUnit, display_unit, in_unit, number
+from .._parts import legend_below
 from .._style import INK, MUTED, SMALL, Axes, Figure, drawn, page_figure, readable
 from ._history_chart import shade, sticking_phases
 from ._loss_chart import loss_style
@@ -67,7 +68,7 @@ def power_flow_chart(flow: PowerFlow, title: str = "Power flow") -> Figure:
         raise ValueError("nothing flows: the mechanism does not move, or moves without any force")
     unit = _unit(flow)
     per = _TALL / total
-    left = [(n, v) for n, v in flow.sources.items()]
+    left = list(flow.sources.items())
     right = sorted(flow.sinks.items(), key=lambda item: (item[0] not in (LOAD, MOTOR), -item[1]))
     tops = {side: _spread([v * per for _, v in ends]) for side, ends in (("l", left), ("r", right))}
     depth = {
@@ -225,10 +226,5 @@ def power_history_chart(mechanism: Mechanism, run: Transient) -> Figure:
     axes.set_ylabel(f"power in {unit.label}")
     axes.set_title("Power: sinks (above zero) and sources (below)")
     axes.grid(True)
-    figure.legend(
-        handles=list(handles.values()),
-        loc="outside lower center",
-        ncols=min(len(handles), 5),
-        labelcolor=MUTED,
-    )
+    legend_below(figure, list(handles.values()), 5, labelcolor=MUTED)
     return figure

@@ -1,12 +1,13 @@
 """Efficiency, carrier ratio and drive torque over time."""
 
+from typing import Any
+
 import numpy as np
 
 from ...dynamics import Transient, settling_time
 from ...text import display_unit, in_unit
+from .._parts import DASHES
 from .._style import MUTED, SERIES, SMALL, Figure, drawn, page_figure
-
-_DASHES = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (6, 1.5, 1.5, 1.5)))
 
 
 def time_to_settle(transient: Transient, band: float = 0.01) -> float | None:
@@ -52,13 +53,8 @@ def transient_chart(transient: Transient) -> Figure:
     upper.plot(time, 100 * np.asarray(transient.efficiency), color=SERIES[0])
     upper.set_ylabel("efficiency in %")
     for index, ratio in enumerate(stages):
-        middle.plot(
-            time,
-            ratio,
-            color=SERIES[index % len(SERIES)],
-            ls=_DASHES[index % len(_DASHES)],
-            label=f"stage {index + 1}",
-        )
+        style = {"color": SERIES[index % len(SERIES)], "ls": DASHES[index % len(DASHES)]}
+        middle.plot(time, ratio, label=f"stage {index + 1}", **style)
     middle.set_ylabel("carrier ratio ω/Ω")
     if len(stages) > 1:
         middle.legend(loc="lower right")
@@ -73,15 +69,8 @@ def transient_chart(transient: Transient) -> Figure:
             axes.axvline(unit(settled), color=MUTED, lw=0.8, ls=(0, (4, 2)))
     upper.set_title("From rollers at rest to the steady state")
     if settled is not None:
-        upper.text(
-            0.995,
-            1.03,
-            f"dashed: carriers within 1 % of their last speed after {in_unit(settled, unit, 3)}",
-            transform=upper.transAxes,
-            ha="right",
-            va="bottom",
-            fontsize=SMALL,
-            color=MUTED,
-        )
+        words = f"dashed: carriers within 1 % of their last speed after {in_unit(settled, unit, 3)}"
+        place: dict[str, Any] = {"transform": upper.transAxes, "ha": "right", "va": "bottom"}
+        upper.text(0.995, 1.03, words, fontsize=SMALL, color=MUTED, **place)
     figure.align_ylabels()
     return figure

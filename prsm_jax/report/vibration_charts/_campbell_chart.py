@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ...response import Campbell, Crossing
+from .._parts import WHITE, plain_ticks
 from .._style import FAMILY_COLOURS, MUTED, SMALL, Figure, drawn, page_figure, place_axes, readable
 
 _WIDTH, _HEIGHT = 180.0, 150.0
@@ -112,21 +113,12 @@ def campbell_chart(campbell: Campbell, max_speed: float) -> Figure:
     axes.set_xlabel("screw speed in rpm")
     axes.set_ylabel("frequency in Hz")
     for axis in (axes.xaxis, axes.yaxis):
-        _plain_ticks(axis)
+        plain_ticks(axis, "{:,.0f}")
     axes.set_title("Campbell diagram")
     _legend(axes, campbell)
     if listed:
         _list(figure, listed, len(excited) - len(listed), below)
     return figure
-
-
-def _plain_ticks(axis) -> None:
-    """Ticks at 1, 2, 5 in every decade, as plain numbers."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axis.set_minor_formatter(NullFormatter())
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.0f}".replace(",", " ")))
 
 
 def _draw_orders(axes, lines, excited: set[Any], rpm: float) -> None:
@@ -187,7 +179,7 @@ def _draw_frequencies(axes, campbell: Campbell) -> list[Any]:
             va="center",
             fontsize=SMALL,
             zorder=2.5,
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.85},
+            bbox={**WHITE, "pad": 0.6, "alpha": 0.85},
         )
         width = (4.7 * len(words) + 3) * scale
         x, y = axes.transAxes.transform((0.008, place))

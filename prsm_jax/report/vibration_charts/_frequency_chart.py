@@ -4,7 +4,8 @@ from collections.abc import Mapping
 
 from ...text import show
 from ...vibration import Modes
-from .._style import FAMILY_COLOURS, MUTED, SMALL, TEXT, Figure, drawn, page_figure
+from .._parts import aside
+from .._style import FAMILY_COLOURS, MUTED, TEXT, Figure, drawn, page_figure
 
 _ORDER = ("carrier", "torsional", "transverse", "roller")
 
@@ -64,18 +65,11 @@ def frequency_chart(modes: Mapping[str, Modes]) -> Figure:
             y = index + (turn - (len(designs) - 1) / 2) * 3.6 / step
             last = turn == len(designs) - 1
             colour = FAMILY_COLOURS[family]
-            axes.plot(
-                (axes.get_xlim()[0], value),
-                (y, y),
-                color=colour,
-                lw=1.6 if last else 0.8,
-                solid_capstyle="butt",
-            )
+            style = {"color": colour, "lw": 1.6 if last else 0.8, "solid_capstyle": "butt"}
+            axes.plot((axes.get_xlim()[0], value), (y, y), **style)
             axes.plot(value, y, "o", ms=4.5, mec=colour, mfc=colour if last else "white", mew=1.1)
             words = show(value, "Hz") + (f"  ×{multiplicity}" if multiplicity > 1 else "")
-            axes.annotate(
-                words, (value, y), (5, 0), textcoords="offset points", va="center", fontsize=SMALL
-            )
+            aside(axes, words, (value, y), (5, 0), va="center")
     axes.set_yticks(range(len(rows)), [f"{family} {number}" for family, number in rows])
     axes.tick_params(axis="y", length=0)
     axes.set_ylim(len(rows) - 0.4, -0.6)

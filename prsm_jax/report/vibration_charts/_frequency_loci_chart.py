@@ -6,6 +6,7 @@ import numpy as np
 
 from ...text import DisplayUnit, display_unit, in_unit, show
 from ...vibration import FAMILIES, FrequencyLoci, Veering
+from .._parts import WHITE, aside, in_words, legend_below, plain_ticks
 from .._style import FAMILY_COLOURS, INK, SMALL, Axes, Figure, drawn, page_figure, readable
 
 #: Frequencies that differ by more than this factor are drawn on a logarithmic axis.
@@ -44,7 +45,7 @@ def frequency_loci_chart(loci: FrequencyLoci) -> Figure:
     _curves(main, loci, unit, hertz)
     if every.max() > _WIDE * every.min():
         main.set_yscale("log")
-        _log_ticks(main)
+        plain_ticks(main.yaxis)
     if _equal_ratios(np.asarray(loci.values)):
         main.set_xscale("log")
         main.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
@@ -77,20 +78,8 @@ def _positive(loci: FrequencyLoci) -> np.ndarray:
     return flat[flat > _RIGID * flat.max(initial=0.0)]
 
 
-def _name(loci: FrequencyLoci) -> str:
-    return readable(loci.parameter).replace(".", " ")
-
-
 def _label(loci: FrequencyLoci, unit: DisplayUnit) -> str:
-    return _name(loci) + (f" in {unit.label}" if unit.label else "")
-
-
-def _log_ticks(axes: Axes) -> None:
-    from matplotlib.ticker import LogLocator, NullFormatter
-
-    axes.yaxis.set_major_locator(LogLocator(10, subs=(1, 2, 5)))
-    axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
-    axes.yaxis.set_minor_formatter(NullFormatter())
+    return in_words(readable(loci.parameter).replace(".", " "), unit)
 
 
 def _curves(axes: Axes, loci: FrequencyLoci, unit: DisplayUnit, hertz: DisplayUnit) -> None:
@@ -167,18 +156,8 @@ def _enlarge(
     )
     frame = Rectangle((left, bottom), right - left, top - bottom, fill=False, ec=INK, lw=0.6)
     main.add_patch(frame)
-    main.annotate(
-        letter,
-        (left, bottom),
-        (-2, -1),
-        textcoords="offset points",
-        ha="right",
-        va="top",
-        fontsize=SMALL,
-        fontweight="bold",
-        color=INK,
-        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
-    )
+    style = {"fontweight": "bold", "color": INK, "bbox": {**WHITE, "pad": 0.6}}
+    aside(main, letter, (left, bottom), (-2, -1), va="top", **style)
 
 
 def _legend(figure: Figure, loci: FrequencyLoci) -> None:
@@ -194,6 +173,5 @@ def _legend(figure: Figure, loci: FrequencyLoci) -> None:
         words = f"{family} (×{times})" if times > 1 and not changes else family
         handles.append(Line2D([], [], color=FAMILY_COLOURS[family], lw=2, label=words))
     if coupled:
-        blank = Line2D([], [], ls="", label="mixed colours: mixed families")
-        handles.append(blank)
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), fontsize=SMALL)
+        handles.append(Line2D([], [], ls="", label="mixed colours: mixed families"))
+    legend_below(figure, handles, fontsize=SMALL)

@@ -13,7 +13,6 @@ from .._examples import (
     knees,
     scene,
     steady,
-    steady_example,
     time_to_settle,
     transient,
     two_stages,
@@ -65,7 +64,7 @@ def viscous_friction() -> Iterator[Row]:
         "the equation is linear, so its solution is known; the rest is interpolation between the "
         "steps",
     )
-    ratio = float(steady_example(_VISCOUS).carrier_ratio[0])
+    ratio = float(steady(_VISCOUS).carrier_ratio[0])
     ideal = float(ideal_carrier_ratio(stage.thread))
     coulomb = float(steady(_NAME).carrier_ratio[0])
     yield trend(

@@ -16,7 +16,7 @@ from ...contact import (
 from ...fields import as_scalar
 from ...mechanism import CurvatureConvention, material_of
 from .._difference import consistent, differs, formula, inconsistent, unexplained
-from .._examples import example
+from .._examples import example, given
 from .._registry import rows_of
 from .._row import Row, misprint, number
 from .._thread_contacts import LOADS, pairs_of_threads
@@ -117,8 +117,7 @@ def finite_elements() -> Iterator[Row]:
             contact = _pressure("lisowski2014", side)
             item = f"{TABLES[side]}: finite elements on the {side} side, {load:.0f} N"
             previous = pressures[0] if side == "screw" else pressures[1]
-            assert previous is not None
-            growth = float(pressures[-1] or 0) / float(previous)
+            growth = float(given(pressures[-1])) / float(given(previous))
             start = LOADS[0] if side == "screw" else LOADS[1]
             expected = _BY_THEIR_RADII[side][index]
             yield unexplained(
@@ -132,8 +131,7 @@ def finite_elements() -> Iterator[Row]:
                 "finite elements do not follow the small contact at low load. The size of the "
                 "elements does not explain it, see section 4 below",
             )
-            error = _ERRORS[side][index]
-            assert error is not None
+            error = given(_ERRORS[side][index])
             hertz = float(HERTZ[side][index])
             deviation = 100 * abs(float(printed) / hertz - 1)
             item = f"{TABLES[side]}: deviation of the finite elements, {side} side, {load:.0f} N"
@@ -174,9 +172,7 @@ def finite_elements() -> Iterator[Row]:
                 "proportional to the load, as if the contact did not grow",
             )
     for load, printed in ((50.0, "1.16"), (100.0, "1.17")):
-        nut, screw = (_DISPLACEMENTS[side][LOADS.index(load)] for side in ("nut", "screw"))
-        assert nut is not None
-        assert screw is not None
+        nut, screw = (given(_DISPLACEMENTS[side][LOADS.index(load)]) for side in ("nut", "screw"))
         yield consistent(
             f"Table 3: displacement factor, {load:.0f} N",
             printed,

@@ -12,7 +12,7 @@ from ...geometry import Meshing, mesh
 from ...halfspace import FlankContact, flank_contact
 from ...mechanism import Stage
 from .._difference import not_comparable, unexplained
-from .._examples import example
+from .._examples import example, given
 from .._registry import rows_of
 from .._row import Row
 from .._thread_contacts import LOADS
@@ -106,8 +106,7 @@ def true_flanks() -> Iterator[Row]:
 def edges() -> Iterator[Row]:
     """Section 4: the nut side's edge zone, and the size of the elements."""
     high, low = flanks("nut", 50.0), flanks("nut", 50.0, LOW)
-    assert low.flanks.body_edge is not None
-    past = int(jnp.sum(low.surface.contact & (low.flanks.body_edge < 0)))
+    past = int(jnp.sum(low.surface.contact & (given(low.flanks.body_edge) < 0)))
     reach = 1e3 * _radial_reach(high)
     yield not_comparable(
         "section 4: the contact of roller and nut has an edge zone, 50 N; height of the nut's "

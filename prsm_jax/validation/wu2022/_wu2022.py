@@ -9,7 +9,7 @@ from ...mechanism import body_inertia
 from ...stiffness import gear_mesh_stiffness
 from .._cylinders import sleeve_radius, solid_length
 from .._difference import differs, fault, inconsistent, not_comparable, unexplained
-from .._examples import example
+from .._examples import example, given
 from .._registry import rows_of
 from .._row import Row, misprint, number
 from .._thread_contacts import LOADS, pairs_of_threads
@@ -27,9 +27,7 @@ _CITATION = "L. Wu, S. Ma, P. Deng, Q. Huang, Electronics 11 (2022) 1395"
 def dimensions() -> Iterator[Row]:
     """Table 3."""
     stage = example("wu2022").stages[0]
-    thread, gear = stage.thread, stage.gear
-    assert gear is not None
-    assert gear.roller_teeth is not None
+    thread, gear = stage.thread, given(stage.gear)
     roller = 2e3 * float(thread.roller_radius)
     screw, nut = 2e3 * float(thread.screw_radius), 2e3 * float(thread.nut_radius)
     identity = "exactly, from the roller's 8 mm and 5 starts by r_n = r_s + 2 r_R = n r_R"
@@ -72,10 +70,10 @@ def dimensions() -> Iterator[Row]:
         f"{roller:.0f} mm (the paper compares itself with one of 7 mm in section 4, whose r_R/sin "
         "45° is the evidence)",
     )
-    module = roller / float(gear.roller_teeth)
+    module = roller / float(given(gear.roller_teeth))
     note = "exactly, 2 r_R/z"
     yield number("Table 3: module of the gears", "0.5", module, "mm", tolerance=_EXACT, note=note)
-    teeth = float(gear.roller_teeth * thread.starts)
+    teeth = float(given(gear.roller_teeth) * thread.starts)
     note = "exactly, n z"
     yield number("Table 3: teeth of the ring gear", "80", teeth, tolerance=_EXACT, note=note)
 
@@ -87,12 +85,9 @@ def masses() -> Iterator[Row]:
     thread = stage.thread
     # Steel sleeves outside the nominal radius: the nut as long as the roller's mass implies, the
     # ring gear as wide as its teeth.
-    gear = stage.gear
-    assert gear is not None
-    assert gear.face_width is not None
-    assert stage.roller.mass is not None
-    length = solid_length(float(stage.roller.mass), float(thread.roller_radius))
-    widths = {"nut": length, "ring_gear": float(gear.face_width)}
+    gear = given(stage.gear)
+    length = solid_length(float(given(stage.roller.mass)), float(thread.roller_radius))
+    widths = {"nut": length, "ring_gear": float(given(gear.face_width))}
     for name, body, radius, printed in (
         ("screw", "screw", thread.screw_radius, "1.822e-4"),
         ("roller", "roller", thread.roller_radius, "5.216e-7"),
@@ -126,8 +121,7 @@ def masses() -> Iterator[Row]:
 def stiffnesses() -> Iterator[Row]:
     """Table 4, thread contacts and gear."""
     stage = example("wu2022").stages[0]
-    thread, gear = stage.thread, stage.gear
-    assert gear is not None
+    thread, gear = stage.thread, given(stage.gear)
     single = {
         name: {side: float(contact.axial_stiffness[-1]) for side, contact in sides.items()}
         for name, sides in pairs_of_threads("wu2022").items()

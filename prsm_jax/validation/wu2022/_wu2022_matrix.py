@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...mechanism import Stage
+from .._examples import given
 
 #: Roller mass that the table was computed with, where Table 4 prints 0.0326 [kg].
 ROLLER_MASS = 0.033
@@ -32,21 +33,17 @@ class _Body:
 
 
 def _bodies(stage: Stage) -> tuple[_Body, ...]:
-    thread, stiffness = stage.thread, stage.stiffness
-    assert stiffness is not None
+    thread, stiffness = stage.thread, given(stage.stiffness)
     projection = float(np.cos(float(thread.roller_helix_angle)) ** 2)
-    assert stiffness.screw_roller is not None
-    assert stiffness.nut_roller is not None
-    assert stiffness.ring_roller is not None
     meshes = {
-        "screw": float(stiffness.screw_roller) * projection,
-        "ring_gear": float(stiffness.ring_roller),
-        "nut": float(stiffness.nut_roller) * projection,
+        "screw": float(given(stiffness.screw_roller)) * projection,
+        "ring_gear": float(given(stiffness.ring_roller)),
+        "nut": float(given(stiffness.nut_roller)) * projection,
     }
-    assert stage.gear is not None
     # α_s, α_r and α_n of equations 7 to 13, for which the paper prints no values: these give
     # the directions of the transverse modes of Table 6.
-    thread_phase, gear_phase = float(thread.contact_angle), float(stage.gear.pressure_angle)
+    thread_phase = float(thread.contact_angle)
+    gear_phase = float(given(stage.gear).pressure_angle)
     bodies = []
     for name, mesh in meshes.items():
         part = getattr(stage, name)
@@ -69,23 +66,18 @@ def _bodies(stage: Stage) -> tuple[_Body, ...]:
 
 
 def _mass_diagonal(stage: Stage, roller_count: int) -> np.ndarray:
-    carrier = stage.carrier
-    assert carrier is not None
-    assert carrier.inertia is not None
+    carrier = given(stage.carrier)
     radius = float(stage.thread.centre_distance)
     rollers = roller_count * ROLLER_MASS
     bodies = [(body.mass, body.mass, body.equivalent_mass) for body in _bodies(stage)]
-    inertia = carrier.count * float(carrier.inertia) / radius**2
+    inertia = carrier.count * float(given(carrier.inertia)) / radius**2
     return np.array([*np.ravel(bodies), *[ROLLER_MASS] * roller_count, inertia + rollers])
 
 
 def _supports(stage: Stage, roller_count: int) -> np.ndarray:
-    carrier = stage.carrier
-    assert carrier is not None
-    assert carrier.support is not None
-    assert carrier.support.torsional_stiffness is not None
+    carrier = given(stage.carrier)
     bodies = [(body.radial, body.radial, body.torsional) for body in _bodies(stage)]
-    torsional = float(carrier.support.torsional_stiffness)
+    torsional = float(given(given(carrier.support).torsional_stiffness))
     return np.array([*np.ravel(bodies), *[0.0] * roller_count, torsional])
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from .._cylinders import DENSITY, cantilever_length, sleeve_radius, solid_length, torsional
 from .._difference import differs, not_comparable
-from .._examples import example
+from .._examples import example, given
 from .._registry import rows_of
 from .._row import Row
 
@@ -18,8 +18,7 @@ _ROLLER_BENDING = 2.199e5
 def lengths() -> Iterator[Row]:
     """Table 4, mass and bending stiffness of screw and roller: each implies a length."""
     stage = example("wu2022").stages[0]
-    material = stage.material
-    assert material is not None
+    material = given(stage.material)
     modulus = float(material.youngs_modulus)
     thread = stage.thread
     for name, body, radius, printed, bending, bounds in (
@@ -33,14 +32,11 @@ def lengths() -> Iterator[Row]:
         ),
         ("screw", stage.screw, thread.screw_radius, "1.265", None, (1.091, 1.0912)),
     ):
-        assert body.mass is not None
         if bending is None:
-            assert body.support is not None
-            assert body.support.radial_stiffness is not None
-            bending = float(body.support.radial_stiffness)
+            bending = float(given(given(body.support).radial_stiffness))
         radius = float(radius)
         bent = cantilever_length(modulus, radius, bending)
-        weighed = solid_length(float(body.mass), radius)
+        weighed = solid_length(float(given(body.mass)), radius)
         yield not_comparable(
             f"Table 4: mass of the {name}, a cylinder as long as its bending stiffness implies",
             printed,
@@ -58,18 +54,13 @@ def lengths() -> Iterator[Row]:
 def torsional_stiffnesses() -> Iterator[Row]:
     """Table 4, torsional stiffnesses, whose unit is neither the printed nor the used one."""
     stage = example("wu2022").stages[0]
-    thread, material = stage.thread, stage.material
-    assert material is not None
-    assert stage.screw.mass is not None
-    assert stage.nut.mass is not None
-    assert stage.roller.mass is not None
-    assert stage.screw.support is not None
-    assert stage.screw.support.radial_stiffness is not None
+    thread, material = stage.thread, given(stage.material)
     modulus = float(material.youngs_modulus)
     shear = modulus / (2 * (1 + float(material.poisson_ratio)))
     screw, nut = float(thread.screw_radius), float(thread.nut_radius)
-    length = solid_length(float(stage.screw.mass), screw)
-    bent = cantilever_length(modulus, screw, float(stage.screw.support.radial_stiffness))
+    length = solid_length(float(given(stage.screw.mass)), screw)
+    radial = given(given(stage.screw.support).radial_stiffness)
+    bent = cantilever_length(modulus, screw, float(radial))
     shaft = torsional(shear, screw, 0.0, length, screw)
     yield differs(
         "Table 4: torsional stiffness of the screw",
@@ -87,8 +78,8 @@ def torsional_stiffnesses() -> Iterator[Row]:
         "stiffness: a factor of 1000 seems to be lost (evidence: the stiffness of that length in "
         "N/mm, 3 % from the printed number)",
     )
-    width = solid_length(float(stage.roller.mass), float(thread.roller_radius))
-    outer = sleeve_radius(float(stage.nut.mass), nut, width)
+    width = solid_length(float(given(stage.roller.mass)), float(thread.roller_radius))
+    outer = sleeve_radius(float(given(stage.nut.mass)), nut, width)
     sleeve = torsional(shear, outer, nut, width, nut)
     yield differs(
         "Table 4: torsional stiffness of the nut",

@@ -13,7 +13,7 @@ from ...contact import engaged_threads, stage_contact
 from ...mechanism import Mechanism, set_parameter
 from ...vibration import modal
 from .._difference import differs
-from .._examples import example
+from .._examples import example, given
 from .._registry import rows_of
 from .._row import Row, trend
 
@@ -54,8 +54,7 @@ def curves() -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """
     mechanism = example("wu2022")
     stage = mechanism.stages[0]
-    assert stage.stiffness is not None
-    derived = dataclasses.replace(stage.stiffness, screw_roller=None, nut_roller=None)
+    derived = dataclasses.replace(given(stage.stiffness), screw_roller=None, nut_roller=None)
     mechanism = dataclasses.replace(
         mechanism, stages=(dataclasses.replace(stage, stiffness=derived),)
     )

@@ -1,0 +1,123 @@
+"""Parts that several pictures have: colour bars, legends, headings, words beside points, ticks."""
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from ..text import DisplayUnit
+from ._style import BODY_COLOURS, INK, MUTED, SMALL, TITLE, Axes, Figure, readable
+
+#: Dashes of the first, second, … of several curves.
+DASHES = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (6, 1.5, 1.5, 1.5)))
+#: Dashes of an axis of symmetry.
+CHAIN = (0, (9, 2, 1.5, 2))
+#: Behind words that stand on lines.
+WHITE = {"facecolor": "white", "edgecolor": "none"}
+
+
+def in_words(name: str, unit: DisplayUnit) -> str:
+    """A name with its unit, if it has one: "pressure in MPa"."""
+    return f"{name} in {unit.label}" if unit.label else name
+
+
+def page_title(figure: Figure, words: str) -> None:
+    """A heading over all panels of a picture."""
+    figure.suptitle(words, fontsize=TITLE, fontweight="bold", x=0.01, ha="left")
+
+
+def colour_bar(figure: Figure, image: Any, axes: Any, words: str, **style: Any) -> Any:
+    """A colour bar on the right of one or several panels."""
+    style = {"location": "right", "shrink": 0.9, "pad": 0.02} | style
+    bar = figure.colorbar(image, ax=axes, **style)
+    bar.set_label(words, fontsize=SMALL)
+    bar.outline.set_linewidth(0.4)
+    return bar
+
+
+def legend_below(figure: Figure, handles: Sequence[Any], most: int = 7, **style: Any) -> None:
+    """A legend under the picture, with up to `most` columns; none without handles."""
+    if handles:
+        place = {"loc": "outside lower center", "ncols": min(len(handles), most)}
+        figure.legend(handles=list(handles), **place, **style)
+
+
+def dense_legend(figure: Figure, handles: Sequence[Any], place: tuple[float, float]) -> None:
+    """A legend in one dense line, its lower edge at a place in the figure, from 0 to 1."""
+    figure.legend(
+        handles=list(handles),
+        loc="lower center",
+        bbox_to_anchor=place,
+        ncols=len(handles),
+        fontsize=SMALL,
+        handlelength=1.3,
+        columnspacing=1.2,
+        borderaxespad=0,
+        borderpad=0,
+    )
+
+
+def body_patches(bodies: Iterable[str]) -> list[Any]:
+    """Entries of a legend for bodies in their colours."""
+    from matplotlib.patches import Patch
+
+    style = {"edgecolor": MUTED, "linewidth": 0.5}
+    return [Patch(facecolor=BODY_COLOURS[b], label=readable(b), **style) for b in bodies]
+
+
+def aside(
+    axes: Axes, words: str, point: tuple[Any, Any], shift: tuple[float, float], **style: Any
+) -> None:
+    """Small words beside a point; `shift` from it in points, to the left if it is negative."""
+    align = {"ha": "right"} if shift[0] < 0 else {}
+    style = {"fontsize": SMALL} | align | style
+    axes.annotate(words, point, shift, textcoords="offset points", **style)
+
+
+def plain_ticks(axis: Any, form: str = "{:g}", subs: tuple[float, ...] = (1.0, 2.0, 5.0)) -> None:
+    """Plain numbers at the major ticks of a logarithmic axis, none at the minor ones."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    axis.set_major_locator(LogLocator(subs=subs))
+    axis.set_major_formatter(lambda value, _: form.format(value).replace(",", " "))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def draw_pressure(
+    axes: Axes,
+    pressure: Any,
+    extent: tuple[float, float, float, float],
+    highest: float,
+    ellipse: tuple[float, float],
+    *,
+    smooth: bool,
+    dashes: str,
+) -> Any:
+    """Pressures of a contact [MPa] in colour, its Hertz ellipse and its axes; the image.
+
+    **Arguments:**
+
+    - `pressure`: over the tangent plane, rows along y; nothing is drawn where it is 0.
+    - `extent`: of the picture, in the unit of the axes.
+    - `highest`: where the scale of colours ends [MPa].
+    - `ellipse`: its semi-axes.
+    - `smooth`: whether colours between points are interpolated.
+    - `dashes`: line style of the ellipse.
+    """
+    import numpy as np
+    from matplotlib.patches import Ellipse
+
+    image = axes.imshow(
+        np.ma.masked_where(pressure <= 0, pressure),
+        extent=extent,
+        origin="lower",
+        cmap="cividis",
+        vmin=0,
+        vmax=highest,
+        interpolation="bilinear" if smooth else "nearest",
+        aspect="equal",
+    )
+    size = 2 * ellipse[0], 2 * ellipse[1]
+    style: Any = {"facecolor": "none", "edgecolor": INK, "linestyle": dashes}
+    axes.add_patch(Ellipse((0, 0), *size, lw=0.8 if smooth else 0.9, **style))
+    axes.axhline(0, color=INK, lw=0.3, ls=CHAIN)
+    axes.axvline(0, color=INK, lw=0.3, ls=CHAIN)
+    return image
