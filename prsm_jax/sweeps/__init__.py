@@ -1,4 +1,6 @@
-"""Quantities over a grid of designs, as a labelled data set."""
+"""Quantities and their derivatives over many designs, as a labelled data set."""
 
 from ._chunks import map_in_chunks as map_in_chunks
+from ._plan import PlanName as PlanName
+from ._store import open_store as open_store
 from ._sweep import DEFAULT_CHUNK as DEFAULT_CHUNK, sweep as sweep
