@@ -90,7 +90,6 @@ def create_store(
         new = temporary / "new"
         dataset.to_zarr(new, mode="w", zarr_format=3, consolidated=False)
         group = zarr.open_group(new, mode="r+")
-        dimensions = tuple(identity["dimensions"])
         for variable in variables:
             group.create_array(
                 variable.name,
@@ -98,7 +97,7 @@ def create_store(
                 chunks=(*blocks.block, *variable.own_shape),
                 dtype=variable.dtype,
                 fill_value=variable.fill,
-                dimension_names=(*dimensions, *variable.own_dimensions),
+                dimension_names=(*identity["dimensions"], *variable.own_dimensions),
                 attributes=variable.attributes,
             )
         progress = group.create_group(_PROGRESS, attributes={_SWEEP: dict(identity)})

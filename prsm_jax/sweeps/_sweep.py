@@ -21,7 +21,7 @@ from ..fields import Scalar
 from ..mechanism import Mechanism, find_parameters, of_one_known_design
 from ..process import placing_in, put_folder, real_path, temporary_folder
 from ..quantities import find_quantity
-from ._labels import Variable, counts_of, empty_dataset, variables_of
+from ._labels import counts_of, empty_dataset, variables_of
 from ._plan import PlanName, blocks_of, plan_of
 from ._run import Job, run_blocks
 from ._store import (
@@ -132,18 +132,66 @@ def sweep(
         raise ValueError(f"chunk is {chunk}; it must be at least 1")
     laid_out = plan_of(mechanism, axes, {"speed": speed, "load": load}, plan, points, seed)
     shares = _checked_shard(shard, store, resume)
-    point = {
-        name: None if value is None else float(value)
-        for name, value in (("speed", speed), ("load", load))
-    }
     if store is not None:
         check_store(store)
-    blocks = blocks_of(laid_out.shape, chunk or _stored_chunk(store, resume) or DEFAULT_CHUNK)
-    job = Job(mechanism, laid_out, blocks, names, parameters, point, findings)
+    size = chunk or _stored_chunk(store if resume else None) or DEFAULT_CHUNK
+    point = _point(speed, load)
+    job = Job(
+        mechanism, laid_out, blocks_of(laid_out.shape, size), names, parameters, point, findings
+    )
     with _progress_bar(laid_out.points, progress) as bar:
         if store is None:
             return _in_memory(job, executor, bar)
-        return _in_store(job, Path(store), resume, shares, executor, bar)
+        return _in_store(job, real_path(Path(store)), resume, shares, executor, bar)
+
+
+def collect(
+    mechanism: Mechanism,
+    axes: Mapping[str, Iterable],
+    quantities: Iterable[str],
+    *,
+    store: str | os.PathLike,
+    plan: PlanName = "grid",
+    points: int | None = None,
+    seed: int = 0,
+    gradients: Iterable[str] = (),
+    speed: float | Scalar | None = None,
+    load: float | Scalar | None = None,
+    findings: bool = True,
+) -> "xarray.Dataset":
+    """Finish the store that the shards of a sweep have written; nothing is computed.
+
+    **Arguments:** as those of `sweep`.
+
+    **Returns:** the data set; values are read when they are used.
+
+    **Raises:** `ValueError` if there is no store, if it belongs to another sweep, or if blocks are
+    missing.
+    """
+    path = real_path(Path(store))
+    if not path.exists():
+        raise ValueError(f"store {store} does not exist; run the shards first")
+    laid_out = plan_of(mechanism, axes, {"speed": speed, "load": load}, plan, points, seed)
+    blocks = blocks_of(laid_out.shape, _stored_chunk(path) or DEFAULT_CHUNK)
+    names, parameters = _names("quantities", quantities), _names("gradients", gradients)
+    job = Job(mechanism, laid_out, blocks, names, parameters, _point(speed, load), findings)
+    check_identity(path, _identity(job))
+    with writing(path) as written:
+        missing = int((~written.done()).sum())
+        if missing:
+            raise ValueError(
+                f"store {store}: {missing} of {len(blocks)} blocks are not computed yet; run the "
+                "shards that were stopped again, or the sweep without a shard"
+            )
+        written.finish()
+    return open_store(path)
+
+
+def _point(speed, load) -> dict[str, float | None]:
+    return {
+        name: None if value is None else float(value)
+        for name, value in (("speed", speed), ("load", load))
+    }
 
 
 def _names(argument: str, names: Iterable[str]) -> tuple[str, ...]:
@@ -166,11 +214,9 @@ def _checked_shard(shard, store, resume: bool) -> tuple[int, int]:
     return index, count
 
 
-def _stored_chunk(store, resume: bool) -> int | None:
+def _stored_chunk(store: str | os.PathLike | None) -> int | None:
     """Designs in a block of an existing store, so that a run can continue it without the number."""
-    if store is None or not resume:
-        return None
-    stored = stored_identity(Path(store))
+    stored = None if store is None else stored_identity(Path(store))
     return None if stored is None else stored.get("chunk")
 
 
@@ -196,24 +242,23 @@ def _in_memory(job: Job, executor: Executor | None, bar) -> "xarray.Dataset":
 
 def _in_store(
     job: Job,
-    store: Path,
+    path: Path,
     resume: bool,
     shares: tuple[int, int],
     executor: Executor | None,
     bar,
 ) -> "xarray.Dataset":
-    path = real_path(store)
-    variables = variables_of(job.mechanism, job.plan, job.shapes())
-    data = empty_dataset(job.mechanism, job.plan, variables, job.point)
-    identity = _identity(job, variables)
+    def create(path: Path) -> None:
+        variables = variables_of(job.mechanism, job.plan, job.shapes())
+        data = empty_dataset(job.mechanism, job.plan, variables, job.point)
+        create_store(path, data, variables, job.blocks, _identity(job))
 
     def fill(path: Path) -> None:
         with writing(path) as blocks:
             done = blocks.done().tolist()
             mine = range(shares[0] - 1, len(job.blocks), shares[1])
-            bar.update(
-                sum(math.prod(job.blocks.lengths(number)) for number in mine if done[number])
-            )
+            before = [number for number in mine if done[number]]
+            bar.update(sum(math.prod(job.blocks.lengths(number)) for number in before))
             left = [number for number in mine if not done[number]]
             for block in run_blocks(replace(job, store=path), left, executor):
                 bar.update(block.designs)
@@ -221,20 +266,20 @@ def _in_store(
 
     if resume or not path.exists():
         if not path.exists() or not any(path.iterdir()):
-            create_store(path, data, variables, job.blocks, identity)
-        check_identity(path, identity)
+            create(path)
+        check_identity(path, _identity(job))
         fill(path)
         return open_store(path)
     with temporary_folder(path.parent, f".{path.name}-") as temporary:
         new = temporary / "new"
-        create_store(new, data, variables, job.blocks, identity)
+        create(new)
         fill(new)
         with placing_in(path.parent):
             put_folder(new, path, temporary / "old")
     return open_store(path)
 
 
-def _identity(job: Job, variables: tuple[Variable, ...]) -> dict[str, Any]:
+def _identity(job: Job) -> dict[str, Any]:
     """What the bytes of a store depend on; JSON."""
     return {
         "prsm_jax": __version__,
