@@ -36,10 +36,11 @@ def missing_extra(extra: str, purpose: str, error: ImportError) -> MissingExtraE
     )
 
 
-def closest(name: str, known) -> str:
-    """A short hint that names the nearest known names."""
+def closest(name: str, known, also=()) -> str:
+    """A short hint that names the nearest known names; of `also`, if no known one is near."""
     import difflib
 
     known = sorted(known)
     near = difflib.get_close_matches(name, known, n=3, cutoff=0.5)
+    near = near or difflib.get_close_matches(name, sorted(also), n=3, cutoff=0.5)
     return f"did you mean {' or '.join(near)}?" if near else f"known: {', '.join(known)}"

@@ -1,6 +1,5 @@
 """The numbers of a pytree by name, with their units and limits, and changes of them."""
 
-import dataclasses
 import re
 from typing import Any, NamedTuple
 
@@ -8,11 +7,7 @@ import equinox as eqx
 import jax
 import numpy as np
 
-from prsm_jax.fields import ANY, Limit, limit_of
-
-#: Stiffnesses may be negative in Python: published models are (`prsm_jax.check` finds them).
-_FREE_UNITS = ("N/m",)
-#: A screw may be braked; other torques are drags.
+from prsm_jax.fields import ANY, Limit, declared
 
 
 class Number(NamedTuple):
@@ -34,17 +29,15 @@ def _name(path) -> str:
     return ".".join(parts).replace("stages.", "stage.").replace(".law.", ".")
 
 
-def _unit_and_limit(tree: Any, path) -> tuple[str, Limit | None]:
-    node, unit, limit = tree, "1", None
+def _unit_and_limit(tree: Any, path) -> tuple[str, Limit]:
+    node, unit, limit = tree, "1", ANY
     for key in path:
         if isinstance(key, jax.tree_util.SequenceKey):
             node = node[key.idx]
             continue
-        for field in dataclasses.fields(node) if dataclasses.is_dataclass(node) else ():
-            if field.name == key.name:
-                given = field.metadata.get("unit", unit)
-                unit = unit if given == "*" else given
-                limit = field.metadata.get("limit")
+        for one in declared(type(node), unit):
+            if one.name == key.name:
+                unit, limit = one.unit or unit, one.traced_limit
         node = getattr(node, key.name)
     return unit, limit
 
@@ -53,9 +46,7 @@ def numbers_of(tree: Any) -> tuple[Number, ...]:
     """Every floating-point leaf of a pytree, in the order of its leaves."""
     found = []
     for path, _ in jax.tree_util.tree_leaves_with_path(eqx.filter(tree, eqx.is_inexact_array)):
-        name, (unit, declared) = _name(path), _unit_and_limit(tree, path)
-        limit = ANY if unit in _FREE_UNITS else limit_of(unit, declared)
-        found.append(Number(name, unit, limit))
+        found.append(Number(_name(path), *_unit_and_limit(tree, path)))
     return tuple(found)
 
 

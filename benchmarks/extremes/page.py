@@ -81,15 +81,15 @@ cells of 398 rows were bad, all of them derivatives, in 24 rows. The causes:
 * Next to a standstill the time constants of the carriers are proportional to the speed. Steps that
   grew tenfold after it multiplied deviations by 20 each, up to 1e37 in derivatives, without any
   check. Now a step takes at most 0.32 of the time to a standstill, and 1.2 of the time since one.
-* Outside the range of carrier speeds in which friction turns, deviations grow. Long steps of RODASP
-  did not change such a state, and estimated no error. They are rejected now.
+* Outside the range of carrier speeds in which friction changes its direction, deviations grow. Long
+  steps of RODASP did not change such a state, and estimated no error. They are rejected now.
 * At the reversal itself a force jumps, so a sample there has no derivative. It counts as open now.
 
 At the commit d449a6c, which corrected these errors, 14 of its cells are bad, in 3 rows. Two are
 carrier ratios whose derivative is 1e-8, with an error of 10 times the absolute tolerance of the
-steps. One is 0.001 from the limit of jamming: just after a reversal, friction turns there within a
-range of carrier speeds narrower than the tolerance. In about one of twelve runs at slightly
-different tolerances, a derivative is then wrong by an arbitrary factor.
+steps. One is 0.001 from the limit of jamming: just after a reversal, the range of carrier speeds in
+which friction changes its direction is narrower there than the tolerance. In about one of twelve
+runs at slightly different tolerances, a derivative is then wrong by an arbitrary factor.
 
 The limit for derivatives of `reversing` is 3e-3 of the largest, plus ten times the error of the
 differences (at least 5e-5), plus the kink that the differences show. That is looser than for other

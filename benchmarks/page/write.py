@@ -39,11 +39,12 @@ for this machine and run.** The times do not include compilation; see
 * Full markers are methods of this package. Hollow markers with dashed lines are rivals: other
   codes, in their best form.
 * A **ring** marks a default of the package.
-* The grey stair is the **front** of our own methods: no other one of ours is faster (by more than
-  {noise:.0%}, the noise of such times) and as accurate, or as fast and twice as accurate.
+* The grey stair is the **front** of our own methods. A method is behind it if another one of ours
+  has the same error in less time (by more than {noise:.0%}, the scatter of such times), or half its
+  error in the same time.
   Batches and single calls have separate fronts, because a batch always costs less per instance.
 * In the tables the time is that of one instance with the fastest way of calling, mostly a batch;
-  a row is valid up to the error of the row above it.
+  a row holds from its allowed error up to that of the row above.
 * A rival that is not installed or failed is listed with the reason.
 """
 

@@ -24,11 +24,11 @@ class DahlFriction(StatefulFrictionLaw):
     def deflection_rate(self, contact):
         speed = jnp.sqrt(jnp.sum(contact.slip**2) + 1e-30)
         relative = self.stiffness / self.coefficient * contact.deflection
-        if contact.held is None:
+        if contact.friction_direction is None:
             return contact.slip - speed * relative
         # Spin reduces the friction along the slip, and the deflection settles faster.
-        length = jnp.sqrt(jnp.sum(contact.held**2) + 1e-30)
-        return speed / length * (contact.held - relative)
+        length = jnp.sqrt(jnp.sum(contact.friction_direction**2) + 1e-30)
+        return speed / length * (contact.friction_direction - relative)
 
     def deflected_friction(self, contact):
         return self.stiffness * contact.deflection

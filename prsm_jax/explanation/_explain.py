@@ -18,7 +18,7 @@ class _Counted:
     def __init__(self, name: str, mechanism: Mechanism, time: bool):
         self.analysis = analysis_of(name, mechanism)
         self.time = time
-        self.whole, self.read = self._count(mechanism, None)
+        self.account, self.read = self._count(mechanism, None)
 
     def _count(self, mechanism: Mechanism, same: Account | None) -> tuple[Account, frozenset]:
         account, read = traced(self.analysis, mechanism)
@@ -37,11 +37,11 @@ class _Counted:
         """
         depth = len(place.path)
         if has_numbers and not any(path[:depth] == place.path for path in self.read):
-            return Cost(self.whole, self.whole)
+            return Cost(self.account, self.account)
         try:
-            return Cost(self.whole, self._count(rest, self.whole)[0])
+            return Cost(self.account, self._count(rest, self.account)[0])
         except REFUSALS as error:
-            return Cost(self.whole, None, str(error))
+            return Cost(self.account, None, str(error))
 
 
 def explain(
@@ -81,7 +81,7 @@ def explain(
     for name in programs:
         try:
             counted[name] = _Counted(name, mechanism, time)
-            totals.append(Program(name, counted[name].whole))
+            totals.append(Program(name, counted[name].account))
         except REFUSALS as error:
             totals.append(Program(name, None, str(error)))
     parts, all_places = [], places(mechanism)
@@ -98,14 +98,16 @@ def _part(place: Place, mechanism: Mechanism, counted: dict[str, _Counted], numb
     try:
         rest = without(mechanism, place)
     except REFUSALS as error:
-        return Part(place, {n: Cost(c.whole, None, str(error)) for n, c in counted.items()})
+        return Part(place, {n: Cost(c.account, None, str(error)) for n, c in counted.items()})
     before = assumptions(mechanism)
     assumed = tuple(one for one in assumptions(rest) if one not in before)
     depth = len(place.path)
     has_numbers = any(path[:depth] == place.path for path in number_paths(mechanism))
     costs = {name: one.cost(place, rest, has_numbers) for name, one in counted.items()}
-    lost: tuple[str, ...] = ()
-    if "quantities" in counted and costs["quantities"].absent is not counted["quantities"].whole:
+    quantities_lost: tuple[str, ...] = ()
+    if "quantities" in counted and costs["quantities"].absent is not counted["quantities"].account:
         remaining = set(available_quantities(rest))
-        lost = tuple(name for name in available_quantities(mechanism) if name not in remaining)
-    return Part(place, costs, assumed, lost)
+        quantities_lost = tuple(
+            name for name in available_quantities(mechanism) if name not in remaining
+        )
+    return Part(place, costs, assumed, quantities_lost)

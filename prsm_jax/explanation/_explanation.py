@@ -3,6 +3,7 @@
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from ..fields import renamed
 from ..text import TextTable
 from ._account import MEASURES, Account
 from ._places import Place
@@ -46,7 +47,8 @@ class Part:
     place: Place
     costs: dict[str, Cost]
     assumed: tuple[str, ...] = ()
-    lost: tuple[str, ...] = ()
+    quantities_lost: tuple[str, ...] = ()
+    lost = renamed("lost", "quantities_lost")
 
     @property
     def name(self) -> str:
@@ -81,11 +83,11 @@ class Part:
             "law": place.law,
             "laws": list(place.laws),
             "meaning": place.meaning,
-            "without": place.misses,
+            "without": place.without,
             "reason": self.reason,
             "write": place.write,
             "assumed_without": list(self.assumed),
-            "quantities_lost_without": list(self.lost),
+            "quantities_lost_without": list(self.quantities_lost),
             "costs": costs,
         }
 
@@ -169,7 +171,7 @@ class Explanation:
                 (
                     part.name if part.place.law is None else f"{part.name} ({part.place.law})",
                     *(_cell(part.costs.get(program), m) for program, m in columns),
-                    part.place.misses,
+                    part.place.without,
                 )
                 for part in carried
             ]
@@ -214,7 +216,7 @@ def _once(parts: list[Part]) -> list[tuple[str, str, str]]:
         head, _, rest = part.name.partition(".")
         number, _, field = rest.partition(".")
         in_stage = head == "stage" and field != ""
-        key = (f"stage.{field}" if in_stage else part.name, part.place.write, part.place.misses)
+        key = (f"stage.{field}" if in_stage else part.name, part.place.write, part.place.without)
         stages.setdefault(key, []).append(number if in_stage else "")
     several = len({n for numbers in stages.values() for n in numbers if n}) > 1
     return [

@@ -5,14 +5,13 @@ its metadata say what results miss without the part.
 """
 
 import dataclasses
-import types
-import typing
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import equinox as eqx
 
-from ..file import TableChoice, is_law_field, module_classes, row_class, table_choices
+from ..fields import Declared, declared, members, module_classes
+from ..file import TableChoice, table_choices
 from ..mechanism import Mechanism
 
 #: Tables whose name in the file is not the name of the field, and those whose classes are
@@ -32,7 +31,7 @@ class Place:
     - `present`: whether the part is there.
     - `law`, `laws`: the law that is there, and the possible laws, if there are several.
     - `meaning`: what the part is.
-    - `misses`: what results miss without it.
+    - `without`: what results miss without it.
     - `write`: what to write in the file to have it.
     """
 
@@ -43,7 +42,7 @@ class Place:
     law: str | None
     laws: tuple[str, ...]
     meaning: str
-    misses: str
+    without: str
     write: str
 
 
@@ -99,55 +98,51 @@ def _stage(index: int) -> Place:
     )
 
 
-def _inside(module: Any, path: tuple[str | int, ...], name: str, header: str) -> Iterator[Place]:
-    hints = typing.get_type_hints(type(module))
-    for field in dataclasses.fields(module):
-        value, hint = getattr(module, field.name), hints[field.name]
-        here = (*path, field.name)
-        if is_law_field(field):
-            yield from _inside(value, here, name, header)
+def _inside(
+    module: Any,
+    path: tuple[str | int, ...],
+    name: str,
+    header: str,
+    units: Mapping[str, str] | None = None,
+) -> Iterator[Place]:
+    for one in declared(type(module)):
+        value, here = getattr(module, one.name), (*path, one.name)
+        if one.units is not None:
+            yield from _inside(value, here, name, header, one.units)
             continue
-        own = ".".join(filter(None, (name, field.name)))
-        below = ".".join(filter(None, (header, _HEADERS.get(field.name, field.name))))
-        if is_optional(field, hint):
-            yield _place(field, hint, value, here, own, header if _is_number(field) else below)
+        own = ".".join(filter(None, (name, one.name)))
+        below = ".".join(filter(None, (header, _HEADERS.get(one.name, one.name))))
+        if is_optional(one):
+            is_number = one.unit is not None
+            field = one.used_as(units or {})
+            yield _place(field, value, here, own, header if is_number else below)
         if isinstance(value, eqx.Module):
             yield from _inside(value, here, own, below)
-        elif isinstance(value, tuple) and field.name != "stages":
-            for index, one in enumerate(value):
-                if isinstance(one, eqx.Module):
-                    number = getattr(one, "number", index + 1)
-                    yield from _inside(one, (*here, index), f"{own}.{number}", below)
+        elif isinstance(value, tuple) and one.name != "stages":
+            for index, element in enumerate(value):
+                if isinstance(element, eqx.Module):
+                    number = getattr(element, "number", index + 1)
+                    yield from _inside(element, (*here, index), f"{own}.{number}", below)
 
 
-def is_optional(field: dataclasses.Field, hint: Any) -> bool:
+def is_optional(one: Declared) -> bool:
     """Whether a field of the mechanism may be left out."""
-    if field.metadata.get("law_decides"):
-        return False
-    union = typing.get_origin(hint) in (typing.Union, types.UnionType)
-    may_be_none = union and type(None) in typing.get_args(hint)
-    return may_be_none or (row_class(hint) is not None and field.default == ())
+    may_be_none = type(None) in members(one.hint) and not one.law_decides
+    return may_be_none or (one.element is not None and one.default == ())
 
 
-def _is_number(field: dataclasses.Field) -> bool:
-    return "unit" in field.metadata
-
-
-def _place(
-    field: dataclasses.Field, hint: Any, value: Any, path: tuple, name: str, header: str
-) -> Place:
+def _place(one: Declared, value: Any, path: tuple, name: str, header: str) -> Place:
     present = bool(value) if isinstance(value, tuple) else value is not None
-    if _is_number(field):
-        unit = field.metadata["unit"]
-        key = field.name if unit == "1" else f"{field.name}, in {unit}"
-        text = field.metadata["description"]
+    if one.unit is not None:
+        key = one.name if one.unit == "1" else f"{one.name}, in {one.unit}"
+        text = one.description
         return Place(
             path, name, "number", present, None, (), text, f"not given: {text}",
             f"[{header}] {key}",
         )  # fmt: skip
-    misses = field.metadata["without"]
-    row = row_class(hint)
-    if row is not None:
+    misses = one.metadata["without"]
+    if one.element is not None:
+        (row,) = module_classes(one.element)
         return Place(
             path,
             name,
@@ -159,10 +154,10 @@ def _place(
             misses,
             f"[[{header}]]{_keys(TableChoice(row))}",
         )
-    choices = {} if field.name in _BY_KEYS else table_choices(hint)
+    choices = {} if one.name in _BY_KEYS else table_choices(one.hint)
     laws = {} if "" in choices else choices
-    law = next((word for word, one in laws.items() if one.holds(value)), None)
-    classes = module_classes(hint)
+    law = next((word for word, choice in laws.items() if choice.holds(value)), None)
+    classes = one.classes
     if present and law is not None:
         meaning = _first(choices[law].cls)
     elif present and len(classes) > 1:
@@ -170,11 +165,11 @@ def _place(
     elif len(classes) == 1:
         meaning = _first(classes[0])
     else:
-        meaning = field.metadata.get("description") or _any_of(classes)
-    opening = f"[[{header}]]" if field.name in _LISTS else f"[{header}]"
+        meaning = one.description or _any_of(classes)
+    opening = f"[[{header}]]" if one.name in _LISTS else f"[{header}]"
     if laws:
         write = f"{opening} with law = " + ", ".join(
-            f'"{word}"{_keys(one)}' for word, one in laws.items()
+            f'"{word}"{_keys(choice)}' for word, choice in laws.items()
         )
     else:
         write = opening + "; or".join(_keys(TableChoice(cls)) for cls in classes)
@@ -193,5 +188,5 @@ def _first(cls: type) -> str:
 
 def _keys(choice: TableChoice) -> str:
     """The keys that a table needs, in brackets."""
-    needed = [field.name for field, _, _ in choice.fields() if choice.needs(field)]
+    needed = [one.name for one in choice.fields() if choice.needs(one)]
     return f" ({', '.join(needed)})" if needed else ""

@@ -1,11 +1,11 @@
 """Fields: what a number is called, its unit, and its limits."""
 
-from ._checked import (
-    check_finite as check_finite,
-    check_increasing as check_increasing,
-    check_not_negative as check_not_negative,
-    check_not_zero as check_not_zero,
-    check_positive as check_positive,
+from ._declared import (
+    Declared as Declared,
+    declared as declared,
+    members as members,
+    module_classes as module_classes,
+    values_of as values_of,
 )
 from ._fields import (
     Scalar as Scalar,
@@ -26,6 +26,7 @@ from ._limits import (
     INNER_SHARE as INNER_SHARE,
     MANY as MANY,
     NOT_NEGATIVE as NOT_NEGATIVE,
+    NOT_ZERO as NOT_ZERO,
     OF_A_THREAD as OF_A_THREAD,
     POISSON_RATIO as POISSON_RATIO,
     POSITIVE as POSITIVE,
@@ -40,10 +41,11 @@ from ._limits import (
     Limit as Limit,
     limit_of as limit_of,
 )
+from ._renamed import renamed as renamed, renamed_arguments as renamed_arguments
 from ._within import (
-    FREE_UNITS as FREE_UNITS,
     Contradiction as Contradiction,
     Limited as Limited,
+    check_fields as check_fields,
     check_number as check_number,
     check_stage as check_stage,
 )

@@ -64,9 +64,33 @@ def driven(unit: str, description: str):
     return eqx.field(converter=_number_or_function, metadata=_metadata(unit, description, ANY))
 
 
-def numbers(unit: str, description: str, *, limit: Limit | None = None):
-    """A required list of numbers (one differentiable leaf)."""
-    return eqx.field(converter=as_scalar, metadata=_metadata(unit, description, limit, list=True))
+def _list(
+    unit: str, description: str, limit: Limit | None, least: int, length: str, increasing: bool
+) -> dict:
+    rules = {"least": least, "length": length, "increasing": increasing}
+    return _metadata(unit, description, limit, **rules)
+
+
+def numbers(
+    unit: str,
+    description: str,
+    *,
+    limit: Limit | None = None,
+    least: int = 1,
+    length: str = "",
+    increasing: bool = False,
+):
+    """A required list of numbers (one differentiable leaf).
+
+    **Arguments:**
+
+    - `unit`, `description`, `limit`: of each number, as in `number`.
+    - `least`: smallest number of entries.
+    - `length`: another field: a whole number, the number of entries, or a list of the same length.
+    - `increasing`: whether each number must be above the one before it.
+    """
+    metadata = _list(unit, description, limit, least, length, increasing)
+    return eqx.field(converter=as_scalar, metadata=metadata)
 
 
 def _as_optional_numbers(value):
@@ -76,13 +100,10 @@ def _as_optional_numbers(value):
     return array[None] if array.ndim == 0 else array
 
 
-def optional_numbers(unit: str, description: str, *, limit: Limit | None = None):
-    """A list of numbers (one differentiable leaf) that may be absent."""
-    return eqx.field(
-        converter=_as_optional_numbers,
-        default=None,
-        metadata=_metadata(unit, description, limit, list=True),
-    )
+def optional_numbers(unit: str, description: str, *, limit: Limit | None = None, length: str = ""):
+    """A list of numbers (one differentiable leaf) that may be absent; `length` as in `numbers`."""
+    metadata = _list(unit, description, limit, 1, length, False)
+    return eqx.field(converter=_as_optional_numbers, default=None, metadata=metadata)
 
 
 def choice(
@@ -95,8 +116,9 @@ def choice(
 ):
     """A static choice: part of the pytree's structure, never traced.
 
-    An `implied` choice is written to a file only if it is not the default. `without` says what
-    results lack if the choice is absent. An integer has a limit.
+    The annotation declares what it may be: the words of a `Literal`, or a whole number with a
+    limit. An `implied` choice is written to a file only if it is not the default. `without` says
+    what results lack if the choice is absent.
     """
     metadata = {"description": description, "implied": implied, "limit": limit}
     if without is not None:

@@ -9,7 +9,7 @@ class Limit:
     """The physical range of a number [SI], with the words that an error message uses.
 
     A field declares its own (`number("1", "friction coefficient", limit=NOT_NEGATIVE)`); it applies
-    to files, to numbers that are set in Python and to traced ones.
+    to files, to `--set`, to numbers given in Python outside a trace, and to bounds of variables.
     """
 
     lower: float
@@ -17,6 +17,7 @@ class Limit:
     allowed: str
     lower_allowed: bool = False
     upper_allowed: bool = False
+    zero_allowed: bool = True
     #: A hint for the author of a file.
     hint: str = ""
 
@@ -25,14 +26,15 @@ class Limit:
         """What is allowed, and a hint for the author of a file."""
         return f"{self.allowed} ({self.hint})" if self.hint else self.allowed
 
-    def admits(self, value: float) -> bool:
+    def admits(self, value: float | int) -> bool:
         """Whether a value is finite and in the range."""
         above = value > self.lower or (self.lower_allowed and value == self.lower)
         below = value < self.upper or (self.upper_allowed and value == self.upper)
-        return math.isfinite(value) and above and below
+        return above and below and math.isfinite(value) and (self.zero_allowed or value != 0)
 
 
 ANY = Limit(-math.inf, math.inf, "finite")
+NOT_ZERO = Limit(-math.inf, math.inf, "finite and not 0", zero_allowed=False)
 POSITIVE = Limit(0.0, math.inf, "more than 0")
 NOT_NEGATIVE = Limit(0.0, math.inf, "0 or more", lower_allowed=True)
 SHARE = Limit(0.0, 1.0, "from 0 to 1", lower_allowed=True, upper_allowed=True)

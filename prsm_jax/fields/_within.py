@@ -1,21 +1,21 @@
-"""Numbers known at construction are checked against the limits that apply to files.
+"""Fields known at construction are checked against what their class declares, as in files.
 
 A traced number is not known, and passes; so does NaN, which stands for a number to be set later.
 `jax.tree`, `eqx.tree_at` and transformations build modules without `__init__`, and so
 without these checks.
 """
 
-import dataclasses
-from typing import Any
+from typing import Any, ClassVar
 
 import equinox as eqx
 import jax.core
 import numpy as np
 
-from ._limits import Limit, limit_of
+from ._declared import Declared, declared
+from ._limits import Limit
 
-#: Some published models lead to a negative stiffness: `check` reports it, files refuse it.
-FREE_UNITS = ("N/m",)
+#: Of more numbers, only the extremes are compared with a limit.
+_MANY = 64
 _EXAMPLES = {
     "m": "numbers in Python are in metres: 10 mm is 10e-3",
     "rad": "numbers in Python are in radians: 45 deg is math.radians(45)",
@@ -42,7 +42,14 @@ def _known(value: object) -> np.ndarray | None:
 
 
 def check_number(
-    owner: str, name: str, unit: str, value: object, declared: Limit | None = None
+    owner: str,
+    name: str,
+    unit: str,
+    value: object,
+    limit: Limit,
+    *,
+    description: str = "",
+    to_come: bool = True,
 ) -> None:
     """Refuse a known number that is out of its range.
 
@@ -51,40 +58,96 @@ def check_number(
     - `owner`: the object it belongs to, for the message.
     - `name`: of the field or parameter.
     - `unit`: its SI unit.
-    - `value`: the number or numbers; traced ones and NaN pass.
-    - `declared`: the limit that its field declares, if any.
+    - `value`: the number or numbers; traced ones pass.
+    - `limit`: its limit.
+    - `description`: what it is, for the message on a number that is not finite.
+    - `to_come`: whether NaN passes, as a number to be set later.
 
     **Raises:** `ValueError` with name, value, what is allowed, and what to do.
     """
     known = _known(value)
-    if known is None or unit in FREE_UNITS:
+    if known is None:
         return
-    limit = limit_of(unit, declared)
-    for one in known.ravel().tolist():
-        if one == one and not limit.admits(one):
-            text = f"{one:.6g} {unit}" if unit not in ("1", "*") else f"{one:.6g}"
-            hint = _EXAMPLES.get(unit, "" if unit in ("1", "*") else f"give it in {unit}")
-            words = f"{owner}{name} is {text}; it must be {limit.allowed}"
-            raise ValueError(f"{words}; {hint}" if hint else f"{words}; change {name}")
+    numbers = known.ravel()
+    if numbers.size > _MANY:
+        # NaN is the smallest if there is one, and is passed over by `fmin`.
+        numbers = np.array([numbers.min(), np.fmin.reduce(numbers), np.fmax.reduce(numbers)])
+    for one in numbers.tolist():
+        if not (limit.admits(one) or (to_come and one != one)):
+            named = unit not in ("1", "*")
+            hint = _EXAMPLES.get(unit, f"give it in {unit}" if named else f"change {name}")
+            if not np.isfinite(one) and description and named:
+                hint = f"give the {description} in {unit}"
+            text = f"{one:.6g} {unit}" if named else f"{one:.6g}"
+            raise ValueError(f"{owner}{name} is {text}; it must be {limit.allowed}; {hint}")
+
+
+def _check_list(owner: str, module: Any, one: Declared, values: Any) -> None:
+    # In a batch of mechanisms the entries are the last axis.
+    shape, length = np.shape(values), one.metadata["length"]
+    count = shape[-1] if shape else 0
+    if length:
+        other = getattr(module, length)
+        whole = np.ndim(other) == 0
+        expected = other if whole else np.shape(other)[-1]
+        if count != expected:
+            raise ValueError(
+                f"{owner}{one.name} has {count} number{'s' if count != 1 else ''}, but {length} "
+                f"{'is' if whole else 'has'} {expected}; give as many"
+            )
+    known, rising = _known(values), one.metadata["increasing"]
+    falls = rising and known is not None and np.any(np.diff(known, axis=-1) <= 0)
+    if count < one.least or falls:
+        many = "two" if one.least == 2 else "one"
+        kind = "values that increase" if rising else "numbers"
+        raise ValueError(f"{owner}{one.name} is {values}; it must be {many} or more {kind}")
+
+
+def _check_choice(owner: str, one: Declared, value: Any) -> None:
+    if one.words and value not in one.words:
+        raise ValueError(f"{owner}{one.name} is {value!r}; choose one of {', '.join(one.words)}")
+    if one.whole:
+        number = isinstance(value, int | np.integer) and not isinstance(value, bool)
+        if not (number and one.limit.admits(int(value))):
+            raise ValueError(f"{owner}{one.name} is {value}; it must be {one.limit.allowed}")
+    if one.static and one.hint is bool and not isinstance(value, bool | np.bool_):
+        raise ValueError(f"{owner}{one.name} is {value!r}; it must be True or False")
+
+
+def check_fields(module: Any, *, to_come: bool = True) -> None:
+    """Check known numbers, lists and choices of a part against what its class declares.
+
+    **Arguments:**
+
+    - `module`: the part.
+    - `to_come`: whether NaN passes, as a number to be set later.
+
+    **Raises:** `ValueError` with class, field, value, what is allowed, and what to do.
+    """
+    owner = f"{type(module).__name__}: "
+    for one in declared(type(module)):
+        value = getattr(module, one.name)
+        if value is not None and one.unit is not None:
+            if one.is_list:
+                _check_list(owner, module, one, value)
+            words = {"description": one.description, "to_come": to_come}
+            check_number(owner, one.name, one.unit, value, one.limit, **words)
+        elif value is not None and one.static:
+            _check_choice(owner, one, value)
 
 
 class Limited(eqx.Module):
-    """A part of a mechanism whose numbers are checked when it is made.
+    """A part of a mechanism whose fields are checked when it is made.
 
-    **Raises:** `ValueError` at construction for a known number out of its range.
+    **Raises:** `ValueError` at construction for a known number out of its range, a list of a wrong
+    length or order, and a word that is not among the choices.
     """
 
+    #: Whether NaN passes, as a number to be set later.
+    to_come: ClassVar[bool] = True
+
     def __check_init__(self):
-        for field in dataclasses.fields(self):
-            unit = field.metadata.get("unit")
-            if unit is not None:
-                check_number(
-                    f"{type(self).__name__}: ",
-                    field.name,
-                    unit,
-                    getattr(self, field.name),
-                    field.metadata.get("limit"),
-                )
+        check_fields(self, to_come=self.to_come)
 
 
 def _scalar(value: object) -> float | None:

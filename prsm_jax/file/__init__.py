@@ -7,9 +7,6 @@ from ._settings import apply_settings as apply_settings
 from ._write import dump as dump, dumps as dumps
 from .numbers import (
     TableChoice as TableChoice,
-    is_law_field as is_law_field,
-    module_classes as module_classes,
     round_in_unit as round_in_unit,
-    row_class as row_class,
     table_choices as table_choices,
 )

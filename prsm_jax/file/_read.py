@@ -1,21 +1,13 @@
 """Reading: TOML text to a mechanism in SI, or one clear error."""
 
-import dataclasses
 import tomllib
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-import numpy as np
 
 from .._errors import FileError, closest, missing_extra
-from ..fields import Contradiction
-from ..mechanism import DutyCycle, Mechanism
-from ._checks import check_dimensions
+from ..mechanism import Mechanism
 from ._examples import example_names, example_text
+from ._schema import mechanism_of
 from .numbers import Misplaced, file_error, one_line
-
-if TYPE_CHECKING:
-    from .tables import Table
 
 _LARGEST_FILE = 1_000_000
 # A dotted key of thousands of parts takes tomllib seconds: its time grows with their square.
@@ -32,7 +24,7 @@ def load(source: str | Path) -> Mechanism:
     **Returns:** the mechanism, in SI units.
 
     **Raises:** `FileError`, with one line that names file, table, key, value and what is allowed;
-    `MissingExtraError` if pydantic or pint is not installed.
+    `MissingExtraError` if pint is not installed.
     """
     if isinstance(source, str) and source in example_names():
         return loads(example_text(source), name=source)
@@ -77,13 +69,15 @@ def loads(text: str, name: str = "<string>") -> Mechanism:
     **Returns:** the mechanism, in SI units.
 
     **Raises:** `FileError`, with one line that names table, key, value and what is allowed;
-    `MissingExtraError` if pydantic or pint is not installed.
+    `MissingExtraError` if pint is not installed.
     """
     data = _parse(text, name)
     try:
-        return _mechanism(_validated(data, name))
+        return mechanism_of(data)
+    except ModuleNotFoundError as error:
+        raise missing_extra("file", "reading mechanism files", error) from error
     except Misplaced as error:
-        raise file_error(name, data, [(error.place, error.message)]) from error
+        raise file_error(name, data, error.problems) from error
     except RecursionError as error:
         raise file_error(name, data, [((), "is nested too deeply")]) from error
 
@@ -107,59 +101,3 @@ def _parse(text: str, name: str) -> dict:
         raise file_error(name, {}, [((), "is nested too deeply")]) from error
     except ValueError as error:
         raise file_error(name, {}, [((), f"is not valid TOML: {error}")]) from error
-
-
-def _validated(data: dict, name: str) -> "Table":
-    try:
-        import pint  # noqa: F401
-        from pydantic import ValidationError
-
-        from ._schema import document
-    except ModuleNotFoundError as error:
-        raise missing_extra("file", "reading mechanism files", error) from error
-    try:
-        return document().model_validate(data)
-    except ValidationError as error:
-        problems = []
-        for item in error.errors(include_url=False, include_input=False):
-            key = item.get("ctx", {}).get("key")
-            place = item["loc"] if key is None else (*item["loc"], key)
-            problems.append((place, item["msg"]))
-        raise file_error(name, data, problems) from error
-
-
-def _mechanism(table: "Table") -> Mechanism:
-    from ._schema import module_of
-    from .tables import design_problem, scenario_of
-
-    content = {field: getattr(table, field) for field in type(table).model_fields}
-    stages = []
-    for index, stage in enumerate(content["stage"]):
-        try:
-            stages.append(module_of(stage))
-        except Contradiction as error:
-            raise Misplaced(("stage", index, *error.place), error.message) from None
-        except ValueError as error:
-            raise Misplaced(("stage", index), str(error)) from error
-    point, rows, optimise = (content[k] for k in ("operating_point", "duty_cycle", "optimise"))
-    scenario = content["scenario"]
-    try:
-        mechanism = Mechanism(
-            tuple(stages),
-            None if point is None else module_of(point),  # type: ignore[arg-type]
-            None if rows is None else _duty_cycle(rows),
-            content["title"],
-            scenario=None if scenario is None else scenario_of(scenario),
-        )
-    except ValueError as error:
-        raise Misplaced((), str(error)) from error
-    check_dimensions(mechanism)
-    if optimise is None:
-        return mechanism
-    # The names of its variables can be looked up only once there is a mechanism.
-    return dataclasses.replace(mechanism, design_problem=design_problem(optimise, mechanism))
-
-
-def _duty_cycle(rows: list) -> DutyCycle:
-    names = type(rows[0]).model_fields
-    return DutyCycle(**{k: np.array([getattr(row, k) for row in rows], float) for k in names})

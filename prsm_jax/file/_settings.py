@@ -1,48 +1,25 @@
 """Settings from the command line: `--set KEY=VALUE`, with the names and units of a file."""
 
-import dataclasses
 from collections.abc import Iterable
 
 from .._errors import FileError, UnknownNameError, missing_extra
-from ..mechanism import CURVATURE_CONVENTIONS, Mechanism, find_parameters, set_parameter
-from ._checks import check_dimensions
-from .numbers import Misplaced, is_plain_number, one_line, read_integer, read_number, table_name
-
-#: Settings that are words rather than numbers, with the allowed words.
-_CHOICES = {"curvature": CURVATURE_CONVENTIONS}
-
-
-def _apply_choice(mechanism: Mechanism, key: str, text: str) -> Mechanism:
-    """Set a word in all stages, or in the one that `stage.N.…` names."""
-    *place, name = key.split(".")
-    allowed = _CHOICES[name]
-    if text not in allowed:
-        raise ValueError(f"{text!r} is not one of {', '.join(allowed)}")
-    number = place[1] if len(place) == 2 else None
-    if place[:1] not in ([], ["stage"]) or len(place) > 2:
-        raise UnknownNameError(f"unknown parameter {key!r}; did you mean {name}?")
-    if number is not None and number not in {str(i + 1) for i in range(len(mechanism.stages))}:
-        raise UnknownNameError(
-            f"parameter {key!r}: the mechanism has {len(mechanism.stages)} stage(s)"
-        )
-    stages = tuple(
-        dataclasses.replace(stage, **{name: text}) if number in (None, str(index)) else stage
-        for index, stage in enumerate(mechanism.stages, start=1)
-    )
-    return dataclasses.replace(mechanism, stages=stages)
+from ..fields import Contradiction, check_stage
+from ..mechanism import Mechanism, find_parameters, set_parameter
+from .numbers import is_plain_number, one_line, read_integer, read_number, table_name
 
 
 def _apply(mechanism: Mechanism, key: str, text: str) -> Mechanism:
-    if key.rsplit(".", 1)[-1] in _CHOICES:
-        return _apply_choice(mechanism, key, text)
-    parameter = find_parameters(mechanism, key)[0]
-    limit = parameter.limit
-    if parameter.static:
+    parameter = find_parameters(mechanism, key, words=True)[0]
+    if parameter.words:
+        if text not in parameter.words:
+            raise ValueError(f"{text!r} is not one of {', '.join(parameter.words)}")
+        value = text
+    elif parameter.static:
         is_integer = text.removeprefix("+").isascii() and text.removeprefix("+").isdigit()
-        value = read_integer(int(text) if is_integer and len(text) < 20 else text, limit)
+        value = read_integer(int(text) if is_integer and len(text) < 20 else text, parameter.limit)
     else:
         bare = float(text) if is_plain_number(text) else text
-        value = read_number(bare, parameter.unit, limit)
+        value = read_number(bare, parameter.unit, parameter.limit)
     # Unchecked: settings that are valid only together are applied one after the other.
     return set_parameter(mechanism, key, value, checked=False)
 
@@ -75,10 +52,11 @@ def apply_settings(
             raise missing_extra("file", "reading units", error) from error
         except (UnknownNameError, ValueError) as error:
             raise FileError(one_line(f"{shown}: {error}", 700)) from error
-    try:
-        # After the last one: two settings may fit each other, but neither fits the old mechanism.
-        check_dimensions(mechanism)
-    except Misplaced as error:
-        place = f"{table_name(error.place[:-1])}: {error.place[-1]}"
-        raise FileError(f"after {shown}: {place} {error.message}") from error
+    # After the last one: two settings may fit each other, but neither fits the old mechanism.
+    for index, stage in enumerate(mechanism.stages):
+        try:
+            check_stage(stage)
+        except Contradiction as error:
+            place = f"{table_name(('stage', index, *error.place[:-1]))}: {error.place[-1]}"
+            raise FileError(f"after {shown}: {place} {error.message}") from error
     return mechanism

@@ -1,23 +1,23 @@
 """Writing: a mechanism to TOML text that reads back to exactly the same mechanism."""
 
-import dataclasses
 import json
 import math
 import os
-import typing
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import equinox as eqx
 import numpy as np
 
 from .._errors import FileError, UnknownNameError, missing_extra
+from ..fields import Declared, declared, values_of
 from ..friction import FrictionLaw
 from ..mechanism import DesignProblem, DutyCycle, Mechanism, find_parameters
 from ..process import whole_file
 from ._read import loads
-from ._scenario_lines import scenario_lines
-from .numbers import bare_number, is_law_field, row_class, table_choices, unit_of, write_number
+from .numbers import bare_number, table_choices, tag_of, takes_numbers, write_number
+from .tables import NUMBER
 
 
 def _string(text: str) -> str:
@@ -25,85 +25,95 @@ def _string(text: str) -> str:
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
+def _batch(key: str, value: Any) -> FileError:
+    return FileError(
+        f"{key} has shape {np.shape(value)}; a batch of mechanisms is written one by one"
+    )
+
+
 def _number(value, unit: str, key: str) -> str:
     if np.ndim(value) != 0:
-        raise FileError(
-            f"{key} has shape {np.shape(value)}; a batch of mechanisms is written one by one"
-        )
+        raise _batch(key, value)
     number = float(value)
     if not math.isfinite(number):
         raise FileError(f"{key} is {number}; a file holds finite numbers only")
     return bare_number(number) if unit == "1" else write_number(number, unit)
 
 
-def _module(module: eqx.Module, header: str, units: Mapping[str, str] | None = None):
-    """The lines of a table: its own keys first, as TOML requires, then its tables."""
-    hints = typing.get_type_hints(type(module))
+def _module(module: eqx.Module, header: str, unit: str = "1") -> Iterator[str]:
+    """The lines of a table: its own keys first, as TOML requires, then its tables.
+
+    `unit` is that of the values of a function.
+    """
     inner: list[str] = []
-    for field in dataclasses.fields(module):
-        value, unit = getattr(module, field.name), unit_of(field, dict(units or {}))
-        if value is None:
+    for one, value in values_of(module, unit):
+        key, own = f"{header}.{one.name}", one.unit or unit
+        if value is None or (one.implied and value == one.default):
             continue
-        if is_law_field(field):
-            yield from _module(value, header, field.metadata["units"])
-        elif row_class(hints[field.name]) is not None:
+        if isinstance(value, tuple):
             for row in value:
-                inner.extend(("", f"[[{header}.{field.name}]]", *_module(row, header)))
-        elif isinstance(value, eqx.Module):
-            inner.extend(_inner_table(field, value, hints[field.name], f"{header}.{field.name}"))
-        elif field.metadata.get("list"):
+                inner.extend(("", f"[[{key}]]", *_part(one.element, row, key, own)))
+        elif isinstance(value, eqx.Module) or callable(value):
+            inner.extend(_inner_table(one, value, key, own))
+        elif one.is_list:
             if np.ndim(value) != 1:
-                raise FileError(
-                    f"{header}.{field.name} has shape {np.shape(value)}; a batch of mechanisms is "
-                    "written one by one"
-                )
-            key = f"{header}.{field.name}"
-            numbers = ", ".join(_number(one, unit or "1", key) for one in np.asarray(value))
-            yield f"{field.name} = [{numbers}]"
-        elif unit is not None:
-            yield f"{field.name} = {_number(value, unit, f'{header}.{field.name}')}"
-        elif isinstance(value, str):
-            if not (field.metadata.get("implied") and value == field.default):
-                yield f"{field.name} = {_string(value)}"
+                raise _batch(key, value)
+            numbers = ", ".join(_number(number, own, key) for number in np.asarray(value))
+            yield f"{one.name} = [{numbers}]"
+        elif one.unit is not None:
+            yield f"{one.name} = {_number(value, own, key)}"
         elif isinstance(value, bool):
-            if value != field.default:
-                yield f"{field.name} = {str(value).lower()}"
+            yield f"{one.name} = {str(value).lower()}"
         else:
-            yield f"{field.name} = {value}"
+            yield f"{one.name} = {_string(value) if isinstance(value, str) else value}"
     yield from inner
 
 
-def _inner_table(field: dataclasses.Field, value: eqx.Module, hint, header: str) -> list[str]:
-    choices = table_choices(hint)
-    law = next((name for name, choice in choices.items() if choice.holds(value)), None)
-    if law is None:
+def _part(hint: Any, value: Any, header: str, unit: str) -> Iterator[str]:
+    """The lines of a part, with the key that names its class if several are possible."""
+    choices, tag = table_choices(hint, unit), tag_of(hint)
+    name = next((name for name, choice in choices.items() if choice.holds(value)), None)
+    if name is not None:
+        if name:
+            yield f"{tag} = {_string(name)}"
+        yield from _module(value, header, unit)
+    elif takes_numbers(hint) and not callable(value):
+        yield from (f"{tag} = {_string(NUMBER)}", f"value = {_number(value, unit, header)}")
+    elif tag == "kind":
+        raise FileError(
+            f"{header} is a {type(value).__name__}, which a file cannot hold; use one of "
+            f"{', '.join(choices)}"
+        )
+    else:
         raise FileError(
             f"{header} is of the class {_class_of(value)}, which files do not know; name the class "
             "with the decorator prsm_jax.friction_law"
         )
-    lines = [f"law = {_string(law)}"] if law else []
-    lines += list(_module(value, header))
+
+
+def _inner_table(one: Declared, value: Any, header: str, unit: str) -> list[str]:
+    lines = list(_part(one.hint, value, header, unit))
     if not lines:
         # A body without data means the same as no body, if the field's default is a body.
-        return [] if isinstance(field.default, eqx.Module) else ["", f"[{header}]"]
+        return [] if isinstance(one.default, eqx.Module) else ["", f"[{header}]"]
     has_keys = lines[0] != ""
     return ["", f"[{header}]", *lines] if has_keys else lines
 
 
-def _class_of(value: eqx.Module) -> str:
+def _class_of(value: object) -> str:
     law = getattr(value, "law", None)
     return type(law if isinstance(law, FrictionLaw) else value).__name__
 
 
 def _duty_cycle(duty_cycle: DutyCycle) -> Iterator[str]:
-    fields = dataclasses.fields(duty_cycle)
-    columns = [np.asarray(getattr(duty_cycle, field.name)) for field in fields]
+    fields = declared(type(duty_cycle))
+    columns = [np.asarray(getattr(duty_cycle, one.name)) for one in fields]
     if any(column.ndim != 1 or len(column) != len(columns[0]) for column in columns):
         raise FileError("duty_cycle has columns of different lengths, or a batch of them")
     for row in zip(*columns, strict=True):
         yield from ("", "[[duty_cycle]]")
-        for field, value in zip(fields, row, strict=True):
-            yield f"{field.name} = {_number(value, field.metadata['unit'], 'duty_cycle')}"
+        for one, value in zip(fields, row, strict=True):
+            yield f"{one.name} = {_number(value, one.unit or '1', 'duty_cycle')}"
 
 
 def _optimise(
@@ -147,7 +157,7 @@ def _lines(mechanism: Mechanism, quantity_units: Mapping[str, str]) -> Iterator[
     if mechanism.duty_cycle is not None:
         yield from _duty_cycle(mechanism.duty_cycle)
     if mechanism.scenario is not None:
-        yield from scenario_lines(mechanism.scenario, _number, _string)
+        yield from ("", "[scenario]", *_module(mechanism.scenario, "scenario"))
     if mechanism.design_problem is not None:
         yield from _optimise(mechanism.design_problem, mechanism, quantity_units)
 
@@ -167,11 +177,10 @@ def dumps(mechanism: Mechanism, quantity_units: Mapping[str, str] | None = None)
     **Returns:** the text.
 
     **Raises:** `FileError` if the mechanism could not be read back, for example because a length
-    is negative; `MissingExtraError` if pydantic or pint is not installed.
+    is negative; `MissingExtraError` if pint is not installed.
     """
     try:
         import pint  # noqa: F401
-        import pydantic  # noqa: F401
     except ModuleNotFoundError as error:
         raise missing_extra("file", "writing mechanism files", error) from error
     try:

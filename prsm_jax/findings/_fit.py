@@ -132,7 +132,7 @@ def _ratio(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         kind="assembly",
         shown=lambda r: (r.value, float(max(3, round(r.value)))),
         reserve=0.0,
-        whole=True,
+        integer=True,
     )
 
 
@@ -188,7 +188,7 @@ def _gear(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         details=lambda analysis: {"teeth": teeth(analysis), "ring": ring(analysis)},
         shown=lambda r: (r.details["ring"], float(round(r.details["ring"]))),
         reserve=0.0,
-        whole=True,
+        integer=True,
     )
 
 

@@ -14,7 +14,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Int
 
 from .._errors import MissingDataError
-from ..fields import Scalar
+from ..fields import Scalar, renamed, renamed_arguments
 from ..geometry import Finding, Severity
 from ..mechanism import Mechanism
 from ..quantities import Analysis, SharedLoad
@@ -37,6 +37,7 @@ class Reading:
     limit: float
 
 
+@renamed_arguments(whole="integer")
 @dataclass(frozen=True)
 class Margin:
     """A quantity of one stage that should not fall below its limits.
@@ -63,11 +64,12 @@ class Margin:
     #: Whether a value equal to the limit violates it.
     strict: bool = False
     #: Whether the value must also be a whole number.
-    whole: bool = False
+    integer: bool = False
     #: False for a yes-or-no condition, which has no derivative.
     smooth: bool = True
     #: Distinguishes findings of one name and stage; for each subject the worst is reported.
     subject: str = ""
+    whole = renamed("whole", "integer")
     #: Loads for which the margin needs the load distribution (`Analysis.distribution`).
     shares: tuple[SharedLoad, ...] = ()
 
@@ -166,7 +168,7 @@ def severity_at(margin: Margin, value: float) -> tuple[Severity, float] | None:
         return margin.levels[0] if margin.kind == "existence" else None
     for severity, limit in margin.levels:
         below = value <= limit if margin.strict else value < limit
-        if below or (margin.whole and severity == "error" and not is_whole(value)):
+        if below or (margin.integer and severity == "error" and not is_whole(value)):
             return severity, limit
     return None
 
@@ -177,7 +179,7 @@ def is_error(margin: Margin, value: Scalar) -> Bool[Array, ""]:
     if limit is None:
         return jnp.asarray(False)
     broken = value <= limit if margin.strict else value < limit
-    if margin.whole:
+    if margin.integer:
         broken = broken | (jnp.abs(value - jnp.round(value)) >= _ROUNDING)
     return broken | jnp.isnan(value) if margin.kind == "existence" else broken
 

@@ -13,31 +13,33 @@ from typing import ClassVar, NamedTuple
 import equinox as eqx
 from jaxtyping import Array, Float
 
-from ..fields import Limited, Scalar
+from ..fields import Limited, Scalar, renamed, renamed_arguments
 from ..numerics import dot_few
 
 #: Quantities that a law may request, with unit and meaning.
-ASKED = {
+LAW_INPUTS = {
     "normal_force": "N: normal force of one roller, summed over its threads",
     "pressure": "Pa: largest Hertz pressure of the screw side, with equally loaded threads",
     "rolling_speed": "m/s: mean speed of both surfaces through the contact (entrainment)",
 }
 
 
+@renamed_arguments(asked="law_inputs")
 class Sliding(eqx.Module):
     """State of a sliding contact, the input of a friction law.
 
     **Arguments:**
 
     - `speed`: slip speed, 0 or more; with spin, the mean of the local slip speeds [m/s].
-    - `asked`: the quantities requested by the law (`FrictionLaw.asks`), by name.
+    - `law_inputs`: the quantities requested by the law (`FrictionLaw.asks`), by name.
     - `squared_speed`: square of the speed, if known independently: unlike the speed it is smooth at
       standstill [m²/s²].
     """
 
     speed: Scalar
-    asked: dict[str, Scalar] = eqx.field(default_factory=dict)
+    law_inputs: dict[str, Scalar] = eqx.field(default_factory=dict)
     squared_speed: Scalar | None = None
+    asked = renamed("asked", "law_inputs")
 
     @property
     def square(self) -> Scalar:
@@ -45,12 +47,12 @@ class Sliding(eqx.Module):
         return self.speed**2 if self.squared_speed is None else self.squared_speed
 
     def _of(self, name: str) -> Scalar:
-        if name not in self.asked:
+        if name not in self.law_inputs:
             raise ValueError(
                 f"a friction law uses {name}, which it does not request; add it to the law's "
                 f'asks = ("{name}",)'
             )
-        return self.asked[name]
+        return self.law_inputs[name]
 
     @property
     def normal_force(self) -> Scalar:
@@ -123,8 +125,9 @@ class Deflected(NamedTuple):
     deflection: Float[Array, "3"]
     #: Friction of combined slip and spin per unit of μ F, a vector of magnitude below 1, and the
     #: mean local slip speed [m/s]; `None` if spin is not modelled.
-    held: Float[Array, "3"] | None = None
+    friction_direction: Float[Array, "3"] | None = None
     mean_speed: Scalar | None = None
+    held = renamed("held", "friction_direction")
 
 
 class StatefulFrictionLaw(FrictionLaw):
@@ -163,10 +166,11 @@ class StatefulFrictionLaw(FrictionLaw):
         return 0.0 * dot_few(contact.slip, contact.deflection)
 
 
-def check_asked(cls: type, names: Sequence[str]) -> None:
+def check_law_inputs(cls: type, names: Sequence[str]) -> None:
     """**Raises:** `ValueError` if a law requests an unknown quantity."""
     for name in names:
-        if name not in ASKED:
+        if name not in LAW_INPUTS:
+            choices = ", ".join(LAW_INPUTS)
             raise ValueError(
-                f"friction law {cls.__name__}: asks for {name!r}; choose from {', '.join(ASKED)}"
+                f"friction law {cls.__name__}: asks for {name!r}; choose from {choices}"
             )

@@ -1,7 +1,5 @@
 """Friction of one stage: each loss is modelled only if the input defines it."""
 
-import equinox as eqx
-
 from ..fields import NOT_NEGATIVE, SHARE, Limited, Scalar, number, part
 from ._law import FrictionLaw
 from ._screw_friction import Drag, SplineFriction, ThrustBearingFriction
@@ -27,7 +25,7 @@ class RollingHysteresis(Limited):
     )
 
 
-class Friction(eqx.Module):
+class Friction(Limited):
     """All losses of one stage; a loss that is `None` is not modelled and not traced."""
 
     thread: FrictionLaw | None = part(

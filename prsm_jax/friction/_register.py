@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from ..programs import origin_of
-from ._law import FrictionLaw, check_asked
+from ._law import FrictionLaw, check_law_inputs
 
 _Law = TypeVar("_Law", bound=type[FrictionLaw])
 _LAWS: dict[str, type[FrictionLaw]] = {}
@@ -41,7 +41,7 @@ def friction_law(name: str) -> Callable[[_Law], _Law]:
                 f"friction law {name!r}: {registered.__module__}.{registered.__qualname__} has "
                 "this name; choose another"
             )
-        check_asked(cls, cls.asks)
+        check_law_inputs(cls, cls.asks)
         for field in dataclasses.fields(cls):
             if field.name in ("law", "radius"):
                 raise ValueError(

@@ -6,7 +6,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from ..fields import Scalar
+from ..fields import Scalar, renamed
 from ..programs import physics
 from ._displacement import normal_displacement
 from ._equilibrium import equilibrium
@@ -55,9 +55,10 @@ class SurfaceContact(eqx.Module):
     residual: Scalar
     #: One of `RESULTS`; 0 is success.
     code: Int[Array, ""]
+    found = renamed("found", "converged")
 
     @property
-    def found(self) -> Bool[Array, ""]:
+    def converged(self) -> Bool[Array, ""]:
         """Whether a contact within the grid was found."""
         return self.code == 0
 

@@ -103,9 +103,9 @@ class SideLoads(AbstractResult):
         mean = jnp.abs(jnp.sum(self.weight * load)) / jnp.sum(self.weight)
         return self._ratio(jnp.max(jnp.abs(load)), mean)
 
-    def _ratio(self, part: Scalar, whole: Scalar) -> Scalar:
-        loaded = above_or_nan(whole, self._zero_force)
-        return jnp.where(loaded, part / jnp.where(loaded, whole, 1.0), 1.0)
+    def _ratio(self, largest: Scalar, mean: Scalar) -> Scalar:
+        loaded = above_or_nan(mean, self._zero_force)
+        return jnp.where(loaded, largest / jnp.where(loaded, mean, 1.0), 1.0)
 
 
 def _positive_root(value: Array) -> Array:

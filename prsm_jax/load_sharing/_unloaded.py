@@ -6,7 +6,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..fields import Scalar
+from ..fields import Scalar, renamed
 from ._chains import Chains, deflection_of
 from ._equilibrium import equilibrium
 from ._stage_chains import regularised
@@ -20,12 +20,13 @@ class ElasticDeflection(NamedTuple):
     #: Load over this deflection [N/m]; 0 without load, where only the tangent is defined.
     secant_stiffness: Scalar
     #: Position without load, from where nominal forward flanks touch [m].
-    rest: Scalar
-    #: Whether flanks carry load without an external load; else there is play, and `rest` is where
-    #: flanks first touch in the direction of the load.
+    unloaded_position: Scalar
+    #: Whether flanks carry load without an external load; else there is play, and the position
+    #: without load is where flanks first touch in the direction of the load.
     preloaded: Bool[Array, ""]
     #: Whether the balance without a load was found (none is needed where there is play).
     converged: Bool[Array, ""]
+    rest = renamed("rest", "unloaded_position")
 
 
 def first_contacts(chains: Chains) -> tuple[Scalar, Scalar | None]:

@@ -1,6 +1,6 @@
 """The mechanism: stages, operating point and duty cycle, as one frozen pytree in SI units."""
 
-from typing import Any, Literal, TypeAlias
+from typing import Any, ClassVar, Literal, TypeAlias, get_args
 
 import equinox as eqx
 from jaxtyping import Array, Float
@@ -10,12 +10,10 @@ from ..fields import (
     ROLLERS,
     Limited,
     Scalar,
-    as_scalar,
-    check_finite,
-    check_not_negative,
     check_stage,
     choice,
     number,
+    numbers,
     optional_number,
     part,
 )
@@ -41,7 +39,7 @@ from .parts import (
 )
 
 CurvatureConvention: TypeAlias = Literal["exact", "lisowski2014", "wu2022"]
-CURVATURE_CONVENTIONS: tuple[CurvatureConvention, ...] = ("exact", "lisowski2014", "wu2022")
+CURVATURE_CONVENTIONS: tuple[CurvatureConvention, ...] = get_args(CurvatureConvention)
 Sharing: TypeAlias = Literal["unstated", "equal"]
 
 
@@ -109,16 +107,6 @@ class Stage(Limited):
     )
 
     def __check_init__(self):
-        if self.roller_count < 1:
-            raise ValueError(
-                f"roller_count is {self.roller_count}; a stage needs at least one roller"
-            )
-        if self.curvature not in CURVATURE_CONVENTIONS:
-            raise ValueError(
-                f"curvature is {self.curvature!r}; choose one of {', '.join(CURVATURE_CONVENTIONS)}"
-            )
-        if self.sharing not in ("unstated", "equal"):
-            raise ValueError(f'sharing is {self.sharing!r}; it may be "equal", or absent')
         check_unequal_rollers(self.unequal_roller, self.roller_count)
         check_stage(self)
 
@@ -141,24 +129,15 @@ class OperatingPoint(Limited):
     duration: Scalar | None = optional_number("s", "length of a transient simulation")
 
 
-class DutyCycle(eqx.Module):
+class DutyCycle(Limited):
     """A sequence of operating phases."""
 
-    duration: Float[Array, " phases"] = eqx.field(
-        converter=as_scalar, metadata={"unit": "s", "description": "length of each phase"}
+    to_come: ClassVar[bool] = False
+    duration: Float[Array, " phases"] = numbers("s", "length of each phase")
+    speed: Float[Array, " phases"] = numbers(
+        "rad/s", "screw speed in each phase", length="duration"
     )
-    speed: Float[Array, " phases"] = eqx.field(
-        converter=as_scalar, metadata={"unit": "rad/s", "description": "screw speed in each phase"}
-    )
-    load: Float[Array, " phases"] = eqx.field(
-        converter=as_scalar, metadata={"unit": "N", "description": "axial load in each phase"}
-    )
-
-    def __check_init__(self):
-        check_not_negative("DutyCycle", duration=self.duration)
-        for name, unit in (("duration", "s"), ("speed", "rad/s"), ("load", "N")):
-            values = {name: getattr(self, name)}
-            check_finite("DutyCycle", f"give the {name} of each phase in {unit}", **values)
+    load: Float[Array, " phases"] = numbers("N", "axial load in each phase", length="duration")
 
 
 class _StoredTitle:
@@ -195,7 +174,7 @@ class _Title:
         vars(mechanism)["title"] = text if isinstance(text, _StoredTitle) else _StoredTitle(text)
 
 
-class Mechanism(eqx.Module):
+class Mechanism(Limited):
     """A planetary roller screw mechanism of one or several stages.
 
     A frozen pytree in SI units. The stages share the screw speed through splines; nut k − 1

@@ -10,3 +10,14 @@ from .results import (
     optimality as optimality,
     rounded_variables as rounded_variables,
 )
+from .search import (
+    Adam as Adam,
+    Lbfgs as Lbfgs,
+    Optax as Optax,
+    Scipy as Scipy,
+    SearchFunctions as SearchFunctions,
+    SearchMethod as SearchMethod,
+    SearchResult as SearchResult,
+    Slsqp as Slsqp,
+    TrustConstr as TrustConstr,
+)

@@ -11,9 +11,7 @@ from ._problem import present_design, problem_of
 from ._searches import Searches
 from ._starts import starting_positions
 from .results import Optimum, Reporter, optimum_of
-from .search import BOUNDS_ONLY, Evaluator, find_search
-
-_ITERATIONS = {"adam": 2000, "lbfgs": 500, "slsqp": 300, "trust-constr": 3000}
+from .search import Evaluator, SearchMethod, Slsqp, search_of
 
 
 @of_one_known_design
@@ -27,7 +25,7 @@ def optimise(
     problem: DesignProblem | None = None,
     speed: float | Scalar | None = None,
     load: float | Scalar | None = None,
-    method: str | None = None,
+    method: SearchMethod | str | None = None,
     starts: int | None = None,
     seed: int | None = None,
     tolerance: float = 1e-6,
@@ -57,11 +55,13 @@ def optimise(
     - `problem`: supplies the arguments above that are omitted; default that of the mechanism.
     - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
     - `method`: `"slsqp"` or `"trust-constr"` (SciPy), or, for bounds only, `"lbfgs"` or `"adam"`
-      (optax). `"auto"`: SLSQP with constraints, L-BFGS without. Default that of the problem.
+      (optax). `"auto"`: SLSQP with constraints, L-BFGS without. Default that of the problem. Or
+      an object that carries its own options: `Slsqp`, `TrustConstr`, `Lbfgs`, `Adam`, `Optax`,
+      `Scipy` of `prsm_jax.optimisation`, or a `SearchMethod` of your own.
     - `starts`, `seed`: number of starts, and seed of the Latin hypercube of all but the first.
       Default those of the problem.
     - `tolerance`: for the Karush–Kuhn–Tucker residual and for constraints, in scaled units.
-    - `max_iterations`: per start; default by method.
+    - `max_iterations`: per start, for a method given by a word; default by method.
     - `progress`: show a progress bar over the starts; or a function that is called at every
       iteration with the number of the start (from 1), the number of starts, and the iteration.
     - `respect_findings`: whether errors of `check` are constraints; if not, the result may be a
@@ -70,8 +70,9 @@ def optimise(
     **Returns:** an `Optimum`. Infeasible problems and failed searches are reported there
     (`converged`, `message`), not raised.
 
-    **Raises:** `UnknownNameError` for unknown names; `ValueError` for an invalid
-    problem; `MissingDataError` where the mechanism lacks data; `MissingExtraError` without SciPy,
+    **Raises:** `UnknownNameError` for unknown names; `ValueError` for an invalid problem, or for a
+    method that is unknown, does not accept the constraints, or does not take an option;
+    `MissingDataError` where the mechanism lacks data; `MissingExtraError` without SciPy,
     if there are constraints.
     """
     problem = problem_of(mechanism, problem, variables, maximise, minimise, constraints)
@@ -82,10 +83,7 @@ def optimise(
     if not 0 < tolerance < 1:
         raise ValueError(f"tolerance is {tolerance}; it must be between 0 and 1")
     requested = problem.method if method is None else method
-    method, search = find_search(requested, bool(problem.constraints))
-    iterations = _ITERATIONS[method] if max_iterations is None else max_iterations
-    if iterations < 1:
-        raise ValueError(f"max_iterations is {iterations}; it must be at least 1")
+    search = search_of(requested, bool(problem.constraints), max_iterations)
 
     evaluator = Evaluator(
         mechanism, problem, _number(speed), _number(load), margins=respect_findings
@@ -101,25 +99,24 @@ def optimise(
 
     searches = Searches(evaluator, report, tolerance, count)
     searches.tell = progress if callable(progress) else None
-    bounds_only = method in BOUNDS_ONLY
+    bounds_only = not search.accepts_constraints
     evaluator.guard(bounds_only)
-    searches.run_all(search, _progress(positions, progress is True), iterations)
+    searches.run_all(search, _progress(positions, progress is True))
     if bounds_only and requested == "auto" and evaluator.margins.smooth and not searches.converged:
         # A margin may have stopped the search; only a search with constraints can follow it.
-        method, search = find_search("auto", True)
+        search = search_of("auto", True, max_iterations)
         evaluator.guard(False)
         searches.clear()
-        iterations = _ITERATIONS[method] if max_iterations is None else max_iterations
-        searches.run_all(search, positions, iterations)
+        searches.run_all(search, positions)
     evaluator.guard(False)
-    if evaluator.margins.whole:
-        final_method = method if method not in BOUNDS_ONLY else "slsqp"
-        searches.make_whole(find_search(final_method, True)[1], _ITERATIONS[final_method])
+    if evaluator.margins.integer:
+        # `max_iterations` is per start, and these searches are no starts.
+        searches.make_whole(search_of(requested, True) if search.accepts_constraints else Slsqp())
     best, end, conditions = searches.best(initial)
     return optimum_of(
         mechanism,
         problem,
-        method,
+        search.name,
         evaluator,
         report,
         initial,

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
+from ..fields import check_number
 from ..mechanism import (
     Constraint,
     DesignProblem,
@@ -108,8 +109,8 @@ def _constraints(constraints) -> tuple[Constraint, ...]:
 def present_design(mechanism: Mechanism, variables: tuple[Variable, ...]) -> np.ndarray:
     """Present values of the variables [SI].
 
-    **Raises:** `ValueError` for a static variable, bounds that are not finite, two variables that
-    move the same number, or stages with different values.
+    **Raises:** `ValueError` for a static variable, bounds that are not finite or outside of the
+    parameter's limit, two variables that move the same number, or stages with different values.
     """
     values = []
     for variable in variables:
@@ -124,6 +125,11 @@ def present_design(mechanism: Mechanism, variables: tuple[Variable, ...]) -> np.
                 f"variable {variable.name!r} is a whole number and cannot be varied smoothly; "
                 "sweep over it instead"
             )
+        for side in ("lower", "upper"):
+            owner = f"variable {variable.name!r}: "
+            for one in parameters:
+                bound = getattr(variable, side)
+                check_number(owner, f"{side} bound", one.unit, bound, one.limit)
         present = [float(parameter.get(mechanism)) for parameter in parameters]
         if not np.allclose(present, present[0], rtol=1e-12, atol=0.0):
             listed = ", ".join(f"{value:g}" for value in present)

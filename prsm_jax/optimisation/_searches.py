@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 import numpy as np
 
 from .results import Optimality, Reporter, Run, optimality, run_report
-from .search import Evaluator, Guarded, MarginRow, Point, Search
+from .search import Evaluator, MarginRow, Point, SearchFunctions, SearchMethod
 
 #: At most this many numbers are made whole: each doubles the number of searches.
 _MOST_WHOLE = 4
@@ -30,7 +30,7 @@ class Searches:
         """Forget all runs."""
         self.runs, self._ends = [], []
 
-    def run_all(self, search: Search, positions: Iterable[np.ndarray], iterations: int) -> None:
+    def run_all(self, method: SearchMethod, positions: Iterable[np.ndarray]) -> None:
         """One search from each position."""
         for position in positions:
             number = len(self.runs) + 1
@@ -39,9 +39,7 @@ class Searches:
                 if self.tell is not None:
                     self.tell(number, max(self._count, number), iteration)
 
-            run, end = _run(
-                self._evaluator, self._report, search, position, self._tolerance, iterations, step
-            )
+            run, end = _run(self._evaluator, self._report, method, position, self._tolerance, step)
             self.runs.append(run)
             self._ends.append(end)
 
@@ -54,7 +52,7 @@ class Searches:
         violation = self._evaluator.violation(end[0])
         return max(violation, end[1].residual) <= self._tolerance
 
-    def make_whole(self, search: Search, iterations: int) -> None:
+    def make_whole(self, method: SearchMethod) -> None:
         """Search again from the best end, with the whole numbers on either side of its values.
 
         The whole numbers are equality constraints; earlier runs no longer count.
@@ -62,14 +60,14 @@ class Searches:
         end = self._ends[self._best()]
         if end is None:
             return
-        rows = self._evaluator.margins.whole[:_MOST_WHOLE]
+        rows = self._evaluator.margins.integer[:_MOST_WHOLE]
         values = [end[0].values[self._evaluator.rows.first_margin + row.place] for row in rows]
         self._final = len(self.runs)
         for choice in itertools.product(*map(_either_side, rows, values)):
             for row, number in zip(rows, choice, strict=True):
                 self._evaluator.rows.fix(row.label, number, row.lower)
             self._evaluator.guard(False)
-            self.run_all(search, [end[0].position], iterations)
+            self.run_all(method, [end[0].position])
         chosen = self._ends[self._best()]
         if chosen is not None:
             for row in rows:
@@ -141,10 +139,9 @@ def _conditions(evaluator: Evaluator, point: Point, tolerance: float) -> Optimal
 def _run(
     evaluator: Evaluator,
     report: Reporter,
-    search: Search,
+    method: SearchMethod,
     start: np.ndarray,
     tolerance: float,
-    iterations: int,
     step: Callable[[int], None],
 ) -> tuple[Run, tuple[Point, Optimality] | None]:
     """One search, with its end and the optimality there; `None` if no design was usable."""
@@ -159,10 +156,11 @@ def _run(
     if not first.good:
         message = "the start fails: no meshing, a pulling contact, or a value that is not finite"
         return run_report(report, first, None, history, None, 0, 0, message), None
-    functions = Guarded(evaluator)
+    functions = SearchFunctions(evaluator)
     # The search has a tighter tolerance than the optimality check.
-    result = search(functions, start, tolerance / 10, iterations, note)
-    end = functions.best(result.position, tolerance)
+    result = method.search(functions, start, tolerance / 10, note)
+    # Only a user's own search may end outside of the box.
+    end = functions.best(np.clip(result.position, 0.0, 1.0), tolerance)
     if end is None:
         failed = run_report(
             report,

@@ -205,7 +205,7 @@ class Analysis:
         return self.kinematics[index].meshing if exact else None
 
     @property
-    def _asked(self) -> bool:
+    def _load_is_passed(self) -> bool:
         """Whether a speed or load was passed; it then replaces the duty cycle."""
         return self._speed is not None or self._load is not None
 
@@ -216,7 +216,7 @@ class Analysis:
         Those of the duty cycle; those of the operating point without a duty cycle, or where a speed
         or load was passed.
         """
-        if self._asked:
+        if self._load_is_passed:
             return constant_load(self.speed, self.signed_load)
         spectrum = spectrum_of(self.mechanism)
         self.require(spectrum.possible)
@@ -225,7 +225,7 @@ class Analysis:
     @cached_property
     def demand(self) -> tuple[Scalar, Scalar]:
         """Largest magnitudes of speed and load, of spectrum and operating point [rad/s, N]."""
-        if self._asked:
+        if self._load_is_passed:
             return jnp.abs(self.speed), self.load
         speed, load = largest_demand(self.mechanism, self.spectrum)
         self.require(jnp.logical_not(jnp.isinf(speed) | jnp.isinf(load)))
@@ -294,7 +294,7 @@ class Analysis:
         """The first of the loads that are equal by structure: no distribution is traced twice."""
         if under == "none":
             return under
-        single_load = self._asked or self.mechanism.duty_cycle is None
+        single_load = self._load_is_passed or self.mechanism.duty_cycle is None
         if not single_load or under == "operating_point":
             return under
         return "operating_point" if preload_of(stage) is None else "largest"
@@ -313,7 +313,7 @@ class Analysis:
         spectrum, point = self.spectrum, self.mechanism.operating_point
         if under == "largest":
             magnitude, loads = largest_flank_load(stage, self.demand[1]), spectrum.load
-            if point is not None and not self._asked:
+            if point is not None and not self._load_is_passed:
                 loads = jnp.append(loads, point.load)
             severity = jnp.abs(loads)
         else:

@@ -7,7 +7,7 @@ time alone and plain numbers are loads, too: `load_value` accepts them all.
 
 import inspect
 from collections.abc import Callable
-from typing import ClassVar, TypeAlias
+from typing import ClassVar, TypeAlias, get_args
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -17,9 +17,9 @@ from ..fields import (
     ANY,
     NOT_NEGATIVE,
     POSITIVE,
+    Limited,
     Scalar,
     as_scalar,
-    check_not_negative,
     choice,
     driven,
     number,
@@ -29,7 +29,7 @@ from ._sequences import Profile
 from ._tables import Curve, Interpolation
 
 
-class HingeLoad(eqx.Module):
+class HingeLoad(Limited):
     """Load of a driven structure: constant, spring, damper and mass at the last nut.
 
     `F = constant + stiffness z + damping ż + mass z̈`.
@@ -49,7 +49,7 @@ class HingeLoad(eqx.Module):
         return static_load + self.damping * speed + self.mass * acceleration
 
 
-class AerodynamicLoad(eqx.Module):
+class AerodynamicLoad(Limited):
     """A surface in a flow, such as a rudder driven through a horn.
 
     `F = constant + q̄ (k z + c ż) + c₂ ż |ż| + mass z̈`, with the dynamic pressure q̄ a number or a
@@ -80,16 +80,17 @@ class AerodynamicLoad(eqx.Module):
         return break_times_of(self.dynamic_pressure, self.constant.dtype)
 
 
-class PositionTableLoad(eqx.Module):
+class PositionTableLoad(Limited):
     """A table over the position of the nut, interpolated; constant outside of it."""
 
     kind: ClassVar[str] = "position_table"
-    positions: Float[Array, " points"] = numbers("m", "increasing positions of the nut", limit=ANY)
-    values: Float[Array, " points"] = numbers("N", "loads at these positions")
+    positions: Float[Array, " points"] = numbers(
+        "m", "increasing positions of the nut", limit=ANY, least=2, increasing=True
+    )
+    values: Float[Array, " points"] = numbers(
+        "N", "loads at these positions", least=2, length="positions"
+    )
     interpolation: Interpolation = choice("between the points", default="linear")
-
-    def __check_init__(self):
-        self._curve().check("PositionTableLoad")
 
     def _curve(self) -> Curve:
         return Curve(self.positions, self.values, self.interpolation)
@@ -101,15 +102,12 @@ class PositionTableLoad(eqx.Module):
         return self._curve()(position)
 
 
-class FrictionLoad(eqx.Module):
+class FrictionLoad(Limited):
     """Friction of a guide: `F = force ż / √(ż² + width²)`."""
 
     kind: ClassVar[str] = "friction"
     force: Scalar = number("N", "friction force of the guide", limit=NOT_NEGATIVE)
     width: Scalar = number("m/s", "speed over which the force changes its sign", limit=POSITIVE)
-
-    def __check_init__(self):
-        check_not_negative("FrictionLoad", force=self.force)
 
     def __call__(
         self, time: Scalar, position: Scalar, speed: Scalar, acceleration: Scalar
@@ -118,7 +116,7 @@ class FrictionLoad(eqx.Module):
         return self.force * speed / jnp.sqrt(speed**2 + self.width**2)
 
 
-class SumLoad(eqx.Module):
+class SumLoad(Limited):
     """Sum of several loads: loads of motion, functions of time and numbers."""
 
     kind: ClassVar[str] = "sum"
@@ -187,6 +185,4 @@ def break_times_of(function, dtype) -> Float[Array, " breaks"]:
 
 
 #: Loads of motion by the name of their kind.
-LOADS_OF_MOTION: dict[str, type[eqx.Module]] = {
-    cls.kind: cls for cls in (HingeLoad, AerodynamicLoad, PositionTableLoad, FrictionLoad, SumLoad)
-}
+LOADS_OF_MOTION: dict[str, type[eqx.Module]] = {cls.kind: cls for cls in get_args(LoadOfMotion)}

@@ -4,7 +4,8 @@ All are pure functions whose numbers are differentiable; they have an integral i
 speed: the angle), and the times at which they or their derivatives jump, so that an integrator can
 step exactly to these. Derivatives at a jump are those after it.
 
-A unit `*` in the metadata is that of the function: rad/s for a speed.
+A unit `*` in the metadata is that of the function: rad/s for a speed. A class whose values can have
+one unit only gives it as `value_unit`.
 """
 
 import abc
@@ -17,17 +18,16 @@ from jaxtyping import Array, Float
 from ..fields import (
     ANY,
     NOT_NEGATIVE,
+    NOT_ZERO,
     POSITIVE,
+    Limited,
     Scalar,
-    check_not_negative,
-    check_not_zero,
-    check_positive,
     number,
     optional_number,
 )
 
 
-class SineProfile(eqx.Module):
+class SineProfile(Limited):
     """`mean + amplitude sin(2π f t + phase)`."""
 
     kind: ClassVar[str] = "sine"
@@ -71,7 +71,7 @@ def _limits(parts: _Segments) -> tuple[Float[Array, " segments"], Float[Array, "
     return jnp.concatenate([jnp.zeros_like(ends[:1]), ends[:-1]]), ends
 
 
-class AbstractSegmentedProfile(eqx.Module):
+class AbstractSegmentedProfile(Limited):
     """Segments of second-order polynomials in sequence; 0 after the last."""
 
     @abc.abstractmethod
@@ -114,10 +114,7 @@ class ConstantProfile(AbstractSegmentedProfile):
 
     kind: ClassVar[str] = "constant"
     value: Scalar = number("*", "value", limit=ANY)
-    hold_time: Scalar = number("s", "duration of this value", limit=NOT_NEGATIVE)
-
-    def __check_init__(self):
-        check_positive("ConstantProfile", hold_time=self.hold_time)
+    hold_time: Scalar = number("s", "duration of this value", limit=POSITIVE)
 
     def _segments(self) -> _Segments:
         one, zero = self.value[None], jnp.zeros_like(self.value)[None]
@@ -135,12 +132,6 @@ class TrapezoidalProfile(AbstractSegmentedProfile):
         "s", "time from the plateau to 0; equal to the rise time if not given", limit=POSITIVE
     )
     dwell_time: Scalar = number("s", "rest at 0 afterwards", default=0.0, limit=NOT_NEGATIVE)
-
-    def __check_init__(self):
-        check_positive("TrapezoidalProfile", rise_time=self.rise_time, fall_time=self.fall_time)
-        check_not_negative(
-            "TrapezoidalProfile", hold_time=self.hold_time, dwell_time=self.dwell_time
-        )
 
     def _segments(self) -> _Segments:
         fall = self.rise_time if self.fall_time is None else self.fall_time
@@ -164,7 +155,8 @@ class TrapezoidalMoveProfile(AbstractSegmentedProfile):
     """
 
     kind: ClassVar[str] = "trapezoidal_move"
-    angle_moved: Scalar = number("rad", "angle of the move; negative backwards")
+    value_unit: ClassVar[str] = "rad/s"
+    angle_moved: Scalar = number("rad", "angle of the move; negative backwards", limit=NOT_ZERO)
     speed_limit: Scalar = number("rad/s", "largest speed", limit=POSITIVE)
     acceleration_limit: Scalar = number("rad/s²", "largest acceleration", limit=POSITIVE)
     deceleration_limit: Scalar | None = optional_number(
@@ -173,10 +165,6 @@ class TrapezoidalMoveProfile(AbstractSegmentedProfile):
         limit=POSITIVE,
     )
     dwell_time: Scalar = number("s", "rest afterwards", default=0.0, limit=NOT_NEGATIVE)
-
-    def __check_init__(self):
-        _check_move(self)
-        check_positive("TrapezoidalMoveProfile", deceleration_limit=self.deceleration_limit)
 
     def _segments(self) -> _Segments:
         distance, up = jnp.abs(self.angle_moved), self.acceleration_limit
@@ -199,15 +187,12 @@ class SCurveMoveProfile(AbstractSegmentedProfile):
     """
 
     kind: ClassVar[str] = "s_curve_move"
-    angle_moved: Scalar = number("rad", "angle of the move; negative backwards")
+    value_unit: ClassVar[str] = "rad/s"
+    angle_moved: Scalar = number("rad", "angle of the move; negative backwards", limit=NOT_ZERO)
     speed_limit: Scalar = number("rad/s", "largest speed", limit=POSITIVE)
     acceleration_limit: Scalar = number("rad/s²", "largest acceleration", limit=POSITIVE)
     jerk_limit: Scalar = number("rad/s³", "largest jerk", limit=POSITIVE)
     dwell_time: Scalar = number("s", "rest afterwards", default=0.0, limit=NOT_NEGATIVE)
-
-    def __check_init__(self):
-        _check_move(self)
-        check_positive("SCurveMoveProfile", jerk_limit=self.jerk_limit)
 
     def _segments(self) -> _Segments:
         distance, jerk = jnp.abs(self.angle_moved), self.jerk_limit
@@ -230,10 +215,3 @@ class SCurveMoveProfile(AbstractSegmentedProfile):
             * jnp.stack([zero, steepest, steepest, zero, zero, -steepest, -steepest, zero]),
             curvature=sign * jnp.stack([jerk, zero, -jerk, zero, -jerk, zero, jerk, zero]),
         )
-
-
-def _check_move(move) -> None:
-    name = type(move).__name__
-    check_not_zero(name, angle_moved=move.angle_moved)
-    check_positive(name, speed_limit=move.speed_limit, acceleration_limit=move.acceleration_limit)
-    check_not_negative(name, dwell_time=move.dwell_time)

@@ -5,10 +5,9 @@ numbers differentiable): the profiles of `_profiles` and `_sequences`, the loads
 other. Those read from a file can be written to a file.
 """
 
-import dataclasses
 from collections.abc import Callable
+from typing import ClassVar
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -18,20 +17,15 @@ from ..fields import (
     MANY,
     POSITIVE,
     SAMPLES,
+    Limited,
     Scalar,
-    check_finite,
-    check_positive,
+    check_fields,
     choice,
     driven,
     number,
 )
 from ._loads import LoadOfMotion, break_times_of, load_value
 from ._sequences import Profile
-
-
-def _check_samples(samples: int) -> None:
-    if samples < 2:
-        raise ValueError(f"samples is {samples}; a history needs at least 2")
 
 
 def check_scenario(scenario: "Scenario | TorqueScenario") -> None:
@@ -43,13 +37,7 @@ def check_scenario(scenario: "Scenario | TorqueScenario") -> None:
 
     **Raises:** `ValueError` for a duration that is not above 0, and for NaN or infinite numbers.
     """
-    owner = type(scenario).__name__
-    for field in dataclasses.fields(scenario):
-        value, unit = getattr(scenario, field.name), field.metadata.get("unit")
-        if unit is not None and not callable(value):
-            remedy = f"give the {field.metadata['description']} in {unit}"
-            check_finite(owner, remedy, **{field.name: value})
-    check_positive(owner, duration=scenario.duration)
+    check_fields(scenario, to_come=False)
 
 
 def _needs_motion():
@@ -59,7 +47,7 @@ def _needs_motion():
     )
 
 
-class Scenario(eqx.Module):
+class Scenario(Limited):
     """Prescribed screw speed and load over time.
 
     Speed is a number or a function of time. Load is a number, a function of time, or a function of
@@ -69,6 +57,7 @@ class Scenario(eqx.Module):
     Static: `samples`, and whether speed and load are functions.
     """
 
+    to_come: ClassVar[bool] = False
     #: Screw speed Ω [rad/s].
     speed: Scalar | Profile | Callable = driven("rad/s", "screw speed")
     #: Load on the last nut, against its motion at positive speed [N].
@@ -83,10 +72,6 @@ class Scenario(eqx.Module):
     initial_position: Scalar = number(
         "m", "position of the nut at the start", default=0.0, limit=ANY
     )
-
-    def __check_init__(self):
-        _check_samples(self.samples)
-        check_scenario(self)
 
     def speed_at(self, time: Scalar) -> Scalar:
         """Screw speed at a time [rad/s]."""
@@ -108,12 +93,13 @@ class Scenario(eqx.Module):
         return _breaks(self.duration, self.speed, self.load)
 
 
-class TorqueScenario(eqx.Module):
+class TorqueScenario(Limited):
     """Prescribed torque at the first screw, and load on the last nut.
 
     Static: `samples`, `most_phases`, and whether torque is a function.
     """
 
+    to_come: ClassVar[bool] = False
     #: Torque at the first screw: a number, or a pure function of time [N·m].
     torque: Scalar | Profile | Callable = driven("N·m", "torque at the first screw")
     #: Load on the last nut [N]: a number, a function of time, or one of time, position, speed and
@@ -132,10 +118,6 @@ class TorqueScenario(eqx.Module):
     samples: int = choice("number of times in the result", default=201, limit=SAMPLES)
     #: Maximum number of phases of stick or slip; exceeding it is reported.
     most_phases: int = choice("maximum number of phases of stick or slip", default=32, limit=MANY)
-
-    def __check_init__(self):
-        _check_samples(self.samples)
-        check_scenario(self)
 
     def torque_at(self, time: Scalar) -> Scalar:
         """Torque at a time [N·m]."""

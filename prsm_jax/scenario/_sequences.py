@@ -1,12 +1,12 @@
 """Tables over time, and sequences of profiles: repeated, optionally with alternating sign."""
 
-from typing import ClassVar, NamedTuple, TypeAlias
+from typing import ClassVar, NamedTuple, TypeAlias, get_args
 
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..fields import ANY, MANY, Scalar, choice, numbers
+from ..fields import ANY, MANY, Limited, Scalar, choice, numbers
 from ._profiles import (
     ConstantProfile,
     SCurveMoveProfile,
@@ -18,19 +18,19 @@ from ._tables import Curve, Interpolation
 
 #: Maximum number of levels of nested sequences.
 _DEEPEST = 16
-_MOST_REPEATS = 1_000_000
 
 
-class TableProfile(eqx.Module):
+class TableProfile(Limited):
     """A table over time, interpolated; outside of it the first or last value."""
 
     kind: ClassVar[str] = "table"
-    times: Float[Array, " points"] = numbers("s", "increasing times, from 0 on", limit=ANY)
-    values: Float[Array, " points"] = numbers("*", "values at these times", limit=ANY)
+    times: Float[Array, " points"] = numbers(
+        "s", "increasing times, from 0 on", limit=ANY, least=2, increasing=True
+    )
+    values: Float[Array, " points"] = numbers(
+        "*", "values at these times", limit=ANY, least=2, length="times"
+    )
     interpolation: Interpolation = choice("between the points", default="linear")
-
-    def __check_init__(self):
-        self._curve().check("TableProfile")
 
     def _curve(self) -> Curve:
         return Curve(self.times, self.values, self.interpolation)
@@ -53,7 +53,7 @@ class TableProfile(eqx.Module):
         return self.times[-1]
 
 
-class SequenceProfile(eqx.Module):
+class SequenceProfile(Limited):
     """Parts in sequence, repeated, optionally with alternating sign.
 
     After its end it continues like its last part. Static: number of parts, `repeats`, `reversing`.
@@ -74,18 +74,16 @@ class SequenceProfile(eqx.Module):
                     f"SequenceProfile: a {type(part).__name__} has no end, so nothing can follow "
                     "it; give a table or a profile that has one"
                 )
-        if self.repeats < 1:
-            raise ValueError(f"SequenceProfile: repeats is {self.repeats}; it must be 1 or more")
         levels, repeats = self._nested()
         if levels > _DEEPEST:
             raise ValueError(
                 f"SequenceProfile: sequences are nested {levels} levels deep; at most "
                 f"{_DEEPEST} are allowed, so write inner ones out as parts"
             )
-        if repeats > _MOST_REPEATS:
+        if repeats > MANY.upper:
             raise ValueError(
                 f"SequenceProfile: the innermost parts are run through {repeats} times; at most "
-                f"{_MOST_REPEATS} are allowed"
+                f"{MANY.upper:.0f} are allowed"
             )
 
     def _nested(self) -> tuple[int, int]:
@@ -201,15 +199,4 @@ PartProfile: TypeAlias = (
 )
 Profile: TypeAlias = SineProfile | PartProfile
 #: Profiles by the name of their kind.
-PROFILES: dict[str, type[eqx.Module]] = {
-    cls.kind: cls
-    for cls in (
-        SineProfile,
-        ConstantProfile,
-        TrapezoidalProfile,
-        TrapezoidalMoveProfile,
-        SCurveMoveProfile,
-        TableProfile,
-        SequenceProfile,
-    )
-}
+PROFILES: dict[str, type[eqx.Module]] = {cls.kind: cls for cls in get_args(Profile)}

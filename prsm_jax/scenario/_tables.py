@@ -9,11 +9,10 @@ import jax.numpy as jnp
 from jax.custom_batching import custom_vmap
 from jaxtyping import Array, Float, Int
 
-from ..fields import Scalar, check_increasing
+from ..fields import Scalar
 from ..numerics import above_or_nan
 
 Interpolation: TypeAlias = Literal["linear", "cubic", "monotone"]
-INTERPOLATIONS: tuple[Interpolation, ...] = ("linear", "cubic", "monotone")
 
 
 @custom_vmap
@@ -42,20 +41,6 @@ class Curve(eqx.Module):
     points: Float[Array, " points"]
     values: Float[Array, " points"]
     interpolation: Interpolation = eqx.field(static=True)
-
-    def check(self, owner: str) -> None:
-        """**Raises:** `ValueError` if the table is invalid."""
-        if self.interpolation not in INTERPOLATIONS:
-            raise ValueError(
-                f"{owner}: interpolation is {self.interpolation!r}; choose one of "
-                f"{', '.join(INTERPOLATIONS)}"
-            )
-        if self.points.shape != self.values.shape:
-            raise ValueError(
-                f"{owner}: {self.points.shape[-1]} points have {self.values.shape[-1]} values; "
-                "give the same number of both"
-            )
-        check_increasing(owner, points=self.points)
 
     def _steps_and_chords(self, index: Int[Array, "*places"]):
         """Lengths and mean slopes of intervals by their index."""

@@ -289,21 +289,21 @@ class TruncatedFatigue(eqx.Module):
             grown = grown + risk / (self.risks[0] + self.risks[1]) * (ratio - 1)
         return (1 + grown) ** 0.3
 
-    def capacity(self, whole: Scalar) -> Scalar:
+    def capacity(self, untruncated: Scalar) -> Scalar:
         """Dynamic capacity C_a, for which C_a g(C_a) is the capacity of full ellipses [N].
 
         **Arguments:**
 
-        - `whole`: capacity without truncation [N].
+        - `untruncated`: capacity without truncation [N].
         """
         share, converged = find_root_of(
             _excess,
-            (self, whole),
-            jnp.ones_like(whole),
-            tolerance=1e-13 if whole.dtype == jnp.float64 else 1e-6,
+            (self, untruncated),
+            jnp.ones_like(untruncated),
+            tolerance=1e-13 if untruncated.dtype == jnp.float64 else 1e-6,
             max_steps=_MAXIMUM_STEPS,
         )
-        return whole * jnp.where(converged, share, jnp.nan)
+        return untruncated * jnp.where(converged, share, jnp.nan)
 
     def comparable_load(
         self, load: Float[Array, "*batch"], capacity: Scalar

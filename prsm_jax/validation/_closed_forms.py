@@ -53,20 +53,20 @@ def inclined_plane() -> Iterator[Row]:
     )
     for friction in (0.05, 0.10):
         for degrees in (45.0, 60.0):
-            flank = np.radians(90.0 - degrees)
+            flank_angle = np.radians(90.0 - degrees)
             changes = (
                 *_ALONE,
                 ("thread.coefficient", friction),
                 ("contact_angle", float(np.radians(degrees))),
             )
-            forward = (1 - friction * np.tan(flank)) / (1 + friction / np.tan(flank))
-            backward = (1 - friction / np.tan(flank)) / (1 + friction * np.tan(flank))
+            forward = (1 - friction * np.tan(flank_angle)) / (1 + friction / np.tan(flank_angle))
+            backward = (1 - friction / np.tan(flank_angle)) / (1 + friction * np.tan(flank_angle))
             for name, closed, sense in (("forward", forward, 1.0), ("backward", backward, -1.0)):
                 yield formula(
                     f"efficiency {name}, μ {friction:.2f}, contact angle {degrees:.0f}°",
                     f"{closed:.6f}",
                     float(steady(_NAME, *changes, sense=sense).efficiency),
-                    tolerance=friction * tangent**2 / np.tan(flank),
+                    tolerance=friction * tangent**2 / np.tan(flank_angle),
                     note=note,
                 )
 

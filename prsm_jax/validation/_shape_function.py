@@ -48,7 +48,7 @@ def line_contact() -> Iterator[Row]:
         "mm",
         tolerance=1e-5,
         note=f"by δ = 2P/(πE*); {implied}. One unit of the last digit is allowed: the printed "
-        "number seems cut off rather than rounded",
+        "number seems to be truncated, not rounded",
     )
     yield inconsistent(
         "the closure δ = πP/E* against Table 2",
@@ -295,9 +295,10 @@ def sensitivities() -> Iterator[Row]:
         between=(118.5, 119.3),
         evidence=float(skewed.loaded_share),
         evidence_between=(0.14, 0.16),
-        because="with equal profile angles a lead moves the contact to the crest of the ring, the "
-        "larger the lead, the more (the derivative is 0 at ψ = 0, by symmetry; the pressure is "
-        f"{1e-6 * pressure:.0f} MPa at 5°, where the share of the zone in evidence bears)",
+        because="with equal profile angles a lead moves the contact towards the crest of the ring, "
+        "and a larger lead moves it further (the derivative is 0 at ψ = 0, by symmetry; at 5° the "
+        f"pressure is {1e-6 * pressure:.0f} MPa, and the evidence is the share of the zone that "
+        "carries load)",
     )
     yield trend(
         "Table 3: a larger roller radius",

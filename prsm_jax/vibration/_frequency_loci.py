@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from ..contact import StageContact, load_of
-from ..fields import Scalar
+from ..fields import Scalar, renamed
 from ..geometry import mesh
 from ..load_sharing import LoadDistribution
 from ..mechanism import Mechanism, find_parameters, of_one_design, set_parameter, stage_at
@@ -63,7 +63,8 @@ class FrequencyLoci(AbstractResult):
     multiplicities: dict[str, int] = eqx.field(static=True)
     stage: int = eqx.field(static=True)
     #: Whether only whole numbers are possible (the number of rollers).
-    whole: bool = eqx.field(static=True)
+    integer: bool = eqx.field(static=True)
+    whole = renamed("whole", "integer")
 
     @property
     def batch_shape(self) -> tuple[int, ...]:

@@ -161,8 +161,7 @@ CLAIMS = [
     Claim(
         HERTZ,
         "*rises* by {} MPa per degree of lead angle, falls by {} MPa per mm of roller radius, "
-        "and changes by {} MPa per degree of either profile angle alone but by {} MPa per degree "
-        "of both",
+        "and changes by {} MPa per degree of one profile angle, but by {} MPa per degree if both",
         _slopes,
     ),
     Claim(HERTZ, "with {} slices the error is {} of the pressure of an edge contact", _by_slices),
@@ -174,5 +173,5 @@ CLAIMS = [
         "at a depth of 0.3 $b$ is {} % of $p_0$ on 32 × 32 cells and {} % on 64 × 64",
         _fields,
     ),
-    Claim(SURFACES, "do not explain errors of {} to {} %", _of_paper),
+    Claim(SURFACES, "at 25 and 50 N ({} to {} %)", _of_paper),
 ]

@@ -7,10 +7,11 @@ from claims import NUMBER, check, covered, numbers_of, page_text, value_of
 from claims_contact import CLAIMS as CONTACT
 from claims_published import CLAIMS as PUBLISHED
 from claims_readme import CLAIMS as README
+from claims_settings import CLAIMS as SETTINGS
 from claims_strength import CLAIMS as STRENGTH
 from claims_stress import CLAIMS as STRESS
 
-CLAIMS = [*PUBLISHED, *CONTACT, *STRESS, *STRENGTH, *README]
+CLAIMS = [*PUBLISHED, *CONTACT, *STRESS, *STRENGTH, *README, *SETTINGS]
 #: Pages whose every number is a claim, and what of them is none: what a paper prints, what is
 #: chosen, run times of the authors' machine. Pieces of text, as regular expressions.
 GIVEN = {
@@ -31,7 +32,7 @@ GIVEN = {
         r"at 25, 50 and 100 N",
         r"\(0\.20 mm at 25 N\)",
         r"\(nut, 50 and 100 N\)",
-        r"elements of\s+0\.01 mm",
+        r"elements\s+of\s+0\.01 mm",
         r"At 100 N they agree",
         r"nut, 50 N\)\. A nut thread that ends 0\.075 or 0\.05 mm",
         r"rounded by 0\.2 mm",
@@ -68,6 +69,7 @@ GIVEN = {
         r"at 25, 50 and 100 N",
         r"^\| \| screw, 25 N.*$|^\| paper, .*$",
         r"on 32 cells an axis",
+        r"deviations from Hertz at 25 and 50 N",
         r"grid of 0\.01 mm.*at\s+25 N",
         r"nominal radius \(50\s+N\)",
         r"Hertz for 0\.05 mm and an edge rounded by 0\.2\s+mm",

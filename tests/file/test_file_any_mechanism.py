@@ -12,8 +12,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 import prsm_jax.file as file
-from prsm_jax.fields import ANY, Limit, limit_of
-from prsm_jax.file.numbers._layout import TableChoice, module_classes, row_class, table_choices
+from prsm_jax.fields import ANY, Declared, Limit, declared, limit_of
+from prsm_jax.file import TableChoice, table_choices
 from prsm_jax.mechanism import (
     GAP_LISTS,
     AxialPlay,
@@ -43,28 +43,24 @@ def numbers(limit: Limit) -> st.SearchStrategy[float]:
 
 
 def _limit(cls: type[eqx.Module], name: str) -> Limit:
-    (field,) = [field for field in dataclasses.fields(cls) if field.name == name]
-    return limit_of(field.metadata["unit"], field.metadata.get("limit"))
+    (field,) = [field for field in declared(cls) if field.name == name]
+    return field.limit
 
 
-def _field(field: dataclasses.Field, hint) -> st.SearchStrategy:
-    classes = module_classes(hint)
-    if row_class(hint) is not None:
+def _field(field: Declared) -> st.SearchStrategy:
+    if field.element is not None:
         return st.just(())  # filled when the number of rollers is known
-    if classes:
-        present = st.one_of([_choice(one) for one in table_choices(hint).values()])
-    elif field.metadata.get("list"):
+    if field.classes:
+        present = st.one_of([_choice(one) for one in table_choices(field.hint).values()])
+    elif field.is_list:
         return st.none()  # filled when the number of threads is known
-    elif "unit" in field.metadata:
-        present = numbers(limit_of(field.metadata["unit"], field.metadata.get("limit")))
-    elif hint is bool:
-        present = st.booleans()
-    elif hint is int:
-        limit = limit_of("1", field.metadata.get("limit"))
-        present = st.integers(int(limit.lower), int(limit.upper))
+    elif field.unit is not None:
+        present = numbers(field.limit)
+    elif field.whole:
+        present = st.integers(int(field.limit.lower), int(field.limit.upper))
     else:
-        present = st.sampled_from(typing.get_args(hint))
-    return st.one_of(st.none(), present) if type(None) in typing.get_args(hint) else present
+        present = st.sampled_from(field.words) if field.words else st.booleans()
+    return st.one_of(st.none(), present) if type(None) in typing.get_args(field.hint) else present
 
 
 @st.composite
@@ -79,8 +75,7 @@ def _choice(draw, choice: TableChoice):
 @st.composite
 def modules(draw, cls: type[eqx.Module]):
     """A module of a class with any of its optional parts."""
-    hints = typing.get_type_hints(cls)
-    values = {f.name: draw(_field(f, hints[f.name])) for f in dataclasses.fields(cls)}
+    values = {one.name: draw(_field(one)) for one in declared(cls)}
     if cls is Support and values["radial_stiffness"] is None:
         values["radial_stiffness_y"] = None
     if cls is LoadSharing:

@@ -225,7 +225,7 @@ def test_importing_is_light_and_a_missing_extra_is_named():
     code = """
 import sys
 import prsm_jax.file as file
-heavy = {"pydantic", "pint", "tomlkit"} & set(sys.modules)
+heavy = {"pint", "tomlkit"} & set(sys.modules)
 assert not heavy, heavy
 sys.modules["pint"] = None
 for call in (lambda: file.load("wu2022"), lambda: file.dumps(None)):

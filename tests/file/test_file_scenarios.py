@@ -11,7 +11,7 @@ from scenes import mechanism
 
 import prsm_jax.file as file
 from prsm_jax._errors import FileError
-from prsm_jax.fields import ANY, POSITIVE, limit_of
+from prsm_jax.fields import ANY, POSITIVE, declared
 from prsm_jax.mechanism import find_parameters, set_parameter
 from prsm_jax.scenario import (
     LOADS_OF_MOTION,
@@ -28,8 +28,8 @@ MISSION = file.example_text("actuator_mission")
 
 
 def _limit(cls, name):
-    (field,) = [field for field in dataclasses.fields(cls) if field.name == name]
-    return limit_of(field.metadata["unit"], field.metadata.get("limit"))
+    (field,) = [field for field in declared(cls) if field.name == name]
+    return field.limit
 
 
 def _numbers(limit=ANY):
@@ -141,7 +141,8 @@ CASES = [
     ("reversing = true", "reversing = 1", "reversing = 1: must be true or false"),
     ('angle_moved = "3 turn"', 'angle_moved = "3 mm"',
      r"\[\[scenario.speed.part\]\] 1: angle_moved = .*: wrong unit: a length where an angle"),
-    ('angle_moved = "3 turn"', "angle_moved = 0", r"speed.part\]\] 1: SCurve.*finite and not 0"),
+    ('angle_moved = "3 turn"', "angle_moved = 0",
+     r"speed.part\]\] 1: angle_moved = 0: must be finite and not 0"),
     ('speed_limit = "1500 rpm"', "speed_limit = -1", "speed_limit = -1: must be more than 0"),
     ('jerk_limit = "100000 rad/s^3"', 'jerk_limit = "1 rad/s^2"', "an angular acceleration where"),
     ('stiffness_per_pressure = "20 m"', "", "1: stiffness_per_pressure: is missing; give"),

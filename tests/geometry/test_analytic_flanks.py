@@ -86,7 +86,7 @@ def test_a_stage_changes_flank_by_itself():
     def flanks(times, speeds):
         def at(time, speed):
             states = states_at(two, kinematics, scenario, time, speed)
-            return jnp.stack([state.flank for state in states])
+            return jnp.stack([state.flank_sign for state in states])
 
         return jax.vmap(at)(times, speeds)
 

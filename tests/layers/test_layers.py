@@ -27,7 +27,6 @@ HEAVY = (
     "xarray",
     "zarr",
     "matplotlib",
-    "pydantic",
     "pint",
     "tomlkit",
     "jinja2",

@@ -115,7 +115,7 @@ def test_where_a_nut_stands_without_load(backlash):
     assert bool(got.preloaded) == (backlash < 0)
     step = 1e-9
     after, before = (_rest(array(backlash + sign * step))[0] for sign in (1, -1))
-    difference = (float(after.rest) - float(before.rest)) / (2 * step)
+    difference = (float(after.unloaded_position) - float(before.unloaded_position)) / (2 * step)
     # Differences of second order, and rests found to 1e-12 of some micrometres.
     assert float(forward) == pytest.approx(difference, abs=1e-6)
     assert float(reverse) == pytest.approx(float(forward), abs=1e-12)
@@ -130,7 +130,7 @@ def _rest(backlash):
         return elastic_deflection(bare, array(-100.0), array(0.0))
 
     def rest(value):
-        return found(value).rest
+        return found(value).unloaded_position
 
     return found(backlash), jax.jacfwd(rest)(backlash), jax.jacrev(rest)(backlash)
 

@@ -12,11 +12,14 @@ import prsm_jax as prsm
 from prsm_jax.mechanism import (
     Carrier,
     Gear,
+    GivenStiffness,
+    LoadSharing,
     Material,
     Nut,
     Roller,
     Screw,
     ScrewShaft,
+    SplitNut,
     Strength,
     Support,
     Thread,
@@ -107,9 +110,19 @@ def test_setting_such_a_number_is_refused(name, value, words):
         assert float(prsm.get_parameter(moved, name)) == pytest.approx(value)
 
 
-def test_a_negative_stiffness_is_left_to_check():
-    """Published models come to it, and `check` calls it an error."""
-    assert float(Support(radial_stiffness=-1e6).radial_stiffness) == -1e6
+def test_a_negative_stiffness_is_refused_outside_a_trace():
+    """As in a file, with and without a limit of its own; `check` reports what a trace comes to."""
+    for make in (
+        lambda: Support(radial_stiffness=-1e6),
+        lambda: GivenStiffness(screw_roller=-1e6),
+        lambda: LoadSharing(3, screw_segment_stiffness=-1e6),
+        lambda: SplitNut(1, preload=1.0, spacer_stiffness=0.0),
+    ):
+        with pytest.raises(ValueError, match=r"ness is -?[01].* N/m; it must|screw_roller is -1"):
+            make()
+    assert float(Support(radial_stiffness=0.0).radial_stiffness) == 0.0
+    traced = jax.jit(lambda k: Support(radial_stiffness=k).radial_stiffness)
+    assert float(traced(-1e6)) == -1e6
 
 
 def test_numbers_that_only_fit_together_are_set_together():

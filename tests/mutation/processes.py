@@ -21,7 +21,7 @@ _LIBRARIES = (
     *("numpy.random", "numpy.testing", "scipy.integrate", "scipy.linalg", "scipy.optimize"),
     *("scipy.sparse.linalg", "scipy.special", "jax", "jax.numpy", "jax.scipy.linalg", "jaxtyping"),
     *("beartype.claw", "equinox", "diffrax", "lineax", "optimistix", "optax", "mpmath"),
-    *("hypothesis.strategies", "pydantic", "pint", "tomlkit", "tqdm", "xarray", "zarr"),
+    *("hypothesis.strategies", "pint", "tomlkit", "tqdm", "xarray", "zarr"),
 )
 #: Where a process writes what happens, in its own folder.
 _EVENTS = "mutation_events.jsonl"

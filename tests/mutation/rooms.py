@@ -167,8 +167,8 @@ _TESTS: tuple[tuple[str, str], ...] = (
     ("sensitivities", "sensitivity/values"),
     (
         "optimisation",
-        "optimise/box optimise/analytic analytic/single_faults optimise/findings "
-        "optimise/mechanism",
+        "optimise/box analytic/search_methods optimise/analytic analytic/single_faults "
+        "optimise/findings optimise/mechanism",
     ),
     ("sweeps", "sweep/values analytic/single_faults"),
     ("scenario/_profiles", "analytic/profiles"),

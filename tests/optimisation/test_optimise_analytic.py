@@ -242,6 +242,7 @@ def test_result_prints_and_is_plain(bowl):
         ({"variables": {"lead": 1e-3}, "minimise": "bowl"}, "give .lower, upper."),
         ({"variables": {"roller_count": (8, 12)}, "minimise": "bowl"}, "sweep over it"),
         ({"variables": {"lead": (0.0, np.inf)}, "minimise": "bowl"}, "must be finite"),
+        ({"variables": {"lead": (-1e-3, 1e-3)}, "minimise": "bowl"}, "lower bound is -0.001 m; it"),
         ({"variables": {**BOX, "pitch": (1e-3, 2e-3)}, "minimise": "bowl"}, "moves again"),
         ({"variables": {**BOX, "thread.lead": (1e-3, 2e-3)}, "minimise": "bowl"}, "both set"),
         ({"variables": BOX, "minimise": "bowel"}, "unknown quantity"),

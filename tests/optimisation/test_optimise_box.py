@@ -5,16 +5,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from prsm_jax.optimisation.search._box import adam, lbfgs
+from prsm_jax.optimisation import Adam, Lbfgs
 
-# What stands in for an evaluator is none.
+# What stands in for the functions of a search is none.
 pytestmark = pytest.mark.usefixtures("unchecked")
 
 
 def _functions(cost, gradient):
-    """What a search asks of an evaluator, for a function of the position alone."""
-    evaluator = SimpleNamespace(point=lambda position: SimpleNamespace(good=True))
-    return SimpleNamespace(cost=cost, gradient=gradient, evaluator=evaluator)
+    """What a search evaluates, for a function of the position alone."""
+    return SimpleNamespace(cost=cost, gradient=gradient, usable=lambda position: True)
 
 
 def _plane(*slopes):
@@ -22,11 +21,12 @@ def _plane(*slopes):
     return _functions(lambda x: float(slopes @ x), lambda x: slopes)
 
 
-@pytest.mark.parametrize("search", [adam, lbfgs])
+@pytest.mark.parametrize("method", [Adam, Lbfgs])
 @pytest.mark.parametrize("maximum", [1, 2, 5])
-def test_as_many_steps_as_are_allowed(search, maximum):
+def test_as_many_steps_as_are_allowed(method, maximum):
     steps = []
-    found = search(_plane(1e-3, -2e-3), np.array([0.4, 0.5]), 0.0, maximum, steps.append)
+    search = method(max_iterations=maximum).search
+    found = search(_plane(1e-3, -2e-3), np.array([0.4, 0.5]), 0.0, steps.append)
     assert len(steps) == maximum
     assert found.message == "iteration limit reached"
     assert found.iterations == maximum
@@ -37,7 +37,7 @@ def test_the_first_step_of_lbfgs_goes_down_the_slope_of_the_angle():
     """x = (1 − cos πz)/2 has dx/dz = π/2 sin πz: a coordinate near a bound moves less."""
     start, slopes = np.array([0.2, 0.5, 0.9]), np.array([0.1, -0.3, 0.2])
     steps = []
-    lbfgs(_plane(*slopes), start, 0.0, 1, steps.append)
+    Lbfgs(max_iterations=1).search(_plane(*slopes), start, 0.0, steps.append)
     before, after = (np.arccos(1 - 2 * x) / np.pi for x in (start, steps[0]))
     expected = -slopes * np.pi / 2 * np.sin(np.pi * before)
     moved = after - before
@@ -54,7 +54,9 @@ def test_lbfgs_finds_the_minimum_of_a_bowl_in_few_steps():
             lambda x, m=middle: float(weights @ (x - m) ** 2),
             lambda x, m=middle: 2 * weights * (x - m),
         )
-        found = lbfgs(bowl, np.array([0.8, 0.1]), 1e-6, 30, lambda position: None)
+        found = Lbfgs(max_iterations=30).search(
+            bowl, np.array([0.8, 0.1]), 1e-6, lambda position: None
+        )
         assert found.message == "projected gradient below tolerance"
         np.testing.assert_allclose(found.position, np.minimum(middle, 1.0), atol=1e-6)
         assert found.iterations <= 20

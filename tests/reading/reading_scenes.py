@@ -194,7 +194,7 @@ def loci() -> FrequencyLoci:
         unit="rad",
         multiplicities={"torsional": 1, "transverse": 2},
         stage=1,
-        whole=False,
+        integer=False,
     )
 
 

@@ -48,7 +48,7 @@ def _part(place, reason, costs, assumed=(), lost=()):
         "law": place.law,
         "laws": list(place.laws),
         "meaning": place.meaning,
-        "without": place.misses,
+        "without": place.without,
         "reason": reason,
         "write": place.write,
         "assumed_without": list(assumed),

@@ -98,7 +98,7 @@ def test_contact(run, monkeypatch, name):
             "max_pressure_pa": shared.max_pressure,
             "whole_ellipse_max_pressure_pa": shared.max_pressure,
             "deflection_m": elastic.deflection,
-            "unloaded_deflection_m": elastic.rest,
+            "unloaded_deflection_m": elastic.unloaded_position,
             "secant_stiffness_n_per_m": elastic.secant_stiffness,
             "tangent_stiffness_n_per_m": shared.tangent_stiffness,
             "spacer_force_n": shared.spacer_force,

@@ -27,7 +27,7 @@ def test_life_of_a_duty_cycle(actuator):
     assert {
         "load in kN",
         "damage in %",
-        "share of the turning in %",
+        "share of the revolutions in %",
         "basic rating life in turns",
     } <= set(axis_labels(picture))
     bars, damage, line = picture.axes

@@ -255,12 +255,18 @@ def test_values_of_loads():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: TrapezoidalProfile(1.0, 0.0, 1.0), "rise_time is 0.0; it must be more than 0"),
-        (lambda: TrapezoidalProfile(1.0, 1.0, -1.0), "hold_time is -1.0; it must be 0 or more"),
-        (lambda: TrapezoidalMoveProfile(0.0, 1.0, 1.0), "angle_moved is 0.0; .* not 0"),
-        (lambda: SCurveMoveProfile(1.0, 1.0, 1.0, -1.0), "jerk_limit is -1.0"),
+        (lambda: TrapezoidalProfile(1.0, 0.0, 1.0), "rise_time is 0 s; it must be more than 0"),
+        (lambda: TrapezoidalProfile(1.0, 1.0, -1.0), "hold_time is -1 s; it must be 0 or more"),
+        (lambda: TrapezoidalMoveProfile(0.0, 1.0, 1.0), "angle_moved is 0 rad; .* not 0"),
+        (
+            lambda: SCurveMoveProfile(1.0, 1.0, 1.0, -1.0),
+            "jerk_limit is -1 rad/s³; it must be more",
+        ),
         (lambda: TableProfile([0.0, 0.0], [1.0, 2.0]), "values that increase"),
-        (lambda: TableProfile([0.0, 1.0], [1.0]), "2 points have 1 values"),
+        (
+            lambda: TableProfile([0.0, 1.0], [1.0]),
+            "values has 1 number, but times has 2; give as many",
+        ),
         (lambda: TableProfile([0.0, 1.0], [1.0, 2.0], "quintic"), "choose one of linear"),
         (lambda: SequenceProfile(()), "part is empty"),
         (lambda: SequenceProfile((SineProfile(1.0, 1.0),)), "has no end"),

@@ -7,7 +7,7 @@ from ...fields import Scalar
 from ...mechanism import Mechanism, Stage, body_inertia, body_mass
 from ...programs import physics
 from .._kinematics import StageKinematics, travel_per_turn
-from ..friction import bearing_torque, drag_torque, loaded_flank, spline_force
+from ..friction import bearing_torque, drag_torque, loaded_flank_sign, spline_force
 from ._stage_forces import Motion, StageForces, axial_inertia, stage_forces
 
 
@@ -35,7 +35,7 @@ class StageState(eqx.Module):
     #: Load on this stage's nut [N].
     nut_load: Scalar
     #: +1 or −1: loaded flanks; `motion` and `forces` are in the frame of these (`_flank`).
-    flank: Scalar
+    flank_sign: Scalar
 
 
 @physics("screw_inertia")
@@ -142,9 +142,9 @@ def chain_forces(
 
     - `mechanism`: the mechanism.
     - `kinematics`: kinematics of each stage.
-    - `motion_of`: function of (stage index, flank, axial force, axial acceleration) to the stage's
-      `Motion`, all in the frame of the loaded flank; a steady state needs the force to find the
-      carrier speed.
+    - `motion_of`: function of (stage index, flank sign, axial force, axial acceleration) to the
+      stage's `Motion`, all in the frame of the loaded flank; a steady state needs the force to find
+      the carrier speed.
     - `speed`: screw speed [rad/s].
     - `sense`: sense of turning of the screws, +1 or −1.
     - `load`: load on the last nut [N].
@@ -164,7 +164,7 @@ def chain_forces(
                 screw_axial = -screw_acceleration * travel_per_turn(stages, index)
         law = stage.thread_law
         per_roller = axial_force / stage.present_roller_count
-        flank_sign = loaded_flank(law, per_roller, speed * kinematics[index].slip_per_screw[2])
+        flank_sign = loaded_flank_sign(law, per_roller, speed * kinematics[index].slip_per_screw[2])
         own_force = flank_sign * axial_force
         own_acceleration = None if nut_acceleration is None else flank_sign * nut_acceleration
         motion = motion_of(index, flank_sign, own_force, own_acceleration)

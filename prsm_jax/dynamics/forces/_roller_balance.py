@@ -55,7 +55,7 @@ def roller_support_forces(
     thread, forces, motion = stage.thread, state.forces, state.motion
     # All in the frame of the loaded flank.
     if carrier_acceleration is not None:
-        carrier_acceleration = state.flank * carrier_acceleration
+        carrier_acceleration = state.flank_sign * carrier_acceleration
     nut_force = forces.nut_contact_force * kinematics.meshing.nut.normal
     on_roller = forces.screw_on_roller + nut_force
     mass_known = stage.roller.mass is not None or stage.roller.length is not None
@@ -95,7 +95,7 @@ def roller_support_forces(
         spin_acceleration = -kinematics.relative_spin_ratio * carrier_acceleration
         moment = moment - mean_roller_inertia(stage) * spin_acceleration
     return RollerSupportForces(
-        ring_gear_tangential=state.flank * gear_tangential,
+        ring_gear_tangential=state.flank_sign * gear_tangential,
         ring_gear_force=gear_force,
         carrier_force=root_or_zero(pin_radial**2 + pin_tangential**2),
         moment_residual=moment,

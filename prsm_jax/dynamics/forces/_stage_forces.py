@@ -73,7 +73,7 @@ class StageForces(eqx.Module):
     #: Combined slip and spin in the ellipse of the screw side; `None` where not modelled.
     rubbing: Rubbing | None = None
     #: Residual of the axial balance at an assumed share of the normal force.
-    missed: Scalar | None = None
+    residual: Scalar | None = None
 
 
 @physics("axial_inertia")
@@ -93,7 +93,7 @@ def stage_forces(
     kinematics: StageKinematics,
     motion: Motion,
     axial_force: Scalar,
-    flank: Scalar,
+    flank_sign: Scalar,
 ) -> StageForces:
     """All forces of the rollers of one stage.
 
@@ -105,7 +105,7 @@ def stage_forces(
     - `stage`, `kinematics`: the stage and its meshing.
     - `motion`: speeds and slip, in the frame of the loaded flank.
     - `axial_force`: F_n − m z̈, axial force of all rollers together, in that frame [N].
-    - `flank`: +1 or −1, to turn forces on other parts back from that frame.
+    - `flank_sign`: +1 or −1, to turn forces on other parts back from that frame.
     """
     count = stage.present_roller_count
     screw_side, nut_side = kinematics.meshing.screw, kinematics.meshing.nut
@@ -114,7 +114,7 @@ def stage_forces(
         slip = Slip(motion.slip, motion.direction, motion.screw_speed, motion.carrier_speed)
         axial = axial_force / count
         contact = screw_contact(stage, kinematics, slip, axial, motion.deflection, motion.share)
-    force, per_force, constant, rub, missed = contact
+    force, per_force, constant, rub, residual = contact
     friction = force * per_force + constant
     on_roller = force * screw_side.normal + friction
     nut_axial = -on_roller[2]
@@ -142,11 +142,11 @@ def stage_forces(
         nut_moment=nut_moment,
         # From the balance itself: close to jamming, the product of a large force and the small
         # share of it that carries has no correct digits in its derivatives.
-        axial_on_screw=flank * axial_force,
-        torque_on_screw=flank * torque,
-        carrier_drive=flank * drive,
+        axial_on_screw=flank_sign * axial_force,
+        torque_on_screw=flank_sign * torque,
+        carrier_drive=flank_sign * drive,
         rubbing=rub,
-        missed=missed,
+        residual=residual,
     )
 
 

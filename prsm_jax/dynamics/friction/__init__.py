@@ -1,6 +1,5 @@
 """Friction of threads, spinning contact ellipses, splines and bearings."""
 
-from ._asked import Slip as Slip, asked_of as asked_of
 from ._bristles import (
     bristle_power as bristle_power,
     bristle_rate as bristle_rate,
@@ -14,7 +13,8 @@ from ._contact_losses import (
     resisting_moments as resisting_moments,
     with_resistance as with_resistance,
 )
-from ._flank import loaded_flank as loaded_flank, turned as turned
+from ._flank import loaded_flank_sign as loaded_flank_sign, turned as turned
+from ._law_inputs import Slip as Slip, law_inputs_of as law_inputs_of
 from ._rubbing import (
     Rubbing as Rubbing,
     ScrewContact as ScrewContact,

@@ -28,7 +28,7 @@ from ...mechanism import Stage
 from ...numerics import above_or_nan, apart
 from ...programs import physics
 from .._kinematics import StageKinematics
-from ._asked import asks_for_pressure
+from ._law_inputs import asks_for_pressure
 from ._rubbing import Rubbing, RubbingEllipse, rubbed_moment, rubbing_ellipse
 
 

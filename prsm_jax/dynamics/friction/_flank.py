@@ -3,8 +3,8 @@
 A stage that is loaded in the other direction is the same stage seen from its other end. A half turn
 about a radial axis maps it to a stage loaded in the usual direction: axial and tangential
 components, torques and speeds change sign; radial components and the handedness of the threads do
-not. So a stage is evaluated at `flank · (Ω, ω, F, z̈)`, and the forces and torques on its screw and
-carrier are turned back.
+not. So a stage is evaluated at `flank_sign · (Ω, ω, F, z̈)`, and the forces and torques on its
+screw and carrier are turned back.
 """
 
 import jax.numpy as jnp
@@ -14,7 +14,7 @@ from ...fields import Scalar
 from ...friction import FrictionLaw
 
 
-def loaded_flank(law: FrictionLaw | None, axial_force: Scalar, axial_slip: Scalar) -> Scalar:
+def loaded_flank_sign(law: FrictionLaw | None, axial_force: Scalar, axial_slip: Scalar) -> Scalar:
     """+1 if the usual flanks carry one roller, −1 if the others do.
 
     Friction that is independent of the normal force carries a part of the axial force: the flanks
@@ -31,6 +31,6 @@ def loaded_flank(law: FrictionLaw | None, axial_force: Scalar, axial_slip: Scala
     return jnp.where(remainder < 0, -1.0, 1.0).astype(remainder.dtype)
 
 
-def turned(vector: Float[Array, "3"], flank: Scalar) -> Float[Array, "3"]:
+def turned(vector: Float[Array, "3"], flank_sign: Scalar) -> Float[Array, "3"]:
     """Turn a vector (radial, tangential, axial) into the frame of the loaded flank, or back."""
-    return vector * jnp.stack([jnp.ones_like(flank), flank, flank])
+    return vector * jnp.stack([jnp.ones_like(flank_sign), flank_sign, flank_sign])

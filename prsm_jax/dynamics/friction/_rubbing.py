@@ -23,8 +23,8 @@ from ...mechanism import Stage
 from ...numerics import above_or_nan, dot_few, find_root, sum_few
 from ...programs import physics
 from .._kinematics import StageKinematics
-from ._asked import Slip, asked_of, asks_for_force
 from ._bristles import bristle_friction, bristles_of
+from ._law_inputs import Slip, asks_for_force, law_inputs_of
 from ._thread_friction import friction_coefficient, slip_resistance, thread_friction
 
 #: Points of the quadrature rule. For any position of the instantaneous centre its error is below
@@ -57,7 +57,7 @@ class Rubbing(eqx.Module):
     #: Resisting moment about the axis per viscous coefficient, ω_n |n_z| (a² + b²)/5 [m²/s].
     viscous_moment: Scalar
     #: Inputs that the friction law asks for, by name.
-    asked: dict[str, Scalar] = eqx.field(default_factory=dict)
+    law_inputs: dict[str, Scalar] = eqx.field(default_factory=dict)
 
 
 def rubbing_ellipse(shape: EllipseShape, normal: Float[Array, "3"]) -> RubbingEllipse:
@@ -125,7 +125,7 @@ def rubbing(
         moment=growth * normal_axial * jnp.abs(resultant.moment),
         mean_speed=speed * (first * rolling + second * across + resultant.moment * spin),
         viscous_moment=size / 5 * jnp.abs(growth * normal_axial * spin) * speed,
-        asked={} if law is None else asked_of(law, kinematics, slip, force),
+        law_inputs={} if law is None else law_inputs_of(law, kinematics, slip, force),
     )
 
 
@@ -143,7 +143,7 @@ def friction_on_roller(
     slip: Slip,
     deflection: Float[Array, "3"] | None,
     rub: Rubbing | None,
-    asked: dict[str, Scalar],
+    law_inputs: dict[str, Scalar],
 ) -> tuple[Float[Array, "3"], Float[Array, "3"]]:
     """Friction of the threads on one roller: per unit of normal force, and independent of it [N].
 
@@ -153,23 +153,23 @@ def friction_on_roller(
     - `slip`: of the screw over the roller.
     - `deflection`: of the bristles, if the law has that state [m].
     - `rub`: slip and spin of the ellipse, where that is modelled.
-    - `asked`: inputs that the law asks for, by name.
+    - `law_inputs`: inputs that the law asks for, by name.
     """
     law, bristles = stage.thread_law, bristles_of(stage)
     if bristles is not None and deflection is not None:
         return bristle_friction(bristles, deflected(slip.velocity, deflection, rub))
     if law is None or rub is None:
-        return thread_friction(law, slip.velocity, slip.direction, asked)
+        return thread_friction(law, slip.velocity, slip.direction, law_inputs)
     constant = slip_resistance(law, slip.velocity)
     if law.load_independent:
         return jnp.zeros_like(constant), constant
-    return friction_coefficient(law, rub.mean_speed, asked) * rub.direction, constant
+    return friction_coefficient(law, rub.mean_speed, law_inputs) * rub.direction, constant
 
 
 @physics("spin_friction")
 def rubbed_moment(law: FrictionLaw, rub: Rubbing, force: Scalar) -> Scalar:
     """Moment about the axis that resists the spin of the screw side of one roller [N·m]."""
-    moment = friction_coefficient(law, rub.mean_speed, rub.asked) * force * rub.moment
+    moment = friction_coefficient(law, rub.mean_speed, rub.law_inputs) * force * rub.moment
     resistance = law.viscous_resistance
     return moment if resistance is None else moment + resistance * rub.viscous_moment
 
@@ -183,7 +183,7 @@ class ScrewContact(NamedTuple):
     #: `None` without spin, or without friction that spin could change.
     rubbing: Rubbing | None = None
     #: Residual of the axial balance at an assumed share of the normal force; of order one.
-    missed: Scalar | None = None
+    residual: Scalar | None = None
 
 
 def rubbing_of(stage: Stage, kinematics: StageKinematics) -> RubbingEllipse | None:
@@ -220,29 +220,31 @@ class _Balance(NamedTuple):
     slip: Slip
     deflection: Float[Array, "3"] | None
     #: Axial force left for the normal force [N]; share of the latter that carries without spin.
-    left: Scalar
+    remainder: Scalar
     bracket: Scalar
 
     def at(self, share: Scalar) -> ScrewContact:
         """The contact, if this share of the normal force carries axially."""
         carries = self.bracket > _LEAST_SHARE
         assumed = jnp.where(carries, jnp.maximum(share, _LEAST_SHARE), self.bracket)
-        force = self.left / assumed
+        force = self.remainder / assumed
         law = self.stage.thread_law
         assert law is not None
         rub = None
         if self.ellipse is not None:
             rub = rubbing(self.ellipse, self.kinematics, self.slip, force, law)
-        law_inputs = asked_of(law, self.kinematics, self.slip, force) if rub is None else rub.asked
+        law_inputs = (
+            law_inputs_of(law, self.kinematics, self.slip, force) if rub is None else rub.law_inputs
+        )
         per_force, constant = friction_on_roller(
             self.stage, self.slip, self.deflection, rub, law_inputs
         )
         carried = -self.kinematics.meshing.screw.normal[2] - per_force[2]
-        missed = share - jnp.where(carries, carried, self.bracket)
+        residual = share - jnp.where(carries, carried, self.bracket)
         # Below the least share the force does not change. A balance there is not valid: the contact
         # would have to pull.
         pushes = (share > _LEAST_SHARE) | ~carries
-        return ScrewContact(jnp.where(pushes, force, -force), per_force, constant, rub, missed)
+        return ScrewContact(jnp.where(pushes, force, -force), per_force, constant, rub, residual)
 
 
 def screw_contact(
@@ -266,11 +268,11 @@ def screw_contact(
     - `slip`: of the screw over the roller.
     - `axial`: axial force that one roller carries [N].
     - `deflection`: of the bristles, if friction has that state [m].
-    - `share`: the bracket, if it is solved for with other unknowns (`missed` must then vanish).
+    - `share`: the bracket, if it is solved for with other unknowns (`residual` must then vanish).
     """
     law, ellipse = stage.thread_law, rubbing_of(stage, kinematics)
     normal_axial = -kinematics.meshing.screw.normal[2]
-    law_inputs = {} if law is None else asked_of(law, kinematics, slip, axial / normal_axial)
+    law_inputs = {} if law is None else law_inputs_of(law, kinematics, slip, axial / normal_axial)
     per_force, constant = friction_on_roller(stage, slip, deflection, None, law_inputs)
     bracket = normal_axial - per_force[2]
     remainder = axial + constant[2]
@@ -282,18 +284,18 @@ def screw_contact(
         accuracy = 1e-14 if start.dtype == jnp.float64 else 1e-6
 
         # A plain function: JAX hashes it, and a method would carry arrays.
-        def missed(unknown: Scalar) -> Scalar:
-            residual = balance.at(unknown).missed
+        def axial_residual(unknown: Scalar) -> Scalar:
+            residual = balance.at(unknown).residual
             assert residual is not None
             return residual
 
-        share, _ = find_root(missed, start, tolerance=accuracy, max_steps=20)
+        share, _ = find_root(axial_residual, start, tolerance=accuracy, max_steps=20)
         contact = balance.at(share)
         # If friction grows faster than the force there may be no balance: the thread jams, and its
         # contact would have to pull.
         size = 1e-9 if start.dtype == jnp.float64 else 1e-3
-        assert contact.missed is not None
-        balanced = jnp.abs(contact.missed) <= size
+        assert contact.residual is not None
+        balanced = jnp.abs(contact.residual) <= size
         force = jnp.where(balanced, contact.force, -jnp.abs(contact.force))
         return contact._replace(force=force)
     return balance.at(share)

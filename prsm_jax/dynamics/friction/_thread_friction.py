@@ -28,16 +28,16 @@ def slip_direction(slip: Float[Array, "3"]) -> Float[Array, "3"]:
 
 
 def friction_coefficient(
-    law: FrictionLaw, speed: Scalar, asked: Mapping[str, Scalar] | None = None
+    law: FrictionLaw, speed: Scalar, law_inputs: Mapping[str, Scalar] | None = None
 ) -> Scalar:
     """Friction coefficient of a law at a slip speed [m/s], labelled with the law's name.
 
     **Arguments:**
 
     - `law`, `speed`: the law and the slip speed, 0 or more.
-    - `asked`: other inputs that the law asks for, by name.
+    - `law_inputs`: other inputs that the law asks for, by name.
     """
-    sliding = Sliding(speed, dict(asked or {}))
+    sliding = Sliding(speed, dict(law_inputs or {}))
     # A constant coefficient becomes an operation too, so that a trace shows its label.
     return physics(_label(law))(lambda: law.friction_coefficient(sliding) * jnp.ones_like(speed))()
 
@@ -50,7 +50,7 @@ def thread_friction(
     law: FrictionLaw | None,
     slip: Float[Array, " axes"],
     direction: Float[Array, " axes"],
-    asked: Mapping[str, Scalar] | None = None,
+    law_inputs: Mapping[str, Scalar] | None = None,
     *,
     labelled: bool = True,
 ) -> tuple[Float[Array, " axes"], Float[Array, " axes"]]:
@@ -61,7 +61,7 @@ def thread_friction(
     - `law`: the friction law, or `None` for none.
     - `slip`: slip velocity of the screw over the roller [m/s].
     - `direction`: its unit vector (known even at standstill, from the sense of turning).
-    - `asked`: inputs that the law asks for besides the slip speed.
+    - `law_inputs`: inputs that the law asks for besides the slip speed.
     - `labelled`: whether a trace shows the law; a spline or bearing has its own label.
 
     Laws are isotropic, so they also hold along a single axis, that of the slip.
@@ -69,8 +69,8 @@ def thread_friction(
     if law is None:
         return jnp.zeros_like(slip), jnp.zeros_like(slip)
     if not labelled:
-        return _friction(law, slip, direction, asked)
-    return physics(_label(law))(_friction)(law, slip, direction, asked)
+        return _friction(law, slip, direction, law_inputs)
+    return physics(_label(law))(_friction)(law, slip, direction, law_inputs)
 
 
 def _friction(

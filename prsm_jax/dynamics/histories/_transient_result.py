@@ -194,7 +194,7 @@ def _deflections(instant: tuple[StageState, ...]) -> Float[Array, "stages 3"] | 
         [
             jnp.zeros_like(state.motion.slip)
             if state.motion.deflection is None
-            else turned(state.motion.deflection, state.flank)
+            else turned(state.motion.deflection, state.flank_sign)
             for state in instant
         ]
     )
@@ -294,7 +294,9 @@ def rows_of(
                     for support, state, geometry in zip(supports, instant, kinematics, strict=True)
                 ]
             ),
-            "slip_direction": jnp.stack([turned(s.motion.direction, s.flank) for s in instant]),
+            "slip_direction": jnp.stack(
+                [turned(s.motion.direction, s.flank_sign) for s in instant]
+            ),
             "bristle_deflection": _deflections(instant),
             "bristle_power": stored,
             "load_power": load_power,

@@ -21,8 +21,8 @@ from .._kinematics import StageKinematics, slip_velocity
 from ..friction import (
     Rubbing,
     Slip,
-    asked_of,
     friction_on_roller,
+    law_inputs_of,
     rubbing,
     rubbing_of,
     slip_direction,
@@ -180,22 +180,23 @@ def flank_of(unknowns: StageUnknowns) -> Scalar:
     return jnp.where(unknowns.screw_contact < 0, -1.0, 1.0).astype(unknowns.screw_contact.dtype)
 
 
-def slip_of(kinematics: StageKinematics, known: StageSurroundings, flank: Scalar) -> Slip:
+def slip_of(kinematics: StageKinematics, known: StageSurroundings, flank_sign: Scalar) -> Slip:
     """Slip of the screw over the roller."""
     slip = turned(
-        slip_velocity(kinematics, flank * known.screw_speed, flank * known.carrier_speed), flank
+        slip_velocity(kinematics, flank_sign * known.screw_speed, flank_sign * known.carrier_speed),
+        flank_sign,
     )
     direction = slip_direction(slip) if known.slip_direction is None else known.slip_direction
     return Slip(slip, direction, known.screw_speed, known.carrier_speed)
 
 
-def seen_from_flank(slip: Slip, flank: Scalar) -> Slip:
+def seen_from_flank(slip: Slip, flank_sign: Scalar) -> Slip:
     """The slip in the frame of the loaded flank, or back from it."""
     return Slip(
-        turned(slip.velocity, flank),
-        turned(slip.direction, flank),
-        flank * slip.screw_speed,
-        flank * slip.carrier_speed,
+        turned(slip.velocity, flank_sign),
+        turned(slip.direction, flank_sign),
+        flank_sign * slip.screw_speed,
+        flank_sign * slip.carrier_speed,
     )
 
 
@@ -229,7 +230,7 @@ def roller_forces(
     rub = rubbing_on_screw_side(stage, kinematics, known, unknowns)
     law_inputs = {}
     if law is not None:
-        law_inputs = asked_of(law, kinematics, seen_from_flank(slip, flank_sign), force)
+        law_inputs = law_inputs_of(law, kinematics, seen_from_flank(slip, flank_sign), force)
     per_force, constant = friction_on_roller(stage, slip, known.deflection, rub, law_inputs)
     zero = jnp.zeros_like(tooth)
     separating = zero

@@ -123,20 +123,20 @@ class _Following(NamedTuple):
 
     length: Scalar
     #: c (P(1) − P(0)), and the two other coefficients.
-    whole: Float[Array, "*states"]
+    change: Float[Array, "*states"]
     first: Float[Array, "*states"]
     second: Float[Array, "*states"]
     #: Largest difference between leader and P inside the step, times c.
-    left: Float[Array, "*states"]
+    deviation: Float[Array, "*states"]
 
     def moved(self, share: float) -> Float[Array, "*states"]:
         """`c (P(s) − P(0))`."""
-        return share * (self.whole + (1 - share) * (self.first + share * self.second))
+        return share * (self.change + (1 - share) * (self.first + share * self.second))
 
     def rate(self, share: float) -> Float[Array, "*states"]:
         """Its derivative by time."""
         bent = (1 - 2 * share) * (self.first + share * self.second)
-        return (self.whole + bent + share * (1 - share) * self.second) / self.length
+        return (self.change + bent + share * (1 - share) * self.second) / self.length
 
     def second_rate_at_start(self) -> Float[Array, "*states"]:
         """Its second derivative by time at the start of the step."""
@@ -309,7 +309,7 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
         error = stages[5]
         if following is not None:
             # States that follow without lag are exact at both ends of a step of any length.
-            error = jnp.abs(error) + jnp.abs(following.left)
+            error = jnp.abs(error) + jnp.abs(following.deviation)
         error = jnp.where(grows, 1 + jnp.abs(jax.lax.stop_gradient(end)), error)
         return unflatten(end), unflatten(error), dense, None, diffrax.RESULTS.successful
 

@@ -71,7 +71,7 @@ def quasi_steady_states(
         balance = balanced_carrier_ratio(
             mechanism.stages[index], kinematics[index], own_sense, own_speed, axial_force, per_ratio
         )
-        valid = valid & balance.found
+        valid = valid & balance.converged
         ratios.append(balance.ratio)
         return balance.motion(kinematics[index], own_speed, own_sense, axial_acceleration)
 
@@ -137,7 +137,7 @@ class Neglected(NamedTuple):
     #: Time constants in which the carriers settle [s].
     lag: Float[Array, " stages"]
     #: Estimate of the error of the carrier ratios.
-    left: Float[Array, " stages"]
+    ratio_error: Float[Array, " stages"]
 
 
 def quasi_steady_at(problem: Problem) -> Callable[[Scalar], tuple[CarrierHistory, Neglected]]:

@@ -215,7 +215,7 @@ class BalancedCarrier(NamedTuple):
     """Carrier ratio ω/Ω in balance, and whether friction suffices for it."""
 
     ratio: Scalar
-    found: Bool[Array, ""]
+    converged: Bool[Array, ""]
     #: Slip and contact of the screw side, if solved for with the ratio; `None` for a carrier
     #: without resistance.
     slip: Slip | None = None
@@ -281,8 +281,8 @@ def _balanced(balance: CarrierBalance) -> BalancedCarrier:
 
     def residuals(unknowns):
         point = balance.at(unknowns[0], unknowns[1] if shared else None)
-        missed = [] if point.contact.missed is None else [point.contact.missed]
-        return jnp.stack([point.residual, *missed]), point
+        axial_residual = [] if point.contact.residual is None else [point.contact.residual]
+        return jnp.stack([point.residual, *axial_residual]), point
 
     shares = [-balance.kinematics.meshing.screw.normal[2]] if shared else []
     accuracy = 1e-10 if start.dtype == jnp.float64 else 1e-4

@@ -21,7 +21,7 @@ from ...mechanism import Mechanism, Stage
 from ...numerics import dot_few, find_root
 from ...programs import physics
 from .._kinematics import StageKinematics, travel_per_turn
-from ..friction import asked_of, slip_direction, thread_friction, with_resistance
+from ..friction import law_inputs_of, slip_direction, thread_friction, with_resistance
 from ._carrier_balance import free_slip, slip_per_turn
 from ._steady import SteadyState, some_load, steady_state
 
@@ -73,7 +73,7 @@ def _effective_coefficient(
         assert load is not None
         normal = -kinematics.meshing.screw.normal[2] * stage.present_roller_count
         (kinematics,) = with_resistance((stage,), (kinematics,))
-        law_inputs = asked_of(law, kinematics, slip, jnp.abs(load) / normal)
+        law_inputs = law_inputs_of(law, kinematics, slip, jnp.abs(load) / normal)
     per_force, _ = thread_friction(law, slip.velocity, slip.direction, law_inputs)
     return dot_few(per_force, slip.direction)
 

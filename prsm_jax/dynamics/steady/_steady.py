@@ -158,7 +158,7 @@ def _steady_states(
         stage, geometry = mechanism.stages[index], kinematics[index]
         own_speed, own_sense = flank_sign * speed, flank_sign * sense
         balance = balanced_ratio(stage, geometry, own_sense, own_speed, axial_force)
-        balanced = balanced & balance.found
+        balanced = balanced & balance.converged
         ratios.append(balance.ratio)
         return balance.motion(geometry, own_speed, own_sense)
 
@@ -274,7 +274,7 @@ def steady_state(
         ),
         nut_load=jnp.stack([s.nut_load for s in states]),
         screw_speed=speed,
-        slip_direction=jnp.stack([turned(s.motion.direction, s.flank) for s in states]),
+        slip_direction=jnp.stack([turned(s.motion.direction, s.flank_sign) for s in states]),
         slip_speed=jnp.stack([length_few(s.motion.slip) for s in states]),
         ring_gear_force=jnp.stack([s.ring_gear_force for s in supports]),
         carrier_force=jnp.stack([s.carrier_force for s in supports]),

@@ -31,8 +31,8 @@ from ._torque_balance import (
     STICKING,
     ScrewMotion,
     TorqueProblem,
+    axial_residuals,
     first_unknowns,
-    missed_by,
     shares_of,
 )
 
@@ -54,7 +54,7 @@ class Carriers(eqx.Module):
     speed: Float[Array, " stages"]
     #: Senses of turning of stages in step, relative to that of the screw: +1, or −1 where a carrier
     #: still turns against the screw. `None` where nothing resists turning.
-    ways: Turning | None = None
+    senses: Turning | None = None
 
 
 #: Shares of the normal force that carry axially, where they are unknown (`unknown_shares`).
@@ -69,7 +69,7 @@ class Driven(NamedTuple):
     #: Of the screw, and of every carrier [rad/s²].
     acceleration: Scalar
     carriers: Float[Array, " stages"]
-    found: Bool[Array, ""]
+    converged: Bool[Array, ""]
 
 
 class SlipGeometry(eqx.Module):
@@ -139,9 +139,9 @@ def _forces(
         in_step = steady_motion(
             geometry, ratios[index], speed, flank_sign * sense, axial_acceleration, share
         )
-        if carriers.ways is not None:
-            ways = tuple(flank_sign * sense * way[index] for way in carriers.ways)
-            in_step = eqx.tree_at(lambda m: (m.screw_sense, m.nut_sense), in_step, ways)
+        if carriers.senses is not None:
+            senses = tuple(flank_sign * sense * one[index] for one in carriers.senses)
+            in_step = eqx.tree_at(lambda m: (m.screw_sense, m.nut_sense), in_step, senses)
         coasting = sliding_motion(
             geometry, speed, flank_sign * carriers.speed[index], axial_acceleration, share=share
         )
@@ -190,7 +190,9 @@ def driven(
 
     def residual(unknowns):
         (states, _), _ = at(unknowns)
-        return jnp.stack([(states[0].screw.drive_torque - applied) / scale, *missed_by(states)])
+        return jnp.stack(
+            [(states[0].screw.drive_torque - applied) / scale, *axial_residuals(states)]
+        )
 
     # Linear in the acceleration except for changes of flanks, the moduli in the friction of splines
     # and thrust bearings, and losses in the contact ellipses.
@@ -275,7 +277,7 @@ def leaving(
         states, _ = _forces(problem, time, screw, mode, moved, shares_of(problem, unknowns))
         torque = (states[0].screw.drive_torque - applied) / scale
         balance = _out_of_balance(problem, states, acceleration, mode, moved)
-        return jnp.stack([torque, *balance, *missed_by(states)])
+        return jnp.stack([torque, *balance, *axial_residuals(states)])
 
     count = len(problem.kinematics)
     start = jnp.concatenate([jnp.zeros_like(speed)[None], first_unknowns(problem)])
@@ -321,7 +323,7 @@ def onsets(
         def residual(unknowns):
             moved, (states, _) = forces(sense, unknowns)
             balance = _out_of_balance(problem, states, zero, sense, moved)
-            return jnp.stack([*balance, *missed_by(states)])
+            return jnp.stack([*balance, *axial_residuals(states)])
 
         unknowns = first_unknowns(problem)
         # Where nothing resists the rollers the slip depends on geometry alone.

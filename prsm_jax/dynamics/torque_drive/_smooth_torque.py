@@ -30,7 +30,7 @@ class _State(eqx.Module):
 
     angle: Scalar
     speed: Scalar
-    rest: BristleState
+    bristles: BristleState
 
 
 def has_smooth_threads(mechanism: Mechanism) -> bool:
@@ -86,7 +86,7 @@ def _motion(problem: TorqueProblem, time: Scalar, state: _State):
     def states_at(acceleration):
         load = _load(problem, time, state, acceleration)
         forces_and_rates = states_with_bristles(
-            problem.mechanism, problem.kinematics, state.rest, state.speed, load, acceleration
+            problem.mechanism, problem.kinematics, state.bristles, state.speed, load, acceleration
         )
         return *forces_and_rates, load
 
@@ -166,11 +166,11 @@ def smooth_torque_history(
 
     turning = scenario.initial_speed.astype(dtype) / scales.speed
     ratios = jnp.stack([free_carrier_ratio(geometry) for geometry in problem.kinematics])
-    carriers = ratios * turning * (scales.speed / scales.rest.carrier_speed)
+    carriers = ratios * turning * (scales.speed / scales.bristles.carrier_speed)
     start = _State(
         jnp.zeros((), dtype),
         turning,
-        BristleState(carriers, tuple(jnp.zeros(2, dtype) for _ in scales.rest.deflection)),
+        BristleState(carriers, tuple(jnp.zeros(2, dtype) for _ in scales.bristles.deflection)),
     )
     scaled, report = integrated(
         rate,
@@ -190,9 +190,9 @@ def smooth_torque_history(
         sampled.speed,
         rates.speed,
         load,
-        sampled.rest.carrier_speed,
+        sampled.bristles.carrier_speed,
         states,
-        rates.rest.carrier_speed,
+        rates.bristles.carrier_speed,
     )
     run = histories(mechanism, problem.kinematics, times, history, report)
     position = travel_per_turn(mechanism.stages, len(mechanism.stages)) * sampled.angle

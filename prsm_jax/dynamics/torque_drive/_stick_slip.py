@@ -38,7 +38,7 @@ from ._driven_carriers import (
 )
 from ._phases import EVENT, PhaseLaws, Phases, before, follow_phases
 from ._torque_balance import FORWARD, STICKING, TorqueProblem
-from ._torque_drive import STEPS_PER_SAMPLE, held, next_mode
+from ._torque_drive import STEPS_PER_SAMPLE, holding_margin, next_mode
 
 #: Speeds of carriers over that of the screw: above `_COASTS` they coast, below `_BACK` they are in
 #: step again; at the start of a phase `_MIDDLE` is the limit.
@@ -62,7 +62,7 @@ class Motions(eqx.Module):
     carrier_speed: Float[Array, "times stages"]
     #: Whether everything is at rest from a sample to the next.
     sticks: Bool[Array, " times"]
-    found: Phases
+    solution: Phases
 
 
 def _check_friction(problem: TorqueProblem) -> None:
@@ -104,7 +104,7 @@ class _Law(eqx.Module):
             coasts,
             jnp.where(coasts, none, values),
             jnp.where(coasts, speeds, none),
-            label.get("ways"),
+            label.get("senses"),
         )
 
     def begin(self, share: Scalar, persistent: Array):
@@ -137,7 +137,7 @@ class _Law(eqx.Module):
         if any(resists_turning(problem)):
             over = turning_over(problem, slip_geometry(problem).ratio(in_step))
             # Carriers that begin to turn do so with the screw.
-            label["ways"] = jax.tree.map(
+            label["senses"] = jax.tree.map(
                 lambda speed: jnp.where((speed < 0) & moves & ~first, -1.0, 1.0), over
             )
         return label, jnp.concatenate([persistent[:2], values])
@@ -165,17 +165,17 @@ class _Law(eqx.Module):
         earlier = before(share)
         limits = self.limits(earlier, self.angle(state), carriers)
         applied = problem.scenario.torque_at(earlier * self.duration)
-        hold = held(applied, limits) / problem.torque_scale
+        hold = holding_margin(applied, limits) / problem.torque_scale
         onward = jnp.where(coasts, label["sign"] * state[2:] + _PAST, jnp.inf)
         ratio = slip_geometry(problem).ratio(carriers.tangent)
         faster = jnp.abs(state[2:]) - _BACK * jnp.abs(state[1])
         in_step = _COASTS - jnp.abs(ratio)
-        if carriers.ways is not None:
-            ways, over = carriers.ways, turning_over(problem, ratio)
+        if carriers.senses is not None:
+            senses, over = carriers.senses, turning_over(problem, ratio)
             # Rollers whose carrier turns with the screw are not turned back over the nut.
-            nut_margin = jnp.where(ways.nut < 0, _TURNED - over.nut, jnp.inf)
+            nut_margin = jnp.where(senses.nut < 0, _TURNED - over.nut, jnp.inf)
             in_step = jnp.minimum(
-                in_step, jnp.minimum(nut_margin, ways.screw * over.screw + _TURNED)
+                in_step, jnp.minimum(nut_margin, senses.screw * over.screw + _TURNED)
             )
         carrier_margins = jnp.where(coasts, faster, in_step)
         turning = jnp.minimum(mode * state[1] + _PAST, min_few(carrier_margins))

@@ -76,10 +76,10 @@ def shares_of(problem: TorqueProblem, unknowns: Float[Array, " unknowns"]) -> di
     return {index: unknowns[at - len(unknown)] for at, index in enumerate(unknown)}
 
 
-def missed_by(states: tuple[StageState, ...]) -> list[Scalar]:
+def axial_residuals(states: tuple[StageState, ...]) -> list[Scalar]:
     """Residuals of the axial balances at these shares."""
-    each = [state.forces.missed for state in states]
-    return [missed for missed in each if missed is not None]
+    each = [state.forces.residual for state in states]
+    return [residual for residual in each if residual is not None]
 
 
 @physics("torque_drive")
@@ -133,7 +133,7 @@ def instant(
     for state in states:
         # Beyond jamming the axial balance requires a contact that pulls.
         valid = valid & (state.forces.contact_force >= 0)
-    all_residuals = jnp.stack([*residuals[::-1], *missed_by(states)])
+    all_residuals = jnp.stack([*residuals[::-1], *axial_residuals(states)])
     return Instant(states, jnp.stack(ratios[::-1]), load, all_residuals, valid)
 
 
@@ -143,7 +143,7 @@ class Balance(NamedTuple):
     acceleration: Scalar
     #: As those of `instant`.
     unknowns: Float[Array, " unknowns"]
-    found: Bool[Array, ""]
+    converged: Bool[Array, ""]
 
 
 # Inner functions that are compiled on their own are traced once, however often they are called.

@@ -48,7 +48,7 @@ def next_mode(
     return jax.lax.stop_gradient(jnp.where(speed == 0, from_rest, jnp.sign(speed)))
 
 
-def held(applied: Scalar, limits: Float[Array, "2"]) -> Scalar:
+def holding_margin(applied: Scalar, limits: Float[Array, "2"]) -> Scalar:
     """How far a torque is from the nearer limit; positive while the mechanism sticks [N·m]."""
     lower, upper = limits
     return jnp.minimum(upper - applied, applied - lower)
@@ -60,7 +60,12 @@ def looks(time: Scalar, step: Scalar) -> Float[Array, " looks"]:
 
 
 def passed(margins: Float[Array, " looks"]) -> Bool[Array, ""]:
-    """Whether the torque passed a limit between two samples, by `held` over the torque scale."""
+    """Whether the torque passed a limit between two samples.
+
+    **Arguments:**
+
+    - `margins`: `holding_margin` over the torque scale.
+    """
     return jax.lax.stop_gradient(jnp.any(margins[1:] < -1e-6))
 
 
@@ -106,7 +111,7 @@ def follow(problem: TorqueProblem, times: Float[Array, " times"], settings: Sett
 
     def hold(time, angle):
         limits = breakaway_torques(problem, time, angle)
-        return held(scenario.torque_at(time), limits) / torque
+        return holding_margin(scenario.torque_at(time), limits) / torque
 
     def margin(share, state, label):
         mode = label["mode"]

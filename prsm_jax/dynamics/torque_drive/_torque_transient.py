@@ -33,7 +33,7 @@ from ._torque_balance import (
     resting,
     torque_problem,
 )
-from ._torque_drive import MISSED, follow, held, looks, passed
+from ._torque_drive import MISSED, follow, holding_margin, looks, passed
 
 
 def torque_history(mechanism: Mechanism, scenario: TorqueScenario, settings: Settings) -> Transient:
@@ -71,7 +71,7 @@ def _integrated(
         onward = jax.vmap(lambda look: onsets(problem, look, angle, carriers))(between)
         limits = onward[0][0].screw.drive_torque
         torques = jax.vmap(problem.scenario.torque_at)(between)
-        missed = sticks & passed(jax.vmap(held)(torques, limits) / problem.torque_scale)
+        missed = sticks & passed(jax.vmap(holding_margin)(torques, limits) / problem.torque_scale)
         applied = problem.scenario.torque_at(time)
         forward = _nearer(applied, limits[0]) == FORWARD
         resting, load = jax.tree.map(lambda x: jnp.where(forward, x[0, 1], x[0, 0]), onward)
@@ -84,10 +84,10 @@ def _integrated(
         # The resistance of rollers can stop them, but not reverse them.
         dragged = resists & ~carriers.coasts
         dragged = dragged & (slip_geometry(problem).ratio(carriers.tangent) < 0)
-        if carriers.ways is not None:
-            dragged = dragged & (carriers.ways.nut > 0)
+        if carriers.senses is not None:
+            dragged = dragged & (carriers.senses.nut > 0)
         pushed = jnp.stack([state.forces.contact_force >= 0 for state in states])
-        valid = jnp.all(pushed) & ~jnp.any(dragged) & (rests | now.found)
+        valid = jnp.all(pushed) & ~jnp.any(dragged) & (rests | now.converged)
         return (acceleration, load, states, accelerations), valid, applied, missed
 
     rows, valid, applied, missed = jax.vmap(at)(
@@ -103,7 +103,7 @@ def _integrated(
     history = CarrierHistory(
         motions.speed, acceleration, load, motions.carrier_speed, states, accelerations
     )
-    solution = motions.found
+    solution = motions.solution
     # The torque passed a limit and came back between two steps of a phase of sticking.
     code = jnp.where((solution.code == 0) & jnp.any(missed), MISSED, solution.code)
     report = SolverReport(solution.steps, solution.rejected, code, f"{settings.name} with events")
@@ -135,7 +135,7 @@ def _quasi_steady(
         drives = jnp.stack([state.forces.carrier_drive for state in states])
         carriers = jnp.where(sticking, jnp.zeros_like(drives), drives / problem.inertia)
         history = (speed, acceleration, load, ratios * speed, states, carriers)
-        return history, now.valid & balance.found, applied
+        return history, now.valid & balance.converged, applied
 
     rows, valid, applied = jax.vmap(at)(times, motion.angle, motion.speed, motion.mode)
     history = CarrierHistory(*rows)

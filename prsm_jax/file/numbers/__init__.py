@@ -2,11 +2,9 @@
 
 from ._layout import (
     TableChoice as TableChoice,
-    is_law_field as is_law_field,
-    module_classes as module_classes,
-    row_class as row_class,
     table_choices as table_choices,
-    unit_of as unit_of,
+    tag_of as tag_of,
+    takes_numbers as takes_numbers,
     usual_law as usual_law,
 )
 from ._messages import (

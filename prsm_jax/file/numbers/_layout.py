@@ -2,27 +2,11 @@
 
 import dataclasses
 import re
-import types
-import typing
 
 import equinox as eqx
 
+from ...fields import Declared, Scalar, declared, members, module_classes
 from ...friction import FrictionLaw, friction_laws
-
-
-def module_classes(hint) -> tuple[type[eqx.Module], ...]:
-    """The classes of the mechanism that a type hint allows; empty for numbers and choices."""
-    union = typing.get_origin(hint) in (typing.Union, types.UnionType)
-    members = typing.get_args(hint) if union else (hint,)
-    return tuple(m for m in members if isinstance(m, type) and issubclass(m, eqx.Module))
-
-
-def row_class(hint) -> type[eqx.Module] | None:
-    """The class of the elements of a tuple of modules, which is an array of tables in a file."""
-    if typing.get_origin(hint) is not tuple:
-        return None
-    classes = module_classes(typing.get_args(hint)[0])
-    return classes[0] if classes else None
 
 
 @dataclasses.dataclass(frozen=True)
@@ -41,52 +25,48 @@ class TableChoice:
         of_law = self.law is None or type(getattr(value, "law", None)) is self.law
         return type(value) is self.cls and of_law
 
-    def fields(self) -> list[tuple[dataclasses.Field, object, dict[str, str]]]:
-        """Fields of the table with type hints, and units that replace those of a law's numbers."""
-        hints = typing.get_type_hints(self.cls)
-        entries = []
-        for field in dataclasses.fields(self.cls):
-            if not is_law_field(field):
-                of_radius = self.law is not None and self.law.load_independent
-                if not (of_radius and field.name == "radius"):
-                    entries.append((field, hints[field.name], {}))
-                continue
-            assert self.law is not None
-            own = typing.get_type_hints(self.law)
-            units = field.metadata["units"]
-            entries += [(one, own[one.name], units) for one in dataclasses.fields(self.law)]
+    def fields(self, unit: str = "1") -> list[Declared]:
+        """Fields of the table, with those of a law; `unit` in place of `*`."""
+        entries: list[Declared] = []
+        for one in declared(self.cls, unit):
+            if one.units is not None:
+                assert self.law is not None
+                entries += [of_law.used_as(one.units) for of_law in declared(self.law)]
+            elif not (one.law_decides and self.law is not None and self.law.load_independent):
+                entries.append(one)
         return entries
 
-    def needs(self, field: dataclasses.Field) -> bool:
+    def needs(self, one: Declared) -> bool:
         """Whether the table needs a field."""
-        if self.law is not None and field.name == "radius":
-            return True
-        no_default = field.default is dataclasses.MISSING
-        return no_default and field.default_factory is dataclasses.MISSING
+        return one.required or (one.law_decides and self.law is not None)
 
 
-def is_law_field(field: dataclasses.Field) -> bool:
-    """Whether a field is a law whose numbers are in the table of the field's owner."""
-    return bool(field.metadata.get("same_table"))
+def takes_numbers(hint: object) -> bool:
+    """Whether a part may be a plain number."""
+    return Scalar in members(hint)
 
 
-def unit_of(field: dataclasses.Field, units: dict[str, str]) -> str | None:
-    """SI unit of a number after replacement by `units`; `None` if the field is no number."""
-    unit: str | None = field.metadata.get("unit")
-    return None if unit is None else units.get(unit, unit)
+def tag_of(hint: object) -> str:
+    """The key by which the tables at a place are told apart: `kind` of functions, else `law`."""
+    return "kind" if any(hasattr(cls, "kind") for cls in module_classes(hint)) else "law"
 
 
-def table_choices(hint: object) -> dict[str, TableChoice]:
-    """Tables possible at a place of the file, by the value of the key `law`; `""` without the key.
+def table_choices(hint: object, unit: str | None = None) -> dict[str, TableChoice]:
+    """Tables possible at a place of the file, by the value of `tag_of`; `""` without that key.
 
-    Laws are listed by their names; other classes of a union by their attribute `law`, or else by
-    the class name in lower case, without the last word if all classes share it.
+    Laws are listed by their names; other classes of a union by their attribute `kind` or `law`, or
+    else by the class name in lower case, without the last word if all classes share it.
+
+    **Arguments:**
+
+    - `hint`: type hint of the part.
+    - `unit`: SI unit of a function's values; some profiles have only one.
     """
-    classes = module_classes(hint)
-    if classes == (FrictionLaw,):
+    classes = [c for c in module_classes(hint) if getattr(c, "value_unit", unit) == unit]
+    if classes == [FrictionLaw]:
         return {name: TableChoice(cls) for name, cls in friction_laws().items()}
     if len(classes) == 1:
-        if any(is_law_field(field) for field in dataclasses.fields(classes[0])):
+        if any(one.units is not None for one in declared(classes[0])):
             laws = friction_laws(of_threads=False).items()
             return {name: TableChoice(classes[0], law) for name, law in laws}
         return {"": TableChoice(classes[0])}
@@ -96,7 +76,7 @@ def table_choices(hint: object) -> dict[str, TableChoice]:
     def name(cls: type) -> str:
         parts = words[cls]
         by_name = "_".join(parts[:-1] if same_ending and len(parts) > 1 else parts).lower()
-        return getattr(cls, "law", by_name)
+        return getattr(cls, "kind", getattr(cls, "law", by_name))
 
     return {name(cls): TableChoice(cls) for cls in words}
 
@@ -104,7 +84,7 @@ def table_choices(hint: object) -> dict[str, TableChoice]:
 def usual_law(hint: object) -> str | None:
     """The law that a table without the key `law` means; `None` if it must be named."""
     for cls in module_classes(hint):
-        for field in dataclasses.fields(cls):
-            if is_law_field(field):
-                return field.metadata["usual_law"]
+        for one in declared(cls):
+            if one.units is not None:
+                return one.metadata["usual_law"]
     return None

@@ -10,12 +10,11 @@ Place = tuple[str | int, ...]
 
 
 class Misplaced(Exception):
-    """A problem at a place in the file, before the file's name is known."""
+    """Problems, each with its place in the file, before the file's name is known."""
 
-    def __init__(self, place: Place, message: str):
-        super().__init__(message)
-        self.place = place
-        self.message = message
+    def __init__(self, *problems: tuple[Place, str]):
+        super().__init__(*(message for _, message in problems))
+        self.problems = problems
 
 
 def one_line(text: str, longest: int) -> str:
@@ -51,7 +50,6 @@ def _follow(data, place: Place) -> tuple[list[str | int], object]:
             path.append(part)
         elif index == len(place) - 1:
             return [*path, part], ...
-        # Otherwise it is pydantic's name of a union member, which is not in the file.
     return path, data
 
 

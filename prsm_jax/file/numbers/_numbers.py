@@ -106,13 +106,15 @@ def read_number(value, unit: str | None, limit: Limit) -> float:
     return number
 
 
-def read_numbers(value, unit: str, limit: Limit) -> tuple[float, ...]:
+def read_numbers(value, unit: str, limit: Limit, least: int = 1) -> tuple[float, ...]:
     """The SI values of a list of numbers, each bare or a string with a unit.
 
-    **Raises:** `ValueError` if it is not a list, is empty, or `read_number` refuses a number in it.
+    **Raises:** `ValueError` if it is not a list, has fewer numbers than `least`, or `read_number`
+    refuses a number in it.
     """
-    if not isinstance(value, list) or not value:
-        raise ValueError(f"must be an array of numbers; for each of them {wanted(unit)}")
+    if not isinstance(value, list) or len(value) < least:
+        many = f"{'two' if least == 2 else least} or more " if least > 1 else ""
+        raise ValueError(f"must be an array of {many}numbers; for each of them {wanted(unit)}")
     numbers = []
     for place, one in enumerate(value, start=1):
         try:
@@ -127,9 +129,7 @@ def read_integer(value, limit: Limit) -> int:
 
     **Raises:** `ValueError` if it is not an integer or outside the limit.
     """
-    if isinstance(value, bool) or not isinstance(value, int):
-        raise ValueError(f"must be {limit.words}")
-    if not limit.lower <= value <= limit.upper:
+    if isinstance(value, bool) or not isinstance(value, int) or not limit.admits(value):
         raise ValueError(f"must be {limit.words}")
     return value
 

@@ -1,13 +1,11 @@
-"""Tables of a file that have their own rules."""
+"""Tables of a file: of any part of a mechanism, and those that have their own rules."""
 
-from ._optimise_table import OptimiseTable as OptimiseTable, design_problem as design_problem
-from ._scenario_table import scenario_of as scenario_of
+from ._optimise_table import design_problem as design_problem, read_optimise as read_optimise
+from ._part_table import NUMBER as NUMBER, meaning as meaning, read_module as read_module
 from ._table import (
-    Table as Table,
-    checked as checked,
-    problem as problem,
-    read_boolean as read_boolean,
-    read_choice as read_choice,
-    read_tables as read_tables,
+    Key as Key,
+    plain as plain,
+    read_keys as read_keys,
+    read_rows as read_rows,
     read_text as read_text,
 )

@@ -1,134 +1,113 @@
 """The `[optimise]` table: variables with bounds, objectives, constraints, search effort."""
 
-from typing import Annotated, Any
-
-from pydantic import BeforeValidator, Field
+from typing import Any
 
 from ..._errors import UnknownNameError
-from ...fields import ANY, Limit
+from ...fields import ANY, Declared, declared
 from ...mechanism import Constraint, DesignProblem, Mechanism, Objective, Variable, find_parameters
-from ..numbers import Misplaced, read_integer, read_number
-from ._table import Table, checked, read_choice, read_name, read_tables
-
-_Name = Annotated[str, checked(read_name)]
-# The unit of a limit depends on its quantity, which this room does not know: any unit, in SI.
-_Limit = Annotated[float, checked(read_number, None, ANY)]
-_Rows = BeforeValidator(read_tables)
-_STARTS = Limit(1.0, 10_000.0, "a whole number from 1 to 10000")
-_SEED = Limit(0.0, 2.0**32 - 1, "a whole number from 0 to 4294967295")
-_SENSES = ("maximise", "minimise")
+from ..numbers import Misplaced, Place, read_integer, read_number
+from ._table import Key, plain, read_choice, read_keys, read_name, read_rows
 
 
-class VariableTable(Table):
-    """`[[optimise.variable]]`; the bounds are read when the parameter's unit is known."""
-
-    name: _Name = Field(description="name of a parameter")
-    lower: Any = Field(description="lower bound")
-    upper: Any = Field(description="upper bound")
-
-
-class ObjectiveTable(Table):
-    """`[[optimise.objective]]`: one term of a weighted sum."""
-
-    quantity: _Name = Field(description="name of a quantity")
-    sense: Annotated[str, checked(read_choice, _SENSES)] = Field(
-        description='direction: "maximise" or "minimise"'
-    )
-    weight: _Limit = 1.0
+def _key(one: Declared) -> Key:
+    if one.words:
+        read = plain(read_choice, one.words)
+    elif one.whole:
+        read = plain(read_integer, one.limit)
+    elif one.hint is str:
+        read = plain(read_name)
+    else:
+        # The unit of a limit depends on its quantity, which this room does not know: any, in SI.
+        read = plain(read_number, None, ANY)
+    return Key(read, one.description if one.required else None)
 
 
-class ConstraintTable(Table):
-    """`[[optimise.constraint]]`: limits on one quantity."""
-
-    quantity: _Name = Field(description="name of a quantity")
-    lower: _Limit | None = None
-    upper: _Limit | None = None
-    equal: _Limit | None = None
-
-
-class OptimiseTable(Table):
-    """`[optimise]`: one quantity to maximise or minimise, or a weighted list of objectives."""
-
-    maximise: _Name | None = None
-    minimise: _Name | None = None
-    objective: Annotated[list[ObjectiveTable], _Rows] | None = None
-    variable: Annotated[list[VariableTable], _Rows] = Field(
-        description="variables, as [[optimise.variable]]"
-    )
-    constraint: Annotated[list[ConstraintTable], _Rows] | None = None
-    starts: Annotated[int, checked(read_integer, _STARTS)] = 1
-    seed: Annotated[int, checked(read_integer, _SEED)] = 0
-    method: _Name = "auto"
+_VARIABLE, _OBJECTIVE, _CONSTRAINT, _PROBLEM = (
+    {one.name: _key(one) for one in declared(cls)}
+    for cls in (Variable, Objective, Constraint, DesignProblem)
+)
+# Bounds are read when the parameter's unit is known.
+_VARIABLE |= {side: _VARIABLE[side]._replace(read=lambda v, _: v) for side in ("lower", "upper")}
+_SENSE = next(one for one in declared(Objective) if one.name == "sense")
+_OBJECTIVE["sense"] = _OBJECTIVE["sense"]._replace(meaning=_SENSE.description)
+_NAME = Key(plain(read_name))
 
 
-def _objectives(table: OptimiseTable) -> tuple[Objective, ...]:
-    keys = [name for name in (*_SENSES, "objective") if getattr(table, name) is not None]
+def _rows(keys: dict[str, Key], text: str | None = None) -> Key:
+    return Key(lambda v, at: read_rows(v, at, lambda row, p: read_keys(row, p, keys)), text)
+
+
+_KEYS = {
+    **dict.fromkeys(_SENSE.words, _NAME),
+    "objective": _rows(_OBJECTIVE),
+    "variable": _rows(_VARIABLE, "variables, as [[optimise.variable]]"),
+    "constraint": _rows(_CONSTRAINT),
+    **{name: _PROBLEM[name] for name in ("starts", "seed", "method")},
+}
+
+
+def read_optimise(data: Any, place: Place) -> dict[str, Any]:
+    """The keys of the table; its variables are not yet looked up.
+
+    **Raises:** `Misplaced` with the places of all errors.
+    """
+    return read_keys(data, place, _KEYS)
+
+
+def _objectives(table: dict[str, Any]) -> tuple[Objective, ...]:
+    keys = [name for name in (*_SENSE.words, "objective") if name in table]
     if len(keys) != 1:
         text = " and ".join(keys) if keys else "none"
-        raise Misplaced(
-            ("optimise",),
-            f"needs one of maximise, minimise and [[optimise.objective]]; found {text}",
-        )
-    if table.objective is not None:
-        return tuple(
-            Objective(o.quantity, o.sense, o.weight)  # type: ignore[arg-type]
-            for o in table.objective
-        )
-    sense = keys[0]
-    return (Objective(getattr(table, sense), sense),)  # type: ignore[arg-type]
+        message = f"needs one of maximise, minimise and [[optimise.objective]]; found {text}"
+        raise Misplaced((("optimise",), message))
+    if "objective" in table:
+        return tuple(Objective(**row) for row in table["objective"])
+    return (Objective(table[keys[0]], keys[0]),)  # type: ignore[arg-type]
 
 
-def _variable(table: VariableTable, mechanism: Mechanism, taken: dict[str, str]) -> Variable:
+def _variable(
+    row: dict[str, Any], place: Place, mechanism: Mechanism, taken: dict[str, str]
+) -> Variable:
+    name, at = row["name"], (*place, "name")
     try:
-        parameters = find_parameters(mechanism, table.name)
+        parameters = find_parameters(mechanism, name)
     except UnknownNameError as error:
-        raise Misplaced(("name",), str(error)) from error
+        raise Misplaced((at, str(error))) from error
     for parameter in parameters:
         if parameter.static:
-            raise Misplaced(("name",), "a whole number cannot be varied; sweep over it instead")
+            raise Misplaced((at, "a whole number cannot be varied; sweep over it instead"))
         if parameter.path in taken:
-            raise Misplaced(("name",), f"moves the same number as {taken[parameter.path]!r}")
-        taken[parameter.path] = table.name
+            raise Misplaced((at, f"moves the same number as {taken[parameter.path]!r}"))
+        taken[parameter.path] = name
     first = parameters[0]
-    bounds = {}
-    for side in ("lower", "upper"):
-        try:
-            bounds[side] = read_number(getattr(table, side), first.unit, first.limit)
-        except ValueError as error:
-            raise Misplaced((side,), str(error)) from error
+    read = Key(plain(read_number, first.unit, first.limit))
+    sides = {side: row[side] for side in ("lower", "upper")}
+    bounds = read_keys(sides, place, dict.fromkeys(sides, read))
     if not bounds["lower"] < bounds["upper"]:
-        raise Misplaced(("lower",), "must be below upper; swap or widen the bounds")
-    return Variable(table.name, bounds["lower"], bounds["upper"])
+        raise Misplaced(((*place, "lower"), "must be below upper; swap or widen the bounds"))
+    return Variable(name, **bounds)
 
 
-def design_problem(table: OptimiseTable, mechanism: Mechanism) -> DesignProblem:
-    """The design problem of a validated `[optimise]` table.
+def design_problem(table: dict[str, Any], mechanism: Mechanism) -> DesignProblem:
+    """The design problem of an `[optimise]` table.
 
     **Arguments:**
 
-    - `table`: the table.
+    - `table`: its keys, as `read_optimise` returns them.
     - `mechanism`: the mechanism whose parameters the variables name.
 
     **Raises:** `Misplaced` for a name, bound or limit that makes no sense, with its place.
     """
-    variables: list[Variable] = []
     taken: dict[str, str] = {}
-    for index, row in enumerate(table.variable):
-        try:
-            variables.append(_variable(row, mechanism, taken))
-        except Misplaced as error:
-            raise Misplaced(("optimise", "variable", index, *error.place), error.message) from None
-    constraints = []
-    for index, row in enumerate(table.constraint or ()):
-        try:
-            constraints.append(Constraint(row.quantity, row.lower, row.upper, row.equal))
-        except ValueError as error:
-            raise Misplaced(("optimise", "constraint", index), str(error)) from error
-    return DesignProblem(
-        tuple(variables),
-        _objectives(table),
-        tuple(constraints),
-        table.starts,
-        table.seed,
-        table.method,
+    variables = tuple(
+        _variable(row, ("optimise", "variable", index), mechanism, taken)
+        for index, row in enumerate(table["variable"])
     )
+    constraints = []
+    for index, row in enumerate(table.get("constraint", ())):
+        try:
+            constraints.append(Constraint(**row))
+        except ValueError as error:
+            raise Misplaced((("optimise", "constraint", index), str(error))) from error
+    effort = {name: table[name] for name in ("starts", "seed", "method") if name in table}
+    return DesignProblem(variables, _objectives(table), tuple(constraints), **effort)

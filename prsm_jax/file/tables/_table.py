@@ -1,62 +1,78 @@
-"""The base of every table of a file, and the types of its keys."""
+"""Reading tables: known keys only, and everything that is wrong in one error."""
 
-from typing import Any, ClassVar
-
-from pydantic import BaseModel, ConfigDict, PlainValidator, model_validator
-from pydantic_core import PydanticCustomError
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple, TypeVar
 
 from ..._errors import closest
-from ..numbers import TableChoice
+from ..numbers import Misplaced, Place
 
 _LONGEST_KEY = 100
+_Row = TypeVar("_Row")
 
 
-def problem(message: str, **context) -> PydanticCustomError:
-    """A validation error with a message that pydantic does not reword.
+class Key(NamedTuple):
+    """A key of a table.
 
-    **Arguments:**
-
-    - `message`: what is wrong and what is allowed.
-    - `context`: `key` names the key at fault when the error is raised for its table.
+    - `read`: from value and place; it raises `ValueError` with what is allowed, or `Misplaced`.
+    - `meaning`: what to give for a key that the table needs; `None` if it may be absent.
     """
-    return PydanticCustomError("file", "{message}", {"message": message, **context})
+
+    read: Callable[[Any, Place], Any]
+    meaning: str | None = None
 
 
-class Table(BaseModel):
-    """A table of the file; only known keys are allowed."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, protected_namespaces=())
-    #: The part of the mechanism that the table describes, if any.
-    choice: ClassVar[TableChoice | None] = None
-
-    @model_validator(mode="before")
-    @classmethod
-    def _keys(cls, data: Any) -> Any:
-        # Before pydantic's own checks, whose errors could not name the closest key or the unit.
-        if not isinstance(data, dict):
-            raise problem("must be a table of keys")
-        for key in data:
-            if key not in cls.model_fields:
-                known = [name for name in cls.model_fields if name not in data]
-                hint = closest(key, known or cls.model_fields) if len(key) < _LONGEST_KEY else ""
-                raise problem(f"unknown key; {hint}", key=key)
-        for name, field in cls.model_fields.items():
-            if field.is_required() and name not in data:
-                meaning = f"; give the {field.description}" if field.description else ""
-                raise problem(f"is missing{meaning}", key=name)
-        return data
+def plain(read: Callable, *args: Any) -> Callable[[Any, Place], Any]:
+    """A reader that does not need the place."""
+    return lambda value, place: read(value, *args)
 
 
-def checked(function, *args) -> PlainValidator:
-    """A pydantic type whose value is `function(value, *args)`; its ValueError is the message."""
+def read_keys(data: Any, place: Place, keys: Mapping[str, Key]) -> dict[str, Any]:
+    """The values of the keys that a table has.
 
-    def read(value):
+    **Raises:** `Misplaced` if it is no table, has an unknown key, or lacks one; else with all
+    values that are wrong.
+    """
+    if not isinstance(data, dict):
+        raise Misplaced((place, "must be a table of keys"))
+    for key in data:
+        if key not in keys:
+            known = [name for name in keys if name not in data]
+            hint = closest(key, known or keys, keys) if len(key) < _LONGEST_KEY else ""
+            raise Misplaced(((*place, key), f"unknown key; {hint}"))
+    for name, key in keys.items():
+        if key.meaning is not None and name not in data:
+            give = f"; give the {key.meaning}" if key.meaning else ""
+            raise Misplaced(((*place, name), f"is missing{give}"))
+    given = {name: key for name, key in keys.items() if name in data}
+    return dict(
+        zip(given, _all([(k.read, data[n], (*place, n)) for n, k in given.items()]), strict=True)
+    )
+
+
+def read_rows(value: Any, place: Place, read: Callable[[Any, Place], _Row]) -> tuple[_Row, ...]:
+    """The rows of an array of tables.
+
+    **Raises:** `Misplaced` if it is not one or is empty; else with all that is wrong in its rows.
+    """
+    if not isinstance(value, list) or not all(isinstance(row, dict) for row in value):
+        raise Misplaced((place, "must be tables, each under a header in double brackets"))
+    if not value:
+        raise Misplaced((place, "is empty; give at least one table"))
+    return tuple(_all([(read, row, (*place, index)) for index, row in enumerate(value)]))
+
+
+def _all(readings: list[tuple[Callable[[Any, Place], Any], Any, Place]]) -> list:
+    values, problems = [], []
+    for read, value, place in readings:
         try:
-            return function(value, *args)
+            values.append(read(value, place))
+        except Misplaced as error:
+            problems += error.problems
         except ValueError as error:
-            raise problem(str(error)) from error
-
-    return PlainValidator(read)
+            problems.append((place, str(error)))
+    if problems:
+        raise Misplaced(*problems)
+    return values
 
 
 def read_text(value) -> str:
@@ -87,13 +103,4 @@ def read_choice(value, allowed: tuple[str, ...]) -> str:
     if not isinstance(value, str) or value not in allowed:
         choices = ", ".join(f'"{name}"' for name in allowed)
         raise ValueError(f"choose one of {choices}")
-    return value
-
-
-def read_tables(value) -> list:
-    """An array of tables. **Raises:** a validation error if it is not one, or is empty."""
-    if not isinstance(value, list) or not all(isinstance(row, dict) for row in value):
-        raise problem("must be tables, each under a header in double brackets")
-    if not value:
-        raise problem("is empty; give at least one table")
     return value

@@ -1,37 +1,32 @@
 """Whether the numbers of a part are in range, inside a trace, where no error can be raised."""
 
-import dataclasses
 from collections.abc import Iterator
-from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
-from ...fields import ANY, FREE_UNITS, Limit, limit_of
+from ...fields import ANY, Limit, declared
 
 
 def _limited(module: eqx.Module) -> Iterator[tuple[Array, Limit]]:
     """The numbers of a part and of the parts in it that have a range, with their limits."""
-    for field in dataclasses.fields(module):
-        value: Any = getattr(module, field.name)
-        unit = field.metadata.get("unit")
+    for one in declared(type(module)):
+        value = getattr(module, one.name)
         for part in value if isinstance(value, tuple) else (value,):
             if isinstance(part, eqx.Module):
                 yield from _limited(part)
-        if unit is None or unit in FREE_UNITS or not eqx.is_inexact_array(value):
-            continue
-        number: Array = jnp.asarray(value)
-        limit = limit_of(unit, field.metadata.get("limit"))
-        if limit != ANY:
-            yield number, limit
+        if one.unit is not None and eqx.is_inexact_array(value) and one.traced_limit != ANY:
+            number: Array = jnp.asarray(value)
+            yield number, one.traced_limit
 
 
 def numbers_possible(module: eqx.Module) -> Bool[Array, ""]:
     """Whether every number of a part is in the range that applies to files.
 
     The check of `Limited` at construction, for traced numbers: a density above 0, Poisson's ratio
-    below ½. Stiffnesses may have any sign. NaN passes: results that depend on it are NaN.
+    below ½. Stiffnesses may have any sign, unless their fields declare a limit. NaN passes: results
+    that depend on it are NaN.
 
     **Arguments:**
 

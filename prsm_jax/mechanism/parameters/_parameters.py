@@ -9,7 +9,7 @@ every stage that has the field, set together. Unequal rollers are named by their
 """
 
 import dataclasses
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -20,11 +20,12 @@ from ...fields import (
     ANY,
     OF_A_THREAD,
     STARTS,
+    Declared,
     Limit,
     Scalar,
     check_number,
     check_stage,
-    limit_of,
+    values_of,
 )
 from .._mechanism import Mechanism
 from ..parts import Thread
@@ -35,7 +36,8 @@ class Parameter:
     """One number of one stage (or of the operating point), with functions to read and set it.
 
     `get(mechanism)` and `set(mechanism, value)` are pure and traceable. `static` parameters
-    (integers such as `roller_count`) cannot be differentiated: a sweep loops over them.
+    (integers such as `roller_count`) cannot be differentiated: a sweep loops over them. A choice
+    such as `curvature` has `words`, and is not a number.
     """
 
     path: str
@@ -45,6 +47,7 @@ class Parameter:
     set: Callable[[Mechanism, Scalar], Mechanism]
     static: bool = False
     limit: Limit = ANY
+    words: tuple[str, ...] = ()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -129,41 +132,23 @@ def _number_of(element, index: int) -> str:
 
 
 def _walk(
-    module: eqx.Module,
-    prefix: tuple[str, ...],
-    unit: str = "1",
-    units: Mapping[str, str] | None = None,
-) -> Iterator[tuple[tuple[str, ...], dict, bool]]:
-    """Yield (path, metadata, static) of every number that is present in a module.
-
-    `unit` replaces the unit `*` of a function's numbers. `units` maps units that differ where the
-    module is used.
-    """
-    for field in dataclasses.fields(module):
-        value = getattr(module, field.name)
-        path = (*prefix, field.name)
-        metadata = dict(field.metadata)
-        if metadata.get("unit") == "*":
-            metadata["unit"] = unit
-        if units and metadata.get("unit") in units:
-            metadata["unit"] = units[metadata["unit"]]
-        if metadata.get("same_table"):
-            # The numbers of a law are attributes of the object that contains it.
-            yield from _walk(value, prefix, unit, metadata["units"])
-        elif isinstance(value, eqx.Module):
-            yield from _walk(value, path, metadata.get("unit", unit))
+    module: eqx.Module, prefix: tuple[str, ...] = (), unit: str = "1"
+) -> Iterator[tuple[tuple[str, ...], Declared]]:
+    """Path and declaration of every number and word that is present in a module."""
+    for one, value in values_of(module, unit):
+        path = (*prefix, one.name)
+        if isinstance(value, eqx.Module):
+            yield from _walk(value, path, one.unit or unit)
         elif isinstance(value, tuple):
             # An element keeps its own number, independent of its position in the tuple.
             for index, element in enumerate(value):
                 if isinstance(element, eqx.Module):
                     inner = _walk(element, (*path, _number_of(element, index)), unit)
-                    yield from (entry for entry in inner if not entry[2])
-        elif metadata.get("list") or callable(value) or isinstance(value, bool):
+                    yield from (entry for entry in inner if not entry[1].static)
+        elif value is None or one.is_list or callable(value):
             continue
-        elif field.metadata.get("static") and isinstance(value, int):
-            yield path, metadata, True
-        elif "unit" in metadata and value is not None:
-            yield path, metadata, False
+        elif one.unit is not None or one.whole or one.words:
+            yield path, one
 
 
 def _descend(tree, path: tuple[str, ...]):
@@ -186,12 +171,14 @@ def _at(where: Callable, static: bool, path: tuple[str, ...]):
         return eqx.tree_at(lambda m: _descend(where(m), path), mechanism, value)
 
     def set_static(mechanism, value):
-        if int(value) != value:
-            raise ValueError(f"{path[-1]} is {value}; it must be a whole number")
+        if not isinstance(value, str):
+            if int(value) != value:
+                raise ValueError(f"{path[-1]} is {value}; it must be a whole number")
+            value = int(value)
 
         def rebuild(node, names):
             if len(names) == 1:
-                return dataclasses.replace(node, **{names[0]: int(value)})
+                return dataclasses.replace(node, **{names[0]: value})
             return dataclasses.replace(
                 node, **{names[0]: rebuild(getattr(node, names[0]), names[1:])}
             )
@@ -223,53 +210,36 @@ def _design_parameter(index: int, variable: DesignVariable) -> Parameter:
     )
 
 
+def _numbers_and_words(mechanism: Mechanism) -> Iterator[Parameter]:
+    parts = [
+        (f"stage.{index + 1}", _stage_at(index), stage)
+        for index, stage in enumerate(mechanism.stages)
+    ]
+    for name in ("operating_point", "scenario"):
+        if getattr(mechanism, name) is not None:
+            parts.append((name, lambda m, name=name: getattr(m, name), getattr(mechanism, name)))
+    for index, (name, where, part) in enumerate(parts):
+        of_stage = index < len(mechanism.stages)
+        variables = [_design_parameter(index, v) for v in DESIGN_VARIABLES] if of_stage else []
+        yield from variables
+        names = {variable.path for variable in variables}
+        for path, one in _walk(part):
+            dotted = ".".join((name, *path))
+            if dotted not in names:
+                get, set_ = _at(where, one.static, path)
+                unit = one.unit or "1"
+                yield Parameter(
+                    dotted, unit, one.description, get, set_, one.static, one.limit, one.words
+                )
+
+
 def all_parameters(mechanism: Mechanism) -> tuple[Parameter, ...]:
     """Every number of a mechanism that can be set by name, stage by stage.
 
     In each stage the design variables, whose descriptions state what follows, come before the
     fields.
     """
-    parameters: list[Parameter] = []
-    for index, stage in enumerate(mechanism.stages):
-        names = set()
-        for variable in DESIGN_VARIABLES:
-            parameter = _design_parameter(index, variable)
-            names.add(parameter.path)
-            parameters.append(parameter)
-        for path, metadata, static in _walk(stage, ()):
-            dotted = ".".join(("stage", str(index + 1), *path))
-            if dotted in names:
-                continue
-            get, set_ = _at(_stage_at(index), static, path)
-            parameters.append(
-                Parameter(
-                    dotted,
-                    metadata.get("unit", "1"),
-                    metadata.get("description", ""),
-                    get,
-                    set_,
-                    static,
-                    limit_of(metadata.get("unit", "1"), metadata.get("limit")),
-                )
-            )
-    for name in ("operating_point", "scenario"):
-        part = getattr(mechanism, name)
-        if part is None:
-            continue
-        for path, metadata, static in _walk(part, ()):
-            get, set_ = _at(lambda m, name=name: getattr(m, name), static, path)
-            parameters.append(
-                Parameter(
-                    ".".join((name, *path)),
-                    metadata.get("unit", "1"),
-                    metadata.get("description", ""),
-                    get,
-                    set_,
-                    static,
-                    limit_of(metadata.get("unit", "1"), metadata.get("limit")),
-                )
-            )
-    return tuple(parameters)
+    return tuple(one for one in _numbers_and_words(mechanism) if not one.words)
 
 
 def _without_stage_number(path: str) -> str:
@@ -277,17 +247,20 @@ def _without_stage_number(path: str) -> str:
     return f"stage.{rest.partition('.')[2]}" if head == "stage" else path
 
 
-def find_parameters(mechanism: Mechanism, name: str) -> tuple[Parameter, ...]:
+def find_parameters(
+    mechanism: Mechanism, name: str, *, words: bool = False
+) -> tuple[Parameter, ...]:
     """The parameters that match a name: one, or one per stage if no stage is named.
 
     **Arguments:**
 
     - `mechanism`: the mechanism.
     - `name`: a dotted path as in the file, or an unambiguous ending of one.
+    - `words`: whether the name of a choice of words, such as `curvature`, is meant as well.
 
     **Raises:** `UnknownNameError` if no field or several different fields match.
     """
-    known = all_parameters(mechanism)
+    known = tuple(_numbers_and_words(mechanism)) if words else all_parameters(mechanism)
     if not name.startswith("scenario."):
         # Numbers of a scenario match by full names only: `speed` is the operating point's.
         known = tuple(p for p in known if not p.path.startswith("scenario."))
@@ -324,20 +297,21 @@ def find_parameters(mechanism: Mechanism, name: str) -> tuple[Parameter, ...]:
 def set_parameter(mechanism: Mechanism, name: str, value, *, checked: bool = True) -> Mechanism:
     """A mechanism with the named number set [SI], in every stage unless the name picks one.
 
+    A choice is set by its word.
+
     **Arguments:**
 
     - `mechanism`: the mechanism.
     - `name`: a parameter.
-    - `value`: the number; it may be traced.
+    - `value`: the number, which may be traced, or the word.
     - `checked`: whether to refuse a known number that is out of range or excludes another one (a
       bore wider than its screw), as for files.
 
     **Raises:** `UnknownNameError` as in `find_parameters`; `ValueError` for a refused number.
     """
-    parameters = find_parameters(mechanism, name)
     if checked:
         check_parameter(mechanism, name, value)
-    for parameter in parameters:
+    for parameter in find_parameters(mechanism, name, words=isinstance(value, str)):
         if parameter.static:
             mechanism = parameter.set(mechanism, value)
         else:
@@ -353,6 +327,8 @@ def set_parameter(mechanism: Mechanism, name: str, value, *, checked: bool = Tru
 
 def check_parameter(mechanism: Mechanism, name: str, value) -> None:
     """**Raises:** `ValueError` if a known value is out of the range of a parameter."""
+    if isinstance(value, str):
+        return  # the part that has the choice checks its word
     for parameter in find_parameters(mechanism, name):
         name = parameter.path.rpartition(".")[2]
         check_number("", name, parameter.unit, value, parameter.limit)

@@ -1,16 +1,21 @@
 """Definition of an optimisation: variables, objective and constraints, as static data."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal
+
+from ...fields import Limit, check_fields, choice
+
+_STARTS = Limit(1.0, 10_000.0, "a whole number from 1 to 10000", True, True)
+_SEED = Limit(0.0, 2.0**32 - 1, "a whole number from 0 to 4294967295", True, True)
 
 
 @dataclass(frozen=True)
 class Variable:
     """A design variable with its bounds [SI]."""
 
-    name: str
-    lower: float
-    upper: float
+    name: str = choice("name of a parameter")
+    lower: float = choice("lower bound")
+    upper: float = choice("upper bound")
 
     def __post_init__(self):
         if not self.lower < self.upper:
@@ -24,19 +29,24 @@ class Variable:
 class Objective:
     """One term of the objective: a quantity, its direction and its weight."""
 
-    quantity: str
-    sense: Literal["maximise", "minimise"] = "minimise"
-    weight: float = 1.0
+    quantity: str = choice("name of a quantity")
+    sense: Literal["maximise", "minimise"] = choice(
+        'direction: "maximise" or "minimise"', default="minimise"
+    )
+    weight: float = choice("weight in the sum", default=1.0)
+
+    def __post_init__(self):
+        check_fields(self)
 
 
 @dataclass(frozen=True)
 class Constraint:
     """A limit on a quantity [SI]: `lower`, `upper`, or `equal`."""
 
-    quantity: str
-    lower: float | None = None
-    upper: float | None = None
-    equal: float | None = None
+    quantity: str = choice("name of a quantity")
+    lower: float | None = choice("lower limit", default=None)
+    upper: float | None = choice("upper limit", default=None)
+    equal: float | None = choice("value", default=None)
 
     def __post_init__(self):
         if self.equal is None and self.lower is None and self.upper is None:
@@ -60,7 +70,10 @@ class DesignProblem:
 
     variables: tuple[Variable, ...]
     objectives: tuple[Objective, ...]
-    constraints: tuple[Constraint, ...] = field(default=())
-    starts: int = 1
-    seed: int = 0
-    method: str = "auto"
+    constraints: tuple[Constraint, ...] = ()
+    starts: int = choice("number of searches", default=1, limit=_STARTS)
+    seed: int = choice("seed of their starting points", default=0, limit=_SEED)
+    method: str = choice("method of the search", default="auto")
+
+    def __post_init__(self):
+        check_fields(self)

@@ -1,6 +1,6 @@
 """Data for the load sharing of threads and rollers: sections, teeth, errors, preload."""
 
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, get_args
 
 from jaxtyping import Array, Float
 
@@ -13,6 +13,7 @@ from ...fields import (
     Limited,
     Scalar,
     choice,
+    declared,
     number,
     optional_number,
     optional_numbers,
@@ -20,7 +21,7 @@ from ...fields import (
 )
 
 Mounting: TypeAlias = Literal["same_end", "opposite_end"]
-MOUNTINGS: tuple[Mounting, ...] = ("same_end", "opposite_end")
+MOUNTINGS: tuple[Mounting, ...] = get_args(Mounting)
 
 
 class ThreadTooth(Limited):
@@ -73,14 +74,11 @@ class SplitNut(Limited):
         if (self.preload is None) == (self.offset is None):
             state = "both" if self.preload is not None else "neither"
             raise ValueError(f"split_nut needs either preload or offset; it has {state}")
-        if self.after_thread < 1:
-            raise ValueError(
-                f"split_nut has after_thread {self.after_thread}; threads count from 1"
-            )
 
 
 def _gap(description: str, limit: Limit):
-    return optional_numbers("m", description + ", one number per thread", limit=limit)
+    text = description + ", one number per thread"
+    return optional_numbers("m", text, limit=limit, length="thread_count")
 
 
 class LoadSharing(Limited):
@@ -156,20 +154,6 @@ class LoadSharing(Limited):
     )
 
     def __check_init__(self):
-        if self.thread_count < 1:
-            raise ValueError(
-                f"load_sharing has thread_count {self.thread_count}; it needs at least one thread"
-            )
-        if self.mounting not in MOUNTINGS:
-            raise ValueError(f"mounting is {self.mounting!r}; choose one of {', '.join(MOUNTINGS)}")
-        for name in GAP_LISTS:
-            values = getattr(self, name)
-            # In a batch of mechanisms the threads are the last axis.
-            if values is not None and values.shape[-1:] != (self.thread_count,):
-                raise ValueError(
-                    f"load_sharing.{name} has the shape {values.shape}; give one number for each "
-                    f"of the {self.thread_count} threads"
-                )
         if self.split_nut is not None and self.split_nut.after_thread >= self.thread_count:
             raise ValueError(
                 f"split_nut has after_thread {self.split_nut.after_thread}, but there are "
@@ -182,12 +166,5 @@ class LoadSharing(Limited):
         return self.backlash is not None or self.split_nut is not None
 
 
-GAP_LISTS = (
-    "screw_pitch_error",
-    "roller_pitch_error",
-    "nut_pitch_error",
-    "screw_relief",
-    "nut_relief",
-    "screw_wear",
-    "nut_wear",
-)
+#: The lists of one number per thread.
+GAP_LISTS = tuple(one.name for one in declared(LoadSharing) if one.is_list)

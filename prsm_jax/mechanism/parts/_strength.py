@@ -1,6 +1,6 @@
 """Data for strength and life of a stage: given capacities or factors, the shaft, the play."""
 
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, get_args
 
 from ...fields import (
     INNER_SHARE,
@@ -18,14 +18,8 @@ from ...fields import (
 EndConditions: TypeAlias = Literal[
     "fixed_free", "supported_supported", "fixed_supported", "fixed_fixed"
 ]
-END_CONDITIONS: tuple[EndConditions, ...] = (
-    "fixed_free",
-    "supported_supported",
-    "fixed_supported",
-    "fixed_fixed",
-)
+END_CONDITIONS: tuple[EndConditions, ...] = get_args(EndConditions)
 PreloadArrangement: TypeAlias = Literal["double_nut", "split_nut"]
-PRELOAD_ARRANGEMENTS: tuple[PreloadArrangement, ...] = ("double_nut", "split_nut")
 
 
 class ScrewShaft(Limited):
@@ -58,13 +52,6 @@ class ScrewShaft(Limited):
     dn_limit: Scalar | None = optional_number(
         "m·rad/s", "largest product of nominal screw diameter and speed (DN value)"
     )
-
-    def __check_init__(self):
-        if self.end_conditions not in END_CONDITIONS:
-            raise ValueError(
-                f"end_conditions is {self.end_conditions!r}; choose one of "
-                f"{', '.join(END_CONDITIONS)}"
-            )
 
 
 class AxialPlay(Limited):
@@ -107,11 +94,6 @@ class AxialPlay(Limited):
     )
 
     def __check_init__(self):
-        if self.arrangement not in PRELOAD_ARRANGEMENTS:
-            raise ValueError(
-                f"arrangement is {self.arrangement!r}; choose one of "
-                f"{', '.join(PRELOAD_ARRANGEMENTS)}"
-            )
         if self.preload_force is not None and self.axial_backlash is not None:
             raise ValueError(
                 "the play has preload_force and axial_backlash, but a preloaded nut has no "

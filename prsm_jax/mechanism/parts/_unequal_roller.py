@@ -34,11 +34,9 @@ class UnequalRoller(Limited):
         "axial thickness of the others' teeth minus that of this roller's (load sharing)",
         limit=ANY,
     )
-    missing: bool = choice("whether the place of this roller is empty", default=False)
+    missing: bool = choice("whether the place of this roller is empty", default=False, implied=True)
 
     def __check_init__(self):
-        if self.number < 1:
-            raise ValueError(f"unequal_roller has number {self.number}; rollers count from 1")
         differs = [
             name
             for name in ("stiffness_factor", "mass_factor", "position_offset", "tooth_thinning")
@@ -77,7 +75,7 @@ def check_unequal_rollers(rollers: tuple[UnequalRoller, ...], roller_count: int)
         if roller.number in seen:
             raise ValueError(f"unequal_roller {roller.number} is given twice; remove one")
         seen.add(roller.number)
-    if sum(roller.missing for roller in rollers) == roller_count:
+    if rollers and sum(roller.missing for roller in rollers) == roller_count:
         raise ValueError(f"all {roller_count} rollers are missing; leave at least one")
 
 

@@ -1,21 +1,25 @@
 """Searches under constraints, with SciPy and exact derivatives."""
 
 import warnings
-from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..._errors import missing_extra
-from ._evaluator import Guarded
-from ._search import SearchResult
+from ._functions import SearchFunctions
+from ._method import Report, SearchResult, WithOptions, check_at_least
 
-#: SLSQP's line search can end too early; a restart with a fresh Hessian continues.
-_RESTARTS = 3
 #: Cost decrease below which a search stops: far below the tolerance of the optimality check.
-_COST_TOLERANCE = 1e-15
+COST_TOLERANCE = 1e-15
+#: Step below which a search stops, in units of the box.
+STEP_TOLERANCE = 1e-12
 
 
-def _scipy():
+def scipy_optimize():
+    """SciPy's module of optimisers.
+
+    **Raises:** `MissingExtraError` without SciPy.
+    """
     try:
         import scipy.optimize
     except ImportError as error:
@@ -23,111 +27,144 @@ def _scipy():
     return scipy.optimize
 
 
-def slsqp(
-    functions: Guarded,
-    start: np.ndarray,
-    tolerance: float,
-    maximum: int,
-    report: Callable[[np.ndarray], None],
-) -> SearchResult:
-    """Sequential least squares programming (Kraft 1988)."""
-    optimize = _scipy()
-    evaluator = functions.evaluator
-    rows = evaluator.rows
-    lower, upper = evaluator.scaled_limits
-    equal = rows.equality
-    has_lower, has_upper = ~equal & np.isfinite(lower), ~equal & np.isfinite(upper)
-
-    def inequalities(position):
-        values = functions.constraint_values(position)
-        return np.concatenate([(values - lower)[has_lower], (upper - values)[has_upper]])
-
-    def inequality_slopes(position):
-        slopes = functions.constraint_jacobian(position)
-        return np.concatenate([slopes[has_lower], -slopes[has_upper]])
-
-    constraints: list[dict] = []
-    if has_lower.any() or has_upper.any():
-        constraints.append({"type": "ineq", "fun": inequalities, "jac": inequality_slopes})
-    if equal.any():
-        constraints.append(
-            {
-                "type": "eq",
-                "fun": lambda position: (functions.constraint_values(position) - lower)[equal],
-                "jac": lambda position: functions.constraint_jacobian(position)[equal],
-            }
+def nonlinear_constraints(functions: SearchFunctions) -> list:
+    """All constraints as one `NonlinearConstraint` of SciPy, or none."""
+    optimize = scipy_optimize()
+    lower, upper = functions.limits
+    if not len(lower):
+        return []
+    return [
+        optimize.NonlinearConstraint(
+            functions.constraint_values,
+            lower,
+            upper,
+            jac=functions.constraint_jacobian,  # type: ignore[arg-type]
+            hess=optimize.BFGS(),
         )
-    position, iterations, message = start, 0, ""
-    for _ in range(1 + _RESTARTS):
-        result = optimize.minimize(
-            functions.cost,
-            position,
-            jac=functions.gradient,
-            method="SLSQP",
-            bounds=[(0.0, 1.0)] * len(start),
-            constraints=constraints,
-            callback=lambda iterate: report(np.clip(iterate, 0.0, 1.0)),
-            options={"maxiter": max(maximum - iterations, 1), "ftol": _COST_TOLERANCE},
-        )
-        moved = np.clip(result.x, 0.0, 1.0)
-        iterations += int(result.nit)
-        message = str(result.message)
-        settled = np.max(np.abs(moved - position)) <= tolerance
-        # With contradictory linearised constraints (status 4) a restart changes nothing.
-        position = moved
-        if settled or result.status == 4 or iterations >= maximum:
-            break
-    return SearchResult(position, message, iterations)
+    ]
 
 
-def trust_constr(
-    functions: Guarded,
-    start: np.ndarray,
-    tolerance: float,
-    maximum: int,
-    report: Callable[[np.ndarray], None],
-) -> SearchResult:
+@dataclass(frozen=True)
+class Slsqp(WithOptions):
+    """Sequential least squares programming (Kraft 1988), by SciPy. Accepts constraints.
+
+    **Arguments:**
+
+    - `restarts`: times that the search continues with a fresh Hessian; its line search can end
+      too early.
+    - `max_iterations`: per start, restarts included.
+
+    **Raises:** `ValueError` for an option out of range, or one that the method does not take.
+    """
+
+    word = "slsqp"
+    accepts_constraints = True
+    restarts: int = 3
+    max_iterations: int = 300
+
+    def __post_init__(self):
+        check_at_least(0, restarts=self.restarts)
+        check_at_least(1, max_iterations=self.max_iterations)
+
+    def search(
+        self, functions: SearchFunctions, start: np.ndarray, tolerance: float, report: Report
+    ) -> SearchResult:
+        optimize = scipy_optimize()
+        lower, upper = functions.limits
+        equal, maximum = functions.equality, self.max_iterations
+        has_lower, has_upper = ~equal & np.isfinite(lower), ~equal & np.isfinite(upper)
+
+        def inequalities(position):
+            values = functions.constraint_values(position)
+            return np.concatenate([(values - lower)[has_lower], (upper - values)[has_upper]])
+
+        def inequality_slopes(position):
+            slopes = functions.constraint_jacobian(position)
+            return np.concatenate([slopes[has_lower], -slopes[has_upper]])
+
+        constraints: list[dict] = []
+        if has_lower.any() or has_upper.any():
+            constraints.append({"type": "ineq", "fun": inequalities, "jac": inequality_slopes})
+        if equal.any():
+            constraints.append(
+                {
+                    "type": "eq",
+                    "fun": lambda position: (functions.constraint_values(position) - lower)[equal],
+                    "jac": lambda position: functions.constraint_jacobian(position)[equal],
+                }
+            )
+        position, iterations, message = start, 0, ""
+        for _ in range(1 + self.restarts):
+            result = optimize.minimize(
+                functions.cost,
+                position,
+                jac=functions.gradient,
+                method="SLSQP",
+                bounds=[(0.0, 1.0)] * len(start),
+                constraints=constraints,
+                callback=lambda iterate: report(np.clip(iterate, 0.0, 1.0)),
+                options={"maxiter": max(maximum - iterations, 1), "ftol": COST_TOLERANCE},
+            )
+            moved = np.clip(result.x, 0.0, 1.0)
+            iterations += int(result.nit)
+            message = str(result.message)
+            settled = np.max(np.abs(moved - position)) <= tolerance
+            # With contradictory linearised constraints (status 4) a restart changes nothing.
+            position = moved
+            if settled or result.status == 4 or iterations >= maximum:
+                break
+        return SearchResult(position, message, iterations)
+
+
+@dataclass(frozen=True)
+class TrustConstr(WithOptions):
     """Trust-region interior point method (Byrd, Hribar and Nocedal 1999), finished by SLSQP.
 
-    The interior point method regards any point of its central path as stationary and then
-    approaches active limits slowly; a few steps of an active-set method reach them.
+    Accepts constraints. The interior point method regards any point of its central path as
+    stationary and then approaches active limits slowly; a few steps of an active-set method reach
+    them.
+
+    **Arguments:**
+
+    - `max_iterations`: per start, of each of the two.
+
+    **Raises:** `ValueError` for an option out of range, or one that the method does not take.
     """
-    optimize = _scipy()
-    evaluator = functions.evaluator
-    lower, upper = evaluator.scaled_limits
-    zeros = np.zeros(len(start))
-    constraints = []
-    if len(lower):
-        constraints.append(
-            optimize.NonlinearConstraint(
-                functions.constraint_values,
-                lower,
-                upper,
-                jac=functions.constraint_jacobian,  # type: ignore[arg-type]
+
+    word = "trust-constr"
+    accepts_constraints = True
+    max_iterations: int = 3000
+
+    def __post_init__(self):
+        check_at_least(1, max_iterations=self.max_iterations)
+
+    def search(
+        self, functions: SearchFunctions, start: np.ndarray, tolerance: float, report: Report
+    ) -> SearchResult:
+        optimize = scipy_optimize()
+        zeros, maximum = np.zeros(len(start)), self.max_iterations
+
+        def callback(iterate, _state):
+            report(np.clip(iterate, 0.0, 1.0))
+            return False
+
+        with warnings.catch_warnings():
+            # SciPy warns that a linear quantity has no curvature to learn.
+            warnings.filterwarnings("ignore", message="delta_grad == 0.0", category=UserWarning)
+            result = optimize.minimize(
+                functions.cost,
+                np.clip(start, 1e-2, 1 - 1e-2),
+                jac=functions.gradient,
                 hess=optimize.BFGS(),
+                method="trust-constr",
+                # The barrier keeps iterates inside: outside the box a design may not exist.
+                bounds=optimize.Bounds(zeros, zeros + 1, keep_feasible=True),  # type: ignore[arg-type]
+                constraints=nonlinear_constraints(functions),
+                callback=callback,
+                options={"maxiter": maximum, "gtol": tolerance / 10, "xtol": STEP_TOLERANCE},
             )
+        finish = Slsqp(max_iterations=maximum)
+        end = finish.search(functions, np.clip(result.x, 0.0, 1.0), tolerance, report)
+        return SearchResult(
+            end.position, f"{result.message} Then: {end.message}", int(result.nit) + end.iterations
         )
-
-    def callback(iterate, _state):
-        report(np.clip(iterate, 0.0, 1.0))
-        return False
-
-    with warnings.catch_warnings():
-        # SciPy warns that a linear quantity has no curvature to learn.
-        warnings.filterwarnings("ignore", message="delta_grad == 0.0", category=UserWarning)
-        result = optimize.minimize(
-            functions.cost,
-            np.clip(start, 1e-2, 1 - 1e-2),
-            jac=functions.gradient,
-            hess=optimize.BFGS(),
-            method="trust-constr",
-            # The barrier keeps iterates inside: outside the box a design may not exist.
-            bounds=optimize.Bounds(zeros, zeros + 1, keep_feasible=True),  # type: ignore[arg-type]
-            constraints=constraints,
-            callback=callback,
-            options={"maxiter": maximum, "gtol": tolerance / 10, "xtol": 1e-12},
-        )
-    end = slsqp(functions, np.clip(result.x, 0.0, 1.0), tolerance, maximum, report)
-    return SearchResult(
-        end.position, f"{result.message} Then: {end.message}", int(result.nit) + end.iterations
-    )

@@ -1,7 +1,5 @@
 """The design problem as guarded functions of a point in the unit box, with a cache."""
 
-from collections.abc import Sequence
-
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -253,7 +251,7 @@ class Evaluator:
         explicit = np.arange(len(limits)) < self.rows.explicit
         scale = np.where((limits > 0) & explicit, limits, reached)
         self.row_scale = np.where(scale > 0, scale, 1.0)
-        for row in self.margins.whole:
+        for row in self.margins.integer:
             self.row_scale[self.rows.names.index(row.label, self.rows.explicit)] = WHOLE_SCALE
 
     def cost(self, point: Point) -> float:
@@ -280,66 +278,3 @@ class Evaluator:
             return 0.0
         values, (lower, upper) = self.constraint_values(point), self.scaled_limits
         return float(np.max(np.maximum(np.maximum(lower - values, values - upper), 0.0)))
-
-
-class Guarded:
-    """The evaluator for one search: a failed design has a higher cost than the last good one.
-
-    A search steps back from a failed design, and never gets a number that is not finite. Good
-    designs are recorded, so that a search with a bad end still returns its best design.
-    """
-
-    def __init__(self, evaluator: Evaluator):
-        self.evaluator = evaluator
-        self.failures = 0
-        self.good: list[Point] = []
-        self._previous: Point | None = None
-
-    def _look(self, position: np.ndarray) -> Point:
-        point = self.evaluator.point(position)
-        if point is self._previous:
-            return point
-        self._previous = point
-        if point.good:
-            self.good.append(point)
-        else:
-            self.failures += 1
-        return point
-
-    def cost(self, position: np.ndarray) -> float:
-        point = self._look(position)
-        if point.good:
-            return self.evaluator.cost(point)
-        return 10.0 + max((abs(self.evaluator.cost(p)) for p in self.good[-1:]), default=0.0)
-
-    def constraint_values(self, position: np.ndarray) -> np.ndarray:
-        point = self._look(position)
-        if point.good:
-            return self.evaluator.constraint_values(point)
-        if self.good:
-            return self.evaluator.constraint_values(self.good[-1])
-        return np.zeros(len(self.evaluator.rows.names))
-
-    def gradient(self, position: np.ndarray) -> np.ndarray:
-        self._look(position)
-        return self.evaluator.cost_gradient(position)
-
-    def constraint_jacobian(self, position: np.ndarray) -> np.ndarray:
-        self._look(position)
-        return self.evaluator.constraint_jacobian(position)
-
-    def best(self, position: np.ndarray, tolerance: float) -> Point | None:
-        """The end of a search, or the best design seen if the end is unusable or infeasible."""
-        end = self.evaluator.point(position)
-        if end.good and self.evaluator.violation(end) <= tolerance:
-            return end
-        candidates: Sequence[Point] = [*self.good, end] if end.good else self.good
-        if not candidates:
-            return None
-
-        def rank(point: Point):
-            violation = self.evaluator.violation(point)
-            feasible = violation <= tolerance
-            return (not feasible, self.evaluator.cost(point) if feasible else violation)
-
-        return min(candidates, key=rank)

@@ -39,7 +39,7 @@ class MarginRows:
     #: Constraints.
     smooth: tuple[MarginRow, ...] = ()
     #: Numbers that must be whole and depend on the variables.
-    whole: tuple[MarginRow, ...] = ()
+    integer: tuple[MarginRow, ...] = ()
     #: Violated margins that no variable changes, with their values.
     fixed: tuple[tuple[MarginRow, float], ...] = ()
 
@@ -63,7 +63,7 @@ def sorted_margins(margins: tuple[Margin, ...], values: np.ndarray) -> MarginRow
     - `margins`: the evaluated margins.
     - `values`: at several designs (designs × margins); NaN without data or meshing.
     """
-    smooth, whole, fixed = [], [], []
+    smooth, integer, fixed = [], [], []
     for place, margin in enumerate(margins):
         column = values[:, place]
         column = column[np.isfinite(column)]
@@ -75,11 +75,11 @@ def sorted_margins(margins: tuple[Margin, ...], values: np.ndarray) -> MarginRow
             value, limit = float(column[0]), margin.error_limit
             assert limit is not None
             below = value <= limit if margin.strict else value < limit
-            if below or (margin.whole and abs(value - round(value)) > 1e-6):
+            if below or (margin.integer and abs(value - round(value)) > 1e-6):
                 fixed.append((row, value))
-        elif margin.whole:
-            whole.append(row)
+        elif margin.integer:
+            integer.append(row)
             smooth.append(row)
         else:
             smooth.append(row)
-    return MarginRows(tuple(smooth), tuple(whole), tuple(fixed))
+    return MarginRows(tuple(smooth), tuple(integer), tuple(fixed))

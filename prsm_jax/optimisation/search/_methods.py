@@ -1,30 +1,54 @@
-"""The search methods by name."""
+"""The search method from a word or an object."""
 
-from ._box import adam, lbfgs
-from ._constrained import slsqp, trust_constr
-from ._search import Search
+from typing import Any
 
-#: Methods that accept bounds but no constraints.
-BOUNDS_ONLY = ("adam", "lbfgs")
+from ._constrained import Slsqp, TrustConstr
+from ._lbfgs import Lbfgs
+from ._method import SearchMethod
+from ._optax import Adam
+
+_BY_WORD: dict[str, Any] = {cls.word: cls for cls in (Adam, Lbfgs, Slsqp, TrustConstr)}
 
 
-def find_search(method: str, constrained: bool) -> tuple[str, Search]:
-    """The search method of a name; `"auto"` is SLSQP with constraints and L-BFGS without.
+def search_of(
+    method: SearchMethod | str, constrained: bool, max_iterations: int | None = None
+) -> SearchMethod:
+    """The search method of an object or a word; `"auto"` is SLSQP with constraints, else L-BFGS.
 
-    **Raises:** `ValueError` for an unknown method, or one that does not accept constraints.
+    **Arguments:**
+
+    - `method`: the object or its word.
+    - `constrained`: whether there are constraints.
+    - `max_iterations`: an option for the word; `None` if it was not passed.
+
+    **Raises:** `ValueError` for an unknown word, a method that does not accept constraints, or an
+    option in addition to an object.
     """
-    searches: dict[str, Search] = {
-        "adam": adam,
-        "lbfgs": lbfgs,
-        "slsqp": slsqp,
-        "trust-constr": trust_constr,
-    }
-    if method == "auto":
-        method = "slsqp" if constrained else "lbfgs"
-    if method not in searches:
-        raise ValueError(f"method is {method!r}; choose one of auto, {', '.join(searches)}")
-    if constrained and method in BOUNDS_ONLY:
+    if isinstance(method, SearchMethod):
+        if max_iterations is not None:
+            name = type(method).__name__
+            advice = "leave it out"
+            if hasattr(method, "max_iterations"):
+                advice = f"write {name}(…, max_iterations=…)"
+            raise ValueError(
+                f"method is {name}(…), which carries its own options, but max_iterations is passed "
+                f"as well; {advice}"
+            )
+        found = method
+    else:
+        word = method
+        if word == "auto":
+            word = Slsqp.word if constrained else Lbfgs.word
+        if not isinstance(word, str) or word not in _BY_WORD:
+            raise ValueError(
+                f"method is {method!r}; choose one of auto, {', '.join(_BY_WORD)}, or give an "
+                "object such as prsm_jax.optimisation.Slsqp(max_iterations=100)"
+            )
+        options = {} if max_iterations is None else {"max_iterations": max_iterations}
+        found = _BY_WORD[word](**options)
+    if constrained and not found.accepts_constraints:
+        others = " or ".join(word for word, cls in _BY_WORD.items() if cls.accepts_constraints)
         raise ValueError(
-            f"method {method!r} accepts bounds only; with constraints choose slsqp or trust-constr"
+            f"method {found.name!r} accepts bounds only; with constraints choose {others}"
         )
-    return method, searches[method]
+    return found

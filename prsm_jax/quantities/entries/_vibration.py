@@ -33,8 +33,9 @@ def _all(groups):
 def _needs_symmetry(analysis: Analysis) -> None:
     if not analysis.symmetric:
         raise MissingDataError(
-            "a stage has unequal rollers, fewer than 3, or supports that differ in x and y, so its "
-            "families are not separate; ask for natural_frequencies or a lowest_… frequency"
+            "a stage has unequal rollers, fewer than 3 rollers, or supports that differ in x and "
+            "y, so its modes have no separate families; request natural_frequencies or a lowest_… "
+            "frequency instead"
         )
 
 

@@ -30,17 +30,17 @@ class BodyMotion:
     shift_x: float
     shift_y: float
     #: Displacement u = r θ on that circle, anticlockwise positive.
-    turn: float
+    rotation_displacement: float
 
     @property
     def largest(self) -> float:
         """The larger of its translation and its rotation."""
-        return max(math.hypot(self.shift_x, self.shift_y), abs(self.turn))
+        return max(math.hypot(self.shift_x, self.shift_y), abs(self.rotation_displacement))
 
     def placed(self, scale: float) -> tuple[float, float, float]:
         """Centre [mm] and angle [rad] with displacements multiplied by `scale` [mm √kg]."""
         x, y = self.x + scale * self.shift_x, self.y + scale * self.shift_y
-        return x, y, scale * self.turn / self.radius
+        return x, y, scale * self.rotation_displacement / self.radius
 
 
 @dataclass(frozen=True)

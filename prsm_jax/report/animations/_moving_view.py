@@ -160,7 +160,7 @@ class MovingView:
         arrows = []
         if math.hypot(body.shift_x, body.shift_y) > least:
             arrows.append(self._arrow([(body.x, body.y), (x, y)]))
-        if abs(body.turn) > least:
+        if abs(body.rotation_displacement) > least:
             radii = self._outline(body)
             # Inside the rim, where bodies touch; the carrier is only a rim.
             inside = 1.0 if body.kind == "carrier" else 0.86

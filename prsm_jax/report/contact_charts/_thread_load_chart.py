@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from ...fields import renamed_arguments
 from ...load_sharing import LoadDistribution, SideLoads
 from ...text import display_unit, in_unit, number
 from .._style import FAINT, INK, MUTED, SERIES, SMALL, TITLE, Axes, Figure, drawn, page_figure
@@ -12,8 +13,9 @@ _SIDES = (("screw", "screw side"), ("nut", "nut side"))
 _FORWARD, _REVERSE = SERIES[0], SERIES[1]
 
 
+@renamed_arguments(found="distribution")
 @drawn
-def thread_load_chart(found: LoadDistribution) -> Figure:
+def thread_load_chart(distribution: LoadDistribution) -> Figure:
     """Draw how threads share the load, screw side above, nut side below.
 
     Equal rollers are drawn as bars of one roller: loads of the forward flanks, which a positive
@@ -23,14 +25,14 @@ def thread_load_chart(found: LoadDistribution) -> Figure:
 
     **Arguments:**
 
-    - `found`: a load distribution, with concrete numbers.
+    - `distribution`: a load distribution, with concrete numbers.
 
     **Returns:** a matplotlib figure; loads in N, threads counted from the end of the nut where the
     screw's force enters.
 
     **Raises:** `MissingExtraError` without matplotlib.
     """
-    return _bars(found) if len(found.rollers) == 1 else _maps(found)
+    return _bars(distribution) if len(distribution.rollers) == 1 else _maps(distribution)
 
 
 def _title(distribution: LoadDistribution) -> str:

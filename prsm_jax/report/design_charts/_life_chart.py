@@ -28,11 +28,11 @@ def life_chart(
 ) -> Figure:
     """Draw a load spectrum, the damage of its phases, and the life against the load.
 
-    Above, the phases in order of their load over their share of the turning, with the equivalent
-    load; below each, its share of the damage. Beside them, the basic rating life with the point of
-    the equivalent load, which is the constant load with the same life. Loads are magnitudes, on one
-    flank. The life is $10^6 (C_a/F)^3$, and the equivalent load the cubic mean, as long as no
-    contact ellipse extends beyond the end of a flank.
+    Above, the phases in order of their load over their share of the revolutions, with the
+    equivalent load; below each, its share of the damage. Beside them, the basic rating life
+    with the point of the equivalent load, which is the constant load with the same life. Loads are
+    magnitudes, on one flank. The life is $10^6 (C_a/F)^3$, and the equivalent load the cubic mean,
+    as long as no contact ellipse extends beyond the end of a flank.
 
     **Arguments:**
 
@@ -93,7 +93,7 @@ def life_chart(
     damage.set_xlim(0, 100)
     bars.set_ylabel(f"load in {unit.label}")
     damage.set_ylabel("damage in %")
-    damage.set_xlabel("share of the turning in %")
+    damage.set_xlabel("share of the revolutions in %")
     bars.set_title("Load spectrum")
     named = " (numbered)" if len(loads) <= _MOST_NAMED else ""
     damage.set_title(f"Damage by phase{named}")

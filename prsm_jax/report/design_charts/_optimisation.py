@@ -39,7 +39,7 @@ class Limit:
     active: bool
     sense: str
     #: Change of the best objective for each unit by which the limit is raised [SI].
-    worth: float = 0.0
+    multiplier: float = 0.0
 
     @property
     def use(self) -> float:
@@ -185,7 +185,7 @@ def _limit(report: ConstraintReport, scale: float) -> Limit:
         limit=report.limit,
         active=report.active,
         sense=sense if report.equal is None else "equal",
-        worth=scale * report.multiplier,
+        multiplier=scale * report.multiplier,
     )
 
 

@@ -23,7 +23,7 @@ from ..contact_charts import (
     subsurface_chart,
     thread_load_chart,
 )
-from ._pressures import truncated_pressures, whole_pressures
+from ._pressures import truncated_pressures, untruncated_pressures
 
 _SIDES = ("screw", "nut")
 #: Friction coefficient for the stress below contacts if the thread has no Coulomb friction.
@@ -58,7 +58,9 @@ def _line_contact(stage: Stage, load) -> Figure:
     modulus = contact_modulus(material_of(stage, "screw"), material_of(stage, "roller"))
     surface = _ring_contact(stage.line_contact, line.axial_force, modulus, slices=line)
     # A surface without a solution is not drawn.
-    return line_contact_chart(stage.line_contact, line, surface if bool(surface.found) else None)
+    return line_contact_chart(
+        stage.line_contact, line, surface if bool(surface.converged) else None
+    )
 
 
 def contact_pictures(
@@ -88,7 +90,7 @@ def contact_pictures(
     ):
         suffix = f"-stage-{number}" if len(mechanism.stages) > 1 else ""
         label = short_label(mechanism.title) or "thread contact"
-        pressures = truncated_pressures(_side_onsets(stage), whole_pressures(pair))
+        pressures = truncated_pressures(_side_onsets(stage), untruncated_pressures(pair))
         figures["contact-ellipses" + suffix] = contact_ellipses({label: pair}, {label: pressures})
         flank_contacts = _true_flanks(stage, shared, cells)
         if flank_contacts:

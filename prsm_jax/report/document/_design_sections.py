@@ -174,9 +174,9 @@ def _reason(message: str) -> str:
 
 def _worth(result: Optimisation, limit: Limit) -> str:
     """Change of the best objective if the limit is raised by one per cent."""
-    if not limit.active or limit.worth == 0:
+    if not limit.active or limit.multiplier == 0:
         return ""
-    gain = 0.01 * abs(limit.limit) * limit.worth
+    gain = 0.01 * abs(limit.limit) * limit.multiplier
     return signed_change(result.objective, result.objective_unit, gain)
 
 

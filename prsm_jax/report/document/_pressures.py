@@ -10,24 +10,24 @@ from ._data import ReportData, SideOnsets
 SIDES = ("screw", "nut")
 
 
-def whole_pressures(pair: StageContact) -> tuple[Array, Array]:
+def untruncated_pressures(pair: StageContact) -> tuple[Array, Array]:
     """Hertz pressures on the screw and on the nut side, of whole ellipses [Pa]."""
     return pair.screw.hertz.max_pressure, pair.nut.hertz.max_pressure
 
 
 def truncated_pressures(
-    onsets: SideOnsets | None, whole: tuple[Float[Array, "..."], Float[Array, "..."]]
+    onsets: SideOnsets | None, untruncated: tuple[Float[Array, "..."], Float[Array, "..."]]
 ) -> tuple[float, float]:
     """Largest pressures of both sides where the ends of flanks cut ellipses [Pa].
 
     **Arguments:**
 
     - `onsets`: where ellipses reach the ends of flanks; `None` if flanks have no ends.
-    - `whole`: pressures of whole ellipses on the screw and on the nut side [Pa].
+    - `untruncated`: pressures of whole ellipses on the screw and on the nut side [Pa].
     """
     screw, nut = (
         float(np.max(truncated_pressure(side, pressure)))
-        for side, pressure in zip(onsets or (None, None), whole, strict=True)
+        for side, pressure in zip(onsets or (None, None), untruncated, strict=True)
     )
     return screw, nut
 
@@ -39,7 +39,7 @@ def _onsets(data: ReportData, index: int) -> SideOnsets | None:
 def largest_pressures(data: ReportData, index: int) -> tuple[float, float]:
     """`max_pressure_screw` and `max_pressure_nut` of a stage (from 0) [Pa]."""
     assert data.contacts is not None
-    return truncated_pressures(_onsets(data, index), whole_pressures(data.contacts[index]))
+    return truncated_pressures(_onsets(data, index), untruncated_pressures(data.contacts[index]))
 
 
 def largest_pressure(data: ReportData) -> float:
@@ -59,6 +59,6 @@ def any_cut(data: ReportData) -> bool:
     """Whether the end of a flank cuts a contact ellipse under the operating load."""
     contacts = data.contacts or ()
     return any(
-        largest_pressures(data, i) != tuple(map(float, whole_pressures(pair)))
+        largest_pressures(data, i) != tuple(map(float, untruncated_pressures(pair)))
         for i, pair in enumerate(contacts)
     )

@@ -48,7 +48,7 @@ def frequency_loci_chart(loci: FrequencyLoci) -> Figure:
     if _equal_ratios(np.asarray(loci.values)):
         main.set_xscale("log")
         main.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
-    room = 0.3 if loci.whole else 0.0
+    room = 0.3 if loci.integer else 0.0
     first, last = sorted(unit(float(loci.values[i])) for i in (0, -1))
     main.set_xlim(first - room, last + room)
     main.grid(axis="both", which="major")
@@ -101,12 +101,12 @@ def _curves(axes: Axes, loci: FrequencyLoci, unit: DisplayUnit, hertz: DisplayUn
             ys = hertz(np.where(curve > _RIGID * largest, curve, np.nan))
             if not np.isfinite(ys).any():
                 continue
-            marks = {"marker": "o", "ms": 3.5} if loci.whole else {}
+            marks = {"marker": "o", "ms": 3.5} if loci.integer else {}
             if family in FAMILY_COLOURS:
                 axes.plot(xs, ys, color=FAMILY_COLOURS[family], gid=f"{family} {index}", **marks)
             else:
                 assert loci.shares is not None
-                _mixed(axes, xs, ys, np.asarray(loci.shares)[:, :, index], bool(loci.whole))
+                _mixed(axes, xs, ys, np.asarray(loci.shares)[:, :, index], bool(loci.integer))
 
 
 def _mixed(axes: Axes, xs: np.ndarray, ys: np.ndarray, shares: np.ndarray, marks: bool) -> None:
@@ -190,7 +190,7 @@ def _legend(figure: Figure, loci: FrequencyLoci) -> None:
         if family not in loci.frequencies and not (coupled and family != "carrier"):
             continue
         times = loci.multiplicities.get(family, 1)
-        changes = loci.whole and family == "roller"
+        changes = loci.integer and family == "roller"
         words = f"{family} (×{times})" if times > 1 and not changes else family
         handles.append(Line2D([], [], color=FAMILY_COLOURS[family], lw=2, label=words))
     if coupled:

@@ -111,7 +111,8 @@ def steps_of_efficiency() -> Iterator[Row]:
         "lowest at 0 ms",
         f"{efficiency[0]:.4f} at 0 ms, {efficiency[-1]:.4f} in the end",
         bool(efficiency[0] < 1.001 * efficiency.min()),
-        f"to what a figure can show: until {1e3 * float(run.time[efficiency.argmin()]):.2f} ms it "
+        "within the resolution of a figure: until "
+        f"{1e3 * float(run.time[efficiency.argmin()]):.2f} ms it "
         f"falls by {100 * (1 - efficiency.min() / efficiency[0]):.2f} %, then it rises",
     )
     tangential = np.stack([newtons_equations(_NAME, k).friction for k in (0, 1)])

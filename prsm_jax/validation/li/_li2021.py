@@ -77,7 +77,8 @@ def base_case() -> Iterator[Row]:
         "at 0 ms",
         f"{gap[0]:.2f} N·m at 0 ms, {gap[-1]:.2f} N·m in the end",
         bool(gap[0] > 0.99 * gap.max()) and int(np.argmax(gap)) < 0.05 * len(gap),
-        f"to what a figure can show: it grows by {100 * (gap.max() / gap[0] - 1):.2f} % until "
+        "within the resolution of a figure: it grows by "
+        f"{100 * (gap.max() / gap[0] - 1):.2f} % until "
         f"{1e3 * float(run.time[np.argmax(gap)]):.2f} ms, then falls",
     )
     yield trend(

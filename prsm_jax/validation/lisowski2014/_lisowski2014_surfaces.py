@@ -111,15 +111,15 @@ def edges() -> Iterator[Row]:
     reach = 1e3 * _radial_reach(high)
     yield not_comparable(
         "section 4: the contact of roller and nut has an edge zone, 50 N; height of the nut's "
-        "thread below which it has",
+        "thread below which there is one",
         "an edge zone",
         reach,
         "mm",
         between=(0.1, 0.102),
         missing="this is the reach of the ellipse along the nut's radius; heights of threads are "
-        f"not printed. At {1e3 * LOW:g} mm {past} cells bear past its crest and the pressure is "
-        f"{_share(low):.2f} times Hertz. A crest inside the contact would explain an open contact "
-        "area, not the low "
+        f"not printed. With a height of {1e3 * LOW:g} mm, {past} cells beyond the crest carry load "
+        f"and the pressure is {_share(low):.2f} times Hertz. A crest inside the "
+        "contact would explain an open contact area, not the low "
         f"879 MPa: an edge, here rounded by {1e3 * EDGE_RADIUS:g} mm, raises the pressure. The "
         "paper takes the pressure at the border of the sliding zone, which is not the largest",
     )
@@ -135,10 +135,11 @@ def edges() -> Iterator[Row]:
             100 * abs(highest - 1),
             "%",
             between=(0.05, 0.5),
-            note=f"cells of {1e3 * float(coarse.surface.grid.spacing_x):.4f} by 0.01 mm, "
-            f"{2 * axis / _ELEMENT:.0f} across the ellipse's minor axis, cause this error of the "
-            "largest cell's pressure: the size of the elements alone does not explain the printed "
-            "error; an error of their contact (the approach is only "
+            note="computed: the error of the largest pressure on a grid with cells of "
+            f"{1e3 * float(coarse.surface.grid.spacing_x):.4f} by 0.01 mm, "
+            f"{2 * axis / _ELEMENT:.0f} of them across the minor axis of the ellipse. "
+            "The size of the elements alone does not explain the printed error; "
+            "an error of their contact (the approach is only "
             f"{1e6 * float(coarse.hertz.approach):.1f} µm) may",
         )
 

@@ -138,10 +138,11 @@ def frequency_trends() -> Iterator[Row]:
         between=(55.0, 60.0),
         evidence=float(np.min(np.diff(squared, 2) / squared[1:-1])),
         evidence_between=(1e-3, 1e-2),
-        because="it goes with the root of the stiffness, which cancels the upward bend of figure "
-        f"11 ({_ends(lowest, 1.0, 'Hz')}): its square bends upwards throughout (evidence: the "
-        "least second difference of the square over the square); modes with the gear's constant "
-        "stiffness in addition to the threads' bend upwards themselves",
+        because="the frequency is proportional to the square root of the stiffness, and the root "
+        f"removes the upward bend of figure 11 ({_ends(lowest, 1.0, 'Hz')}). The square of the "
+        "frequency bends upwards throughout (evidence: its least second difference over its "
+        "value); frequencies of modes that strain the gear too, whose stiffness is constant, bend "
+        "upwards themselves",
     )
     carrier = frequencies["carrier"][:, 0]
     yield differs(

@@ -141,7 +141,9 @@ def _both(mechanism, kinematics, speed, acceleration, load, carrier_speed):
     ]
 
     def turned(state, vector):
-        return vector * jnp.stack([jnp.ones_like(state.flank), state.flank, state.flank])
+        return vector * jnp.stack(
+            [jnp.ones_like(state.flank_sign), state.flank_sign, state.flank_sign]
+        )
 
     zero = jnp.zeros_like(load)
     lagrange = {
@@ -164,7 +166,7 @@ def _both(mechanism, kinematics, speed, acceleration, load, carrier_speed):
     forces = prsm.dynamics.body_forces(mechanism, instant, kinematics)
     newton = {name: getattr(forces, name) for name in (*forces.__dataclass_fields__, *DERIVED)}
     at_screw, at_roller = zip(
-        *(_positions(k, s.flank) for k, s in zip(kinematics, states, strict=True)), strict=True
+        *(_positions(k, s.flank_sign) for k, s in zip(kinematics, states, strict=True)), strict=True
     )
     known = {
         "contact_at_screw": jnp.stack(at_screw),

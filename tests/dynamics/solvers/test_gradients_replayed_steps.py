@@ -94,11 +94,11 @@ def _end(values, stages, gradient, rtol=1e-7):
     settings = Settings("rosenbrock", gradient, rtol, 1e-2 * rtol, 1024)
     run = follow_carriers(problem, jnp.linspace(0.0, 0.05, 5), settings)
     found = jnp.stack(
-        [run.angle[-1], run.speed[2] / 1e2, *run.carrier_speed[1] / 1e2, run.found.phases.end[0]]
+        [run.angle[-1], run.speed[2] / 1e2, *run.carrier_speed[1] / 1e2, run.solution.phases.end[0]]
     )
     weights = jnp.asarray([1.0, -0.6, 0.5, 0.3])[: stages + 2]
     weights = jnp.concatenate([weights, jnp.asarray([2.0])])
-    return jnp.where(run.found.code == 0, weights @ found, jnp.nan)
+    return jnp.where(run.solution.code == 0, weights @ found, jnp.nan)
 
 
 @pytest.mark.parametrize("stages", [2])

@@ -69,7 +69,7 @@ def test_an_operating_point_without_time_is_refused():
         ValueError, match=r"OperatingPoint: duration is -1 s; it must be more than 0"
     ):
         OperatingPoint(100.0, 7e3, -1.0)
-    with pytest.raises(ValueError, match=r"DutyCycle: duration is .*0 or more"):
+    with pytest.raises(ValueError, match=r"DutyCycle: duration is -1 s; it must be more than 0"):
         DutyCycle([1.0, -1.0], [1.0, 1.0], [1e3, 1e3])
 
 
@@ -133,7 +133,7 @@ def test_a_half_space_under_a_load_that_no_half_space_bears_says_so():
     assert int(solve(stage, load=array(1e4)).surface.code) == 0
     crushed = solve(stage, load=array(1e9))
     assert RESULTS[int(crushed.surface.code)].startswith("not a half-space")
-    assert not bool(crushed.surface.found)
+    assert not bool(crushed.surface.converged)
     # NaN is another matter.
     assert int(solve(stage, load=array(jnp.nan)).surface.code) == 1
 

@@ -115,7 +115,7 @@ def _swinging(values, gradient, *, quasi_steady=False):
         found = [run.speed[2] / 1e3, run.speed[-1] / 1e3, run.angle[-1] / 1e3]
     else:
         run = follow_carriers(problem, times, settings)
-        code, phases = run.found.code, run.found.phases
+        code, phases = run.solution.code, run.solution.phases
         found = [run.speed[2] / 1e3, run.speed[-1] / 1e3, run.carrier_speed[-1, 0] / 1e3]
     return jnp.stack([*found, *phases.end[:2]]), code
 
@@ -181,7 +181,7 @@ def _reversal(scale, friction, torque, speed):
         )
         settings = Settings("rosenbrock", "forward", 1e-8, 1e-10, 256)
         times = jnp.linspace(0.0, 5e-3, 3)
-        found = follow_carriers(torque_problem(one, scenario), times, settings).found
+        found = follow_carriers(torque_problem(one, scenario), times, settings).solution
         return found.phases.end[0], (found.code, found.steps)
 
     return jax.jvp(integrated, (scale,), (jnp.ones_like(scale),), has_aux=True)

@@ -12,7 +12,7 @@ import pytest
 from scenes import array, mechanism, stage, steady_state, thread
 
 import prsm_jax as prsm
-from prsm_jax.dynamics.friction._asked import Slip
+from prsm_jax.dynamics.friction._law_inputs import Slip
 from prsm_jax.dynamics.friction._rubbing import Rubbing, _root, friction_on_roller, rubbed_moment
 from prsm_jax.dynamics.friction._thread_friction import slip_direction, thread_friction
 from prsm_jax.friction import (

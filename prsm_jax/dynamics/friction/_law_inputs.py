@@ -39,7 +39,7 @@ def rolling_speed(kinematics: StageKinematics, slip: Slip) -> Scalar:
     return length_few(screw_velocity - slip.velocity / 2)
 
 
-def asked_of(
+def law_inputs_of(
     law: FrictionLaw, kinematics: StageKinematics, slip: Slip, force: Scalar
 ) -> dict[str, Scalar]:
     """Inputs that a law asks for, by name.

@@ -8,7 +8,7 @@ from pathlib import Path
 from prsm_jax import FrictionLaw
 from prsm_jax.friction import _register
 
-FOLDER = Path(__file__).parents[2] / "docs" / "extensions"
+FOLDER = Path(__file__).parents[1] / "docs" / "extensions"
 
 
 @functools.cache
