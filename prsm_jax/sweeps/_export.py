@@ -75,7 +75,7 @@ def check_export(path: str | os.PathLike) -> None:
 
 
 #: Library that writes a format, beyond what a sweep needs.
-_LIBRARIES = {".xlsx": "openpyxl", ".parquet": "pyarrow", ".nc": "h5netcdf"}
+_LIBRARIES = {".xlsx": "openpyxl", ".parquet": "pyarrow", ".nc": "h5py"}
 
 
 def _formats() -> dict[str, Callable[[Any, Path, list[str]], None]]:
@@ -169,8 +169,20 @@ def _excel(data: "xarray.Dataset", path: Path, assumptions: list[str]) -> None:
             f"{count} designs are more than the {_EXCEL_ROWS} rows of a sheet of Excel; export to "
             ".csv or .parquet"
         )
-    columns = _columns(data, designs)
     book = openpyxl.Workbook(write_only=True)
+    try:
+        _fill(book, data, designs, assumptions)
+        book.save(path)
+    except BaseException:
+        # Of a sheet that is not saved, a file would stay open.
+        for sheet in book:
+            sheet.close()
+        raise
+
+
+def _fill(book: Any, data: "xarray.Dataset", designs: tuple[str, ...], assumptions: list[str]):
+    """Write the sheets of a workbook."""
+    columns = _columns(data, designs)
     sheet = book.create_sheet("designs")
     sheet.freeze_panes = "A2"
     sheet.append([column.heading for column in columns])
@@ -187,7 +199,6 @@ def _excel(data: "xarray.Dataset", path: Path, assumptions: list[str]) -> None:
         rests.append([_words(rests, sentence)])
     for name, value in data.attrs.items():
         rests.append([_words(rests, f"{name}: {value}")])
-    book.save(path)
 
 
 def _plain(cell: Any) -> Any:

@@ -1,5 +1,6 @@
 """Labels: what the arrays of a sweep are called, their dimensions, units and descriptions."""
 
+import itertools
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -38,19 +39,28 @@ def derivative_name(quantity: str, parameter: str) -> str:
     return f"{quantity}_by_{parameter}"
 
 
-def variables_of(mechanism: Mechanism, plan: Plan, shapes: BlockResults) -> tuple[Variable, ...]:
+def variables_of(
+    mechanism: Mechanism,
+    plan: Plan,
+    quantities: tuple[str, ...],
+    gradients: tuple[str, ...],
+    shapes: BlockResults,
+) -> tuple[Variable, ...]:
     """All arrays of a sweep.
 
     **Arguments:**
 
     - `mechanism`: the mechanism.
     - `plan`: the plan.
+    - `quantities`: names from the catalogue.
+    - `gradients`: parameters by which they are differentiated.
     - `shapes`: shapes and types of the results of a block.
     """
     stages = len(mechanism.stages)
     variables = []
-    for name, value in shapes.values.items():
-        quantity = find_quantity(name)
+    # JAX returns dictionaries sorted by their keys.
+    for name in quantities:
+        quantity, value = find_quantity(name), shapes.values[name]
         variables.append(
             _variable(
                 name,
@@ -64,8 +74,9 @@ def variables_of(mechanism: Mechanism, plan: Plan, shapes: BlockResults) -> tupl
                 },
             )
         )
-    for (name, by), value in shapes.derivatives.items():
+    for name, by in itertools.product(quantities, gradients):
         quantity, parameter = find_quantity(name), find_parameters(mechanism, by)[0]
+        value = shapes.derivatives[name, by]
         variables.append(
             _variable(
                 derivative_name(name, by),

@@ -18,7 +18,7 @@ import numpy as np
 from .._errors import MissingDataError
 from ..findings import sources
 from ..mechanism import Mechanism
-from ._labels import arrays_of, counts_of
+from ._labels import Variable, arrays_of, counts_of, variables_of
 from ._plan import Blocks, Plan, with_static
 from ._program import BlockResults, Question, block_shapes, evaluate_block
 from ._store import opened
@@ -110,6 +110,12 @@ class Job:
         static = {axis.name: values.pop(axis.name) for axis in self.plan.axes if axis.static}
         where = self.blocks.slices(number)
         return BlockTask(number, self.mechanism, self._settings, values, static, where, self.store)
+
+    def variables(self) -> tuple[Variable, ...]:
+        """All arrays of the sweep; raises as `shapes` does."""
+        return variables_of(
+            self.mechanism, self.plan, self.quantities, self.gradients, self.shapes()
+        )
 
     def shapes(self) -> BlockResults:
         """Shapes of the results of a call.

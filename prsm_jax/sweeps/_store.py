@@ -155,8 +155,8 @@ class BlockStore:
         import zarr
 
         self.path = path
-        self._group = zarr.open_group(path, mode="r+")
-        self._marks: Any = self._group[f"{_PROGRESS}/{_DONE}"]
+        self._group: Any = zarr.open_group(path, mode="r+")
+        self._marks = self._group[f"{_PROGRESS}/{_DONE}"]
         self._arrays: dict[str, Any] = {}
 
     def done(self) -> np.ndarray:

@@ -21,7 +21,7 @@ from ..fields import Scalar
 from ..mechanism import Mechanism, find_parameters, of_one_known_design
 from ..process import placing_in, put_folder, real_path, temporary_folder
 from ..quantities import find_quantity
-from ._labels import counts_of, empty_dataset, variables_of
+from ._labels import counts_of, empty_dataset
 from ._plan import PlanName, blocks_of, plan_of
 from ._run import Job, run_blocks
 from ._store import (
@@ -221,7 +221,7 @@ def _stored_chunk(store: str | os.PathLike | None) -> int | None:
 
 
 def _in_memory(job: Job, executor: Executor | None, bar) -> "xarray.Dataset":
-    variables = variables_of(job.mechanism, job.plan, job.shapes())
+    variables = job.variables()
     arrays = {
         variable.name: np.full(
             (*job.plan.shape, *variable.own_shape), variable.fill, variable.dtype
@@ -249,7 +249,7 @@ def _in_store(
     bar,
 ) -> "xarray.Dataset":
     def create(path: Path) -> None:
-        variables = variables_of(job.mechanism, job.plan, job.shapes())
+        variables = job.variables()
         data = empty_dataset(job.mechanism, job.plan, variables, job.point)
         create_store(path, data, variables, job.blocks, _identity(job))
 
