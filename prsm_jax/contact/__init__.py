@@ -1,6 +1,10 @@
 """Contact mechanics of the threads."""
 
-from ._contacts import load_of as load_of, thread_contacts as thread_contacts
+from ._contacts import (
+    load_of as load_of,
+    speed_of as speed_of,
+    thread_contacts as thread_contacts,
+)
 from ._conventions import ContactFrame as ContactFrame, contact_frames as contact_frames
 from ._edge_pressure import (
     RoundedEdge as RoundedEdge,
@@ -28,6 +32,7 @@ from ._thread_contact import (
     contact_pair as contact_pair,
     contact_side as contact_side,
     engaged_threads as engaged_threads,
+    meshing_of as meshing_of,
     side_contact as side_contact,
     stage_contact as stage_contact,
 )

@@ -15,14 +15,26 @@ def load_of(mechanism: Mechanism, load: float | Scalar | None) -> Scalar:
 
     **Raises:** `MissingDataError` if both are missing.
     """
-    if load is None:
+    return _operating(mechanism, "load", load)
+
+
+def speed_of(mechanism: Mechanism, speed: float | Scalar | None) -> Scalar:
+    """The screw speed `speed`, or the speed of the operating point if it is None [rad/s].
+
+    **Raises:** `MissingDataError` if both are missing.
+    """
+    return _operating(mechanism, "speed", speed)
+
+
+def _operating(mechanism: Mechanism, name: str, value: float | Scalar | None) -> Scalar:
+    if value is None:
         if mechanism.operating_point is None:
             raise MissingDataError(
-                "no load: the mechanism has no operating point; pass load=… or give "
-                "[operating_point] load"
+                f"no {name}: the mechanism has no operating point; pass {name}=… or give "
+                f"[operating_point] {name}"
             )
-        load = mechanism.operating_point.load
-    return jnp.asarray(load, mechanism.stages[0].thread.lead.dtype)
+        value = getattr(mechanism.operating_point, name)
+    return jnp.asarray(value, mechanism.stages[0].thread.lead.dtype)
 
 
 @of_one_design

@@ -93,13 +93,19 @@ def slice_geometry(contact: LineContact, edges: int = _EDGES) -> SliceGeometry:
     )
 
 
-def _overlap_per_slice(overlap: Edges) -> Float[Array, " slices"]:
-    """Mean of max(0, u) over each slice, u linear between its edges; exact, and smooth in u."""
+def _overlap_per_slice(
+    overlap: Edges,
+) -> tuple[Float[Array, " slices"], Float[Array, " slices"]]:
+    """Mean of max(0, u) over each slice, u linear between its edges, and the share with u > 0.
+
+    Exact; the mean is smooth in u.
+    """
     lower, upper = jnp.minimum(overlap[:-1], overlap[1:]), jnp.maximum(overlap[:-1], overlap[1:])
     crossed = below_or_nan(lower) & above_or_nan(upper)
     height = jnp.where(crossed, upper - lower, 1.0)
     part = jnp.where(crossed, upper**2 / (2 * height), 0.0)
-    return jnp.where(below_or_nan(lower), part, (lower + upper) / 2)
+    mean = jnp.where(below_or_nan(lower), part, (lower + upper) / 2)
+    return mean, jnp.where(crossed, upper / height, jnp.where(upper > 0, 1.0, 0.0))
 
 
 @physics("line_contact")
@@ -145,7 +151,7 @@ def line_contact_under_force(
     unit = force / (spring * length * (edges - 1) * mean_axial) + mean_gap
 
     def carried(approach: Scalar) -> Scalar:
-        return spring * length * jnp.sum(axial * _overlap_per_slice(approach - slices.gap))
+        return spring * length * jnp.sum(axial * _overlap_per_slice(approach - slices.gap)[0])
 
     scaled, root_converged = find_root(
         lambda share: carried(share * unit) / force - 1,
@@ -155,7 +161,8 @@ def line_contact_under_force(
     )
     approach = jnp.where(loaded, scaled * unit, 0.0)
 
-    depth = jnp.maximum(approach - slices.gap, 0.0)
+    overlap = approach - slices.gap
+    depth = jnp.maximum(overlap, 0.0)
     touching = above_or_nan(depth)
     line_load = spring * depth
     safe = jnp.where(touching, line_load, 1.0)
@@ -163,13 +170,8 @@ def line_contact_under_force(
         touching, jnp.sqrt(2 * safe / (jnp.pi * modulus * slices.coefficient)), 0.0
     )
     pressure = jnp.where(touching, jnp.sqrt(2 * safe * modulus * slices.coefficient / jnp.pi), 0.0)
-    per_slice = spring * _overlap_per_slice(approach - slices.gap)
-    edges_overlap = approach - slices.gap
-    span = jnp.abs(edges_overlap[1:] - edges_overlap[:-1])
-    above = jnp.maximum(jnp.maximum(edges_overlap[:-1], edges_overlap[1:]), 0.0)
-    below = jnp.minimum(edges_overlap[:-1], edges_overlap[1:])
-    partly = below_or_nan(below) & above_or_nan(span)
-    share = jnp.where(partly, above / jnp.where(partly, span, 1.0), jnp.where(above > 0, 1.0, 0.0))
+    mean_overlap, share = _overlap_per_slice(overlap)
+    per_slice = spring * mean_overlap
     loaded_share = jnp.mean(share)
     mean_load = jnp.mean(per_slice) / jnp.where(above_or_nan(loaded_share), loaded_share, 1.0)
     has_load = above_or_nan(mean_load)

@@ -35,6 +35,11 @@ class StageContact(eqx.Module):
     nut: ThreadContactSide
 
 
+def meshing_of(stage: Stage, meshing: Meshing | None = None) -> Meshing | None:
+    """Meshing of a stage, if known already or if its curvature convention needs it."""
+    return mesh(stage.thread) if meshing is None and stage.curvature == "exact" else meshing
+
+
 def engaged_threads(stage: Stage) -> Scalar:
     """Number of load-carrying threads of one roller per side.
 
@@ -119,10 +124,8 @@ def stage_contact(
 
     **Raises:** `MissingDataError` if materials or engaged threads are not given.
     """
-    if meshing is None and stage.curvature == "exact":
-        meshing = mesh(stage.thread)
     axial_force = load / (stage.present_roller_count * engaged_threads(stage))
-    screw, nut = contact_frames(stage.thread, meshing, stage.curvature)
+    screw, nut = contact_frames(stage.thread, meshing_of(stage, meshing), stage.curvature)
     return StageContact(
         screw=side_contact(stage, "screw", screw, axial_force * screw.normal_per_axial, method),
         nut=side_contact(stage, "nut", nut, axial_force * nut.normal_per_axial, method),

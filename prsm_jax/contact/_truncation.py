@@ -15,6 +15,7 @@ The model does not include the pressure concentration at the edge itself: at a s
 finite value, and at a rounded edge it depends on the rounding (`docs/strength.md` gives both).
 """
 
+import functools
 import math
 from typing import TypeAlias
 
@@ -24,7 +25,7 @@ from jaxtyping import Array, Float
 
 from ..fields import Scalar
 from ..geometry import FlankEnd, RelativeCurvature
-from ..numerics import above_or_nan, below_or_nan
+from ..numerics import above_or_nan, below_or_nan, root_or_zero
 from ..programs import physics
 from .hertz import HertzContact
 
@@ -64,9 +65,7 @@ def half_extent(hertz: HertzContact, curvature: RelativeCurvature, end: FlankEnd
         elongated, (major - minor) * (major + minor) / difference, 8 / 3 * major**2 / total
     )
     # Between b² and a², up to rounding.
-    square = (major**2 + minor**2) / 2 - rate * (coefficient - total / 2)
-    loaded = above_or_nan(square)
-    return jnp.where(loaded, jnp.sqrt(jnp.where(loaded, square, 1.0)), 0.0)
+    return root_or_zero((major**2 + minor**2) / 2 - rate * (coefficient - total / 2))
 
 
 def onset_pressure(hertz: HertzContact, curvature: RelativeCurvature, end: FlankEnd) -> Scalar:
@@ -124,10 +123,7 @@ def truncation(pressure: Real, onsets: Onsets) -> Real:
     for onset in onsets:
         passed = above_or_nan(pressure, onset) & above_or_nan(pressure)
         shares.append(jnp.where(passed, 1 - onset / jnp.where(passed, pressure, 1.0), 0.0))
-    largest = shares[0]
-    for share in shares[1:]:
-        largest = jnp.maximum(largest, share)
-    return largest
+    return functools.reduce(jnp.maximum, shares)
 
 
 def load_beyond(reach: Real) -> Real:

@@ -6,6 +6,7 @@ segments, 0 and infinity included.
 All matrices are those of spring networks, so elimination needs no pivoting.
 """
 
+import operator
 from typing import Any
 
 import jax
@@ -49,18 +50,12 @@ class _Numbers:
         return [*rows, [*(-b for b in nut), sum(nut[1:], nut[0])]]
 
     @staticmethod
-    def plus(first, second):
-        return [
-            [a + b for a, b in zip(x, y, strict=True)] for x, y in zip(first, second, strict=True)
-        ]
-
-    @staticmethod
     def add(first, second):
-        return [a + b for a, b in zip(first, second, strict=True)]
+        return jax.tree.map(operator.add, first, second)
 
     @staticmethod
     def less(first, second):
-        return [a - b for a, b in zip(first, second, strict=True)]
+        return jax.tree.map(operator.sub, first, second)
 
     @staticmethod
     def times(matrix, vector):
@@ -128,7 +123,7 @@ def _eliminate(chains: Chains, teeth: tuple[Teeth, Teeth], rights: list[State]) 
 
     def add_thread(below, thread):
         (matrix, carried), (screw_row, nut_row, force) = below, thread
-        matrix = _Numbers.plus(_Numbers.thread(screw_row, nut_row), matrix)
+        matrix = _Numbers.add(_Numbers.thread(screw_row, nut_row), matrix)
         return matrix, _Numbers.less(carried, force)
 
     def up(below, segment_data):
@@ -206,13 +201,9 @@ def control_column(chains: Chains, state: State, control: Control) -> State:
 
 
 def _inner_product(first: State, second: State) -> Array:
-    pairs = (
-        (first.screw_approach, second.screw_approach),
-        (first.approach, second.approach),
-        (first.roller_force, second.roller_force),
-        (first.nut_force, second.nut_force),
-    )
-    return sum((jnp.sum(a * b) for a, b in pairs[1:]), jnp.sum(pairs[0][0] * pairs[0][1]))
+    both = (jax.tree.leaves(thread_unknowns(state)) for state in (first, second))
+    products = [jnp.sum(a * b) for a, b in zip(*both, strict=True)]
+    return sum(products[1:], products[0])
 
 
 def _radial_shift_columns(chains: Chains, teeth: tuple[Teeth, Teeth], like: State):

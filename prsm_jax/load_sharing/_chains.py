@@ -74,6 +74,10 @@ def _gap_opening(radial_shift: Float[Array, " classes"] | None):
     return 0.0 if radial_shift is None else radial_shift[:, None]
 
 
+def _loads(forces: list[Array]) -> Loads:
+    return forces[0], forces[1] if len(forces) > 1 else None
+
+
 class Flanks(eqx.Module):
     """The flanks between rollers and screw, or rollers and nut."""
 
@@ -93,29 +97,25 @@ class Flanks(eqx.Module):
             return self.gap
         return (self.gap - self.reverse_gap) / 2
 
-    def _approaches(self, approach, opening):
-        """Of forward and reverse flanks [m]; `None` for reverse flanks that are not modelled."""
-        forward = approach - self.gap - opening
-        return forward, None if self.reverse_gap is None else -approach - self.reverse_gap - opening
-
-    def loads(self, approach: Float[Array, "classes threads"], opening):
-        """Force on forward and reverse flanks, with derivatives to everything [N].
+    def approaches(self, approach: Float[Array, "classes threads"], opening) -> list[FlankApproach]:
+        """The flanks that are modelled: forward, then reverse.
 
         **Arguments:**
 
         - `approach`: of the two teeth [m].
         - `opening`: gap that the roller's radial shift has opened on this side [m].
         """
-        forward, reverse = self._approaches(approach, opening)
-        load = flank_force(forward, self.hertz, self.tooth)
-        if reverse is None:
-            return load, None
-        return load, flank_force(reverse, self.hertz, self.tooth)
+        each = [approach - self.gap - opening]
+        if self.reverse_gap is not None:
+            each.append(-approach - self.reverse_gap - opening)
+        return [FlankApproach(one, self.hertz, self.tooth) for one in each]
 
-    def approaches(self, approach: Float[Array, "classes threads"], opening) -> list[FlankApproach]:
-        """The flanks that are modelled: forward, then reverse."""
-        both = self._approaches(approach, opening)
-        return [FlankApproach(one, self.hertz, self.tooth) for one in both if one is not None]
+    def loads(self, approach: Float[Array, "classes threads"], opening) -> Loads:
+        """Force on forward and reverse flanks, with derivatives to everything [N].
+
+        **Arguments:** those of `approaches`.
+        """
+        return _loads([flank_force(*one) for one in self.approaches(approach, opening)])
 
     def teeth(
         self, approach: Float[Array, "classes threads"], regularisation: Scalar, laws: list[Law]
@@ -145,11 +145,8 @@ class Flanks(eqx.Module):
 
     def energy(self, approach: Float[Array, "classes threads"], opening):
         """Energy stored in the flanks and teeth [J]."""
-        forward, reverse = self._approaches(approach, opening)
-        energy = flank_energy(forward, self.hertz, self.tooth)
-        if reverse is not None:
-            energy = energy + flank_energy(reverse, self.hertz, self.tooth)
-        return energy
+        energies = [flank_energy(*one) for one in self.approaches(approach, opening)]
+        return sum(energies[1:], energies[0])
 
 
 class Chains(eqx.Module):
@@ -228,29 +225,28 @@ def deflection_of(chains: Chains, state: State, load: Scalar, offset: Scalar) ->
     return travel
 
 
-def forces_and_slopes(chains: Chains, state: State) -> tuple[Teeth, Teeth]:
-    """Forces and slopes of all teeth of one roller per class: screw side, then nut side."""
+def _evaluated(law: Callable, chains: Chains, state: State) -> tuple[list, list]:
+    """A law of all flanks: on the screw side, then on the nut side."""
     opening = _gap_opening(state.radial_shift)
     screw = chains.screw.approaches(state.screw_approach, opening)
     nut = chains.nut.approaches(state.nut_approach, -opening)
-    laws = _evaluate_alike(flank_force_and_slope, [*screw, *nut])
+    values = _evaluate_alike(law, [*screw, *nut])
+    return values[: len(screw)], values[len(screw) :]
+
+
+def forces_and_slopes(chains: Chains, state: State) -> tuple[Teeth, Teeth]:
+    """Forces and slopes of all teeth of one roller per class: screw side, then nut side."""
+    screw, nut = _evaluated(flank_force_and_slope, chains, state)
     return (
-        chains.screw.teeth(state.screw_approach, chains.regularisation, laws[: len(screw)]),
-        chains.nut.teeth(state.nut_approach, chains.regularisation, laws[len(screw) :]),
+        chains.screw.teeth(state.screw_approach, chains.regularisation, screw),
+        chains.nut.teeth(state.nut_approach, chains.regularisation, nut),
     )
 
 
 def flank_loads(chains: Chains, state: State) -> tuple[Loads, Loads]:
     """Forces on forward and reverse flanks, screw side and nut side, differentiable [N]."""
-    opening = _gap_opening(state.radial_shift)
-    screw = chains.screw.approaches(state.screw_approach, opening)
-    nut = chains.nut.approaches(state.nut_approach, -opening)
-    forces = _evaluate_alike(flank_force, [*screw, *nut])
-
-    def of_side(forces: list[Array]) -> Loads:
-        return forces[0], forces[1] if len(forces) > 1 else None
-
-    return of_side(forces[: len(screw)]), of_side(forces[len(screw) :])
+    screw, nut = _evaluated(flank_force, chains, state)
+    return _loads(screw), _loads(nut)
 
 
 @physics("thread_chains")

@@ -6,7 +6,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ..fields import Scalar
-from ..numerics import above_or_nan
+from ..numerics import above_or_nan, cube_root_or_zero
 from ..programs import AbstractResult, mapped
 from ._chains import Flanks, Loads
 from ._stage_chains import StageChains
@@ -108,15 +108,9 @@ class SideLoads(AbstractResult):
         return jnp.where(loaded, largest / jnp.where(loaded, mean, 1.0), 1.0)
 
 
-def _positive_root(value: Array) -> Array:
-    """Cube root of loads; 0, with derivative 0, without load."""
-    loaded = above_or_nan(value)
-    return jnp.where(loaded, jnp.cbrt(jnp.where(loaded, value, 1.0)), 0.0)
-
-
 def _stiffness(force: Array, flanks: Flanks, hertz_share: float = 1.0) -> Array:
     """Secant stiffness f/δ of each thread; with 2/3 of Hertz its tangent; 0 without load."""
-    root = _positive_root(force)
+    root = cube_root_or_zero(force)
     assert flanks.hertz is not None
     soft = hertz_share * flanks.hertz
     return root / (soft if flanks.tooth is None else soft + flanks.tooth * root)
@@ -128,10 +122,8 @@ def side_loads(
     """Loads, pressures and stiffnesses of one side, from the forces on its flanks."""
     flanks: Flanks = getattr(chains_of_stage.chains, side)
     forward, reverse = loads
-    unit, normal = (
-        getattr(chains_of_stage, f"{side}_unit_contact"),
-        getattr(chains_of_stage, f"{side}_normal"),
-    )
+    unit = getattr(chains_of_stage, f"{side}_unit_contact")
+    normal = getattr(chains_of_stage, f"{side}_normal")
     stiffness, tangent = _stiffness(forward, flanks), _stiffness(forward, flanks, 2 / 3)
     largest = forward
     if reverse is not None:
@@ -141,7 +133,7 @@ def side_loads(
     return SideLoads(
         forward=forward,
         reverse=reverse,
-        max_pressure=unit.max_pressure * _positive_root(largest * normal),
+        max_pressure=unit.max_pressure * cube_root_or_zero(largest * normal),
         stiffness=jnp.sum(stiffness, axis=1),
         tangent=jnp.sum(tangent, axis=1),
         weight=chains_of_stage.chains.weight,

@@ -12,9 +12,10 @@ from ..contact import (
     ThreadContactSide,
     contact_frames,
     contact_pair,
+    meshing_of,
 )
 from ..fields import Scalar
-from ..geometry import Meshing, mesh
+from ..geometry import Meshing
 from ..mechanism import LoadSharing, Stage, material_of, nut_outer_radius
 from ._chains import Chains, Flanks
 from ._flank_law import flank_approach, flank_force
@@ -139,15 +140,7 @@ def _teeth(stage: Stage) -> dict[str, Scalar] | None:
 
 
 def _sum(terms: list[Array | None], count: int, dtype) -> Float[Array, " threads"]:
-    present = [term for term in terms if term is not None]
-    total = jnp.zeros((count,), dtype)
-    for term in present:
-        total = total + term
-    return total
-
-
-def _negative(values: Array | None) -> Array | None:
-    return None if values is None else -values
+    return sum((term for term in terms if term is not None), jnp.zeros((count,), dtype))
 
 
 def _flanks(
@@ -164,7 +157,7 @@ def _flanks(
     # A pitch error closes the gap in front of a tooth and opens the one behind it.
     bodies = ("screw", "roller") if side == "screw" else ("roller", "nut")
     behind, ahead = (getattr(sharing, f"{body}_pitch_error") for body in bodies)
-    shift = _sum([_negative(behind), ahead], count, dtype)
+    shift = _sum([None if behind is None else -behind, ahead], count, dtype)
     relief = _sum([getattr(sharing, f"{side}_relief")], count, dtype)
     forward = shift + _sum([relief, getattr(sharing, f"{side}_wear")], count, dtype)
 
@@ -271,8 +264,7 @@ def stage_chains(
     **Raises:** `MissingDataError` if data are missing.
     """
     sharing, dtype = sharing_of(stage), stage.thread.lead.dtype
-    if meshing is None and stage.curvature == "exact":
-        meshing = mesh(stage.thread)
+    meshing = meshing_of(stage, meshing)
     frames = contact_frames(stage.thread, meshing, stage.curvature)
     rollers = roller_classes(stage)
     if contact is None:

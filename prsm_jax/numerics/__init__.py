@@ -25,6 +25,7 @@ from ._few import (
 from ._guards import (
     above_or_nan as above_or_nan,
     below_or_nan as below_or_nan,
+    cube_root_or_zero as cube_root_or_zero,
     root_or_zero as root_or_zero,
 )
 from ._jacobi import (

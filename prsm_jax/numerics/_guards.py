@@ -4,6 +4,8 @@
 NaN is false. With these functions NaN takes the branch of the formula, and stays NaN.
 """
 
+from collections.abc import Callable
+
 import jax.numpy as jnp
 from jax.typing import ArrayLike
 from jaxtyping import Array, Bool, Float
@@ -21,5 +23,14 @@ def below_or_nan(value: Float[Array, "*batch"], limit: ArrayLike = 0.0) -> Bool[
 
 def root_or_zero(square: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
     """Square root of a number that is not negative; 0, with derivative 0, at 0."""
-    positive = above_or_nan(square)
-    return jnp.where(positive, jnp.sqrt(jnp.where(positive, square, 1.0)), 0.0)
+    return _or_zero(jnp.sqrt, square)
+
+
+def cube_root_or_zero(cube: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
+    """Cube root of a number that is not negative; 0, with derivative 0, at 0."""
+    return _or_zero(jnp.cbrt, cube)
+
+
+def _or_zero(root: Callable[[Array], Array], power: Array) -> Array:
+    positive = above_or_nan(power)
+    return jnp.where(positive, root(jnp.where(positive, power, 1.0)), 0.0)

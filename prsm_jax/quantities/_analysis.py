@@ -11,7 +11,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
 from .._errors import MissingDataError
-from ..contact import AxisMeasure, StageContact, StressPeak, load_of, stage_contact
+from ..contact import AxisMeasure, StageContact, StressPeak, load_of, speed_of, stage_contact
 from ..dynamics import StageKinematics, SteadyState, all_kinematics, steady_state
 from ..fields import Scalar
 from ..geometry import Meshing, dimensions_possible, rollers_fit
@@ -119,15 +119,7 @@ class Analysis:
     @cached_property
     def speed(self) -> Scalar:
         """Screw speed: given, or that of the operating point [rad/s]."""
-        speed = self._speed
-        if speed is None:
-            if self.mechanism.operating_point is None:
-                raise MissingDataError(
-                    "no speed: the mechanism has no operating point; pass speed=… or give "
-                    "[operating_point] speed"
-                )
-            speed = self.mechanism.operating_point.speed
-        speed = jnp.asarray(speed, self.mechanism.stages[0].thread.lead.dtype)
+        speed = speed_of(self.mechanism, self._speed)
         # NaN is detected in the values themselves; a division by infinity gives 0.
         self.require(jnp.logical_not(jnp.isinf(speed)))
         return speed
@@ -239,16 +231,16 @@ class Analysis:
     @cached_property
     def threads(self) -> tuple[ThreadStiffness, ...]:
         """Thread contact stiffness of every stage; computed from contacts if not given."""
-        return tuple(
-            thread_stiffness(stage, lambda index=index: self._loaded(index))
-            for index, stage in enumerate(self.mechanism.stages)
-        )
+        return self._threads(tangent=False)
 
     @cached_property
     def tangent_threads(self) -> tuple[ThreadStiffness, ...]:
         """As `threads`, but tangent stiffness, for a small additional load."""
+        return self._threads(tangent=True)
+
+    def _threads(self, *, tangent: bool) -> tuple[ThreadStiffness, ...]:
         return tuple(
-            thread_stiffness(stage, lambda index=index: self._loaded(index), tangent=True)
+            thread_stiffness(stage, lambda index=index: self._loaded(index), tangent=tangent)
             for index, stage in enumerate(self.mechanism.stages)
         )
 
@@ -368,12 +360,10 @@ class Analysis:
         """All modes of every stage."""
         all_modes: list[Modes] = []
         for index, system in enumerate(self.systems):
+            modes = stage_modes(system)
             if system.symmetric:
-                modes = stage_modes(system)
                 self._once |= {(group.family, index): group for group in modes.groups}
-                all_modes.append(modes)
-                continue
-            all_modes.append(stage_modes(system))
+            all_modes.append(modes)
         return tuple(all_modes)
 
     @property

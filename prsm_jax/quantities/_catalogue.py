@@ -3,6 +3,7 @@
 import functools
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -134,8 +135,7 @@ def compute(
     **Raises:** `UnknownNameError` for an unknown name; `MissingDataError`, naming the quantity,
     where the mechanism lacks data for it.
     """
-    selected = _find_all(quantities)
-    return _named(selected, _values(mechanism, selected, speed, load))
+    return _computed(mechanism, quantities, speed, load)[0]
 
 
 @of_one_design
@@ -152,9 +152,7 @@ def compute_checked(
     found no solution, even if the values look plausible; and where a value is NaN or infinite. It
     covers only what the quantities needed.
     """
-    selected = _find_all(quantities)
-    values, valid = _checked_values(mechanism, selected, speed, load)
-    return _named(selected, values), valid
+    return _computed(mechanism, quantities, speed, load, _valid)
 
 
 @of_one_design
@@ -169,9 +167,7 @@ def compute_coded(
 
     The code is 0 where they can; a value that is not finite has its own code.
     """
-    selected = _find_all(quantities)
-    values, code = _coded_values(mechanism, selected, speed, load)
-    return _named(selected, values), code
+    return _computed(mechanism, quantities, speed, load, _code)
 
 
 def _find_all(quantities: Iterable[str]) -> tuple[Quantity, ...]:
@@ -179,53 +175,48 @@ def _find_all(quantities: Iterable[str]) -> tuple[Quantity, ...]:
     return tuple(dict.fromkeys(find_quantity(name) for name in quantities))
 
 
-def _named(selected: tuple[Quantity, ...], values: tuple[Array, ...]) -> dict[str, Array]:
-    # In the requested order: a compiled program does not preserve the order of a dictionary.
-    return {quantity.name: value for quantity, value in zip(selected, values, strict=True)}
+def _computed(
+    mechanism: Mechanism, quantities: Iterable[str], speed, load, verdict: Callable | None = None
+) -> tuple[dict[str, Array], Any]:
+    """Values by name, in the requested order, and a verdict on the analysis and its values."""
+    selected = _find_all(quantities)
+    values, judged = _program(mechanism, selected, speed, load, verdict)
+    return {entry.name: value for entry, value in zip(selected, values, strict=True)}, judged
 
 
 @one_program
-def _values(mechanism: Mechanism, selected: tuple[Quantity, ...], speed, load):
-    return tuple(_evaluated(Analysis(mechanism, speed, load), selected).values())
-
-
-@one_program
-def _checked_values(mechanism: Mechanism, selected: tuple[Quantity, ...], speed, load):
-    values, valid = _checked(Analysis(mechanism, speed, load), selected)
-    return tuple(values.values()), valid
-
-
-@one_program
-def _coded_values(mechanism: Mechanism, selected: tuple[Quantity, ...], speed, load):
+def _program(
+    mechanism: Mechanism, selected: tuple[Quantity, ...], speed, load, verdict: Callable | None
+):
     analysis = Analysis(mechanism, speed, load)
-    values, code = _coded(analysis, _evaluated(analysis, selected))
-    return tuple(values.values()), code
+    values = _evaluated(analysis, selected)
+    # A tuple: a compiled program does not preserve the order of a dictionary.
+    return tuple(values.values()), None if verdict is None else verdict(analysis, values)
 
 
 def evaluate_checked(
     analysis: Analysis, quantities: Iterable[str]
 ) -> tuple[dict[str, Array], Bool[Array, ""]]:
     """As `compute_checked`, for an analysis that computes more in the same program."""
-    return _checked(analysis, _find_all(quantities))
+    values = evaluate(analysis, quantities)
+    return values, _valid(analysis, values)
 
 
-def _checked(
-    analysis: Analysis, selected: Iterable[Quantity]
-) -> tuple[dict[str, Array], Bool[Array, ""]]:
-    values = _evaluated(analysis, selected)
-    return values, analysis.valid & _finite(values)
+def _valid(analysis: Analysis, values: dict[str, Array]) -> Bool[Array, ""]:
+    return analysis.valid & _finite(values)
 
 
 def evaluate_coded(
     analysis: Analysis, quantities: Iterable[str]
 ) -> tuple[dict[str, Array], Int[Array, ""]]:
     """As `compute_coded`, for an analysis that computes more in the same program."""
-    return _coded(analysis, evaluate(analysis, quantities))
+    values = evaluate(analysis, quantities)
+    return values, _code(analysis, values)
 
 
-def _coded(analysis: Analysis, values: dict[str, Array]) -> tuple[dict[str, Array], Int[Array, ""]]:
+def _code(analysis: Analysis, values: dict[str, Array]) -> Int[Array, ""]:
     code = code_of(analysis)
-    return values, jnp.where((code == 0) & ~_finite(values), REASONS.index("not_finite"), code)
+    return jnp.where((code == 0) & ~_finite(values), REASONS.index("not_finite"), code)
 
 
 def _finite(values: dict[str, Array]) -> Bool[Array, ""]:

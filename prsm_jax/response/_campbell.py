@@ -12,9 +12,8 @@ from jaxtyping import Array, Float
 from ..fields import Scalar
 from ..mechanism import Mechanism, of_one_design, stage_at
 from ..programs import AbstractResult, each, mapped, physics
-from ..vibration import Modes, stage_modes
+from ..vibration import Modes, stage_modes, stage_system
 from ._orders import ExcitationOrder, excitation_orders, find_order, phasing, working_carrier_ratio
-from ._stage import stage_system
 
 #: Below this share of the highest frequency a mode is a rigid motion, without a critical speed.
 _RIGID = 1e-9

@@ -1,7 +1,7 @@
 """Damping as matrices: the laws of a mechanism, dashpots at single springs, or any matrix."""
 
 from collections.abc import Mapping
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 
 import equinox as eqx
 import jax
@@ -10,7 +10,7 @@ from jaxtyping import Array, Float
 
 from .._errors import UnknownNameError, closest
 from ..fields import Scalar
-from ..mechanism import Damping, ModalDamping, RayleighDamping, StructuralDamping
+from ..mechanism import Damping, ModalDamping, RayleighDamping, Stage, StructuralDamping
 from ..numerics import above_or_nan
 from ..programs import physics
 from ..vibration import SpringModes, SpringNetwork, spring_modes
@@ -30,6 +30,8 @@ class Dissipation(eqx.Module):
 
 #: Laws that do not couple the modes.
 LAWS = (ModalDamping, RayleighDamping, StructuralDamping)
+#: Use the damping of the mechanism, if it has any.
+AsGiven: TypeAlias = Literal["given"]
 #: Types of the damping of a response; an array is a viscous matrix C.
 AnyDamping: TypeAlias = Damping | Dissipation | Float[Array, "coordinates coordinates"]
 
@@ -118,6 +120,11 @@ def dissipation(network: SpringNetwork, damping: AnyDamping | None) -> Dissipati
                 f"of freedom, so give {(size, size)}"
             )
     return losses
+
+
+def stage_damping(stage: Stage, damping: AnyDamping | AsGiven | None) -> AnyDamping | None:
+    """The damping to use: that of the stage, or the given one."""
+    return stage.damping if isinstance(damping, str) else damping
 
 
 @physics("spring_damping")

@@ -11,10 +11,9 @@ from jaxtyping import Array, Bool, Complex, Float
 from ..fields import Scalar
 from ..mechanism import Mechanism, of_one_design, stage_at
 from ..programs import AbstractResult
-from ..vibration import VibrationSystem, spring_network
-from ._dissipation import LAWS, AnyDamping
-from ._receptance import Solver, infinite, receptance_matrix
-from ._stage import AsGiven, stage_damping, stage_system
+from ..vibration import VibrationSystem, spring_network, stage_system
+from ._dissipation import LAWS, AnyDamping, AsGiven, stage_damping
+from ._receptance import Solver, infinite, magnitude, receptance_matrix
 
 #: Displacement, velocity or acceleration per force.
 Kind: TypeAlias = Literal["receptance", "mobility", "accelerance"]
@@ -56,9 +55,7 @@ class FrequencyResponse(AbstractResult):
     @property
     def magnitude(self) -> Float[Array, "*batch frequencies"]:
         """Absolute value; its derivative is 0 where the response is 0."""
-        moves = self.value != 0
-        size = jnp.abs(jnp.where(moves, self.value, jnp.ones_like(self.value)))
-        return jnp.where(moves, size, 0.0)
+        return magnitude(self.value)
 
     @property
     def decibel(self) -> Float[Array, "*batch frequencies"]:

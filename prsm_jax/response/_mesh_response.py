@@ -11,8 +11,15 @@ from jaxtyping import Array, Bool, Complex, Float
 from ..fields import Scalar
 from ..mechanism import Mechanism, of_one_design, stage_at
 from ..programs import AbstractResult, physics
-from ..vibration import Coordinate, Spring, SpringNetwork, VibrationSystem, spring_network
-from ._dissipation import AnyDamping
+from ..vibration import (
+    Coordinate,
+    Spring,
+    SpringNetwork,
+    VibrationSystem,
+    spring_network,
+    stage_system,
+)
+from ._dissipation import AnyDamping, AsGiven, stage_damping
 from ._orders import (
     ExcitationOrder,
     excitation_orders,
@@ -20,8 +27,7 @@ from ._orders import (
     roller_phases,
     working_carrier_ratio,
 )
-from ._receptance import Solver, harmonic_response
-from ._stage import AsGiven, stage_damping, stage_system
+from ._receptance import Solver, harmonic_response, magnitude
 
 
 class MeshResponse(AbstractResult):
@@ -52,7 +58,7 @@ class MeshResponse(AbstractResult):
 
         **Raises:** `ValueError` if there is none of that name.
         """
-        return _magnitude(self.displacement[..., _place(self.coordinates, coordinate)])
+        return magnitude(self.displacement[..., _place(self.coordinates, coordinate)])
 
     def force(self, spring: str) -> Float[Array, "*batch speeds"]:
         """Amplitude of the dynamic force of one spring, such as `"ring_roller 3"` [N].
@@ -63,7 +69,7 @@ class MeshResponse(AbstractResult):
         """
         kind = [k for k, one in enumerate(self.springs) if one.name == spring]
         places = kind or [_place(self.springs, spring)]
-        return jnp.max(_magnitude(self.spring_force[..., jnp.asarray(places)]), axis=-1)
+        return jnp.max(magnitude(self.spring_force[..., jnp.asarray(places)]), axis=-1)
 
 
 def _place(known: tuple, name: str) -> int:
@@ -71,11 +77,6 @@ def _place(known: tuple, name: str) -> int:
     if name not in names:
         raise ValueError(f"{name!r} does not exist; choose one of {', '.join(names)}")
     return names.index(name)
-
-
-def _magnitude(value: Array) -> Array:
-    moves = value != 0
-    return jnp.where(moves, jnp.abs(jnp.where(moves, value, jnp.ones_like(value))), 0.0)
 
 
 def mesh_errors(

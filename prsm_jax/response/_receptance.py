@@ -87,6 +87,13 @@ def infinite(amplitude: Array, at_pole: Array) -> Array:
     return jnp.where(at_pole, marked, amplitude)
 
 
+def magnitude(amplitude: Array) -> Array:
+    """Absolute value; its derivative is 0 where the amplitude is 0."""
+    moves = amplitude != 0
+    size = jnp.abs(jnp.where(moves, amplitude, jnp.ones_like(amplitude)))
+    return jnp.where(moves, size, 0.0)
+
+
 @physics("direct_response")
 def direct_response(
     network: SpringNetwork,

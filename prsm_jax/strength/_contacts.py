@@ -3,9 +3,16 @@
 import jax.numpy as jnp
 
 from .._errors import MissingDataError
-from ..contact import StageContact, contact_frames, contact_pair, contact_side, engaged_threads
+from ..contact import (
+    StageContact,
+    contact_frames,
+    contact_pair,
+    contact_side,
+    engaged_threads,
+    meshing_of,
+)
 from ..fields import Scalar
-from ..geometry import Meshing, mesh
+from ..geometry import Meshing
 from ..mechanism import SplitNut, Stage, Strength
 from ._powers import positive_power
 
@@ -36,9 +43,12 @@ def reference_contact(stage: Stage, meshing: Meshing | None = None) -> StageCont
     return StageContact(*sides)
 
 
-def meshing_of(stage: Stage, meshing: Meshing | None) -> Meshing | None:
-    """Meshing of a stage if its curvature convention needs it."""
-    return mesh(stage.thread) if meshing is None and stage.curvature == "exact" else meshing
+def known_contact(
+    stage: Stage, meshing: Meshing | None, contact: StageContact | None
+) -> tuple[Meshing | None, StageContact]:
+    """Meshing and `reference_contact` of a stage, as far as they are not known already."""
+    meshing = meshing_of(stage, meshing)
+    return meshing, reference_contact(stage, meshing) if contact is None else contact
 
 
 def strength_of(stage: Stage) -> Strength:

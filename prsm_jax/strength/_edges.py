@@ -18,7 +18,7 @@ from ..contact import (
 from ..fields import Scalar
 from ..geometry import FlankEnd, Meshing
 from ..mechanism import Stage, material_of
-from ._contacts import REFERENCE_LOAD, meshing_of, reference_contact, thread_share
+from ._contacts import REFERENCE_LOAD, known_contact, thread_share
 from ._powers import positive_power
 from ._truncation import SideOnset, flank_sides, known_sides, side_onsets
 
@@ -79,9 +79,7 @@ def edge_pressure(
     **Raises:** `MissingDataError` if no end of a flank or no edge radius is given, or materials or
     engaged threads are missing.
     """
-    meshing = meshing_of(stage, meshing)
-    if contact is None:
-        contact = reference_contact(stage, meshing)
+    meshing, contact = known_contact(stage, meshing, contact)
     if sides is None:
         sides = side_onsets(stage, meshing, contact)
     known_sides(sides)
@@ -131,9 +129,7 @@ def end_reaches(
 
     **Arguments:** as in `side_onsets`.
     """
-    meshing = meshing_of(stage, meshing)
-    if contact is None:
-        contact = reference_contact(stage, meshing)
+    meshing, contact = known_contact(stage, meshing, contact)
     sides = flank_sides(stage, meshing, contact)
     edges: list[list[tuple[RoundedEdge | None, Scalar | None]]]
     edges = [[(None, None)] * len(side.ends) for side in sides]

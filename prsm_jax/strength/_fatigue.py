@@ -22,7 +22,7 @@ from ..geometry import Meshing
 from ..mechanism import Stage
 from ..numerics import above_or_nan
 from ..programs import physics
-from ._contacts import REFERENCE_LOAD, meshing_of, reference_contact, strength_of, thread_share
+from ._contacts import REFERENCE_LOAD, known_contact, strength_of, thread_share
 from ._load_spectrum import mean_load
 from ._subsurface import orthogonal_shear
 from ._truncation import SideOnset, ThreadShares, TruncatedFatigue, side_onsets
@@ -30,7 +30,7 @@ from ._truncation import SideOnset, ThreadShares, TruncatedFatigue, side_onsets
 #: Exponents of stress, depth and life, and Weibull slope, of point contacts.
 STRESS_EXPONENT, DEPTH_EXPONENT, WEIBULL_SLOPE = 31 / 3, 7 / 3, 10 / 9
 #: ln(1/S) at the survival of 90 % that defines basic rating lives.
-_RATED = math.log(1 / 0.9)
+RATED = math.log(1 / 0.9)
 #: K in GPa, mm and 10⁶ cycles: from Q_c = 98.1 (2f/(2f−1))^0.41 (1−γ)^1.39/(1+γ)^{1/3} γ^0.3 D^1.8
 #: Z^{−1/3}, N and mm, of an inner ring with f = 0.52, γ = 0.2 and E = 206 GPa. Other rings (f 0.515
 #: to 0.53, γ 0.05 to 0.3, inner and outer) agree in capacity within 4 %: their formula is fitted.
@@ -121,11 +121,9 @@ def dynamic_capacity(
             "stage.strength.material_factor for an estimate (1 for Lundberg and Palmgren's steel, "
             "1.3 for that of ISO 281)"
         )
-    meshing = meshing_of(stage, meshing)
-    if contact is None:
-        contact = reference_contact(stage, meshing)
+    meshing, contact = known_contact(stage, meshing, contact)
     risk = fatigue_risk(stage, meshing, contact)
-    life = (_RATED / risk) ** (1 / WEIBULL_SLOPE)
+    life = (RATED / risk) ** (1 / WEIBULL_SLOPE)
     untruncated = strength.material_factor * REFERENCE_LOAD * jnp.cbrt(life)
     capacity = untruncated * thread_share(stage) ** _THREADS_EXPONENT / sharing_factor
     if fatigue is None:
@@ -154,9 +152,7 @@ def truncated_fatigue(
     """
     if stage.strength is None or stage.strength.dynamic_capacity is not None:
         return None
-    meshing = meshing_of(stage, meshing)
-    if contact is None:
-        contact = reference_contact(stage, meshing)
+    meshing, contact = known_contact(stage, meshing, contact)
     if sides is None:
         sides = side_onsets(stage, meshing, contact)
     if sides is None:

@@ -1,6 +1,6 @@
 """Factors on the basic rating life: reliability, and oscillating screws."""
 
-import math
+import functools
 
 import jax.numpy as jnp
 
@@ -10,12 +10,11 @@ from ..geometry import Meshing
 from ..mechanism import Stage
 from ..programs import physics
 from ._contacts import REFERENCE_LOAD, reference_contact, strength_of, thread_share
-from ._fatigue import WEIBULL_SLOPE, carrier_share
+from ._fatigue import RATED, WEIBULL_SLOPE, carrier_share, cycles_per_turn
 from ._powers import positive_power
 
 #: Weibull slope and the share of L10 that all survive, from which ISO 281:2007 tabulates a₁.
 _SLOPE, _SURVIVED = 1.5, 0.05
-_RATED = math.log(1 / 0.9)
 
 
 def reliability_factor(reliability: Scalar) -> Scalar:
@@ -32,7 +31,7 @@ def reliability_factor(reliability: Scalar) -> Scalar:
 
     - `reliability`: S, between 0 and 1.
     """
-    hazard = -jnp.log(reliability) / _RATED
+    hazard = -jnp.log(reliability) / RATED
     return (1 - _SURVIVED) * hazard ** (1 / _SLOPE) + _SURVIVED
 
 
@@ -48,9 +47,8 @@ def swept_share(stage: Stage, amplitude: Scalar) -> Scalar:
     - `stage`: the stage.
     - `amplitude`: φ, half of the angle through which the screw swings [rad].
     """
-    share, rollers = carrier_share(stage), stage.present_roller_count
-    contacts = jnp.stack([rollers * (1 - share), rollers * share, stage.thread.starts * share])
-    return jnp.minimum(jnp.min(contacts) * amplitude / jnp.pi, 1.0)
+    fewest = functools.reduce(jnp.minimum, cycles_per_turn(stage))
+    return jnp.minimum(fewest * amplitude / jnp.pi, 1.0)
 
 
 @physics("oscillation_factor")

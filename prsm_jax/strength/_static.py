@@ -3,12 +3,12 @@
 import jax.numpy as jnp
 
 from .._errors import MissingDataError
-from ..contact import StageContact, contact_frames, engaged_threads
+from ..contact import StageContact, contact_frames, engaged_threads, meshing_of
 from ..fields import Scalar
 from ..geometry import Meshing
 from ..mechanism import Stage
 from ..programs import physics
-from ._contacts import meshing_of, reference_contact, strength_of, thread_share
+from ._contacts import known_contact, strength_of, thread_share
 from ._powers import ratio_or_infinity
 from ._truncation import SideOnset, load_at_pressure, load_of_whole_ellipse, side_onsets
 
@@ -63,9 +63,7 @@ def static_capacity(
             "stage.strength.permissible_pressure (4.2 GPa in ISO 76 for ball bearings), or "
             "stage.strength.static_capacity from a catalogue"
         )
-    meshing = meshing_of(stage, meshing)
-    if contact is None:
-        contact = reference_contact(stage, meshing)
+    meshing, contact = known_contact(stage, meshing, contact)
     if sides is None:
         sides = side_onsets(stage, meshing, contact) or (None, None)
     loads = [

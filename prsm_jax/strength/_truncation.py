@@ -1,5 +1,6 @@
 """Capacities and life if flanks end inside the contact ellipses."""
 
+import functools
 from collections.abc import Callable
 from typing import Literal, NamedTuple
 
@@ -25,7 +26,7 @@ from ..fields import Scalar
 from ..geometry import FlankEnd, Meshing, flank_ends, flanks_end
 from ..mechanism import Stage
 from ..numerics import find_root_of
-from ._contacts import REFERENCE_LOAD, meshing_of, reference_contact, thread_share
+from ._contacts import REFERENCE_LOAD, known_contact, thread_share
 from ._powers import positive_power
 
 #: Newton steps to the dynamic capacity; from above a few are enough.
@@ -46,9 +47,7 @@ class SideOnset(eqx.Module):
     @property
     def onset_load(self) -> Scalar:
         """Axial load in equal shares above which the ellipse is cut [N]; 0 beyond the flank."""
-        nearest = self.onsets[0]
-        for other in self.onsets[1:]:
-            nearest = jnp.minimum(nearest, other)
+        nearest = functools.reduce(jnp.minimum, self.onsets)
         return REFERENCE_LOAD * jnp.maximum(nearest / self.reference, 0.0) ** 3
 
     @property
@@ -73,9 +72,7 @@ def flank_sides(
 
     **Arguments:** as in `side_onsets`.
     """
-    meshing = meshing_of(stage, meshing)
-    if contact is None:
-        contact = reference_contact(stage, meshing)
+    meshing, contact = known_contact(stage, meshing, contact)
     frames = contact_frames(stage.thread, meshing, stage.curvature)
     ends = flank_ends(stage, meshing if stage.curvature == "exact" else None)
     return (

@@ -17,7 +17,7 @@ from ._frequency_loci import (
     Veering as Veering,
     frequency_loci as frequency_loci,
 )
-from ._modal import modal as modal
+from ._modal import modal as modal, stage_system as stage_system
 from ._modes import ModeGroup as ModeGroup, Modes as Modes
 from ._spring_modes import (
     SpringModes as SpringModes,

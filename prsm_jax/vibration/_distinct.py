@@ -74,14 +74,10 @@ def distinct_frequencies(
     )
     carrier = system.carrier
     if carrier is not None:
-        carrier = _frequency(carrier.torsional_support / carrier.equivalent_mass)
+        carrier = frequency(carrier.torsional_support / carrier.equivalent_mass)
     return DistinctFrequencies(
         carrier=carrier,
         torsional=frequency(jnp.stack(torsional.values)),
         transverse=frequency(jnp.stack(transverse.values)),
-        roller=_frequency(roller_corner(system) / roller),
+        roller=frequency(roller_corner(system) / roller),
     )
-
-
-def _frequency(eigenvalue: Scalar) -> Scalar:
-    return frequency(jnp.atleast_1d(eigenvalue))[0]

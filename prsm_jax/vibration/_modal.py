@@ -9,7 +9,7 @@ from ..programs import one_program, physics
 from ..stiffness import loaded_threads, thread_stiffness
 from ._dense import stage_modes
 from ._modes import Modes
-from .model import vibration_system
+from .model import VibrationSystem, vibration_system
 
 
 @of_one_design
@@ -42,8 +42,18 @@ def modal(
     **Raises:** `MissingDataError` if data are missing; `ValueError` for a stage that does not
     exist.
     """
+    return stage_modes(stage_system(mechanism, stage, load), shapes=shapes)
+
+
+def stage_system(
+    mechanism: Mechanism, stage: int, load: float | Scalar | None = None
+) -> VibrationSystem:
+    """Masses and springs of one stage, with the contact stiffness at a load [N].
+
+    **Raises:** `MissingDataError` if data are missing; `ValueError` for an unknown stage.
+    """
     chosen = stage_at(mechanism, stage)
     threads = thread_stiffness(
         chosen, lambda: loaded_threads(chosen, jnp.abs(load_of(mechanism, load)))
     )
-    return stage_modes(vibration_system(chosen, threads), shapes=shapes)
+    return vibration_system(chosen, threads)

@@ -222,7 +222,7 @@ def of_elastic(
     return jnp.where(rigid, 0.0, share)
 
 
-def frequency(eigenvalue: Float[Array, " modes"]) -> Float[Array, " modes"]:
+def frequency(eigenvalue: Float[Array, "*modes"]) -> Float[Array, "*modes"]:
     """√λ/2π [Hz]; value and derivative are 0 for a rigid motion."""
     free = eigenvalue <= 0
     # Not `eigenvalue > 0`, so that NaN stays NaN.

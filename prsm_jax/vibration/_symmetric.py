@@ -33,12 +33,6 @@ def meshed_share(network: SpringNetwork, shapes) -> Float[Array, " modes"]:
     return jnp.sum(jnp.stack([row for name, row in energy_shares.items() if is_mesh(name)]), axis=0)
 
 
-def _of_block(
-    system: VibrationSystem, block: SpringBlock, family: str, harmonic: int, shapes: bool
-) -> ModeGroup:
-    return _group(system, block, block_modes(block), family, harmonic, shapes)
-
-
 def _group(
     system: VibrationSystem,
     block: SpringBlock,
@@ -79,7 +73,8 @@ def torsional_modes(system: VibrationSystem, *, shapes: bool = False) -> ModeGro
     """Modes in which all rollers turn equally (harmonic 0), each simple."""
     if system.translation is not None:
         return _of_harmonic(system, "torsional", 0, shapes)
-    return _of_block(system, torsional_springs(system), "torsional", 0, shapes)
+    block = torsional_springs(system)
+    return _group(system, block, block_modes(block), "torsional", 0, shapes)
 
 
 @physics("transverse_modes")
@@ -87,7 +82,8 @@ def transverse_modes(system: VibrationSystem, *, shapes: bool = False) -> ModeGr
     """Modes in which screw, ring gear and nut move sideways (harmonic ±1), each double."""
     if system.translation is not None:
         return _of_harmonic(system, "transverse", 1, shapes)
-    return _of_block(system, transverse_springs(system), "transverse", 1, shapes)
+    block = transverse_springs(system)
+    return _group(system, block, block_modes(block), "transverse", 1, shapes)
 
 
 def _torsional_and_transverse_modes(

@@ -24,8 +24,7 @@ from prsm_jax.response import (
     harmonic_response,
     mesh_response,
 )
-from prsm_jax.response._stage import stage_system
-from prsm_jax.vibration import spring_network
+from prsm_jax.vibration import spring_network, stage_system
 
 LAWS = {
     "undamped": None,

@@ -29,8 +29,7 @@ from prsm_jax.response import (
     phasing,
     working_carrier_ratio,
 )
-from prsm_jax.response._stage import stage_system
-from prsm_jax.vibration import family_shares
+from prsm_jax.vibration import family_shares, stage_system
 
 _EPS = np.finfo(float).eps
 #: κ of rolling without slip for five starts, (n − 2) / (2 (n − 1)).

@@ -12,8 +12,7 @@ from prsm_jax.dynamics import ideal_carrier_ratio
 from prsm_jax.mechanism import UnequalRoller
 from prsm_jax.response import campbell, receptance_matrix
 from prsm_jax.response._dissipation import _square_root
-from prsm_jax.response._stage import stage_system
-from prsm_jax.vibration import spring_network
+from prsm_jax.vibration import spring_network, stage_system
 
 #: A change that keeps the symmetry, one that splits repeated roots, a mass, a support.
 NAMES = (

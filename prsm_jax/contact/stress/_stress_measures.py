@@ -3,17 +3,11 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ...numerics import above_or_nan
+from ...numerics import above_or_nan, root_or_zero
 from ...programs import physics
 
 Stress = Float[Array, "*batch 3 3"]
 Measure = Float[Array, "*batch"]
-
-
-def _safe_sqrt(square: Measure) -> Measure:
-    """√, with derivative 0 at 0, where the measures below have no unique derivative."""
-    positive = above_or_nan(square)
-    return jnp.where(positive, jnp.sqrt(jnp.where(positive, square, 1.0)), 0.0)
 
 
 def _second_invariant(stress: Stress) -> Measure:
@@ -36,7 +30,7 @@ def von_mises_stress(stress: Stress) -> Measure:
 
     - `stress`: symmetric stress tensors.
     """
-    return _safe_sqrt(3 * _second_invariant(stress))
+    return root_or_zero(3 * _second_invariant(stress))
 
 
 def _lode_angle(stress: Stress, second: Measure) -> Measure:
@@ -69,7 +63,7 @@ def principal_stresses(stress: Stress) -> Float[Array, "*batch 3"]:
     """
     second = _second_invariant(stress)
     mean = jnp.trace(stress, axis1=-2, axis2=-1) / 3
-    angle, size = _lode_angle(stress, second), 2 * _safe_sqrt(second / 3)
+    angle, size = _lode_angle(stress, second), 2 * root_or_zero(second / 3)
     turn = 2 * jnp.pi / 3
     return jnp.stack([mean + size * jnp.sin(angle + k * turn) for k in (1, 0, -1)], axis=-1)
 
@@ -83,14 +77,14 @@ def max_shear_stress(stress: Stress) -> Measure:
     - `stress`: symmetric stress tensors.
     """
     second = _second_invariant(stress)
-    return _safe_sqrt(second) * jnp.cos(_lode_angle(stress, second))
+    return root_or_zero(second) * jnp.cos(_lode_angle(stress, second))
 
 
 @physics("von_mises")
 def von_mises_of_principal(first: Measure, second: Measure, third: Measure) -> Measure:
     """`von_mises_stress` of principal stresses, in any order."""
     square = (first - second) ** 2 + (second - third) ** 2 + (third - first) ** 2
-    return _safe_sqrt(square / 2)
+    return root_or_zero(square / 2)
 
 
 @physics("max_shear")

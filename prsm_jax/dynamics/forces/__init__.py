@@ -1,6 +1,10 @@
 """Forces of one stage and of the chain of stages at one instant."""
 
-from ._chain import StageState as StageState, chain_forces as chain_forces
+from ._chain import (
+    StageState as StageState,
+    all_push as all_push,
+    chain_forces as chain_forces,
+)
 from ._loads import bound_scenario as bound_scenario
 from ._power import losses as losses, stored_power as stored_power
 from ._reduced_chain import (
@@ -16,7 +20,10 @@ from ._reduced_stage import (
     reduced_forces as reduced_forces,
     reduced_stage as reduced_stage,
 )
-from ._roller_balance import roller_support_forces as roller_support_forces
+from ._roller_balance import (
+    forces_by_stage as forces_by_stage,
+    roller_support_forces as roller_support_forces,
+)
 from ._scenario import (
     Drive as Drive,
     Scenario as Scenario,

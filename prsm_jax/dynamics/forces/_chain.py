@@ -1,7 +1,10 @@
 """Forces through a chain of stages: each nut carries the next screw."""
 
+import functools
+
 import equinox as eqx
 import jax.numpy as jnp
+from jaxtyping import Array, Bool
 
 from ...fields import Scalar
 from ...mechanism import Mechanism, Stage, body_inertia, body_mass
@@ -183,3 +186,8 @@ def chain_forces(
         states.append(StageState(motion, forces, screw, nut_load, flank_sign))
         next_screw, nut_load = screw, screw.support_force
     return tuple(reversed(states))
+
+
+def all_push(states: tuple[StageState, ...]) -> Bool[Array, "*times"]:
+    """Whether all contacts push: beyond jamming the axial balance requires one that pulls."""
+    return functools.reduce(jnp.logical_and, [s.forces.contact_force >= 0 for s in states])

@@ -2,12 +2,14 @@
 
 import equinox as eqx
 import jax.numpy as jnp
+from jaxtyping import Array
 
 from ...fields import Scalar
 from ...mechanism import Gear, Stage, body_inertia, mean_roller_inertia, mean_roller_mass
 from ...numerics import root_or_zero
 from ...programs import physics
 from .._kinematics import StageKinematics
+from ..friction import turned
 from ._chain import StageState
 
 
@@ -100,3 +102,26 @@ def roller_support_forces(
         carrier_force=root_or_zero(pin_radial**2 + pin_tangential**2),
         moment_residual=moment,
     )
+
+
+def forces_by_stage(
+    kinematics: tuple[StageKinematics, ...],
+    states: tuple[StageState, ...],
+    supports: list[RollerSupportForces],
+) -> dict[str, Array]:
+    """Forces of all stages, and the directions of slip, under the names that results give them."""
+    no_spline = jnp.zeros_like(states[0].screw.drive_torque)
+    contact_forces = [state.forces.contact_force for state in states]
+    splines = [state.screw.spline_friction for state in states]
+    rows: dict[str, list[Scalar]] = {
+        "contact_force": contact_forces,
+        "screw_roller_axial_force": [
+            -force * geometry.meshing.screw.normal[2]
+            for force, geometry in zip(contact_forces, kinematics, strict=True)
+        ],
+        "ring_gear_force": [support.ring_gear_force for support in supports],
+        "carrier_force": [support.carrier_force for support in supports],
+        "spline_friction": [no_spline if spline is None else spline for spline in splines],
+        "slip_direction": [turned(state.motion.direction, state.flank_sign) for state in states],
+    }
+    return {name: jnp.stack(row) for name, row in rows.items()}

@@ -25,7 +25,7 @@ from ...fields import Scalar
 from ...friction import Friction, RollingHysteresis, SpinFriction
 from ...geometry import RelativeCurvature
 from ...mechanism import Stage
-from ...numerics import above_or_nan, apart
+from ...numerics import above_or_nan, apart, cube_root_or_zero
 from ...programs import physics
 from .._kinematics import StageKinematics
 from ._law_inputs import asks_for_pressure
@@ -140,8 +140,7 @@ def contact_resistance(stage: Stage, kinematics: StageKinematics) -> ContactResi
 
 
 def _at_force(coefficient: ResistingMoment, force: Scalar) -> ResistingMoment:
-    loaded = above_or_nan(force)
-    growth = jnp.where(loaded, force * jnp.cbrt(jnp.where(loaded, force, 1.0)), 0.0)
+    growth = force * cube_root_or_zero(force)
     return jax.tree.map(lambda at_unit_force: at_unit_force * growth, coefficient)
 
 

@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 from ...fields import Scalar
 from ...friction import FrictionLaw
 from ...mechanism import Stage
-from ...numerics import above_or_nan, length_few
+from ...numerics import above_or_nan, cube_root_or_zero, length_few
 from .._kinematics import StageKinematics
 
 
@@ -52,16 +52,13 @@ def law_inputs_of(
     - `force`: normal force of one roller [N].
     """
     inputs: dict[str, Scalar] = {}
-    loaded = above_or_nan(force)
     for name in law.asks:
         if name == "normal_force":
-            inputs[name] = jnp.where(loaded, force, 0.0)
+            inputs[name] = jnp.where(above_or_nan(force), force, 0.0)
         elif name == "pressure":
             unit_pressure = getattr(kinematics.resistance, "pressure", None)
             assert unit_pressure is not None
-            inputs[name] = unit_pressure * jnp.where(
-                loaded, jnp.cbrt(jnp.where(loaded, force, 1.0)), 0.0
-            )
+            inputs[name] = unit_pressure * cube_root_or_zero(force)
         else:
             inputs[name] = rolling_speed(kinematics, slip)
     return inputs

@@ -9,7 +9,6 @@ Friction and moment depend on the ellipse, which grows with F^{1/3}, and F depen
 the axial balance is one equation for the share of the normal force that carries axially.
 """
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import equinox as eqx
@@ -20,7 +19,7 @@ from ...contact import EllipseShape, slip_and_spin
 from ...fields import Scalar
 from ...friction import Deflected, FrictionLaw
 from ...mechanism import Stage
-from ...numerics import above_or_nan, dot_few, find_root, sum_few
+from ...numerics import cube_root_or_zero, dot_few, find_root, length_few
 from ...programs import physics
 from .._kinematics import StageKinematics
 from ._bristles import bristle_friction, bristles_of
@@ -84,12 +83,6 @@ def spin_per_slip(kinematics: StageKinematics, direction: Float[Array, "3"]) -> 
     return screw + kinematics.relative_spin_ratio * carrier
 
 
-def _root(power: Callable[[Scalar], Scalar], value: Scalar) -> Scalar:
-    """Root of a number that is not negative; at 0 it is 0, with zero derivative."""
-    positive = above_or_nan(value)
-    return jnp.where(positive, power(jnp.where(positive, value, 1.0)), 0.0)
-
-
 @physics("spin_friction")
 def rubbing(
     ellipse: RubbingEllipse,
@@ -109,10 +102,8 @@ def rubbing(
     - `law`: the friction law, for the inputs that it asks for.
     """
     direction = slip.direction
-    speed, friction_share = (
-        _root(jnp.sqrt, sum_few(vector**2)) for vector in (slip.velocity, slip.direction)
-    )
-    growth, normal_axial = _root(jnp.cbrt, jnp.abs(force)), jnp.abs(ellipse.normal_axial)
+    speed, friction_share = length_few(slip.velocity), length_few(slip.direction)
+    growth, normal_axial = cube_root_or_zero(jnp.abs(force)), jnp.abs(ellipse.normal_axial)
     turning = spin_per_slip(kinematics, direction)
     # Doubling the ellipse has the effect of doubling the spin: the shape stays that at 1 N.
     spin = ellipse.normal_axial * turning * growth

@@ -21,6 +21,7 @@ from ..forces import (
     StageState,
     axial_inertia,
     carrier_inertia,
+    forces_by_stage,
     losses,
     roller_support_forces,
     stored_power,
@@ -254,8 +255,8 @@ def rows_of(
         useful = jnp.where(driving, load * travel, torque)
         spent = jnp.where(driving, torque, load * travel)
         moving = speed != 0
-        forces = jnp.stack([s.forces.contact_force for s in instant])
         row = {
+            **forces_by_stage(kinematics, instant, supports),
             "screw_speed": speed,
             "screw_acceleration": screw_acceleration,
             "load": load,
@@ -264,23 +265,6 @@ def rows_of(
             "carrier_ratio": jnp.where(moving, carriers / jnp.where(moving, speed, 1.0), 0.0),
             "efficiency": jnp.where(spent != 0, useful / jnp.where(spent != 0, spent, 1.0), 0.0),
             "drive_torque": torque,
-            "contact_force": forces,
-            "screw_roller_axial_force": jnp.stack(
-                [
-                    -s.forces.contact_force * k.meshing.screw.normal[2]
-                    for s, k in zip(instant, kinematics, strict=True)
-                ]
-            ),
-            "ring_gear_force": jnp.stack([s.ring_gear_force for s in supports]),
-            "carrier_force": jnp.stack([s.carrier_force for s in supports]),
-            "spline_friction": jnp.stack(
-                [
-                    jnp.zeros_like(torque)
-                    if s.screw.spline_friction is None
-                    else s.screw.spline_friction
-                    for s in instant
-                ]
-            ),
             "stage_torque": jnp.stack([s.screw.drive_torque for s in instant]),
             "losses": loss_powers,
             "power_balance_residual": jnp.abs(imbalance)
@@ -294,15 +278,12 @@ def rows_of(
                     for support, state, geometry in zip(supports, instant, kinematics, strict=True)
                 ]
             ),
-            "slip_direction": jnp.stack(
-                [turned(s.motion.direction, s.flank_sign) for s in instant]
-            ),
             "bristle_deflection": _deflections(instant),
             "bristle_power": stored,
             "load_power": load_power,
         }
         # Evaluated here, for one row: a caller that keeps one history need not store all of them.
-        return {**row, "finite": _finite(row), "pulled": any_few(forces < 0)}
+        return {**row, "finite": _finite(row), "pulled": any_few(row["contact_force"] < 0)}
 
     return at
 

@@ -12,6 +12,7 @@ from ...mechanism import Mechanism, of_one_design
 from ...numerics import length_few
 from ...programs import AbstractResult, mapped, one_program
 from .._kinematics import StageKinematics, travel_per_turn
+from ..forces import sense_of
 from ..friction import bearing_torque, drag_torque, spline_force, with_resistance
 from ..histories import Transient
 from ..steady import SteadyState, all_kinematics
@@ -188,10 +189,6 @@ def _masses(mechanism: Mechanism, run: Instant, settled: bool) -> tuple[PartMass
     )
 
 
-def _sign(value: Scalar) -> Scalar:
-    return jnp.sign(jax.lax.stop_gradient(value))
-
-
 def _known(mechanism: Mechanism, run: Instant, index: int) -> StageSurroundings:
     """Known quantities of one stage, for the equations of its forces."""
     stage = mechanism.stages[index]
@@ -199,7 +196,7 @@ def _known(mechanism: Mechanism, run: Instant, index: int) -> StageSurroundings:
     speed, carrier = run.screw_speed, run.carrier_speed[index]
     direction = None if run.slip_direction is None else run.slip_direction[index]
     # The axial slip has the sense of the screw's rotation, even at standstill.
-    sense = _sign(speed if direction is None else direction[2])
+    sense = sense_of(speed if direction is None else direction[2])
     rolling = (thread.starts - 1) * carrier
     stands = (speed == 0) & (carrier == 0)
     zero = jnp.zeros_like(speed)
@@ -223,8 +220,8 @@ def _known(mechanism: Mechanism, run: Instant, index: int) -> StageSurroundings:
         carrier_speed=carrier,
         slip_direction=direction,
         deflection=None if run.bristle_deflection is None else run.bristle_deflection[index],
-        screw_sense=jnp.where(stands, sense, _sign(speed + rolling)),
-        nut_sense=jnp.where(stands, sense, _sign(rolling)),
+        screw_sense=jnp.where(stands, sense, sense_of(speed + rolling)),
+        nut_sense=jnp.where(stands, sense, sense_of(rolling)),
         spline=spline,
         bearing=bearing,
         drag_torque=drag,

@@ -1,9 +1,10 @@
-"""Base class of the interpolations of our own solvers, which locates a time within its step.
+"""Base classes of our own solvers, and of their interpolations.
 
 Imports diffrax, so it is itself imported only where something is integrated.
 """
 
 from abc import abstractmethod
+from typing import ClassVar
 
 import diffrax
 import jax
@@ -35,4 +36,16 @@ class StepInterpolation(diffrax.AbstractLocalInterpolation):
         return self._at(share)
 
 
-__all__ = ["StepInterpolation"]
+class OneStep(diffrax.AbstractAdaptiveSolver):
+    """A solver without memory from one step to the next."""
+
+    term_structure: ClassVar = diffrax.AbstractTerm
+
+    def init(self, terms, t0, t1, y0, args) -> None:
+        return None
+
+    def func(self, terms, t0, y0, args):
+        return terms.vf(t0, y0, args)
+
+
+__all__ = ["OneStep", "StepInterpolation"]

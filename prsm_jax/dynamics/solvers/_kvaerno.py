@@ -21,7 +21,7 @@ from jaxtyping import PyTree
 
 from ...fields import Scalar
 from ...numerics import all_few, dot_few, solver
-from ._dense_output import StepInterpolation
+from ._dense_output import OneStep, StepInterpolation
 
 _TABLEAU: Any = diffrax.Kvaerno5.tableau
 _STAGES = 7
@@ -97,7 +97,7 @@ def _refined(matrix):
     return solved
 
 
-class Kvaerno(diffrax.AbstractAdaptiveSolver):
+class Kvaerno(OneStep):
     """Kvaerno 5(4): A-L-stable, stiffly accurate, dense output of order 4.
 
     A stage whose iteration does not converge makes the error of its step infinite, so that the step
@@ -108,17 +108,10 @@ class Kvaerno(diffrax.AbstractAdaptiveSolver):
     rtol: float | Scalar
     atol: float | Scalar
 
-    term_structure: ClassVar = diffrax.AbstractTerm
     interpolation_cls: ClassVar[Callable[..., KvaernoInterpolation]] = KvaernoInterpolation
 
     def order(self, terms) -> int:
         return 5
-
-    def init(self, terms, t0, t1, y0, args) -> None:
-        return None
-
-    def func(self, terms, t0, y0, args):
-        return terms.vf(t0, y0, args)
 
     def _stage(self, rate, length, time, known, guess):
         """k with `k = f(t, known + γ h k)`, and whether the iteration converged."""

@@ -33,7 +33,7 @@ from jaxtyping import Array, Bool, Float, PyTree
 
 from ...fields import Scalar
 from ...numerics import any_few, dot_few, solve_small
-from ._dense_output import StepInterpolation
+from ._dense_output import OneStep, StepInterpolation
 from ._driven_rate import DrivenRate
 from ._step_control import is_shortest
 
@@ -174,7 +174,7 @@ def _grows(jacobian: Float[Array, "states states"], start: Any, end: Any) -> Boo
     return any_few(rates * (end - start) > _LARGEST_GROWTH) & ~is_shortest(start, end)
 
 
-class Rodasp(diffrax.AbstractAdaptiveSolver):
+class Rodasp(OneStep):
     """RODASP, order 4 with an embedded one of order 3, for stiff problems with few states.
 
     `autonomous` says that the right-hand side does not depend on time: its derivative by time is
@@ -185,17 +185,10 @@ class Rodasp(diffrax.AbstractAdaptiveSolver):
     autonomous: bool = False
     compact: bool = False
 
-    term_structure: ClassVar = diffrax.AbstractTerm
     interpolation_cls: ClassVar[Callable[..., RodasInterpolation]] = RodasInterpolation
 
     def order(self, terms) -> int:
         return 4
-
-    def init(self, terms, t0, t1, y0, args) -> None:
-        return None
-
-    def func(self, terms, t0, y0, args):
-        return terms.vf(t0, y0, args)
 
     def step(self, terms, t0, t1, y0, args, solver_state, made_jump):
         flat, unflatten = ravel_pytree(y0)

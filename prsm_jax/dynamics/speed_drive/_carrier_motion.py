@@ -235,6 +235,12 @@ class Standstills(eqx.Module):
         return until, jnp.where(moves & ~slows, jnp.maximum(size, least) / rate, jnp.inf)
 
 
+def jumps_at_standstill(mechanism: Mechanism) -> bool:
+    """Whether thread friction of any stage jumps at standstill."""
+    laws = [stage.thread_law for stage in mechanism.stages]
+    return any(law is not None and not law.smooth_at_standstill for law in laws)
+
+
 def standstills(problem: Problem, atol: Any) -> Standstills | None:
     """Times to and since standstills, where friction jumps there; else `None`.
 
@@ -243,9 +249,7 @@ def standstills(problem: Problem, atol: Any) -> Standstills | None:
     - `problem`: the scene.
     - `atol`: absolute tolerance of the carrier ratios; ten times this speed counts as standstill.
     """
-    laws = [stage.thread_law for stage in problem.mechanism.stages]
-    smooth = all(law is None or law.smooth_at_standstill for law in laws)
-    if smooth or not callable(problem.scenario.speed):
+    if not (jumps_at_standstill(problem.mechanism) and callable(problem.scenario.speed)):
         return None
     least = jnp.asarray(_LEAST_SPEED * atol, problem.speed_scale.dtype)
     estimate = Standstills(problem.scenario, problem.speed_scale, problem.time_scale, least)

@@ -15,7 +15,7 @@ from ..forces import Scenario, bound_scenario
 from ..friction import has_bristles, with_resistance
 from ..solvers import MethodName
 from ..steady import all_kinematics
-from ._carrier_motion import Problem, carrier_problem
+from ._carrier_motion import Problem, carrier_problem, jumps_at_standstill
 from ._closed_form import closed_form_history, settles_in_closed_form
 from ._quasi_steady import quasi_steady_at, quasi_steady_report
 
@@ -111,17 +111,12 @@ def chosen_method(
                 "quasi_steady",
                 f"carriers settle between samples (time constant {lag:.2g} s); error {error:.1g}",
             )
-        if code == 0 and reverses and _jumps(mechanism):
+        if code == 0 and reverses and jumps_at_standstill(mechanism):
             return MethodChoice(
                 "quasi_steady",
                 f"friction jumps at standstill of the screw; error {error:.1g}",
             )
     return MethodChoice("rosenbrock", "has to be integrated")
-
-
-def _jumps(mechanism: Mechanism) -> bool:
-    laws = [stage.thread_law for stage in mechanism.stages]
-    return any(law is not None and not law.smooth_at_standstill for law in laws)
 
 
 def sample_times(problem: Problem) -> Float[Array, " times"]:

@@ -17,7 +17,7 @@ from ...mechanism import Mechanism
 from ...numerics import above_or_nan
 from ...programs import physics
 from .._kinematics import StageKinematics
-from ..forces import Motion, Scenario, StageState, chain_forces, drive_once
+from ..forces import Motion, Scenario, StageState, all_push, chain_forces, drive_once
 from ..histories import CarrierHistory, SolverReport
 from ..solvers import NAMES
 from ..steady import balanced_carrier_ratio, steady_motion
@@ -76,10 +76,7 @@ def quasi_steady_states(
         return balance.motion(kinematics[index], own_speed, own_sense, axial_acceleration)
 
     states = chain_forces(mechanism, kinematics, motion_of, speed, sense, load, acceleration)
-    for state in states:
-        # Beyond jamming the axial balance requires a contact that pulls.
-        valid = valid & (state.forces.contact_force >= 0)
-    return states, jnp.stack(ratios[::-1]), valid
+    return states, jnp.stack(ratios[::-1]), valid & all_push(states)
 
 
 def states_at_ratios(
@@ -167,13 +164,11 @@ def quasi_steady_at(problem: Problem) -> Callable[[Scalar], tuple[CarrierHistory
         # would be unbounded.
         ratios = ratios - jnp.clip(shift, -_LARGEST_SHIFT, _LARGEST_SHIFT)
         states = states_at_ratios(problem, time, ratios)
-        # Beyond jamming the axial balance requires a contact that pulls.
-        pushed = jnp.stack([state.forces.contact_force >= 0 for state in states]).all()
         drives = jnp.stack([state.forces.carrier_drive for state in states])
         motion = drive_once(scenario, time)
         history = CarrierHistory(*motion, ratios * motion[0], states, drives / inertia)
         error = jnp.minimum(jnp.abs(change) * lag, _LARGEST_ERROR)
-        return history, Neglected(valid & pushed, lag, error)
+        return history, Neglected(valid & all_push(states), lag, error)
 
     return at
 

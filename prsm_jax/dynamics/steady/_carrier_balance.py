@@ -9,7 +9,7 @@ from jaxtyping import Array, Bool, Float
 from ..._errors import MissingDataError
 from ...fields import Scalar
 from ...mechanism import Stage
-from ...numerics import above_or_nan, dot_few, sum_few
+from ...numerics import above_or_nan, dot_few, root_or_zero, sum_few
 from ...programs import physics
 from .._kinematics import StageKinematics, free_carrier_ratio
 from ..forces import Motion
@@ -173,7 +173,7 @@ class CarrierBalance(eqx.Module):
             resisting = resisting + self.inertia_per_ratio * ratio / stage.present_roller_count
         square = sum_few(friction**2)
         rubs = above_or_nan(square)
-        length = jnp.where(rubs, jnp.sqrt(jnp.where(rubs, square, 1.0)), 0.0)
+        length = root_or_zero(square)
         reach = jnp.sqrt(dot_few(kinematics.drive, kinematics.drive))
         largest = length * reach
         # The tangent refers to positive speed; friction changes sign with the sense.

@@ -6,15 +6,22 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from ..._errors import MissingDataError
+from ...contact import load_of, speed_of
 from ...fields import Scalar
 from ...geometry import dimensions_possible, rollers_fit
 from ...mechanism import Mechanism, of_one_design
 from ...numerics import above_or_nan, apart, length_few, sum_few
 from ...programs import AbstractResult, listed, one_program, physics
 from .._kinematics import StageKinematics, stage_kinematics, travel_per_turn
-from ..forces import Motion, StageState, chain_forces, losses, roller_support_forces
-from ..friction import turned, with_resistance
+from ..forces import (
+    Motion,
+    StageState,
+    chain_forces,
+    forces_by_stage,
+    losses,
+    roller_support_forces,
+)
+from ..friction import with_resistance
 from ._carrier_balance import balanced_carrier_ratio
 
 #: Load in place of 0, too small to change anything but ratios: efficiency is then its limit [N].
@@ -177,22 +184,6 @@ def _steady_states(
     return states, ratios[::-1], code, solved
 
 
-def _operating_point(mechanism: Mechanism, speed, load) -> tuple[Scalar, Scalar]:
-    point = mechanism.operating_point
-    dtype = mechanism.stages[0].thread.lead.dtype
-    values = []
-    for name, value in (("speed", speed), ("load", load)):
-        if value is None:
-            if point is None:
-                raise MissingDataError(
-                    f"no {name}: the mechanism has no operating point; pass {name}=… or give "
-                    f"[operating_point] {name}"
-                )
-            value = getattr(point, name)
-        values.append(jnp.asarray(value, dtype))
-    return values[0], values[1]
-
-
 def all_kinematics(mechanism: Mechanism) -> tuple[StageKinematics, ...]:
     """Kinematics of every stage."""
     return tuple(stage_kinematics(stage) for stage in mechanism.stages)
@@ -235,7 +226,7 @@ def steady_state(
 
     **Raises:** `MissingDataError` if speed, load, or data for a modelled loss are not given.
     """
-    speed, load = _operating_point(mechanism, speed, load)
+    speed, load = speed_of(mechanism, speed), load_of(mechanism, load)
     if kinematics is None:
         kinematics = all_kinematics(mechanism)
     kinematics = with_resistance(mechanism.stages, kinematics)
@@ -260,27 +251,14 @@ def steady_state(
         roller_support_forces(stage, geometry, state, None)
         for stage, geometry, state in zip(mechanism.stages, kinematics, states, strict=True)
     ]
-    zero = jnp.zeros_like(load)
     result = SteadyState(
         efficiency=useful / driving,
         carrier_ratio=jnp.stack(ratios),
         drive_torque=torque,
-        contact_force=jnp.stack([s.forces.contact_force for s in states]),
-        screw_roller_axial_force=jnp.stack(
-            [
-                -s.forces.contact_force * k.meshing.screw.normal[2]
-                for s, k in zip(states, kinematics, strict=True)
-            ]
-        ),
         nut_load=jnp.stack([s.nut_load for s in states]),
         screw_speed=speed,
-        slip_direction=jnp.stack([turned(s.motion.direction, s.flank_sign) for s in states]),
         slip_speed=jnp.stack([length_few(s.motion.slip) for s in states]),
-        ring_gear_force=jnp.stack([s.ring_gear_force for s in supports]),
-        carrier_force=jnp.stack([s.carrier_force for s in supports]),
-        spline_friction=jnp.stack(
-            [zero if s.screw.spline_friction is None else s.screw.spline_friction for s in states]
-        ),
+        **forces_by_stage(kinematics, states, supports),
         losses=loss_powers,
         input_power=jnp.where(forward, drive_power, -load_power),
         output_power=jnp.where(forward, load_power, -drive_power),

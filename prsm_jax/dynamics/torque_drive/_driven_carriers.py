@@ -19,7 +19,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ...fields import Scalar
-from ...numerics import above_or_nan, find_root, solve_small, sum_few
+from ...numerics import find_root, root_or_zero, solve_small, sum_few
 from ...programs import physics
 from .._kinematics import travel_per_turn
 from ..forces import Motion, StageState, chain_forces, reduced_stage, sliding_motion
@@ -235,8 +235,7 @@ def _out_of_balance(
     needed = problem.inertia * geometry.ratio(carriers.tangent) * acceleration
     excess = sense * (_drives(states) - needed)
     square = jnp.stack([sum_few(state.forces.friction**2) for state in states])
-    rubs = above_or_nan(square)
-    friction = jnp.where(rubs, jnp.sqrt(jnp.where(rubs, square, 1.0)), 0.0)
+    friction = root_or_zero(square)
     count = jnp.stack([stage.present_roller_count for stage in problem.mechanism.stages])
     largest = count * friction * geometry.drive
     scale = jax.lax.stop_gradient(largest + problem.inertia * jnp.abs(acceleration))

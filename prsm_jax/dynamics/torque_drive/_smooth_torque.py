@@ -19,6 +19,7 @@ from ...numerics import find_root, sum_few
 from ...programs import physics
 from ...scenario import TorqueScenario
 from .._kinematics import free_carrier_ratio, travel_per_turn
+from ..forces import all_push
 from ..friction import bristles_of, has_contact_losses
 from ..histories import CarrierHistory, Settings, Transient, histories, integrated
 from ..speed_drive import BristleState, deflection_scales, states_with_bristles
@@ -182,8 +183,7 @@ def smooth_torque_history(
     )
     sampled = jax.vmap(physical)(scaled)
     states, rates, load, balanced = jax.vmap(lambda t, y: _motion(problem, t, y))(times, sampled)
-    pushed = jnp.stack([one.forces.contact_force for one in states])
-    unbalanced = ~(jnp.all(balanced) & jnp.all(pushed >= 0))
+    unbalanced = ~jnp.all(balanced & all_push(states))
     code = jnp.where((report.code == 0) & unbalanced, 4, report.code)
     report = eqx.tree_at(lambda r: r.code, report, code)
     history = CarrierHistory(

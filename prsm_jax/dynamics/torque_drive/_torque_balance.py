@@ -18,7 +18,7 @@ from ...mechanism import Mechanism
 from ...programs import physics
 from ...scenario import TorqueScenario
 from .._kinematics import StageKinematics, travel_per_turn
-from ..forces import Motion, StageState, carrier_inertia, chain_forces
+from ..forces import Motion, StageState, all_push, carrier_inertia, chain_forces
 from ..friction import has_contact_losses, unknown_shares, with_resistance
 from ..steady import all_kinematics, carrier_balance, find_roots, steady_motion
 
@@ -130,11 +130,8 @@ def instant(
     states = chain_forces(
         mechanism, kinematics, motion_of, motion.speed, sense, load, motion.acceleration
     )
-    for state in states:
-        # Beyond jamming the axial balance requires a contact that pulls.
-        valid = valid & (state.forces.contact_force >= 0)
     all_residuals = jnp.stack([*residuals[::-1], *axial_residuals(states)])
-    return Instant(states, jnp.stack(ratios[::-1]), load, all_residuals, valid)
+    return Instant(states, jnp.stack(ratios[::-1]), load, all_residuals, valid & all_push(states))
 
 
 class Balance(NamedTuple):

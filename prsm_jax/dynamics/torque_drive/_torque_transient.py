@@ -9,6 +9,7 @@ from ...fields import Scalar
 from ...mechanism import Mechanism
 from ...scenario import TorqueScenario
 from .._kinematics import travel_per_turn
+from ..forces import all_push
 from ..histories import (
     CarrierHistory,
     Phase,
@@ -86,8 +87,7 @@ def _integrated(
         dragged = dragged & (slip_geometry(problem).ratio(carriers.tangent) < 0)
         if carriers.senses is not None:
             dragged = dragged & (carriers.senses.nut > 0)
-        pushed = jnp.stack([state.forces.contact_force >= 0 for state in states])
-        valid = jnp.all(pushed) & ~jnp.any(dragged) & (rests | now.converged)
+        valid = all_push(states) & ~jnp.any(dragged) & (rests | now.converged)
         return (acceleration, load, states, accelerations), valid, applied, missed
 
     rows, valid, applied, missed = jax.vmap(at)(

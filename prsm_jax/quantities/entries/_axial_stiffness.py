@@ -90,57 +90,33 @@ def _declare(
 
 
 _EQUAL = ("equal_stiffness",)
-for _name, _symbol, _what, _function, _assumes, _shares in (
-    (
-        "contact_axial_stiffness_secant",
-        "K_c",
-        f"secant F/x {_CONTACTS}",
-        _contact_secant,
-        _EQUAL,
-        _LOADED,
-    ),
-    (
-        "contact_axial_stiffness_tangent",
-        "K_c,t",
-        f"tangent dF/dx {_CONTACTS}",
-        _contact_tangent,
-        _EQUAL,
-        _LOADED,
-    ),
-    (
-        "nut_axial_stiffness_secant",
-        "K_n",
-        f"secant F/x {_NUT}; x from the position of the unloaded nut",
-        _of_nut(_nut_secants),
-        (),
-        _FROM_REST,
-    ),
-    (
-        "nut_axial_stiffness_tangent",
-        "K_n,t",
-        f"tangent dF/dx {_NUT}",
-        _of_nut(_nut_tangents),
-        (),
-        _LOADED,
-    ),
-    (
-        "axis_axial_stiffness_secant",
-        "K_x",
-        f"secant F/x {_AXIS}; x from the position of the unloaded nut",
-        _of_axis(_nut_secants),
-        (),
-        _FROM_REST,
-    ),
-    (
-        "axis_axial_stiffness_tangent",
-        "K_x,t",
-        f"tangent dF/dx {_AXIS}",
-        _of_axis(_nut_tangents),
-        (),
-        _LOADED,
-    ),
+_declare(
+    "contact_axial_stiffness_secant", "K_c", f"secant F/x {_CONTACTS}", _contact_secant, _EQUAL
+)
+_declare(
+    "contact_axial_stiffness_tangent",
+    "K_c,t",
+    f"tangent dF/dx {_CONTACTS}",
+    _contact_tangent,
+    _EQUAL,
+)
+for _name, _symbol, _what, _stiffness in (
+    ("nut", "K_n", _NUT, _of_nut),
+    ("axis", "K_x", _AXIS, _of_axis),
 ):
-    _declare(_name, _symbol, _what, _function, _assumes, _shares)
+    _declare(
+        f"{_name}_axial_stiffness_secant",
+        _symbol,
+        f"secant F/x {_what}; x from the position of the unloaded nut",
+        _stiffness(_nut_secants),
+        shares=_FROM_REST,
+    )
+    _declare(
+        f"{_name}_axial_stiffness_tangent",
+        f"{_symbol},t",
+        f"tangent dF/dx {_what}",
+        _stiffness(_nut_tangents),
+    )
 
 # Former names.
 _declare(

@@ -1,14 +1,12 @@
 """Quantities of the thread contacts."""
 
+from collections.abc import Callable
+
 import jax.numpy as jnp
 
 from .._analysis import Analysis
 from .._catalogue import quantity
 from .._onsets import truncated_pressure
-
-
-def _over_stages(analysis: Analysis, side: str, name: str):
-    return jnp.stack([getattr(getattr(c, side).hertz, name) for c in analysis.contacts])
 
 
 def _pressure(analysis: Analysis, side: str):
@@ -34,171 +32,77 @@ def max_pressure(analysis: Analysis):
     return jnp.max(jnp.stack([_pressure(analysis, side) for side in ("screw", "nut")]))
 
 
-@quantity(
-    "max_pressure_screw",
-    "p₀_s",
+def _on_sides(
+    name: str,
+    symbol: str,
+    unit: str,
+    description: str,
+    function: Callable,
+    assumes: tuple[str, ...] = ("equal_contacts",),
+    *,
+    sides: tuple[str, ...] = ("screw", "nut"),
+    **declared,
+) -> None:
+    """Add a function of an analysis and a side; `{side}` and `{s}` stand for the side's name."""
+    for side in sides:
+        names = {"side": side, "s": side[0]}
+        add = quantity(
+            f"{name}_{side}",
+            symbol.format(**names),
+            unit,
+            description.format(**names),
+            ("stage",),
+            assumes=assumes,
+            **declared,
+        )
+        add(lambda analysis, side=side: function(analysis, side))
+
+
+def _of_hertz(name: str) -> Callable:
+    return lambda analysis, side: jnp.stack(
+        [getattr(getattr(contact, side).hertz, name) for contact in analysis.contacts]
+    )
+
+
+_on_sides(
+    "max_pressure",
+    "p₀_{s}",
     "Pa",
-    "largest pressure on the screw side, as `max_pressure`",
-    ("stage",),
-    assumes=("equal_contacts", "flanks_of_contacts"),
+    "largest pressure on the {side} side, as `max_pressure`",
+    _pressure,
+    ("equal_contacts", "flanks_of_contacts"),
 )
-def max_pressure_screw(analysis: Analysis):
-    return _pressure(analysis, "screw")
-
-
-@quantity(
-    "max_pressure_nut",
-    "p₀_n",
+for _name, _symbol, _axis in (("semi_major", "a_{s}", "major"), ("semi_minor", "b_{s}", "minor")):
+    _description = _axis + " semi-axis on the {side} side"
+    _on_sides(_name, _symbol, "m", _description, _of_hertz(_name), sides=("screw",))
+_on_sides("approach", "δ_{s}", "m", "normal approach on the {side} side", _of_hertz("approach"))
+_on_sides(
+    "max_von_mises",
+    "σ_v,{s}",
     "Pa",
-    "largest pressure on the nut side, as `max_pressure`",
-    ("stage",),
-    assumes=("equal_contacts", "flanks_of_contacts"),
+    "largest equivalent stress (von Mises) in the {side} below a thread contact, without friction",
+    lambda analysis, side: analysis.stress_peaks[side]["von_mises"].value,
 )
-def max_pressure_nut(analysis: Analysis):
-    return _pressure(analysis, "nut")
-
-
-@quantity(
-    "semi_major_screw",
-    "a_s",
-    "m",
-    "major semi-axis on the screw side",
-    ("stage",),
-    assumes=("equal_contacts",),
-)
-def semi_major_screw(analysis: Analysis):
-    return _over_stages(analysis, "screw", "semi_major")
-
-
-@quantity(
-    "semi_minor_screw",
-    "b_s",
-    "m",
-    "minor semi-axis on the screw side",
-    ("stage",),
-    assumes=("equal_contacts",),
-)
-def semi_minor_screw(analysis: Analysis):
-    return _over_stages(analysis, "screw", "semi_minor")
-
-
-@quantity(
-    "approach_screw",
-    "δ_s",
-    "m",
-    "normal approach on the screw side",
-    ("stage",),
-    assumes=("equal_contacts",),
-)
-def approach_screw(analysis: Analysis):
-    return _over_stages(analysis, "screw", "approach")
-
-
-@quantity(
-    "approach_nut",
-    "δ_n",
-    "m",
-    "normal approach on the nut side",
-    ("stage",),
-    assumes=("equal_contacts",),
-)
-def approach_nut(analysis: Analysis):
-    return _over_stages(analysis, "nut", "approach")
-
-
-@quantity(
-    "max_von_mises_screw",
-    "σ_v,s",
+_on_sides(
+    "max_shear_stress",
+    "τ_{s}",
     "Pa",
-    "largest equivalent stress (von Mises) in the screw below a thread contact, without friction",
-    ("stage",),
-    assumes=("equal_contacts",),
+    "largest shear stress in the {side} below a thread contact, without friction",
+    lambda analysis, side: analysis.stress_peaks[side]["max_shear"].value,
 )
-def max_von_mises_screw(analysis: Analysis):
-    return analysis.stress_peaks["screw"]["von_mises"].value
-
-
-@quantity(
-    "max_von_mises_nut",
-    "σ_v,n",
-    "Pa",
-    "largest equivalent stress (von Mises) in the nut below a thread contact, without friction",
-    ("stage",),
-    assumes=("equal_contacts",),
-)
-def max_von_mises_nut(analysis: Analysis):
-    return analysis.stress_peaks["nut"]["von_mises"].value
-
-
-@quantity(
-    "max_shear_stress_screw",
-    "τ_s",
-    "Pa",
-    "largest shear stress in the screw below a thread contact, without friction",
-    ("stage",),
-    assumes=("equal_contacts",),
-)
-def max_shear_stress_screw(analysis: Analysis):
-    return analysis.stress_peaks["screw"]["max_shear"].value
-
-
-@quantity(
-    "max_shear_stress_nut",
-    "τ_n",
-    "Pa",
-    "largest shear stress in the nut below a thread contact, without friction",
-    ("stage",),
-    assumes=("equal_contacts",),
-)
-def max_shear_stress_nut(analysis: Analysis):
-    return analysis.stress_peaks["nut"]["max_shear"].value
-
-
-@quantity(
-    "max_shear_depth_screw",
-    "z_s",
+_on_sides(
+    "max_shear_depth",
+    "z_{s}",
     "m",
-    "depth of the largest shear stress in the screw, which a hardened layer must exceed",
-    ("stage",),
-    assumes=("equal_contacts",),
+    "depth of the largest shear stress in the {side}, which a hardened layer must exceed",
+    lambda analysis, side: analysis.stress_peaks[side]["max_shear"].position[..., 2],
 )
-def max_shear_depth_screw(analysis: Analysis):
-    return analysis.stress_peaks["screw"]["max_shear"].position[..., 2]
-
-
-@quantity(
-    "max_shear_depth_nut",
-    "z_n",
-    "m",
-    "depth of the largest shear stress in the nut, which a hardened layer must exceed",
-    ("stage",),
-    assumes=("equal_contacts",),
-)
-def max_shear_depth_nut(analysis: Analysis):
-    return analysis.stress_peaks["nut"]["max_shear"].position[..., 2]
-
-
-@quantity(
-    "thread_stiffness_screw",
-    "k_sR",
+_on_sides(
+    "thread_stiffness",
+    "k_{s}R",
     "N/m",
-    "thread contact stiffness of one roller with the screw; of the first roller if they differ",
-    ("stage",),
-    assumes=("equal_stiffness",),
+    "thread contact stiffness of one roller with the {side}; of the first roller if they differ",
+    lambda analysis, side: jnp.stack([getattr(one, f"{side}_roller") for one in analysis.threads]),
+    ("equal_stiffness",),
     shares=("operating_point",),
 )
-def thread_stiffness_screw(analysis: Analysis):
-    return jnp.stack([threads.screw_roller for threads in analysis.threads])
-
-
-@quantity(
-    "thread_stiffness_nut",
-    "k_nR",
-    "N/m",
-    "thread contact stiffness of one roller with the nut; of the first roller if they differ",
-    ("stage",),
-    assumes=("equal_stiffness",),
-    shares=("operating_point",),
-)
-def thread_stiffness_nut(analysis: Analysis):
-    return jnp.stack([threads.nut_roller for threads in analysis.threads])

@@ -27,29 +27,18 @@ def roller_clearance(analysis: Analysis):
     return jnp.min(_per_stage(analysis, stage_roller_clearance))
 
 
-@quantity("centre_distance", "a", "m", "distance of screw and roller axes", ("stage",))
-def centre_distance(analysis: Analysis):
-    return _per_stage(analysis, lambda stage: stage.thread.centre_distance)
+def _of_thread(name: str):
+    return lambda analysis: _per_stage(analysis, lambda stage: getattr(stage.thread, name))
 
 
-@quantity("screw_radius", "r_s", "m", "nominal screw radius", ("stage",))
-def screw_radius(analysis: Analysis):
-    return _per_stage(analysis, lambda stage: stage.thread.screw_radius)
-
-
-@quantity("nut_radius", "r_n", "m", "nominal nut radius", ("stage",))
-def nut_radius(analysis: Analysis):
-    return _per_stage(analysis, lambda stage: stage.thread.nut_radius)
-
-
-@quantity("screw_helix_angle", "λ_s", "rad", "helix angle of the screw", ("stage",))
-def screw_helix_angle(analysis: Analysis):
-    return _per_stage(analysis, lambda stage: stage.thread.screw_helix_angle)
-
-
-@quantity("roller_helix_angle", "β_R", "rad", "helix angle of roller and nut", ("stage",))
-def roller_helix_angle(analysis: Analysis):
-    return _per_stage(analysis, lambda stage: stage.thread.roller_helix_angle)
+for _name, _symbol, _unit, _description in (
+    ("centre_distance", "a", "m", "distance of screw and roller axes"),
+    ("screw_radius", "r_s", "m", "nominal screw radius"),
+    ("nut_radius", "r_n", "m", "nominal nut radius"),
+    ("screw_helix_angle", "λ_s", "rad", "helix angle of the screw"),
+    ("roller_helix_angle", "β_R", "rad", "helix angle of roller and nut"),
+):
+    quantity(_name, _symbol, _unit, _description, ("stage",))(_of_thread(_name))
 
 
 @quantity("screw_contact_radius", "r_sR", "m", "radius of the screw at its contact", ("stage",))

@@ -1,5 +1,7 @@
 """Quantities of load sharing among threads and rollers."""
 
+import functools
+
 import jax.numpy as jnp
 
 from ..._errors import MissingDataError
@@ -9,55 +11,31 @@ from .._catalogue import quantity
 from .._nut_travel import elastic_of
 from .._onsets import truncated_pressure
 
+_by_stage = functools.partial(quantity, dimensions=("stage",), shares=("operating_point",))
+
 
 def _per_stage(analysis: Analysis, function):
     return jnp.stack([function(one) for one in analysis.distributions])
 
 
-@quantity(
-    "thread_sharing_factor_screw",
-    "K_s",
-    "1",
-    "largest thread load over the mean, screw side",
-    ("stage",),
-    shares=("operating_point",),
+@_by_stage(
+    "thread_sharing_factor_screw", "K_s", "1", "largest thread load over the mean, screw side"
 )
 def thread_sharing_factor_screw(analysis: Analysis):
     return _per_stage(analysis, lambda one: one.screw.thread_sharing_factor)
 
 
-@quantity(
-    "thread_sharing_factor_nut",
-    "K_n",
-    "1",
-    "largest thread load over the mean, nut side",
-    ("stage",),
-    shares=("operating_point",),
-)
+@_by_stage("thread_sharing_factor_nut", "K_n", "1", "largest thread load over the mean, nut side")
 def thread_sharing_factor_nut(analysis: Analysis):
     return _per_stage(analysis, lambda one: one.nut.thread_sharing_factor)
 
 
-@quantity(
-    "roller_sharing_factor",
-    "K_R",
-    "1",
-    "largest load of a roller over the mean",
-    ("stage",),
-    shares=("operating_point",),
-)
+@_by_stage("roller_sharing_factor", "K_R", "1", "largest load of a roller over the mean")
 def roller_sharing_factor(analysis: Analysis):
     return _per_stage(analysis, lambda one: one.nut.roller_sharing_factor)
 
 
-@quantity(
-    "largest_thread_load",
-    "F_max",
-    "N",
-    "largest axial load of a thread, either side",
-    ("stage",),
-    shares=("operating_point",),
-)
+@_by_stage("largest_thread_load", "F_max", "N", "largest axial load of a thread, either side")
 def largest_thread_load(analysis: Analysis):
     return _per_stage(
         analysis,
@@ -99,14 +77,7 @@ def axial_deflection(analysis: Analysis):
     return jnp.sum(jnp.stack([elastic_of(analysis, i).deflection for i in stages]))
 
 
-@quantity(
-    "spacer_force",
-    "F_v",
-    "N",
-    "force in the spacer of a split nut under the load",
-    ("stage",),
-    shares=("operating_point",),
-)
+@_by_stage("spacer_force", "F_v", "N", "force in the spacer of a split nut under the load")
 def spacer_force(analysis: Analysis):
     forces: list[Scalar] = []
     for one in analysis.distributions:

@@ -1,5 +1,7 @@
 """Quantities of the steady operating point."""
 
+import functools
+
 import jax
 import jax.numpy as jnp
 
@@ -9,47 +11,31 @@ from ...strength import load_spectrum
 from .._analysis import Analysis
 from .._catalogue import quantity
 
+_with_friction = functools.partial(quantity, assumes=("equal_friction",))
 
-@quantity(
-    "efficiency",
-    "η",
-    "1",
-    "output over input power at the operating point",
-    assumes=("equal_friction",),
-)
+
+@_with_friction("efficiency", "η", "1", "output over input power at the operating point")
 def efficiency(analysis: Analysis):
     return analysis.steady.efficiency
 
 
-@quantity(
-    "efficiency_forward",
-    "η_f",
-    "1",
-    "efficiency when the screw drives the nut",
-    assumes=("equal_friction",),
-)
+@_with_friction("efficiency_forward", "η_f", "1", "efficiency when the screw drives the nut")
 def efficiency_forward(analysis: Analysis):
     return analysis.driven(1).efficiency
 
 
-@quantity(
+@_with_friction(
     "efficiency_backward",
     "η_b",
     "1",
     "efficiency when the load drives the screw; negative means self-locking",
-    assumes=("equal_friction",),
 )
 def efficiency_backward(analysis: Analysis):
     return analysis.driven(-1).efficiency
 
 
-@quantity(
-    "carrier_ratio",
-    "ζ",
-    "1",
-    "carrier speed over screw speed, steady state",
-    ("stage",),
-    assumes=("equal_friction",),
+@_with_friction(
+    "carrier_ratio", "ζ", "1", "carrier speed over screw speed, steady state", ("stage",)
 )
 def carrier_ratio(analysis: Analysis):
     if not any(has_contact_losses(stage.friction) for stage in analysis.mechanism.stages):
@@ -58,71 +44,39 @@ def carrier_ratio(analysis: Analysis):
     return analysis.steady.carrier_ratio
 
 
-@quantity("drive_torque", "M_S", "N·m", "torque at the first screw", assumes=("equal_friction",))
-def drive_torque(analysis: Analysis):
-    return analysis.steady.drive_torque
+def _of_steady_state(name: str):
+    return lambda analysis: getattr(analysis.steady, name)
 
 
-@quantity(
-    "contact_force",
-    "F",
-    "N",
-    "normal force of the screw on one roller, sum of all threads",
-    ("stage",),
-    assumes=("equal_friction",),
-)
-def contact_force(analysis: Analysis):
-    return analysis.steady.contact_force
+for _name, _symbol, _unit, _description, _dimensions in (
+    ("drive_torque", "M_S", "N·m", "torque at the first screw", ()),
+    (
+        "contact_force",
+        "F",
+        "N",
+        "normal force of the screw on one roller, sum of all threads",
+        ("stage",),
+    ),
+    ("slip_speed", "‖v‖", "m/s", "sliding speed of the screw on the roller", ("stage",)),
+    ("ring_gear_force", "F_RG", "N", "tooth force at one end of a roller", ("stage",)),
+    ("carrier_force", "F_RP", "N", "pin force at one end of a roller", ("stage",)),
+):
+    _with_friction(_name, _symbol, _unit, _description, _dimensions)(_of_steady_state(_name))
 
 
-@quantity(
-    "slip_speed",
-    "‖v‖",
-    "m/s",
-    "sliding speed of the screw on the roller",
-    ("stage",),
-    assumes=("equal_friction",),
-)
-def slip_speed(analysis: Analysis):
-    return analysis.steady.slip_speed
-
-
-@quantity(
-    "ring_gear_force",
-    "F_RG",
-    "N",
-    "tooth force at one end of a roller",
-    ("stage",),
-    assumes=("equal_friction",),
-)
-def ring_gear_force(analysis: Analysis):
-    return analysis.steady.ring_gear_force
-
-
-@quantity(
-    "carrier_force",
-    "F_RP",
-    "N",
-    "pin force at one end of a roller",
-    ("stage",),
-    assumes=("equal_friction",),
-)
-def carrier_force(analysis: Analysis):
-    return analysis.steady.carrier_force
-
-
-@quantity("loss_power", "P_loss", "W", "sum of all modelled losses", assumes=("equal_friction",))
+@_with_friction("loss_power", "P_loss", "W", "sum of all modelled losses")
 def loss_power(analysis: Analysis):
     return sum(analysis.steady.losses.values(), jnp.zeros_like(analysis.steady.efficiency))
 
 
-def _register_loss(name: str, description: str) -> None:
-    @quantity(f"loss_{name}", f"P_{name}", "W", description, assumes=("equal_friction",))
+def _of_loss(name: str):
     def loss(analysis: Analysis):
         losses = analysis.steady.losses
         if name not in losses:
             raise MissingDataError(f"the mechanism does not model the loss {name!r}")
         return losses[name]
+
+    return loss
 
 
 for _name, _description in (
@@ -133,7 +87,7 @@ for _name, _description in (
     ("thrust_bearing", "power lost in the thrust bearings"),
     ("drag", "power lost by constant drag"),
 ):
-    _register_loss(_name, _description)
+    _with_friction(f"loss_{_name}", f"P_{_name}", "W", _description)(_of_loss(_name))
 
 
 @quantity("nut_speed", "v_n", "m/s", "axial speed of the last nut, magnitude")
@@ -142,13 +96,7 @@ def nut_speed(analysis: Analysis):
     return jnp.abs(analysis.speed) * travel_per_turn(stages, len(stages))
 
 
-@quantity(
-    "duty_efficiency",
-    "η_duty",
-    "1",
-    "output over input energy of the duty cycle",
-    assumes=("equal_friction",),
-)
+@_with_friction("duty_efficiency", "η_duty", "1", "output over input energy of the duty cycle")
 def duty_efficiency(analysis: Analysis):
     duty = _duty(analysis)
     kinematics = analysis.kinematics

@@ -1,5 +1,7 @@
 """Quantities of rating life; descriptions name the standards taken from other machines."""
 
+import functools
+
 import jax.numpy as jnp
 
 from ... import strength
@@ -9,6 +11,12 @@ from ...mechanism import Stage
 from .._analysis import Analysis
 from .._catalogue import quantity
 from ._strength import dynamic_capacity_of, on_one_flank, per_stage, truncated_fatigue_of
+
+_life = functools.partial(
+    quantity,
+    assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
+    shares=("equivalent",),
+)
 
 
 @quantity(
@@ -38,61 +46,50 @@ def _needs_duty_cycle(analysis: Analysis) -> None:
         raise MissingDataError("the mechanism has no duty cycle; give [[duty_cycle]] phases")
 
 
+def _fatigue_of(analysis: Analysis, index: int, stage: Stage):
+    """Arguments of `strength.rating_life` and `strength.damage`."""
+    capacity = dynamic_capacity_of(analysis, index, stage)
+    return stage, capacity, analysis.spectrum, truncated_fatigue_of(analysis, index, stage)
+
+
 def rating_life_of(analysis: Analysis, index: int, stage: Stage) -> strength.RatingLife:
     """Basic rating life of a stage under the loads of the analysis."""
-    return strength.rating_life(
-        stage,
-        dynamic_capacity_of(analysis, index, stage),
-        analysis.spectrum,
-        truncated_fatigue_of(analysis, index, stage),
-    )
+    return strength.rating_life(*_fatigue_of(analysis, index, stage))
 
 
 def _rating_life(analysis: Analysis, name: str):
-    return per_stage(
-        analysis,
-        lambda i, stage: getattr(
-            rating_life_of(analysis, i, stage),
-            name,
-        ),
-    )
+    return per_stage(analysis, lambda i, stage: getattr(rating_life_of(analysis, i, stage), name))
 
 
-@quantity(
+@_life(
     "rating_life",
     "L_10",
     "1",
     "turns of the screw at 90 % reliability, under the duty cycle, or the operating point without "
     "one (as ISO 3408-5 for ball screws); ∞ without load",
     ("stage",),
-    assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
-    shares=("equivalent",),
 )
 def rating_life(analysis: Analysis):
     return _rating_life(analysis, "revolutions")
 
 
-@quantity(
+@_life(
     "rating_life_time",
     "L_10h",
     "s",
     "operating time at 90 % reliability, including standstill of the duty cycle (as ISO 3408-5)",
     ("stage",),
-    assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
-    shares=("equivalent",),
 )
 def rating_life_time(analysis: Analysis):
     return _rating_life(analysis, "time")
 
 
-@quantity(
+@_life(
     "rating_life_distance",
     "L_10s",
     "m",
     "travel of the nut on its screw at 90 % reliability (as ISO 3408-5)",
     ("stage",),
-    assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
-    shares=("equivalent",),
 )
 def rating_life_distance(analysis: Analysis):
     return _rating_life(analysis, "distance")
@@ -108,15 +105,13 @@ def _life_factor(stage: Stage) -> Scalar:
     return factor
 
 
-@quantity(
+@_life(
     "modified_rating_life",
     "L_nm",
     "1",
     "turns of the screw at the required reliability, with the given factors for lubrication and "
     "material and the factor for oscillation (as ISO 281 for bearings)",
     ("stage",),
-    assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
-    shares=("equivalent",),
 )
 def modified_rating_life(analysis: Analysis):
     factors = per_stage(analysis, lambda _, stage: _life_factor(stage))
@@ -129,67 +124,45 @@ def _required_life(stage: Stage) -> Scalar:
     return stage.strength.required_life
 
 
-@quantity(
+@_life(
     "life_ratio",
     "L/L_req",
     "1",
     "rating life in time, modified by the factors that are given, over the required life; smallest "
     "of all stages (as ISO 3408-5 for ball screws and ISO 281 for bearings)",
-    assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
-    shares=("equivalent",),
 )
 def life_ratio(analysis: Analysis):
     def factor(stage: Stage) -> Scalar:
         modification = strength.life_factor(stage)
-        return (
-            1 / _required_life(stage)
-            if modification is None
-            else modification / _required_life(stage)
-        )
+        return (1 if modification is None else modification) / _required_life(stage)
 
     factors = per_stage(analysis, lambda _, stage: factor(stage))
     return jnp.min(strength.modified_life(_rating_life(analysis, "time"), factors))
 
 
-def _phase_damage(analysis: Analysis):
-    _needs_duty_cycle(analysis)
-    return per_stage(
-        analysis,
-        lambda i, stage: strength.damage(
-            stage,
-            dynamic_capacity_of(analysis, i, stage),
-            analysis.spectrum,
-            truncated_fatigue_of(analysis, i, stage),
-        ),
-    )
-
-
-@quantity(
+@_life(
     "phase_damage",
     "D_i",
     "1",
     "share of the basic rating life (as ISO 3408-5 for ball screws) that each phase of one duty "
     "cycle uses up (Palmgren–Miner)",
     ("stage", "phase"),
-    assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
-    shares=("equivalent",),
 )
 def phase_damage(analysis: Analysis):
-    return _phase_damage(analysis)
+    _needs_duty_cycle(analysis)
+    return per_stage(analysis, lambda i, stage: strength.damage(*_fatigue_of(analysis, i, stage)))
 
 
-@quantity(
+@_life(
     "duty_cycle_damage",
     "D",
     "1",
     "share of the basic rating life (as ISO 3408-5 for ball screws) that one duty cycle uses up "
     "(Palmgren–Miner)",
     ("stage",),
-    assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
-    shares=("equivalent",),
 )
 def duty_cycle_damage(analysis: Analysis):
-    return jnp.sum(_phase_damage(analysis), axis=1)
+    return jnp.sum(phase_damage(analysis), axis=1)
 
 
 @quantity(

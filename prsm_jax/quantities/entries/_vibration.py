@@ -1,5 +1,7 @@
 """Quantities of the natural vibration."""
 
+import functools
+
 import jax.numpy as jnp
 
 from ..._errors import MissingDataError
@@ -10,12 +12,11 @@ from .._analysis import Analysis
 from .._catalogue import quantity
 from ._operation import carrier_ratio
 
+_frequency = functools.partial(
+    quantity, assumes=("equal_stiffness", "secant_stiffness"), shares=("operating_point",)
+)
 #: A mode is mesh-dominated when more than this share of its strain energy is in the contacts.
 _DOMINANT = 0.5
-
-
-def _lowest(groups):
-    return jnp.min(jnp.concatenate([group.frequencies for group in groups]))
 
 
 def _lowest_mesh_dominated(groups):
@@ -39,56 +40,32 @@ def _needs_symmetry(analysis: Analysis) -> None:
         )
 
 
-@quantity(
-    "natural_frequencies",
-    "f",
-    "Hz",
-    "all natural frequencies, by stage",
-    ("mode",),
-    assumes=("equal_stiffness", "secant_stiffness"),
-    shares=("operating_point",),
-)
+@_frequency("natural_frequencies", "f", "Hz", "all natural frequencies, by stage", ("mode",))
 def natural_frequencies(analysis: Analysis):
     return jnp.concatenate([modes.frequencies for modes in analysis.modes])
 
 
-@quantity(
-    "torsional_frequencies",
-    "f_t",
-    "Hz",
-    "torsional natural frequencies, by stage",
-    ("mode",),
-    assumes=("equal_stiffness", "secant_stiffness"),
-    shares=("operating_point",),
+@_frequency(
+    "torsional_frequencies", "f_t", "Hz", "torsional natural frequencies, by stage", ("mode",)
 )
 def torsional_frequencies(analysis: Analysis):
     _needs_symmetry(analysis)
     return _all(analysis.torsional)
 
 
-@quantity(
+@_frequency(
     "transverse_frequencies",
     "f_x",
     "Hz",
     "transverse natural frequencies (each double), by stage",
     ("mode",),
-    assumes=("equal_stiffness", "secant_stiffness"),
-    shares=("operating_point",),
 )
 def transverse_frequencies(analysis: Analysis):
     _needs_symmetry(analysis)
     return _all(analysis.transverse)
 
 
-@quantity(
-    "roller_frequency",
-    "f_R",
-    "Hz",
-    "roller natural frequency (N − 3 fold)",
-    ("stage",),
-    assumes=("equal_stiffness", "secant_stiffness"),
-    shares=("operating_point",),
-)
+@_frequency("roller_frequency", "f_R", "Hz", "roller natural frequency (N − 3 fold)", ("stage",))
 def roller_frequency(analysis: Analysis):
     _needs_symmetry(analysis)
     groups = [group for group in analysis.roller if group is not None]
@@ -115,49 +92,31 @@ def carrier_frequency(analysis: Analysis):
     return _all(groups)
 
 
-@quantity(
-    "lowest_torsional_frequency",
-    "f_t1",
-    "Hz",
-    "lowest torsional natural frequency",
-    assumes=("equal_stiffness", "secant_stiffness"),
-    shares=("operating_point",),
-)
+@_frequency("lowest_torsional_frequency", "f_t1", "Hz", "lowest torsional natural frequency")
 def lowest_torsional_frequency(analysis: Analysis):
-    return _lowest(analysis.torsional)
+    return jnp.min(_all(analysis.torsional))
 
 
-@quantity(
+@_frequency(
     "lowest_mesh_torsional_frequency",
     "f_tm",
     "Hz",
     "lowest torsional natural frequency with most of its strain energy in the contacts",
-    assumes=("equal_stiffness", "secant_stiffness"),
-    shares=("operating_point",),
 )
 def lowest_mesh_torsional_frequency(analysis: Analysis):
     return _lowest_mesh_dominated(analysis.torsional)
 
 
-@quantity(
-    "lowest_transverse_frequency",
-    "f_x1",
-    "Hz",
-    "lowest transverse natural frequency",
-    assumes=("equal_stiffness", "secant_stiffness"),
-    shares=("operating_point",),
-)
+@_frequency("lowest_transverse_frequency", "f_x1", "Hz", "lowest transverse natural frequency")
 def lowest_transverse_frequency(analysis: Analysis):
-    return _lowest(analysis.transverse)
+    return jnp.min(_all(analysis.transverse))
 
 
-@quantity(
+@_frequency(
     "lowest_mesh_transverse_frequency",
     "f_xm",
     "Hz",
     "lowest transverse natural frequency with most of its strain energy in the contacts",
-    assumes=("equal_stiffness", "secant_stiffness"),
-    shares=("operating_point",),
 )
 def lowest_mesh_transverse_frequency(analysis: Analysis):
     return _lowest_mesh_dominated(analysis.transverse)

@@ -6,14 +6,13 @@ the screw side alone.
 
 import math
 
-import jax.numpy as jnp
 import numpy as np
 import pytest
 from scenes import array, mechanism, stage, steady_state, thread
 
 import prsm_jax as prsm
 from prsm_jax.dynamics.friction._law_inputs import Slip
-from prsm_jax.dynamics.friction._rubbing import Rubbing, _root, friction_on_roller, rubbed_moment
+from prsm_jax.dynamics.friction._rubbing import Rubbing, friction_on_roller, rubbed_moment
 from prsm_jax.dynamics.friction._thread_friction import slip_direction, thread_friction
 from prsm_jax.friction import (
     CoulombFriction,
@@ -25,6 +24,7 @@ from prsm_jax.friction import (
     ViscousFriction,
 )
 from prsm_jax.mechanism import Material
+from prsm_jax.numerics import cube_root_or_zero
 
 COEFFICIENT = 0.05
 
@@ -154,7 +154,7 @@ def test_every_law_in_closed_form_along_the_slip():
         per_force, constant = thread_friction(law, array(slip), along)
         np.testing.assert_allclose(per_force, coefficient * slip / speed, rtol=1e-13)
         np.testing.assert_allclose(constant, damping * slip, rtol=1e-13)
-    sizes = [float(_root(jnp.cbrt, array(abs(force)))) for force in (0.0, 8.0, -27.0, 1e-9)]
+    sizes = [float(cube_root_or_zero(array(abs(force)))) for force in (0.0, 8.0, -27.0, 1e-9)]
     np.testing.assert_allclose(sizes, [0.0, 2.0, 3.0, 1e-3], rtol=1e-14)
 
 
