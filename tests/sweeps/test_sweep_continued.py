@@ -16,6 +16,7 @@ import xarray
 
 import prsm_jax as prsm
 from prsm_jax.sweeps import _run, _sweep, open_store, sweep
+from prsm_jax.sweeps._store import BlockStore
 
 QUANTITIES = ["nut_radius", "nut_speed"]
 #: Blocks of four designs: 12 in a grid of 4 × 3 × 4.
@@ -322,3 +323,18 @@ def test_memory_of_a_stored_sweep_does_not_hold_the_results(tmp_path):
     """What comes back reads its values when they are used."""
     data = run(tmp_path / "a.zarr")
     assert not data["nut_speed"].variable._in_memory
+
+
+def test_a_block_that_cannot_be_written_has_no_mark(tmp_path):
+    """The mark comes last: whatever fails before it, the block counts as missing."""
+    store = tmp_path / "a.zarr"
+    run(store)
+    (store / "progress" / "done" / "c" / "0" / "0").unlink()
+    blocks = BlockStore(store)
+    where = (slice(0, 1), slice(0, 1), slice(0, 4))
+    good = {name: np.zeros((1, 1, 4)) for name in QUANTITIES}
+    with pytest.raises(IndexError, match="too many indices"):
+        blocks.write(0, where, good | {"code": np.zeros((1, 7, 3))}, (0, 0))
+    assert not blocks.done()[0]
+    blocks.write(0, where, good, (0, 0))
+    assert blocks.done()[0]
