@@ -155,6 +155,35 @@ def counted(done: int, total: int, what: str) -> None:
     doing(f"{done} of {total} {what}")
 
 
+class Counter:
+    """Shows how far a long loop is, its rate, and the time left."""
+
+    def __init__(self, what: str):
+        self._what = what
+        self._first: tuple[int, float] | None = None
+
+    def __call__(self, done: int, total: int) -> None:
+        """Say that `done` of `total` are finished."""
+        now = time.monotonic()
+        words = f"{done} of {total} {self._what}"
+        if self._first is None:
+            # What was there before, or came with the program's compilation, has no rate.
+            self._first = done, now
+        else:
+            before, began = self._first
+            if now - began > _FIRST_S and done > before:
+                rate = (done - before) / (now - began)
+                words += f", {rate:.3g}/s, {_duration((total - done) / rate)} left"
+        doing(words)
+
+
+def _duration(seconds: float) -> str:
+    """A time with one unit: seconds, minutes or hours."""
+    if seconds < 100:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 6000 else f"{seconds / 3600:.1f} h"
+
+
 def clear() -> None:
     """Erase the line before something else is printed."""
     if _current is not None:

@@ -1,4 +1,7 @@
-"""Quantities over a grid of designs, as a labelled data set."""
+"""Quantities and their derivatives over many designs, as a labelled data set."""
 
 from ._chunks import map_in_chunks as map_in_chunks
-from ._sweep import DEFAULT_CHUNK as DEFAULT_CHUNK, sweep as sweep
+from ._export import check_export as check_export, export as export
+from ._plan import PlanName as PlanName
+from ._store import open_store as open_store
+from ._sweep import DEFAULT_CHUNK as DEFAULT_CHUNK, collect as collect, sweep as sweep

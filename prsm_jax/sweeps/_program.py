@@ -1,6 +1,7 @@
-"""The compiled part of a sweep: one chunk of designs, all at once."""
+"""The compiled part of a sweep: one block of designs, all at once."""
 
-from typing import Any
+import functools
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -9,57 +10,115 @@ from jaxtyping import Array, Float, Int
 
 from ..fields import Scalar
 from ..findings import first_error, margins_of, shared_loads
-from ..mechanism import Mechanism, set_parameters
+from ..mechanism import Mechanism, find_parameters, set_parameters
 from ..quantities import Analysis, evaluate_coded
 
 
-@eqx.filter_jit
-def evaluate_chunk(
-    mechanism: Mechanism,
-    names: tuple[str, ...],
-    axes: tuple[Float[Array, " _"], ...],
-    quantities: tuple[str, ...],
-    start: Int[Array, ""],
-    chunk: int,
-    speed: Scalar | None,
-    load: Scalar | None,
-    sources: tuple[Any, ...] | None,
-) -> tuple[dict[str, Array], Int[Array, " chunk"], Int[Array, " chunk"]]:
-    """Quantities of `chunk` neighbouring designs of a grid, with the last axis varying fastest.
+class Question(NamedTuple):
+    """What is computed of every design; part of the program."""
 
-    The coordinates are computed from the number of a design, so the grid is never stored. Beyond
-    the end of the grid the last design is repeated.
+    #: Names from the catalogue.
+    quantities: tuple[str, ...]
+    #: Parameters by which every quantity is differentiated.
+    gradients: tuple[str, ...]
+    #: Sources of margins whose errors are looked for, or `None`.
+    sources: tuple | None
+    #: Number of designs in a call.
+    size: int
+
+
+class BlockResults(NamedTuple):
+    """Results of a block, with the designs along the first axis of every array."""
+
+    #: All NaN for an unusable design.
+    values: dict[str, Array]
+    #: Derivatives [SI] by quantity and parameter.
+    derivatives: dict[tuple[str, str], Array]
+    #: 0 for a usable design (see `prsm_jax.quantities.REASONS`).
+    code: Int[Array, " designs"]
+    #: First error of `check`, by its place in `error_names` from 1; 0 for none.
+    error: Int[Array, " designs"]
+
+
+def evaluate_block(
+    mechanism: Mechanism,
+    columns: dict[str, Float[Array, " designs"]],
+    point: dict[str, Scalar | None],
+    question: Question,
+) -> BlockResults:
+    """Quantities of designs that differ in the numbers of `columns`.
 
     **Arguments:**
 
-    - `mechanism`: the mechanism, with the static axes set.
-    - `names`, `axes`: parameters and their values [SI].
-    - `quantities`: names from the catalogue.
-    - `start`: number of the first design.
-    - `chunk`: number of designs.
-    - `speed`, `load`: operating point, or `None` for that of the mechanism.
-    - `sources`: sources of margins whose errors are looked for, or `None`.
-
-    **Returns:** the quantities, with the designs as first axis, all NaN for an unusable design; a
-    code, 0 for a usable design (see `prsm_jax.quantities.REASONS`); and the first error of
-    `check`, by its place in `error_names` from 1, 0 for none.
+    - `mechanism`: the mechanism, with the whole numbers that are part of the program set.
+    - `columns`: values [SI] of parameters, by name, of all designs.
+    - `point`: `speed` and `load`, or `None` for those of the mechanism.
+    - `question`: what is computed.
     """
-    shape = tuple(axis.shape[0] for axis in axes)
-    total = 1
-    for length in shape:
-        total *= length
+    numbers, static = _separated(mechanism)
+    return evaluate_chunk(static, question, numbers, columns, point)
 
-    def design(number: Int[Array, ""]):
-        place = jnp.unravel_index(number, shape) if shape else ()
-        values = {name: axis[index] for name, axis, index in zip(names, axes, place, strict=True)}
-        moved = set_parameters(mechanism, values)
-        analysis = Analysis(moved, speed, load)
-        if sources:
-            analysis.expect(shared_loads(margins_of(moved), lambda m: m.error_limit is not None))
-        results, code = evaluate_coded(analysis, quantities)
-        good = code == 0
-        results = {name: jnp.where(good, value, jnp.nan) for name, value in results.items()}
-        return results, code, first_error(analysis) if sources else jnp.zeros_like(code)
 
-    numbers = jnp.minimum(start + jnp.arange(chunk), total - 1)
-    return jax.vmap(design)(numbers)
+def block_shapes(
+    mechanism: Mechanism,
+    columns: dict[str, Float[Array, " designs"]],
+    point: dict[str, Scalar | None],
+    question: Question,
+) -> BlockResults:
+    """Shapes and types of what `evaluate_block` returns; both share one trace."""
+    numbers, static = _separated(mechanism)
+    return evaluate_chunk.eval_shape(static, question, numbers, columns, point)
+
+
+def _separated(mechanism: Mechanism) -> tuple[list, tuple]:
+    """The arrays of a mechanism, and all that is part of the program."""
+    leaves, structure = jax.tree.flatten(mechanism)
+    numbers = [leaf if eqx.is_array(leaf) else None for leaf in leaves]
+    others = tuple(None if eqx.is_array(leaf) else leaf for leaf in leaves)
+    return numbers, (structure, others)
+
+
+@functools.partial(jax.jit, static_argnums=(0, 1))
+def evaluate_chunk(
+    static: tuple, question: Question, numbers: list, columns: dict, point: dict
+) -> BlockResults:
+    """The program of a block; its name is what the progress line counts."""
+    structure, others = static
+    leaves = [
+        other if number is None else number for number, other in zip(numbers, others, strict=True)
+    ]
+    mechanism = jax.tree.unflatten(structure, leaves)
+
+    def design(values: dict[str, Scalar]) -> BlockResults:
+        return _evaluate(set_parameters(mechanism, values), point, question)
+
+    return jax.vmap(design, axis_size=question.size)(columns)
+
+
+def _evaluate(mechanism: Mechanism, point: dict, question: Question) -> BlockResults:
+    """What is computed of one design."""
+    analysis = Analysis(mechanism, point["speed"], point["load"])
+    if question.sources:
+        margins = margins_of(mechanism)
+        analysis.expect(shared_loads(margins, lambda margin: margin.error_limit is not None))
+    values, code = evaluate_coded(analysis, question.quantities)
+    derivatives: dict[tuple[str, str], Any] = {}
+    if question.gradients:
+
+        def changed(by: dict[str, Scalar]) -> dict[str, Array]:
+            again = Analysis(set_parameters(mechanism, by), point["speed"], point["load"])
+            return evaluate_coded(again, question.quantities)[0]
+
+        present = {
+            name: find_parameters(mechanism, name)[0].get(mechanism) for name in question.gradients
+        }
+        derivatives = {
+            (quantity, name): slope
+            for quantity, row in jax.jacfwd(changed)(present).items()
+            for name, slope in row.items()
+        }
+    values, derivatives = jax.tree.map(
+        lambda value: jnp.where(code == 0, value, jnp.nan), (values, derivatives)
+    )
+    error = first_error(analysis) if question.sources else jnp.zeros_like(code)
+    return BlockResults(values, derivatives, code, error)

@@ -1,17 +1,37 @@
-"""A sweep on disk: a zarr store that is either complete or absent."""
+"""A sweep on disk: a zarr store that is written block by block, and can be continued.
 
+Metadata and coordinates are written once, beforehand. A block is computed from its number alone and
+lies in chunk files of its own, each put in place as a whole, so any number of processes may write,
+also the same block twice. Its mark comes last: a block without a mark is computed again.
+"""
+
+import contextlib
+import functools
+import json
 import os
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from .._errors import missing_extra
 from ..process import placing_in, put_folder, real_path, temporary_folder
+from ._labels import Variable
+from ._plan import Blocks
 
 if TYPE_CHECKING:
     import xarray
 
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None
+
 #: Files that mark a directory as a zarr store of format 3 or 2.
 _MARKS = ("zarr.json", ".zgroup")
+#: Group of a store with what belongs to the run, which xarray does not show.
+_PROGRESS, _DONE, _SWEEP = "progress", "done", "sweep"
 
 
 def check_store(store: str | os.PathLike[str]) -> None:
@@ -44,3 +64,177 @@ def write_store(dataset: "xarray.Dataset", store: str | os.PathLike[str]) -> Non
         dataset.to_zarr(new, mode="w", zarr_format=3, consolidated=False)
         with placing_in(path.parent):
             put_folder(new, path, temporary / "old")
+
+
+def create_store(
+    store: Path,
+    dataset: "xarray.Dataset",
+    variables: tuple[Variable, ...],
+    blocks: Blocks,
+    identity: Mapping[str, Any],
+) -> None:
+    """Write a store without results; if another process makes it at the same time, one wins.
+
+    **Arguments:**
+
+    - `store`: its path.
+    - `dataset`: coordinates and attributes.
+    - `variables`: its arrays.
+    - `blocks`: their edges are those of the chunks.
+    - `identity`: what the results depend on; JSON.
+    """
+    import zarr
+
+    path = real_path(store)
+    with temporary_folder(path.parent, f".{path.name}-") as temporary:
+        new = temporary / "new"
+        dataset.to_zarr(new, mode="w", zarr_format=3, consolidated=False)
+        group = zarr.open_group(new, mode="r+")
+        for variable in variables:
+            group.create_array(
+                variable.name,
+                shape=(*blocks.shape, *variable.own_shape),
+                chunks=(*blocks.block, *variable.own_shape),
+                dtype=variable.dtype,
+                fill_value=variable.fill,
+                dimension_names=(*identity["dimensions"], *variable.own_dimensions),
+                attributes=variable.attributes,
+            )
+        progress = group.create_group(_PROGRESS, attributes={_SWEEP: dict(identity)})
+        # Of each block: whether it is complete, and how many designs failed or have an error.
+        progress.create_array(
+            _DONE, shape=(len(blocks), 3), chunks=(1, 3), dtype=np.int32, fill_value=0
+        )
+        with contextlib.suppress(OSError):
+            os.rename(new, path)
+    if not path.is_dir():
+        raise OSError(f"store {store} cannot be made in {path.parent}")
+
+
+def stored_identity(store: Path) -> dict[str, Any] | None:
+    """What the results in a store depend on; `None` if no sweep wrote it, or it is damaged."""
+    try:
+        stored = json.loads((store / _PROGRESS / "zarr.json").read_text(encoding="utf-8"))
+        identity = stored["attributes"][_SWEEP]
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    return identity if isinstance(identity, dict) else None
+
+
+def check_identity(store: Path, identity: Mapping[str, Any]) -> None:
+    """Check that a store belongs to this sweep.
+
+    **Raises:** `ValueError` if it belongs to another one, or cannot be read.
+    """
+    remedy = "remove it, choose another path, or replace it with resume=False"
+    stored = stored_identity(store)
+    if stored is None:
+        raise ValueError(f"store {store} was not written by a sweep, or is damaged; {remedy}")
+    for name, value in json.loads(json.dumps(identity)).items():
+        before = stored.get(name)
+        if before == value:
+            continue
+        words = f"its {name} is {_short(before)}, not {_short(value)}"
+        if isinstance(before, dict) and isinstance(value, dict):
+            differs = [key for key in {**before, **value} if before.get(key) != value.get(key)]
+            words = f"its {name} differs in {', '.join(differs) or 'the order'}"
+        elif name == "mechanism":
+            words = "its mechanism has other numbers or parts"
+        raise ValueError(f"store {store} belongs to another sweep: {words}; {remedy}")
+
+
+def _short(value: Any) -> str:
+    text = json.dumps(value, ensure_ascii=False)
+    return text if len(text) <= 60 else f"{text[:57]}…"
+
+
+class BlockStore:
+    """A store that is being written."""
+
+    def __init__(self, path: Path):
+        import zarr
+
+        self.path = path
+        self._group: Any = zarr.open_group(path, mode="r+")
+        self._marks = self._group[f"{_PROGRESS}/{_DONE}"]
+        self._arrays: dict[str, Any] = {}
+
+    def done(self) -> np.ndarray:
+        """Of every block, whether it is complete."""
+        return self.marks()[:, 0] != 0
+
+    def marks(self) -> np.ndarray:
+        """Of every block: 1 if it is complete, designs that failed, designs with an error."""
+        return np.asarray(self._marks[:])
+
+    def write(
+        self, number: int, where: tuple[slice, ...], arrays: dict, counts: tuple[int, int]
+    ) -> None:
+        """Write a block, then its mark."""
+        for name, values in arrays.items():
+            array = self._arrays.get(name)
+            if array is None:
+                array = self._arrays[name] = self._group[name]
+            array[where] = values
+        self._marks[number] = np.asarray([1, *counts], np.int32)
+
+    def finish(self) -> bool:
+        """If every block is complete, write how many designs failed; whether that is so."""
+        marks = self.marks()
+        if not marks[:, 0].all():
+            return False
+        counted = {"failed": int(marks[:, 1].sum()), "errors": int(marks[:, 2].sum())}
+        if {name: self._group.attrs.get(name) for name in counted} != counted:
+            self._group.attrs.update(counted)
+        return True
+
+
+@functools.lru_cache(maxsize=4)
+def opened(path: Path) -> BlockStore:
+    """The store at a path; opened once in each process that writes blocks."""
+    return BlockStore(path)
+
+
+@contextlib.contextmanager
+def writing(path: Path) -> Iterator[BlockStore]:
+    """A store that this process, or processes that it starts, write to.
+
+    Of a process that was killed, half a chunk may be left beside its place. It is removed
+    afterwards, unless another process is writing to the same store.
+    """
+    store = BlockStore(path)
+    lock = None
+    # A file system without locks is accepted.
+    with contextlib.suppress(OSError):
+        lock = os.open(path, os.O_RDONLY)
+        if fcntl is not None:
+            fcntl.flock(lock, fcntl.LOCK_SH)
+    try:
+        yield store
+        if lock is not None and fcntl is not None:
+            with contextlib.suppress(OSError):
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                for left in path.rglob("*.partial"):
+                    left.unlink(missing_ok=True)
+    finally:
+        if lock is not None:
+            os.close(lock)
+
+
+def open_store(store: str | os.PathLike) -> "xarray.Dataset":
+    """The data set of a sweep's store; values are read when they are used.
+
+    Designs that were not computed yet are NaN, with the code `not_computed`; the attribute `failed`
+    is there once all are.
+
+    **Raises:** `MissingExtraError` without xarray or zarr; `ValueError` if there is no store.
+    """
+    try:
+        import xarray
+        import zarr  # noqa: F401
+    except ImportError as error:
+        raise missing_extra("sweep", "a zarr store", error) from error
+    path = Path(store)
+    if not (path / "zarr.json").is_file():
+        raise ValueError(f"store {path} does not exist; run the sweep that writes it")
+    return xarray.open_zarr(path, consolidated=False, chunks=None)

@@ -1,50 +1,80 @@
-"""Sweeps: quantities over the full grid of any parameters."""
+"""Sweeps: quantities and their derivatives over many designs."""
 
+import hashlib
+import math
 import os
+import re
 from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import Executor
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .._errors import MissingDataError, missing_extra
+from .._errors import missing_extra
+from .._version import __version__
 from ..fields import Scalar
-from ..findings import sources
-from ..mechanism import Mechanism, of_one_known_design
-from ..quantities import REASONS, find_quantity
-from ._axes import Grid, grid_of
-from ._dataset import labelled
-from ._program import evaluate_chunk
+from ..mechanism import Mechanism, find_parameters, of_one_known_design
+from ..process import placing_in, put_folder, real_path, temporary_folder
+from ..quantities import find_quantity
+from ._labels import counts_of, empty_dataset
+from ._plan import PlanName, blocks_of, plan_of
+from ._run import Job, run_blocks
+from ._store import (
+    check_identity,
+    check_store,
+    create_store,
+    open_store,
+    stored_identity,
+    writing,
+)
 
 if TYPE_CHECKING:
     import xarray
 
-#: Designs per compiled call: large enough to hide the call, small enough to stay in the cache.
+#: Designs in a block: large enough to hide the call, small enough to stay in the cache.
 DEFAULT_CHUNK = 4096
 
 
 @of_one_known_design
 def sweep(
     mechanism: Mechanism,
-    axes: Mapping[str, Iterable[Any]],
+    axes: Mapping[str, Iterable],
     quantities: Iterable[str],
     *,
+    plan: PlanName = "grid",
+    points: int | None = None,
+    seed: int = 0,
+    gradients: Iterable[str] = (),
     speed: float | Scalar | None = None,
     load: float | Scalar | None = None,
-    chunk: int = DEFAULT_CHUNK,
+    chunk: int | None = None,
     progress: bool | Callable[[int, int], None] = False,
-    store: str | os.PathLike[str] | None = None,
+    store: str | os.PathLike | None = None,
+    resume: bool = True,
+    shard: tuple[int, int] | None = None,
+    executor: Executor | None = None,
     findings: bool = True,
 ) -> "xarray.Dataset":
-    """Evaluate quantities on the full grid of some parameters.
+    """Evaluate quantities, and their derivatives if wanted, at many designs.
 
-    The designs are computed in chunks of fixed size by one compiled program; every combination
-    of static parameters (`roller_count`) has a program of its own. Memory beyond the result does
-    not grow with the grid. A design that fails, because its threads do not mesh, a contact would
-    have to pull, or a value is not finite, is marked in `failed` and is NaN in all quantities;
-    the other designs are not affected. A design in which `check` finds an error (teeth that
-    interfere, a carrier that cuts into the screw, a load above the static capacity) is marked in
-    `error` with the code of the first error; its quantities are still computed.
+    The designs are computed in blocks of fixed size by one compiled program; every combination
+    of static parameters (`roller_count`) has a program of its own. A design that fails, because its
+    threads do not mesh, a contact would have to pull, or a value is not finite, is marked in
+    `failed` and is NaN in all quantities; the other designs are not affected. A design in which
+    `check` finds an error (teeth that interfere, a carrier that cuts into the screw, a load above
+    the static capacity) is marked in `error` with the code of the first error; its quantities are
+    still computed.
+
+    With a `store`, each block is written when it is computed, and memory does not grow with the
+    number of designs. A run that was stopped continues where it stopped, and the store has the
+    same bytes as that of a run in one go on the same kind of machine. Of a store that is complete
+    nothing is computed again. Several processes can write to one store, on one machine or on many
+    with a common folder: each with a `shard` of its own, or as workers of an `executor`.
 
     **Arguments:**
 
@@ -52,123 +82,234 @@ def sweep(
     - `axes`: values [SI] by the name of a parameter, among them `operating_point.speed` and
       whole numbers such as `roller_count`; in the order of the data set's dimensions.
     - `quantities`: names from the catalogue.
+    - `plan`: `"grid"`: all combinations of the values. `"list"`: the first value of every axis,
+      then the second, and so on. `"lhs"`: a Latin hypercube, or `"sobol"`: Sobol's sequence, of
+      `points` designs between two limits on every axis.
+    - `points`, `seed`: of `"lhs"` and `"sobol"`.
+    - `gradients`: parameters by which every quantity is differentiated, exactly.
     - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
-    - `chunk`: designs per compiled call.
+    - `chunk`: most designs in a block; default 4096, or that of the store.
     - `progress`: show a progress bar; or a function that is called with the number of finished
       designs and the total number.
-    - `store`: directory to write as a zarr store; an existing store is replaced when the new one
-      is complete.
+    - `store`: directory of a zarr store.
+    - `resume`: continue a store of the same sweep. If not, an existing store is replaced when the
+      new one is complete.
+    - `shard`: (i, n), from 1: compute only every n-th block, beginning with block i. Needs a
+      store, and `resume`.
+    - `executor`: workers that compute the blocks: a `concurrent.futures.Executor`, for example that
+      of a Dask client. Default: threads of this process, one for each core or device.
     - `findings`: whether to look for errors of `check` in every design; this may need more
       analyses than the quantities.
 
-    **Returns:** an `xarray.Dataset` with one variable per quantity, the boolean `failed`, and the
-    codes `code` (why a design failed) and `error` (what `check` says), over the axes (then `stage`,
-    or modes). Units are in the attributes `units`, the meaning of codes in `flag_meanings`; the
-    attributes `points`, `failed` and `errors` of the data set count designs.
+    **Returns:** an `xarray.Dataset` with one variable per quantity, one per derivative
+    (`efficiency_by_lead`), the boolean `failed`, and the codes `code` (why a design failed) and
+    `error` (what `check` says). The dimensions of a grid are its axes, those of other plans
+    `design`; then `stage`, or modes. Units are in the attributes `units`, the meaning of codes in
+    `flag_meanings`; the attributes `points`, `failed` and `errors` of the data set count designs.
+    With a store, values are read when they are used; while blocks of other shards are missing, the
+    data set has no attribute `failed`.
 
     **Raises:** `UnknownNameError` for an unknown name; `ValueError` for axes that are empty, not
-    finite, or set the same number, and for a `store` that would replace something else;
+    finite, or set the same number, for limits or lists that do not fit the plan, for a `store` of
+    another sweep or another version, and for one that would replace something else;
     `MissingDataError` where the mechanism lacks data; `MissingExtraError` without xarray, or
-    without zarr or tqdm where they are needed.
+    without zarr, SciPy or tqdm where they are needed.
     """
     try:
         import xarray  # noqa: F401
     except ImportError as error:
         raise missing_extra("sweep", "a sweep", error) from error
-    if isinstance(quantities, str):
-        raise ValueError(f"quantities is the text {quantities!r}; give a list of names")
-    # A quantity that is named twice is one variable.
-    names = tuple(dict.fromkeys(quantities))
+    names = _names("quantities", quantities)
     if not names:
         raise ValueError("quantities is empty; name at least one")
     for name in names:
         find_quantity(name)
-    if chunk < 1:
+    parameters = _names("gradients", gradients)
+    for name in parameters:
+        if find_parameters(mechanism, name)[0].static:
+            raise ValueError(f"gradients names {name}, a whole number, which has no derivative")
+    if chunk is not None and chunk < 1:
         raise ValueError(f"chunk is {chunk}; it must be at least 1")
-    grid = grid_of(mechanism, axes, {"speed": speed, "load": load})
+    laid_out = plan_of(mechanism, axes, {"speed": speed, "load": load}, plan, points, seed)
+    shares = _checked_shard(shard, store, resume)
     if store is not None:
-        from ._store import check_store
-
         check_store(store)
-    point = {
-        name: None if value is None else jnp.asarray(value, jnp.result_type(float))
+    size = chunk or _stored_chunk(store if resume else None) or DEFAULT_CHUNK
+    point = _point(speed, load)
+    job = Job(
+        mechanism, laid_out, blocks_of(laid_out.shape, size), names, parameters, point, findings
+    )
+    with _progress_bar(laid_out.points, progress) as bar:
+        if store is None:
+            return _in_memory(job, executor, bar)
+        return _in_store(job, real_path(Path(store)), resume, shares, executor, bar)
+
+
+def collect(
+    mechanism: Mechanism,
+    axes: Mapping[str, Iterable],
+    quantities: Iterable[str],
+    *,
+    store: str | os.PathLike,
+    plan: PlanName = "grid",
+    points: int | None = None,
+    seed: int = 0,
+    gradients: Iterable[str] = (),
+    speed: float | Scalar | None = None,
+    load: float | Scalar | None = None,
+    findings: bool = True,
+) -> "xarray.Dataset":
+    """Finish the store that the shards of a sweep have written; nothing is computed.
+
+    **Arguments:** as those of `sweep`.
+
+    **Returns:** the data set; values are read when they are used.
+
+    **Raises:** `ValueError` if there is no store, if it belongs to another sweep, or if blocks are
+    missing.
+    """
+    path = real_path(Path(store))
+    if not path.exists():
+        raise ValueError(f"store {store} does not exist; run the shards first")
+    laid_out = plan_of(mechanism, axes, {"speed": speed, "load": load}, plan, points, seed)
+    blocks = blocks_of(laid_out.shape, _stored_chunk(path) or DEFAULT_CHUNK)
+    names, parameters = _names("quantities", quantities), _names("gradients", gradients)
+    job = Job(mechanism, laid_out, blocks, names, parameters, _point(speed, load), findings)
+    check_identity(path, _identity(job))
+    with writing(path) as written:
+        missing = int((~written.done()).sum())
+        if missing:
+            raise ValueError(
+                f"store {store}: {missing} of {len(blocks)} blocks are not computed yet; run the "
+                "shards that were stopped again, or the sweep without a shard"
+            )
+        written.finish()
+    return open_store(path)
+
+
+def _point(speed, load) -> dict[str, float | None]:
+    return {
+        name: None if value is None else float(value)
         for name, value in (("speed", speed), ("load", load))
     }
-    with _progress_bar(grid.points, progress) as bar:
-        margin_sources = sources() if findings else None
-        values, codes = _evaluate(mechanism, grid, names, point, chunk, margin_sources, bar)
-    dataset = labelled(mechanism, grid, values, codes, point)
-    if store is not None:
-        from ._store import write_store
-
-        write_store(dataset, store)
-    return dataset
 
 
-def _evaluate(
-    mechanism: Mechanism,
-    grid: Grid,
-    names: tuple[str, ...],
-    point: dict[str, Any],
-    chunk: int,
-    sources: tuple[Any, ...] | None,
-    bar,
-) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
-    """All quantities over the grid, and codes of each design: why it failed, which error it has."""
-    traced = grid.traced
-    shape = tuple(len(axis.values) for axis in traced)
-    axes = tuple(jnp.asarray(axis.values) for axis in traced)
-    axis_names = tuple(axis.name for axis in traced)
-    total = int(np.prod(shape))
-    size = min(chunk, total)
-    codes = {
-        "code": np.full(grid.shape, REASONS.index("not_computed"), dtype=np.int8),
-        "error": np.zeros(grid.shape, dtype=np.int8),
+def _names(argument: str, names: Iterable[str]) -> tuple[str, ...]:
+    """Names without repetitions: a quantity that is named twice is one variable."""
+    if isinstance(names, str):
+        raise ValueError(f"{argument} is the text {names!r}; give a list of names")
+    return tuple(dict.fromkeys(names))
+
+
+def _checked_shard(shard, store, resume: bool) -> tuple[int, int]:
+    if shard is None:
+        return 1, 1
+    index, count = shard
+    if not 1 <= index <= count:
+        raise ValueError(f"shard is {index} of {count}; it must be from 1 to the number of shards")
+    if store is None:
+        raise ValueError("shard is given without a store; name the store that all shards write to")
+    if not resume:
+        raise ValueError("shard is given with resume=False, but shards continue a common store")
+    return index, count
+
+
+def _stored_chunk(store: str | os.PathLike | None) -> int | None:
+    """Designs in a block of an existing store, so that a run can continue it without the number."""
+    stored = None if store is None else stored_identity(Path(store))
+    return None if stored is None else stored.get("chunk")
+
+
+def _in_memory(job: Job, executor: Executor | None, bar) -> "xarray.Dataset":
+    variables = job.variables()
+    arrays = {
+        variable.name: np.full(
+            (*job.plan.shape, *variable.own_shape), variable.fill, variable.dtype
+        )
+        for variable in variables
     }
-    values: dict[str, np.ndarray] = {}
+    for done in run_blocks(job, range(len(job.blocks)), executor):
+        where = job.blocks.slices(done.number)
+        for name, part in (done.arrays or {}).items():
+            arrays[name][where] = part
+        bar.update(done.designs)
+    data = empty_dataset(job.mechanism, job.plan, variables, job.point)
+    for variable in variables:
+        dimensions = (*job.plan.dimensions, *variable.own_dimensions)
+        data[variable.name] = (dimensions, arrays[variable.name], variable.attributes)
+    return data.assign_attrs(counts_of(arrays["code"], arrays["error"]))
 
-    for where, words, chosen in grid.combinations(mechanism):
-        part: dict[str, np.ndarray] = {}
-        part_codes = {name: np.zeros(total, dtype=np.int8) for name in codes}
-        try:
-            # One chunk at a time: one program keeps the cores busy by itself.
-            for start in range(0, total, size):
-                results, *flags = evaluate_chunk(
-                    chosen,
-                    axis_names,
-                    axes,
-                    names,
-                    jnp.asarray(start),
-                    size,
-                    point["speed"],
-                    point["load"],
-                    sources,
-                )
-                count = min(size, total - start)
-                for name, array in results.items():
-                    value = np.asarray(array)
-                    if name not in part:
-                        part[name] = np.full((total, *value.shape[1:]), np.nan, value.dtype)
-                    part[name][start : start + count] = value[:count]
-                for array, flag in zip(part_codes.values(), flags, strict=True):
-                    array[start : start + count] = np.asarray(flag)[:count]
-                bar.update(count)
-        except MissingDataError as error:
-            if words:
-                raise MissingDataError(f"at {words}: {error}") from error
-            raise
-        for name, value in part.items():
-            if name not in values:
-                values[name] = np.full((*grid.shape, *value.shape[1:]), np.nan, value.dtype)
-            if values[name].shape[len(grid.shape) :] != value.shape[1:]:
-                raise ValueError(
-                    f"quantity {name!r} has {value.shape[1:]} components at {words} and "
-                    f"{values[name].shape[len(grid.shape) :]} before; sweep them separately"
-                )
-            values[name][where] = value.reshape((*shape, *value.shape[1:]))
-        for name, array in part_codes.items():
-            codes[name][where] = array.reshape(shape)
-    return values, codes
+
+def _in_store(
+    job: Job,
+    path: Path,
+    resume: bool,
+    shares: tuple[int, int],
+    executor: Executor | None,
+    bar,
+) -> "xarray.Dataset":
+    def create(path: Path) -> None:
+        variables = job.variables()
+        data = empty_dataset(job.mechanism, job.plan, variables, job.point)
+        create_store(path, data, variables, job.blocks, _identity(job))
+
+    def fill(path: Path) -> None:
+        with writing(path) as blocks:
+            done = blocks.done().tolist()
+            mine = range(shares[0] - 1, len(job.blocks), shares[1])
+            before = [number for number in mine if done[number]]
+            bar.update(sum(math.prod(job.blocks.lengths(number)) for number in before))
+            left = [number for number in mine if not done[number]]
+            for block in run_blocks(replace(job, store=path), left, executor):
+                bar.update(block.designs)
+            blocks.finish()
+
+    if resume or not path.exists():
+        if not path.exists() or not any(path.iterdir()):
+            create(path)
+        check_identity(path, _identity(job))
+        fill(path)
+        return open_store(path)
+    with temporary_folder(path.parent, f".{path.name}-") as temporary:
+        new = temporary / "new"
+        create(new)
+        fill(new)
+        with placing_in(path.parent):
+            put_folder(new, path, temporary / "old")
+    return open_store(path)
+
+
+def _identity(job: Job) -> dict[str, Any]:
+    """What the bytes of a store depend on; JSON."""
+    return {
+        "prsm_jax": __version__,
+        "jax": jax.__version__,
+        "plan": job.plan.kind,
+        "points": job.plan.points,
+        "dimensions": list(job.plan.dimensions),
+        "axes": {axis.name: _digest(axis.values.tobytes()) for axis in job.plan.axes},
+        "quantities": list(job.quantities),
+        "gradients": list(job.gradients),
+        "point": job.point,
+        "findings": job.findings,
+        "precision": str(jnp.result_type(float)),
+        "chunk": job.blocks.size,
+        "block": list(job.blocks.block),
+        "mechanism": _fingerprint(job.mechanism),
+    }
+
+
+def _digest(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()[:16]
+
+
+def _fingerprint(mechanism: Mechanism) -> str:
+    """Equal for equal mechanisms, also in another process."""
+    leaves = [leaf for leaf in jax.tree.leaves(mechanism) if eqx.is_array(leaf)]
+    numbers = b"".join(np.asarray(leaf).tobytes() for leaf in leaves)
+    words = eqx.tree_pformat(mechanism, short_arrays=True)
+    # Some objects are printed with the address at which they lie.
+    return _digest(numbers + re.sub(r" at 0x[0-9a-f]+", "", words).encode())
 
 
 class _CallbackProgress:

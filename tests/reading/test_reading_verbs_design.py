@@ -13,7 +13,7 @@ from reading_tables import Terminal, assert_json, column_unit, without_words
 from reading_units import to_si
 
 import prsm_jax
-from prsm_jax.cli.verbs import _design, _modal, _vibrate
+from prsm_jax.cli.verbs import _design, _modal, _sweep, _vibrate
 from prsm_jax.mechanism import Constraint, DesignProblem, Objective, Variable
 from prsm_jax.optimisation import ConstraintReport, Design, Optimum, Run
 from prsm_jax.report import summarise_optimisation
@@ -500,13 +500,14 @@ def test_sweep(run, monkeypatch, tmp_path):
         variables["failed"] = ("design", codes != 0)
         return xarray.Dataset(variables, attrs={"points": 21, "failed": 4})
 
-    monkeypatch.setattr(_design, "run_sweep", sweep)
+    monkeypatch.setattr(_sweep, "run_sweep", sweep)
     axis = ("--axis", "lead=5 mm:15 mm:3", "--axis", "contact_angle=30 deg,45 deg")
     found, printed = run("sweep", "wu2022", *axis, "--quantities", "efficiency, mass")
     store = found.pop("store")
     reasons = {"overlapping_rollers": 3, "no_meshing": 1}
     errors = {"backlash": 3, "static_safety": 2}
     wanted = {"points": 21, "failed": 4, "reasons": reasons, "errors": errors}
+    wanted |= {"missing": 0, "exports": []}
     assert_json(without_words(found), wanted)
     axes, quantities, place = given[0]
     assert quantities == ["efficiency", "mass"]

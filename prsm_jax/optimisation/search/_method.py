@@ -10,7 +10,6 @@ import numpy as np
 
 from ._functions import SearchFunctions
 
-
 #: Called with the position of every iterate.
 Report: TypeAlias = Callable[[np.ndarray], None]
 

@@ -1,0 +1,253 @@
+"""The verb `sweep`: quantities at many designs, into a store that a later run continues."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from cyclopts import Parameter
+
+from ..._errors import PrsmError, missing_extra
+from ...mechanism import Mechanism
+from ...process import folder_for_results
+from ...quantities import assumptions
+from ...sweeps import (
+    PlanName,
+    check_export,
+    collect as collect_blocks,
+    export as run_export,
+    sweep as run_sweep,
+)
+from .._app import app
+from .._common import Common, checked, emit, value_of, words_of
+from .._progress import Counter, doing, expect_programs
+from .._tables import prose
+
+_DEFAULT = Common()
+#: Plans between two limits on every axis.
+_SAMPLED = ("lhs", "sobol")
+
+
+def _axis(mechanism: Mechanism, text: str, plan: str) -> tuple[str, np.ndarray]:
+    """`NAME=FIRST:LAST:COUNT`, `NAME=LOWER:UPPER` or `NAME=VALUE,VALUE,…`, as in `--set`."""
+    limits = "NAME=LOWER:UPPER" if plan in _SAMPLED else "NAME=FIRST:LAST:COUNT"
+    name, equals, numbers = (part.strip() for part in text.partition("="))
+    if not (name and equals and numbers):
+        raise PrsmError(f"--axis {text}: must be {limits} or NAME=VALUE,VALUE,…")
+
+    def value(word: str) -> float:
+        return value_of(mechanism, name, word, f"--axis {text}")
+
+    parts = numbers.split(":")
+    if len(parts) == 1:
+        return name, np.asarray([value(word) for word in numbers.split(",")])
+    if plan in _SAMPLED:
+        if len(parts) != 2:
+            raise PrsmError(
+                f"--axis {text}: plan {plan} takes LOWER:UPPER, such as 'lead=5 mm:15 mm'"
+            )
+        return name, np.asarray([value(parts[0]), value(parts[1])])
+    if len(parts) != 3 or not parts[2].strip().isdigit() or int(parts[2]) < 2:
+        raise PrsmError(
+            f"--axis {text}: a range is FIRST:LAST:COUNT with a count of at least 2, such as "
+            "'lead=5 mm:15 mm:11'"
+        )
+    return name, np.linspace(value(parts[0]), value(parts[1]), int(parts[2]))
+
+
+def _shard(text: str | None) -> tuple[int, int] | None:
+    """`I/N`."""
+    if text is None:
+        return None
+    first, slash, second = text.partition("/")
+    if not (slash and first.strip().isdigit() and second.strip().isdigit()):
+        raise PrsmError(f"--shard {text}: must be I/N with 1 ≤ I ≤ N, such as 3/16")
+    return int(first), int(second)
+
+
+def _counted(codes: Any) -> dict[str, int]:
+    """Number of designs with each code other than 0, by its meaning."""
+    meanings = codes.attrs["flag_meanings"].split()
+    distinct, counts = np.unique(codes.values, return_counts=True)
+    pairs = zip(distinct.astype(int), counts, strict=True)
+    return {meanings[code]: int(count) for code, count in pairs if code}
+
+
+def _listed(counts: dict[str, int]) -> str:
+    return ", ".join(f"{name.replace('_', ' ')} ({count})" for name, count in counts.items())
+
+
+@app.command
+def sweep(
+    file: str,
+    *,
+    axis: Annotated[
+        list[str],
+        Parameter(
+            negative="",
+            help="NAME=FIRST:LAST:COUNT or NAME=VALUE,VALUE,…, such as 'lead=5 mm:15 mm:11'; "
+            "with --plan lhs or sobol NAME=LOWER:UPPER. May be repeated.",
+        ),
+    ],
+    quantities: Annotated[
+        str, Parameter(help="Names from `prsm quantities`, separated by commas.")
+    ] = "efficiency,max_pressure",
+    gradients: Annotated[
+        str | None,
+        Parameter(help="Names of numbers by which every quantity is differentiated, by commas."),
+    ] = None,
+    plan: Annotated[
+        PlanName,
+        Parameter(
+            help="grid: all combinations. list: the first value of every axis, then the second, "
+            "and so on. lhs (Latin hypercube) and sobol: --points designs between the limits."
+        ),
+    ] = "grid",
+    points: Annotated[int | None, Parameter(help="Number of designs of lhs and sobol.")] = None,
+    seed: Annotated[int, Parameter(help="Seed of lhs and sobol.")] = 0,
+    resume: Annotated[
+        bool,
+        Parameter(help="Continue the store of the same sweep, or replace what is there."),
+    ] = True,
+    shard: Annotated[
+        str | None,
+        Parameter(
+            help="I/N: compute only every N-th block of designs. N processes, on machines with a "
+            "common folder, share a sweep; --collect finishes it."
+        ),
+    ] = None,
+    collect: Annotated[
+        bool, Parameter(negative="", help="Compute nothing; finish the store of all shards.")
+    ] = False,
+    scheduler: Annotated[
+        str | None,
+        Parameter(help="Address of a Dask scheduler, whose workers compute and write the blocks."),
+    ] = None,
+    export: Annotated[
+        list[Path] | None,
+        Parameter(
+            negative="", help="Write a FILE.csv, .xlsx, .parquet or .nc as well. May be repeated."
+        ),
+    ] = None,
+    common: Common = _DEFAULT,
+) -> int:
+    """Quantities at many designs, into a zarr store in --out (default out).
+
+    The store is written block by block. A run that was stopped continues with the same command, and
+    a finished one is not computed again.
+
+    Example: prsm sweep actuator --axis "lead=5 mm:15 mm:21" --quantities efficiency,mass
+    """
+    common.check_targets("out")
+    part = _shard(shard)
+    if collect and part is not None:
+        raise PrsmError("--collect and --shard exclude each other: collect when all shards ended")
+    if scheduler is not None and (part is not None or collect):
+        raise PrsmError("--scheduler computes the whole sweep; leave out --shard and --collect")
+    files = export or []
+    for path in files:
+        check_export(path)
+    mechanism = common.load(file)
+    axes = dict(_axis(mechanism, text, plan) for text in axis)
+    names = words_of(quantities) or []
+    folder = Path("out") if common.out is None else common.out
+    store = folder / f"{Path(file).stem}-sweep.zarr"
+    if not collect:
+        # Programs with other whole numbers are announced when they are compiled.
+        expect_programs("evaluate_chunk")
+    options: dict[str, Any] = {
+        "plan": plan,
+        "points": points,
+        "seed": seed,
+        "gradients": words_of(gradients) or [],
+        "store": store,
+    }
+    with folder_for_results(folder):
+        if collect:
+            data = collect_blocks(mechanism, axes, names, **options)
+        else:
+            with _executor(scheduler) as executor:
+                data = run_sweep(
+                    mechanism,
+                    axes,
+                    names,
+                    **options,
+                    progress=Counter("designs"),
+                    resume=resume,
+                    shard=part,
+                    executor=executor,
+                )
+    total, codes = int(data.attrs["points"]), data["code"].load()
+    reasons = _counted(codes)
+    missing = reasons.pop("not_computed", 0)
+    failed = int(data["failed"].sum()) - missing
+    errors = _counted(data["error"].where(~data["failed"], 0))
+    rests_on = assumptions(mechanism, names)
+    if missing and files:
+        raise PrsmError(
+            f"--export: {missing} of {total} designs are not computed yet; run the other shards, "
+            "then --collect with --export"
+        )
+    for path in files:
+        doing(f"writing {path.name}")
+        run_export(data, path, rests_on)
+
+    def text() -> str:
+        words = f"{total} designs, {failed} failed"
+        if reasons:
+            words += ": " + _listed(reasons)
+        if errors:
+            words += f"; errors of prsm check in {sum(errors.values())} more: {_listed(errors)}"
+        if missing:
+            words += f"; {missing} are not computed yet"
+        return prose(words) + "\n".join(map(str, [store, *files]))
+
+    findings = checked(mechanism)
+    results: dict[str, Any] = {
+        "store": store,
+        "points": total,
+        "failed": failed,
+        # Designs of other shards, or of a run that was stopped.
+        "missing": missing,
+        "reasons": reasons,
+        # Designs that did not fail, by the first error that `check` finds in them.
+        "errors": errors,
+        "exports": files,
+        # Of the mechanism in the file; each design has its own code.
+        "findings": list(dict.fromkeys(f.name for f in findings if f.severity != "note")),
+        "valid": failed < total - missing,
+    }
+    if common.out is not None and not missing and plan == "grid" and len(axes) == 2:
+        from ...report import save_figure, sweep_map
+
+        for name in names:
+            if data[name].ndim == 2:
+                save_figure(sweep_map(data, name), common.out / f"sweep-{name}")
+    emit(common, results, text, rests_on)
+    return 0
+
+
+def _executor(scheduler: str | None) -> Any:
+    """The workers of a Dask scheduler, or none."""
+    import contextlib
+
+    if scheduler is None:
+        return contextlib.nullcontext()
+    try:
+        import distributed
+    except ImportError as error:
+        raise missing_extra("cluster", "--scheduler", error) from error
+
+    @contextlib.contextmanager
+    def connected():
+        doing(f"connecting to {scheduler}")
+        try:
+            client = distributed.Client(scheduler, timeout=10)
+        except (OSError, ValueError) as error:
+            raise PrsmError(
+                f"--scheduler {scheduler}: no Dask scheduler answers there; start one with `dask "
+                "scheduler` and workers with `dask worker ADDRESS`"
+            ) from error
+        with client:
+            yield client.get_executor()
+
+    return connected()

@@ -1,0 +1,251 @@
+"""Sweeps as files for other programs: CSV, Excel, Parquet and netCDF.
+
+Designs are rows; components of a quantity (stages, modes) are columns of their own. Rows are read
+and written in pieces, so that memory does not grow with the number of designs, except for Excel and
+netCDF.
+"""
+
+import os
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .._errors import missing_extra
+from ..process import whole_file
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+#: Rows of a sheet of Excel, less the line of the names.
+_EXCEL_ROWS = 2**20 - 1
+#: Rows that are in memory at once.
+_PIECE = 50_000
+
+
+def export(
+    data: "xarray.Dataset", path: str | os.PathLike, assumptions: Iterable[str] = ()
+) -> None:
+    """Write a sweep to a file, in the format of its ending.
+
+    | ending | format |
+    | --- | --- |
+    | `.csv` | text; units in the names of columns |
+    | `.xlsx` | Excel; sheets of designs, of columns with units and descriptions, of assumptions |
+    | `.parquet` | columns with units and descriptions as metadata |
+    | `.nc` | netCDF 4, with the dimensions of the sweep |
+
+    **Arguments:**
+
+    - `data`: the data set of `sweep`.
+    - `path`: the file; it is complete or, if anything fails, as before.
+    - `assumptions`: sentences about what the numbers rest on; in CSV they are left out.
+
+    **Raises:** `ValueError` for another ending, and for more designs than a sheet of Excel has
+    rows; `MissingExtraError` without the library of the format.
+    """
+    target = Path(path)
+    write = _formats().get(target.suffix.lower())
+    if write is None:
+        endings = ", ".join(_formats())
+        raise ValueError(f"export to {target}: the ending must be one of {endings}")
+    sentences = list(assumptions)
+    with whole_file(target) as partial:
+        write(data, partial, sentences)
+
+
+def check_export(path: str | os.PathLike) -> None:
+    """Check, before anything is computed, that a file of this name can be written.
+
+    **Raises:** as `export`, but for the number of designs.
+    """
+    target = Path(path)
+    if target.suffix.lower() not in _formats():
+        raise ValueError(f"export to {target}: the ending must be one of {', '.join(_formats())}")
+    if not target.absolute().parent.is_dir():
+        raise ValueError(f"export to {target}: the folder {target.parent} does not exist; make it")
+    library = _LIBRARIES.get(target.suffix.lower())
+    if library is not None:
+        try:
+            __import__(library)
+        except ImportError as error:
+            raise missing_extra("export", f"an export to {target.suffix}", error) from error
+
+
+#: Library that writes a format, beyond what a sweep needs.
+_LIBRARIES = {".xlsx": "openpyxl", ".parquet": "pyarrow", ".nc": "h5py"}
+
+
+def _formats() -> dict[str, Callable[[Any, Path, list[str]], None]]:
+    return {".csv": _csv, ".xlsx": _excel, ".parquet": _parquet, ".nc": _netcdf}
+
+
+class _Column:
+    """One column: a coordinate of the designs, or one component of a variable."""
+
+    def __init__(self, data: "xarray.Dataset", name: str, component: tuple[int, ...]):
+        array = data[name]
+        self.variable, self.component = name, component
+        own = array.dims[array.ndim - len(component) :] if component else ()
+        parts = [
+            f"{dimension} {int(data[dimension][index]) if dimension in data.coords else index + 1}"
+            for dimension, index in zip(own, component, strict=True)
+        ]
+        self.name = f"{name} ({', '.join(map(str, parts))})" if parts else name
+        self.unit = str(array.attrs.get("units", ""))
+        self.description = str(array.attrs.get("long_name", ""))
+        meanings = str(array.attrs.get("flag_meanings", "")).split()
+        #: Words for the numbers of a code.
+        self.words = meanings or None
+
+    @property
+    def heading(self) -> str:
+        """Name and unit."""
+        return f"{self.name} [{self.unit}]" if self.unit and self.unit != "1" else self.name
+
+
+def _columns(data: "xarray.Dataset", designs: tuple[str, ...]) -> list[_Column]:
+    coordinates = [name for name, array in data.coords.items() if set(array.dims) <= set(designs)]
+    columns = [_Column(data, str(name), ()) for name in coordinates]
+    for name, array in data.data_vars.items():
+        own = array.shape[len(designs) :]
+        columns += [_Column(data, str(name), index) for index in np.ndindex(*own)]
+    return columns
+
+
+def _design_dimensions(data: "xarray.Dataset") -> tuple[str, ...]:
+    """Dimensions that all variables share: those of the code."""
+    return tuple(map(str, data["code"].dims))
+
+
+def _pieces(
+    data: "xarray.Dataset", columns: Sequence[_Column], designs: tuple[str, ...]
+) -> "Iterator[pandas.DataFrame]":
+    """Tables of neighbouring designs, in the order of the sweep."""
+    import pandas
+
+    lengths = [data.sizes[name] for name in designs]
+    inside = int(np.prod(lengths[1:], dtype=int))
+    step = max(1, _PIECE // inside)
+    for start in range(0, lengths[0], step):
+        part = data.isel({designs[0]: slice(start, start + step)}).load()
+        shape = tuple(part.sizes[name] for name in designs)
+        table = {}
+        for column in columns:
+            array = part[column.variable]
+            if column.variable in part.coords:
+                spread = np.broadcast_to(
+                    array.values.reshape(
+                        [part.sizes[n] if n in array.dims else 1 for n in designs]
+                    ),
+                    shape,
+                )
+                table[column.heading] = spread.ravel()
+                continue
+            values = array.values[(..., *column.component)].ravel()
+            if column.words is not None:
+                values = np.array(column.words, object)[values]
+            table[column.heading] = values
+        yield pandas.DataFrame(table)
+
+
+def _csv(data: "xarray.Dataset", path: Path, assumptions: list[str]) -> None:
+    designs = _design_dimensions(data)
+    columns = _columns(data, designs)
+    with path.open("w", encoding="utf-8", newline="") as file:
+        for index, table in enumerate(_pieces(data, columns, designs)):
+            table.to_csv(file, index=False, header=index == 0)
+
+
+def _excel(data: "xarray.Dataset", path: Path, assumptions: list[str]) -> None:
+    import openpyxl
+
+    designs = _design_dimensions(data)
+    count = int(np.prod([data.sizes[name] for name in designs]))
+    if count > _EXCEL_ROWS:
+        raise ValueError(
+            f"{count} designs are more than the {_EXCEL_ROWS} rows of a sheet of Excel; export to "
+            ".csv or .parquet"
+        )
+    book = openpyxl.Workbook(write_only=True)
+    try:
+        _fill(book, data, designs, assumptions)
+        book.save(path)
+    except BaseException:
+        # Of a sheet that is not saved, a file would stay open.
+        for sheet in book:
+            sheet.close()
+        raise
+
+
+def _fill(book: Any, data: "xarray.Dataset", designs: tuple[str, ...], assumptions: list[str]):
+    """Write the sheets of a workbook."""
+    columns = _columns(data, designs)
+    sheet = book.create_sheet("designs")
+    sheet.freeze_panes = "A2"
+    sheet.append([column.heading for column in columns])
+    for table in _pieces(data, columns, designs):
+        for row in table.itertuples(index=False):
+            # Excel has no NaN: the cell is empty.
+            sheet.append([None if cell != cell else _plain(cell) for cell in row])
+    described = book.create_sheet("columns")
+    described.append(["column", "unit", "description"])
+    for column in columns:
+        described.append([column.name, column.unit, column.description])
+    rests = book.create_sheet("assumptions")
+    for sentence in assumptions:
+        rests.append([_words(rests, sentence)])
+    for name, value in data.attrs.items():
+        rests.append([_words(rests, f"{name}: {value}")])
+
+
+def _plain(cell: Any) -> Any:
+    return cell.item() if isinstance(cell, np.generic) else cell
+
+
+def _words(sheet: Any, text: str) -> Any:
+    """A cell of text, which Excel does not take for a formula."""
+    import openpyxl.cell
+
+    cell = openpyxl.cell.WriteOnlyCell(sheet, text)
+    cell.data_type = "s"
+    return cell
+
+
+def _parquet(data: "xarray.Dataset", path: Path, assumptions: list[str]) -> None:
+    import pyarrow
+    import pyarrow.parquet
+
+    designs = _design_dimensions(data)
+    columns = _columns(data, designs)
+    by_heading = {column.heading: column for column in columns}
+    about = {str(name): str(value) for name, value in data.attrs.items()}
+    about["assumptions"] = "\n".join(assumptions)
+    writer = None
+    try:
+        for table in _pieces(data, columns, designs):
+            # Names without units here: the metadata of the column has them.
+            rows = pyarrow.Table.from_pandas(table, preserve_index=False)
+            fields = [
+                field.with_name(by_heading[field.name].name).with_metadata(
+                    {
+                        "units": by_heading[field.name].unit,
+                        "description": by_heading[field.name].description,
+                    }
+                )
+                for field in rows.schema
+            ]
+            schema = pyarrow.schema(fields, metadata=about)
+            if writer is None:
+                writer = pyarrow.parquet.ParquetWriter(path, schema)
+            writer.write_table(pyarrow.Table.from_arrays(rows.columns, schema=schema))
+    finally:
+        if writer is not None:
+            writer.close()
+
+
+def _netcdf(data: "xarray.Dataset", path: Path, assumptions: list[str]) -> None:
+    labelled = data.assign_attrs(assumptions="\n".join(assumptions))
+    labelled.to_netcdf(path, engine="h5netcdf")

@@ -1,0 +1,244 @@
+"""Blocks of a sweep are computed: by threads of this process, or by an executor's workers."""
+
+import functools
+import math
+import operator
+import os
+import threading
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from .._errors import MissingDataError
+from ..findings import sources
+from ..mechanism import Mechanism
+from ._labels import Variable, arrays_of, counts_of, variables_of
+from ._plan import Blocks, Plan, with_static
+from ._program import BlockResults, Question, block_shapes, evaluate_block
+from ._store import opened
+
+#: Blocks that an executor has at once: enough for many workers, few enough to stay in memory.
+_IN_FLIGHT = 256
+
+
+class _Settings(NamedTuple):
+    """What is computed of every design, in a form that can be sent to another process."""
+
+    quantities: tuple[str, ...]
+    gradients: tuple[str, ...]
+    findings: bool
+    #: Number of designs in a call.
+    size: int
+    #: `speed` and `load` [rad/s, N], or `None`.
+    point: dict[str, float | None]
+
+    @property
+    def question(self) -> Question:
+        found = sources() if self.findings else None
+        return Question(self.quantities, self.gradients, found, self.size)
+
+    @property
+    def arguments(self) -> dict:
+        """The operating point as arrays, so that another speed does not compile again."""
+        dtype = jnp.result_type(float)
+        return {
+            name: None if value is None else jnp.asarray(value, dtype)
+            for name, value in self.point.items()
+        }
+
+
+class BlockTask(NamedTuple):
+    """One block: all that it is computed from, and where it goes."""
+
+    number: int
+    mechanism: Mechanism
+    settings: _Settings
+    #: Values [SI] of parameters at its designs; whole numbers are part of the program.
+    values: dict[str, np.ndarray]
+    static: dict[str, np.ndarray]
+    #: Its place in the arrays of the sweep.
+    where: tuple[slice, ...]
+    #: Where it is written, or `None`.
+    store: Path | None
+
+
+class BlockDone(NamedTuple):
+    """A block that was computed."""
+
+    number: int
+    designs: int
+    #: Designs that failed, and designs in which `check` finds an error.
+    counts: tuple[int, int]
+    #: Its arrays, or `None` if they were written to the store.
+    arrays: dict[str, np.ndarray] | None
+
+
+@dataclass(frozen=True)
+class Job:
+    """A sweep, block by block."""
+
+    mechanism: Mechanism
+    plan: Plan
+    blocks: Blocks
+    quantities: tuple[str, ...]
+    gradients: tuple[str, ...]
+    #: `speed` and `load` [rad/s, N], or `None`.
+    point: dict[str, float | None]
+    findings: bool
+    #: Where blocks are written, or `None`.
+    store: Path | None = None
+
+    @functools.cached_property
+    def _settings(self) -> _Settings:
+        # Only designs with equal whole numbers share a call.
+        static = {axis.name for axis in self.plan.axes if axis.static}
+        size = self.blocks.size
+        if self.plan.kind == "grid":
+            lengths = zip(self.plan.dimensions, self.blocks.block, strict=True)
+            size = math.prod(length for name, length in lengths if name not in static)
+        return _Settings(self.quantities, self.gradients, self.findings, size, self.point)
+
+    def task(self, number: int) -> BlockTask:
+        """What one block is computed from."""
+        values = self.plan.values(self.blocks.designs(number))
+        static = {axis.name: values.pop(axis.name) for axis in self.plan.axes if axis.static}
+        where = self.blocks.slices(number)
+        return BlockTask(number, self.mechanism, self._settings, values, static, where, self.store)
+
+    def variables(self) -> tuple[Variable, ...]:
+        """All arrays of the sweep; raises as `shapes` does."""
+        return variables_of(
+            self.mechanism, self.plan, self.quantities, self.gradients, self.shapes()
+        )
+
+    def shapes(self) -> BlockResults:
+        """Shapes of the results of a call.
+
+        **Raises:** `MissingDataError` where the mechanism lacks data; `ValueError` if whole numbers
+        change the number of components of a quantity.
+        """
+        settings, first, where_first = self._settings, None, ""
+        columns = {
+            axis.name: jnp.zeros(settings.size, jnp.result_type(float))
+            for axis in self.plan.axes
+            if not axis.static
+        }
+        for choice in self.plan.static_choices():
+            words = ", ".join(f"{name} = {value}" for name, value in choice.items())
+            try:
+                chosen = with_static(self.mechanism, choice)
+                shapes = block_shapes(chosen, columns, settings.arguments, settings.question)
+            except MissingDataError as error:
+                raise (MissingDataError(f"at {words}: {error}") if words else error) from error
+            if first is None:
+                first, where_first = shapes, words
+            for name, value in shapes.values.items():
+                if value.shape != first.values[name].shape:
+                    raise ValueError(
+                        f"quantity {name!r} has {value.shape[1:]} components at {words} and "
+                        f"{first.values[name].shape[1:]} at {where_first}; sweep them separately"
+                    )
+        assert first is not None  # a plan has at least one choice
+        return first
+
+
+def compute_block(task: BlockTask) -> BlockDone:
+    """Compute one block, and write it if there is a store."""
+    size = task.settings.size
+    shape = tuple(part.stop - part.start for part in task.where)
+    designs = math.prod(shape)
+    choices = np.reshape(list(task.static.values()), (len(task.static), designs)).astype(int)
+    distinct, group = np.unique(choices, axis=1, return_inverse=True)
+    parts, places = [], []
+    for index, choice in enumerate(distinct.T.tolist()):
+        place = np.flatnonzero(group.ravel() == index)
+        # Every call has the same size; the last design fills it.
+        filled = place[np.minimum(np.arange(size), len(place) - 1)]
+        columns = {
+            name: jnp.asarray(values[filled], jnp.result_type(float))
+            for name, values in task.values.items()
+        }
+        chosen = with_static(task.mechanism, dict(zip(task.static, choice, strict=True)))
+        results = jax.tree.map(np.asarray, _evaluated(chosen, columns, task.settings))
+        parts.append(jax.tree.map(operator.itemgetter(slice(len(place))), results))
+        places.append(place)
+    order = np.argsort(np.concatenate(places))
+    joined = jax.tree.map(lambda *leaves: np.concatenate(leaves)[order], *parts)
+    arrays = arrays_of(shape, joined)
+    counted = counts_of(arrays["code"], arrays["error"])
+    counts = counted["failed"], counted["errors"]
+    if task.store is None:
+        return BlockDone(task.number, designs, counts, arrays)
+    opened(task.store).write(task.number, task.where, arrays, counts)
+    return BlockDone(task.number, designs, counts, None)
+
+
+#: Programs that were compiled; a thread that needs another one compiles it while others wait.
+_compiled: set = set()
+_compiling = threading.Lock()
+
+
+def _evaluated(mechanism: Mechanism, columns: dict, settings: _Settings) -> BlockResults:
+    question, point = settings.question, settings.arguments
+    program = (question, jax.tree.structure((mechanism, columns, point)))
+    if program in _compiled:
+        return evaluate_block(mechanism, columns, point, question)
+    with _compiling:
+        results = evaluate_block(mechanism, columns, point, question)
+        jax.block_until_ready(results)
+        _compiled.add(program)
+    return results
+
+
+def run_blocks(job: Job, numbers: Iterable[int], executor: Executor | None) -> Iterator[BlockDone]:
+    """Compute blocks in any order.
+
+    **Arguments:**
+
+    - `job`: the sweep.
+    - `numbers`: which blocks.
+    - `executor`: its workers compute; `None`: threads of this process, one for each core, or for
+      each device if there are several.
+    """
+    tasks = map(job.task, numbers)
+    if executor is not None:
+        yield from _by(executor, compute_block, tasks)
+        return
+    devices = jax.local_devices()
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    lanes = len(devices) if len(devices) > 1 or devices[0].platform != "cpu" else cores or 1
+    with ThreadPoolExecutor(lanes, "sweep") as threads:
+        yield from _by(threads, functools.partial(_on_device, devices), tasks)
+
+
+def _on_device(devices: list, task: BlockTask) -> BlockDone:
+    """Compute a block on the device whose turn it is."""
+    with jax.default_device(devices[task.number % len(devices)] if len(devices) > 1 else None):
+        return compute_block(task)
+
+
+def _by(
+    executor: Executor, function: Callable[[BlockTask], BlockDone], tasks: Iterator[BlockTask]
+) -> Iterator[BlockDone]:
+    """Results of an executor as they come, with a bounded number of blocks at once."""
+    waiting: set[Future[BlockDone]] = set()
+    try:
+        while True:
+            for task in tasks:
+                waiting.add(executor.submit(function, task))
+                if len(waiting) >= _IN_FLIGHT:
+                    break
+            if not waiting:
+                return
+            done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
+            for future in done:
+                yield future.result()
+    finally:
+        for future in waiting:
+            future.cancel()

@@ -1,0 +1,142 @@
+"""The verb `sweep`: plans, stores that continue, shards, exports, workers of a Dask scheduler."""
+
+import numpy as np
+import pandas
+import pytest
+import xarray
+
+from prsm_jax.sweeps import _run
+
+AXES = ("--axis", "lead=5 mm:15 mm:3", "--axis", "contact_angle=40 deg,45 deg")
+#: A quantity whose program compiles in no time.
+QUANTITY = ("--quantities", "nut_speed")
+
+
+def test_derivatives_and_exports(prsm_json, tmp_path):
+    results = prsm_json(
+        *("sweep", "wu2022", *AXES, *QUANTITY, "--gradients", "lead", "--out", tmp_path),
+        *("--export", tmp_path / "a.csv", "--export", tmp_path / "a.xlsx"),
+    )
+    assert (results["points"], results["failed"], results["missing"]) == (6, 0, 0)
+    table = pandas.read_csv(tmp_path / "a.csv")
+    leads = np.repeat([5e-3, 10e-3, 15e-3], 2)
+    np.testing.assert_allclose(table["lead [m]"], leads, rtol=1e-12)
+    np.testing.assert_allclose(table["contact_angle [rad]"], np.radians([40, 45] * 3), rtol=1e-12)
+    # v = ω lead/(2π): the derivative by the lead is the speed divided by the lead.
+    ratio = table["nut_speed [m/s]"] / leads
+    np.testing.assert_allclose(table["nut_speed_by_lead [(m/s)/(m)]"], ratio, rtol=1e-12)
+    assert results["exports"] == [str(tmp_path / "a.csv"), str(tmp_path / "a.xlsx")]
+    assert (tmp_path / "a.xlsx").stat().st_size > 0
+
+
+def test_a_second_run_computes_nothing(prsm_json, tmp_path, monkeypatch):
+    words = ("sweep", "wu2022", *AXES, *QUANTITY, "--out", tmp_path)
+    first = prsm_json(*words)
+
+    def never(*_):
+        raise AssertionError("computed again")
+
+    monkeypatch.setattr(_run, "compute_block", never)
+    assert prsm_json(*words) == first
+
+
+def test_another_sweep_is_refused_in_one_line(prsm, prsm_json, tmp_path):
+    prsm_json("sweep", "wu2022", *AXES, *QUANTITY, "--out", tmp_path)
+    other = ("sweep", "wu2022", *AXES, "--quantities", "nut_radius", "--out", tmp_path)
+    status, out, err = prsm(*other)
+    assert (status, out) == (2, "")
+    assert len(err.strip().splitlines()) == 1
+    assert "belongs to another sweep: its quantities is" in err
+    status, _, err = prsm(*other, "--no-resume")
+    assert (status, err) == (0, "")
+
+
+def test_shards_and_their_end(prsm, prsm_json, tmp_path, monkeypatch):
+    """Two shards of three blocks; collecting before the second has run is refused."""
+    from prsm_jax.sweeps import _sweep
+
+    monkeypatch.setattr(_sweep, "DEFAULT_CHUNK", 2)
+    words = ("sweep", "wu2022", *AXES, *QUANTITY, "--out", tmp_path)
+    first = prsm_json(*words, "--shard", "1/2")
+    assert (first["points"], first["missing"], first["failed"], first["valid"]) == (6, 2, 0, True)
+    status, out, err = prsm(*words, "--collect")
+    assert (status, out) == (2, "")
+    assert "1 of 3 blocks are not computed yet; run the shards" in err
+    status, _, err = prsm(*words, "--shard", "1/2", "--export", tmp_path / "a.csv")
+    assert status == 2
+    assert "2 of 6 designs are not computed yet" in err
+    assert not (tmp_path / "a.csv").exists()
+    assert prsm_json(*words, "--shard", "2/2")["missing"] == 0
+    results = prsm_json(*words, "--collect", "--export", tmp_path / "a.nc")
+    assert (results["points"], results["missing"]) == (6, 0)
+    with xarray.open_dataset(tmp_path / "a.nc") as data:
+        assert data.sizes == {"lead": 3, "contact_angle": 2}
+        assert not data["failed"].any()
+
+
+@pytest.mark.parametrize("plan", ["lhs", "sobol"])
+def test_spread_designs(prsm_json, tmp_path, plan):
+    results = prsm_json(
+        *("sweep", "wu2022", "--axis", "lead=5 mm:15 mm", "--plan", plan, "--points", "8"),
+        *(*QUANTITY, "--seed", "3", "--out", tmp_path),
+    )
+    assert results["points"] == 8
+    with xarray.open_zarr(results["store"], consolidated=False) as data:
+        assert data["lead"].dims == ("design",)
+        parts = np.floor((data["lead"].values - 5e-3) / 10e-3 * 8)
+        assert sorted(parts) == list(range(8))
+
+
+def test_workers_of_a_dask_scheduler(prsm_json, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, dashboard_address=None, local_directory=tmp_path / "d"
+    ) as cluster:
+        there = prsm_json(
+            *("sweep", "wu2022", *AXES, *QUANTITY, "--out", tmp_path / "there"),
+            *("--scheduler", cluster.scheduler_address),
+        )
+    here = prsm_json("sweep", "wu2022", *AXES, *QUANTITY, "--out", tmp_path / "here")
+    assert here | {"store": ""} == there | {"store": ""}
+    both = [xarray.open_zarr(run["store"], consolidated=False).load() for run in (here, there)]
+    xarray.testing.assert_identical(*both)
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        (("--shard", "3"), "--shard 3: must be I/N"),
+        (("--shard", "0/2"), "shard is 0 of 2"),
+        (("--shard", "1/2", "--no-resume"), "resume=False"),
+        (("--shard", "1/2", "--collect"), "exclude each other"),
+        (("--collect",), "does not exist; run the shards first"),
+        (("--scheduler", "tcp://127.0.0.1:9", "--collect"), "leave out --shard and --collect"),
+        (("--plan", "lhs", "--points", "4"), "takes LOWER:UPPER"),
+        (("--plan", "list"), "as many values on every axis"),
+        (("--points", "4"), "points is 4"),
+        (("--export", "a.doc"), "must be one of .csv, .xlsx, .parquet, .nc"),
+        (("--export", "no/a.csv"), "the folder no does not exist"),
+        (("--gradients", "roller_count"), "has no derivative"),
+    ],
+)
+def test_what_does_not_go_together_is_one_line(prsm, tmp_path, more, words):
+    status, out, err = prsm("sweep", "wu2022", *AXES, *more, "--out", tmp_path / "o")
+    assert (status, out) == (2, "")
+    assert len(err.strip().splitlines()) == 1
+    assert words in err
+    assert not (tmp_path / "o").exists()
+
+
+def test_the_line_of_progress_has_a_rate_and_the_time_left(monkeypatch):
+    from prsm_jax.cli import _progress
+
+    said, clock = [], iter([10.0, 12.0, 14.0])
+    monkeypatch.setattr(_progress, "doing", said.append)
+    monkeypatch.setattr(_progress.time, "monotonic", lambda: next(clock))
+    tell = _progress.Counter("designs")
+    for done in (1000, 2000, 3000):
+        tell(done, 10_000_000)
+    # The first thousand came with the compilation: 500 a second from then on.
+    assert said[0] == "1000 of 10000000 designs"
+    assert said[1] == "2000 of 10000000 designs, 500/s, 5.6 h left"
+    assert said[2] == "3000 of 10000000 designs, 500/s, 5.6 h left"

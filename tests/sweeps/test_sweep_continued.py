@@ -1,0 +1,340 @@
+"""Stores written block by block: killed runs, shards and workers give the same bytes."""
+
+import concurrent.futures
+import contextlib
+import json
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+
+import numpy as np
+import pytest
+import xarray
+
+import prsm_jax as prsm
+from prsm_jax.sweeps import _run, _sweep, open_store, sweep
+from prsm_jax.sweeps._store import BlockStore
+
+QUANTITIES = ["nut_radius", "nut_speed"]
+#: Blocks of four designs: 12 in a grid of 4 × 3 × 4.
+AXES = {
+    "lead": np.linspace(6e-3, 14e-3, 4),
+    "contact_angle": [0.7, 0.75, 0.8],
+    "operating_point.load": np.linspace(3e3, 9e3, 4),
+}
+CHUNK = 4
+
+
+def run(store, **more):
+    mechanism = more.pop("mechanism", None) or prsm.load("wu2022")
+    options = {"chunk": CHUNK, "findings": False, "store": store, "speed": None} | more
+    options.setdefault("load", None)
+    return sweep(mechanism, options.pop("axes", AXES), QUANTITIES, **options)
+
+
+def contents(store):
+    """Bytes of every file of a store."""
+    files = sorted(path for path in store.rglob("*") if path.is_file())
+    return {str(path.relative_to(store)): path.read_bytes() for path in files}
+
+
+@pytest.fixture(scope="module")
+def expected(tmp_path_factory):
+    """The store of a run in one go, in this process."""
+    store = tmp_path_factory.mktemp("expected") / "a.zarr"
+    run(store)
+    return contents(store)
+
+
+@pytest.fixture
+def counted(monkeypatch):
+    """Numbers of the blocks that this process computes."""
+    numbers, compute = [], _run.compute_block
+
+    def counting(task):
+        numbers.append(task.number)
+        return compute(task)
+
+    monkeypatch.setattr(_run, "compute_block", counting)
+    return numbers
+
+
+#: Runs a sweep in a process of its own, waits a little before each block, and says when it is done.
+_SCRIPT = """
+    import sys, time
+    from pathlib import Path
+    import prsm_jax as prsm
+    from prsm_jax.sweeps import _run, sweep
+    import numpy as np
+    shard = tuple(map(int, sys.argv[2].split("/")))
+    pause = float(sys.argv[3])
+
+    compute = _run.compute_block
+
+    def slowly(task):
+        time.sleep(pause)
+        return compute(task)
+
+    _run.compute_block = slowly
+
+    def told(done, total):
+        print(done, flush=True)
+
+    axes = {
+        "lead": np.linspace(6e-3, 14e-3, 4),
+        "contact_angle": [0.7, 0.75, 0.8],
+        "operating_point.load": np.linspace(3e3, 9e3, 4),
+    }
+    sweep(
+        prsm.load("wu2022"), axes, ["nut_radius", "nut_speed"],
+        chunk=4, findings=False, store=Path(sys.argv[1]), shard=shard, progress=told,
+    )
+"""
+
+
+def started(store, shard="1/1", pause=0.0):
+    return subprocess.Popen(
+        [sys.executable, "-c", textwrap.dedent(_SCRIPT), str(store), shard, str(pause)],
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+
+
+def killed_after(process, lines):
+    """Kill a process when it has said so many lines."""
+    with process:
+        for _ in range(lines):
+            process.stdout.readline()
+        process.send_signal(signal.SIGKILL)
+    assert process.returncode == -signal.SIGKILL
+
+
+def test_a_killed_run_continues_where_it_stopped(tmp_path, expected, counted):
+    store = tmp_path / "a.zarr"
+    killed_after(started(store, pause=0.5), lines=4)
+    # Half a chunk of a writer that was killed, and a block whose mark was not yet written.
+    (store / "nut_speed" / "c" / "0.3f.partial").write_bytes(b"half")
+    before = np.flatnonzero(open_done(store))
+    assert 0 < len(before) < 12
+    partly = open_store(store)
+    assert "failed" not in partly.attrs
+    missing = partly["code"] == partly["code"].attrs["flag_meanings"].split().index("not_computed")
+    # A block can be written and its mark not yet.
+    assert 0 < int(missing.sum()) <= 4 * (12 - len(before))
+    assert bool(np.isnan(partly["nut_speed"].values[missing.values]).all())
+
+    data = run(store)
+    assert sorted([*counted, *before]) == list(range(12))
+    assert contents(store) == expected
+    assert data.attrs["failed"] == 0
+    assert not data["failed"].any()
+
+
+def open_done(store):
+    import zarr
+
+    return np.asarray(zarr.open_group(store, mode="r")["progress/done"][:, 0]) != 0
+
+
+def test_a_finished_one_is_not_computed_again(tmp_path, expected, counted):
+    store = tmp_path / "a.zarr"
+    first, told = run(store), []
+    assert len(counted) == 12
+    second = run(store, progress=lambda done, total: told.append((done, total)))
+    assert len(counted) == 12
+    assert told[0] == (48, 48)
+    xarray.testing.assert_identical(first.load(), second.load())
+    # The number of designs in a block is that of the store.
+    run(store, chunk=None)
+    assert len(counted) == 12
+    assert contents(store) == expected
+
+
+def test_a_damaged_block_is_computed_again_when_its_mark_goes(tmp_path, expected, counted):
+    store = tmp_path / "a.zarr"
+    run(store)
+    counted.clear()
+    (store / "progress" / "done" / "c" / "7" / "0").unlink()
+    run(store)
+    assert counted == [7]
+    assert contents(store) == expected
+
+
+def test_shards_in_any_order_give_the_same_bytes(tmp_path, expected):
+    store = tmp_path / "a.zarr"
+    for shard in ((3, 5), (1, 5), (5, 5), (4, 5)):
+        data = run(store, shard=shard)
+        assert "failed" not in data.attrs
+    # Blocks 1, 6 and 11 are those of the second shard.
+    np.testing.assert_array_equal(np.flatnonzero(~open_done(store)), [1, 6, 11])
+    run(store, shard=(2, 5))
+    assert contents(store) == expected
+
+
+def test_processes_at_once_killed_and_started_twice(tmp_path, expected):
+    """Four shards; one is killed and started again twice at once, while the others run."""
+    store = tmp_path / "a.zarr"
+    first = started(store, "2/4", pause=0.3)
+    others = [started(store, f"{i}/4", pause=0.05) for i in (1, 3, 4)]
+    killed_after(first, lines=2)
+    again = [started(store, "2/4") for _ in range(2)]
+    for process in (*others, *again):
+        process.communicate()
+        assert process.returncode == 0
+    assert contents(store) == expected
+
+
+@pytest.mark.parametrize("kind", ["threads", "processes"])
+def test_executors_give_the_same_bytes(tmp_path, expected, kind):
+    store = tmp_path / "a.zarr"
+    if kind == "threads":
+        executor = concurrent.futures.ThreadPoolExecutor(3)
+    else:
+        context = multiprocessing.get_context("spawn")
+        executor = concurrent.futures.ProcessPoolExecutor(2, context)
+    with executor:
+        run(store, executor=executor)
+        in_memory = run(None, executor=executor)
+    assert contents(store) == expected
+    xarray.testing.assert_identical(in_memory, open_store(store).load())
+
+
+def test_a_worker_that_is_killed_leaves_a_store_that_continues(tmp_path, expected):
+    store = tmp_path / "a.zarr"
+    context = multiprocessing.get_context("spawn")
+    with concurrent.futures.ProcessPoolExecutor(1, context) as executor:
+        pid = executor.submit(os.getpid).result()
+
+        def kill(done, total):
+            if done >= 8:
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(pid, signal.SIGKILL)
+
+        with pytest.raises(concurrent.futures.process.BrokenProcessPool):
+            run(store, executor=executor, progress=kill)
+    assert 0 < open_done(store).sum() < 12
+    run(store)
+    assert contents(store) == expected
+
+
+def test_dask_workers_one_of_them_killed(tmp_path, expected):
+    """A scheduler and four workers, each a process; one is killed in mid-sweep."""
+    distributed = pytest.importorskip("distributed")
+    store = tmp_path / "a.zarr"
+    with (
+        distributed.LocalCluster(
+            n_workers=4,
+            threads_per_worker=1,
+            processes=True,
+            dashboard_address=None,
+            local_directory=tmp_path / "dask",
+        ) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        pids = list(client.run(os.getpid).values())
+        killed = []
+
+        def kill(done, total):
+            if done >= 8 and not killed:
+                killed.append(os.kill(pids[0], signal.SIGKILL))
+
+        run(store, executor=client.get_executor(), progress=kill)
+    assert killed
+    assert contents(store) == expected
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ({"axes": AXES | {"lead": np.linspace(6e-3, 13e-3, 4)}}, "axes differs in lead"),
+        ({"axes": {"lead": AXES["lead"]}}, "points is 48, not 4"),
+        ({"chunk": 5, "axes": AXES | {"contact_angle": [0.7, 0.8]}}, "points is 48, not 32"),
+        ({"chunk": 12}, "chunk is 4, not 12"),
+        ({"gradients": ["lead"]}, r"gradients is \[\], not \[\"lead\"\]"),
+        ({"findings": True}, "findings is false, not true"),
+        ({"speed": 5.0}, "point differs in speed"),
+    ],
+)
+def test_a_store_of_another_sweep_is_refused(tmp_path, more, words):
+    store = tmp_path / "a.zarr"
+    run(store)
+    before = contents(store)
+    with pytest.raises(ValueError, match=f"belongs to another sweep: its {words}.*resume=False"):
+        run(store, **more)
+    assert contents(store) == before
+
+
+def test_stores_of_other_mechanisms_and_versions_are_refused(tmp_path, monkeypatch):
+    store = tmp_path / "a.zarr"
+    run(store)
+    other = prsm.set_parameter(prsm.load("wu2022"), "screw_radius", 10.1e-3)
+    with pytest.raises(ValueError, match="its mechanism has other numbers"):
+        run(store, mechanism=other)
+    monkeypatch.setattr(_sweep, "__version__", "99.0")
+    with pytest.raises(ValueError, match=r'its prsm_jax is .* not "99.0"'):
+        run(store)
+
+
+@pytest.mark.parametrize("damage", ["cut", "empty", "not JSON", "gone", "no sweep"])
+def test_what_no_sweep_wrote_is_refused_and_stays(tmp_path, damage):
+    store = tmp_path / "a.zarr"
+    run(store)
+    mark = store / "progress" / "zarr.json"
+    text = mark.read_text()
+    if damage == "gone":
+        mark.unlink()
+    else:
+        other = json.dumps({**json.loads(text), "attributes": {}})
+        words = {"cut": text[: len(text) // 2], "empty": "", "not JSON": "\0{", "no sweep": other}
+        mark.write_text(words[damage])
+    before = contents(store)
+    with pytest.raises(ValueError, match=r"not written by a sweep, or is damaged.*resume=False"):
+        run(store)
+    assert contents(store) == before
+    run(store, resume=False)
+    assert open_done(store).all()
+
+
+def test_replacing_keeps_the_old_store_until_the_new_one_is_complete(tmp_path, monkeypatch):
+    store = tmp_path / "a.zarr"
+    run(store)
+    before = contents(store)
+
+    def broken(task):
+        raise OSError("disk full")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(_run, "compute_block", broken)
+        with pytest.raises(OSError, match="disk full"):
+            run(store, resume=False)
+    assert contents(store) == before
+    assert [path.name for path in tmp_path.iterdir()] == ["a.zarr"]
+
+
+def test_no_store_to_open(tmp_path):
+    with pytest.raises(ValueError, match="does not exist; run the sweep"):
+        open_store(tmp_path / "a.zarr")
+
+
+def test_memory_of_a_stored_sweep_does_not_hold_the_results(tmp_path):
+    """What comes back reads its values when they are used."""
+    data = run(tmp_path / "a.zarr")
+    assert not data["nut_speed"].variable._in_memory
+
+
+def test_a_block_that_cannot_be_written_has_no_mark(tmp_path):
+    """The mark comes last: whatever fails before it, the block counts as missing."""
+    store = tmp_path / "a.zarr"
+    run(store)
+    (store / "progress" / "done" / "c" / "0" / "0").unlink()
+    blocks = BlockStore(store)
+    where = (slice(0, 1), slice(0, 1), slice(0, 4))
+    good = {name: np.zeros((1, 1, 4)) for name in QUANTITIES}
+    with pytest.raises(IndexError, match="too many indices"):
+        blocks.write(0, where, good | {"code": np.zeros((1, 7, 3))}, (0, 0))
+    assert not blocks.done()[0]
+    blocks.write(0, where, good, (0, 0))
+    assert blocks.done()[0]
