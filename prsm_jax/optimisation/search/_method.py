@@ -70,7 +70,7 @@ class WithOptions(SearchMethod):
         known = inspect.signature(cls.__init__).parameters.values()
         if all(one.kind is not inspect.Parameter.VAR_KEYWORD for one in known):
             refuse_options(cls.__name__, options, [one.name for one in known][1:])
-        return super().__new__(cls)
+        return object.__new__(cls)
 
 
 def refuse_options(method: str, options: Iterable[str], takes: Iterable[str]) -> None:
