@@ -1,7 +1,8 @@
 """The axes of a sweep: checked values of parameters, and which of them are part of the program."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -21,7 +22,7 @@ class Axis:
 
 
 def axes_of(
-    mechanism: Mechanism, axes: Mapping, fixed: Mapping[str, object]
+    mechanism: Mechanism, axes: Mapping[str, Iterable[Any]], fixed: Mapping[str, object]
 ) -> list[tuple[Axis, Parameter]]:
     """Check the axes of a sweep.
 

@@ -26,7 +26,7 @@ _PIECE = 50_000
 
 
 def export(
-    data: "xarray.Dataset", path: str | os.PathLike, assumptions: Iterable[str] = ()
+    data: "xarray.Dataset", path: str | os.PathLike[str], assumptions: Iterable[str] = ()
 ) -> None:
     """Write a sweep to a file, in the format of its ending.
 
@@ -56,7 +56,7 @@ def export(
         write(data, partial, sentences)
 
 
-def check_export(path: str | os.PathLike) -> None:
+def check_export(path: str | os.PathLike[str]) -> None:
     """Check, before anything is computed, that a file of this name can be written.
 
     **Raises:** as `export`, but for the number of designs.

@@ -176,7 +176,7 @@ def empty_dataset(
     """
     import xarray
 
-    coordinates: dict = {
+    coordinates: dict[str, Any] = {
         axis.name: (
             axis.name if plan.kind == "grid" else plan.dimensions,
             axis.values,

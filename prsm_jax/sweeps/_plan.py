@@ -6,9 +6,9 @@ those of the chunks of a zarr array, so that no two processes write to one file.
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -126,7 +126,7 @@ def blocks_of(shape: tuple[int, ...], most: int) -> Blocks:
 
 def plan_of(
     mechanism: Mechanism,
-    axes: Mapping,
+    axes: Mapping[str, Iterable[Any]],
     fixed: Mapping[str, object],
     kind: PlanName,
     points: int | None,

@@ -22,7 +22,7 @@ class Question(NamedTuple):
     #: Parameters by which every quantity is differentiated.
     gradients: tuple[str, ...]
     #: Sources of margins whose errors are looked for, or `None`.
-    sources: tuple | None
+    sources: tuple[Any, ...] | None
     #: Number of designs in a call.
     size: int
 
@@ -70,7 +70,7 @@ def block_shapes(
     return evaluate_chunk.eval_shape(static, question, numbers, columns, point)
 
 
-def _separated(mechanism: Mechanism) -> tuple[list, tuple]:
+def _separated(mechanism: Mechanism) -> tuple[list[Any], tuple[Any, ...]]:
     """The arrays of a mechanism, and all that is part of the program."""
     leaves, structure = jax.tree.flatten(mechanism)
     numbers = [leaf if eqx.is_array(leaf) else None for leaf in leaves]
@@ -80,7 +80,11 @@ def _separated(mechanism: Mechanism) -> tuple[list, tuple]:
 
 @functools.partial(jax.jit, static_argnums=(0, 1))
 def evaluate_chunk(
-    static: tuple, question: Question, numbers: list, columns: dict, point: dict
+    static: tuple[Any, ...],
+    question: Question,
+    numbers: list[Any],
+    columns: dict[str, Any],
+    point: dict[str, Any],
 ) -> BlockResults:
     """The program of a block; its name is what the progress line counts."""
     structure, others = static
@@ -95,7 +99,7 @@ def evaluate_chunk(
     return jax.vmap(design, axis_size=question.size)(columns)
 
 
-def _evaluate(mechanism: Mechanism, point: dict, question: Question) -> BlockResults:
+def _evaluate(mechanism: Mechanism, point: dict[str, Any], question: Question) -> BlockResults:
     """What is computed of one design."""
     analysis = Analysis(mechanism, point["speed"], point["load"])
     if question.sources:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -44,7 +44,7 @@ class _Settings(NamedTuple):
         return Question(self.quantities, self.gradients, found, self.size)
 
     @property
-    def arguments(self) -> dict:
+    def arguments(self) -> dict[str, Any]:
         """The operating point as arrays, so that another speed does not compile again."""
         dtype = jnp.result_type(float)
         return {
@@ -180,11 +180,11 @@ def compute_block(task: BlockTask) -> BlockDone:
 
 
 #: Programs that were compiled; a thread that needs another one compiles it while others wait.
-_compiled: set = set()
+_compiled: set[Any] = set()
 _compiling = threading.Lock()
 
 
-def _evaluated(mechanism: Mechanism, columns: dict, settings: _Settings) -> BlockResults:
+def _evaluated(mechanism: Mechanism, columns: dict[str, Any], settings: _Settings) -> BlockResults:
     question, point = settings.question, settings.arguments
     program = (question, jax.tree.structure((mechanism, columns, point)))
     if program in _compiled:
@@ -217,7 +217,7 @@ def run_blocks(job: Job, numbers: Iterable[int], executor: Executor | None) -> I
         yield from _by(threads, functools.partial(_on_device, devices), tasks)
 
 
-def _on_device(devices: list, task: BlockTask) -> BlockDone:
+def _on_device(devices: list[Any], task: BlockTask) -> BlockDone:
     """Compute a block on the device whose turn it is."""
     with jax.default_device(devices[task.number % len(devices)] if len(devices) > 1 else None):
         return compute_block(task)

@@ -9,7 +9,7 @@ import contextlib
 import functools
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Generator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -168,7 +168,11 @@ class BlockStore:
         return np.asarray(self._marks[:])
 
     def write(
-        self, number: int, where: tuple[slice, ...], arrays: dict, counts: tuple[int, int]
+        self,
+        number: int,
+        where: tuple[slice, ...],
+        arrays: dict[str, np.ndarray],
+        counts: tuple[int, int],
     ) -> None:
         """Write a block, then its mark."""
         for name, values in arrays.items():
@@ -196,7 +200,7 @@ def opened(path: Path) -> BlockStore:
 
 
 @contextlib.contextmanager
-def writing(path: Path) -> Iterator[BlockStore]:
+def writing(path: Path) -> Generator[BlockStore]:
     """A store that this process, or processes that it starts, write to.
 
     Of a process that was killed, half a chunk may be left beside its place. It is removed
@@ -221,7 +225,7 @@ def writing(path: Path) -> Iterator[BlockStore]:
             os.close(lock)
 
 
-def open_store(store: str | os.PathLike) -> "xarray.Dataset":
+def open_store(store: str | os.PathLike[str]) -> "xarray.Dataset":
     """The data set of a sweep's store; values are read when they are used.
 
     Designs that were not computed yet are NaN, with the code `not_computed`; the attribute `failed`

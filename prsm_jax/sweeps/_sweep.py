@@ -43,7 +43,7 @@ DEFAULT_CHUNK = 4096
 @of_one_known_design
 def sweep(
     mechanism: Mechanism,
-    axes: Mapping[str, Iterable],
+    axes: Mapping[str, Iterable[Any]],
     quantities: Iterable[str],
     *,
     plan: PlanName = "grid",
@@ -54,7 +54,7 @@ def sweep(
     load: float | Scalar | None = None,
     chunk: int | None = None,
     progress: bool | Callable[[int, int], None] = False,
-    store: str | os.PathLike | None = None,
+    store: str | os.PathLike[str] | None = None,
     resume: bool = True,
     shard: tuple[int, int] | None = None,
     executor: Executor | None = None,
@@ -147,10 +147,10 @@ def sweep(
 
 def collect(
     mechanism: Mechanism,
-    axes: Mapping[str, Iterable],
+    axes: Mapping[str, Iterable[Any]],
     quantities: Iterable[str],
     *,
-    store: str | os.PathLike,
+    store: str | os.PathLike[str],
     plan: PlanName = "grid",
     points: int | None = None,
     seed: int = 0,
@@ -214,7 +214,7 @@ def _checked_shard(shard, store, resume: bool) -> tuple[int, int]:
     return index, count
 
 
-def _stored_chunk(store: str | os.PathLike | None) -> int | None:
+def _stored_chunk(store: str | os.PathLike[str] | None) -> int | None:
     """Designs in a block of an existing store, so that a run can continue it without the number."""
     stored = None if store is None else stored_identity(Path(store))
     return None if stored is None else stored.get("chunk")

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+from typing import Any
 
 import numpy as np
 import pytest
@@ -136,7 +137,8 @@ def test_a_killed_run_continues_where_it_stopped(tmp_path, expected, counted):
 def open_done(store):
     import zarr
 
-    return np.asarray(zarr.open_group(store, mode="r")["progress/done"][:, 0]) != 0
+    marks: Any = zarr.open_group(store, mode="r")["progress/done"]
+    return np.asarray(marks[:, 0]) != 0
 
 
 def test_a_finished_one_is_not_computed_again(tmp_path, expected, counted):

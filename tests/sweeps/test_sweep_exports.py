@@ -60,7 +60,7 @@ def test_csv(tmp_path, data, monkeypatch, piece):
     export(data, tmp_path / "a.csv", ["ignored"])
     table = pandas.read_csv(tmp_path / "a.csv")
     assert len(table) == 12
-    _check({name.partition(" [")[0]: table[name] for name in table}, data)
+    _check({str(name).partition(" [")[0]: table[name] for name in table}, data)
 
 
 def test_excel(tmp_path, data):
@@ -69,7 +69,7 @@ def test_excel(tmp_path, data):
     book = openpyxl.load_workbook(tmp_path / "a.xlsx")
     assert book.sheetnames == ["designs", "columns", "assumptions"]
     head, *rows = list(book["designs"].values)
-    table = {name.partition(" [")[0]: [row[i] for row in rows] for i, name in enumerate(head)}
+    table = {str(name).partition(" [")[0]: [row[i] for row in rows] for i, name in enumerate(head)}
     # An empty cell stands for a design that failed.
     empty = [cell is None for cell in table["nut_speed"]]
     assert empty == list(data["failed"].values.ravel())

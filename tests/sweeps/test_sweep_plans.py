@@ -5,7 +5,6 @@ import math
 
 import hypothesis
 import hypothesis.strategies as st
-import jax
 import numpy as np
 import pytest
 import scenes
@@ -168,4 +167,3 @@ def test_jax_is_asked_for_one_program(own_quantities):
     np.testing.assert_array_equal(data["counted_by_lead"], np.ones(23))
     # Once for the values, once for the derivatives.
     assert len(traces) == 2
-    assert jax.config.jax_enable_x64
