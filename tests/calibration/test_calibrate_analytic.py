@@ -208,6 +208,16 @@ def test_squares_of_a_loss_have_its_derivatives(loss):
     def value(one):
         return 0.5 * as_squares(one[None], loss)[0] ** 2
 
+    # The formulas of docs/calibration.md.
+    size = np.abs(z)
+    expected = {
+        "squared": z**2 / 2,
+        "huber": np.where(size <= 1.345, z**2 / 2, 1.345 * size - 1.345**2 / 2),
+        "soft_l1": np.sqrt(1 + z**2) - 1,
+        "cauchy": 2.385**2 / 2 * np.log1p((z / 2.385) ** 2),
+    }[loss]
+    # The root of 1 + z² has lost eight digits at 1e-4.
+    assert np.asarray(jax.vmap(value)(z)) == pytest.approx(expected, rel=1e-9, abs=1e-15)
     first = jax.vmap(jax.grad(value))(z)
     second = jax.vmap(jax.grad(jax.grad(value)))(z)
     expected = influence(z, loss)
