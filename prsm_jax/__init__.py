@@ -2,9 +2,9 @@
 
 Data flows one way, and the folders are named after it: file → mechanism → geometry → contact →
 halfspace, load_sharing → strength, stiffness → vibration, dynamics → response → quantities →
-findings, sensitivities, optimisation, sweeps → report. A mechanism holds laws of `friction` and
-a `scenario`. `validation` compares with published numbers, `explanation` lists the parts of
-a mechanism, `cli` is the command line. The lowest layer is `fields` (numbers with units
+findings, sensitivities, optimisation, calibration, sweeps → report. A mechanism holds laws of
+`friction` and a `scenario`. `validation` compares with published numbers, `explanation` lists the
+parts of a mechanism, `cli` is the command line. The lowest layer is `fields` (numbers with units
 and limits), `numerics` (methods), `programs` (how JAX compiles them), `text` and `process`
 (signals, files).
 """
@@ -15,6 +15,7 @@ from . import programs as programs  # isort: skip # it enables float64
 from typing import TYPE_CHECKING
 
 from . import (
+    calibration as calibration,
     contact as contact,
     dynamics as dynamics,
     explanation as explanation,
@@ -44,6 +45,7 @@ from ._errors import (
     UnknownNameError as UnknownNameError,
 )
 from ._version import __version__ as __version__
+from .calibration import calibrate as calibrate
 from .contact import thread_contacts as thread_contacts
 from .dynamics import (
     ClosedForm as ClosedForm,

@@ -1,5 +1,6 @@
-"""The optimised mechanism as a file: the original file with new numbers."""
+"""The optimised or calibrated mechanism as a file: the original file with new numbers."""
 
+from ..calibration import Calibration
 from ..mechanism import Mechanism, set_parameters
 from ..optimisation import Optimum, rounded_variables
 from ..quantities import catalogue
@@ -20,5 +21,30 @@ def optimised_text(source: str, mechanism: Mechanism, best: Optimum) -> str:
 
     values = rounded_variables(mechanism, best, round_in_unit)
     written = set_parameters(best.mechanism, values)
+    units = {quantity.name: quantity.unit for quantity in catalogue()}
+    return edit(source_text(source), written, units)
+
+
+#: Significant digits of fitted numbers: rounding is far below any scatter.
+_DIGITS = 6
+
+
+def calibrated_text(source: str, mechanism: Mechanism, fit: Calibration) -> str:
+    """The file that was calibrated, with fitted numbers of six digits; comments and order stay.
+
+    **Arguments:**
+
+    - `source`: the file or example that `mechanism` came from.
+    - `mechanism`: what was calibrated, settings included.
+    - `fit`: the calibration.
+    """
+    from ..file import edit, round_in_unit, source_text
+
+    values = {
+        # A number on its bound stays there.
+        one.name: one.value if one.active_bound else round_in_unit(one.value, one.unit, _DIGITS)
+        for one in fit.parameters
+    }
+    written = set_parameters(mechanism, values)
     units = {quantity.name: quantity.unit for quantity in catalogue()}
     return edit(source_text(source), written, units)

@@ -22,6 +22,7 @@ from .design_charts import (
     Change as Change,
     Limit as Limit,
     Optimisation as Optimisation,
+    calibration_chart as calibration_chart,
     life_chart as life_chart,
     optimisation_chart as optimisation_chart,
     published_figure as published_figure,

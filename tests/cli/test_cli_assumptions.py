@@ -23,6 +23,7 @@ VERBS = {
         ["max_pressure"],
     ),
     "optimise": ((), ["max_pressure"]),
+    "calibrate": (("--data", "wu2022_torque", "--loss", "squared"), ["drive_torque"]),
     "sweep": (("--axis", "lead=9 mm,10 mm", "--quantities", "max_pressure"), ["max_pressure"]),
 }
 

@@ -39,8 +39,15 @@ LAYERS["quantities"] = set(LAYERS) - {"file"}
 LAYERS["findings"] = LAYERS["quantities"] | {"quantities"}
 _PHYSICS = LAYERS["findings"] | {"findings"}
 LAYERS["sensitivities"] = LAYERS["optimisation"] = LAYERS["sweeps"] = _PHYSICS
-LAYERS["validation"] = LAYERS["explanation"] = _PHYSICS | {"file"}
-LAYERS["report"] = _PHYSICS | {"file", "sensitivities", "optimisation", "sweeps", "validation"}
+LAYERS["calibration"] = LAYERS["validation"] = LAYERS["explanation"] = _PHYSICS | {"file"}
+LAYERS["report"] = _PHYSICS | {
+    "file",
+    "sensitivities",
+    "optimisation",
+    "calibration",
+    "sweeps",
+    "validation",
+}
 LAYERS["cli"] = set(LAYERS)
 LAYERS = GROUND | {room: below | set(GROUND) for room, below in LAYERS.items()}
 
@@ -55,7 +62,7 @@ WAY = (
     ("vibration", "dynamics"),
     ("response",),
     ("quantities",),
-    ("findings", "sensitivities", "optimisation", "sweeps"),
+    ("findings", "sensitivities", "optimisation", "calibration", "sweeps"),
     ("report",),
 )
 

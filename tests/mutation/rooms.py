@@ -170,6 +170,7 @@ _TESTS: tuple[tuple[str, str], ...] = (
         "optimise/box analytic/search_methods optimise/analytic analytic/single_faults "
         "optimise/findings optimise/mechanism",
     ),
+    ("calibration", "calibrate/analytic calibrate/recovery calibrate/files"),
     ("sweeps", "sweep/values analytic/single_faults"),
     ("scenario/_profiles", "analytic/profiles"),
     ("scenario/_sequences", "analytic/profiles"),

@@ -1,0 +1,142 @@
+"""Covariance of fitted parameters, their 95 % limits, and repetitions with new noise."""
+
+from dataclasses import dataclass
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ._losses import influence
+from ._problem import CalibrationProblem, solve_many
+from ._student import student_quantile
+
+PROBABILITY = 0.95
+#: Singular values below this share of the largest are 0: rounding of derivatives is not smaller.
+NO_INFLUENCE = 1e-7
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Uncertainty of the free parameters, each over its magnitude.
+
+    - `singular_values`, `directions`: of the Jacobian; a row of `directions` is a combination.
+    - `scatter`: standard deviation s of a residual of unit weight.
+    - `covariance`: s² (JᵀJ)⁻¹; infinite on the diagonal of what has no influence at all.
+    - `student`: quantile of |t| at 95 %.
+    """
+
+    singular_values: np.ndarray
+    directions: np.ndarray
+    scatter: float
+    covariance: np.ndarray
+    student: float
+
+    @property
+    def deviations(self) -> np.ndarray:
+        """Standard deviation of each free parameter."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def direction_deviations(self) -> np.ndarray:
+        """Standard deviation along each direction."""
+        known = self.singular_values > NO_INFLUENCE * self.singular_values.max(initial=0.0)
+        return np.where(known, self.scatter / np.where(known, self.singular_values, 1.0), np.inf)
+
+
+def statistics_of(jacobian: np.ndarray, residuals: np.ndarray, loss: str) -> Statistics:
+    """Statistics of a fit.
+
+    **Arguments:**
+
+    - `jacobian`: derivatives of the scaled values by the free parameters, rows × parameters.
+    - `residuals`: scaled residuals.
+    - `loss`: name of the loss. For a robust one s² is Huber's: Σψ²/(n − p) over the square of
+      the mean of ψ′ (Huber, Robust Statistics, 1981, equation 7.6.3).
+    """
+    rows, count = jacobian.shape
+    first, second = influence(residuals, loss)
+    slope = second.mean()
+    freedom = rows - count
+    scatter = float(np.sqrt(np.sum(first**2) / freedom) / abs(slope)) if slope else np.inf
+    _, singular, directions = np.linalg.svd(jacobian, full_matrices=False)
+    known = singular > NO_INFLUENCE * singular.max(initial=0.0)
+    inverse = np.where(known, 1.0 / np.where(known, singular, 1.0) ** 2, 0.0)
+    covariance = scatter**2 * (directions.T * inverse) @ directions
+    # A parameter with a part in a direction without influence can have any value.
+    lost = (np.abs(directions[~known]) > 1e-6).any(axis=0)
+    covariance[lost, lost] = np.inf
+    return Statistics(
+        singular, directions, scatter, covariance, student_quantile(PROBABILITY, freedom)
+    )
+
+
+@dataclass(frozen=True)
+class Repetitions:
+    """Fits to repeated measurements [SI], repetition × parameter; NaN where a fit failed.
+
+    `lower` and `upper` are the 95 % limits.
+    """
+
+    parameters: tuple[str, ...]
+    values: np.ndarray
+    standard_deviations: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
+    converged: np.ndarray
+
+    def coverage(self, truth) -> np.ndarray:
+        """Share of the repetitions whose limits contain the truth, for each parameter."""
+        within = (self.lower <= np.asarray(truth)) & (np.asarray(truth) <= self.upper)
+        return within.mean(axis=0)
+
+
+_computed = eqx.filter_jit(CalibrationProblem.computed)
+
+
+def repeat_fits(
+    problem: CalibrationProblem,
+    values,
+    standard_deviation: float,
+    repetitions: int = 1000,
+    seed: int = 0,
+) -> Repetitions:
+    """Fit simulated measurements many times in one mapped program: what a test rig would find.
+
+    **Arguments:**
+
+    - `problem`: from `calibration_problem`; its measured values are not used.
+    - `values`: true values of the parameters [SI].
+    - `standard_deviation`: of the normal noise, over the scale of each row.
+    - `repetitions`, `seed`: number of repetitions, and seed of the noise.
+
+    **Returns:** values and limits of each repetition.
+    """
+    true = jnp.asarray(values, problem.start.dtype)
+    if true.shape != problem.start.shape:
+        raise ValueError(
+            f"values has the shape {true.shape}; give one number for each of "
+            f"{', '.join(problem.parameters)}"
+        )
+    exact = _computed(problem, true)
+    noise = jax.random.normal(jax.random.key(seed), (repetitions, *exact.shape), exact.dtype)
+    measured = exact[None] + standard_deviation * noise * problem.scale[None]
+    free = jnp.ones(true.shape, bool)
+    solved = solve_many(problem, measured, free, true, problem.start)
+    magnitude = np.asarray(problem.magnitude)
+    jacobians, residuals = np.asarray(solved.jacobian), np.asarray(solved.residuals)
+    good = np.asarray(solved.converged & solved.finite)
+    found = np.where(good[:, None], np.asarray(solved.values), np.nan)
+    deviations = np.full_like(found, np.nan)
+    student = 1.0
+    for i in np.flatnonzero(good):
+        one = statistics_of(jacobians[i], residuals[i], problem.loss)
+        deviations[i], student = one.deviations * magnitude, one.student
+    return Repetitions(
+        problem.parameters,
+        found,
+        deviations,
+        found - student * deviations,
+        found + student * deviations,
+        good,
+    )

@@ -1,0 +1,130 @@
+"""The verb that fits parameters to measurements."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from ..._errors import PrsmError
+from ...calibration import calibrate as run_calibration, read_measurements
+from ...mechanism import Mechanism, all_parameters
+from ...process import make_folder
+from ...quantities import assumptions, find_quantity
+from .._app import app
+from .._common import Common, checked, emit, value_of, words_of, write_text
+from .._optimised import calibrated_text
+from .._progress import expect_programs
+from .._tables import terminal_width
+
+_DEFAULT = Common()
+
+
+def _friction(mechanism: Mechanism) -> list[str]:
+    """Friction coefficients of the file: what is fitted if nothing is named."""
+    found = [
+        one.path
+        for one in all_parameters(mechanism)
+        if ".friction." in one.path and one.path.endswith("coefficient") and not one.static
+    ]
+    if not found:
+        raise PrsmError("the file has no friction coefficient; name numbers with --parameters")
+    return found
+
+
+def _bound(mechanism: Mechanism, text: str) -> tuple[str, tuple[float | None, float | None]]:
+    """`NAME=LOWER:UPPER`, values as in `--set`; one of them may be empty."""
+    name, equals, limits = (part.strip() for part in text.partition("="))
+    lower, colon, upper = (part.strip() for part in limits.partition(":"))
+    if not (name and equals and colon and (lower or upper)):
+        raise PrsmError(f"--bounds {text}: must be NAME=LOWER:UPPER, such as 'lead=9 mm:11 mm'")
+
+    def value(word: str) -> float | None:
+        return value_of(mechanism, name, word, f"--bounds {text}") if word else None
+
+    return name, (value(lower), value(upper))
+
+
+def _deviation(text: str) -> tuple[str, float]:
+    """`QUANTITY=VALUE`, the value with a unit of the quantity or bare in SI."""
+    from ...fields import POSITIVE
+    from ...file.numbers import is_plain_number, read_number
+
+    name, equals, word = (part.strip() for part in text.partition("="))
+    if not (name and equals and word):
+        raise PrsmError(
+            f"--deviations {text}: must be QUANTITY=VALUE, such as 'drive_torque=0.05 N m'"
+        )
+    unit = find_quantity(name.partition("[")[0]).unit
+    try:
+        return name, read_number(float(word) if is_plain_number(word) else word, unit, POSITIVE)
+    except ValueError as error:
+        raise PrsmError(f"--deviations {text}: {error}") from error
+
+
+@app.command
+def calibrate(
+    file: str,
+    *,
+    data: Annotated[
+        str,
+        Parameter(
+            help="CSV file of measurements, with a header 'name [unit],…'; or shipped example data."
+        ),
+    ],
+    parameters: Annotated[
+        str | None,
+        Parameter(
+            help="Names of numbers in the file, separated by commas. Default: all friction "
+            "coefficients of the file."
+        ),
+    ] = None,
+    bounds: Annotated[
+        list[str] | None,
+        Parameter(
+            negative="", help="NAME=LOWER:UPPER, such as 'lead=9 mm:11 mm'; may be repeated."
+        ),
+    ] = None,
+    deviations: Annotated[
+        list[str] | None,
+        Parameter(
+            negative="",
+            help="Standard deviation of a measured column, such as 'drive_torque=0.05 N m'; may be "
+            "repeated.",
+        ),
+    ] = None,
+    loss: Annotated[
+        str, Parameter(help="squared; or huber, soft_l1 or cauchy, which outliers move less.")
+    ] = "squared",
+    common: Common = _DEFAULT,
+) -> int:
+    """Fit numbers of the file to measurements, with 95 % limits and what the data leave open.
+
+    With --out the calibrated mechanism and a picture of the residuals are written to that folder;
+    exit status 1 if the fit did not converge.
+    """
+    mechanism = common.load(file)
+    measured = read_measurements(data, mechanism)
+    names = words_of(parameters) if parameters is not None else _friction(mechanism)
+    limits = dict(_bound(mechanism, text) for text in bounds or [])
+    scatter = dict(_deviation(text) for text in deviations or [])
+    expect_programs("start_values", "solve_one")
+    fit = run_calibration(
+        mechanism, measured, names or [], standard_deviations=scatter, bounds=limits, loss=loss
+    )
+    path = None
+    if common.out is not None and fit.converged:
+        from ...report import calibration_chart, save_figure
+
+        make_folder(common.out)
+        save_figure(calibration_chart(fit), common.out / "calibration")
+        path = common.out / f"{Path(file).stem}-calibrated.toml"
+        write_text(path, calibrated_text(file, mechanism, fit))
+    results: dict[str, Any] = fit.to_dict() | {"mechanism": path, "valid": fit.converged}
+
+    def text() -> str:
+        words = fit.text(terminal_width())
+        return words if path is None else f"{words}\n\ncalibrated mechanism: {path}"
+
+    quantities = [one.quantity for one in fit.residuals]
+    valid = emit(common, results, text, assumptions(mechanism, quantities), checked(fit.mechanism))
+    return int(not valid)

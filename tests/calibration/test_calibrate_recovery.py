@@ -1,0 +1,102 @@
+"""Recovery of known parameters from data that the model itself generates, with noise."""
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from calibration_scenes import (
+    LOAD,
+    NUT,
+    SCREW,
+    STRIBECK,
+    TRUTH,
+    conditions,
+    plain,
+    stribeck,
+    torques,
+)
+
+import prsm_jax as prsm
+from prsm_jax.calibration import Measurements, calibrate, calibration_problem, repeat_fits
+from prsm_jax.calibration._problem import solve_one
+
+
+def test_a_stribeck_curve_from_torque_against_speed_and_load():
+    columns, torque = torques()
+    noise = 0.01 * np.random.default_rng(3).normal(size=torque.shape)
+    exact = calibrate(stribeck(), {**columns, "drive_torque": torque}, STRIBECK)
+    assert exact.converged, str(exact)
+    # The search stops at a relative change of 1e-10; the data are exact.
+    assert list(exact.values.values()) == pytest.approx(TRUTH, rel=1e-6)
+    noisy = calibrate(stribeck(), {**columns, "drive_torque": torque * (1 + noise)}, STRIBECK)
+    assert noisy.converged, str(noisy)
+    for one, truth in zip(noisy.parameters, TRUTH, strict=True):
+        # 4 standard deviations: exceeded by chance in 1 of 16,000 draws; the seed is fixed.
+        assert abs(one.value - truth) < 4 * one.standard_deviation
+        assert 0 < one.standard_deviation < 0.2 * truth
+    assert noisy.undetermined == ()
+
+
+def test_derivatives_of_the_fit_against_central_differences():
+    columns, torque = torques()
+    problem = calibration_problem(
+        stribeck(), Measurements.from_columns({**columns, "drive_torque": torque}), STRIBECK
+    )
+    fixed = jnp.zeros(3, bool)
+    # Nothing is free, so the derivatives are those at the start.
+    solved = solve_one(problem, problem.measured, fixed, problem.start, problem.start)
+    computed = eqx.filter_jit(problem.computed)
+    for i in range(3):
+        step = 1e-5 * problem.magnitude[i] * jnp.eye(3)[i]
+        change = computed(problem.start + step) - computed(problem.start - step)
+        expected = change / 2e-5 / problem.scale
+        # Differences of second order with a relative step of 1e-5: error of about 1e-9.
+        np.testing.assert_allclose(solved.jacobian[:, i], expected, rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.parametrize("loss", ["squared", "huber"])
+def test_limits_contain_the_truth_in_95_of_100_repetitions(loss):
+    columns = conditions(np.array([5.0, 40.0, 80.0, 120.0, 300.0]), np.array([2e3, 5e3, 8e3]))
+    data = Measurements.from_columns({**columns, "own_curve": np.ones(15)})
+    # 0.5 % of the largest value.
+    deviations = {"own_curve": 0.005}
+    problem = calibration_problem(
+        stribeck(), data, STRIBECK, loss=loss, standard_deviations=deviations
+    )
+    found = repeat_fits(problem, TRUTH, 1.0, repetitions=1000, seed=5)
+    assert found.converged.all()
+    coverage = found.coverage(TRUTH)
+    # One standard deviation of the share is 0.7 %.
+    assert ((coverage >= 0.93) & (coverage <= 0.97)).all(), coverage
+    scatter = found.values.std(axis=0)
+    assert found.standard_deviations.mean(axis=0) == pytest.approx(scatter, rel=0.1)
+
+
+def test_coverage_counts_what_lies_within():
+    data = Measurements.from_columns({LOAD: np.linspace(1e3, 9e3, 6), "own_straight": np.ones(6)})
+    problem = calibration_problem(plain(), data, [SCREW, NUT])
+    found = repeat_fits(problem, [1.5, 2.5], 0.01, repetitions=20)
+    assert found.coverage([1.5, 99.0])[1] == 0.0
+    assert found.coverage([1.5, 2.5])[0] > 0.6
+    with pytest.raises(ValueError, match="give one number for each of"):
+        repeat_fits(problem, [1.5], 0.01)
+
+
+def test_a_support_from_frequencies_that_are_paired_with_modes():
+    name, mass = "stage.nut.support.torsional_stiffness", "stage.nut.inertia"
+    truth = prsm.set_parameter(plain(), name, 2.5e7)
+    truth = prsm.set_parameter(truth, mass, 6e-4)
+    computed = np.asarray(prsm.compute(truth, ["torsional_frequencies"])["torsional_frequencies"])
+    # Measured in no order, the highest not at all.
+    order = np.random.default_rng(0).permutation(len(computed) - 1)
+    data = {"torsional_frequencies": computed[order] * (1 + 1e-5)}
+    fit = calibrate(plain(), data, [name, mass])
+    assert fit.converged, str(fit)
+    assert fit.values[name] == pytest.approx(2.5e7, rel=1e-3)
+    assert fit.values[mass] == pytest.approx(6e-4, rel=1e-3)
+    assert fit.residuals[0].labels == tuple(f"torsional_frequencies[{i + 1}]" for i in order)
+
+
+def test_more_frequencies_than_modes_are_refused():
+    with pytest.raises(ValueError, match="99 values of torsional_frequencies were measured"):
+        calibrate(plain(), {"torsional_frequencies": np.linspace(1e3, 9e3, 99)}, [SCREW])
