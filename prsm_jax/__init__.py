@@ -2,9 +2,9 @@
 
 Data flows one way, and the folders are named after it: file → mechanism → geometry → contact →
 halfspace, load_sharing → strength, stiffness → vibration, dynamics → response → quantities →
-findings, sensitivities, optimisation, sweeps → report. A mechanism holds laws of `friction` and
-a `scenario`. `validation` compares with published numbers, `explanation` lists the parts of
-a mechanism, `cli` is the command line. The lowest layer is `fields` (numbers with units
+findings, sensitivities, optimisation, sweeps, uncertainty → report. A mechanism holds laws of
+`friction` and a `scenario`. `validation` compares with published numbers, `explanation` lists the
+parts of a mechanism, `cli` is the command line. The lowest layer is `fields` (numbers with units
 and limits), `numerics` (methods), `programs` (how JAX compiles them), `text` and `process`
 (signals, files).
 """
@@ -34,6 +34,7 @@ from . import (
     stiffness as stiffness,
     strength as strength,
     sweeps as sweeps,
+    uncertainty as uncertainty,
     vibration as vibration,
 )
 from ._errors import (
@@ -94,6 +95,7 @@ from .response import (
 from .scenario import Scenario as Scenario, TorqueScenario as TorqueScenario
 from .sensitivities import Sensitivity as Sensitivity, sensitivity as sensitivity
 from .sweeps import sweep as sweep
+from .uncertainty import ToleranceAnalysis as ToleranceAnalysis, tolerance as tolerance
 from .vibration import (
     Modes as Modes,
     modal as modal,

@@ -39,6 +39,7 @@ LAYERS["quantities"] = set(LAYERS) - {"file"}
 LAYERS["findings"] = LAYERS["quantities"] | {"quantities"}
 _PHYSICS = LAYERS["findings"] | {"findings"}
 LAYERS["sensitivities"] = LAYERS["optimisation"] = LAYERS["sweeps"] = _PHYSICS
+LAYERS["uncertainty"] = _PHYSICS
 LAYERS["validation"] = LAYERS["explanation"] = _PHYSICS | {"file"}
 LAYERS["report"] = _PHYSICS | {"file", "sensitivities", "optimisation", "sweeps", "validation"}
 LAYERS["cli"] = set(LAYERS)
@@ -55,7 +56,7 @@ WAY = (
     ("vibration", "dynamics"),
     ("response",),
     ("quantities",),
-    ("findings", "sensitivities", "optimisation", "sweeps"),
+    ("findings", "sensitivities", "optimisation", "sweeps", "uncertainty"),
     ("report",),
 )
 

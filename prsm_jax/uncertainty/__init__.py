@@ -1,0 +1,9 @@
+"""How tolerances of numbers scatter quantities, and which of them matter."""
+
+from ._estimates import PROBABILITIES as PROBABILITIES, Estimate as Estimate
+from ._result import (
+    METHOD_WORDS as METHOD_WORDS,
+    MethodResult as MethodResult,
+    ToleranceAnalysis as ToleranceAnalysis,
+)
+from ._tolerance import DEFAULT_QUANTITIES as DEFAULT_QUANTITIES, tolerance as tolerance
