@@ -1,6 +1,12 @@
 """How tolerances of numbers scatter quantities, and which of them matter."""
 
 from ._estimates import PROBABILITIES as PROBABILITIES, Estimate as Estimate
+from ._global import (
+    GlobalSensitivity as GlobalSensitivity,
+    active_subspace as active_subspace,
+    morris as morris,
+    sobol_indices as sobol_indices,
+)
 from ._result import (
     METHOD_WORDS as METHOD_WORDS,
     MethodResult as MethodResult,

@@ -33,7 +33,7 @@ def points(inputs: Inputs, samples: int, seed: int) -> np.ndarray:
         try:
             sobol = qmc.Sobol(len(inputs.tolerances), scramble=True, rng=generator)
         except TypeError:  # SciPy before 1.15
-            sobol = qmc.Sobol(len(inputs.tolerances), scramble=True, seed=generator)
+            sobol = qmc.Sobol(len(inputs.tolerances), seed=generator)  # pyright: ignore
         sets.append(sobol.random_base2(power))
     return inputs.standardised(np.stack(sets))
 

@@ -195,7 +195,7 @@ def _sampled(
     deviations = points(inputs, samples, seed)
     shape = deviations.shape[:2]
     flat = deviations.reshape(-1, deviations.shape[-1])
-    values, codes, errors = evaluate_points(inputs, flat, selected, *at, checks, progress)
+    values, codes, errors = evaluate_points(inputs, flat, selected, at[0], at[1], checks, progress)
     values = {label: array.reshape(shape) for label, array in values.items()}
     usable = (codes == 0).reshape(shape)
     estimates = {
@@ -207,7 +207,7 @@ def _sampled(
     share: tuple[float | None, float | None] = (None, None)
     if inside is not None or checks:
         share = share_with_error(good if inside is None else good & inside)
-    names = error_names(inputs.mechanism) if checks else ()
+    names = list(error_names(inputs.mechanism)) if checks else []
     counts = {
         names[place - 1]: int(((errors == place) & (codes == 0)).sum())
         for place in np.unique(errors)

@@ -58,3 +58,11 @@ TOLERANCES = (
     Tolerance("contact_angle", -0.15, 0.15),
     Tolerance("load", -600.0, 600.0),
 )
+
+
+@prsm.quantity("uncertainty_ishigami", "q", "1", "sin u + 7 sin² v + 0.1 w⁴ sin u")
+def ishigami(analysis):
+    point = analysis.mechanism.operating_point
+    u, v = point.speed - 100.0, point.load - 5000.0
+    w = analysis.mechanism.stages[0].thread.lead * 1e3 - 10.0
+    return jnp.sin(u) + 7.0 * jnp.sin(v) ** 2 + 0.1 * w**4 * jnp.sin(u)
