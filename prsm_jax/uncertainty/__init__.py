@@ -1,5 +1,6 @@
 """How tolerances of numbers scatter quantities, and which of them matter."""
 
+from ._allocation import Allocation as Allocation, allocate_tolerances as allocate_tolerances
 from ._estimates import PROBABILITIES as PROBABILITIES, Estimate as Estimate
 from ._global import (
     GlobalSensitivity as GlobalSensitivity,

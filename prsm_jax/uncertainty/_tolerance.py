@@ -97,7 +97,7 @@ def tolerance(
     return ToleranceAnalysis(
         quantities=labels,
         units=tuple(find_quantity(label.partition("[")[0]).unit for label in labels),
-        limits=tuple(_limit_of(label, bounds) for label in labels),
+        limits=tuple(limit_of(label, bounds) for label in labels),
         tolerances=inputs.tolerances,
         tolerance_units=inputs.units,
         methods={name: found[name] for name in methods},
@@ -116,7 +116,7 @@ def _selected(mechanism, quantities, bounds: Limits, speed, load) -> tuple[Quant
     return tuple(dict.fromkeys(find_quantity(name) for name in names))
 
 
-def _limit_of(label: str, bounds: Limits) -> tuple[float, float] | None:
+def limit_of(label: str, bounds: Limits) -> tuple[float, float] | None:
     """A limit of a quantity holds for each of its components."""
     return bounds.get(label, bounds.get(label.partition("[")[0]))
 
@@ -125,7 +125,7 @@ def _all_within(values: dict[str, np.ndarray], bounds: Limits) -> np.ndarray | N
     inside = [
         within(array, limit)
         for label, array in values.items()
-        if (limit := _limit_of(label, bounds)) is not None
+        if (limit := limit_of(label, bounds)) is not None
     ]
     return np.logical_and.reduce(inside) if inside else None
 
@@ -164,7 +164,7 @@ def _propagated(
         estimates: dict[str, Estimate] = {}
         surrogates: dict[str, np.ndarray] = {}
         for label, value in values.items():
-            limit, curved = _limit_of(label, bounds), np.zeros((len(inputs.tolerances),) * 2)
+            limit, curved = limit_of(label, bounds), np.zeros((len(inputs.tolerances),) * 2)
             if order == "first_order":
                 estimates[label] = first_order(float(value), slopes[label], limit)
             else:
@@ -199,7 +199,7 @@ def _sampled(
     values = {label: array.reshape(shape) for label, array in values.items()}
     usable = (codes == 0).reshape(shape)
     estimates = {
-        label: monte_carlo(array, deviations, inputs.kurtosis, _limit_of(label, bounds), usable)
+        label: monte_carlo(array, deviations, inputs.kurtosis, limit_of(label, bounds), usable)
         for label, array in values.items()
     }
     inside = _all_within(values, bounds)

@@ -5,7 +5,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ...quantities import assumptions
-from ...uncertainty import tolerance as run_tolerance
+from ...uncertainty import allocate_tolerances, tolerance as run_tolerance
 from .._app import app
 from .._common import Common, checked, emit, words_of
 from .._progress import counted, expect_programs
@@ -32,6 +32,10 @@ def tolerance(
     ] = "all",
     samples: Annotated[int, Parameter(help="Designs of Monte Carlo.")] = 4096,
     seed: Annotated[int, Parameter(help="Seed of Monte Carlo.")] = 0,
+    wanted_yield: Annotated[
+        float | None,
+        Parameter(help="Find the tolerances of least cost for this share, such as 0.99."),
+    ] = None,
     common: Common = _DEFAULT,
 ) -> int:
     """Scatter of quantities due to the file's [tolerances], the yield, and what contributes.
@@ -49,10 +53,15 @@ def tolerance(
         seed=seed,
         progress=lambda done, total: counted(done, total, "designs"),
     )
+    results, parts = analysis.to_dict(), [analysis.text]
+    if wanted_yield is not None:
+        allocation = allocate_tolerances(mechanism, wanted_yield, samples=samples, seed=seed)
+        results["allocation"] = allocation.to_dict()
+        parts.append(allocation.text)
     valid = emit(
         common,
-        analysis.to_dict(),
-        lambda: analysis.text(terminal_width()),
+        results,
+        lambda: "\n\n".join(part(terminal_width()) for part in parts),
         assumptions(mechanism, analysis.quantities),
         checked(mechanism),
     )
