@@ -95,7 +95,7 @@ from .response import (
 from .scenario import Scenario as Scenario, TorqueScenario as TorqueScenario
 from .sensitivities import Sensitivity as Sensitivity, sensitivity as sensitivity
 from .sweeps import sweep as sweep
-from .uncertainty import ToleranceAnalysis as ToleranceAnalysis, tolerance as tolerance
+from .uncertainty import tolerance as tolerance
 from .vibration import (
     Modes as Modes,
     modal as modal,

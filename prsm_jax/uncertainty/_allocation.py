@@ -8,7 +8,7 @@ import numpy as np
 
 from .._errors import missing_extra
 from ..fields import Scalar
-from ..mechanism import Mechanism, Tolerance, of_one_known_design
+from ..mechanism import Mechanism, Tolerance, find_parameters, of_one_known_design
 from ..quantities import find_quantity
 from ..text import TextTable, display_unit
 from ._inputs import inputs_of
@@ -91,7 +91,7 @@ class Allocation:
             f"{100 * self.wanted_yield:.5g} %, first order {100 * self.yield_first_order:.5g} %"
         )
         best = None if self.verification is None else self.verification.best
-        if best is not None and best.yield_share is not None:
+        if best is not None and best.yield_share is not None and best.yield_error is not None:
             words += f", Monte Carlo {100 * best.yield_share:.5g} ± {100 * best.yield_error:.1g} %"
         return words
 
@@ -113,8 +113,8 @@ def allocate_tolerances(
     r"""Widen and narrow tolerances so that a wanted yield costs least.
 
     The cost of a tolerance is inversely proportional to its width: $\sum_i c_i / s_i$, where $s_i$
-    is the width relative to the given one (0.1 to 10) and $c_i$ the cost of the given one. Zones
-    keep their middle and distribution. For limits of one quantity the optimum has the closed form
+    is the width relative to the given one (0.1 to 10, or less where the number would leave its
+    range) and $c_i$ the cost of the given one. Zones keep their middle and distribution. For limits of one quantity the optimum has the closed form
     $s_i \propto (c_i / a_i^2)^{1/3}$, $a_i$ the standard deviation of the quantity due to
     tolerance $i$; for several quantities, or where a width reaches its bound, SLSQP finds it.
 
@@ -152,7 +152,8 @@ def allocate_tolerances(
             )
     parts = np.stack([slopes[label] for label in limited])
     costs = np.array([one.cost for one in inputs.tolerances])
-    problem = _Problem(parts, sides - middle[:, None], costs, wanted_yield)
+    widest = np.array([_widest(mechanism, one) for one in inputs.tolerances])
+    problem = _Problem(parts, sides - middle[:, None], costs, wanted_yield, widest)
     widths = problem.solve()
     allocated = tuple(
         dataclasses.replace(
@@ -181,6 +182,26 @@ def allocate_tolerances(
     )
 
 
+def _widest(mechanism: Mechanism, one: Tolerance) -> float:
+    """Greatest relative width at which the limits of a tolerance are possible values."""
+
+    def possible(width: float) -> bool:
+        sides = (one.middle - width * one.half_width, one.middle + width * one.half_width)
+        return all(
+            parameter.limit.admits(float(np.asarray(parameter.get(mechanism))) + side)
+            for parameter in find_parameters(mechanism, one.name)
+            for side in sides
+        )
+
+    if possible(WIDEST):
+        return WIDEST
+    low, high = 1.0, WIDEST
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if possible(middle) else (low, middle)
+    return low
+
+
 @dataclasses.dataclass(frozen=True)
 class _Problem:
     """Least cost over relative widths.
@@ -189,12 +210,14 @@ class _Problem:
     - `sides`: limits of each quantity less its value in the middle.
     - `costs`: of the given tolerances.
     - `wanted`: yield.
+    - `widest`: greatest relative widths.
     """
 
     parts: np.ndarray
     sides: np.ndarray
     costs: np.ndarray
     wanted: float
+    widest: np.ndarray
 
     def share(self, widths: np.ndarray) -> float:
         """First-order yield: 1 less the shares outside of the limits of each quantity."""
@@ -216,8 +239,8 @@ class _Problem:
     def solve(self) -> np.ndarray:
         """Relative widths of least cost."""
         count = len(self.costs)
-        if self.share(np.full(count, WIDEST)) >= self.wanted:
-            return np.full(count, WIDEST)
+        if self.share(self.widest) >= self.wanted:
+            return self.widest
         if self.share(np.full(count, 1 / WIDEST)) < self.wanted:
             raise ValueError(
                 f"a yield of {self.wanted:g} needs tolerances of less than a tenth of the given "
@@ -226,7 +249,7 @@ class _Problem:
         if len(self.parts) == 1 and (self.parts != 0).all():
             shape = (self.costs / self.parts[0] ** 2) ** (1 / 3)
             widths = shape * self._scale(shape)
-            if (widths <= WIDEST).all() and (widths >= 1 / WIDEST).all():
+            if (widths <= self.widest).all() and (widths >= 1 / WIDEST).all():
                 return widths
         return self._searched()
 
@@ -246,14 +269,15 @@ class _Problem:
             from scipy.optimize import minimize
         except ImportError as error:
             raise missing_extra("optimise", "an allocation of tolerances", error) from error
-        count, end = len(self.costs), float(np.log(WIDEST))
+        count, ends = len(self.costs), np.log(self.widest)
+        least = -float(np.log(WIDEST))
         whole = float(np.sum(self.costs))
-        start = np.clip(np.full(count, np.log(self._scale(np.ones(count)))), -end, end)
+        start = np.clip(np.full(count, np.log(self._scale(np.ones(count)))), least, ends)
         found = minimize(
             lambda x: (np.sum(self.costs * np.exp(-x)) / whole, -self.costs * np.exp(-x) / whole),
             start,
             jac=True,
-            bounds=[(-end, end)] * count,
+            bounds=[(least, end) for end in ends],
             constraints=[
                 {
                     "type": "ineq",

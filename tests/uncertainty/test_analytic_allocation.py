@@ -107,3 +107,12 @@ def test_wide_limits_allow_the_widest_tolerances():
     )
     assert _widths(allocation) == pytest.approx([10.0] * 3, rel=1e-12)
     assert isinstance(allocation, prsm.uncertainty.Allocation)
+
+
+def test_a_widened_tolerance_stays_in_the_range_of_its_number():
+    """The coefficient 0.1 ± 0.04, without effect, cannot become ten times as wide."""
+    rows = (ROWS[0], Tolerance("thread.coefficient", -0.04, 0.04))
+    limits = {LINEAR: (None, 3.2)}
+    allocation = allocate_tolerances(MECHANISM, 0.95, limits, tolerances=rows, verify=False)
+    assert _widths(allocation)[1] == pytest.approx(2.5, rel=1e-6)
+    assert allocation.tolerances[1].lower > -0.1 - 1e-12
