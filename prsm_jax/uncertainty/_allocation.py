@@ -114,9 +114,10 @@ def allocate_tolerances(
 
     The cost of a tolerance is inversely proportional to its width: $\sum_i c_i / s_i$, where $s_i$
     is the width relative to the given one (0.1 to 10, or less where the number would leave its
-    range) and $c_i$ the cost of the given one. Zones keep their middle and distribution. For limits of one quantity the optimum has the closed form
-    $s_i \propto (c_i / a_i^2)^{1/3}$, $a_i$ the standard deviation of the quantity due to
-    tolerance $i$; for several quantities, or where a width reaches its bound, SLSQP finds it.
+    range) and $c_i$ the cost of the given one. Zones keep their middle and distribution. For limits
+    of one quantity the optimum has the closed form $s_i \propto (c_i / a_i^2)^{1/3}$, $a_i$ the
+    standard deviation of the quantity due to tolerance $i$; for several quantities, or where a
+    width reaches its bound, SLSQP finds it.
 
     **Arguments:**
 

@@ -102,10 +102,11 @@ def test_what_is_wrong_is_said(wanted, limits, message):
 
 
 def test_wide_limits_allow_the_widest_tolerances():
+    """Ten times the given ones, but for the contact angle of 45°, which has to stay above 0."""
     allocation = allocate_tolerances(
         MECHANISM, 0.99, {LINEAR: (-100.0, 100.0)}, tolerances=ROWS, verify=False
     )
-    assert _widths(allocation) == pytest.approx([10.0] * 3, rel=1e-12)
+    assert _widths(allocation) == pytest.approx([10.0, math.pi / 4 / 0.15, 10.0], rel=1e-9)
     assert isinstance(allocation, prsm.uncertainty.Allocation)
 
 
