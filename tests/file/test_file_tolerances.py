@@ -22,7 +22,7 @@ def _read(*lines):
 
 
 def test_each_form_of_a_tolerance():
-    found = _read(
+    mechanism = _read(
         'lead = "±0.02 mm"',
         '"thread.coefficient" = "±0.01"',
         "load = 100",
@@ -30,7 +30,9 @@ def test_each_form_of_a_tolerance():
         'speed = { lower = "-30 rpm", upper = "0 rpm", sigmas = 2 }',
         "[tolerances.cost]",
         "lead = 2.5",
-    ).tolerances
+    )
+    found = mechanism.tolerances
+    assert file.loads(file.dumps(mechanism)).tolerances == found
     degree, rpm = math.pi / 180, 2 * math.pi / 60
     assert found == (
         Tolerance("lead", -2e-5, 2e-5, cost=2.5),
