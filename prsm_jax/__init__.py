@@ -2,11 +2,11 @@
 
 Data flows one way, and the folders are named after it: file → mechanism → geometry → contact →
 halfspace, load_sharing → strength, stiffness → vibration, dynamics → response → quantities →
-findings, sensitivities, optimisation, calibration, sweeps → report. A mechanism holds laws of
-`friction` and a `scenario`. `validation` compares with published numbers, `explanation` lists the
-parts of a mechanism, `cli` is the command line. The lowest layer is `fields` (numbers with units
-and limits), `numerics` (methods), `programs` (how JAX compiles them), `text` and `process`
-(signals, files).
+findings, sensitivities, optimisation, calibration, sweeps, uncertainty → report. A mechanism holds
+laws of `friction` and a `scenario`. `validation` compares with published numbers, `explanation`
+lists the parts of a mechanism, `cli` is the command line. The lowest layer is `fields` (numbers
+with units and limits), `numerics` (methods), `programs` (how JAX compiles them), `text` and
+`process` (signals, files).
 """
 
 from . import process as process  # isort: skip # before JAX
@@ -35,6 +35,7 @@ from . import (
     stiffness as stiffness,
     strength as strength,
     sweeps as sweeps,
+    uncertainty as uncertainty,
     vibration as vibration,
 )
 from ._errors import (
@@ -96,6 +97,7 @@ from .response import (
 from .scenario import Scenario as Scenario, TorqueScenario as TorqueScenario
 from .sensitivities import Sensitivity as Sensitivity, sensitivity as sensitivity
 from .sweeps import sweep as sweep
+from .uncertainty import tolerance as tolerance
 from .vibration import (
     Modes as Modes,
     modal as modal,

@@ -2,7 +2,8 @@
 
 A field of a class is a key of its table: a new field of the mechanism is a new key of the file,
 with its unit, limit and description, without a second declaration. Only the differences between
-pytree and file are written out: `[[stage]]`, `[[duty_cycle]]`, `[scenario]` and `[optimise]`.
+pytree and file are written out: `[[stage]]`, `[[duty_cycle]]`, `[scenario]`, `[optimise]` and
+`[tolerances]`.
 """
 
 import dataclasses
@@ -24,6 +25,8 @@ from .tables import (
     read_optimise,
     read_rows,
     read_text,
+    read_tolerances,
+    tolerances_of,
 )
 
 
@@ -59,6 +62,7 @@ _KEYS = {
     "duty_cycle": Key(_duty_cycle),
     "optimise": Key(read_optimise),
     "scenario": Key(_scenario),
+    "tolerances": Key(read_tolerances),
 }
 
 
@@ -69,11 +73,15 @@ def mechanism_of(data: dict[str, Any]) -> Mechanism:
     """
     content = read_keys(data, (), _KEYS)
     stages, optimise = content.pop("stage"), content.pop("optimise", None)
+    tolerances = content.pop("tolerances", None)
     try:
         mechanism = Mechanism(stages, **content)
     except ValueError as error:
         raise Misplaced(((), str(error))) from error
-    if optimise is None:
-        return mechanism
-    # The names of its variables can be looked up only once there is a mechanism.
-    return dataclasses.replace(mechanism, design_problem=design_problem(optimise, mechanism))
+    # The names in these tables can be looked up only once there is a mechanism.
+    named: dict[str, Any] = {}
+    if optimise is not None:
+        named["design_problem"] = design_problem(optimise, mechanism)
+    if tolerances is not None:
+        named["tolerances"] = tolerances_of(tolerances, mechanism)
+    return dataclasses.replace(mechanism, **named) if named else mechanism

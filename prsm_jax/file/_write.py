@@ -13,7 +13,7 @@ import numpy as np
 from .._errors import FileError, UnknownNameError, missing_extra
 from ..fields import Declared, declared, values_of
 from ..friction import FrictionLaw
-from ..mechanism import DesignProblem, DutyCycle, Mechanism, find_parameters
+from ..mechanism import DesignProblem, DutyCycle, Mechanism, Tolerance, find_parameters
 from ..process import whole_file
 from ._read import loads
 from .numbers import bare_number, table_choices, tag_of, takes_numbers, write_number
@@ -146,6 +146,31 @@ def _optimise(
                 yield f"{side} = {_number(limit, unit, constraint.quantity)}"
 
 
+def _tolerances(tolerances: tuple[Tolerance, ...], mechanism: Mechanism) -> Iterator[str]:
+    yield from ("", "[tolerances]")
+    for one in tolerances:
+        # A name with dots would be a table within a table.
+        key = _string(one.name) if "." in one.name else one.name
+        unit = find_parameters(mechanism, one.name)[0].unit
+        usual = one == Tolerance(one.name, one.lower, one.upper, cost=one.cost)
+        if usual and one.lower == -one.upper:
+            half = _number(one.upper, unit, one.name)
+            yield f"{key} = " + (f'"±{half[1:]}' if half.startswith('"') else half)
+            continue
+        words = [
+            f"{side} = {_number(getattr(one, side), unit, key)}" for side in ("lower", "upper")
+        ]
+        words.append(f"distribution = {_string(one.distribution)}")
+        if one.distribution == "normal":
+            words.append(f"sigmas = {_number(one.sigmas, '1', key)}")
+        yield f"{key} = {{ {', '.join(words)} }}"
+    if any(one.cost != 1.0 for one in tolerances):
+        yield from ("", "[tolerances.cost]")
+        for one in tolerances:
+            key = _string(one.name) if "." in one.name else one.name
+            yield f"{key} = {_number(one.cost, '1', key)}"
+
+
 def _lines(mechanism: Mechanism, quantity_units: Mapping[str, str]) -> Iterator[str]:
     yield f"title = {_string(mechanism.title)}"
     if mechanism.operating_point is not None:
@@ -160,6 +185,8 @@ def _lines(mechanism: Mechanism, quantity_units: Mapping[str, str]) -> Iterator[
         yield from ("", "[scenario]", *_module(mechanism.scenario, "scenario"))
     if mechanism.design_problem is not None:
         yield from _optimise(mechanism.design_problem, mechanism, quantity_units)
+    if mechanism.tolerances is not None:
+        yield from _tolerances(mechanism.tolerances, mechanism)
 
 
 def dumps(mechanism: Mechanism, quantity_units: Mapping[str, str] | None = None) -> str:
@@ -186,7 +213,9 @@ def dumps(mechanism: Mechanism, quantity_units: Mapping[str, str] | None = None)
     try:
         text = "\n".join(_lines(mechanism, quantity_units or {})) + "\n"
     except UnknownNameError as error:
-        raise FileError(f"the [optimise] table cannot be written: {error}") from error
+        raise FileError(
+            f"the [optimise] or [tolerances] table cannot be written: {error}"
+        ) from error
     loads(text, name="the mechanism to write")
     return text
 

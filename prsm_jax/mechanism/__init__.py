@@ -39,6 +39,7 @@ from .parameters import (
     what_follows as what_follows,
 )
 from .parts import (
+    DISTRIBUTIONS as DISTRIBUTIONS,
     END_CONDITIONS as END_CONDITIONS,
     GAP_LISTS as GAP_LISTS,
     MOUNTINGS as MOUNTINGS,
@@ -47,6 +48,7 @@ from .parts import (
     Constraint as Constraint,
     Damping as Damping,
     DesignProblem as DesignProblem,
+    Distribution as Distribution,
     EndConditions as EndConditions,
     Gear as Gear,
     GivenStiffness as GivenStiffness,
@@ -68,6 +70,7 @@ from .parts import (
     Support as Support,
     Thread as Thread,
     ThreadTooth as ThreadTooth,
+    Tolerance as Tolerance,
     UnequalRoller as UnequalRoller,
     Variable as Variable,
     total_factor as total_factor,

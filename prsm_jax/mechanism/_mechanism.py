@@ -35,6 +35,7 @@ from .parts import (
     Screw,
     Strength,
     Thread,
+    Tolerance,
     UnequalRoller,
     check_unequal_rollers,
 )
@@ -177,7 +178,8 @@ class Mechanism(Limited):
     """A planetary roller screw mechanism of one or several stages.
 
     A frozen pytree in SI units. The stages share the screw speed through splines; nut k − 1
-    carries screw k. Static: `title` and the design problem (bounds and limits are not physics).
+    carries screw k. Static: `title`, the design problem (bounds and limits are not physics) and
+    the tolerances.
     """
 
     stages: tuple[Stage, ...]
@@ -197,6 +199,11 @@ class Mechanism(Limited):
     scenario: Scenario | TorqueScenario | None = part(
         "transients are the settling after a step to the operating point: no mission, no driving "
         "torque"
+    )
+    tolerances: tuple[Tolerance, ...] | None = choice(
+        "the [tolerances] table of the file",
+        default=None,
+        without="no tolerance analysis: scatter, yield and contributions are not defined",
     )
 
     def __check_init__(self) -> None:

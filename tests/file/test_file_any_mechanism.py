@@ -16,6 +16,7 @@ import prsm_jax.file as file
 from prsm_jax.fields import ANY, Declared, Limit, declared, limit_of
 from prsm_jax.file import TableChoice, table_choices
 from prsm_jax.mechanism import (
+    DISTRIBUTIONS,
     GAP_LISTS,
     AxialPlay,
     Constraint,
@@ -30,6 +31,7 @@ from prsm_jax.mechanism import (
     Stage,
     Support,
     Thread,
+    Tolerance,
     UnequalRoller,
     Variable,
 )
@@ -202,6 +204,23 @@ def design_problems(draw):
 
 
 @st.composite
+def tolerances(draw):
+    """Tolerances of some numbers of the operating point, which every mechanism here may lack."""
+    rows = []
+    for name in draw(st.lists(st.sampled_from(["speed", "load"]), min_size=1, unique=True)):
+        ends = st.floats(-1e6, 1e6, allow_subnormal=False)
+        lower, upper = sorted(draw(st.tuples(ends, ends).filter(lambda b: b[0] != b[1])))
+        if draw(st.booleans()):
+            lower, upper = -max(abs(lower), abs(upper)), max(abs(lower), abs(upper))
+        distribution = draw(st.sampled_from(DISTRIBUTIONS))
+        positive = st.floats(1e-3, 1e3)
+        sigmas = draw(st.one_of(st.just(3.0), positive)) if distribution == "normal" else 3.0
+        cost = draw(st.one_of(st.just(1.0), positive))
+        rows.append(Tolerance(name, lower, upper, distribution, sigmas, cost))
+    return tuple(rows)
+
+
+@st.composite
 def duty_cycles(draw):
     """A duty cycle of one to five phases."""
     size = draw(st.integers(1, 5))
@@ -225,12 +244,14 @@ def _without_first_spline(stages: list[Stage]) -> tuple[Stage, ...]:
 @st.composite
 def mechanisms(draw):
     """Any mechanism that a file can hold."""
+    point = draw(st.one_of(st.none(), modules(OperatingPoint)))
     return Mechanism(
         _without_first_spline(draw(st.lists(modules(Stage), min_size=1, max_size=2))),
-        draw(st.one_of(st.none(), modules(OperatingPoint))),
+        point,
         draw(st.one_of(st.none(), duty_cycles())),
         draw(st.text(st.characters(exclude_categories=["Cs"]), max_size=20)),
         draw(st.one_of(st.none(), design_problems())),
+        tolerances=None if point is None else draw(st.one_of(st.none(), tolerances())),
     )
 
 
@@ -242,4 +263,5 @@ def test_any_mechanism_survives_exactly(identical, mechanism):
     again = file.loads(file.dumps(mechanism))
     assert identical(mechanism, again)
     assert again.design_problem == mechanism.design_problem
+    assert again.tolerances == mechanism.tolerances
     assert again.title == mechanism.title

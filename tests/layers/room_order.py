@@ -39,6 +39,7 @@ LAYERS["quantities"] = set(LAYERS) - {"file"}
 LAYERS["findings"] = LAYERS["quantities"] | {"quantities"}
 _PHYSICS = LAYERS["findings"] | {"findings"}
 LAYERS["sensitivities"] = LAYERS["optimisation"] = LAYERS["sweeps"] = _PHYSICS
+LAYERS["uncertainty"] = _PHYSICS
 LAYERS["calibration"] = LAYERS["validation"] = LAYERS["explanation"] = _PHYSICS | {"file"}
 LAYERS["report"] = _PHYSICS | {
     "file",
@@ -46,6 +47,7 @@ LAYERS["report"] = _PHYSICS | {
     "optimisation",
     "calibration",
     "sweeps",
+    "uncertainty",
     "validation",
 }
 LAYERS["cli"] = set(LAYERS)
@@ -62,7 +64,7 @@ WAY = (
     ("vibration", "dynamics"),
     ("response",),
     ("quantities",),
-    ("findings", "sensitivities", "optimisation", "calibration", "sweeps"),
+    ("findings", "sensitivities", "optimisation", "calibration", "sweeps", "uncertainty"),
     ("report",),
 )
 

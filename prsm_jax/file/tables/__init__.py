@@ -9,3 +9,7 @@ from ._table import (
     read_rows as read_rows,
     read_text as read_text,
 )
+from ._tolerance_table import (
+    read_tolerances as read_tolerances,
+    tolerances_of as tolerances_of,
+)

@@ -40,6 +40,11 @@ from ._strength import (
     Strength as Strength,
 )
 from ._thread import Thread as Thread
+from ._tolerance import (
+    DISTRIBUTIONS as DISTRIBUTIONS,
+    Distribution as Distribution,
+    Tolerance as Tolerance,
+)
 from ._unequal_roller import (
     UnequalRoller as UnequalRoller,
     check_unequal_rollers as check_unequal_rollers,

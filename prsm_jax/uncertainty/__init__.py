@@ -1,0 +1,16 @@
+"""How tolerances of numbers scatter quantities, and which of them matter."""
+
+from ._allocation import Allocation as Allocation, allocate_tolerances as allocate_tolerances
+from ._estimates import PROBABILITIES as PROBABILITIES, Estimate as Estimate
+from ._global import (
+    GlobalSensitivity as GlobalSensitivity,
+    active_subspace as active_subspace,
+    morris as morris,
+    sobol_indices as sobol_indices,
+)
+from ._result import (
+    METHOD_WORDS as METHOD_WORDS,
+    MethodResult as MethodResult,
+    ToleranceAnalysis as ToleranceAnalysis,
+)
+from ._tolerance import DEFAULT_QUANTITIES as DEFAULT_QUANTITIES, tolerance as tolerance

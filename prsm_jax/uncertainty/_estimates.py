@@ -1,0 +1,183 @@
+"""Mean, standard deviation, quantiles, yield and contributions of one quantity, by each method."""
+
+import dataclasses
+
+import numpy as np
+
+from ._sampling import standard_error
+
+#: Probabilities of the quantiles: the outer ones are those of ±3 standard deviations.
+PROBABILITIES = (0.00135, 0.05, 0.5, 0.95, 0.99865)
+
+
+@dataclasses.dataclass(frozen=True)
+class Estimate:
+    """One quantity by one method [SI]; errors are standard errors of sampled numbers, else 0.
+
+    `contributions` are shares of the variance, one for each tolerance; what is left to 1 is due
+    to tolerances together. `yield_share` is `None` without limits.
+    """
+
+    mean: float
+    standard_deviation: float
+    quantiles: tuple[float, ...]
+    yield_share: float | None
+    contributions: tuple[float, ...]
+    mean_error: float = 0.0
+    standard_deviation_error: float = 0.0
+    quantile_errors: tuple[float, ...] = (0.0,) * len(PROBABILITIES)
+    yield_error: float | None = None
+    contribution_errors: tuple[float, ...] = ()
+
+
+def _shares(parts: np.ndarray, variance: float) -> tuple[float, ...]:
+    whole = variance if variance > 0 else 1.0
+    return tuple((parts / whole).tolist())
+
+
+def first_order(value: float, slopes: np.ndarray, limits: tuple[float, float] | None) -> Estimate:
+    r"""A normal distribution about the value, with the variance $\sum_i (g_i \sigma_i)^2$.
+
+    **Arguments:**
+
+    - `value`: at the middle of all tolerances.
+    - `slopes`: derivative by each standardised deviation, $g_i \sigma_i$.
+    - `limits`: lower and upper limit, or `None`.
+    """
+    from scipy.special import ndtr, ndtri
+
+    variance = float(slopes @ slopes)
+    deviation = variance**0.5
+    quantiles = value + deviation * ndtri(np.array(PROBABILITIES))
+    share = None
+    if limits is not None:
+        low, high = limits
+        if deviation > 0:
+            above, below = (np.array([high, low]) - value) / deviation
+            share = float(ndtr(above) - ndtr(below))
+        else:
+            share = float(low <= value <= high)
+    return Estimate(
+        value, deviation, tuple(quantiles.tolist()), share, _shares(slopes**2, variance)
+    )
+
+
+def second_order(
+    value: float,
+    slopes: np.ndarray,
+    curvatures: np.ndarray,
+    kurtosis: np.ndarray,
+    deviations: np.ndarray,
+    limits: tuple[float, float] | None,
+) -> Estimate:
+    r"""Mean and variance of the quadratic expansion in closed form; the rest from its samples.
+
+    With standardised slopes $a_i$ and curvatures $b_{ij}$ the mean is $q + \frac12 \sum_i b_{ii}$
+    and the variance $\sum_i a_i^2 + \frac14 \sum_i b_{ii}^2 (\kappa_i - 1) + \sum_{i<j} b_{ij}^2$
+    for any symmetric distributions with kurtosis $\kappa_i$.
+
+    **Arguments:**
+
+    - `value`, `slopes`, `limits`: as for `first_order`.
+    - `curvatures`: second derivatives by the standardised deviations, tolerances × tolerances.
+    - `kurtosis`: of each tolerance.
+    - `deviations`: scramblings × points × tolerances, where quantiles and yield are sampled.
+    """
+    own = np.diag(curvatures)
+    single = slopes**2 + 0.25 * own**2 * (kurtosis - 1)
+    together = np.sum(np.triu(curvatures, 1) ** 2)
+    variance = float(np.sum(single) + together)
+    values = quadratic(value, slopes, curvatures, deviations)
+    sampled = monte_carlo(values, deviations, kurtosis, limits, None)
+    return dataclasses.replace(
+        sampled,
+        mean=value + 0.5 * float(np.sum(own)),
+        standard_deviation=variance**0.5,
+        contributions=_shares(single, variance),
+        mean_error=0.0,
+        standard_deviation_error=0.0,
+        contribution_errors=(),
+    )
+
+
+def quadratic(
+    value: float, slopes: np.ndarray, curvatures: np.ndarray, deviations: np.ndarray
+) -> np.ndarray:
+    """The quadratic expansion at standardised deviations (… × tolerances)."""
+    curved = np.einsum("...i,ij,...j->...", deviations, curvatures, deviations)
+    return value + deviations @ slopes + 0.5 * curved
+
+
+def within(values: np.ndarray, limits: tuple[float, float]) -> np.ndarray:
+    """Which values lie within limits; NaN, a design that failed, does not."""
+    return (values >= limits[0]) & (values <= limits[1])
+
+
+def share_with_error(inside: np.ndarray) -> tuple[float, float]:
+    """Share of true entries (scramblings × points) and its standard error, at least 1/N."""
+    error = standard_error(inside.mean(axis=1))
+    return float(inside.mean()), max(float(error), 1 / inside.size)
+
+
+def _contributions(values: np.ndarray, deviations: np.ndarray, kurtosis: np.ndarray) -> np.ndarray:
+    """Shares of the variance by regression on z and z² − 1 of each tolerance."""
+    good = np.isfinite(values)
+    z = deviations[good]
+    count = z.shape[1]
+    if len(z) <= 2 * count + 1:
+        return np.full(count, np.nan)
+    columns = np.concatenate([np.ones((len(z), 1)), z, z**2 - 1], axis=1)
+    centre, spread = np.mean(values[good]), np.std(values[good])
+    if not spread > 1e-14 * abs(centre):
+        return np.zeros(count)
+    fit = np.linalg.lstsq(columns, (values[good] - centre) / spread, rcond=None)[0]
+    return fit[1 : count + 1] ** 2 + fit[count + 1 :] ** 2 * (kurtosis - 1)
+
+
+def monte_carlo(
+    values: np.ndarray,
+    deviations: np.ndarray,
+    kurtosis: np.ndarray,
+    limits: tuple[float, float] | None,
+    usable: np.ndarray | None,
+) -> Estimate:
+    """Moments and quantiles of samples; designs that failed count as outside of limits only.
+
+    **Arguments:**
+
+    - `values`: of the quantity, scramblings × points, NaN for designs that failed.
+    - `deviations`: standardised deviations, scramblings × points × tolerances.
+    - `kurtosis`: of each tolerance.
+    - `limits`: lower and upper limit, or `None`.
+    - `usable`: which designs did not fail, or `None` for all.
+    """
+    count = deviations.shape[-1]
+    if usable is not None and (usable.sum(axis=1) < 2).any():
+        nothing = (np.nan,) * len(PROBABILITIES)
+        share = (None, None) if limits is None else share_with_error(within(values, limits))
+        return Estimate(np.nan, np.nan, nothing, share[0], (np.nan,) * count, yield_error=share[1])
+    of_each = np.array(
+        [
+            [np.nanmean(row), np.nanstd(row), *np.nanquantile(row, PROBABILITIES)]
+            for row in (*values, values.ravel())
+        ]
+    )
+    errors = standard_error(of_each[:-1])
+    mean, deviation, *quantiles = of_each[-1].tolist()
+    inside = (None, None) if limits is None else share_with_error(within(values, limits))
+    shares = np.array(
+        [_contributions(v, z, kurtosis) for v, z in zip(values, deviations, strict=True)]
+    )
+    pooled = _contributions(values.ravel(), deviations.reshape(-1, count), kurtosis)
+    return Estimate(
+        mean,
+        deviation,
+        tuple(quantiles),
+        inside[0],
+        tuple(pooled.tolist()),
+        float(errors[0]),
+        float(errors[1]),
+        tuple(errors[2:].tolist()),
+        inside[1],
+        tuple(standard_error(shares).tolist()),
+    )

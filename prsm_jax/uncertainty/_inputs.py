@@ -1,0 +1,127 @@
+"""The numbers of a mechanism that scatter, and their standardised deviations.
+
+Each tolerance has one standardised deviation z with mean 0 and variance 1; all are independent. A
+name that applies to several stages moves their numbers by the same deviation.
+"""
+
+import dataclasses
+from collections.abc import Iterable
+
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..fields import Scalar
+from ..mechanism import (
+    Mechanism,
+    Tolerance,
+    check_independent,
+    find_parameters,
+    set_parameters,
+)
+
+#: Smallest probability of a sample: the normal quantile of 0 is infinite.
+_LEAST = 2.0**-53
+
+
+@dataclasses.dataclass(frozen=True)
+class Inputs:
+    """Tolerances of a mechanism and the numbers that they move.
+
+    - `mechanism`: without its tables of tolerances and of the optimisation, which are no physics.
+    - `tolerances`: the tolerances.
+    - `paths`: full names of the numbers.
+    - `middle`: their values in the middle of the tolerance zones [SI].
+    - `directions`: change of the numbers for one standard deviation of each tolerance [SI],
+      tolerances × numbers.
+    - `units`: SI unit of each tolerance.
+    """
+
+    mechanism: Mechanism
+    tolerances: tuple[Tolerance, ...]
+    paths: tuple[str, ...]
+    middle: np.ndarray
+    directions: np.ndarray
+    units: tuple[str, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the tolerances."""
+        return tuple(one.name for one in self.tolerances)
+
+    @property
+    def kurtosis(self) -> np.ndarray:
+        """Kurtosis of each tolerance's distribution."""
+        return np.array([one.kurtosis for one in self.tolerances])
+
+    def standardised(self, uniform: np.ndarray) -> np.ndarray:
+        """Standardised deviations of points of the unit cube (… × tolerances)."""
+        from scipy.special import ndtri
+
+        inside = np.clip(uniform, _LEAST, 1 - _LEAST)
+        columns = []
+        for index, one in enumerate(self.tolerances):
+            u = inside[..., index]
+            if one.distribution == "normal":
+                columns.append(ndtri(u))
+            elif one.distribution == "uniform":
+                columns.append(np.sqrt(3.0) * (2 * u - 1))
+            else:
+                tail = np.sqrt(6.0) * (1 - np.sqrt(2 * np.minimum(u, 1 - u)))
+                columns.append(np.sign(u - 0.5) * tail)
+        return np.stack(columns, axis=-1)
+
+    def values(self, deviations: np.ndarray) -> np.ndarray:
+        """Numbers [SI] for standardised deviations (… × tolerances)."""
+        return self.middle + deviations @ self.directions
+
+
+def inputs_of(mechanism: Mechanism, tolerances: Iterable[Tolerance] | None) -> Inputs:
+    """Check tolerances and look up their numbers.
+
+    **Raises:** `ValueError` without tolerances, for a whole number, a limit out of range, or two
+    that set the same number; `UnknownNameError` for an unknown name.
+    """
+    chosen = tuple((mechanism.tolerances or ()) if tolerances is None else tolerances)
+    if not chosen:
+        raise ValueError(
+            "the mechanism has no tolerances; give tolerances, or a [tolerances] table in its file "
+            'such as lead = "±0.02 mm"'
+        )
+    paths: list[str] = []
+    middle: list[float] = []
+    units: list[str] = []
+    owner: list[int] = []
+    for index, one in enumerate(chosen):
+        parameters = find_parameters(mechanism, one.name)
+        units.append(parameters[0].unit)
+        for parameter in parameters:
+            if parameter.static:
+                raise ValueError(
+                    f"tolerance {one.name!r}: a whole number has no tolerance; sweep over it "
+                    "instead"
+                )
+            nominal = float(np.asarray(parameter.get(mechanism)))
+            for side in ("lower", "upper"):
+                if not parameter.limit.admits(nominal + getattr(one, side)):
+                    raise ValueError(
+                        f"tolerance {one.name!r}: at its {side} limit {parameter.path} is "
+                        f"{nominal + getattr(one, side):.6g} {parameter.unit}; it must be "
+                        f"{parameter.limit.allowed}"
+                    )
+            paths.append(parameter.path)
+            middle.append(nominal + one.middle)
+            owner.append(index)
+    check_independent(mechanism, [one.name for one in chosen])
+    directions = np.zeros((len(chosen), len(paths)))
+    for number, index in enumerate(owner):
+        directions[index, number] = chosen[index].standard_deviation
+    physics = dataclasses.replace(mechanism, tolerances=None, design_problem=None)
+    return Inputs(physics, chosen, tuple(paths), np.array(middle), directions, tuple(units))
+
+
+def moved(
+    mechanism: Mechanism, paths: tuple[str, ...], values: Float[Array, " numbers"]
+) -> Mechanism:
+    """The mechanism with its numbers at given values [SI], which may be traced."""
+    pairs: dict[str, Scalar] = {path: values[index] for index, path in enumerate(paths)}
+    return set_parameters(mechanism, pairs, checked=False)

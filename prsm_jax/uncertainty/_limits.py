@@ -1,0 +1,39 @@
+"""Limits of quantities: those of the design problem, and those given as an argument."""
+
+import math
+from collections.abc import Mapping
+
+from ..mechanism import DesignProblem
+
+Limits = dict[str, tuple[float, float]]
+
+
+def limits_of(problem: DesignProblem | None, given: Mapping | None) -> Limits:
+    """Lower and upper limit of each quantity [SI], infinite where there is none.
+
+    Limits of the design problem hold unless the argument has the same quantity; a value that is
+    to be equal has no tolerance and gives no limit.
+
+    **Raises:** `ValueError` for limits that are not a pair, or in the wrong order.
+    """
+    limits: Limits = {}
+    for one in () if problem is None else problem.constraints:
+        if one.equal is None:
+            limits[one.quantity] = _pair(one.quantity, (one.lower, one.upper))
+    for name, pair in (given or {}).items():
+        limits[name] = _pair(name, pair)
+    return limits
+
+
+def _pair(name: str, pair) -> tuple[float, float]:
+    try:
+        lower, upper = pair
+    except (TypeError, ValueError):
+        raise ValueError(
+            f"limits of {name!r} are {pair!r}; give (lower, upper), with None for no limit"
+        ) from None
+    low = -math.inf if lower is None else float(lower)
+    high = math.inf if upper is None else float(upper)
+    if not low < high:
+        raise ValueError(f"limits of {name!r}: lower {low:g} is not below upper {high:g}")
+    return low, high

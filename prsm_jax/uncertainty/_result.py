@@ -1,0 +1,235 @@
+"""The result of a tolerance analysis: tables that print themselves."""
+
+import dataclasses
+import math
+
+import numpy as np
+
+from ..mechanism import Tolerance
+from ..text import TextTable, display_unit
+from ._estimates import PROBABILITIES, Estimate
+
+METHOD_WORDS = {
+    "first_order": "first order",
+    "second_order": "second order",
+    "monte_carlo": "Monte Carlo",
+}
+
+
+@dataclasses.dataclass(frozen=True)
+class MethodResult:
+    """What one method found.
+
+    - `estimates`: of each quantity.
+    - `yield_share`, `yield_error`: share of mechanisms within all limits, and its standard error;
+      `None` without limits.
+    - `reasons`: number of designs that failed, by reason.
+    - `errors`: number of other designs, by the first error of `check`.
+    - `samples`: designs that were analysed; 0 for propagation.
+    - `values`: samples of each quantity [SI], NaN for designs that failed.
+    """
+
+    estimates: dict[str, Estimate]
+    yield_share: float | None
+    yield_error: float | None
+    reasons: dict[str, int] = dataclasses.field(default_factory=dict)
+    errors: dict[str, int] = dataclasses.field(default_factory=dict)
+    samples: int = 0
+    values: dict[str, np.ndarray] = dataclasses.field(default_factory=dict, repr=False)
+
+    @property
+    def failed(self) -> int:
+        """Number of designs that failed."""
+        return sum(self.reasons.values())
+
+
+@dataclasses.dataclass(frozen=True)
+class ToleranceAnalysis:
+    """Scatter of quantities due to tolerances, by one or several methods.
+
+    - `quantities`, `units`, `limits`: single numbers with SI units and limits (`None`: no limit).
+    - `tolerances`, `tolerance_units`: the tolerances with their SI units.
+    - `methods`: what each method found; the last is the most accurate, and its numbers are those of
+      the analysis.
+    """
+
+    quantities: tuple[str, ...]
+    units: tuple[str, ...]
+    limits: tuple[tuple[float, float] | None, ...]
+    tolerances: tuple[Tolerance, ...]
+    tolerance_units: tuple[str, ...]
+    methods: dict[str, MethodResult]
+
+    @property
+    def method(self) -> str:
+        """The most accurate method that was used."""
+        return next(reversed(self.methods))
+
+    @property
+    def best(self) -> MethodResult:
+        """What it found."""
+        return self.methods[self.method]
+
+    @property
+    def valid(self) -> bool:
+        """Whether there are numbers: no propagation from a design that failed, not all samples."""
+        return all(one.failed < max(one.samples, 1) for one in self.methods.values())
+
+    def __getitem__(self, quantity: str) -> Estimate:
+        """The estimate of a quantity by the most accurate method.
+
+        **Raises:** `KeyError` for a quantity that is not in the analysis.
+        """
+        if quantity not in self.quantities:
+            raise KeyError(f"{quantity}; the analysis has {', '.join(self.quantities)}")
+        return self.best.estimates[quantity]
+
+    def ranked(self, quantity: str) -> list[tuple[str, float]]:
+        """Each tolerance with its share of the variance of a quantity, largest first."""
+        names = [one.name for one in self.tolerances]
+        pairs = zip(names, self[quantity].contributions, strict=True)
+        return sorted(pairs, key=lambda pair: -pair[1] if pair[1] == pair[1] else math.inf)
+
+    def to_dict(self) -> dict:
+        """Plain numbers and lists [SI] for JSON; `None` where a number is not finite."""
+        rows = zip(self.quantities, self.units, self.limits, strict=True)
+        return {
+            "method": self.method,
+            "quantities": {
+                name: {
+                    "unit": unit,
+                    "limits": None if limit is None else [_finite(side) for side in limit],
+                    **_plain(self[name]),
+                    "contributions": [
+                        {"tolerance": tolerance, "share": _finite(share)}
+                        for tolerance, share in self.ranked(name)
+                    ],
+                    "methods": {
+                        method: _plain(one.estimates[name]) for method, one in self.methods.items()
+                    },
+                }
+                for name, unit, limit in rows
+            },
+            "tolerances": [
+                {
+                    **dataclasses.asdict(one),
+                    "unit": unit,
+                    "standard_deviation": one.standard_deviation,
+                }
+                for one, unit in zip(self.tolerances, self.tolerance_units, strict=True)
+            ],
+            "yield": self.best.yield_share,
+            "yields": {
+                name: {"yield": one.yield_share, "standard_error": one.yield_error}
+                for name, one in self.methods.items()
+            },
+            "samples": self.best.samples,
+            "failed": self.best.failed,
+            "reasons": self.best.reasons,
+            "errors": self.best.errors,
+            "valid": self.valid,
+        }
+
+    def __str__(self) -> str:
+        return self.text()
+
+    def text(self, width: int | None = None) -> str:
+        """Scatter by each method with their agreement, and the ranked contributions.
+
+        **Arguments:**
+
+        - `width`: number of characters in a line; default as many as the tables need.
+        """
+        parts = [self._scatter().text(width)]
+        parts.append(self._contributions().text(width))
+        return "\n".join(parts) + "\n".join(self._sentences())
+
+    def _scatter(self) -> TextTable:
+        columns = ["quantity", "method", "mean", "standard deviation"]
+        columns += [f"{100 * p:.6g} %" for p in PROBABILITIES] + ["yield", "agreement"]
+        rows = []
+        for name, unit in zip(self.quantities, self.units, strict=True):
+            shown = display_unit(unit, abs(self[name].mean), name)
+            label = f"{name} [{shown.label}]" if shown.label else name
+            for method, one in self.methods.items():
+                estimate = one.estimates[name]
+                quantiles = [f"{float(shown(q)):.5g}" for q in estimate.quantiles]
+                scale = float(shown.per_si)
+                rows.append(
+                    (
+                        label,
+                        METHOD_WORDS[method],
+                        _number(float(shown(estimate.mean)), scale * estimate.mean_error),
+                        _number(
+                            scale * estimate.standard_deviation,
+                            scale * estimate.standard_deviation_error,
+                        ),
+                        *quantiles,
+                        _percent(estimate.yield_share, estimate.yield_error),
+                        agreement(estimate, self[name]) if method != self.method else "",
+                    )
+                )
+        return TextTable("", columns, rows)
+
+    def _contributions(self) -> TextTable:
+        rows = []
+        for name in self.quantities:
+            for tolerance, share in self.ranked(name):
+                rows.append((name, tolerance, f"{100 * share:.1f}" if share == share else None))
+        return TextTable("", ("quantity", "tolerance", "share of variance [%]"), rows)
+
+    def _sentences(self) -> list[str]:
+        lines = []
+        if self.best.yield_share is not None:
+            words = _percent(self.best.yield_share, self.best.yield_error)
+            lines.append(f"\nwithin all limits ({METHOD_WORDS[self.method]}): {words}")
+        if self.best.samples:
+            lines.append(f"\n{self.best.samples} designs, {self.best.failed} failed")
+            for kind, counts in (("", self.best.reasons), ("prsm check: ", self.best.errors)):
+                lines += [f"{kind}{name.replace('_', ' ')} ({n})" for name, n in counts.items()]
+        if not self.valid:
+            lines.append("not valid: the design in the middle of the tolerances fails")
+        return lines
+
+
+def agreement(one: Estimate, best: Estimate) -> str:
+    """Difference of mean and standard deviation from the best method, in its deviations and %."""
+    spread = best.standard_deviation
+    if not spread > 0:
+        return "equal" if one.standard_deviation == spread and one.mean == best.mean else "–"
+    shift = (one.mean - best.mean) / spread
+    ratio = one.standard_deviation / spread - 1
+    return f"mean {shift:+.3f} σ, σ {100 * ratio:+.2f} %"
+
+
+def _number(value: float, error: float) -> str:
+    return f"{value:.6g} ± {error:.1g}" if error > 0 else f"{value:.6g}"
+
+
+def _percent(share: float | None, error: float | None) -> str | None:
+    if share is None:
+        return None
+    text = f"{100 * share:.5g}"
+    return f"{text} ± {100 * error:.1g} %" if error else f"{text} %"
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _plain(one: Estimate) -> dict:
+    quantiles = zip(PROBABILITIES, one.quantiles, strict=True)
+    return {
+        "mean": _finite(one.mean),
+        "standard_deviation": _finite(one.standard_deviation),
+        "quantiles": {f"{p:g}": _finite(q) for p, q in quantiles},
+        "yield": one.yield_share,
+        "contributions": [_finite(share) for share in one.contributions],
+        "standard_errors": {
+            "mean": _finite(one.mean_error),
+            "standard_deviation": _finite(one.standard_deviation_error),
+            "quantiles": [_finite(error) for error in one.quantile_errors],
+            "yield": one.yield_error,
+            "contributions": [_finite(error) for error in one.contribution_errors],
+        },
+    }

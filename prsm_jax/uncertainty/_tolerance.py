@@ -1,0 +1,223 @@
+"""Tolerances of a mechanism carried to its quantities: scatter, yield and contributions."""
+
+from collections.abc import Iterable, Mapping
+
+import jax.numpy as jnp
+import numpy as np
+
+from ..fields import Scalar
+from ..findings import error_names, sources
+from ..mechanism import Mechanism, Tolerance, of_one_known_design
+from ..quantities import REASONS, Quantity, available_quantities, find_quantity
+from ._estimates import (
+    Estimate,
+    first_order,
+    monte_carlo,
+    quadratic,
+    second_order,
+    share_with_error,
+    within,
+)
+from ._inputs import Inputs, inputs_of
+from ._limits import Limits, limits_of
+from ._programs import derivatives_along
+from ._result import MethodResult, ToleranceAnalysis
+from ._sampling import SCRAMBLINGS, Progress, by_component, evaluate_points, points
+
+_METHODS = ("first_order", "second_order", "monte_carlo")
+#: Without limits; those that the mechanism lacks the data for are omitted.
+DEFAULT_QUANTITIES = ("efficiency", "drive_torque", "max_pressure", "axial_stiffness")
+#: Points of the quadratic expansion, which costs no analyses.
+_SURROGATE_SAMPLES = 16384
+_FEWEST = 2 * SCRAMBLINGS
+
+
+@of_one_known_design
+def tolerance(
+    mechanism: Mechanism,
+    quantities: Iterable[str] | None = None,
+    limits: Mapping | None = None,
+    *,
+    method: str = "all",
+    samples: int = 4096,
+    seed: int = 0,
+    tolerances: Iterable[Tolerance] | None = None,
+    speed: float | Scalar | None = None,
+    load: float | Scalar | None = None,
+    findings: bool = True,
+    progress: Progress = None,
+) -> ToleranceAnalysis:
+    """Scatter of quantities due to tolerances: mean, standard deviation, quantiles, yield, causes.
+
+    The yield is the share of mechanisms within limits. By Monte Carlo a mechanism counts only if
+    it can be analysed and, with `findings`, has no error of `check`; propagation sees the limits
+    alone. All expansions are about the middle of the tolerance zones.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism.
+    - `quantities`: names from the catalogue; default those with limits, or else those of
+      `DEFAULT_QUANTITIES` that the mechanism has the data for. Those with limits are added.
+    - `limits`: (lower, upper) [SI] by the name of a quantity, `None` for no limit; in addition to
+      the constraints of the mechanism's design problem, and before them.
+    - `method`: `"first_order"` (normal distribution from gradients), `"second_order"` (with all
+      second derivatives), `"monte_carlo"` (scrambled Sobol points), or `"all"`.
+    - `samples`: designs of Monte Carlo, rounded up to 8 scramblings of a power of 2.
+    - `seed`: of the scramblings.
+    - `tolerances`: in place of the mechanism's own.
+    - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
+    - `findings`: whether Monte Carlo looks for errors of `check` in every design.
+    - `progress`: called with the number of finished designs and the total number.
+
+    **Returns:** a `ToleranceAnalysis`.
+
+    **Raises:** `UnknownNameError` for an unknown name; `ValueError` without tolerances, for
+    tolerances or limits that make no sense, an unknown method, or too few samples;
+    `MissingDataError` where the mechanism lacks data.
+    """
+    if method != "all" and method not in _METHODS:
+        raise ValueError(f"method is {method!r}; choose one of {', '.join((*_METHODS, 'all'))}")
+    if samples < _FEWEST:
+        raise ValueError(f"samples is {samples}; it must be at least {_FEWEST}")
+    inputs = inputs_of(mechanism, tolerances)
+    bounds = limits_of(mechanism.design_problem, limits)
+    selected = _selected(mechanism, quantities, bounds, speed, load)
+    at = tuple(None if v is None else jnp.asarray(v, jnp.result_type(float)) for v in (speed, load))
+    methods = _METHODS if method == "all" else (method,)
+    found: dict[str, MethodResult] = {}
+    if method != "monte_carlo":
+        orders = [one for one in methods if one != "monte_carlo"]
+        found |= _propagated(inputs, selected, at, bounds, orders, seed)
+    if "monte_carlo" in methods:
+        checks = sources() if findings else None
+        found["monte_carlo"] = _sampled(
+            inputs, selected, at, bounds, samples, seed, checks, progress
+        )
+    labels = tuple(found[methods[-1]].estimates)
+    return ToleranceAnalysis(
+        quantities=labels,
+        units=tuple(find_quantity(label.partition("[")[0]).unit for label in labels),
+        limits=tuple(limit_of(label, bounds) for label in labels),
+        tolerances=inputs.tolerances,
+        tolerance_units=inputs.units,
+        methods={name: found[name] for name in methods},
+    )
+
+
+def _selected(mechanism, quantities, bounds: Limits, speed, load) -> tuple[Quantity, ...]:
+    if isinstance(quantities, str):
+        raise ValueError(f"quantities is the text {quantities!r}; give a list of names")
+    names = [] if quantities is None else list(quantities)
+    names += [label.partition("[")[0] for label in bounds]
+    if not names:
+        names = list(available_quantities(mechanism, DEFAULT_QUANTITIES, speed=speed, load=load))
+    if not names:
+        raise ValueError("quantities is empty; name at least one")
+    return tuple(dict.fromkeys(find_quantity(name) for name in names))
+
+
+def limit_of(label: str, bounds: Limits) -> tuple[float, float] | None:
+    """A limit of a quantity holds for each of its components."""
+    return bounds.get(label, bounds.get(label.partition("[")[0]))
+
+
+def _all_within(values: dict[str, np.ndarray], bounds: Limits) -> np.ndarray | None:
+    inside = [
+        within(array, limit)
+        for label, array in values.items()
+        if (limit := limit_of(label, bounds)) is not None
+    ]
+    return np.logical_and.reduce(inside) if inside else None
+
+
+def derivatives(
+    inputs: Inputs, selected: tuple[Quantity, ...], at: tuple, second: bool
+) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], dict[str, np.ndarray], int]:
+    """Values, standardised slopes and curvatures of each component; the code of the design."""
+    count = len(inputs.tolerances)
+    left, right = np.triu_indices(count)
+    pairs = (jnp.asarray(left), jnp.asarray(right)) if second else None
+    middle, directions = jnp.asarray(inputs.middle), jnp.asarray(inputs.directions)
+    values, first, curved, code = derivatives_along(
+        inputs.mechanism, inputs.paths, middle, directions, pairs, selected, *at
+    )
+
+    def arrays(found) -> dict[str, np.ndarray]:
+        return {one.name: np.asarray(found[one.name]) for one in selected}
+
+    curvatures: dict[str, np.ndarray] = {}
+    if curved is not None:
+        for label, entries in by_component(arrays(curved), 1).items():
+            matrix = np.zeros((count, count))
+            matrix[left, right] = matrix[right, left] = entries
+            curvatures[label] = matrix
+    return by_component(arrays(values), 0), by_component(arrays(first), 1), curvatures, int(code)
+
+
+def _propagated(
+    inputs: Inputs, selected, at, bounds: Limits, orders: list[str], seed: int
+) -> dict[str, MethodResult]:
+    values, slopes, curvatures, code = derivatives(inputs, selected, at, "second_order" in orders)
+    deviations = points(inputs, _SURROGATE_SAMPLES, seed)
+    found = {}
+    for order in orders:
+        estimates: dict[str, Estimate] = {}
+        surrogates: dict[str, np.ndarray] = {}
+        for label, value in values.items():
+            limit, curved = limit_of(label, bounds), np.zeros((len(inputs.tolerances),) * 2)
+            if order == "first_order":
+                estimates[label] = first_order(float(value), slopes[label], limit)
+            else:
+                curved = curvatures[label]
+                estimates[label] = second_order(
+                    float(value), slopes[label], curved, inputs.kurtosis, deviations, limit
+                )
+            if limit is not None:
+                surrogates[label] = quadratic(float(value), slopes[label], curved, deviations)
+        inside = _all_within(surrogates, bounds)
+        share: tuple[float | None, float | None] = (None, None)
+        if len(surrogates) == 1:
+            one = estimates[next(iter(surrogates))]
+            share = (one.yield_share, one.yield_error)
+        elif inside is not None:
+            share = share_with_error(inside)
+        found[order] = MethodResult(estimates, *share, reasons=_reasons(np.array([code])))
+    return found
+
+
+def _reasons(codes: np.ndarray) -> dict[str, int]:
+    return {REASONS[code]: int((codes == code).sum()) for code in np.unique(codes) if code}
+
+
+def _sampled(
+    inputs: Inputs, selected, at, bounds: Limits, samples: int, seed: int, checks, progress
+) -> MethodResult:
+    deviations = points(inputs, samples, seed)
+    shape = deviations.shape[:2]
+    flat = deviations.reshape(-1, deviations.shape[-1])
+    values, codes, errors = evaluate_points(inputs, flat, selected, at[0], at[1], checks, progress)
+    values = {label: array.reshape(shape) for label, array in values.items()}
+    usable = (codes == 0).reshape(shape)
+    estimates = {
+        label: monte_carlo(array, deviations, inputs.kurtosis, limit_of(label, bounds), usable)
+        for label, array in values.items()
+    }
+    inside = _all_within(values, bounds)
+    good = usable & (errors == 0).reshape(shape)
+    share: tuple[float | None, float | None] = (None, None)
+    if inside is not None or checks:
+        share = share_with_error(good if inside is None else good & inside)
+    names = list(error_names(inputs.mechanism)) if checks else []
+    counts = {
+        names[place - 1]: int(((errors == place) & (codes == 0)).sum())
+        for place in np.unique(errors)
+        if place
+    }
+    return MethodResult(
+        estimates,
+        *share,
+        reasons=_reasons(codes),
+        errors={name: count for name, count in counts.items() if count},
+        samples=len(flat),
+        values={label: array.ravel() for label, array in values.items()},
+    )

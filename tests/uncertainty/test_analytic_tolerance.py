@@ -1,0 +1,173 @@
+"""Scatter against closed forms: linear and quadratic quantities of normal and other numbers."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from scipy.special import ndtr, ndtri
+from uncertainty_scenes import MECHANISM, TOLERANCES
+
+import prsm_jax as prsm
+from prsm_jax.mechanism import Constraint, DesignProblem, Objective, Tolerance, Variable
+from prsm_jax.uncertainty import PROBABILITIES
+
+LINEAR, QUADRATIC, PAIR = "uncertainty_linear", "uncertainty_quadratic", "uncertainty_pair"
+
+
+def _run(quantities, **kwargs):
+    kwargs = {"tolerances": TOLERANCES, "findings": False, "samples": 2048} | kwargs
+    return prsm.tolerance(MECHANISM, quantities, **kwargs)
+
+
+def test_a_linear_quantity_is_exactly_normal():
+    """σ² = (2·0.1)² + (4·0.05)² + 0.2² = 0.12: each tolerance has a third of it."""
+    analysis = _run([LINEAR], limits={LINEAR: (None, 3.5)})
+    deviation = math.sqrt(0.12)
+    share = ndtr(0.5 / deviation)
+    quantiles = 3.0 + deviation * ndtri(np.array(PROBABILITIES))
+    for method in ("first_order", "second_order"):
+        one = analysis.methods[method].estimates[LINEAR]
+        # Rounding of millimetres and kilonewtons.
+        assert one.mean == pytest.approx(3.0, rel=1e-12)
+        assert one.standard_deviation == pytest.approx(deviation, rel=1e-12)
+        assert one.contributions == pytest.approx([1 / 3] * 3, rel=1e-10)
+    first = analysis.methods["first_order"].estimates[LINEAR]
+    assert first.yield_share == pytest.approx(share, rel=1e-12)
+    assert first.quantiles == pytest.approx(quantiles, rel=1e-12)
+    best = analysis[LINEAR]
+    assert analysis.method == "monte_carlo"
+    assert best.mean == pytest.approx(3.0, abs=5 * best.mean_error)
+    assert best.standard_deviation == pytest.approx(
+        deviation, abs=5 * best.standard_deviation_error
+    )
+    assert best.yield_share == pytest.approx(share, abs=5 * best.yield_error)
+    for found, expected, error in zip(best.quantiles, quantiles, best.quantile_errors, strict=True):
+        assert found == pytest.approx(expected, abs=5 * error)
+    assert best.contributions == pytest.approx([1 / 3] * 3, abs=2e-3)
+    # A standard error that is far too large would make these checks idle.
+    assert best.mean_error < 1e-3
+    assert best.yield_error < 1e-2
+    assert analysis.best.yield_share == best.yield_share
+
+
+def _moments(kurtosis):
+    """1 + x + 2x² + 3xy − y²/2 with variances 0.01 and 0.0025 and a common kurtosis."""
+    vx, vy = 0.01, 0.0025
+    mean = 1 + 2 * vx - 0.5 * vy
+    variance = vx + 4 * vx**2 * (kurtosis - 1) + 9 * vx * vy + 0.25 * vy**2 * (kurtosis - 1)
+    return mean, math.sqrt(variance)
+
+
+@pytest.mark.parametrize(
+    ("distribution", "kurtosis", "width"),
+    [("normal", 3.0, 3.0), ("uniform", 1.8, 3**0.5), ("triangular", 2.4, 6**0.5)],
+)
+def test_second_order_is_exact_for_a_quadratic_quantity(distribution, kurtosis, width):
+    rows = tuple(
+        Tolerance(name, -width * deviation, width * deviation, distribution)
+        for name, deviation in (("lead", 1e-4), ("contact_angle", 0.05))
+    )
+    analysis = _run([QUADRATIC], tolerances=rows, samples=4096)
+    mean, deviation = _moments(kurtosis)
+    second = analysis.methods["second_order"].estimates[QUADRATIC]
+    assert second.mean == pytest.approx(mean, rel=1e-10)
+    assert second.standard_deviation == pytest.approx(deviation, rel=1e-8)
+    own = 0.01 + 4e-4 * (kurtosis - 1)
+    assert second.contributions[0] == pytest.approx(own / deviation**2, rel=1e-8)
+    # The share that is left belongs to both numbers together.
+    assert 1 - sum(second.contributions) == pytest.approx(9 * 2.5e-5 / deviation**2, rel=1e-6)
+    best = analysis[QUADRATIC]
+    assert best.mean == pytest.approx(mean, abs=5 * best.mean_error)
+    assert best.standard_deviation == pytest.approx(
+        deviation, abs=5 * best.standard_deviation_error
+    )
+    assert best.contributions == pytest.approx(second.contributions, abs=0.01)
+    first = analysis.methods["first_order"].estimates[QUADRATIC]
+    assert first.mean == pytest.approx(1.0, abs=1e-12)
+    # The curvature's part that first order leaves out, 2 · 0.01 − 0.5 · 0.0025.
+    assert best.mean - first.mean == pytest.approx(0.01875, abs=5 * best.mean_error)
+
+
+def test_one_sided_tolerances_move_the_mean_to_the_middle():
+    rows = (Tolerance("lead", 0.1e-3, 0.3e-3), TOLERANCES[1])
+    for method in ("first_order", "second_order", "monte_carlo"):
+        found = _run([LINEAR], tolerances=rows, method=method)[LINEAR]
+        assert found.mean == pytest.approx(3.4, abs=1e-3)
+
+
+def test_designs_that_fail_are_counted_and_have_no_place_in_the_yield():
+    """x is not defined above 0: half of the designs, and the yield is that of x > −0.1 below it."""
+    limits = {f"{PAIR}[1]": (-0.1, None)}
+    analysis = _run([PAIR], method="monte_carlo", limits=limits, tolerances=TOLERANCES[:2])
+    assert analysis.best.reasons == {"not_finite": 1024}
+    assert analysis.best.failed == 1024
+    assert analysis.valid
+    share = ndtr(0.0) - ndtr(-1.0)
+    assert analysis[f"{PAIR}[1]"].yield_share == pytest.approx(share, abs=2e-3)
+    assert analysis[f"{PAIR}[2]"].yield_share is None
+    assert analysis[f"{PAIR}[1]"].mean == pytest.approx(-0.1 * math.sqrt(2 / math.pi), abs=1e-3)
+    assert analysis.best.yield_share == analysis[f"{PAIR}[1]"].yield_share
+
+
+def test_a_design_that_fails_in_the_middle_is_not_valid():
+    rows = (Tolerance("lead", 0.1e-3, 0.3e-3),)
+    analysis = _run([PAIR], method="first_order", tolerances=rows)
+    assert not analysis.valid
+    assert analysis.to_dict()["valid"] is False
+    assert "not valid" in analysis.text()
+
+
+def test_the_joint_yield_of_two_limits():
+    """x and z are independent in the linear quantity and in x alone; both limits at +1 σ of x."""
+    limits = {LINEAR: (3.0, None), f"{PAIR}[2]": (None, 0.05)}
+    rows = (TOLERANCES[0], TOLERANCES[1])
+    analysis = _run([LINEAR, PAIR], limits=limits, tolerances=rows, method="first_order")
+    # u = x/σx and v = y/σy: 2·0.1 u − 4·0.05 v > 0, so u > v, and v < 1.
+    expected = ndtr(1.0) - 0.5 * ndtr(1.0) ** 2
+    assert analysis.best.yield_share == pytest.approx(expected, abs=5 * analysis.best.yield_error)
+    assert analysis.best.yield_error < 1e-3
+
+
+def test_limits_of_the_design_problem_hold_unless_the_argument_has_others():
+    problem = DesignProblem(
+        (Variable("lead", 5e-3, 20e-3),),
+        (Objective(LINEAR),),
+        (Constraint(LINEAR, upper=3.5), Constraint(QUADRATIC, equal=1.0)),
+    )
+    mechanism = dataclasses.replace(MECHANISM, design_problem=problem, tolerances=TOLERANCES)
+    analysis = prsm.tolerance(mechanism, method="first_order")
+    assert analysis.quantities == (LINEAR,)
+    assert analysis.limits == ((-math.inf, 3.5),)
+    assert analysis.to_dict()["quantities"][LINEAR]["limits"] == [None, 3.5]
+    analysis = prsm.tolerance(mechanism, limits={LINEAR: (2.5, None)}, method="first_order")
+    assert analysis.limits == ((2.5, math.inf),)
+
+
+def test_the_same_seed_gives_the_same_samples():
+    one, two, other = (_run([LINEAR], method="monte_carlo", seed=s)[LINEAR] for s in (1, 1, 2))
+    assert one == two
+    assert one.mean != other.mean
+
+
+@pytest.mark.parametrize(
+    ("kwargs", "message"),
+    [
+        ({"tolerances": ()}, "the mechanism has no tolerances"),
+        ({"tolerances": None}, "the mechanism has no tolerances"),
+        ({"method": "third"}, "method is 'third'; choose one of first_order"),
+        ({"samples": 3}, "samples is 3; it must be at least 16"),
+        ({"limits": {LINEAR: 3.0}}, r"give \(lower, upper\)"),
+        ({"limits": {LINEAR: (3.0, 2.0)}}, "lower 3 is not below upper 2"),
+        ({"quantities": "efficiency"}, "give a list of names"),
+        ({"quantities": ["effficiency"]}, "unknown quantity"),
+        ({"tolerances": (Tolerance("leed", -1.0, 1.0),)}, "unknown parameter 'leed'"),
+        ({"tolerances": (Tolerance("roller_count", -1.0, 1.0),)}, "whole number has no tolerance"),
+        ({"tolerances": (Tolerance("lead", -1.0, 1.0),)}, "at its lower limit stage.1.thread.lead"),
+        ({"tolerances": (TOLERANCES[0], Tolerance("pitch", -1e-5, 1e-5))}, "moves again"),
+    ],
+)
+def test_what_is_wrong_is_said_before_anything_is_computed(kwargs, message):
+    with pytest.raises((ValueError, prsm.PrsmError), match=message) as error:
+        _run(kwargs.pop("quantities", [LINEAR]), **kwargs)
+    assert "\n" not in str(error.value)
