@@ -4,11 +4,13 @@ import abc
 import inspect
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self, TypeAlias
+from typing import Any, ClassVar, TypeAlias, TypeVar
 
 import numpy as np
 
 from ._functions import SearchFunctions
+
+_Method = TypeVar("_Method", bound="WithOptions")
 
 #: Called with the position of every iterate.
 Report: TypeAlias = Callable[[np.ndarray], None]
@@ -66,7 +68,7 @@ class SearchMethod(abc.ABC):
 class WithOptions(SearchMethod):
     """Base of the package's methods: an option that is not one of the fields is refused."""
 
-    def __new__(cls, *_values: Any, **options: Any) -> Self:
+    def __new__(cls: type[_Method], *_values: Any, **options: Any) -> _Method:
         known = inspect.signature(cls.__init__).parameters.values()
         if all(one.kind is not inspect.Parameter.VAR_KEYWORD for one in known):
             refuse_options(cls.__name__, options, [one.name for one in known][1:])
