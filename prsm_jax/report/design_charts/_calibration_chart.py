@@ -64,5 +64,5 @@ def _residuals(axes: Axes, one: Residuals, shown: DisplayUnit) -> None:
     axes.plot(computed, small(one.residuals), "o", color=SERIES[3], markersize=3.5)
     axes.set_xlabel(_label(f"computed {readable(one.quantity)}", shown))
     axes.set_ylabel(_label("measured minus computed", small))
-    axes.set_title("Residuals (dotted: twice their root mean square)")
+    axes.set_title("Residuals (dotted: ± 2 r.m.s.)")
     axes.grid(True)

@@ -44,7 +44,7 @@ def save_transient_pictures(
     figures = {
         "force-orbit": force_orbit(mechanism, run, _forces(mechanism, run)),
         "histories": history_chart(mechanism, run),
-        "power": power_history_chart(mechanism, run),
+        "powers": power_history_chart(mechanism, run),
     }
     if settles(run):
         figures["transient"] = transient_chart(run)
