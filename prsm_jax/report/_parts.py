@@ -1,11 +1,13 @@
 """Parts that several pictures have: colour bars, legends, headings, words beside points, ticks."""
 
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 from ..text import DisplayUnit
 from ._style import BODY_COLOURS, INK, MUTED, SMALL, TITLE, Axes, Figure, readable
 
+#: A place or a size in a picture.
+Number: TypeAlias = float | int
 #: Dashes of the first, second, … of several curves.
 DASHES = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (6, 1.5, 1.5, 1.5)))
 #: Dashes of an axis of symmetry.
@@ -40,7 +42,7 @@ def legend_below(figure: Figure, handles: Sequence[Any], most: int = 7, **style:
         figure.legend(handles=list(handles), **place, **style)
 
 
-def dense_legend(figure: Figure, handles: Sequence[Any], place: tuple[float, float]) -> None:
+def dense_legend(figure: Figure, handles: Sequence[Any], place: tuple[Number, Number]) -> None:
     """A legend in one dense line, its lower edge at a place in the figure, from 0 to 1."""
     figure.legend(
         handles=list(handles),
@@ -64,7 +66,7 @@ def body_patches(bodies: Iterable[str]) -> list[Any]:
 
 
 def aside(
-    axes: Axes, words: str, point: tuple[Any, Any], shift: tuple[float, float], **style: Any
+    axes: Axes, words: str, point: tuple[Any, Any], shift: tuple[Number, Number], **style: Any
 ) -> None:
     """Small words beside a point; `shift` from it in points, to the left if it is negative."""
     align = {"ha": "right"} if shift[0] < 0 else {}
@@ -72,7 +74,7 @@ def aside(
     axes.annotate(words, point, shift, textcoords="offset points", **style)
 
 
-def plain_ticks(axis: Any, form: str = "{:g}", subs: tuple[float, ...] = (1.0, 2.0, 5.0)) -> None:
+def plain_ticks(axis: Any, form: str = "{:g}", subs: tuple[Number, ...] = (1.0, 2.0, 5.0)) -> None:
     """Plain numbers at the major ticks of a logarithmic axis, none at the minor ones."""
     from matplotlib.ticker import LogLocator, NullFormatter
 
@@ -84,9 +86,9 @@ def plain_ticks(axis: Any, form: str = "{:g}", subs: tuple[float, ...] = (1.0, 2
 def draw_pressure(
     axes: Axes,
     pressure: Any,
-    extent: tuple[float, float, float, float],
-    highest: float,
-    ellipse: tuple[float, float],
+    extent: tuple[Number, Number, Number, Number],
+    highest: Number,
+    ellipse: tuple[Number, Number],
     *,
     smooth: bool,
     dashes: str,

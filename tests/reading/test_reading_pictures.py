@@ -94,11 +94,12 @@ def test_pictures_of_a_transient(monkeypatch, tmp_path):
         "power_flow_chart",
     )
 
-    def save(figure, path):
-        written[path.name] = figure
-        return (path,)
+    def save(folder, figures):
+        assert folder == tmp_path
+        written.update(figures)
+        return ()
 
-    monkeypatch.setattr(_transient_pictures, "save_figure", save)
+    monkeypatch.setattr(_transient_pictures, "save_figures", save)
     _transient_pictures.save_transient_pictures(tmp_path, mechanism, run, animation=False)
     assert written.pop("force-orbit") == ("force_orbit", (mechanism, run, forces), {})
     assert written.pop("histories") == ("history_chart", (mechanism, run), {})

@@ -152,11 +152,11 @@ def optimisation_section(data: ReportData) -> Section | None:
         ends = tuple(name.capitalize() for name in data.ends)
         both = {ends[0]: data.mechanism, ends[1]: improved}
         for i in range(len(data.mechanism.stages)):
-            suffix, words = data.of_stage(i)
+            suffix, of_stage = data.of_stage(i)
             pictures.append(
                 Picture(
                     f"before_after{suffix}",
-                    f"{ends[0]} and {ends[1].lower()}, to the same scale{words}.",
+                    f"{ends[0]} and {ends[1].lower()}, to the same scale{of_stage}.",
                     lambda i=i: cross_section(both, stage=i + 1),
                 )
             )
