@@ -45,13 +45,19 @@ OptionalNumbers: TypeAlias = Converted[
 ]
 
 
-def as_scalar(value: ArrayLike | Sequence[ArrayLike]) -> Array:
+def as_scalar(value: ArrayLike) -> Array:
     """`value` as a floating-point array; an array that is floating-point keeps its dtype."""
     if isinstance(value, int | float):
         # An explicit dtype: a weakly typed leaf would compile everything a second time.
         return jnp.asarray(value, dtype=jnp.result_type(float))
     array = jnp.asarray(value)
     return array if jnp.issubdtype(array.dtype, jnp.floating) else array.astype(float)
+
+
+def _as_numbers(value: Any) -> Array:
+    # `ArrayLike | Sequence[ArrayLike]`: the annotation of the field says so. Here, a checker of
+    # run-time types would look at an entry at random.
+    return as_scalar(value if isinstance(value, int | float) else jnp.asarray(value))
 
 
 def _as_optional_scalar(value: ArrayLike | None) -> Array | None:
@@ -129,13 +135,13 @@ def numbers(
     - `increasing`: whether each number must be above the one before it.
     """
     metadata = _list(unit, description, limit, least, length, increasing)
-    return eqx.field(converter=as_scalar, metadata=metadata)
+    return eqx.field(converter=_as_numbers, metadata=metadata)
 
 
-def _as_optional_numbers(value: ArrayLike | Sequence[ArrayLike] | None) -> Array | None:
+def _as_optional_numbers(value: Any) -> Array | None:
     if value is None:
         return None
-    array = as_scalar(value)
+    array = _as_numbers(value)
     return array[None] if array.ndim == 0 else array
 
 

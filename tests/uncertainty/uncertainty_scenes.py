@@ -27,6 +27,18 @@ coefficient = 0.1
 )
 
 
+#: Quantities of these tests, which `conftest.py` puts into the catalogue for one test at a time.
+QUANTITIES = []
+
+
+def _quantity(*about):
+    def add(function):
+        QUANTITIES.append((about, function))
+        return function
+
+    return add
+
+
 def numbers(analysis):
     """Lead in mm, angle in rad, load in kN, each relative to its nominal value."""
     thread = analysis.mechanism.stages[0].thread
@@ -34,19 +46,19 @@ def numbers(analysis):
     return thread.lead * 1e3 - 10.0, thread.contact_angle - jnp.pi / 4, load / 1e3 - 5.0
 
 
-@prsm.quantity("uncertainty_linear", "q", "1", "3 + 2 x − 4 y + z")
+@_quantity("uncertainty_linear", "q", "1", "3 + 2 x − 4 y + z")
 def linear(analysis):
     x, y, z = numbers(analysis)
     return 3.0 + 2.0 * x - 4.0 * y + z
 
 
-@prsm.quantity("uncertainty_quadratic", "q", "1", "1 + x + 2 x² + 3 x y − y² / 2")
+@_quantity("uncertainty_quadratic", "q", "1", "1 + x + 2 x² + 3 x y − y² / 2")
 def quadratic(analysis):
     x, y, _ = numbers(analysis)
     return 1.0 + x + 2.0 * x**2 + 3.0 * x * y - 0.5 * y**2
 
 
-@prsm.quantity("uncertainty_pair", "q", "1", "x and NaN where x is above 0", ("component",))
+@_quantity("uncertainty_pair", "q", "1", "x and NaN where x is above 0", ("component",))
 def pair(analysis):
     x, y, _ = numbers(analysis)
     return jnp.stack([jnp.where(x > 0, jnp.nan, x), y])
@@ -60,7 +72,7 @@ TOLERANCES = (
 )
 
 
-@prsm.quantity("uncertainty_ishigami", "q", "1", "sin u + 7 sin² v + 0.1 w⁴ sin u")
+@_quantity("uncertainty_ishigami", "q", "1", "sin u + 7 sin² v + 0.1 w⁴ sin u")
 def ishigami(analysis):
     point = analysis.mechanism.operating_point
     u, v = point.speed - 100.0, point.load - 5000.0
