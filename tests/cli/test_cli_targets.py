@@ -23,6 +23,7 @@ VERBS = {
     "optimise": ["actuator"],
     "calibrate": ["wu2022", "--data", "wu2022_torque"],
     "sweep": ["wu2022", "--axis", "lead=5 mm,6 mm"],
+    "tolerance": ["wu2022"],
     "quantities": [],
     "example": ["wu2022"],
     "validate": [],
