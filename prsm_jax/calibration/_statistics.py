@@ -6,6 +6,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ._losses import influence
 from ._problem import CalibrationProblem, solve_many
@@ -85,7 +86,7 @@ class Repetitions:
     upper: np.ndarray
     converged: np.ndarray
 
-    def coverage(self, truth) -> np.ndarray:
+    def coverage(self, truth: ArrayLike) -> np.ndarray:
         """Share of the repetitions whose limits contain the truth, for each parameter."""
         within = (self.lower <= np.asarray(truth)) & (np.asarray(truth) <= self.upper)
         return within.mean(axis=0)
@@ -96,7 +97,7 @@ _computed = eqx.filter_jit(CalibrationProblem.computed)
 
 def repeat_fits(
     problem: CalibrationProblem,
-    values,
+    values: ArrayLike,
     standard_deviation: float,
     repetitions: int = 1000,
     seed: int = 0,
