@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -38,11 +39,11 @@ _MEDIAN = 0.6744897501960817
 @of_one_known_design
 def calibrate(
     mechanism: Mechanism,
-    data: Measurements | Mapping | str | Path,
+    data: Measurements | Mapping[str, Any] | str | Path,
     parameters: Iterable[str],
     *,
     standard_deviations: Mapping[str, float] | None = None,
-    bounds: Mapping | None = None,
+    bounds: Mapping[str, Any] | None = None,
     loss: str = "squared",
     undetermined_limit: float = 0.5,
 ) -> Calibration:

@@ -42,7 +42,7 @@ class Measurements:
     values: Mapping[str, ArrayLike]
     conditions: Mapping[str, ArrayLike] = field(default_factory=dict)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if not self.values:
             raise ValueError("the data have no measured quantity; name a column as one of them")
         for name in self.values:

@@ -1,6 +1,7 @@
 """The least-squares problem of a calibration: arrays in SI, and one program that solves it."""
 
 from collections.abc import Iterable, Mapping
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -69,17 +70,13 @@ class CalibrationProblem(eqx.Module):
     components: tuple[str, ...] = eqx.field(static=True)
     loss: str = eqx.field(static=True)
 
-    def _at(self, values: Float[Array, " parameters"], conditions: dict) -> Mechanism:
-        numbers = dict(zip(self.parameters, values, strict=True))
-        return set_parameters(self.mechanism, conditions | numbers, checked=False)
-
     def all_computed(
         self, values: Float[Array, " parameters"]
     ) -> Float[Array, "points components"]:
         """Every component of every quantity at every point."""
 
-        def at(conditions: dict) -> Array:
-            computed = evaluate(Analysis(self._at(values, conditions)), self.quantities)
+        def at(conditions: dict[str, Array]) -> Array:
+            computed = evaluate(Analysis(_mechanism_at(self, values, conditions)), self.quantities)
             return jnp.concatenate([jnp.ravel(computed[name]) for name in self.quantities])
 
         if not self.conditions:
@@ -148,6 +145,13 @@ class CalibrationProblem(eqx.Module):
         )
 
 
+def _mechanism_at(
+    problem: CalibrationProblem, values: Float[Array, " parameters"], conditions: dict[str, Array]
+) -> Mechanism:
+    numbers = dict(zip(problem.parameters, values, strict=True))
+    return set_parameters(problem.mechanism, conditions | numbers, checked=False)
+
+
 @of_one_known_design
 def calibration_problem(
     mechanism: Mechanism,
@@ -155,7 +159,7 @@ def calibration_problem(
     parameters: Iterable[str],
     *,
     standard_deviations: Mapping[str, float] | None = None,
-    bounds: Mapping | None = None,
+    bounds: Mapping[str, Any] | None = None,
     loss: str = "squared",
 ) -> CalibrationProblem:
     """The least-squares problem of `calibrate`, whose arguments these are.
@@ -262,7 +266,7 @@ def _paths(mechanism: Mechanism, name: str) -> tuple[str, ...]:
     return tuple(one.path for one in find_parameters(mechanism, name))
 
 
-def _parameters(mechanism: Mechanism, names: tuple[str, ...], bounds: dict):
+def _parameters(mechanism: Mechanism, names: tuple[str, ...], bounds: dict[str, Any]):
     """Start, bounds and magnitude of each parameter."""
     start, lower, upper, magnitude = [], [], [], []
     fitted = {_paths(mechanism, name): name for name in names}
@@ -332,8 +336,8 @@ def start_values(
 ) -> tuple[Float[Array, "points components"], Int[Array, " points"]]:
     """All computed values at the start, and the reason code of each point (0: usable)."""
 
-    def at(conditions: dict):
-        analysis = Analysis(problem._at(problem.start, conditions))
+    def at(conditions: dict[str, Array]):
+        analysis = Analysis(_mechanism_at(problem, problem.start, conditions))
         values, code = evaluate_coded(analysis, problem.quantities)
         return jnp.concatenate([jnp.ravel(values[name]) for name in problem.quantities]), code
 

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -29,7 +30,7 @@ class FittedParameter:
     upper: float
     active_bound: str = ""
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """Plain numbers for JSON."""
         numbers = ("value", "standard_deviation", "lower", "upper", "start")
         return {
@@ -65,7 +66,7 @@ class Residuals:
         """Root mean square of the residuals."""
         return float(np.sqrt(np.mean(self.residuals**2)))
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """Plain numbers for JSON."""
         return {
             "quantity": self.quantity,
@@ -90,7 +91,7 @@ class Undetermined:
     standard_deviation: float
     sentence: str
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """Plain numbers for JSON."""
         return {
             "parameters": list(self.parameters),
@@ -137,7 +138,7 @@ class Calibration:
         """Fitted values by name [SI]."""
         return {one.name: one.value for one in self.parameters}
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """Plain numbers for JSON; `None` where one is not finite."""
         return {
             "parameters": {one.name: one.to_dict() for one in self.parameters},

@@ -1,11 +1,13 @@
 """Covariance of fitted parameters, their 95 % limits, and repetitions with new noise."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array
 
 from ._losses import influence
 from ._problem import CalibrationProblem, solve_many
@@ -85,7 +87,7 @@ class Repetitions:
     upper: np.ndarray
     converged: np.ndarray
 
-    def coverage(self, truth) -> np.ndarray:
+    def coverage(self, truth: Sequence[float | int] | np.ndarray | Array) -> np.ndarray:
         """Share of the repetitions whose limits contain the truth, for each parameter."""
         within = (self.lower <= np.asarray(truth)) & (np.asarray(truth) <= self.upper)
         return within.mean(axis=0)
@@ -96,7 +98,7 @@ _computed = eqx.filter_jit(CalibrationProblem.computed)
 
 def repeat_fits(
     problem: CalibrationProblem,
-    values,
+    values: Sequence[float | int] | np.ndarray | Array,
     standard_deviation: float,
     repetitions: int = 1000,
     seed: int = 0,

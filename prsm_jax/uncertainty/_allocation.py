@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Iterable, Mapping
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -49,7 +50,7 @@ class Allocation:
         """Total cost of the allocated tolerances."""
         return sum(one.cost for one in self.tolerances)
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """Plain numbers and lists [SI] for JSON."""
         best = None if self.verification is None else self.verification.best
         return {
@@ -100,7 +101,7 @@ class Allocation:
 def allocate_tolerances(
     mechanism: Mechanism,
     wanted_yield: float,
-    limits: Mapping | None = None,
+    limits: Mapping[str, Any] | None = None,
     *,
     tolerances: Iterable[Tolerance] | None = None,
     samples: int = 4096,

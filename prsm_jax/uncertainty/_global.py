@@ -3,6 +3,7 @@
 import dataclasses
 import math
 from collections.abc import Iterable, Mapping
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -48,9 +49,9 @@ class GlobalSensitivity:
         row = self.measures[measure][self.quantities.index(quantity)]
         return dict(zip(self.parameters, row.tolist(), strict=True))
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """Plain lists [SI] for JSON; `None` where a number is not finite."""
-        result: dict = {
+        result: dict[str, Any] = {
             "quantities": list(self.quantities),
             "units": list(self.units),
             "parameters": list(self.parameters),
@@ -84,7 +85,7 @@ def _plain(array):
     return float(array) if math.isfinite(array) else None
 
 
-def _inputs(mechanism: Mechanism, ranges: Mapping | None) -> Inputs:
+def _inputs(mechanism: Mechanism, ranges: Mapping[str, Any] | None) -> Inputs:
     """Uniform distributions over ranges [SI], or the mechanism's own tolerances."""
     if ranges is None:
         return inputs_of(mechanism, None)
@@ -158,7 +159,7 @@ def _result(inputs: Inputs, rows: dict[str, dict[str, np.ndarray]], **more) -> G
 def sobol_indices(
     mechanism: Mechanism,
     quantities: Iterable[str],
-    ranges: Mapping | None = None,
+    ranges: Mapping[str, Any] | None = None,
     *,
     samples: int = 1024,
     seed: int = 0,
@@ -206,7 +207,7 @@ def sobol_indices(
 def morris(
     mechanism: Mechanism,
     quantities: Iterable[str],
-    ranges: Mapping | None = None,
+    ranges: Mapping[str, Any] | None = None,
     *,
     trajectories: int = 32,
     levels: int = 4,
@@ -252,7 +253,7 @@ def morris(
 def active_subspace(
     mechanism: Mechanism,
     quantities: Iterable[str],
-    ranges: Mapping | None = None,
+    ranges: Mapping[str, Any] | None = None,
     *,
     samples: int = 256,
     seed: int = 0,

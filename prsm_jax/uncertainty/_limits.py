@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 from ..mechanism import DesignProblem
 
 Limits = dict[str, tuple[float, float]]
 
 
-def limits_of(problem: DesignProblem | None, given: Mapping | None) -> Limits:
+def limits_of(problem: DesignProblem | None, given: Mapping[str, Any] | None) -> Limits:
     """Lower and upper limit of each quantity [SI], infinite where there is none.
 
     Limits of the design problem hold unless the argument has the same quantity; a value that is

@@ -4,6 +4,9 @@ Quantities stay separate arrays inside a program: XLA would evaluate the physics
 element of a concatenation.
 """
 
+from collections.abc import Callable
+from typing import Any
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -60,7 +63,7 @@ def evaluate_designs(
     selected: tuple[Quantity, ...],
     speed: Scalar | None,
     load: Scalar | None,
-    sources: tuple | None,
+    sources: tuple[Callable[..., Any], ...] | None,
 ) -> tuple[dict[str, Array], Int[Array, " designs"], Int[Array, " designs"]]:
     """Quantities of many designs (first axis), NaN for those that cannot be used.
 

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
 
@@ -90,7 +91,7 @@ class ToleranceAnalysis:
         pairs = zip(names, self[quantity].contributions, strict=True)
         return sorted(pairs, key=lambda pair: -pair[1] if pair[1] == pair[1] else math.inf)
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """Plain numbers and lists [SI] for JSON; `None` where a number is not finite."""
         rows = zip(self.quantities, self.units, self.limits, strict=True)
         return {
@@ -217,7 +218,7 @@ def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _plain(one: Estimate) -> dict:
+def _plain(one: Estimate) -> dict[str, Any]:
     quantiles = zip(PROBABILITIES, one.quantiles, strict=True)
     return {
         "mean": _finite(one.mean),

@@ -1,7 +1,7 @@
 """Monte Carlo with scrambled Sobol points, and standard errors from independent scramblings."""
 
 from collections.abc import Callable
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import jax.numpy as jnp
 import numpy as np
@@ -55,7 +55,7 @@ def evaluate_points(
     selected: tuple[Quantity, ...],
     speed: Scalar | None,
     load: Scalar | None,
-    sources: tuple | None,
+    sources: tuple[Callable[..., Any], ...] | None,
     progress: Progress = None,
 ) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
     """Quantities (single numbers by label) at standardised deviations (designs × tolerances).

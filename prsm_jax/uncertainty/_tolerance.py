@@ -1,6 +1,7 @@
 """Tolerances of a mechanism carried to its quantities: scatter, yield and contributions."""
 
 from collections.abc import Iterable, Mapping
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -36,7 +37,7 @@ _FEWEST = 2 * SCRAMBLINGS
 def tolerance(
     mechanism: Mechanism,
     quantities: Iterable[str] | None = None,
-    limits: Mapping | None = None,
+    limits: Mapping[str, Any] | None = None,
     *,
     method: str = "all",
     samples: int = 4096,
@@ -131,7 +132,7 @@ def _all_within(values: dict[str, np.ndarray], bounds: Limits) -> np.ndarray | N
 
 
 def derivatives(
-    inputs: Inputs, selected: tuple[Quantity, ...], at: tuple, second: bool
+    inputs: Inputs, selected: tuple[Quantity, ...], at: tuple[Scalar | None, ...], second: bool
 ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], dict[str, np.ndarray], int]:
     """Values, standardised slopes and curvatures of each component; the code of the design."""
     count = len(inputs.tolerances)

@@ -28,10 +28,10 @@ def test_columns_are_read_in_si(tmp_path):
     assert data.conditions["operating_point.speed"] == pytest.approx(
         [1000 * 2 * np.pi / 60, 1500 * 2 * np.pi / 60], rel=1e-15
     )
-    assert list(data.conditions["operating_point.load"]) == [2500.0, 2500.0]
-    assert data.values["drive_torque"][0] == 4.0
-    assert np.isnan(data.values["drive_torque"][1])
-    assert list(data.values["efficiency"]) == [0.8, 0.81]
+    conditions, values = data.conditions, data.values
+    assert np.array_equal(conditions["operating_point.load"], [2500.0, 2500.0])
+    assert np.array_equal(values["drive_torque"], [4.0, np.nan], equal_nan=True)
+    assert np.array_equal(values["efficiency"], [0.8, 0.81])
 
 
 def test_semicolons_and_the_mark_of_windows_editors(tmp_path):

@@ -3,6 +3,7 @@
 import pytest
 
 from prsm_jax import file
+from prsm_jax.friction import CoulombFriction
 
 COEFFICIENT = "stage.1.friction.thread.coefficient"
 
@@ -19,6 +20,7 @@ def test_calibrate_writes_a_file_with_the_fitted_number(prsm_json, tmp_path):
     text = (tmp_path / "new" / "wu2022-calibrated.toml").read_text()
     assert found["mechanism"] == str(tmp_path / "new" / "wu2022-calibrated.toml")
     law = file.loads(text).stages[0].friction.thread
+    assert isinstance(law, CoulombFriction)
     assert float(law.coefficient) == pytest.approx(one["value"], rel=1e-5)
     before = file.example_text("wu2022").splitlines()
     changed = [a for a, b in zip(before, text.splitlines(), strict=True) if a != b]

@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 
 import prsm_jax.file as file
 from prsm_jax import FileError
-from prsm_jax.mechanism import DISTRIBUTIONS, Tolerance
+from prsm_jax.mechanism import DISTRIBUTIONS, Distribution, Tolerance
 
 TEXT = file.example_text("wu2022")
 SMALL = file.loads(
@@ -45,7 +45,12 @@ def test_each_form_of_a_tolerance():
 
 def test_moments_of_the_distributions():
     """Of a zone of 12 units about 1: uniform 12/√12, triangular 12/√24, normal 6/sigmas."""
-    for distribution, deviation in (("uniform", 12**0.5), ("triangular", 6**0.5), ("normal", 2.0)):
+    deviations: dict[Distribution, float] = {
+        "uniform": 12**0.5,
+        "triangular": 6**0.5,
+        "normal": 2.0,
+    }
+    for distribution, deviation in deviations.items():
         one = Tolerance("lead", -5.0, 7.0, distribution)
         assert (one.middle, one.half_width) == (1.0, 6.0)
         assert one.standard_deviation == pytest.approx(deviation, rel=1e-15)
@@ -61,7 +66,7 @@ def test_a_file_without_the_table_has_no_trace_of_it():
 _SIDES = st.floats(-1e-3, 1e-3, allow_subnormal=False)
 
 
-@settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=15, deadline=None, suppress_health_check=tuple(HealthCheck))  # pyright: ignore[reportArgumentType]
 @given(
     st.tuples(_SIDES, _SIDES).filter(lambda b: b[0] < b[1]),
     st.floats(1e-6, 1e-3),
@@ -70,8 +75,9 @@ _SIDES = st.floats(-1e-3, 1e-3, allow_subnormal=False)
     st.floats(0.1, 1e6),
 )
 def test_any_table_survives_exactly(sides, half, distribution, sigmas, cost):
+    normal = distribution == "normal"
     rows = (
-        Tolerance("lead", *sides, distribution, sigmas if distribution == "normal" else 3.0),
+        Tolerance("lead", sides[0], sides[1], distribution, sigmas if normal else 3.0),
         Tolerance("stage.1.thread.contact_angle", -half, half, cost=cost),
         Tolerance("starts", -half, half),
     )

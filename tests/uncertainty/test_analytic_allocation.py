@@ -38,6 +38,8 @@ def test_one_limit_has_the_closed_form_of_lagrange():
     assert allocation.cost_before == pytest.approx(9.125)
     # Monte Carlo agrees, because the quantity is linear.
     best = allocation.verification.best
+    assert best.yield_share is not None
+    assert best.yield_error is not None
     assert best.yield_share == pytest.approx(0.99, abs=5 * best.yield_error)
     assert best.yield_error < 2e-3
     assert f"Monte Carlo {100 * best.yield_share:.5g}" in allocation.text()

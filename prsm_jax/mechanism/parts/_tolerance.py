@@ -38,7 +38,7 @@ class Tolerance:
     #: In any currency: at half the tolerance the cost is twice as high.
     cost: float = choice("cost of keeping this tolerance", default=1.0, limit=POSITIVE)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_fields(self)
         owner = f"tolerance {self.name!r}: "
         for name in ("sigmas", "cost"):
