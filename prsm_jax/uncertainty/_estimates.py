@@ -88,7 +88,7 @@ def second_order(
     together = np.sum(np.triu(curvatures, 1) ** 2)
     variance = float(np.sum(single) + together)
     values = quadratic(value, slopes, curvatures, deviations)
-    sampled = monte_carlo(values, deviations, kurtosis, limits, None)
+    sampled = monte_carlo(values, deviations, limits, None)
     return dataclasses.replace(
         sampled,
         mean=value + 0.5 * float(np.sum(own)),
@@ -119,8 +119,11 @@ def share_with_error(inside: np.ndarray) -> tuple[float, float]:
     return float(inside.mean()), max(float(error), 1 / inside.size)
 
 
-def _contributions(values: np.ndarray, deviations: np.ndarray, kurtosis: np.ndarray) -> np.ndarray:
-    """Shares of the variance by regression on z and z² − 1 of each tolerance."""
+def _contributions(values: np.ndarray, deviations: np.ndarray) -> np.ndarray:
+    """Shares of the variance: covariance of q with its regression on z and z² − 1 of each tolerance.
+
+    Their sum is the coefficient of determination, at most 1.
+    """
     good = np.isfinite(values)
     z = deviations[good]
     count = z.shape[1]
@@ -130,14 +133,15 @@ def _contributions(values: np.ndarray, deviations: np.ndarray, kurtosis: np.ndar
     centre, spread = np.mean(values[good]), np.std(values[good])
     if not spread > 1e-14 * abs(centre):
         return np.zeros(count)
-    fit = np.linalg.lstsq(columns, (values[good] - centre) / spread, rcond=None)[0]
-    return fit[1 : count + 1] ** 2 + fit[count + 1 :] ** 2 * (kurtosis - 1)
+    standardised = (values[good] - centre) / spread
+    fit = np.linalg.lstsq(columns, standardised, rcond=None)[0]
+    covariances = fit[1:] * (columns[:, 1:].T @ standardised) / len(standardised)
+    return np.maximum(covariances[:count] + covariances[count:], 0.0)
 
 
 def monte_carlo(
     values: np.ndarray,
     deviations: np.ndarray,
-    kurtosis: np.ndarray,
     limits: tuple[float, float] | None,
     usable: np.ndarray | None,
 ) -> Estimate:
@@ -147,7 +151,6 @@ def monte_carlo(
 
     - `values`: of the quantity, scramblings × points, NaN for designs that failed.
     - `deviations`: standardised deviations, scramblings × points × tolerances.
-    - `kurtosis`: of each tolerance.
     - `limits`: lower and upper limit, or `None`.
     - `usable`: which designs did not fail, or `None` for all.
     """
@@ -166,9 +169,9 @@ def monte_carlo(
     mean, deviation, *quantiles = of_each[-1].tolist()
     inside = (None, None) if limits is None else share_with_error(within(values, limits))
     shares = np.array(
-        [_contributions(v, z, kurtosis) for v, z in zip(values, deviations, strict=True)]
+        [_contributions(v, z) for v, z in zip(values, deviations, strict=True)]
     )
-    pooled = _contributions(values.ravel(), deviations.reshape(-1, count), kurtosis)
+    pooled = _contributions(values.ravel(), deviations.reshape(-1, count))
     return Estimate(
         mean,
         deviation,

@@ -200,7 +200,7 @@ def _sampled(
     values = {label: array.reshape(shape) for label, array in values.items()}
     usable = (codes == 0).reshape(shape)
     estimates = {
-        label: monte_carlo(array, deviations, inputs.kurtosis, limit_of(label, bounds), usable)
+        label: monte_carlo(array, deviations, limit_of(label, bounds), usable)
         for label, array in values.items()
     }
     inside = _all_within(values, bounds)
