@@ -120,7 +120,7 @@ def share_with_error(inside: np.ndarray) -> tuple[float, float]:
 
 
 def _contributions(values: np.ndarray, deviations: np.ndarray) -> np.ndarray:
-    """Shares of the variance: covariance of q with its regression on z and z² − 1 of each tolerance.
+    """Shares of the variance: covariance of q with its regression on z and z² − 1 of each z.
 
     Their sum is the coefficient of determination, at most 1.
     """
@@ -168,9 +168,7 @@ def monte_carlo(
     errors = standard_error(of_each[:-1])
     mean, deviation, *quantiles = of_each[-1].tolist()
     inside = (None, None) if limits is None else share_with_error(within(values, limits))
-    shares = np.array(
-        [_contributions(v, z) for v, z in zip(values, deviations, strict=True)]
-    )
+    shares = np.array([_contributions(v, z) for v, z in zip(values, deviations, strict=True)])
     pooled = _contributions(values.ravel(), deviations.reshape(-1, count))
     return Estimate(
         mean,

@@ -108,7 +108,7 @@ def draw(path: Path) -> None:
         places |= {room: (6.6, height) for room in row if room in _ASIDE}
     figure, axes = pyplot.subplots(figsize=(9, 0.75 * len(rows) + 0.5), layout="constrained")
     for room, (x, y) in places.items():
-        for below in links[room]:
+        for below in sorted(links[room]):
             x0, y0 = places[below]
             axes.annotate(
                 "",
