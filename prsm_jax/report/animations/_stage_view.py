@@ -31,7 +31,7 @@ def turning_view(axes: Axes, mechanism: Mechanism, stage: int) -> MovingView:
     """The view along the axis of one stage, whose bodies `turn_to` moves."""
     part = mechanism.stages[stage - 1]
     screw, roller, nut, centre = drawn_radii(part)
-    still = {"shift_x": 0.0, "shift_y": 0.0, "turn": 1.0}
+    still = {"shift_x": 0.0, "shift_y": 0.0, "rotation_displacement": 1.0}
     bodies = [
         BodyMotion("nut", "nut", 0.0, 0.0, nut, **still),
         BodyMotion("screw", "screw", 0.0, 0.0, screw, **still),
