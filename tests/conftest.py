@@ -6,9 +6,16 @@ import gc
 import importlib.metadata
 import json
 import os
+import random
 import sys
 import tempfile
+import unittest.mock
 from pathlib import Path
+
+# Of a list, an entry at random is checked: by a generator of its own, because strategies of
+# hypothesis must not use the global one.
+with unittest.mock.patch("random.getrandbits", random.Random(0).getrandbits):
+    import beartype.door as _door  # noqa: F401
 
 import jaxtyping
 
