@@ -37,6 +37,8 @@ class _Line:
         self.step = "tracing"
         self.lock = threading.Lock()
         self.shown = False
+        #: Whether a result was printed since the last step began: the line would follow it.
+        self.printed = False
         self.over = threading.Event()
 
     def text(self) -> str:
@@ -55,7 +57,7 @@ class _Line:
 
     def draw(self) -> None:
         with self.lock:
-            if not self.over.is_set():
+            if not self.over.is_set() and not self.printed:
                 sys.stderr.write(_ERASE + self.text())
                 sys.stderr.flush()
                 self.shown = True
@@ -76,6 +78,7 @@ class _Line:
 
     def event(self, event: str, name: str, duration: float) -> None:
         """Count the end of one step of compiling one program."""
+        self.printed = False
         if name not in self.programs:
             if event != _LOWERED or duration < _LONG_S:
                 return
@@ -147,7 +150,7 @@ def expect_programs(*names: str, times: int = 1) -> None:
 def doing(words: str) -> None:
     """Set the text of the line; programs compiled later are still announced by themselves."""
     if _current is not None:
-        _current.words, _current.compiling = words, False
+        _current.words, _current.compiling, _current.printed = words, False, False
 
 
 def counted(done: int, total: int, what: str) -> None:
@@ -185,8 +188,9 @@ def _duration(seconds: float) -> str:
 
 
 def clear() -> None:
-    """Erase the line before something else is printed."""
+    """Erase the line before something else is printed; the next step shows it again."""
     if _current is not None:
+        _current.printed = True
         _current.erase()
 
 
@@ -194,6 +198,8 @@ def tell(text: str) -> None:
     """Print to stdout while the line is shown."""
     clear()
     print(text, flush=True)
+    if _current is not None:
+        _current.printed = False
 
 
 def erase_for_good() -> str:

@@ -161,3 +161,21 @@ def test_slow_compilation_raises_no_alarm_and_errors_of_xla_arrive(tmp_path):
     assert "XLA_FLAGS" not in said
     for text in (said, logged):
         assert "RESOURCE_EXHAUSTED" in text
+
+
+def test_the_line_does_not_follow_a_result(monkeypatch, capsys):
+    """However long the process takes to end after it has printed the result."""
+    line = _progress._Line("steady")
+    monkeypatch.setattr(_progress, "_current", line)
+    line.draw()
+    _progress.clear()
+    capsys.readouterr()
+    line.draw()
+    assert capsys.readouterr().err == ""
+    _progress.tell("a picture")
+    line.draw()
+    assert "prsm steady" in capsys.readouterr().err
+    _progress.clear()
+    _progress.doing("another step")
+    line.draw()
+    assert "another step" in capsys.readouterr().err
