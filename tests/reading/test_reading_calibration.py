@@ -58,6 +58,7 @@ def test_measured_against_computed_and_residuals():
             chart.level(right, level, unit)
         (points,) = chart.lines(right)
         chart.curve(right, points, computed, residuals, (unit, unit))
+        assert chart.text("Residuals", place=right).endswith("(dotted: ± 2 r.m.s.)")
     assert chart.axes[0].get_xlabel() == "computed axial deflection in µm"
     assert chart.axes[2].get_ylabel() == "measured efficiency in %"
     chart.finish()
