@@ -15,27 +15,20 @@ from . import programs as programs  # isort: skip # it enables float64
 from typing import TYPE_CHECKING
 
 from . import (
-    calibration as calibration,
     contact as contact,
     dynamics as dynamics,
-    explanation as explanation,
     fields as fields,
     file as file,
     findings as findings,
     friction as friction,
     geometry as geometry,
-    halfspace as halfspace,
     load_sharing as load_sharing,
     mechanism as mechanism,
-    optimisation as optimisation,
     quantities as quantities,
     response as response,
     scenario as scenario,
-    sensitivities as sensitivities,
     stiffness as stiffness,
     strength as strength,
-    sweeps as sweeps,
-    uncertainty as uncertainty,
     vibration as vibration,
 )
 from ._errors import (
@@ -46,7 +39,6 @@ from ._errors import (
     UnknownNameError as UnknownNameError,
 )
 from ._version import __version__ as __version__
-from .calibration import calibrate as calibrate
 from .contact import thread_contacts as thread_contacts
 from .dynamics import (
     ClosedForm as ClosedForm,
@@ -60,7 +52,6 @@ from .dynamics import (
     simulate as simulate,
     steady_state as steady_state,
 )
-from .explanation import explain as explain
 from .file import (
     dump as dump,
     dumps as dumps,
@@ -83,7 +74,6 @@ from .mechanism import (
     get_parameter as get_parameter,
     set_parameter as set_parameter,
 )
-from .optimisation import Optimum as Optimum, optimise as optimise
 from .quantities import (
     assumptions as assumptions,
     catalogue as catalogue,
@@ -95,15 +85,39 @@ from .response import (
     frequency_response as frequency_response,
 )
 from .scenario import Scenario as Scenario, TorqueScenario as TorqueScenario
-from .sensitivities import Sensitivity as Sensitivity, sensitivity as sensitivity
-from .sweeps import sweep as sweep
-from .uncertainty import tolerance as tolerance
 from .vibration import (
     Modes as Modes,
     modal as modal,
 )
 
-if not TYPE_CHECKING:
+if TYPE_CHECKING:
+    from . import (
+        calibration as calibration,
+        explanation as explanation,
+        halfspace as halfspace,
+        optimisation as optimisation,
+        sensitivities as sensitivities,
+        sweeps as sweeps,
+        uncertainty as uncertainty,
+    )
+    from .calibration import calibrate as calibrate
+    from .explanation import explain as explain
+    from .optimisation import Optimum as Optimum, optimise as optimise
+    from .sensitivities import Sensitivity as Sensitivity, sensitivity as sensitivity
+    from .sweeps import sweep as sweep
+    from .uncertainty import tolerance as tolerance
+else:
+    #: Rooms that an analysis of one design does not use, and their names at the top: imported at
+    #: first use, because they are a tenth of the time of an import.
+    _AT_FIRST_USE = {
+        "calibration": "calibrate",
+        "explanation": "explain",
+        "halfspace": "",
+        "optimisation": "Optimum optimise",
+        "sensitivities": "Sensitivity sensitivity",
+        "sweeps": "sweep",
+        "uncertainty": "tolerance",
+    }
     #: Names that were at the top in the first release, by the room where they are now.
     _MOVED = {
         "contact": "hertz_contact",
@@ -130,12 +144,23 @@ if not TYPE_CHECKING:
         "vibration": "FrequencyLoci frequency_loci",
     }
 
+    def __dir__():
+        later = (f"{room} {names}".split() for room, names in _AT_FIRST_USE.items())
+        return sorted({*globals(), *(name for names in later for name in names)})
+
     def __getattr__(name: str):
+        import importlib
         import warnings
 
+        for room, names in _AT_FIRST_USE.items():
+            if name == room or name in names.split():
+                module = importlib.import_module(f".{room}", __name__)
+                for one in names.split():
+                    globals()[one] = getattr(module, one)
+                return globals()[name]
         for room, names in _MOVED.items():
             if name in names.split():
                 place = f"{__name__}.{room}.{name}"
                 warnings.warn(f"{__name__}.{name} is now {place}", DeprecationWarning, stacklevel=2)
-                return getattr(globals()[room], name)
+                return getattr(importlib.import_module(f".{room}", __name__), name)
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

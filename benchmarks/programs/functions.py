@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 
 import prsm_jax as prsm
-from prsm_jax.findings import check_margins
+from prsm_jax.findings import check_numbers
 from prsm_jax.mechanism import get_parameter, set_parameters
 
 EXAMPLES = ("actuator", "wu2022", "li2020_two_stage")
@@ -38,7 +38,7 @@ FUNCTIONS: dict[str, tuple[Callable[[Any], Any], Callable[[Any], Any] | None]] =
     "simulate": (lambda m: prsm.simulate(m, throw=False), lambda found: found.efficiency[-1]),
     "frequency_response": (_response, lambda found: jnp.abs(found[0])),
     "campbell": (lambda m: prsm.campbell(m).critical_speeds, None),
-    "check": (check_margins, None),
+    "check": (check_numbers, None),
     "compute_all": (_all, None),
     "max_pressure": (_quantity("max_pressure"), lambda found: found),
     "max_pressure_shared": (_quantity("max_pressure_shared"), lambda found: found),

@@ -14,7 +14,7 @@ import jax
 import numpy as np
 from cyclopts import Parameter
 
-from ..findings import check, check_from, check_margins, sources
+from ..findings import check, check_from, check_numbers, sources
 from ..geometry import Finding
 from ..mechanism import Mechanism, get_parameter
 from ..process import make_folder, whole_file
@@ -76,7 +76,7 @@ class Common(Output):
         self.check_targets()
         mechanism = load(source)
         # Every verb that analyses a mechanism ends with `checked`.
-        expect_programs("call" if runs_one_verb() else "check_margins")
+        expect_programs("call" if runs_one_verb() else "check_numbers")
         return apply_settings(mechanism, self.settings) if self.settings else mechanism
 
 
@@ -86,8 +86,8 @@ def checked(mechanism: Mechanism) -> tuple[Finding, ...]:
     if not runs_one_verb():
         return check(mechanism)
     # Each added source of margins needs another program.
-    name = f"check_margins {len(sources())}"
-    values = run_stored(name, check_margins, mechanism, announced=True)
+    name = f"check_numbers {len(sources())}"
+    values = run_stored(name, check_numbers, mechanism, announced=True)
     return check_from(mechanism, values)
 
 

@@ -1,12 +1,16 @@
 """The optimised or calibrated mechanism as a file: the original file with new numbers."""
 
-from ..calibration import Calibration
+from typing import TYPE_CHECKING
+
 from ..mechanism import Mechanism, set_parameters
-from ..optimisation import Optimum, rounded_variables
 from ..quantities import catalogue
 
+if TYPE_CHECKING:
+    from ..calibration import Calibration
+    from ..optimisation import Optimum
 
-def optimised_text(source: str, mechanism: Mechanism, best: Optimum) -> str:
+
+def optimised_text(source: str, mechanism: Mechanism, best: "Optimum") -> str:
     """The file that was optimised, with the new numbers; comments and order stay.
 
     Variables have six digits, or more if rounding changes an objective or constraint by over 1e-6.
@@ -18,6 +22,7 @@ def optimised_text(source: str, mechanism: Mechanism, best: Optimum) -> str:
     - `best`: the optimum.
     """
     from ..file import edit, round_in_unit, source_text
+    from ..optimisation import rounded_variables
 
     values = rounded_variables(mechanism, best, round_in_unit)
     written = set_parameters(best.mechanism, values)
@@ -29,7 +34,7 @@ def optimised_text(source: str, mechanism: Mechanism, best: Optimum) -> str:
 _DIGITS = 6
 
 
-def calibrated_text(source: str, mechanism: Mechanism, fit: Calibration) -> str:
+def calibrated_text(source: str, mechanism: Mechanism, fit: "Calibration") -> str:
     """The file that was calibrated, with fitted numbers of six digits; comments and order stay.
 
     **Arguments:**

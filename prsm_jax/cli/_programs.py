@@ -7,6 +7,7 @@ files, JAX, its flags, and the processor.
 """
 
 import contextlib
+import functools
 import hashlib
 import os
 import pickle
@@ -28,11 +29,15 @@ from ._progress import expect_programs
 _PACKAGE = Path(__file__).parent.parent
 
 
+@functools.cache
 def _fingerprint() -> str:
     """Names, sizes and times of this package's source files."""
-    files = sorted(_PACKAGE.rglob("*.py"))
-    stats = [(str(f.relative_to(_PACKAGE)), f.stat().st_size, f.stat().st_mtime_ns) for f in files]
-    return repr(stats)
+    stats = []
+    for folder, _, names in os.walk(_PACKAGE):
+        for path in (os.path.join(folder, name) for name in names if name.endswith(".py")):
+            stat = os.stat(path)
+            stats.append((path.removeprefix(str(_PACKAGE)), stat.st_size, stat.st_mtime_ns))
+    return repr(sorted(stats))
 
 
 def _processor() -> str:

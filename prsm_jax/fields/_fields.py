@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
 from ..numerics import Scalar as Scalar
@@ -49,7 +50,8 @@ def as_scalar(value: ArrayLike) -> Array:
     """`value` as a floating-point array; an array that is floating-point keeps its dtype."""
     if isinstance(value, int | float):
         # An explicit dtype: a weakly typed leaf would compile everything a second time.
-        return jnp.asarray(value, dtype=jnp.result_type(float))
+        # By NumPy, because JAX compiles a program to change the type of a number.
+        return jnp.asarray(np.asarray(value, dtype=jnp.result_type(float)))
     array = jnp.asarray(value)
     return array if jnp.issubdtype(array.dtype, jnp.floating) else array.astype(float)
 

@@ -7,7 +7,7 @@ from ..geometry import Finding as Finding
 from ._check import (
     check as check,
     check_from as check_from,
-    check_margins as check_margins,
+    check_numbers as check_numbers,
     stiffness_findings as stiffness_findings,
     strength_findings as strength_findings,
 )

@@ -1,6 +1,6 @@
 """All findings of a mechanism."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import equinox as eqx
 
@@ -10,22 +10,31 @@ from ..mechanism import Mechanism, of_one_known_design
 from ..quantities import Analysis
 from . import _fit, _locking, _preferred, _stiffness, _strength, _truncation
 from ._margin import Source, evaluate_margins, findings_of, margins_of, sources
-from ._masses import mass_findings
+from ._masses import ExpectedMasses, expected_masses, mass_findings_from
 from ._sharing import sharing_findings
 
 #: Modules that declare margins when they are imported.
 DECLARED_IN = (_fit, _preferred, _stiffness, _locking, _strength, _truncation)
 
 
-def check_margins(mechanism: Mechanism) -> list[dict[str, Scalar] | None]:
-    """Values of all margins that `check` compares, as a pure function that can be compiled."""
-    return evaluate_margins(Analysis(mechanism))
+class CheckNumbers(NamedTuple):
+    """What `check` compares."""
+
+    #: Values of the margins; `None` where data are missing.
+    margins: list[dict[str, Scalar] | None]
+    #: Masses and moments of inertia from dimensions, for each stage.
+    masses: list[ExpectedMasses]
+
+
+def check_numbers(mechanism: Mechanism) -> CheckNumbers:
+    """The numbers that `check` compares, as a pure function that can be compiled."""
+    return CheckNumbers(evaluate_margins(Analysis(mechanism)), expected_masses(mechanism))
 
 
 @eqx.filter_jit
-def _margins_by(_sources: tuple[Source, ...], mechanism: Mechanism):
+def _numbers_by(_sources: tuple[Source, ...], mechanism: Mechanism) -> CheckNumbers:
     # Sources are a static argument: a change of them compiles another program.
-    return check_margins(mechanism)
+    return check_numbers(mechanism)
 
 
 def _plain(values: list[Any]) -> list[dict[str, float] | None]:
@@ -56,25 +65,25 @@ def check(mechanism: Mechanism) -> tuple[Finding, ...]:
 
     **Returns:** the findings, stage by stage.
     """
-    return check_from(mechanism, _margins_by(sources(), mechanism))
+    return check_from(mechanism, _numbers_by(sources(), mechanism))
 
 
-def check_from(mechanism: Mechanism, values: list[dict[str, Scalar] | None]) -> tuple[Finding, ...]:
-    """As `check`, from margin values that are already computed.
+def check_from(mechanism: Mechanism, numbers: CheckNumbers) -> tuple[Finding, ...]:
+    """As `check`, from numbers that are already computed.
 
     **Arguments:**
 
     - `mechanism`: the mechanism, with concrete numbers.
-    - `values`: the result of `check_margins`.
+    - `numbers`: the result of `check_numbers`.
     """
-    known = _plain(values)
+    known = _plain(numbers.margins)
     findings = [finding for _, finding in findings_of(mechanism, known)]
-    findings += mass_findings(mechanism)
+    findings += mass_findings_from(mechanism, numbers.masses)
     findings += _stiffness.shaft_findings(mechanism)
     plays = {
-        margin.stage: numbers["value"]
-        for margin, numbers in zip(margins_of(mechanism), known, strict=True)
-        if margin.name == "backlash" and numbers is not None
+        margin.stage: values["value"]
+        for margin, values in zip(margins_of(mechanism), known, strict=True)
+        if margin.name == "backlash" and values is not None
     }
     findings += _strength.agreements(mechanism, plays)
     findings += _fit.assembly_notes(mechanism)

@@ -1,7 +1,8 @@
 """Findings on given masses and moments of inertia: can a body of these dimensions have them?"""
 
-from collections.abc import Iterator
-from typing import Any
+import contextlib
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
 
 import equinox as eqx
 
@@ -29,7 +30,7 @@ _THIN_RING = 0.02
 _MASS_RATIO = 2.0
 
 
-def _nominal_radius(stage: Stage, body: str) -> float:
+def _nominal_radius(stage: Stage, body: str) -> Scalar:
     thread = stage.thread
     radii: dict[str, Scalar] = {
         "screw": thread.screw_radius,
@@ -38,7 +39,7 @@ def _nominal_radius(stage: Stage, body: str) -> float:
         "ring_gear": thread.nut_radius,
         "carrier": thread.centre_distance,
     }
-    return float(radii[body])
+    return radii[body]
 
 
 def _label(body: str) -> str:
@@ -55,41 +56,63 @@ def _changed(part: Any, **fields: Any) -> Any:
     )
 
 
-def _inertia_from_dimensions(stage: Stage, body: str) -> float | None:
-    """½ m (R² + r²) for the given mass; `None` where a radius is missing."""
-    part = _changed(getattr(stage, body), inertia=None, length=as_scalar(1.0))
-    try:
-        return float(body_inertia(_changed(stage, **{body: part}), body))
-    except MissingDataError:
-        return None
+class Expected(NamedTuple):
+    """Numbers of a body from its dimensions; `None` where a dimension is missing."""
+
+    #: Nominal radius [m].
+    radius: Scalar
+    #: ½ m (R² + r²) with the given mass [kg·m²].
+    inertia: Scalar | None
+    #: π ρ l (R² − r²) [kg], and the density used [kg/m³].
+    mass: Scalar | None
+    density: Scalar
 
 
-def _mass_from_dimensions(stage: Stage, body: str) -> tuple[float, float] | None:
-    """Mass from dimensions and density, and the density; `None` where a dimension is missing."""
-    part = getattr(stage, body)
-    material = part.material or stage.material
+#: Of a stage: by body, where mass is given.
+ExpectedMasses = dict[str, Expected]
+
+
+def _from_dimensions(stage: Stage, body: str) -> Expected:
+    given = getattr(stage, body)
+    material = given.material or stage.material
     if material is None or material.density is None:
         material = Material(as_scalar(210e9), as_scalar(0.3), as_scalar(_STEEL_DENSITY))
-    part = _changed(part, mass=None, material=material)
-    try:
-        mass = float(body_mass(_changed(stage, **{body: part}), body))
-    except MissingDataError:
-        return None
     assert material.density is not None
-    return mass, float(material.density)
+    inertia = mass = None
+    with contextlib.suppress(MissingDataError):
+        part = _changed(given, inertia=None, length=as_scalar(1.0))
+        inertia = body_inertia(_changed(stage, **{body: part}), body)
+    with contextlib.suppress(MissingDataError):
+        part = _changed(given, mass=None, material=material)
+        mass = body_mass(_changed(stage, **{body: part}), body)
+    return Expected(_nominal_radius(stage, body), inertia, mass, material.density)
 
 
-def _check_inertia(stage: Stage, body: str, number: int) -> Finding | None:
+def expected_masses(mechanism: Mechanism) -> list[ExpectedMasses]:
+    """Masses and moments of inertia from dimensions, for each stage; can be compiled."""
+    return [
+        {
+            body: _from_dimensions(stage, body)
+            for body in _SHAPES
+            if (part := getattr(stage, body)) is not None and part.mass is not None
+        }
+        for stage in mechanism.stages
+    ]
+
+
+def _check_inertia(
+    stage: Stage, body: str, number: int, from_dimensions: Expected
+) -> Finding | None:
     part = getattr(stage, body)
-    if part is None or part.mass is None or part.inertia is None:
+    if part.inertia is None:
         return None
     mass, inertia = float(part.mass), float(part.inertia)
-    radius = _nominal_radius(stage, body)
+    radius = float(from_dimensions.radius)
     thin = mass * radius**2
     if thin <= 0:
         return None
     shape, (lower, upper) = _SHAPES[body]
-    expected = _inertia_from_dimensions(stage, body)
+    expected = None if from_dimensions.inertia is None else float(from_dimensions.inertia)
     ratio = inertia / thin
     # A thin-walled tube or sleeve really has m r².
     may_be_thin = shape == "annulus" or (expected is not None and abs(expected / thin - 1) < 0.05)
@@ -131,14 +154,12 @@ def _dimensions(body: str) -> str:
     return " and ".join(f"stage.{body}.{name}" for name in names)
 
 
-def _check_mass(stage: Stage, body: str, number: int) -> Finding | None:
+def _check_mass(stage: Stage, body: str, number: int, from_dimensions: Expected) -> Finding | None:
+    if from_dimensions.mass is None or from_dimensions.mass <= 0:
+        return None
     part = getattr(stage, body)
-    if part is None or part.mass is None:
-        return None
-    derived = _mass_from_dimensions(stage, body)
-    if derived is None or derived[0] <= 0:
-        return None
-    mass, (expected, density) = float(part.mass), derived
+    mass, expected = float(part.mass), float(from_dimensions.mass)
+    density = float(from_dimensions.density)
     if 1 / _MASS_RATIO <= mass / expected <= _MASS_RATIO:
         return None
     return Finding(
@@ -153,10 +174,10 @@ def _check_mass(stage: Stage, body: str, number: int) -> Finding | None:
     )
 
 
-def _of_stage(stage: Stage, number: int) -> Iterator[Finding]:
-    for body in _SHAPES:
+def _of_stage(stage: Stage, number: int, masses: ExpectedMasses) -> Iterator[Finding]:
+    for body, expected in masses.items():
         for check in (_check_mass, _check_inertia):
-            finding = check(stage, body, number)
+            finding = check(stage, body, number, expected)
             if finding is not None:
                 yield finding
 
@@ -172,8 +193,17 @@ def mass_findings(mechanism: Mechanism) -> tuple[Finding, ...]:
 
     - `mechanism`: the mechanism, with concrete numbers.
     """
+    return mass_findings_from(mechanism, expected_masses(mechanism))
+
+
+def mass_findings_from(
+    mechanism: Mechanism, masses: Sequence[ExpectedMasses]
+) -> tuple[Finding, ...]:
+    """As `mass_findings`, from `expected_masses` that are already computed."""
     return tuple(
         finding
-        for number, stage in enumerate(mechanism.stages, start=1)
-        for finding in _of_stage(stage, number)
+        for number, (stage, of_stage) in enumerate(
+            zip(mechanism.stages, masses, strict=True), start=1
+        )
+        for finding in _of_stage(stage, number, of_stage)
     )

@@ -1,5 +1,6 @@
 """Settings of a process that is `prsm` itself, made before JAX is imported."""
 
+import gc
 import importlib.metadata
 import os
 import sys
@@ -43,11 +44,18 @@ def _compiler_flags() -> str:
 
 if _is_command_line():
     end_on_signals()
+    # Modules and traces are millions of objects that live until the end: looking through them for
+    # cycles every few hundred allocations is a tenth of the time of a verb.
+    gc.set_threshold(100_000, 20, 50)
     # Read when equinox is imported. Impossible sample times give NaN, not an exception from inside
     # a program: JAX does not store a program that calls Python for the next run.
     os.environ.setdefault("EQX_ON_ERROR", "nan")
     # Read when JAX is imported. XLA logs an alarm ("Very slow compile?") when a compilation takes
     # minutes, which the progress line shows anyway; failures still raise exceptions.
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
+    if sys.argv[1:] and sys.argv[1] in _BRIEF_VERBS:
+        # pint imports dask where it finds it, which takes a tenth of the time of such a verb. Only
+        # sweeps use dask.
+        sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
     # If a flag occurs twice, the last one counts: the user's.
     os.environ["XLA_FLAGS"] = f"{_compiler_flags()} {os.environ.get('XLA_FLAGS', '')}".strip()

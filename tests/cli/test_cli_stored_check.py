@@ -29,6 +29,6 @@ def test_a_stored_program_finds_what_check_finds(one_verb, monkeypatch):
     def traced(*_):
         raise AssertionError("traced again")
 
-    monkeypatch.setattr(_common, "check_margins", traced)
+    monkeypatch.setattr(_common, "check_numbers", traced)
     assert _common.checked(mechanism) == expected
     assert [stored] == list(one_verb.iterdir())

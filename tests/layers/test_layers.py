@@ -249,6 +249,23 @@ def test_import_pulls_in_none_of_the_heavy_modules():
     assert result.stdout.strip() == "[]"
 
 
+def test_rooms_that_an_analysis_does_not_use_come_at_first_use():
+    """Nor do the verbs of the command line bring them; `dir` names them all the same."""
+    rooms = ("calibration", "explanation", "halfspace", "optimisation", "sensitivities")
+    rooms += ("uncertainty",)
+    code = (
+        "import sys, prsm_jax; from prsm_jax.cli import _verbs; "
+        f"print([r for r in {rooms!r} if 'prsm_jax.' + r in sys.modules]); "
+        f"assert {{*{rooms!r}, 'optimise', 'sweep'}} <= set(dir(prsm_jax)); "
+        f"assert all(getattr(prsm_jax, r).__name__ == 'prsm_jax.' + r for r in {rooms!r}); "
+        "assert prsm_jax.tolerance is prsm_jax.uncertainty.tolerance"
+    )
+    result = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=True
+    )
+    assert result.stdout.strip() == "[]"
+
+
 def test_import_enables_float64():
     code = "import prsm_jax, jax; print(jax.numpy.zeros(1).dtype)"
     result = subprocess.run(

@@ -6,7 +6,6 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from ..._errors import PrsmError
-from ...calibration import calibrate as run_calibration, read_measurements
 from ...mechanism import Mechanism, all_parameters
 from ...process import make_folder
 from ...quantities import assumptions, find_quantity
@@ -103,6 +102,8 @@ def calibrate(
     exit status 1 if the fit did not converge.
     """
     mechanism = common.load(file)
+    from ...calibration import calibrate as run_calibration, read_measurements
+
     measured = read_measurements(data, mechanism)
     names = words_of(parameters) if parameters is not None else _friction(mechanism)
     limits = dict(_bound(mechanism, text) for text in bounds or [])

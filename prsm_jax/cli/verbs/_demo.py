@@ -9,9 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import equinox as eqx
 from cyclopts import Parameter
 
-from ...optimisation import optimise
 from ...quantities import assumptions
-from ...sensitivities import sensitivity
 from .._app import app
 from .._common import Common, plain
 from .._optimised import optimised_text
@@ -60,7 +58,9 @@ def demo(
     out/demo).
     """
     from ...file import loads
+    from ...optimisation import optimise
     from ...report import analyse, summarise_optimisation, write_report
+    from ...sensitivities import sensitivity
 
     began = time.perf_counter()
 

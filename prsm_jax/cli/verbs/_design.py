@@ -5,10 +5,8 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from ...optimisation import optimise as run_optimise
 from ...process import make_folder
 from ...quantities import assumptions
-from ...sensitivities import sensitivity as run_sensitivity
 from .._app import app
 from .._common import Common, checked, emit, words_of, write_text
 from .._optimised import optimised_text
@@ -32,6 +30,8 @@ def sensitivity(
     """Exact derivatives of quantities with respect to parameters, absolute and relative."""
     mechanism = common.load(file)
     expect_programs("_sensitivity")
+    from ...sensitivities import sensitivity as run_sensitivity
+
     table = run_sensitivity(mechanism, words_of(quantities), words_of(parameters))
     if common.out is not None:
         from ...report import save_figures, sensitivity_bars
@@ -71,6 +71,8 @@ def optimise(
     common.check_targets("out/optimise")
     mechanism = common.load(file)
     expect_programs("_values", "_derivatives")
+    from ...optimisation import optimise as run_optimise
+
     best = run_optimise(mechanism, method=method, starts=starts, progress=told_of_search)
     path = None
     if best.feasible or keep_infeasible:

@@ -4,7 +4,6 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from ...explanation import explain as run_explain
 from .._app import app
 from .._common import Common, emit, save_tables, words_of
 from .._progress import counted, doing
@@ -39,6 +38,8 @@ def explain(
     """
     mechanism = common.load(file)
     doing("counting parts")
+    from ...explanation import explain as run_explain
+
     explanation = run_explain(
         mechanism, programs=words_of(programs), numbers=numbers, time=time, progress=counted
     )

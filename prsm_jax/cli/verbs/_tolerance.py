@@ -5,7 +5,6 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ...quantities import assumptions
-from ...uncertainty import allocate_tolerances, tolerance as run_tolerance
 from .._app import app
 from .._common import Common, checked, emit, words_of
 from .._progress import counted, expect_programs
@@ -45,6 +44,8 @@ def tolerance(
     """
     mechanism = common.load(file)
     expect_programs(*_PROGRAMS.get(method, ()))
+    from ...uncertainty import allocate_tolerances, tolerance as run_tolerance
+
     analysis = run_tolerance(
         mechanism,
         words_of(quantities),
