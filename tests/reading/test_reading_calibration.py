@@ -9,7 +9,6 @@ from reading_tables import column_unit
 from reading_units import to_si
 
 from prsm_jax.calibration import Calibration, FittedParameter, Residuals, Undetermined
-from prsm_jax.cli.verbs import _calibrate
 from prsm_jax.report import calibration_chart
 
 MEASURED, COMPUTED = np.array([3.1e-6, 5.2e-6, 8.05e-6]), np.array([3.0e-6, 5.3e-6, 8.0e-6])
@@ -66,7 +65,7 @@ def test_measured_against_computed_and_residuals():
 
 @reads("verb", "calibrate")
 def test_calibrate(run, monkeypatch):
-    monkeypatch.setattr(_calibrate, "run_calibration", lambda *_, **__: _fit())
+    monkeypatch.setattr("prsm_jax.calibration.calibrate", lambda *_, **__: _fit())
     found, printed = run("calibrate", "wu2022", "--data", "wu2022_torque")
     lead, angle = found["parameters"]["lead"], found["parameters"]["contact_angle"]
     assert [lead[key] for key in ("value", "standard_deviation", "lower", "upper", "start")] == [

@@ -3,7 +3,6 @@
 from expectations import reads
 from reading_tables import assert_json
 
-from prsm_jax.cli.verbs import _explain
 from prsm_jax.explanation import Account, Cost, Explanation, Part, Program
 from prsm_jax.explanation._places import Place
 
@@ -61,7 +60,7 @@ def _part(place, reason, costs, assumed=(), lost=()):
 def test_explain(run, monkeypatch):
     """260 = 900 − 640 equations, and so on for each measure."""
     made = _made()
-    monkeypatch.setattr(_explain, "run_explain", lambda *_, **__: made)
+    monkeypatch.setattr("prsm_jax.explanation.explain", lambda *_, **__: made)
     found, printed = run("explain", "wu2022")
     spin, point, drag = (part.place for part in made.parts)
     none = [None] * 6

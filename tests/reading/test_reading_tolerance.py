@@ -4,7 +4,6 @@ import pytest
 from expectations import reads
 from reading_units import to_si
 
-from prsm_jax.cli.verbs import _tolerance
 from prsm_jax.mechanism import Tolerance
 from prsm_jax.uncertainty import ToleranceAnalysis
 from prsm_jax.uncertainty._estimates import PROBABILITIES, Estimate
@@ -49,7 +48,7 @@ def _analysis():
 
 @reads("verb", "tolerance")
 def test_tolerance(run, monkeypatch):
-    monkeypatch.setattr(_tolerance, "run_tolerance", lambda *_, **__: _analysis())
+    monkeypatch.setattr("prsm_jax.uncertainty.tolerance", lambda *_, **__: _analysis())
     found, printed = run("tolerance", "wu2022")
     row = found["quantities"]["max_pressure"]
     assert (row["unit"], row["limits"]) == ("Pa", [None, 2.12e9])

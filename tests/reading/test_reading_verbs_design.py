@@ -13,7 +13,7 @@ from reading_tables import Terminal, assert_json, column_unit, without_words
 from reading_units import to_si
 
 import prsm_jax
-from prsm_jax.cli.verbs import _design, _modal, _sweep, _vibrate
+from prsm_jax.cli.verbs import _modal, _sweep, _vibrate
 from prsm_jax.mechanism import Constraint, DesignProblem, Objective, Variable
 from prsm_jax.optimisation import ConstraintReport, Design, Optimum, Run
 from prsm_jax.report import summarise_optimisation
@@ -204,7 +204,7 @@ def _table():
 @reads("verb", "sensitivity")
 def test_sensitivity(run, monkeypatch):
     table = _table()
-    monkeypatch.setattr(_design, "run_sensitivity", lambda *_, **__: table)
+    monkeypatch.setattr("prsm_jax.sensitivities.sensitivity", lambda *_, **__: table)
     found, printed = run("sensitivity", "wu2022")
     found = without_words(found)
     expected = {
@@ -325,7 +325,7 @@ def _design_keys(one):
 @reads("verb", "optimise")
 def test_optimise(run, monkeypatch, tmp_path):
     best = make_optimum(scenes.example("wu2022"))
-    monkeypatch.setattr(_design, "run_optimise", lambda *_, **__: best)
+    monkeypatch.setattr("prsm_jax.optimisation.optimise", lambda *_, **__: best)
     found, printed = run("optimise", "wu2022", "--out", tmp_path / "new")
     found = without_words(found)
     path = found.pop("mechanism")
@@ -439,13 +439,13 @@ def test_the_terminal_tells_the_state_of_a_locked_thread(run, monkeypatch):
     best = make_optimum(scenes.example("wu2022"))
     start = dataclasses.replace(best.start, objective=-0.34)
     monkeypatch.setattr(
-        _design, "run_optimise", lambda *_, **__: dataclasses.replace(best, start=start)
+        "prsm_jax.optimisation.optimise", lambda *_, **__: dataclasses.replace(best, start=start)
     )
     _, printed = run("optimise", "wu2022")
     (cells,) = (cells for cells in printed.lines if cells[0].startswith("maximise efficiency"))
     assert cells[1:3] == ["locked", "87.91"]
     table = dataclasses.replace(_table(), values=jnp.asarray([-0.34, 2.13e9, 0.0]))
-    monkeypatch.setattr(_design, "run_sensitivity", lambda *_, **__: table)
+    monkeypatch.setattr("prsm_jax.sensitivities.sensitivity", lambda *_, **__: table)
     _, printed = run("sensitivity", "wu2022")
     assert printed.row("efficiency [%]") == ["locked", "–", "–"]
     assert printed.row("efficiency") == ["–", "–"]
@@ -606,8 +606,8 @@ def test_demo(monkeypatch, tmp_path, capsys, feasible):
     # The invented places lie on no flank that could end.
     monkeypatch.setattr(_contact, "side_onsets", lambda *_: None)
     monkeypatch.setattr(_demo, "_contact_results", _contact.contact_results)
-    monkeypatch.setattr(_demo, "optimise", lambda *_, **__: best)
-    monkeypatch.setattr(_demo, "sensitivity", lambda *_, **__: table)
+    monkeypatch.setattr("prsm_jax.optimisation.optimise", lambda *_, **__: best)
+    monkeypatch.setattr("prsm_jax.sensitivities.sensitivity", lambda *_, **__: table)
     monkeypatch.setattr(report, "analyse", analyse)
     monkeypatch.setattr(report, "write_report", write)
     monkeypatch.setenv("COLUMNS", "300")
