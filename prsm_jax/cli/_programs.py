@@ -57,6 +57,8 @@ def _key(name: str, leaves: list[Any], structure: Any) -> str:
 
 
 _one_verb = False
+#: Programs that this process has used, by their places.
+_used: dict[Path, Callable[..., Any]] = {}
 
 
 def run_one_verb() -> None:
@@ -75,41 +77,47 @@ def runs_one_verb() -> bool:
 
 def run_stored(
     name: str,
-    function: Callable[[Mechanism], Any],
+    function: Callable[..., Any],
     mechanism: Mechanism,
-    *,
+    *more: jax.Array,
     announced: bool = False,
 ) -> Any:
-    """Evaluate `function(mechanism)` compiled, keeping the program for the next run.
+    """Evaluate `function(mechanism, *more)` compiled, keeping the program for the next run.
 
     **Arguments:**
 
     - `name`: names the function in the key.
-    - `function`: a pure function of the mechanism to a dictionary of arrays (dictionaries and
-      lists inside are fine).
+    - `function`: a pure function of the mechanism and arrays to a dictionary of arrays
+      (dictionaries and lists inside are fine).
     - `mechanism`: the mechanism.
+    - `more`: arrays.
     - `announced`: whether the progress line counts the program already.
     """
-    if not announced:
-        expect_programs("call")
     folder = jax.config.jax_compilation_cache_dir  # type: ignore[attr-defined]
     # Results of a plugin depend on its own files, which are not part of the key.
     if not folder or has_plugins() or not _is_known(mechanism):
-        return eqx.filter_jit(function)(mechanism)
-    leaves, structure = jax.tree.flatten(mechanism)
+        return eqx.filter_jit(function)(mechanism, *more)
+    leaves, structure = jax.tree.flatten((mechanism, *more))
     path = Path(folder) / "programs" / _key(name, leaves, structure)
+    if path in _used:
+        return _used[path](*leaves)
+    if not announced:
+        expect_programs("call")
     # A stored program that was changed, or that this JAX cannot run, is compiled again.
     with contextlib.suppress(Exception):
         stored = serialize_executable.deserialize_and_load(*pickle.loads(_read(path)))
-        return jax.block_until_ready(stored(*leaves))
+        results = jax.block_until_ready(stored(*leaves))
+        _used[path] = stored
+        return results
 
     def call(*numbers):
-        return function(jax.tree.unflatten(structure, numbers))
+        return function(*jax.tree.unflatten(structure, numbers))
 
     with _not_in_the_cache_of_jax():
         program = jax.jit(call).lower(*leaves).compile()
     with contextlib.suppress(Exception):
         _write(path, pickle.dumps(serialize_executable.serialize(program)))
+    _used[path] = program
     return program(*leaves)
 
 

@@ -35,13 +35,8 @@ def jacobian(
     load: Scalar | None,
     mode: Mode,
     shift: Float[Array, " parameters"] | None = None,
-) -> tuple[
-    Float[Array, " quantities"],
-    Float[Array, "quantities parameters"],
-    Bool[Array, ""],
-    dict[str, tuple[int, ...]],
-]:
-    """Concatenated values of all quantities, and their derivatives by each parameter alone.
+) -> tuple[dict[str, Float[Array, "..."]], Float[Array, "quantities parameters"], Bool[Array, ""]]:
+    """Values of all quantities, and derivatives of all components by each parameter alone.
 
     Each parameter is a direction in the space of all numbers of the mechanism. The physics is
     therefore traced and differentiated once for any number of parameters, and the derivative by
@@ -57,15 +52,13 @@ def jacobian(
       smaller number.
     - `shift`: offset from the present design along each parameter [SI]; default none.
 
-    **Returns:** the values, the Jacobian, whether the values are usable, and the shape of each
-    quantity.
+    **Returns:** the values by name, the Jacobian with the components of all quantities as rows, and
+    whether the values are usable.
     """
-    shapes: dict[str, tuple[int, ...]] = {}
 
     def evaluate(complete: Mechanism):
         values, valid = compute_checked(complete, quantities, speed=speed, load=load)
-        shapes.update({name: value.shape for name, value in values.items()})
-        return jnp.concatenate([jnp.ravel(values[name]) for name in quantities]), valid
+        return jnp.concatenate([jnp.ravel(values[name]) for name in quantities]), (values, valid)
 
     def direction(parameter: Parameter):
         value = parameter.get(mechanism)
@@ -90,11 +83,11 @@ def jacobian(
         few = few or len(parameters) <= jax.eval_shape(evaluate, complete)[0].shape[0]
         mode = "forward" if few else "reverse"
     if mode == "forward":
-        values, push, valid = jax.linearize(evaluate, complete, has_aux=True)
-        return values, jax.vmap(push, out_axes=1)(directions), valid, shapes
-    values, pull, valid = jax.vjp(evaluate, complete, has_aux=True)
-    count = values.shape[0]
-    (cotangents,) = jax.vmap(pull)(jnp.eye(count, dtype=values.dtype))
+        _, push, (values, valid) = jax.linearize(evaluate, complete, has_aux=True)
+        return values, jax.vmap(push, out_axes=1)(directions), valid
+    flat, pull, (values, valid) = jax.vjp(evaluate, complete, has_aux=True)
+    count = flat.shape[0]
+    (cotangents,) = jax.vmap(pull)(jnp.eye(count, dtype=flat.dtype))
     products = jax.tree.map(
         lambda cotangent, tangent: (
             cotangent.reshape(count, -1) @ tangent.reshape(len(parameters), -1).T
@@ -103,4 +96,4 @@ def jacobian(
         directions,
     )
     derivatives = jnp.sum(jnp.stack(jax.tree.leaves(products)), axis=0)
-    return values, derivatives, valid, shapes
+    return values, derivatives, valid

@@ -1,6 +1,7 @@
 """Sensitivities of any quantities to any numbers of a mechanism."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, TypeAlias
 
 import equinox as eqx
 import jax
@@ -30,6 +31,12 @@ DEFAULT_QUANTITIES = (
 )
 DEFAULT_PARAMETERS = ("lead", "contact_angle", "roller_radius")
 _MODES = ("auto", "forward", "reverse")
+#: The arrays of a `Sensitivity` by their names, and the values of the quantities by theirs.
+Numbers: TypeAlias = dict[str, Any]
+#: Evaluates a pure function of a mechanism and of shifts of its numbers, compiled.
+Evaluate: TypeAlias = Callable[
+    [Callable[[Mechanism, Float[Array, " numbers"]], Numbers], Float[Array, " numbers"]], Numbers
+]
 
 
 @of_one_design
@@ -72,21 +79,58 @@ def sensitivity(
     if mode not in _MODES:
         raise ValueError(f"mode is {mode!r}; choose one of {', '.join(_MODES)}")
     names = _quantity_names(mechanism, quantities, speed, load)
-    parameters = tuple(DEFAULT_PARAMETERS if parameters is None else parameters)
-    if not parameters:
-        raise ValueError("parameters is empty; name at least one")
-    groups = _numbers(mechanism, parameters)
+    parameters = _parameter_names(parameters)
     speed, load = _traced(speed), _traced(load)
-    count = sum(map(len, groups))
-    shift = jnp.zeros(count, jnp.result_type(float))
-    table = _sensitivity(mechanism, names, parameters, speed, load, mode, shift)
+
+    def evaluate(_, shift: Float[Array, " numbers"]) -> Numbers:
+        return _compiled_numbers(mechanism, names, parameters, speed, load, mode, shift)
+
+    return _table(evaluate, mechanism, names, parameters, speed, load, mode, kinks)
+
+
+def sensitivity_by(
+    evaluate: Evaluate,
+    mechanism: Mechanism,
+    quantities: Iterable[str] | None = None,
+    parameters: Iterable[str] | None = None,
+) -> Sensitivity:
+    """As `sensitivity`, with the program run by the caller, who may keep it for another process.
+
+    **Arguments:**
+
+    - `evaluate`: takes a pure function of a mechanism and of shifts of its numbers, and the shifts;
+      returns the function of `mechanism` and the shifts. The function is the same in every call.
+    - `mechanism`, `quantities`, `parameters`: as in `sensitivity`.
+    """
+    names = _quantity_names(mechanism, quantities, None, None)
+    return _table(
+        evaluate, mechanism, names, _parameter_names(parameters), None, None, "auto", True
+    )
+
+
+def _table(
+    evaluate: Evaluate,
+    mechanism: Mechanism,
+    names: tuple[str, ...],
+    parameters: tuple[str, ...],
+    speed: Scalar | None,
+    load: Scalar | None,
+    mode: Mode,
+    kinks: bool,
+) -> Sensitivity:
+    groups = _single_numbers(mechanism, parameters)
+
+    def function(moved: Mechanism, shift: Float[Array, " numbers"]) -> Numbers:
+        return _numbers(moved, names, parameters, speed, load, mode, shift)
+
+    shift = jnp.zeros(sum(map(len, groups)), jnp.result_type(float))
+    numbers = evaluate(function, shift)
+    table = _with_names(mechanism, names, parameters, groups, numbers)
     if not kinks or any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves((mechanism, table))):
         return table
 
     def at(shifts: np.ndarray) -> np.ndarray:
-        offset = jnp.asarray(shifts, shift.dtype)
-        shifted = _sensitivity(mechanism, names, parameters, speed, load, mode, offset)
-        return np.asarray(shifted.gradient)
+        return np.asarray(evaluate(function, jnp.asarray(shifts, shift.dtype))["gradient"])
 
     left, right = one_sided(at, [np.asarray(values) for values in table.parameter_values])
     return eqx.tree_at(
@@ -121,7 +165,14 @@ def _quantity_names(mechanism: Mechanism, quantities, speed, load) -> tuple[str,
     return names
 
 
-def _numbers(mechanism: Mechanism, names: Sequence[str]) -> list[tuple[Parameter, ...]]:
+def _parameter_names(parameters: Iterable[str] | None) -> tuple[str, ...]:
+    names = tuple(DEFAULT_PARAMETERS if parameters is None else parameters)
+    if not names:
+        raise ValueError("parameters is empty; name at least one")
+    return names
+
+
+def _single_numbers(mechanism: Mechanism, names: Sequence[str]) -> list[tuple[Parameter, ...]]:
     """The numbers behind each name, one per stage that has it."""
     groups = []
     for name in names:
@@ -136,8 +187,7 @@ def _numbers(mechanism: Mechanism, names: Sequence[str]) -> list[tuple[Parameter
     return groups
 
 
-@eqx.filter_jit
-def _sensitivity(
+def _numbers(
     mechanism: Mechanism,
     quantities: tuple[str, ...],
     parameters: tuple[str, ...],
@@ -145,13 +195,12 @@ def _sensitivity(
     load: Scalar | None,
     mode: Mode,
     shift: Float[Array, " numbers"],
-) -> Sensitivity:
-    groups = _numbers(mechanism, parameters)
-    numbers = [parameter for group in groups for parameter in group]
-    values, derivatives, valid, shapes = jacobian(
-        mechanism, quantities, numbers, speed, load, mode, shift
-    )
-    points = jnp.stack([parameter.get(mechanism) for parameter in numbers])
+) -> Numbers:
+    groups = _single_numbers(mechanism, parameters)
+    numbers = [number for group in groups for number in group]
+    by_name, derivatives, valid = jacobian(mechanism, quantities, numbers, speed, load, mode, shift)
+    values = jnp.concatenate([jnp.ravel(by_name[name]) for name in quantities])
+    points = jnp.stack([number.get(mechanism) for number in numbers])
     known = jnp.isfinite(values) & (values != 0)
     relative = derivatives * points[None, :] / jnp.where(known, values, 1.0)[:, None]
     relative = jnp.where(known[:, None], relative, 0.0)
@@ -163,7 +212,28 @@ def _sensitivity(
         elasticity.append(jnp.sum(relative[:, columns], axis=1))
         current.append(points[columns])
         first += len(group)
-    components = [component_names(name, shapes[name]) for name in quantities]
+    return {
+        "by_name": by_name,
+        "values": values,
+        "gradient": jnp.stack(gradient, axis=1),
+        "elasticity": jnp.stack(elasticity, axis=1),
+        "elasticity_defined": known,
+        "parameter_values": current,
+        "valid": valid,
+    }
+
+
+_compiled_numbers = eqx.filter_jit(_numbers)
+
+
+def _with_names(
+    mechanism: Mechanism,
+    quantities: tuple[str, ...],
+    parameters: tuple[str, ...],
+    groups: Sequence[tuple[Parameter, ...]],
+    numbers: Numbers,
+) -> Sensitivity:
+    components = [component_names(name, numbers["by_name"][name].shape) for name in quantities]
     labels = tuple(label for labels in components for label in labels)
     units = tuple(
         find_quantity(name).unit
@@ -171,12 +241,12 @@ def _sensitivity(
         for _ in labels
     )
     return Sensitivity(
-        values=values,
-        gradient=jnp.stack(gradient, axis=1),
-        elasticity=jnp.stack(elasticity, axis=1),
-        elasticity_defined=known,
-        parameter_values=tuple(current),
-        valid=valid,
+        values=numbers["values"],
+        gradient=numbers["gradient"],
+        elasticity=numbers["elasticity"],
+        elasticity_defined=numbers["elasticity_defined"],
+        parameter_values=tuple(numbers["parameter_values"]),
+        valid=numbers["valid"],
         quantities=labels,
         parameters=parameters,
         quantity_units=units,

@@ -1,20 +1,41 @@
 """Verbs that improve a design: sensitivity, optimise."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
+from ...mechanism import Mechanism
 from ...process import make_folder
 from ...quantities import assumptions
 from .._app import app
 from .._common import Common, checked, emit, words_of, write_text
 from .._optimised import optimised_text
+from .._programs import run_stored, runs_one_verb
 from .._progress import doing, expect_programs
 from .._tables import terminal_width
 
+if TYPE_CHECKING:
+    from ...sensitivities import Sensitivity
+
 _DEFAULT = Common()
 _NAMES = "Names from `prsm quantities`, separated by commas."
+
+
+def _sensitivity(
+    mechanism: Mechanism, quantities: list[str] | None, parameters: list[str] | None
+) -> "Sensitivity":
+    from ...sensitivities import sensitivity as run_sensitivity, sensitivity_by
+
+    if not runs_one_verb():
+        expect_programs("_numbers")
+        return run_sensitivity(mechanism, quantities, parameters)
+    name = f"sensitivity {quantities} {parameters}"
+
+    def evaluate(function, shift):
+        return run_stored(name, function, mechanism, shift)
+
+    return sensitivity_by(evaluate, mechanism, quantities, parameters)
 
 
 @app.command
@@ -29,10 +50,7 @@ def sensitivity(
 ) -> int:
     """Exact derivatives of quantities with respect to parameters, absolute and relative."""
     mechanism = common.load(file)
-    expect_programs("_sensitivity")
-    from ...sensitivities import sensitivity as run_sensitivity
-
-    table = run_sensitivity(mechanism, words_of(quantities), words_of(parameters))
+    table = _sensitivity(mechanism, words_of(quantities), words_of(parameters))
     if common.out is not None:
         from ...report import save_figures, sensitivity_bars
 
