@@ -10,7 +10,7 @@ from jax.core import Tracer
 from jaxtyping import Array, Float
 
 from .._errors import MissingDataError
-from ..fields import Scalar
+from ..fields import Scalar, as_optional_scalar, listed_names
 from ..mechanism import Mechanism, Parameter, find_parameters, of_one_design, what_follows
 from ..quantities import available_quantities, component_names, find_quantity
 from ._derivatives import Mode, jacobian
@@ -76,7 +76,8 @@ def sensitivity(
     if not parameters:
         raise ValueError("parameters is empty; name at least one")
     groups = _numbers(mechanism, parameters)
-    speed, load = _traced(speed), _traced(load)
+    # A Python number would be a constant of the program: another speed would compile again.
+    speed, load = as_optional_scalar(speed), as_optional_scalar(load)
     count = sum(map(len, groups))
     shift = jnp.zeros(count, jnp.result_type(float))
     table = _sensitivity(mechanism, names, parameters, speed, load, mode, shift)
@@ -97,11 +98,6 @@ def sensitivity(
     )
 
 
-def _traced(value: float | Scalar | None) -> Scalar | None:
-    # A Python number would be a constant of the program: another speed would compile again.
-    return None if value is None else jnp.asarray(value, jnp.result_type(float))
-
-
 def _quantity_names(mechanism: Mechanism, quantities, speed, load) -> tuple[str, ...]:
     if quantities is None:
         names = available_quantities(mechanism, DEFAULT_QUANTITIES, speed=speed, load=load)
@@ -111,9 +107,7 @@ def _quantity_names(mechanism: Mechanism, quantities, speed, load) -> tuple[str,
                 f"({', '.join(DEFAULT_QUANTITIES)}); name the quantities"
             )
         return names
-    if isinstance(quantities, str):
-        raise ValueError(f"quantities is the text {quantities!r}; give a list of names")
-    names = tuple(quantities)
+    names = tuple(listed_names(quantities, "quantities"))
     if not names:
         raise ValueError("quantities is empty; name at least one")
     for name in names:

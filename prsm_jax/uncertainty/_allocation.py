@@ -4,13 +4,11 @@ import dataclasses
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
-from .._errors import missing_extra
-from ..fields import Scalar
+from ..fields import Scalar, as_optional_scalar
 from ..mechanism import Mechanism, Tolerance, find_parameters, of_one_known_design
-from ..quantities import find_quantity
+from ..quantities import quantity_of
 from ..text import TextTable, display_unit
 from ._inputs import inputs_of
 from ._limits import limits_of
@@ -79,12 +77,11 @@ class Allocation:
         rows = []
         for old, new, unit in zip(self.before, self.tolerances, self.units, strict=True):
             shown = display_unit(unit, old.half_width)
-            name = f"{old.name} [{shown.label}]" if shown.label else old.name
             sides = [
                 f"{float(shown(one.lower)):+.4g} to {float(shown(one.upper)):+.4g}"
                 for one in (old, new)
             ]
-            rows.append((name, *sides, old.cost, new.cost))
+            rows.append((shown.heading(old.name), *sides, old.cost, new.cost))
         columns = ("tolerance", "given", "allocated", "cost given", "cost allocated")
         words = TextTable("", columns, rows).text(width)
         words += f"\ncost {self.cost:.5g} in place of {self.cost_before:.5g}; yield wanted "
@@ -129,8 +126,8 @@ def allocate_tolerances(
 
     **Returns:** an `Allocation`.
 
-    **Raises:** as `tolerance`; `ValueError` without limits, or if no widths reach the yield;
-    `MissingExtraError` without SciPy where it is needed.
+    **Raises:** as `tolerance`; `ValueError` without limits, if no widths reach the yield, or if
+    the search finds no optimum.
     """
     if not 0 < wanted_yield < 1:
         raise ValueError(f"wanted_yield is {wanted_yield}; it must be between 0 and 1")
@@ -138,8 +135,8 @@ def allocate_tolerances(
     bounds = limits_of(mechanism.design_problem, limits)
     if not bounds:
         raise ValueError("there are no limits; give limits, or constraints in the [optimise] table")
-    selected = tuple(dict.fromkeys(find_quantity(name.partition("[")[0]) for name in bounds))
-    at = tuple(None if v is None else jnp.asarray(v, jnp.result_type(float)) for v in (speed, load))
+    selected = tuple(dict.fromkeys(map(quantity_of, bounds)))
+    at = as_optional_scalar(speed), as_optional_scalar(load)
     values, slopes, _, code = derivatives(inputs, selected, at, False)
     if code:
         raise ValueError("the design in the middle of the tolerances fails; see `prsm check`")
@@ -153,9 +150,12 @@ def allocate_tolerances(
                 f"{low:g} to {high:g}; no tolerances help, change the design"
             )
     parts = np.stack([slopes[label] for label in limited])
+    # A quantity that no tolerance moves always keeps its limits, and its yield has no slope.
+    moves = (parts != 0).any(axis=1)
+    parts, sides = parts[moves], sides[moves]
     costs = np.array([one.cost for one in inputs.tolerances])
     widest = np.array([_widest(mechanism, one) for one in inputs.tolerances])
-    problem = _Problem(parts, sides - middle[:, None], costs, wanted_yield, widest)
+    problem = _Problem(parts, sides - middle[moves, None], costs, wanted_yield, widest)
     widths = problem.solve()
     allocated = tuple(
         dataclasses.replace(
@@ -208,7 +208,8 @@ def _widest(mechanism: Mechanism, one: Tolerance) -> float:
 class _Problem:
     """Least cost over relative widths.
 
-    - `parts`: standard deviation of each quantity due to each tolerance, quantities × tolerances.
+    - `parts`: standard deviation of each quantity due to each tolerance, quantities × tolerances;
+      a row has a number other than 0.
     - `sides`: limits of each quantity less its value in the middle.
     - `costs`: of the given tolerances.
     - `wanted`: yield.
@@ -226,14 +227,13 @@ class _Problem:
         from scipy.special import ndtr
 
         deviation = np.sqrt(np.sum((self.parts * widths) ** 2, axis=1))
-        with np.errstate(divide="ignore"):
-            low, high = self.sides[:, 0] / deviation, self.sides[:, 1] / deviation
+        low, high = self.sides[:, 0] / deviation, self.sides[:, 1] / deviation
         return float(1 - np.sum(1 - (ndtr(high) - ndtr(low))))
 
     def _slope(self, logarithms: np.ndarray) -> np.ndarray:
         """Derivative of the yield by the logarithms of the widths."""
         squares = (self.parts * np.exp(logarithms)) ** 2
-        deviation = np.maximum(np.sqrt(squares.sum(axis=1)), np.finfo(float).tiny)
+        deviation = np.sqrt(squares.sum(axis=1))
         scaled = np.where(np.isfinite(self.sides), self.sides, 0.0) / deviation[:, None]
         weights = scaled * np.exp(-0.5 * scaled**2) / np.sqrt(2 * np.pi)
         return -((weights[:, 1] - weights[:, 0]) / deviation**2) @ squares
@@ -267,10 +267,8 @@ class _Problem:
         return float(np.exp(low))
 
     def _searched(self) -> np.ndarray:
-        try:
-            from scipy.optimize import minimize
-        except ImportError as error:
-            raise missing_extra("optimise", "an allocation of tolerances", error) from error
+        from scipy.optimize import minimize
+
         count, ends = len(self.costs), np.log(self.widest)
         least = -float(np.log(WIDEST))
         whole = float(np.sum(self.costs))
@@ -290,6 +288,12 @@ class _Problem:
             method="SLSQP",
             options={"ftol": 1e-12, "maxiter": 500},
         )
+        # 8: rounding hides a further descent at the optimum.
+        if found.status not in (0, 8):
+            raise ValueError(
+                f"the search for the tolerances of least cost found no optimum: {found.message}; "
+                "give fewer tolerances or limits"
+            )
         widths = np.exp(found.x)
         # Rounding in the search may leave the yield just short of the wanted one.
         return np.maximum(widths * min(self._scale(widths), 1.0), 1 / WIDEST)

@@ -43,6 +43,11 @@ class MethodResult:
         """Number of designs that failed."""
         return sum(self.reasons.values())
 
+    @property
+    def valid(self) -> bool:
+        """Whether there are numbers: propagated from a design that did not fail, or sampled."""
+        return self.failed < max(self.samples, 1)
+
 
 @dataclasses.dataclass(frozen=True)
 class ToleranceAnalysis:
@@ -73,8 +78,8 @@ class ToleranceAnalysis:
 
     @property
     def valid(self) -> bool:
-        """Whether there are numbers: no propagation from a design that failed, not all samples."""
-        return all(one.failed < max(one.samples, 1) for one in self.methods.values())
+        """Whether each method has numbers."""
+        return all(one.valid for one in self.methods.values())
 
     def __getitem__(self, quantity: str) -> Estimate:
         """The estimate of a quantity by the most accurate method.
@@ -151,7 +156,7 @@ class ToleranceAnalysis:
         rows = []
         for name, unit in zip(self.quantities, self.units, strict=True):
             shown = display_unit(unit, abs(self[name].mean), name)
-            label = f"{name} [{shown.label}]" if shown.label else name
+            label = shown.heading(name)
             for method, one in self.methods.items():
                 estimate = one.estimates[name]
                 quantiles = [f"{float(shown(q)):.5g}" for q in estimate.quantiles]
@@ -188,8 +193,14 @@ class ToleranceAnalysis:
             lines.append(f"\n{self.best.samples} designs, {self.best.failed} failed")
             for kind, counts in (("", self.best.reasons), ("prsm check: ", self.best.errors)):
                 lines += [f"{kind}{name.replace('_', ' ')} ({n})" for name, n in counts.items()]
-        if not self.valid:
+        propagated = [one for name, one in self.methods.items() if name != "monte_carlo"]
+        if not all(one.valid for one in propagated):
             lines.append("not valid: the design in the middle of the tolerances fails")
+        if self.best.samples and not self.best.valid:
+            lines.append(
+                f"{METHOD_WORDS[self.method]} is not valid: each of the {self.best.samples} "
+                "designs fails"
+            )
         return lines
 
 

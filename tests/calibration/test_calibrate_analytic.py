@@ -1,4 +1,4 @@
-"""Calibration against closed forms: linear least squares, weights, bounds, losses, quantiles."""
+"""Calibration against closed forms: linear least squares, weights, bounds, losses."""
 
 import json
 import re
@@ -16,7 +16,6 @@ import prsm_jax as prsm
 from prsm_jax.calibration import Measurements, calibrate
 from prsm_jax.calibration._bounds import from_free, to_free
 from prsm_jax.calibration._losses import LOSSES, as_squares, influence
-from prsm_jax.calibration._student import student_quantile
 
 
 def _line(noise=0.05, seed=0, screw=1.5, nut=2.5, rows=12):
@@ -192,13 +191,6 @@ def test_measurements_hold_columns_by_kind():
     assert list(data.values) == ["efficiency"]
     assert list(data.conditions) == [LOAD]
     assert data.rows == 2
-
-
-@pytest.mark.parametrize("probability", [0.5, 0.9, 0.95, 0.999])
-@pytest.mark.parametrize("degrees", [1, 2, 3, 4, 5, 10, 11, 100, 1001])
-def test_quantiles_of_student(probability, degrees):
-    expected = scipy.stats.t.ppf((1 + probability) / 2, degrees)
-    assert student_quantile(probability, degrees) == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize("loss", LOSSES)

@@ -27,11 +27,12 @@ def test_a_stribeck_curve_from_torque_against_speed_and_load():
     exact = calibrate(stribeck(), {**columns, "drive_torque": torque}, STRIBECK)
     assert exact.converged, str(exact)
     # The search stops at a relative change of 1e-10; the data are exact.
-    assert list(exact.values.values()) == pytest.approx(TRUTH, rel=1e-6)
+    assert list(exact.values.values()) == pytest.approx(TRUTH, rel=1e-9)
     noisy = calibrate(stribeck(), {**columns, "drive_torque": torque * (1 + noise)}, STRIBECK)
     assert noisy.converged, str(noisy)
     for one, truth in zip(noisy.parameters, TRUTH, strict=True):
-        # 4 standard deviations: exceeded by chance in 1 of 16,000 draws; the seed is fixed.
+        # 4 standard deviations with 15 degrees of freedom: exceeded by chance in 1 of 860 draws;
+        # the seed is fixed.
         assert abs(one.value - truth) < 4 * one.standard_deviation
         assert 0 < one.standard_deviation < 0.2 * truth
     assert noisy.undetermined == ()
@@ -50,15 +51,15 @@ def test_derivatives_of_the_fit_against_central_differences():
         step = 1e-5 * problem.magnitude[i] * jnp.eye(3)[i]
         change = computed(problem.start + step) - computed(problem.start - step)
         expected = change / 2e-5 / problem.scale
-        # Differences of second order with a relative step of 1e-5: error of about 1e-9.
-        np.testing.assert_allclose(solved.jacobian[:, i], expected, rtol=1e-6, atol=1e-9)
+        # Rounding of 1e-16 over a relative step of 1e-5 is 1e-11, truncation less.
+        np.testing.assert_allclose(solved.jacobian[:, i], expected, rtol=1e-8, atol=1e-10)
 
 
 @pytest.mark.parametrize("loss", ["squared", "huber"])
 def test_limits_contain_the_truth_in_95_of_100_repetitions(loss):
     columns = conditions(np.array([5.0, 40.0, 80.0, 120.0, 300.0]), np.array([2e3, 5e3, 8e3]))
     data = Measurements.from_columns({**columns, "own_curve": np.ones(15)})
-    # 0.5 % of the largest value.
+    # 0.45 % of the largest value, 0.14 · 8.
     deviations = {"own_curve": 0.005}
     problem = calibration_problem(
         stribeck(), data, STRIBECK, loss=loss, standard_deviations=deviations
@@ -69,7 +70,8 @@ def test_limits_contain_the_truth_in_95_of_100_repetitions(loss):
     # One standard deviation of the share is 0.7 %.
     assert ((coverage >= 0.93) & (coverage <= 0.97)).all(), coverage
     scatter = found.values.std(axis=0)
-    assert found.standard_deviations.mean(axis=0) == pytest.approx(scatter, rel=0.1)
+    # The scatter of 1,000 repetitions has a standard deviation of 2.2 %; three of them.
+    assert found.standard_deviations.mean(axis=0) == pytest.approx(scatter, rel=0.07)
 
 
 def test_coverage_counts_what_lies_within():

@@ -30,7 +30,9 @@ def tolerance(
     method: Annotated[
         str, Parameter(help="first_order, second_order, monte_carlo or all.")
     ] = "all",
-    samples: Annotated[int, Parameter(help="Designs of Monte Carlo.")] = 4096,
+    samples: Annotated[
+        int, Parameter(help="Designs of Monte Carlo, rounded up to 8 times a power of 2.")
+    ] = 4096,
     seed: Annotated[int, Parameter(help="Seed of Monte Carlo.")] = 0,
     wanted_yield: Annotated[
         float | None,
