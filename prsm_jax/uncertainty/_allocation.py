@@ -10,7 +10,7 @@ from ..fields import Scalar, as_optional_scalar
 from ..mechanism import Mechanism, Tolerance, find_parameters, of_one_known_design
 from ..quantities import quantity_of
 from ..text import TextTable, display_unit
-from ._inputs import inputs_of
+from ._inputs import Inputs, inputs_of
 from ._limits import limits_of
 from ._result import ToleranceAnalysis
 from ._tolerance import derivatives, limit_of, tolerance
@@ -129,8 +129,96 @@ def allocate_tolerances(
     **Raises:** as `tolerance`; `ValueError` without limits, if no widths reach the yield, or if
     the search finds no optimum.
     """
-    if not 0 < wanted_yield < 1:
-        raise ValueError(f"wanted_yield is {wanted_yield}; it must be between 0 and 1")
+    _check_yield(wanted_yield)
+    inputs, problem = _problem_of(mechanism, wanted_yield, limits, tolerances, speed, load)
+    widths = problem.solve()
+    allocated = tuple(
+        widened(one, width) for one, width in zip(inputs.tolerances, widths.tolist(), strict=True)
+    )
+    check = None
+    if verify:
+        check = tolerance(
+            mechanism,
+            limits=limits,
+            method="monte_carlo",
+            samples=samples,
+            seed=seed,
+            tolerances=allocated,
+            speed=speed,
+            load=load,
+            findings=findings,
+        )
+    return Allocation(
+        inputs.tolerances, allocated, inputs.units, wanted_yield, problem.share(widths), check
+    )
+
+
+@dataclasses.dataclass(frozen=True)
+class CostCurve:
+    """Least cost of the tolerances for each of several yields.
+
+    - `yields`: wanted shares of mechanisms within all limits.
+    - `costs`: least cost for each; NaN where no tolerances reach the yield.
+    - `given_yield`, `given_cost`: of the given tolerances, the yield by first order.
+    """
+
+    yields: np.ndarray
+    costs: np.ndarray
+    given_yield: float
+    given_cost: float
+
+
+#: Yields of a cost curve.
+_YIELDS = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.925, 0.95, 0.97, 0.98, 0.99, 0.995)
+
+
+@of_one_known_design
+def cost_curve(
+    mechanism: Mechanism,
+    yields: Iterable[float] = _YIELDS,
+    limits: Mapping[str, Any] | None = None,
+    *,
+    tolerances: Iterable[Tolerance] | None = None,
+    speed: float | Scalar | None = None,
+    load: float | Scalar | None = None,
+) -> CostCurve:
+    """Least cost of the tolerances against the yield, as `allocate_tolerances` finds it.
+
+    **Arguments:**
+
+    - `mechanism`, `limits`, `tolerances`, `speed`, `load`: as for `allocate_tolerances`.
+    - `yields`: shares of mechanisms within all limits, each between 0 and 1.
+
+    **Returns:** a `CostCurve`.
+
+    **Raises:** as `allocate_tolerances`, but not for a yield that no tolerances reach.
+    """
+    wanted = tuple(yields)
+    for share in wanted:
+        _check_yield(share)
+    _, problem = _problem_of(mechanism, 0.5, limits, tolerances, speed, load)
+    costs = []
+    for share in wanted:
+        try:
+            widths = dataclasses.replace(problem, wanted=share).solve()
+            costs.append(float(np.sum(problem.costs / widths)))
+        except ValueError:
+            costs.append(np.nan)
+    ones = np.ones(len(problem.costs))
+    return CostCurve(
+        np.array(wanted), np.array(costs), problem.share(ones), float(problem.costs.sum())
+    )
+
+
+def _check_yield(wanted: float) -> None:
+    if not 0 < wanted < 1:
+        raise ValueError(f"wanted_yield is {wanted}; it must be between 0 and 1")
+
+
+def _problem_of(
+    mechanism: Mechanism, wanted_yield: float, limits, tolerances, speed, load
+) -> "tuple[Inputs, _Problem]":
+    """Slopes at the middle of the tolerances, and the problem of their widths."""
     inputs = inputs_of(mechanism, tolerances)
     bounds = limits_of(mechanism.design_problem, limits)
     if not bounds:
@@ -154,38 +242,22 @@ def allocate_tolerances(
     moves = (parts != 0).any(axis=1)
     parts, sides = parts[moves], sides[moves]
     costs = np.array([one.cost for one in inputs.tolerances])
-    widest = np.array([_widest(mechanism, one) for one in inputs.tolerances])
-    problem = _Problem(parts, sides - middle[moves, None], costs, wanted_yield, widest)
-    widths = problem.solve()
-    allocated = tuple(
-        dataclasses.replace(
-            one,
-            lower=one.middle - one.half_width * width,
-            upper=one.middle + one.half_width * width,
-            cost=one.cost / width,
-        )
-        for one, width in zip(inputs.tolerances, widths.tolist(), strict=True)
-    )
-    check = None
-    if verify:
-        check = tolerance(
-            mechanism,
-            limits=limits,
-            method="monte_carlo",
-            samples=samples,
-            seed=seed,
-            tolerances=allocated,
-            speed=speed,
-            load=load,
-            findings=findings,
-        )
-    return Allocation(
-        inputs.tolerances, allocated, inputs.units, wanted_yield, problem.share(widths), check
+    widest = np.array([widest_factor(mechanism, one) for one in inputs.tolerances])
+    return inputs, _Problem(parts, sides - middle[moves, None], costs, wanted_yield, widest)
+
+
+def widened(one: Tolerance, width: float) -> Tolerance:
+    """A tolerance with its zone widened about the middle, and its cost."""
+    return dataclasses.replace(
+        one,
+        lower=one.middle - one.half_width * width,
+        upper=one.middle + one.half_width * width,
+        cost=one.cost / width,
     )
 
 
-def _widest(mechanism: Mechanism, one: Tolerance) -> float:
-    """Greatest relative width at which the limits of a tolerance are possible values."""
+def widest_factor(mechanism: Mechanism, one: Tolerance) -> float:
+    """Greatest relative width, at most 10, at which the limits of a tolerance are possible."""
 
     def possible(width: float) -> bool:
         sides = (one.middle - width * one.half_width, one.middle + width * one.half_width)

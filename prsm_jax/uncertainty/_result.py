@@ -28,6 +28,8 @@ class MethodResult:
     - `errors`: number of other designs, by the first error of `check`.
     - `samples`: designs that were analysed; 0 for propagation.
     - `values`: samples of each quantity [SI], NaN for designs that failed.
+    - `slopes`: change of each quantity for one standard deviation of each tolerance [SI], at the
+      middle of the tolerance zones; empty for Monte Carlo.
     """
 
     estimates: dict[str, Estimate]
@@ -37,6 +39,7 @@ class MethodResult:
     errors: dict[str, int] = dataclasses.field(default_factory=dict)
     samples: int = 0
     values: dict[str, np.ndarray] = dataclasses.field(default_factory=dict, repr=False)
+    slopes: dict[str, np.ndarray] = dataclasses.field(default_factory=dict, repr=False)
 
     @property
     def failed(self) -> int:

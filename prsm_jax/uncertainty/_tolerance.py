@@ -184,7 +184,8 @@ def _propagated(
             share = (one.yield_share, one.yield_error)
         elif inside is not None:
             share = share_with_error(inside)
-        found[order] = MethodResult(estimates, *share, reasons=_reasons(np.array([code])))
+        reasons = _reasons(np.array([code]))
+        found[order] = MethodResult(estimates, *share, reasons=reasons, slopes=slopes)
     return found
 
 

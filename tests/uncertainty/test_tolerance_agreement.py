@@ -117,7 +117,9 @@ def test_the_text_has_engineering_units(analysis):
     assert "1024 designs, 0 failed" in text
 
 
-def test_the_verb_finds_the_tolerances_of_least_cost(file_with_tolerances, capsys, monkeypatch):
+def test_the_verb_finds_the_tolerances_of_least_cost(
+    file_with_tolerances, capsys, monkeypatch, tmp_path
+):
     """`--wanted-yield` gives what `allocate_tolerances` returns, as JSON and as text."""
     monkeypatch.setattr("prsm_jax.cli.verbs._tolerance.checked", lambda mechanism: ())
     mechanism = prsm.load(str(file_with_tolerances))
@@ -138,8 +140,14 @@ def test_the_verb_finds_the_tolerances_of_least_cost(file_with_tolerances, capsy
     assert found["cost"] == pytest.approx(expected.cost, rel=1e-9)
     widths = [row["upper"] - row["lower"] for row in found["tolerances"]]
     assert widths == pytest.approx([2 * one.half_width for one in expected.tolerances], rel=1e-6)
-    assert cli.main(arguments) == 0
+    folder = tmp_path / "out"
+    assert cli.main([*arguments, "--out", str(folder)]) == 0
     assert "in place of 4; yield wanted 97 %" in capsys.readouterr().out
+    # One method has no samples to scatter.
+    names = ("contributions", "cost", "distributions", "yield")
+    assert sorted(path.name for path in folder.iterdir()) == sorted(
+        f"tolerance-{name}.{kind}" for name in names for kind in ("png", "svg")
+    )
 
 
 def test_a_file_without_tolerances_is_refused_in_one_line(capsys):
