@@ -313,7 +313,8 @@ def _parameters(mechanism: Mechanism, names: tuple[str, ...], bounds: dict[str, 
         low, high = float(low), float(high)
         if not low < high:
             raise ValueError(f"parameter {name!r} has the bounds ({low:g}, {high:g}); reverse them")
-        if low < limit.lower or high > limit.upper:
+        # A physical limit that is far away is no bound, and infinity stands for it.
+        if low < limit.lower or limit.upper < high < np.inf:
             raise ValueError(
                 f"parameter {name!r} has the bounds ({low:g}, {high:g}); it must be {limit.words}"
             )

@@ -13,7 +13,7 @@ import scipy.stats
 from calibration_scenes import LOAD, NUT, SCREW, plain
 
 import prsm_jax as prsm
-from prsm_jax.calibration import Measurements, calibrate
+from prsm_jax.calibration import Measurements, calibrate, calibration_problem
 from prsm_jax.calibration._bounds import from_free, to_free
 from prsm_jax.calibration._losses import LOSSES, as_squares, influence
 
@@ -95,6 +95,18 @@ def test_a_lower_bound_and_a_bound_that_is_near_but_not_active():
     near = calibrate(plain(), data, [SCREW, NUT], bounds={SCREW: (0.1, above)})
     assert near.parameters[0].active_bound == ""
     assert list(near.values.values()) == pytest.approx(list(free.values.values()), rel=1e-7)
+
+
+def test_a_limit_far_from_the_start_is_no_bound():
+    """A face width of 10 mm may be at most 100 m: the search has no upper bound, and begins."""
+    data = Measurements.from_columns(_line())
+    problem = calibration_problem(plain(), data, [SCREW, "gear.face_width"])
+    assert float(problem.upper[1]) == np.inf
+    assert float(problem.lower[1]) == 0.0
+    with pytest.raises(ValueError, match="it must be more than 0 and at most 100 m"):
+        calibration_problem(
+            plain(), data, [SCREW, "gear.face_width"], bounds={"gear.face_width": (1e-3, 101.0)}
+        )
 
 
 @pytest.mark.parametrize(("loss", "most"), [("huber", 0.05), ("soft_l1", 0.05), ("cauchy", 0.02)])
