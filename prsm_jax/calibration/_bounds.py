@@ -6,19 +6,35 @@ MINUIT, Computer Physics Communications 10 (1975) 343. A bound is reached at a f
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 #: A start on a bound, where the derivative by x is 0, is moved inside by this share.
 _INSIDE = 1e-2
 
 
 def inside(
-    start: np.ndarray, lower: np.ndarray, upper: np.ndarray, scale: np.ndarray
+    start: np.ndarray,
+    lower: np.ndarray,
+    upper: np.ndarray,
+    scale: np.ndarray,
+    share: float = _INSIDE,
 ) -> np.ndarray:
-    """The start, moved inside of its bounds."""
+    """The start, moved inside of its bounds by a share of their distance or of the scale."""
     width = np.where(np.isfinite(upper - lower), upper - lower, scale)
-    room = _INSIDE * np.minimum(width, scale)
+    room = share * np.minimum(width, scale)
     return np.clip(start, lower + room, upper - room)
+
+
+def _between(
+    lower: Float[Array, " parameters"], upper: Float[Array, " parameters"]
+) -> tuple[Bool[Array, " parameters"], Float[Array, " parameters"], Float[Array, " parameters"]]:
+    """Whether there are two bounds, their middle, and half of their distance (else 0 and 1)."""
+    both = jnp.isfinite(lower) & jnp.isfinite(upper)
+    return (
+        both,
+        jnp.where(both, (lower + upper) / 2, 0.0),
+        jnp.where(both, (upper - lower) / 2, 1.0),
+    )
 
 
 def to_free(
@@ -29,9 +45,7 @@ def to_free(
 ) -> Float[Array, " parameters"]:
     """Free numbers x of values within their bounds."""
     low, high = jnp.isfinite(lower), jnp.isfinite(upper)
-    both = low & high
-    middle = jnp.where(both, (lower + upper) / 2, 0.0)
-    half = jnp.where(both, (upper - lower) / 2, 1.0)
+    both, middle, half = _between(lower, upper)
     angle = jnp.arcsin(jnp.clip(jnp.where(both, values - middle, 0.0) / half, -1.0, 1.0))
     # Scaled, so that a step of 1 in x changes every value by its own magnitude.
     from_low = 1.0 + jnp.where(low, values - lower, 0.0) / scale
@@ -50,9 +64,7 @@ def from_free(
 ) -> Float[Array, " parameters"]:
     """Values within their bounds of free numbers x."""
     low, high = jnp.isfinite(lower), jnp.isfinite(upper)
-    both = low & high
-    middle = jnp.where(both, (lower + upper) / 2, 0.0)
-    half = jnp.where(both, (upper - lower) / 2, 0.0)
+    both, middle, half = _between(lower, upper)
     away = scale * (jnp.sqrt(1.0 + free * free) - 1.0)
     one = jnp.where(low, jnp.where(low, lower, 0.0) + away, free * scale)
     one = jnp.where(high & ~low, jnp.where(high, upper, 0.0) - away, one)

@@ -9,7 +9,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..mechanism import Mechanism, find_parameters, of_one_known_design, set_parameters
-from ..quantities import REASONS, find_quantity
+from ..quantities import REASONS, find_quantity, quantity_of
+from ._bounds import inside
 from ._data_file import read_measurements
 from ._losses import influence
 from ._measurements import Measurements, split_component
@@ -32,6 +33,8 @@ _ROUNDS = 10
 _SETTLED = 1e-3
 #: A value this close to a bound, over its magnitude, is tried on the bound.
 _NEAR = 2e-2
+#: The others then start this share inside of their bounds: on one, the map has no derivative.
+_FROM_BOUND = 1e-3
 #: Median of |z| of a normal distribution, for a robust standard deviation.
 _MEDIAN = 0.6744897501960817
 
@@ -76,8 +79,7 @@ def calibrate(
 
     **Raises:** `FileError` for a wrong data file; `UnknownNameError` for unknown names;
     `ValueError` for a wrong argument, too few values, or parameters that determine each other;
-    `MissingDataError` where the mechanism lacks data for a quantity; `MissingExtraError` where
-    modes are paired without SciPy.
+    `MissingDataError` where the mechanism lacks data for a quantity.
     """
     if not undetermined_limit > 0:
         raise ValueError(f"undetermined_limit is {undetermined_limit}; it must be positive")
@@ -201,7 +203,7 @@ def _within_bounds(problem: CalibrationProblem, start) -> tuple[Solved, np.ndarr
     if not near.any() or not np.isfinite(values).all():
         return solved, free
     bound = np.where(at_lower, lower, upper)
-    inner = np.clip(values, *(_shrunk(lower, upper, size)))
+    inner = inside(values, lower, upper, size, _FROM_BOUND)
     while near.any():
         again = solve_one(
             problem,
@@ -210,9 +212,9 @@ def _within_bounds(problem: CalibrationProblem, start) -> tuple[Solved, np.ndarr
             jnp.asarray(np.where(near, bound, values)),
             jnp.asarray(inner),
         )
-        downhill = _slope(problem, again)
+        slope = _slope(problem, again)
         # On a lower bound the sum must rise with the value, on an upper one fall.
-        leaves = near & np.where(at_lower, downhill < 0, downhill > 0)
+        leaves = near & np.where(at_lower, slope < 0, slope > 0)
         if not bool(again.finite):
             break
         if not leaves.any():
@@ -220,11 +222,6 @@ def _within_bounds(problem: CalibrationProblem, start) -> tuple[Solved, np.ndarr
             return (again, ~near) if better else (solved, free)
         near = near & ~leaves
     return solved, free
-
-
-def _shrunk(lower: np.ndarray, upper: np.ndarray, size: np.ndarray):
-    room = 1e-3 * np.minimum(size, np.where(np.isfinite(upper - lower), upper - lower, size))
-    return lower + room, upper - room
 
 
 def _slope(problem: CalibrationProblem, solved: Solved) -> np.ndarray:
@@ -322,7 +319,7 @@ def _residuals(problem: CalibrationProblem, solved: Solved) -> tuple[Residuals, 
     measured, scale = np.asarray(problem.measured), np.asarray(problem.scale)
     computed = measured - np.asarray(solved.residuals) * scale
     labels = np.array(problem.components)[np.asarray(problem.component)]
-    quantity = np.array([label.partition("[")[0] for label in labels])
+    quantity = np.array([quantity_of(label).name for label in labels])
     point = np.asarray(problem.point)
     return tuple(
         Residuals(

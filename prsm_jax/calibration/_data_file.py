@@ -9,10 +9,10 @@ import numpy as np
 
 from .._errors import FileError, UnknownNameError, closest, missing_extra
 from ..fields import ANY, Limit
-from ..file.numbers import one_line, read_number
+from ..file.numbers import one_line, read_number, utf8_text
 from ..mechanism import Mechanism, all_parameters, find_parameters
-from ..quantities import catalogue, find_quantity
-from ._measurements import Measurements, is_quantity, split_component
+from ..quantities import catalogue, quantity_of
+from ._measurements import Measurements, is_quantity
 
 _DATA = Path(__file__).parent / "data"
 _LARGEST_FILE = 20_000_000
@@ -61,14 +61,10 @@ def _text(source: str | Path, name: str) -> str:
             )
         if path.stat().st_size > _LARGEST_FILE:
             raise FileError(f"{name}: is larger than {_LARGEST_FILE} bytes; give fewer rows")
-        return path.read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise FileError(
-            f"{name}: is not UTF-8 text (byte {error.start}); save it as UTF-8"
-        ) from error
+        return utf8_text(path.read_bytes(), name)
+    except FileError:
+        raise
     except (OSError, ValueError) as error:
-        if isinstance(error, FileError):
-            raise
         raise FileError(f"{name}: cannot be read: {error}") from error
 
 
@@ -124,7 +120,7 @@ def _head(cell: str, place: str, mechanism: Mechanism) -> tuple[str, str, str, L
     name, unit = match[1], match[2]
     try:
         if is_quantity(name):
-            si, limit = find_quantity(split_component(name)[0]).unit, ANY
+            si, limit = quantity_of(name).unit, ANY
         else:
             parameter = find_parameters(mechanism, name)[0]
             if parameter.static:

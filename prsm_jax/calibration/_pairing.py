@@ -3,13 +3,13 @@
 import jax.numpy as jnp
 import numpy as np
 
-from .._errors import missing_extra
+from ..quantities import quantity_of
 from ._problem import CalibrationProblem
 
 
 def open_rows(problem: CalibrationProblem, unnumbered: set[str]) -> dict[str, np.ndarray]:
     """Rows of each quantity whose components have to be paired, by quantity."""
-    owner = np.array([label.partition("[")[0] for label in problem.components])
+    owner = np.array([quantity_of(label).name for label in problem.components])
     of_row = owner[np.asarray(problem.component)]
     several = {name for name in unnumbered if (owner == name).sum() > 1}
     return {name: np.flatnonzero(of_row == name) for name in sorted(several)}
@@ -29,16 +29,13 @@ def paired(
     - `rows`: from `open_rows`.
     - `computed`: all computed components, points × components.
 
-    **Raises:** `ValueError` where more values were measured than there are components;
-    `MissingExtraError` without SciPy.
+    **Raises:** `ValueError` where more values were measured than there are components.
     """
-    try:
-        from scipy.optimize import linear_sum_assignment
-    except ImportError as error:
-        raise missing_extra("optimise", "pairing measured with computed modes", error) from error
+    from scipy.optimize import linear_sum_assignment
+
     component = np.array(problem.component)
     point, measured = np.asarray(problem.point), np.asarray(problem.measured)
-    owner = np.array([label.partition("[")[0] for label in problem.components])
+    owner = np.array([quantity_of(label).name for label in problem.components])
     for name, of_quantity in rows.items():
         columns = np.flatnonzero(owner == name)
         for place in np.unique(point[of_quantity]):

@@ -1,6 +1,6 @@
 """The least-squares problem of a calibration: arrays in SI, and one program that solves it."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import equinox as eqx
@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from .._errors import UnknownNameError
+from ..fields import listed_names
 from ..mechanism import (
     Mechanism,
     check_independent,
@@ -66,7 +67,7 @@ class CalibrationProblem(eqx.Module):
     magnitude: Float[Array, " parameters"]
     parameters: tuple[str, ...] = eqx.field(static=True)
     quantities: tuple[str, ...] = eqx.field(static=True)
-    #: Labels of all components, and the quantity of each.
+    #: Labels of all components, in the order of the quantities.
     components: tuple[str, ...] = eqx.field(static=True)
     loss: str = eqx.field(static=True)
 
@@ -75,13 +76,7 @@ class CalibrationProblem(eqx.Module):
     ) -> Float[Array, "points components"]:
         """Every component of every quantity at every point."""
 
-        def at(conditions: dict[str, Array]) -> Array:
-            computed = evaluate(Analysis(_mechanism_at(self, values, conditions)), self.quantities)
-            return jnp.concatenate([jnp.ravel(computed[name]) for name in self.quantities])
-
-        if not self.conditions:
-            return at({})[None]
-        return jax.vmap(at)(self.conditions)
+        return _at_points(self, values, lambda *of: (evaluate(*of), None))[0]
 
     def computed(self, values: Float[Array, " parameters"]) -> Float[Array, " rows"]:
         """Computed value of each row."""
@@ -145,11 +140,22 @@ class CalibrationProblem(eqx.Module):
         )
 
 
-def _mechanism_at(
-    problem: CalibrationProblem, values: Float[Array, " parameters"], conditions: dict[str, Array]
-) -> Mechanism:
+def _at_points(
+    problem: CalibrationProblem,
+    values: Float[Array, " parameters"],
+    evaluation: Callable[[Analysis, tuple[str, ...]], tuple[dict[str, Array], Any]],
+) -> tuple[Float[Array, "points components"], Any]:
+    """All components at all points, and what else the evaluation returns, a row per point."""
     numbers = dict(zip(problem.parameters, values, strict=True))
-    return set_parameters(problem.mechanism, conditions | numbers, checked=False)
+
+    def at(conditions: dict[str, Array]):
+        one = set_parameters(problem.mechanism, conditions | numbers, checked=False)
+        computed, more = evaluation(Analysis(one), problem.quantities)
+        return jnp.concatenate([jnp.ravel(computed[name]) for name in problem.quantities]), more
+
+    if not problem.conditions:
+        return jax.tree.map(lambda array: array[None], at({}))
+    return jax.vmap(at)(problem.conditions)
 
 
 @of_one_known_design
@@ -168,9 +174,7 @@ def calibration_problem(
     """
     if loss not in LOSSES:
         raise ValueError(f"loss is {loss!r}; choose one of {', '.join(LOSSES)}")
-    if isinstance(parameters, str):
-        raise ValueError(f"parameters is the text {parameters!r}; give a list of names")
-    names = tuple(parameters)
+    names = tuple(listed_names(parameters, "parameters"))
     if not names:
         raise ValueError("parameters is empty; name at least one")
     check_conditions(data, names)
@@ -309,7 +313,8 @@ def _parameters(mechanism: Mechanism, names: tuple[str, ...], bounds: dict[str, 
         low, high = float(low), float(high)
         if not low < high:
             raise ValueError(f"parameter {name!r} has the bounds ({low:g}, {high:g}); reverse them")
-        if low < limit.lower or high > limit.upper:
+        # A physical limit that is far away is no bound, and infinity stands for it.
+        if low < limit.lower or limit.upper < high < np.inf:
             raise ValueError(
                 f"parameter {name!r} has the bounds ({low:g}, {high:g}); it must be {limit.words}"
             )
@@ -325,9 +330,8 @@ def _parameters(mechanism: Mechanism, names: tuple[str, ...], bounds: dict[str, 
         lower.append(low)
         upper.append(high)
         magnitude.append(size)
-    arrays = [np.array(column) for column in (start, lower, upper, magnitude)]
-    arrays[0] = inside(*arrays)
-    return arrays
+    first, low, high, size = (np.array(column) for column in (start, lower, upper, magnitude))
+    return inside(first, low, high, size), low, high, size
 
 
 @eqx.filter_jit
@@ -335,16 +339,7 @@ def start_values(
     problem: CalibrationProblem,
 ) -> tuple[Float[Array, "points components"], Int[Array, " points"]]:
     """All computed values at the start, and the reason code of each point (0: usable)."""
-
-    def at(conditions: dict[str, Array]):
-        analysis = Analysis(_mechanism_at(problem, problem.start, conditions))
-        values, code = evaluate_coded(analysis, problem.quantities)
-        return jnp.concatenate([jnp.ravel(values[name]) for name in problem.quantities]), code
-
-    if not problem.conditions:
-        values, code = at({})
-        return values[None], code[None]
-    return jax.vmap(at)(problem.conditions)
+    return _at_points(problem, problem.start, evaluate_coded)
 
 
 @eqx.filter_jit

@@ -17,8 +17,9 @@ _STRONG = 0.9
 class FittedParameter:
     """A fitted parameter [SI], with its 95 % limits.
 
-    `standard_deviation`, `lower` and `upper` are NaN on an active bound, and infinite where the
-    data have no influence on the parameter. `active_bound` is `"lower"`, `"upper"` or empty.
+    `standard_deviation`, `lower` and `upper` are NaN on an active bound. Where the data have no
+    influence on the parameter, the standard deviation is infinite, and the limits are the bounds
+    (infinite where there is none). `active_bound` is `"lower"`, `"upper"` or empty.
     """
 
     name: str
@@ -179,8 +180,7 @@ def _parameters(result: Calibration) -> TextTable:
         shown = display_unit(one.unit, [one.value, one.start])
         numbers = [one.start, one.value, one.standard_deviation, one.lower, one.upper]
         state = one.active_bound or NOT_DEFINED
-        name = f"{one.name} [{shown.label}]" if shown.label else one.name
-        rows.append((name, *(float(shown(value)) for value in numbers), state))
+        rows.append((shown.heading(one.name), *(float(shown(value)) for value in numbers), state))
     columns = ("", "start", "fitted", "standard deviation", "95 % from", "to", "at bound")
     return TextTable("Fitted parameters", columns, rows)
 
@@ -189,9 +189,9 @@ def _residuals(result: Calibration) -> TextTable:
     rows = []
     for one in result.residuals:
         shown = display_unit(one.unit, one.residuals, one.quantity)
-        name = f"{one.quantity} [{shown.label}]" if shown.label else one.quantity
         worst = float(np.max(np.abs(one.residuals)))
-        rows.append((name, len(one.measured), float(shown(one.rms)), float(shown(worst))))
+        counts = len(one.measured), float(shown(one.rms)), float(shown(worst))
+        rows.append((shown.heading(one.quantity), *counts))
     columns = ("", "values", "root mean square", "largest")
     return TextTable("Residuals, measured minus computed", columns, rows)
 

@@ -11,7 +11,6 @@ from jaxtyping import Array
 
 from ._losses import influence
 from ._problem import CalibrationProblem, solve_many
-from ._student import student_quantile
 
 PROBABILITY = 0.95
 #: Singular values below this share of the largest are 0: rounding of derivatives is not smaller.
@@ -23,13 +22,16 @@ class Statistics:
     """Uncertainty of the free parameters, each over its magnitude.
 
     - `singular_values`, `directions`: of the Jacobian; a row of `directions` is a combination.
+    - `known`: which directions have an influence on the measured quantities.
     - `scatter`: standard deviation s of a residual of unit weight.
-    - `covariance`: s² (JᵀJ)⁻¹; infinite on the diagonal of what has no influence at all.
+    - `covariance`: s² (JᵀJ)⁻¹; infinite on the diagonal of each parameter that has a part in a
+      direction without influence.
     - `student`: quantile of |t| at 95 %.
     """
 
     singular_values: np.ndarray
     directions: np.ndarray
+    known: np.ndarray
     scatter: float
     covariance: np.ndarray
     student: float
@@ -42,8 +44,8 @@ class Statistics:
     @property
     def direction_deviations(self) -> np.ndarray:
         """Standard deviation along each direction."""
-        known = self.singular_values > NO_INFLUENCE * self.singular_values.max(initial=0.0)
-        return np.where(known, self.scatter / np.where(known, self.singular_values, 1.0), np.inf)
+        sizes = np.where(self.known, self.singular_values, 1.0)
+        return np.where(self.known, self.scatter / sizes, np.inf)
 
 
 def statistics_of(jacobian: np.ndarray, residuals: np.ndarray, loss: str) -> Statistics:
@@ -56,6 +58,8 @@ def statistics_of(jacobian: np.ndarray, residuals: np.ndarray, loss: str) -> Sta
     - `loss`: name of the loss. For a robust one s² is Huber's: Σψ²/(n − p) over the square of
       the mean of ψ′ (Huber, Robust Statistics, 1981, equation 7.6.3).
     """
+    from scipy.special import stdtrit
+
     rows, count = jacobian.shape
     first, second = influence(residuals, loss)
     slope = second.mean()
@@ -68,9 +72,8 @@ def statistics_of(jacobian: np.ndarray, residuals: np.ndarray, loss: str) -> Sta
     # A parameter with a part in a direction without influence can have any value.
     lost = (np.abs(directions[~known]) > 1e-6).any(axis=0)
     covariance[lost, lost] = np.inf
-    return Statistics(
-        singular, directions, scatter, covariance, student_quantile(PROBABILITY, freedom)
-    )
+    student = float(stdtrit(freedom, (1 + PROBABILITY) / 2))
+    return Statistics(singular, directions, known, scatter, covariance, student)
 
 
 @dataclass(frozen=True)

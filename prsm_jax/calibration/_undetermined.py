@@ -32,7 +32,6 @@ def undetermined(
             continue
         largest = np.abs(direction).max()
         parts = [i for i in range(len(names)) if abs(direction[i]) > _PART * largest]
-        parts.sort(key=lambda i: i)
         sign = 1.0 if direction[parts[0]] > 0 else -1.0
         changes = tuple(float(sign * direction[i]) for i in parts)
         chosen = tuple(names[i] for i in parts)
@@ -43,12 +42,6 @@ def undetermined(
     return tuple(found)
 
 
-def _scatter(deviation: float) -> str:
-    if not np.isfinite(deviation):
-        return "they have no influence on the measured quantities"
-    return f"standard deviation {trimmed(100 * deviation, 0)} %"
-
-
 def _sentence(
     names: tuple[str, ...],
     units: tuple[str, ...],
@@ -57,7 +50,9 @@ def _sentence(
     deviation: float,
 ) -> str:
     if len(names) == 1:
-        reason = _scatter(deviation).replace("they have", "it has")
+        reason = f"standard deviation {trimmed(100 * deviation, 0)} %"
+        if not np.isfinite(deviation):
+            reason = "it has no influence on the measured quantities"
         return f"The data do not determine {names[0]} ({reason})."
     if len(names) == 2 and units[0] == units[1]:
         # Along the direction a + k b stays the same.

@@ -79,7 +79,8 @@ def _without(value: Any, path: tuple[str | int, ...]) -> Any:
             return (*value[:head], *value[head + 1 :])
         return (*value[:head], _without(value[head], tuple(rest)), *value[head + 1 :])
     inner = getattr(value, head)
-    empty = () if isinstance(inner, tuple) else None
+    default = next(one.default for one in dataclasses.fields(value) if one.name == head)
+    empty = () if isinstance(inner, tuple) and default is not None else None
     changed = _without(inner, tuple(rest)) if rest else empty
     return dataclasses.replace(value, **{head: changed})
 

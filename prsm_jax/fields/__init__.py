@@ -1,5 +1,6 @@
 """Fields: what a number is called, its unit, and its limits."""
 
+from ._arguments import listed_names as listed_names
 from ._declared import (
     Declared as Declared,
     declared as declared,
@@ -14,6 +15,7 @@ from ._fields import (
     OptionalNumber as OptionalNumber,
     OptionalNumbers as OptionalNumbers,
     Scalar as Scalar,
+    as_optional_scalar as as_optional_scalar,
     as_scalar as as_scalar,
     choice as choice,
     driven as driven,

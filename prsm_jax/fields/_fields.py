@@ -62,7 +62,8 @@ def _as_numbers(value: Any) -> Array:
     return as_scalar(value if isinstance(value, int | float) else jnp.asarray(value))
 
 
-def _as_optional_scalar(value: ArrayLike | None) -> Array | None:
+def as_optional_scalar(value: ArrayLike | None) -> Array | None:
+    """As `as_scalar`; `None` stays."""
     return None if value is None else as_scalar(value)
 
 
@@ -88,7 +89,7 @@ def optional_number(
     With `law_decides`, the law beside it determines whether the number is required.
     """
     return eqx.field(
-        converter=_as_optional_scalar,
+        converter=as_optional_scalar,
         default=None,
         metadata=_metadata(unit, description, limit, law_decides=law_decides),
     )

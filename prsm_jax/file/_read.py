@@ -8,7 +8,7 @@ from .._errors import FileError, closest, missing_extra
 from ..mechanism import Mechanism
 from ._examples import example_names, example_text
 from ._schema import mechanism_of
-from .numbers import Misplaced, file_error, one_line
+from .numbers import Misplaced, file_error, one_line, utf8_text
 
 _LARGEST_FILE = 1_000_000
 # A dotted key of thousands of parts takes tomllib seconds: its time grows with their square.
@@ -43,20 +43,14 @@ def text_of(source: str | Path) -> str:
             raise FileError(f"{name}: there is no such file, nor an example of that name; {hint}")
         with path.open("rb") as file:
             data = file.read(_LARGEST_FILE + 1)
+    except FileError:
+        raise
     except (OSError, ValueError, TypeError) as error:
-        if isinstance(error, FileError):
-            raise
         reason = getattr(error, "strerror", None) or error
         raise FileError(f"{name}: cannot be read: {reason}") from error
     if len(data) > _LARGEST_FILE:
         raise FileError(f"{name}: is larger than {_LARGEST_FILE} bytes; this cannot be a mechanism")
-    try:
-        # Windows editors put a byte order mark first.
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise FileError(
-            f"{name}: is not UTF-8 text (byte {error.start}); save it as UTF-8"
-        ) from error
+    return utf8_text(data, name)
 
 
 def loads(text: str, name: str = "<string>") -> Mechanism:

@@ -23,7 +23,9 @@ from ._catalogue import (
     evaluate_checked as evaluate_checked,
     evaluate_coded as evaluate_coded,
     find_quantity as find_quantity,
+    named_quantities as named_quantities,
     quantity as quantity,
+    quantity_of as quantity_of,
 )
 from ._reasons import REASONS as REASONS
 from .entries import (

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Int
 
 from .._errors import MissingDataError, UnknownNameError, closest
-from ..fields import Scalar
+from ..fields import Scalar, listed_names
 from ..mechanism import Mechanism, of_one_design
 from ..programs import one_program, origin_of
 from ._analysis import Analysis, SharedLoad
@@ -95,6 +95,26 @@ def find_quantity(name: str) -> Quantity:
     return _CATALOGUE[name]
 
 
+def quantity_of(label: str) -> Quantity:
+    """The quantity of a name or of a component's label, such as `rating_life[1]`.
+
+    **Raises:** `UnknownNameError` with the nearest names.
+    """
+    return find_quantity(label.partition("[")[0])
+
+
+def named_quantities(names: Iterable[str], argument: str = "quantities") -> tuple[Quantity, ...]:
+    """The quantities of a list of names, each once.
+
+    **Raises:** `ValueError` for a text in place of a list, and for an empty list;
+    `UnknownNameError` for an unknown name.
+    """
+    found = tuple(dict.fromkeys(map(find_quantity, listed_names(names, argument))))
+    if not found:
+        raise ValueError(f"{argument} is empty; name at least one")
+    return found
+
+
 def assumptions(mechanism: Mechanism, quantities: Iterable[str] | None = None) -> tuple[str, ...]:
     """Assumptions behind the numbers of a mechanism, such as equal load sharing, as sentences.
 
@@ -110,7 +130,7 @@ def assumptions(mechanism: Mechanism, quantities: Iterable[str] | None = None) -
     **Raises:** `UnknownNameError` for an unknown name.
     """
     names = _CATALOGUE if quantities is None else quantities
-    declared = [one for name in names for one in find_quantity(name.partition("[")[0]).assumes]
+    declared = [one for name in names for one in quantity_of(name).assumes]
     return sentences(mechanism, dict.fromkeys(declared))
 
 

@@ -23,6 +23,8 @@ from .design_charts import (
     Limit as Limit,
     Optimisation as Optimisation,
     calibration_chart as calibration_chart,
+    contribution_bars as contribution_bars,
+    cost_chart as cost_chart,
     life_chart as life_chart,
     optimisation_chart as optimisation_chart,
     published_figure as published_figure,
@@ -30,6 +32,9 @@ from .design_charts import (
     shaft_limits_chart as shaft_limits_chart,
     summarise_optimisation as summarise_optimisation,
     sweep_map as sweep_map,
+    tolerance_histograms as tolerance_histograms,
+    tolerance_scatter as tolerance_scatter,
+    yield_chart as yield_chart,
 )
 from .document import (
     Picture as Picture,

@@ -11,7 +11,7 @@ from jax.core import Tracer
 from jaxtyping import Array, Float
 
 from .._errors import MissingDataError
-from ..fields import Scalar
+from ..fields import Scalar, as_optional_scalar, listed_names
 from ..mechanism import Mechanism, Parameter, find_parameters, of_one_design, what_follows
 from ..quantities import available_quantities, component_names, find_quantity
 from ._derivatives import Mode, jacobian
@@ -80,7 +80,8 @@ def sensitivity(
         raise ValueError(f"mode is {mode!r}; choose one of {', '.join(_MODES)}")
     names = _quantity_names(mechanism, quantities, speed, load)
     parameters = _parameter_names(parameters)
-    speed, load = _traced(speed), _traced(load)
+    # A Python number would be a constant of the program: another speed would compile again.
+    speed, load = as_optional_scalar(speed), as_optional_scalar(load)
 
     def evaluate(_, shift: Float[Array, " numbers"]) -> Numbers:
         return _compiled_numbers(mechanism, names, parameters, speed, load, mode, shift)
@@ -141,11 +142,6 @@ def _table(
     )
 
 
-def _traced(value: float | Scalar | None) -> Scalar | None:
-    # A Python number would be a constant of the program: another speed would compile again.
-    return None if value is None else jnp.asarray(value, jnp.result_type(float))
-
-
 def _quantity_names(mechanism: Mechanism, quantities, speed, load) -> tuple[str, ...]:
     if quantities is None:
         names = available_quantities(mechanism, DEFAULT_QUANTITIES, speed=speed, load=load)
@@ -155,9 +151,7 @@ def _quantity_names(mechanism: Mechanism, quantities, speed, load) -> tuple[str,
                 f"({', '.join(DEFAULT_QUANTITIES)}); name the quantities"
             )
         return names
-    if isinstance(quantities, str):
-        raise ValueError(f"quantities is the text {quantities!r}; give a list of names")
-    names = tuple(quantities)
+    names = tuple(listed_names(quantities, "quantities"))
     if not names:
         raise ValueError("quantities is empty; name at least one")
     for name in names:

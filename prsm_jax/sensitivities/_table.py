@@ -197,7 +197,7 @@ def _tables(table: Sensitivity) -> tuple[TextTable, TextTable]:
     rows, relative = [], []
     for i, (name, unit) in enumerate(zip(table.quantities, table.quantity_units, strict=True)):
         shown = display_unit(unit, float(values[i]), name)
-        label = f"{name} [{shown.label}]" if shown.label else name
+        label = shown.heading(name)
         state = state_without_efficiency(name, float(values[i]))
         if state:
             # Without an efficiency there is no derivative of it.

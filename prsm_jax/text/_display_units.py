@@ -21,6 +21,10 @@ class DisplayUnit:
         """An SI number, or array of them, in this unit."""
         return value * self.per_si
 
+    def heading(self, name: str) -> str:
+        """A name with this unit, as a table heads it: "lead [mm]"."""
+        return f"{name} [{self.label}]" if self.label else name
+
 
 #: Display units of each SI unit, the smallest first.
 _SHOWN: dict[str, tuple[DisplayUnit, ...]] = {

@@ -1,6 +1,11 @@
 """How tolerances of numbers scatter quantities, and which of them matter."""
 
-from ._allocation import Allocation as Allocation, allocate_tolerances as allocate_tolerances
+from ._allocation import (
+    Allocation as Allocation,
+    CostCurve as CostCurve,
+    allocate_tolerances as allocate_tolerances,
+    cost_curve as cost_curve,
+)
 from ._estimates import PROBABILITIES as PROBABILITIES, Estimate as Estimate
 from ._global import (
     GlobalSensitivity as GlobalSensitivity,
@@ -14,3 +19,4 @@ from ._result import (
     ToleranceAnalysis as ToleranceAnalysis,
 )
 from ._tolerance import DEFAULT_QUANTITIES as DEFAULT_QUANTITIES, tolerance as tolerance
+from ._yield_curve import YieldCurve as YieldCurve, yield_curve as yield_curve

@@ -4,15 +4,13 @@ import dataclasses
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
-from .._errors import missing_extra
-from ..fields import Scalar
+from ..fields import Scalar, as_optional_scalar
 from ..mechanism import Mechanism, Tolerance, find_parameters, of_one_known_design
-from ..quantities import find_quantity
+from ..quantities import quantity_of
 from ..text import TextTable, display_unit
-from ._inputs import inputs_of
+from ._inputs import Inputs, inputs_of
 from ._limits import limits_of
 from ._result import ToleranceAnalysis
 from ._tolerance import derivatives, limit_of, tolerance
@@ -79,12 +77,11 @@ class Allocation:
         rows = []
         for old, new, unit in zip(self.before, self.tolerances, self.units, strict=True):
             shown = display_unit(unit, old.half_width)
-            name = f"{old.name} [{shown.label}]" if shown.label else old.name
             sides = [
                 f"{float(shown(one.lower)):+.4g} to {float(shown(one.upper)):+.4g}"
                 for one in (old, new)
             ]
-            rows.append((name, *sides, old.cost, new.cost))
+            rows.append((shown.heading(old.name), *sides, old.cost, new.cost))
         columns = ("tolerance", "given", "allocated", "cost given", "cost allocated")
         words = TextTable("", columns, rows).text(width)
         words += f"\ncost {self.cost:.5g} in place of {self.cost_before:.5g}; yield wanted "
@@ -129,42 +126,14 @@ def allocate_tolerances(
 
     **Returns:** an `Allocation`.
 
-    **Raises:** as `tolerance`; `ValueError` without limits, or if no widths reach the yield;
-    `MissingExtraError` without SciPy where it is needed.
+    **Raises:** as `tolerance`; `ValueError` without limits, if no widths reach the yield, or if
+    the search finds no optimum.
     """
-    if not 0 < wanted_yield < 1:
-        raise ValueError(f"wanted_yield is {wanted_yield}; it must be between 0 and 1")
-    inputs = inputs_of(mechanism, tolerances)
-    bounds = limits_of(mechanism.design_problem, limits)
-    if not bounds:
-        raise ValueError("there are no limits; give limits, or constraints in the [optimise] table")
-    selected = tuple(dict.fromkeys(find_quantity(name.partition("[")[0]) for name in bounds))
-    at = tuple(None if v is None else jnp.asarray(v, jnp.result_type(float)) for v in (speed, load))
-    values, slopes, _, code = derivatives(inputs, selected, at, False)
-    if code:
-        raise ValueError("the design in the middle of the tolerances fails; see `prsm check`")
-    limited = [label for label in values if limit_of(label, bounds) is not None]
-    middle = np.array([float(values[label]) for label in limited])
-    sides = np.array([limit_of(label, bounds) for label in limited])
-    for label, value, (low, high) in zip(limited, middle, sides, strict=True):
-        if not low < value < high:
-            raise ValueError(
-                f"{label} is {value:.6g} in the middle of the tolerances and outside of its limits "
-                f"{low:g} to {high:g}; no tolerances help, change the design"
-            )
-    parts = np.stack([slopes[label] for label in limited])
-    costs = np.array([one.cost for one in inputs.tolerances])
-    widest = np.array([_widest(mechanism, one) for one in inputs.tolerances])
-    problem = _Problem(parts, sides - middle[:, None], costs, wanted_yield, widest)
+    _check_yield(wanted_yield)
+    inputs, problem = _problem_of(mechanism, wanted_yield, limits, tolerances, speed, load)
     widths = problem.solve()
     allocated = tuple(
-        dataclasses.replace(
-            one,
-            lower=one.middle - one.half_width * width,
-            upper=one.middle + one.half_width * width,
-            cost=one.cost / width,
-        )
-        for one, width in zip(inputs.tolerances, widths.tolist(), strict=True)
+        widened(one, width) for one, width in zip(inputs.tolerances, widths.tolist(), strict=True)
     )
     check = None
     if verify:
@@ -184,8 +153,111 @@ def allocate_tolerances(
     )
 
 
-def _widest(mechanism: Mechanism, one: Tolerance) -> float:
-    """Greatest relative width at which the limits of a tolerance are possible values."""
+@dataclasses.dataclass(frozen=True)
+class CostCurve:
+    """Least cost of the tolerances for each of several yields.
+
+    - `yields`: wanted shares of mechanisms within all limits.
+    - `costs`: least cost for each; NaN where no tolerances reach the yield.
+    - `given_yield`, `given_cost`: of the given tolerances, the yield by first order.
+    """
+
+    yields: np.ndarray
+    costs: np.ndarray
+    given_yield: float
+    given_cost: float
+
+
+#: Yields of a cost curve.
+_YIELDS = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.925, 0.95, 0.97, 0.98, 0.99, 0.995)
+
+
+@of_one_known_design
+def cost_curve(
+    mechanism: Mechanism,
+    yields: Iterable[float] = _YIELDS,
+    limits: Mapping[str, Any] | None = None,
+    *,
+    tolerances: Iterable[Tolerance] | None = None,
+    speed: float | Scalar | None = None,
+    load: float | Scalar | None = None,
+) -> CostCurve:
+    """Least cost of the tolerances against the yield, as `allocate_tolerances` finds it.
+
+    **Arguments:**
+
+    - `mechanism`, `limits`, `tolerances`, `speed`, `load`: as for `allocate_tolerances`.
+    - `yields`: shares of mechanisms within all limits, each between 0 and 1.
+
+    **Returns:** a `CostCurve`.
+
+    **Raises:** as `allocate_tolerances`, but not for a yield that no tolerances reach.
+    """
+    wanted = tuple(yields)
+    for share in wanted:
+        _check_yield(share)
+    _, problem = _problem_of(mechanism, 0.5, limits, tolerances, speed, load)
+    costs = []
+    for share in wanted:
+        try:
+            widths = dataclasses.replace(problem, wanted=share).solve()
+            costs.append(float(np.sum(problem.costs / widths)))
+        except ValueError:
+            costs.append(np.nan)
+    ones = np.ones(len(problem.costs))
+    return CostCurve(
+        np.array(wanted), np.array(costs), problem.share(ones), float(problem.costs.sum())
+    )
+
+
+def _check_yield(wanted: float) -> None:
+    if not 0 < wanted < 1:
+        raise ValueError(f"wanted_yield is {wanted}; it must be between 0 and 1")
+
+
+def _problem_of(
+    mechanism: Mechanism, wanted_yield: float, limits, tolerances, speed, load
+) -> "tuple[Inputs, _Problem]":
+    """Slopes at the middle of the tolerances, and the problem of their widths."""
+    inputs = inputs_of(mechanism, tolerances)
+    bounds = limits_of(mechanism.design_problem, limits)
+    if not bounds:
+        raise ValueError("there are no limits; give limits, or constraints in the [optimise] table")
+    selected = tuple(dict.fromkeys(map(quantity_of, bounds)))
+    at = as_optional_scalar(speed), as_optional_scalar(load)
+    values, slopes, _, code = derivatives(inputs, selected, at, False)
+    if code:
+        raise ValueError("the design in the middle of the tolerances fails; see `prsm check`")
+    limited = [label for label in values if limit_of(label, bounds) is not None]
+    middle = np.array([float(values[label]) for label in limited])
+    sides = np.array([limit_of(label, bounds) for label in limited])
+    for label, value, (low, high) in zip(limited, middle, sides, strict=True):
+        if not low < value < high:
+            raise ValueError(
+                f"{label} is {value:.6g} in the middle of the tolerances and outside of its limits "
+                f"{low:g} to {high:g}; no tolerances help, change the design"
+            )
+    parts = np.stack([slopes[label] for label in limited])
+    # A quantity that no tolerance moves always keeps its limits, and its yield has no slope.
+    moves = (parts != 0).any(axis=1)
+    parts, sides = parts[moves], sides[moves]
+    costs = np.array([one.cost for one in inputs.tolerances])
+    widest = np.array([widest_factor(mechanism, one) for one in inputs.tolerances])
+    return inputs, _Problem(parts, sides - middle[moves, None], costs, wanted_yield, widest)
+
+
+def widened(one: Tolerance, width: float) -> Tolerance:
+    """A tolerance with its zone widened about the middle, and its cost."""
+    return dataclasses.replace(
+        one,
+        lower=one.middle - one.half_width * width,
+        upper=one.middle + one.half_width * width,
+        cost=one.cost / width,
+    )
+
+
+def widest_factor(mechanism: Mechanism, one: Tolerance) -> float:
+    """Greatest relative width, at most 10, at which the limits of a tolerance are possible."""
 
     def possible(width: float) -> bool:
         sides = (one.middle - width * one.half_width, one.middle + width * one.half_width)
@@ -208,7 +280,8 @@ def _widest(mechanism: Mechanism, one: Tolerance) -> float:
 class _Problem:
     """Least cost over relative widths.
 
-    - `parts`: standard deviation of each quantity due to each tolerance, quantities × tolerances.
+    - `parts`: standard deviation of each quantity due to each tolerance, quantities × tolerances;
+      a row has a number other than 0.
     - `sides`: limits of each quantity less its value in the middle.
     - `costs`: of the given tolerances.
     - `wanted`: yield.
@@ -226,14 +299,13 @@ class _Problem:
         from scipy.special import ndtr
 
         deviation = np.sqrt(np.sum((self.parts * widths) ** 2, axis=1))
-        with np.errstate(divide="ignore"):
-            low, high = self.sides[:, 0] / deviation, self.sides[:, 1] / deviation
+        low, high = self.sides[:, 0] / deviation, self.sides[:, 1] / deviation
         return float(1 - np.sum(1 - (ndtr(high) - ndtr(low))))
 
     def _slope(self, logarithms: np.ndarray) -> np.ndarray:
         """Derivative of the yield by the logarithms of the widths."""
         squares = (self.parts * np.exp(logarithms)) ** 2
-        deviation = np.maximum(np.sqrt(squares.sum(axis=1)), np.finfo(float).tiny)
+        deviation = np.sqrt(squares.sum(axis=1))
         scaled = np.where(np.isfinite(self.sides), self.sides, 0.0) / deviation[:, None]
         weights = scaled * np.exp(-0.5 * scaled**2) / np.sqrt(2 * np.pi)
         return -((weights[:, 1] - weights[:, 0]) / deviation**2) @ squares
@@ -267,10 +339,8 @@ class _Problem:
         return float(np.exp(low))
 
     def _searched(self) -> np.ndarray:
-        try:
-            from scipy.optimize import minimize
-        except ImportError as error:
-            raise missing_extra("optimise", "an allocation of tolerances", error) from error
+        from scipy.optimize import minimize
+
         count, ends = len(self.costs), np.log(self.widest)
         least = -float(np.log(WIDEST))
         whole = float(np.sum(self.costs))
@@ -290,6 +360,12 @@ class _Problem:
             method="SLSQP",
             options={"ftol": 1e-12, "maxiter": 500},
         )
+        # 8: rounding hides a further descent at the optimum.
+        if found.status not in (0, 8):
+            raise ValueError(
+                f"the search for the tolerances of least cost found no optimum: {found.message}; "
+                "give fewer tolerances or limits"
+            )
         widths = np.exp(found.x)
         # Rounding in the search may leave the yield just short of the wanted one.
         return np.maximum(widths * min(self._scale(widths), 1.0), 1 / WIDEST)

@@ -88,7 +88,7 @@ def second_order(
     together = np.sum(np.triu(curvatures, 1) ** 2)
     variance = float(np.sum(single) + together)
     values = quadratic(value, slopes, curvatures, deviations)
-    sampled = monte_carlo(values, deviations, limits, None)
+    sampled = monte_carlo(values, deviations, limits)
     return dataclasses.replace(
         sampled,
         mean=value + 0.5 * float(np.sum(own)),
@@ -143,7 +143,6 @@ def monte_carlo(
     values: np.ndarray,
     deviations: np.ndarray,
     limits: tuple[float, float] | None,
-    usable: np.ndarray | None,
 ) -> Estimate:
     """Moments and quantiles of samples; designs that failed count as outside of limits only.
 
@@ -152,10 +151,9 @@ def monte_carlo(
     - `values`: of the quantity, scramblings × points, NaN for designs that failed.
     - `deviations`: standardised deviations, scramblings × points × tolerances.
     - `limits`: lower and upper limit, or `None`.
-    - `usable`: which designs did not fail, or `None` for all.
     """
     count = deviations.shape[-1]
-    if usable is not None and (usable.sum(axis=1) < 2).any():
+    if (np.isfinite(values).sum(axis=1) < 2).any():
         nothing = (np.nan,) * len(PROBABILITIES)
         share = (None, None) if limits is None else share_with_error(within(values, limits))
         return Estimate(np.nan, np.nan, nothing, share[0], (np.nan,) * count, yield_error=share[1])

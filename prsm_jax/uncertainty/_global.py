@@ -9,9 +9,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from .._errors import missing_extra
-from ..fields import Scalar
+from ..fields import Scalar, as_optional_scalar
 from ..mechanism import Mechanism, Tolerance, get_parameter, of_one_known_design
-from ..quantities import Quantity, find_quantity
+from ..quantities import named_quantities, quantity_of
 from ..text import TextTable
 from ._inputs import Inputs, inputs_of
 from ._programs import gradients_of_designs
@@ -101,25 +101,9 @@ def _inputs(mechanism: Mechanism, ranges: Mapping[str, Any] | None) -> Inputs:
     return inputs_of(mechanism, rows)
 
 
-def _selected(quantities: Iterable[str]) -> tuple[Quantity, ...]:
-    if isinstance(quantities, str):
-        raise ValueError(f"quantities is the text {quantities!r}; give a list of names")
-    selected = tuple(dict.fromkeys(find_quantity(name) for name in quantities))
-    if not selected:
-        raise ValueError("quantities is empty; name at least one")
-    return selected
-
-
-def _point(speed, load) -> tuple[Scalar | None, Scalar | None]:
-    kind = jnp.result_type(float)
-    return (
-        None if speed is None else jnp.asarray(speed, kind),
-        None if load is None else jnp.asarray(load, kind),
-    )
-
-
 def _evaluated(inputs: Inputs, deviations, selected, speed, load) -> dict[str, np.ndarray]:
-    values, codes, _ = evaluate_points(inputs, deviations, selected, *_point(speed, load), None)
+    at = as_optional_scalar(speed), as_optional_scalar(load)
+    values, codes, _ = evaluate_points(inputs, deviations, selected, *at, None)
     _refuse_failed(codes)
     return values
 
@@ -148,7 +132,7 @@ def _result(inputs: Inputs, rows: dict[str, dict[str, np.ndarray]], **more) -> G
     measures = next(iter(rows.values()))
     return GlobalSensitivity(
         tuple(rows),
-        tuple(find_quantity(label.partition("[")[0]).unit for label in rows),
+        tuple(quantity_of(label).unit for label in rows),
         inputs.names,
         {name: np.stack([row[name] for row in rows.values()]) for name in measures},
         **more,
@@ -183,7 +167,7 @@ def sobol_indices(
 
     **Raises:** as `tolerance`; `ValueError` if a design fails; `MissingExtraError` without SALib.
     """
-    inputs, selected = _inputs(mechanism, ranges), _selected(quantities)
+    inputs, selected = _inputs(mechanism, ranges), named_quantities(quantities)
     salib, problem = _salib(inputs)
     base = 2 ** max(math.ceil(math.log2(samples)), 1)
     cube = salib.sample.sobol.sample(problem, base, calc_second_order=False, seed=seed)
@@ -232,7 +216,7 @@ def morris(
     """
     if levels < 2 or levels % 2:
         raise ValueError(f"levels is {levels}; it must be an even number of at least 2")
-    inputs, selected = _inputs(mechanism, ranges), _selected(quantities)
+    inputs, selected = _inputs(mechanism, ranges), named_quantities(quantities)
     salib, problem = _salib(inputs)
     cube = salib.sample.morris.sample(problem, trajectories, num_levels=levels, seed=seed)
     reach = [one.half_width / one.standard_deviation for one in inputs.tolerances]
@@ -271,9 +255,9 @@ def active_subspace(
 
     **Raises:** as `tolerance`; `ValueError` if a design fails.
     """
-    inputs, selected = _inputs(mechanism, ranges), _selected(quantities)
+    inputs, selected = _inputs(mechanism, ranges), named_quantities(quantities)
     deviations = points(inputs, samples, seed).reshape(-1, len(inputs.tolerances))
-    values, at = inputs.values(deviations), _point(speed, load)
+    values, at = inputs.values(deviations), (as_optional_scalar(speed), as_optional_scalar(load))
     size = min(CHUNK, len(values))  # both are powers of 2
     parts: dict[str, list[np.ndarray]] = {one.name: [] for one in selected}
     for start in range(0, len(values), size):

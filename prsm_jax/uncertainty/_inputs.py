@@ -15,6 +15,7 @@ from ..mechanism import (
     Mechanism,
     Tolerance,
     check_independent,
+    check_tolerance,
     find_parameters,
     set_parameters,
 )
@@ -94,22 +95,10 @@ def inputs_of(mechanism: Mechanism, tolerances: Iterable[Tolerance] | None) -> I
     for index, one in enumerate(chosen):
         parameters = find_parameters(mechanism, one.name)
         units.append(parameters[0].unit)
+        check_tolerance(mechanism, one, parameters)
         for parameter in parameters:
-            if parameter.static:
-                raise ValueError(
-                    f"tolerance {one.name!r}: a whole number has no tolerance; sweep over it "
-                    "instead"
-                )
-            nominal = float(np.asarray(parameter.get(mechanism)))
-            for side in ("lower", "upper"):
-                if not parameter.limit.admits(nominal + getattr(one, side)):
-                    raise ValueError(
-                        f"tolerance {one.name!r}: at its {side} limit {parameter.path} is "
-                        f"{nominal + getattr(one, side):.6g} {parameter.unit}; it must be "
-                        f"{parameter.limit.allowed}"
-                    )
             paths.append(parameter.path)
-            middle.append(nominal + one.middle)
+            middle.append(float(np.asarray(parameter.get(mechanism))) + one.middle)
             owner.append(index)
     check_independent(mechanism, [one.name for one in chosen])
     directions = np.zeros((len(chosen), len(paths)))

@@ -28,6 +28,8 @@ class MethodResult:
     - `errors`: number of other designs, by the first error of `check`.
     - `samples`: designs that were analysed; 0 for propagation.
     - `values`: samples of each quantity [SI], NaN for designs that failed.
+    - `slopes`: change of each quantity for one standard deviation of each tolerance [SI], at the
+      middle of the tolerance zones; empty for Monte Carlo.
     """
 
     estimates: dict[str, Estimate]
@@ -37,11 +39,17 @@ class MethodResult:
     errors: dict[str, int] = dataclasses.field(default_factory=dict)
     samples: int = 0
     values: dict[str, np.ndarray] = dataclasses.field(default_factory=dict, repr=False)
+    slopes: dict[str, np.ndarray] = dataclasses.field(default_factory=dict, repr=False)
 
     @property
     def failed(self) -> int:
         """Number of designs that failed."""
         return sum(self.reasons.values())
+
+    @property
+    def valid(self) -> bool:
+        """Whether there are numbers: propagated from a design that did not fail, or sampled."""
+        return self.failed < max(self.samples, 1)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -73,8 +81,8 @@ class ToleranceAnalysis:
 
     @property
     def valid(self) -> bool:
-        """Whether there are numbers: no propagation from a design that failed, not all samples."""
-        return all(one.failed < max(one.samples, 1) for one in self.methods.values())
+        """Whether each method has numbers."""
+        return all(one.valid for one in self.methods.values())
 
     def __getitem__(self, quantity: str) -> Estimate:
         """The estimate of a quantity by the most accurate method.
@@ -151,7 +159,7 @@ class ToleranceAnalysis:
         rows = []
         for name, unit in zip(self.quantities, self.units, strict=True):
             shown = display_unit(unit, abs(self[name].mean), name)
-            label = f"{name} [{shown.label}]" if shown.label else name
+            label = shown.heading(name)
             for method, one in self.methods.items():
                 estimate = one.estimates[name]
                 quantiles = [f"{float(shown(q)):.5g}" for q in estimate.quantiles]
@@ -188,8 +196,14 @@ class ToleranceAnalysis:
             lines.append(f"\n{self.best.samples} designs, {self.best.failed} failed")
             for kind, counts in (("", self.best.reasons), ("prsm check: ", self.best.errors)):
                 lines += [f"{kind}{name.replace('_', ' ')} ({n})" for name, n in counts.items()]
-        if not self.valid:
+        propagated = [one for name, one in self.methods.items() if name != "monte_carlo"]
+        if not all(one.valid for one in propagated):
             lines.append("not valid: the design in the middle of the tolerances fails")
+        if self.best.samples and not self.best.valid:
+            lines.append(
+                f"{METHOD_WORDS[self.method]} is not valid: each of the {self.best.samples} "
+                "designs fails"
+            )
         return lines
 
 

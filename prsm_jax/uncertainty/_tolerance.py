@@ -6,10 +6,16 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from ..fields import Scalar
+from ..fields import Scalar, as_optional_scalar, listed_names
 from ..findings import error_names, sources
 from ..mechanism import Mechanism, Tolerance, of_one_known_design
-from ..quantities import REASONS, Quantity, available_quantities, find_quantity
+from ..quantities import (
+    REASONS,
+    Quantity,
+    available_quantities,
+    named_quantities,
+    quantity_of,
+)
 from ._estimates import (
     Estimate,
     first_order,
@@ -83,7 +89,7 @@ def tolerance(
     inputs = inputs_of(mechanism, tolerances)
     bounds = limits_of(mechanism.design_problem, limits)
     selected = _selected(mechanism, quantities, bounds, speed, load)
-    at = tuple(None if v is None else jnp.asarray(v, jnp.result_type(float)) for v in (speed, load))
+    at = as_optional_scalar(speed), as_optional_scalar(load)
     methods = _METHODS if method == "all" else (method,)
     found: dict[str, MethodResult] = {}
     if method != "monte_carlo":
@@ -97,24 +103,20 @@ def tolerance(
     labels = tuple(found[methods[-1]].estimates)
     return ToleranceAnalysis(
         quantities=labels,
-        units=tuple(find_quantity(label.partition("[")[0]).unit for label in labels),
+        units=tuple(quantity_of(label).unit for label in labels),
         limits=tuple(limit_of(label, bounds) for label in labels),
         tolerances=inputs.tolerances,
         tolerance_units=inputs.units,
-        methods={name: found[name] for name in methods},
+        methods=found,
     )
 
 
 def _selected(mechanism, quantities, bounds: Limits, speed, load) -> tuple[Quantity, ...]:
-    if isinstance(quantities, str):
-        raise ValueError(f"quantities is the text {quantities!r}; give a list of names")
-    names = [] if quantities is None else list(quantities)
-    names += [label.partition("[")[0] for label in bounds]
+    names = [] if quantities is None else listed_names(quantities, "quantities")
+    names += [quantity_of(label).name for label in bounds]
     if not names:
         names = list(available_quantities(mechanism, DEFAULT_QUANTITIES, speed=speed, load=load))
-    if not names:
-        raise ValueError("quantities is empty; name at least one")
-    return tuple(dict.fromkeys(find_quantity(name) for name in names))
+    return named_quantities(names)
 
 
 def limit_of(label: str, bounds: Limits) -> tuple[float, float] | None:
@@ -182,7 +184,8 @@ def _propagated(
             share = (one.yield_share, one.yield_error)
         elif inside is not None:
             share = share_with_error(inside)
-        found[order] = MethodResult(estimates, *share, reasons=_reasons(np.array([code])))
+        reasons = _reasons(np.array([code]))
+        found[order] = MethodResult(estimates, *share, reasons=reasons, slopes=slopes)
     return found
 
 
@@ -200,7 +203,7 @@ def _sampled(
     values = {label: array.reshape(shape) for label, array in values.items()}
     usable = (codes == 0).reshape(shape)
     estimates = {
-        label: monte_carlo(array, deviations, limit_of(label, bounds), usable)
+        label: monte_carlo(array, deviations, limit_of(label, bounds))
         for label, array in values.items()
     }
     inside = _all_within(values, bounds)

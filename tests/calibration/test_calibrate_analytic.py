@@ -1,4 +1,4 @@
-"""Calibration against closed forms: linear least squares, weights, bounds, losses, quantiles."""
+"""Calibration against closed forms: linear least squares, weights, bounds, losses."""
 
 import json
 import re
@@ -13,10 +13,9 @@ import scipy.stats
 from calibration_scenes import LOAD, NUT, SCREW, plain
 
 import prsm_jax as prsm
-from prsm_jax.calibration import Measurements, calibrate
+from prsm_jax.calibration import Measurements, calibrate, calibration_problem
 from prsm_jax.calibration._bounds import from_free, to_free
 from prsm_jax.calibration._losses import LOSSES, as_squares, influence
-from prsm_jax.calibration._student import student_quantile
 
 
 def _line(noise=0.05, seed=0, screw=1.5, nut=2.5, rows=12):
@@ -96,6 +95,18 @@ def test_a_lower_bound_and_a_bound_that_is_near_but_not_active():
     near = calibrate(plain(), data, [SCREW, NUT], bounds={SCREW: (0.1, above)})
     assert near.parameters[0].active_bound == ""
     assert list(near.values.values()) == pytest.approx(list(free.values.values()), rel=1e-7)
+
+
+def test_a_limit_far_from_the_start_is_no_bound():
+    """A face width of 10 mm may be at most 100 m: the search has no upper bound, and begins."""
+    data = Measurements.from_columns(_line())
+    problem = calibration_problem(plain(), data, [SCREW, "gear.face_width"])
+    assert float(problem.upper[1]) == np.inf
+    assert float(problem.lower[1]) == 0.0
+    with pytest.raises(ValueError, match="it must be more than 0 and at most 100 m"):
+        calibration_problem(
+            plain(), data, [SCREW, "gear.face_width"], bounds={"gear.face_width": (1e-3, 101.0)}
+        )
 
 
 @pytest.mark.parametrize(("loss", "most"), [("huber", 0.05), ("soft_l1", 0.05), ("cauchy", 0.02)])
@@ -192,13 +203,6 @@ def test_measurements_hold_columns_by_kind():
     assert list(data.values) == ["efficiency"]
     assert list(data.conditions) == [LOAD]
     assert data.rows == 2
-
-
-@pytest.mark.parametrize("probability", [0.5, 0.9, 0.95, 0.999])
-@pytest.mark.parametrize("degrees", [1, 2, 3, 4, 5, 10, 11, 100, 1001])
-def test_quantiles_of_student(probability, degrees):
-    expected = scipy.stats.t.ppf((1 + probability) / 2, degrees)
-    assert student_quantile(probability, degrees) == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize("loss", LOSSES)

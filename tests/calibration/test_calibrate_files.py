@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from calibration_scenes import plain
 
-from prsm_jax import FileError
+from prsm_jax import FileError, load
 from prsm_jax.calibration import example_data_names, read_measurements
 
 GOOD = """# a comment
@@ -115,10 +115,14 @@ def test_shipped_data_say_that_they_are_generated():
         assert "seed" in first
 
 
-def test_shipped_data_are_those_of_the_script():
+@pytest.mark.parametrize(
+    ("name", "mechanism", "rows"),
+    [("wu2022_torque", "wu2022", 24), ("actuator_deflection", "actuator_load_sharing", 20)],
+)
+def test_shipped_data_are_those_of_the_script(name, mechanism, rows):
     from tests.calibration import example_data
 
-    written = example_data.FILE.read_text(encoding="utf-8")
-    assert written == example_data.text()
-    data = read_measurements("wu2022_torque", plain())
-    assert data.rows == 24
+    assert set(example_data.TEXTS) == set(example_data_names())
+    written = (example_data.FOLDER / f"{name}.csv").read_text(encoding="utf-8")
+    assert written == example_data.TEXTS[name]()
+    assert read_measurements(name, load(mechanism)).rows == rows

@@ -12,6 +12,7 @@ NAMES = (
     "actuator",
     "actuator_load_sharing",
     "actuator_mission",
+    "actuator_tolerances",
     "li2020_single_stage_viscous",
     "li2020_two_stage",
     "li2021_two_stage",

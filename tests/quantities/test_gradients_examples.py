@@ -45,10 +45,13 @@ def _results(name):
     return chosen, values, by_forward, by_reverse, _differences(mechanism, chosen)
 
 
-#: Left out are those whose physics another has: the mission's mechanism is a part of the actuator,
-#: Li's second pair of stages has the laws of the first, and the annular rollers' nearest threaded
-#: mechanism those of the actuator. Load sharing has tests of its own.
-_LIKE_OTHERS = {"actuator_mission", "actuator_load_sharing", "li2021_two_stage", "ring_roller"}
+#: Left out are those whose physics another has: the mechanisms of the mission and of the tolerances
+#: are parts of the actuator, Li's second pair of stages has the laws of the first, and the annular
+#: rollers' nearest threaded mechanism those of the actuator. Load sharing has tests of its own.
+_LIKE_OTHERS = {
+    *("actuator_mission", "actuator_tolerances", "actuator_load_sharing"),
+    *("li2021_two_stage", "ring_roller"),
+}
 NAMES = [name for name in file.example_names() if name not in _LIKE_OTHERS]
 
 

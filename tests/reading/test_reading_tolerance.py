@@ -1,11 +1,26 @@
-"""Every key and cell of a tolerance analysis, against SI numbers."""
+"""Every key, cell and picture of a tolerance analysis, against SI numbers."""
 
+import dataclasses
+import itertools
+
+import numpy as np
 import pytest
 from expectations import reads
+from matplotlib.container import ErrorbarContainer
+from reading_artists import box_of
+from reading_figures import Chart, handles
 from reading_units import to_si
+from scipy.stats import chi2, norm
 
 from prsm_jax.mechanism import Tolerance
-from prsm_jax.uncertainty import ToleranceAnalysis
+from prsm_jax.report import (
+    contribution_bars,
+    cost_chart,
+    tolerance_histograms,
+    tolerance_scatter,
+    yield_chart,
+)
+from prsm_jax.uncertainty import CostCurve, ToleranceAnalysis, YieldCurve
 from prsm_jax.uncertainty._estimates import PROBABILITIES, Estimate
 from prsm_jax.uncertainty._result import MethodResult
 
@@ -86,3 +101,180 @@ def test_tolerance(run, monkeypatch):
     assert "4096 designs, 3 failed" in lines
     assert "no meshing (3)" in lines
     assert "prsm check: backlash (2)" in lines
+
+
+#: Pressures [Pa] and ratios of 400 designs, of which the first failed.
+_GENERATOR = np.random.default_rng(5)
+PRESSURES = 2.1e9 + 8e6 * _GENERATOR.standard_normal(400)
+RATIOS = 0.85 + 0.01 * _GENERATOR.standard_normal(400)
+PRESSURES[0] = RATIOS[0] = np.nan
+#: Changes for one standard deviation of each tolerance: no multiples of each other.
+SLOPES = {"max_pressure": np.array([7e6, 4e6]), "efficiency": np.array([-0.004, 0.009])}
+SECOND = Estimate(2.103e9, 8.5e6, FIRST.quantiles, 0.96, (0.7, 0.2))
+
+
+def _two_quantities():
+    ratio = Estimate(0.85, 0.00985, (0.82, 0.83, 0.85, 0.86, 0.88), None, (0.165, 0.835))
+    still = Estimate(0.85, 0.0, (0.85,) * 5, None, (0.0, float("nan")))
+    methods = {
+        "first_order": MethodResult(
+            {"max_pressure": FIRST, "efficiency": ratio}, 0.97, None, slopes=SLOPES
+        ),
+        "second_order": MethodResult({"max_pressure": SECOND, "efficiency": ratio}, 0.96, None),
+        "monte_carlo": MethodResult(
+            {"max_pressure": SAMPLED, "efficiency": still},
+            0.95,
+            0.005,
+            reasons={"no_meshing": 1},
+            samples=400,
+            values={"max_pressure": PRESSURES, "efficiency": RATIOS},
+        ),
+    }
+    return ToleranceAnalysis(
+        quantities=("max_pressure", "efficiency"),
+        units=("Pa", "1"),
+        limits=((-float("inf"), 2.12e9), (0.83, float("inf"))),
+        tolerances=(Tolerance("lead", -2e-5, 2e-5), Tolerance("contact_angle", -0.01, 0.01)),
+        tolerance_units=("m", "rad"),
+        methods=methods,
+    )
+
+
+@reads("chart", "tolerance_histograms")
+def test_distributions():
+    analysis = _two_quantities()
+    chart = Chart(tolerance_histograms(analysis))
+    for axes, name, unit, samples, limit in (
+        (chart.axes[0], "max_pressure", "Pa", PRESSURES, 2.12e9),
+        (chart.axes[1], "efficiency", "1", RATIOS, 0.83),
+    ):
+        good = samples[1:]
+        edges = np.linspace(good.min(), good.max(), 41)
+        counts = [np.sum((good >= a) & (good < b)) for a, b in itertools.pairwise(edges)]
+        counts[-1] += 1
+        left = [box_of(bar).get_x() for bar in axes.patches]
+        np.testing.assert_allclose(chart.si(axes, "x", left, unit), edges[:-1], rtol=1e-9)
+        assert axes.get_ylabel() == "mechanisms in %"
+        # Of all 400 designs: the one that failed is missing in every bar.
+        chart.bars(axes, np.array(counts) / 400, "1")
+        chart.level(axes, limit, unit, "x")
+        width = edges[1] - edges[0]
+        for method in ("first_order", "second_order"):
+            one = analysis.methods[method].estimates[name]
+            line = chart.lines(axes)[0]
+            at = np.linspace(edges[0], edges[-1], 201)
+            share = width * norm.pdf(at, one.mean, one.standard_deviation)
+            chart.curve(axes, line, at, share, (unit, "1"))
+    assert chart.axes[0].get_xlabel() == "max pressure in MPa"
+    assert chart.axes[1].get_title("left") == "Efficiency"
+    assert handles(chart.figure) == ["Monte Carlo", "first order", "second order", "limit"]
+    chart.finish()
+
+
+@reads("chart", "contribution_bars")
+def test_contributions_are_ranked():
+    chart = Chart(contribution_bars(_two_quantities()))
+    first, second = chart.axes
+    assert chart.text("Contributions").endswith("(Monte Carlo)")
+    # 0.2 and 0.7 of the variance of the pressure.
+    assert chart.ticks(first) == ["contact angle", "lead"]
+    chart.bars(first, [0.7, 0.2], "1", "x", starts=[0, 0])
+    assert [chart.text("70"), chart.text("20")] == ["70.0", "20.0"]
+    # One share of the efficiency is not known; it is last.
+    assert chart.ticks(second) == ["lead", "contact angle"]
+    chart.bars(second, [0.0, 0.0], "1", "x", starts=[0, 0])
+    assert chart.text("0.0")
+    chart.text("not known")
+    for axes in chart.axes:
+        assert axes.get_xlabel() == "share of the variance in %"
+        assert axes.get_ylim()[0] > axes.get_ylim()[1]
+    chart.finish()
+
+
+@reads("chart", "tolerance_scatter")
+def test_two_quantities_with_their_ellipse():
+    chart = Chart(tolerance_scatter(_two_quantities(), "max_pressure", "efficiency"))
+    (axes,) = chart.axes
+    chart.level(axes, 2.12e9, "Pa", "x")
+    chart.level(axes, 0.83, "1")
+    points, ellipse = chart.lines(axes)
+    keep = slice(1, None)
+    at = [np.asarray(data, float)[keep] for data in (points.get_xdata(), points.get_ydata())]
+    np.testing.assert_allclose(chart.si(axes, "x", at[0], "Pa"), PRESSURES[1:], rtol=1e-9)
+    np.testing.assert_allclose(chart.si(axes, "y", at[1], "1"), RATIOS[1:], rtol=1e-9)
+    chart.take(points)
+    # Every point of the ellipse has the squared distance of which chi-squared has 95 %.
+    x = chart.si(axes, "x", np.asarray(ellipse.get_xdata(), float), "Pa") - FIRST.mean
+    y = chart.si(axes, "y", np.asarray(ellipse.get_ydata(), float), "1") - 0.85
+    moved = np.stack([x, y])
+    slopes = np.stack([SLOPES["max_pressure"], SLOPES["efficiency"]])
+    distance = np.sum(moved * np.linalg.solve(slopes @ slopes.T, moved), axis=0)
+    np.testing.assert_allclose(distance, chi2.ppf(0.95, 2), rtol=1e-8)
+    # It goes all the way round: its reach in x is that of one quantity.
+    reach = np.sqrt(chi2.ppf(0.95, 2)) * np.linalg.norm(SLOPES["max_pressure"])
+    assert x.max() == pytest.approx(reach, rel=1e-3)
+    assert x.min() == pytest.approx(-reach, rel=1e-3)
+    chart.take(ellipse)
+    assert chart.text("95 % ellipse") == "95 % ellipse (first order)"
+    chart.finish()
+
+
+def test_what_cannot_be_drawn_is_said():
+    one = _analysis()
+    with pytest.raises(ValueError, match='compute the analysis with method="all"'):
+        tolerance_scatter(one, "max_pressure", "max_pressure")
+    with pytest.raises(KeyError, match="mass; the analysis has max_pressure, efficiency"):
+        tolerance_scatter(_two_quantities(), "mass", "efficiency")
+    failed = dataclasses.replace(
+        one, methods={"first_order": MethodResult({}, None, None, reasons={"no_meshing": 1})}
+    )
+    for chart in (tolerance_histograms, contribution_bars):
+        with pytest.raises(ValueError, match="not valid, so there is nothing to draw"):
+            chart(failed)
+    with pytest.raises(ValueError, match="no tolerances reach one of the yields"):
+        cost_chart(CostCurve(np.array([0.9]), np.array([np.nan]), 0.8, 3.0))
+
+
+@reads("chart", "yield_chart")
+def test_yield_against_the_width_of_all_tolerances():
+    factors = np.array([0.5, 1.0, 2.0])
+    yields = {"first_order": np.array([0.99, 0.9, 0.6]), "monte_carlo": np.array([1.0, 0.88, 0.55])}
+    errors = {"first_order": np.zeros(3), "monte_carlo": np.array([0.001, 0.004, 0.01])}
+    chart = Chart(yield_chart(YieldCurve(factors, yields, errors)))
+    (axes,) = chart.axes
+    assert axes.get_xlabel() == "width of all tolerances over the given ones"
+    assert axes.get_ylabel() == "within all limits in %"
+    chart.level(axes, 1.0, "1", "x")
+    line, points = chart.lines(axes)
+    chart.curve(axes, line, factors, yields["first_order"], ("1", "1"))
+    chart.curve(axes, points, factors, yields["monte_carlo"], ("1", "1"))
+    assert line.get_label() == "first order"
+    (bars,) = [one for one in axes.containers if isinstance(one, ErrorbarContainer)]
+    assert bars.get_label() == "Monte Carlo"
+    (segments,) = bars.lines[2]
+    for ends, factor, share, error in zip(
+        segments.get_segments(), factors, yields["monte_carlo"], errors["monte_carlo"], strict=True
+    ):
+        assert ends[:, 0] == pytest.approx(factor)
+        # Two standard errors to each side.
+        reach = chart.si(axes, "y", ends[:, 1], "1")
+        assert reach == pytest.approx([share - 2 * error, share + 2 * error])
+    chart.take(segments)
+    chart.finish()
+
+
+@reads("chart", "cost_chart")
+def test_cost_against_yield():
+    curve = CostCurve(np.array([0.8, 0.9, 0.99]), np.array([3.0, 4.5, np.nan]), 0.85, 5.0)
+    chart = Chart(cost_chart(curve))
+    (axes,) = chart.axes
+    assert axes.get_xlabel() == "within all limits in % (first order)"
+    line, given = chart.lines(axes)
+    # 99 % cannot be reached.
+    for found, shares, costs in ((line, [0.8, 0.9], [3.0, 4.5]), (given, [0.85], [5.0])):
+        x, y = (np.asarray(data, float) for data in (found.get_xdata(), found.get_ydata()))
+        assert to_si(x, "%") == pytest.approx(shares)
+        assert y == pytest.approx(costs)
+        chart.take(found)
+    chart.text("given tolerances")
+    chart.finish()

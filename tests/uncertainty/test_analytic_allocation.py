@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+import scipy.optimize
 from scipy.special import ndtri
 from uncertainty_scenes import MECHANISM, TOLERANCES
 
@@ -87,6 +88,45 @@ def test_one_sided_zones_keep_their_middle():
     assert one.middle == pytest.approx(0.2e-3, rel=1e-12)
     assert one.distribution == "uniform"
     assert one.half_width == pytest.approx(0.3e-3 / 2 / ndtri(0.95) * 3**0.5, rel=1e-9)
+
+
+def test_a_quantity_that_no_tolerance_moves_does_not_disturb_the_search():
+    """The quadratic quantity does not depend on the load; alone it allows the widest tolerance."""
+    rows = (ROWS[2], Tolerance("thread.coefficient", -0.04, 0.04))
+    both = {LINEAR: (2.5, 3.2), QUADRATIC: (0.8, None)}
+    one = allocate_tolerances(MECHANISM, 0.95, {LINEAR: (2.5, 3.2)}, tolerances=rows, verify=False)
+    two = allocate_tolerances(MECHANISM, 0.95, both, tolerances=rows, verify=False)
+    assert np.isfinite(_widths(two)).all()
+    assert _widths(two) == pytest.approx(_widths(one), rel=1e-12)
+    assert two.yield_first_order == one.yield_first_order
+    free = allocate_tolerances(
+        MECHANISM, 0.95, {QUADRATIC: (0.8, None)}, tolerances=rows[:1], verify=False
+    )
+    assert _widths(free)[0] == pytest.approx(10.0, rel=1e-12)
+    assert free.yield_first_order == 1.0
+
+
+@pytest.mark.parametrize(("status", "refused"), [(0, False), (8, False), (9, True)])
+def test_a_search_that_stops_early_is_an_error(monkeypatch, status, refused):
+    """SLSQP ends at an optimum with 0, and with 8 where rounding hides a further descent."""
+    minimize = scipy.optimize.minimize
+
+    def stopped(*args, **kwargs):
+        found = minimize(*args, **kwargs)
+        found.status, found.success, found.message = status, status == 0, "Iteration limit reached"
+        return found
+
+    monkeypatch.setattr(scipy.optimize, "minimize", stopped)
+    limits = {LINEAR: (2.5, 3.6), QUADRATIC: (0.8, None)}
+
+    def run():
+        return allocate_tolerances(MECHANISM, 0.95, limits, tolerances=ROWS, verify=False)
+
+    if refused:
+        with pytest.raises(ValueError, match="found no optimum: Iteration limit reached"):
+            run()
+    else:
+        assert run().yield_first_order >= 0.95
 
 
 @pytest.mark.parametrize(

@@ -72,7 +72,8 @@ def test_active_subspace_of_a_linear_quantity():
 def test_activity_of_ishigami():
     """E[(7 sin 2v)²] π²/3 = 49/2 · π²/3 for the standardised v."""
     found = active_subspace(MECHANISM, [ISHIGAMI], RANGES, samples=1024)
-    assert found.of("activity", ISHIGAMI)["load"] == pytest.approx(24.5 * PI**2 / 3, rel=0.01)
+    # A smooth mean over 1,024 Sobol points: an error of about 1/N.
+    assert found.of("activity", ISHIGAMI)["load"] == pytest.approx(24.5 * PI**2 / 3, rel=1e-3)
 
 
 @pytest.mark.parametrize("method", [sobol_indices, morris, active_subspace])

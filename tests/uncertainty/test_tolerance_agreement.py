@@ -1,11 +1,13 @@
 """The three methods agree on a real mechanism, and the verb prints what the function returns."""
 
+import functools
 import json
 
 import pytest
 
 import prsm_jax as prsm
 from prsm_jax import cli
+from prsm_jax.uncertainty import allocate_tolerances
 
 TABLE = """
 [tolerances]
@@ -45,7 +47,10 @@ def analysis(file_with_tolerances):
 
 
 def test_first_and_second_order_agree_with_monte_carlo(analysis):
-    """Five standard errors, and for first order the third derivatives: 1e-4 of a deviation."""
+    """Five standard errors, and what an expansion leaves out, as a share of a deviation.
+
+    First order leaves out the curvature (3e-3), second order the third derivatives (1e-4).
+    """
     assert list(analysis.methods) == ["first_order", "second_order", "monte_carlo"]
     for name in ("efficiency", "max_pressure"):
         best = analysis[name]
@@ -110,6 +115,39 @@ def test_the_text_has_engineering_units(analysis):
     assert float(cells[7]) == pytest.approx(best.standard_deviation / 1e6, rel=1e-5)
     assert f"within all limits (Monte Carlo): {100 * analysis.best.yield_share:.5g}" in text
     assert "1024 designs, 0 failed" in text
+
+
+def test_the_verb_finds_the_tolerances_of_least_cost(
+    file_with_tolerances, capsys, monkeypatch, tmp_path
+):
+    """`--wanted-yield` gives what `allocate_tolerances` returns, as JSON and as text."""
+    monkeypatch.setattr("prsm_jax.cli.verbs._tolerance.checked", lambda mechanism: ())
+    mechanism = prsm.load(str(file_with_tolerances))
+    expected = allocate_tolerances(mechanism, 0.97, verify=False)
+    monkeypatch.setattr(
+        "prsm_jax.cli.verbs._tolerance.allocate_tolerances",
+        functools.partial(allocate_tolerances, verify=False),
+    )
+    arguments = ["tolerance", str(file_with_tolerances), "--method", "first_order"]
+    arguments += ["--wanted-yield", "0.97"]
+    assert cli.main([*arguments, "--json", "-"]) == 0
+    results = json.loads(capsys.readouterr().out)
+    found = results["allocation"]
+    assert found["wanted_yield"] == 0.97
+    assert found["yield_first_order"] == pytest.approx(0.97, abs=1e-6)
+    assert results["yield"] < 0.97
+    # Of a search that stops at a relative change of 1e-12.
+    assert found["cost"] == pytest.approx(expected.cost, rel=1e-9)
+    widths = [row["upper"] - row["lower"] for row in found["tolerances"]]
+    assert widths == pytest.approx([2 * one.half_width for one in expected.tolerances], rel=1e-6)
+    folder = tmp_path / "out"
+    assert cli.main([*arguments, "--out", str(folder)]) == 0
+    assert "in place of 4; yield wanted 97 %" in capsys.readouterr().out
+    # One method has no samples to scatter.
+    names = ("contributions", "cost", "distributions", "yield")
+    assert sorted(path.name for path in folder.iterdir()) == sorted(
+        f"tolerance-{name}.{kind}" for name in names for kind in ("png", "svg")
+    )
 
 
 def test_a_file_without_tolerances_is_refused_in_one_line(capsys):

@@ -8,7 +8,7 @@ from cyclopts import Parameter
 from ..._errors import PrsmError
 from ...mechanism import Mechanism, all_parameters
 from ...process import make_folder
-from ...quantities import assumptions, find_quantity
+from ...quantities import assumptions, quantity_of
 from .._app import app
 from .._common import Common, checked, emit, value_of, words_of, write_text
 from .._optimised import calibrated_text
@@ -53,7 +53,7 @@ def _deviation(text: str) -> tuple[str, float]:
         raise PrsmError(
             f"--deviations {text}: must be QUANTITY=VALUE, such as 'drive_torque=0.05 N m'"
         )
-    unit = find_quantity(name.partition("[")[0]).unit
+    unit = quantity_of(name).unit
     try:
         return name, read_number(float(word) if is_plain_number(word) else word, unit, POSITIVE)
     except ValueError as error:

@@ -1,14 +1,19 @@
 """The verb on tolerances: scatter, yield and contributions."""
 
-from typing import Annotated
+import sys
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
+from ...mechanism import Mechanism
 from ...quantities import assumptions
 from .._app import app
 from .._common import Common, checked, emit, words_of
-from .._progress import counted, expect_programs
+from .._progress import clear, counted, expect_programs
 from .._tables import terminal_width
+
+if TYPE_CHECKING:
+    from ...uncertainty import ToleranceAnalysis
 
 _DEFAULT = Common()
 _PROGRAMS = {
@@ -29,7 +34,9 @@ def tolerance(
     method: Annotated[
         str, Parameter(help="first_order, second_order, monte_carlo or all.")
     ] = "all",
-    samples: Annotated[int, Parameter(help="Designs of Monte Carlo.")] = 4096,
+    samples: Annotated[
+        int, Parameter(help="Designs of Monte Carlo, rounded up to 8 times a power of 2.")
+    ] = 4096,
     seed: Annotated[int, Parameter(help="Seed of Monte Carlo.")] = 0,
     wanted_yield: Annotated[
         float | None,
@@ -40,7 +47,8 @@ def tolerance(
     """Scatter of quantities due to the file's [tolerances], the yield, and what contributes.
 
     Limits are those of the constraints in the file's [optimise] table; by Monte Carlo an error of
-    `prsm check` also counts as a mechanism outside of the limits.
+    `prsm check` also counts as a mechanism outside of the limits. With --out, pictures are written
+    to that folder: distributions, contributions, pairs of quantities, yield and cost.
     """
     mechanism = common.load(file)
     expect_programs(*_PROGRAMS.get(method, ()))
@@ -59,6 +67,8 @@ def tolerance(
         allocation = allocate_tolerances(mechanism, wanted_yield, samples=samples, seed=seed)
         results["allocation"] = allocation.to_dict()
         parts.append(allocation.text)
+    if common.out is not None and analysis.valid:
+        _save_pictures(common, mechanism, analysis, samples, seed)
     valid = emit(
         common,
         results,
@@ -67,3 +77,45 @@ def tolerance(
         checked(mechanism),
     )
     return int(not valid)
+
+
+def _save_pictures(
+    common: Common, mechanism: Mechanism, analysis: "ToleranceAnalysis", samples: int, seed: int
+) -> None:
+    """Write the pictures that the analysis and its limits allow."""
+    from ...report import (
+        contribution_bars,
+        cost_chart,
+        save_figures,
+        tolerance_histograms,
+        tolerance_scatter,
+        yield_chart,
+    )
+    from ...uncertainty import cost_curve, yield_curve
+
+    assert common.out is not None
+    pictures = {
+        "tolerance-distributions": tolerance_histograms(analysis),
+        "tolerance-contributions": contribution_bars(analysis),
+    }
+    pairs = zip(analysis.quantities, analysis.limits, strict=True)
+    limited = [name for name, limit in pairs if limit is not None]
+    chosen = [*limited, *(name for name in analysis.quantities if name not in limited)][:2]
+    if len(analysis.methods) > 1 and len(chosen) == 2:
+        pictures["tolerance-scatter"] = tolerance_scatter(analysis, *chosen)
+    if limited:
+        curve = yield_curve(
+            mechanism,
+            method="all" if len(analysis.methods) > 1 else analysis.method,
+            samples=samples,
+            seed=seed,
+            progress=lambda done, total: counted(done, total, "designs of the yield curve"),
+        )
+        pictures["tolerance-yield"] = yield_chart(curve)
+        try:
+            pictures["tolerance-cost"] = cost_chart(cost_curve(mechanism))
+        except ValueError as error:
+            # No tolerances help a design that breaks a limit itself.
+            clear()
+            print(f"prsm: no picture of the cost: {error}", file=sys.stderr)
+    save_figures(common.out, pictures)

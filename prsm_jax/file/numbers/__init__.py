@@ -13,6 +13,7 @@ from ._messages import (
     file_error as file_error,
     one_line as one_line,
     table_name as table_name,
+    utf8_text as utf8_text,
 )
 from ._numbers import (
     bare_number as bare_number,

@@ -17,6 +17,19 @@ class Misplaced(Exception):
         self.problems = problems
 
 
+def utf8_text(data: bytes, name: str) -> str:
+    """The text of a file.
+
+    **Raises:** `FileError`, with the name of the file and the place, if it is not UTF-8.
+    """
+    try:
+        # Windows editors put a byte order mark first.
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        message = f"{name}: is not UTF-8 text (byte {error.start}); save it as UTF-8"
+        raise FileError(message) from error
+
+
 def one_line(text: str, longest: int) -> str:
     """A text without line breaks and control characters, shortened."""
     text = " ".join("".join(c if c.isprintable() else " " for c in text).split())

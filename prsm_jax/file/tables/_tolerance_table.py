@@ -2,11 +2,16 @@
 
 from typing import Any
 
-import numpy as np
-
 from ..._errors import UnknownNameError
 from ...fields import ANY, POSITIVE
-from ...mechanism import DISTRIBUTIONS, Mechanism, Parameter, Tolerance, find_parameters
+from ...mechanism import (
+    DISTRIBUTIONS,
+    Mechanism,
+    Parameter,
+    Tolerance,
+    check_tolerance,
+    find_parameters,
+)
 from ..numbers import Misplaced, Place, is_plain_number, read_number
 from ._table import Key, plain, read_choice, read_keys, read_name
 
@@ -63,12 +68,9 @@ def _fields(value: Any, unit: str, place: Place) -> dict[str, Any]:
 
 def _find(mechanism: Mechanism, name: str, place: Place) -> tuple[Parameter, ...]:
     try:
-        parameters = find_parameters(mechanism, name)
+        return find_parameters(mechanism, name)
     except UnknownNameError as error:
         raise Misplaced((place, str(error))) from error
-    if any(parameter.static for parameter in parameters):
-        raise Misplaced((place, "a whole number has no tolerance; sweep over it instead"))
-    return parameters
 
 
 def _tolerance(
@@ -80,20 +82,10 @@ def _tolerance(
         fields["cost"] = cost
     try:
         tolerance = Tolerance(name, **fields)
+        check_tolerance(mechanism, tolerance, parameters)
     except ValueError as error:
         message = str(error).removeprefix(f"tolerance {name!r}: ")
         raise Misplaced((place, message)) from error
-    for parameter in parameters:
-        nominal = float(np.asarray(parameter.get(mechanism)))
-        for side in ("lower", "upper"):
-            if not parameter.limit.admits(nominal + getattr(tolerance, side)):
-                raise Misplaced(
-                    (
-                        place,
-                        f"at its {side} limit {parameter.path} is out of range: it must be "
-                        f"{parameter.limit.allowed}",
-                    )
-                )
     return tolerance
 
 

@@ -1,5 +1,6 @@
 """Numbers of a mechanism by name: read and set, one or several."""
 
+from ._check_tolerance import check_tolerance as check_tolerance
 from ._follows import (
     dependents_in_words as dependents_in_words,
     follows_in_words as follows_in_words,

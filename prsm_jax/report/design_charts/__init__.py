@@ -15,3 +15,9 @@ from ._published_figure import published_figure as published_figure
 from ._sensitivity_bars import sensitivity_bars as sensitivity_bars
 from ._shaft_limits_chart import shaft_limits_chart as shaft_limits_chart
 from ._sweep_map import sweep_map as sweep_map
+from ._tolerance_charts import (
+    contribution_bars as contribution_bars,
+    tolerance_histograms as tolerance_histograms,
+    tolerance_scatter as tolerance_scatter,
+)
+from ._yield_charts import cost_chart as cost_chart, yield_chart as yield_chart
