@@ -18,13 +18,16 @@ import numpy as np
 from .._errors import MissingDataError
 from ..findings import sources
 from ..mechanism import Mechanism
-from ._labels import Variable, arrays_of, counts_of, variables_of
+from ._labels import Variable, arrays_of, variables_of
 from ._plan import Blocks, Plan, with_static
 from ._program import BlockResults, Question, block_shapes, evaluate_block
 from ._store import opened
 
 #: Blocks that an executor has at once: enough for many workers, few enough to stay in memory.
 _IN_FLIGHT = 256
+#: Designs in a call, at least, where a block is divided by whole numbers: below, calls take longer
+#: than the designs.
+_LEAST = 64
 
 
 class _Settings(NamedTuple):
@@ -102,6 +105,9 @@ class Job:
         if self.plan.kind == "grid":
             lengths = zip(self.plan.dimensions, self.blocks.block, strict=True)
             size = math.prod(length for name, length in lengths if name not in static)
+        else:
+            share = -(-size // len(self.plan.static_choices()))
+            size = min(size, max(share, _LEAST))
         return _Settings(self.quantities, self.gradients, self.findings, size, self.point)
 
     def task(self, number: int) -> BlockTask:
@@ -157,22 +163,23 @@ def compute_block(task: BlockTask) -> BlockDone:
     distinct, group = np.unique(choices, axis=1, return_inverse=True)
     parts, places = [], []
     for index, choice in enumerate(distinct.T.tolist()):
-        place = np.flatnonzero(group.ravel() == index)
-        # Every call has the same size; the last design fills it.
-        filled = place[np.minimum(np.arange(size), len(place) - 1)]
-        columns = {
-            name: jnp.asarray(values[filled], jnp.result_type(float))
-            for name, values in task.values.items()
-        }
         chosen = with_static(task.mechanism, dict(zip(task.static, choice, strict=True)))
-        results = jax.tree.map(np.asarray, _evaluated(chosen, columns, task.settings))
-        parts.append(jax.tree.map(operator.itemgetter(slice(len(place))), results))
-        places.append(place)
+        group_places = np.flatnonzero(group.ravel() == index)
+        for start in range(0, len(group_places), size):
+            place = group_places[start : start + size]
+            # Every call has the same size; the last design fills it.
+            filled = place[np.minimum(np.arange(size), len(place) - 1)]
+            columns = {
+                name: jnp.asarray(values[filled], jnp.result_type(float))
+                for name, values in task.values.items()
+            }
+            results = jax.tree.map(np.asarray, _evaluated(chosen, columns, task.settings))
+            parts.append(jax.tree.map(operator.itemgetter(slice(len(place))), results))
+            places.append(place)
     order = np.argsort(np.concatenate(places))
     joined = jax.tree.map(lambda *leaves: np.concatenate(leaves)[order], *parts)
     arrays = arrays_of(shape, joined)
-    counted = counts_of(arrays["code"], arrays["error"])
-    counts = counted["failed"], counted["errors"]
+    counts = int(arrays["failed"].sum()), int((arrays["error"] != 0).sum())
     if task.store is None:
         return BlockDone(task.number, designs, counts, arrays)
     opened(task.store).write(task.number, task.where, arrays, counts)
@@ -186,7 +193,9 @@ _compiling = threading.Lock()
 
 def _evaluated(mechanism: Mechanism, columns: dict[str, Any], settings: _Settings) -> BlockResults:
     question, point = settings.question, settings.arguments
-    program = (question, jax.tree.structure((mechanism, columns, point)))
+    # Each device has a program of its own.
+    device = jax.config.jax_default_device  # pyright: ignore[reportAttributeAccessIssue]
+    program = (question, jax.tree.structure((mechanism, columns, point)), device)
     if program in _compiled:
         return evaluate_block(mechanism, columns, point, question)
     with _compiling:

@@ -12,7 +12,7 @@ from scipy.stats import qmc
 
 import prsm_jax as prsm
 from prsm_jax.mechanism import find_parameters
-from prsm_jax.sweeps import sweep
+from prsm_jax.sweeps import _run, sweep
 from prsm_jax.sweeps._plan import blocks_of
 
 SHAPES = st.lists(st.integers(1, 12), min_size=1, max_size=3).map(tuple)
@@ -64,7 +64,8 @@ def test_spread_designs(kind):
         return sweep(scenes.mechanism(), limits, ["nut_radius"], plan=kind, points=12, **more)
 
     data = spread(seed=3)
-    assert dict(data.sizes) == {"design": 12, "stage": 1} or dict(data.sizes) == {"design": 12}
+    # Each stage has a nut.
+    assert dict(data.sizes) == {"design": 12, "stage": 1}
     assert set(data["roller_count"].values) == {6, 7, 8, 9}
     for name in ("lead", "contact_angle"):
         values = data[name].values
@@ -151,6 +152,32 @@ def test_blocks_of_unequal_whole_numbers_share_programs():
     base = scenes.mechanism().stages[0].roller_count
     expected = per_roller * base / 12 * axes["operating_point.load"] / np.array(counts)
     np.testing.assert_allclose(data["contact_force"][:, 0], expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["list", "sobol"])
+def test_whole_numbers_compute_few_designs_more_than_asked_for(monkeypatch, kind):
+    """Of eight groups in a block none is filled to the size of the block."""
+    computed, evaluate = [], _run.evaluate_block
+
+    def counting(mechanism, columns, point, question):
+        computed.append(question.size)
+        return evaluate(mechanism, columns, point, question)
+
+    monkeypatch.setattr(_run, "evaluate_block", counting)
+    counts = np.arange(6, 14)
+    axes = {"lead": np.linspace(6e-3, 14e-3, 2000), "roller_count": np.resize(counts, 2000)}
+    more = {}
+    if kind == "sobol":
+        axes, more = {"lead": (6e-3, 14e-3), "roller_count": (6, 13)}, {"points": 2000}
+    data = sweep(scenes.mechanism(), axes, ["roller_clearance"], plan=kind, findings=False, **more)
+    radius = np.asarray(scenes.mechanism().stages[0].thread.centre_distance)
+    expected = 2 * radius * np.sin(np.pi / data["roller_count"].values) - 8e-3
+    # Thirteen rollers overlap, and their designs are marked.
+    np.testing.assert_array_equal(data["failed"], expected < 0)
+    expected = np.where(expected < 0, np.nan, expected)[:, None]
+    np.testing.assert_allclose(data["roller_clearance"].values.reshape(-1, 1), expected, rtol=1e-12)
+    # Each of eight groups is filled by less than one call of 250 designs.
+    assert 2000 <= sum(computed) < 2000 + 8 * 250
 
 
 def test_jax_is_asked_for_one_program(own_quantities):
