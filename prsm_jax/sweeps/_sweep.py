@@ -62,8 +62,9 @@ def sweep(
 ) -> "xarray.Dataset":
     """Evaluate quantities, and their derivatives if wanted, at many designs.
 
-    The designs are computed in blocks of fixed size by one compiled program; every combination
-    of static parameters (`roller_count`) has a program of its own. A design that fails, because its
+    The designs are computed in blocks of fixed size by one compiled program. Numbers of rollers
+    from 4 on share it where the quantities allow; every other combination of whole numbers has a
+    program of its own. A design that fails, because its
     threads do not mesh, a contact would have to pull, or a value is not finite, is marked in
     `failed` and is NaN in all quantities; the other designs are not affected. A design in which
     `check` finds an error (teeth that interfere, a carrier that cuts into the screw, a load above
