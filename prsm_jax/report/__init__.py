@@ -29,6 +29,7 @@ from .design_charts import (
     sensitivity_bars as sensitivity_bars,
     shaft_limits_chart as shaft_limits_chart,
     summarise_optimisation as summarise_optimisation,
+    sweep_figure as sweep_figure,
     sweep_map as sweep_map,
 )
 from .document import (

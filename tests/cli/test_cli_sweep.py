@@ -1,5 +1,7 @@
 """The verb `sweep`: plans, stores that continue, shards, exports, workers of a Dask scheduler."""
 
+import pathlib
+
 import numpy as np
 import pandas
 import pytest
@@ -72,6 +74,23 @@ def test_shards_and_their_end(prsm, prsm_json, tmp_path, monkeypatch):
         assert not data["failed"].any()
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("--axis", "lead=5 mm:15 mm:5"),
+        AXES,
+        (*AXES, "--axis", "roller_count=6,8"),
+        ("--axis", "lead=5 mm:15 mm", "--plan", "sobol", "--points", "8"),
+    ],
+)
+def test_every_sweep_has_a_picture(prsm_json, tmp_path, words):
+    results = prsm_json("sweep", "wu2022", *words, *QUANTITY, "--out", tmp_path)
+    pictures = [str(tmp_path / f"sweep-nut_speed.{ending}") for ending in ("png", "svg")]
+    assert results["pictures"] == pictures
+    for path in pictures:
+        assert pathlib.Path(path).stat().st_size > 0
+
+
 @pytest.mark.parametrize("plan", ["lhs", "sobol"])
 def test_spread_designs(prsm_json, tmp_path, plan):
     results = prsm_json(
@@ -95,7 +114,8 @@ def test_workers_of_a_dask_scheduler(prsm_json, tmp_path):
             *("--scheduler", cluster.scheduler_address),
         )
     here = prsm_json("sweep", "wu2022", *AXES, *QUANTITY, "--out", tmp_path / "here")
-    assert here | {"store": ""} == there | {"store": ""}
+    places = {"store": "", "pictures": []}
+    assert here | places == there | places
     both = [xarray.open_zarr(run["store"], consolidated=False).load() for run in (here, there)]
     xarray.testing.assert_identical(*both)
 

@@ -144,7 +144,7 @@ def sweep(
     """Quantities at many designs, into a zarr store in --out (default out).
 
     The store is written block by block. A run that was stopped continues with the same command, and
-    a finished one is not computed again.
+    a finished one is not computed again. With --out, each quantity has a picture beside it.
 
     Example: prsm sweep actuator --axis "lead=5 mm:15 mm:21" --quantities efficiency,mass
     """
@@ -228,12 +228,15 @@ def sweep(
         "findings": list(dict.fromkeys(f.name for f in findings if f.severity != "note")),
         "valid": failed < total - missing,
     }
-    if common.out is not None and not missing and plan == "grid" and len(axes) == 2:
-        from ...report import save_figure, sweep_map
+    if common.out is not None and not missing and 1 < total and failed < total:
+        from ...report import save_figure, sweep_figure
 
-        for name in names:
-            if data[name].ndim == 2:
-                save_figure(sweep_map(data, name), common.out / f"sweep-{name}")
+        doing("drawing")
+        results["pictures"] = [
+            str(path)
+            for name in names
+            for path in save_figure(sweep_figure(data, name), common.out / f"sweep-{name}")
+        ]
     emit(common, results, text, rests_on)
     return 0
 
