@@ -303,9 +303,10 @@ def test_sweeps_over_three_axes():
         # All panels have one scale.
         assert levels[0] <= np.nanmin(values) <= levels[1]
         assert levels[-2] <= np.nanmax(values) <= levels[-1]
-        for i, k in np.argwhere(np.isfinite(plane[1:-1, 2:-1])) + [1, 2]:
-            band = np.searchsorted(levels, plane[i, k]) - 1
-            place = 1e3 * lead[i], np.degrees(angle[k])
+        for i, k in np.ndindex(5, 3):
+            i, k = i + 1, k + 2
+            band = int(np.searchsorted(levels, plane[i, k])) - 1
+            place = 1e3 * float(lead[i]), math.degrees(float(angle[k]))
             assert filled.get_paths()[band].contains_point(place)
         marks = {line.get_marker(): line for line in chart.lines(panel)}
         assert ("*" in marks, "." in marks) == (index == best[2], index == flawed[2])

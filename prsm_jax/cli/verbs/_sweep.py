@@ -228,7 +228,7 @@ def sweep(
         "findings": list(dict.fromkeys(f.name for f in findings if f.severity != "note")),
         "valid": failed < total - missing,
     }
-    if common.out is not None and not missing and 1 < total and failed < total:
+    if common.out is not None and not missing and total > 1 and failed < total:
         from ...report import save_figure, sweep_figure
 
         doing("drawing")

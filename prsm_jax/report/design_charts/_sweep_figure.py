@@ -132,12 +132,27 @@ def _mark(axes: Any, x: np.ndarray, y: np.ndarray, failed: np.ndarray, errors: n
     """Crosses on the lower edge, dots on the values."""
     if failed.any():
         at = axes.get_xaxis_transform()
-        crosses = {"color": INK, "ms": 4, "clip_on": False, "label": "failed", "ls": ""}
-        axes.plot(x[failed], np.zeros(failed.sum()), marker="x", transform=at, **crosses)
+        crosses: dict[str, Any] = {
+            "color": INK,
+            "ms": 4,
+            "clip_on": False,
+            "label": "failed",
+            "ls": "",
+        }
+        axes.plot(
+            x[failed], np.zeros(failed.sum()), marker="x", label="failed", transform=at, **crosses
+        )
     if errors.any():
         place = np.repeat(x[errors], y.shape[1])
-        dots = {"color": INK, "ms": 3, "ls": "", "zorder": 4, "label": "error of prsm check"}
-        axes.plot(place, y[errors].ravel(), marker=".", **dots)
+        dots: dict[str, Any] = {
+            "color": INK,
+            "ms": 3,
+            "ls": "",
+            "zorder": 4,
+            "label": "error of prsm check",
+        }
+        label = "error of prsm check"
+        axes.plot(place, y[errors].ravel(), marker=".", label=label, **dots)
 
 
 def _legend(figure: Figure) -> None:
@@ -156,9 +171,9 @@ def _lines(part: Any, quantity: str, axis: str) -> Figure:
     axes = figure.add_subplot()
     words = list(data["component"].values)
     # A design between two that failed has no neighbour to draw a line to.
-    marker = {"marker": "o", "ms": 3} if len(x) <= 30 else {}
+    marker: dict[str, Any] = {"marker": "o", "ms": 3} if len(x) <= 30 else {}
     for index, word in enumerate(words):
-        style = {"label": str(word)} if len(words) > 1 else {}
+        style: dict[str, Any] = {"label": str(word)} if len(words) > 1 else {}
         axes.plot(x, y[:, index], color=SERIES[index % len(SERIES)], lw=1.4, **marker, **style)
     axes.margins(y=0.1)
     _mark(axes, x, y, *_marks(part))
@@ -187,7 +202,7 @@ def _points(part: Any, quantity: str) -> Figure:
         x_unit = _unit_of(part[names[place]])
         x = x_unit(np.asarray(part[names[place]].values, float))
         for index, word in enumerate(words):
-            style = {"label": str(word)} if len(words) > 1 else {}
+            style: dict[str, Any] = {"label": str(word)} if len(words) > 1 else {}
             axes.plot(
                 x,
                 y[:, index],
@@ -250,16 +265,14 @@ def _slices(part: Any, quantity: str, axes_names: list[str], sense: str) -> Figu
         ):
             at = np.argwhere(flag)
             if at.size:
-                style = {"color": INK, "ms": size, "label": label, "clip_on": False}
-                axes.plot(x[at[:, 1]], y[at[:, 0]], marker, **style)
+                dots: dict[str, Any] = {"color": INK, "ms": size, "clip_on": False}
+                axes.plot(x[at[:, 1]], y[at[:, 0]], marker, label=label, **dots)
         if alike and (*best[2:],) == (*place,):
             value = in_unit(float(values[(*best, 0)]), unit)
             word = "largest" if sense == "maximise" else "smallest"
-            axes.plot(
-                *(x[best[0]], y[best[1]], "*"),
-                **{"ms": 11, "mfc": "#d55e00", "mec": "white", "clip_on": False, "zorder": 5},
-                label=f"{word}: {value}",
-            )
+            style: dict[str, Any] = {"mfc": "#d55e00", "mec": "white", "clip_on": False}
+            at_x, at_y = x[best[0]], y[best[1]]
+            axes.plot(at_x, at_y, "*", ms=11, zorder=5, ls="", label=f"{word}: {value}", **style)
         if alike:
             axes.set_title(_at(part, others[:1], place[:1]), fontsize=SMALL)
         else:
