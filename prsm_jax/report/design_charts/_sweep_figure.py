@@ -131,26 +131,12 @@ def _marks(part: Any) -> tuple[np.ndarray, np.ndarray]:
 def _mark(axes: Any, x: np.ndarray, y: np.ndarray, failed: np.ndarray, errors: np.ndarray) -> None:
     """Crosses on the lower edge, dots on the values."""
     if failed.any():
-        at = axes.get_xaxis_transform()
-        crosses: dict[str, Any] = {
-            "color": INK,
-            "ms": 4,
-            "clip_on": False,
-            "label": "failed",
-            "ls": "",
-        }
-        axes.plot(
-            x[failed], np.zeros(failed.sum()), marker="x", label="failed", transform=at, **crosses
-        )
+        at, edge = axes.get_xaxis_transform(), np.zeros(failed.sum())
+        crosses: dict[str, Any] = {"color": INK, "ms": 4, "clip_on": False, "ls": ""}
+        axes.plot(x[failed], edge, marker="x", label="failed", transform=at, **crosses)
     if errors.any():
         place = np.repeat(x[errors], y.shape[1])
-        dots: dict[str, Any] = {
-            "color": INK,
-            "ms": 3,
-            "ls": "",
-            "zorder": 4,
-            "label": "error of prsm check",
-        }
+        dots: dict[str, Any] = {"color": INK, "ms": 3, "ls": "", "zorder": 4}
         label = "error of prsm check"
         axes.plot(place, y[errors].ravel(), marker=".", label=label, **dots)
 
