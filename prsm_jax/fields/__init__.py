@@ -1,6 +1,14 @@
 """Fields: what a number is called, its unit, and its limits."""
 
 from ._arguments import listed_names as listed_names
+from ._counts import (
+    FEWEST_TRACED as FEWEST_TRACED,
+    Count as Count,
+    CountOrTraced as CountOrTraced,
+    as_count as as_count,
+    at_least as at_least,
+    plain as plain,
+)
 from ._declared import (
     Declared as Declared,
     declared as declared,

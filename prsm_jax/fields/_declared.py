@@ -87,7 +87,7 @@ class Declared:
     @property
     def static(self) -> bool:
         """Whether it is a choice: a word, a whole number, a text, true or false."""
-        return self.metadata.get("static", False)
+        return self.metadata.get("static", False) or self.metadata.get("choice", False)
 
     @functools.cached_property
     def words(self) -> tuple[str, ...]:

@@ -162,15 +162,20 @@ def choice(
     implied: bool = False,
     without: str | None = None,
     limit: Limit | None = None,
+    converter: Callable[[Any], Any] | None = None,
     **kwargs: Any,
 ) -> Any:
     """A static choice: part of the pytree's structure, never traced.
 
     The annotation declares what it may be: the words of a `Literal`, or a whole number with a
     limit. An `implied` choice is written to a file only if it is not the default. `without` says
-    what results lack if the choice is absent.
+    what results lack if the choice is absent. Where the converter is `Count`, a sweep may put a
+    traced number in place of the choice.
     """
     metadata = {"description": description, "implied": implied, "limit": limit}
     if without is not None:
         metadata["without"] = without
+    if converter is not None:
+        metadata["choice"] = True
+        return eqx.field(converter=converter, metadata=metadata, **kwargs)
     return eqx.field(static=True, metadata=metadata, **kwargs)

@@ -69,7 +69,7 @@ def check_number(
     if known is None:
         return
     numbers = known.ravel()
-    if numbers.size > _MANY:
+    if numbers.size > _MANY and limit.zero_allowed:
         # NaN is the smallest if there is one, and is passed over by `fmin`.
         numbers = np.array([numbers.min(), np.fmin.reduce(numbers), np.fmax.reduce(numbers)])
     for one in numbers.tolist():

@@ -14,7 +14,7 @@ from ..contact import (
     contact_pair,
     meshing_of,
 )
-from ..fields import Scalar
+from ..fields import CountOrTraced, Scalar
 from ..geometry import Meshing
 from ..mechanism import LoadSharing, Stage, material_of, nut_outer_radius
 from ._chains import Chains, Flanks
@@ -59,7 +59,12 @@ def sharing_of(stage: Stage) -> LoadSharing:
 
 
 def roller_classes(stage: Stage) -> tuple[tuple[int, ...], ...]:
-    """Numbers of the rollers of each class: the nominal ones first, then each unequal one."""
+    """Numbers of the rollers of each class: the nominal ones first, then each unequal one.
+
+    Of a traced number of rollers, which are equal, only the first is named.
+    """
+    if not isinstance(stage.roller_count, int):
+        return ((1,),)
     unequal = {
         roller.number: roller
         for roller in stage.unequal_roller
@@ -68,6 +73,14 @@ def roller_classes(stage: Stage) -> tuple[tuple[int, ...], ...]:
     nominal = tuple(n for n in range(1, stage.roller_count + 1) if n not in unequal)
     others = tuple((n,) for n, roller in sorted(unequal.items()) if not roller.missing)
     return ((nominal,) if nominal else ()) + others
+
+
+def _weights(stage: Stage, rollers, dtype) -> Float[Array, " classes"]:
+    """Number of rollers of each class."""
+    count: CountOrTraced = stage.roller_count
+    if not isinstance(count, int):
+        return jnp.asarray(count, dtype)[None]
+    return jnp.asarray([len(numbers) for numbers in rollers], dtype)
 
 
 def segment_compliances(stage: Stage) -> dict[str, Scalar]:
@@ -288,7 +301,7 @@ def stage_chains(
         if spacer is not None:
             compliances["nut"] = compliances["nut"].at[split].set(1 / spacer)
     chains = Chains(
-        weight=jnp.asarray([len(numbers) for numbers in rollers], dtype),
+        weight=_weights(stage, rollers, dtype),
         screw=flanks[0],
         nut=flanks[1],
         screw_segment=compliances["screw"],

@@ -7,10 +7,12 @@ import equinox as eqx
 from ..fields import (
     POSITIVE,
     ROLLERS,
+    CountOrTraced,
     Limited,
     Number,
     Numbers,
     OptionalNumber,
+    as_count,
     check_stage,
     choice,
     number,
@@ -48,8 +50,9 @@ Sharing: TypeAlias = Literal["unstated", "equal"]
 class Stage(Limited):
     """One planetary roller screw: threads, bodies, gear, stiffnesses taken as given, friction.
 
-    Leaves (traced, differentiable): every number. Static: `roller_count`, `curvature`,
-    `carrier.count`, which rollers are unequal or missing, and which optional parts are present.
+    Leaves (traced, differentiable): every number. Static: `roller_count` (which a sweep may trace),
+    `curvature`, `carrier.count`, which rollers are unequal or missing, and which optional parts are
+    present.
 
     `roller_count` is the number of evenly spaced places; `present_roller_count` is the number of
     rollers in them. The load is shared equally by the rollers present, independent of their
@@ -64,7 +67,9 @@ class Stage(Limited):
 
     thread: Thread
     roller_count: int = choice(
-        "number of rollers (of roller places, if some are missing), N", limit=ROLLERS
+        "number of rollers (of roller places, if some are missing), N",
+        limit=ROLLERS,
+        converter=as_count,
     )
     screw: Screw = Screw()
     roller: Roller = Roller()
@@ -118,7 +123,7 @@ class Stage(Limited):
         return None if self.friction is None else self.friction.thread
 
     @property
-    def present_roller_count(self) -> int:
+    def present_roller_count(self) -> CountOrTraced:
         """Number of rollers present: they share the load and have mass."""
         return self.roller_count - sum(roller.missing for roller in self.unequal_roller)
 

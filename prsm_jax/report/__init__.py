@@ -31,6 +31,7 @@ from .design_charts import (
     sensitivity_bars as sensitivity_bars,
     shaft_limits_chart as shaft_limits_chart,
     summarise_optimisation as summarise_optimisation,
+    sweep_figure as sweep_figure,
     sweep_map as sweep_map,
     tolerance_histograms as tolerance_histograms,
     tolerance_scatter as tolerance_scatter,

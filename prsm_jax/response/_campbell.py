@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..fields import Scalar
+from ..fields import Scalar, plain
 from ..mechanism import Mechanism, of_one_design, stage_at
 from ..programs import AbstractResult, each, mapped, physics
 from ..vibration import Modes, stage_modes, stage_system
@@ -184,6 +184,6 @@ def campbell(
         known,
         ratio,
         harmonics,
-        system.roller_count,
+        plain(system.roller_count),
         system.symmetric,
     )

@@ -22,7 +22,7 @@ from ..dynamics import (
     ideal_carrier_ratio,
     steady_state,
 )
-from ..fields import Scalar
+from ..fields import Scalar, plain
 from ..mechanism import Mechanism, Stage, stage_at
 from ..programs import physics
 
@@ -90,7 +90,7 @@ def excitation_orders(
     - `stage`: the stage.
     - `carrier_ratio`: κ; default that of ideal rolling, r_s / (2 a).
     """
-    thread, count = stage.thread, stage.roller_count
+    thread, count = stage.thread, plain(stage.roller_count)
     ratio = ideal_carrier_ratio(thread) if carrier_ratio is None else carrier_ratio
     ratio = jnp.asarray(ratio, thread.lead.dtype)
     one, starts = jnp.ones_like(ratio), thread.starts

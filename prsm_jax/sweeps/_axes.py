@@ -17,7 +17,7 @@ class Axis:
     values: np.ndarray
     unit: str
     description: str
-    #: Whether values are whole numbers that are part of the program (`roller_count`), not data.
+    #: Whether values are whole numbers (`roller_count`).
     static: bool
 
 

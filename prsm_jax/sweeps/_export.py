@@ -5,8 +5,9 @@ and written in pieces, so that memory does not grow with the number of designs, 
 netCDF.
 """
 
+import math
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +15,7 @@ import numpy as np
 
 from .._errors import missing_extra
 from ..process import whole_file
+from ._plan import blocks_of
 
 if TYPE_CHECKING:
     import pandas
@@ -43,14 +45,12 @@ def export(
     - `path`: the file; it is complete or, if anything fails, as before.
     - `assumptions`: sentences about what the numbers rest on; in CSV they are left out.
 
-    **Raises:** `ValueError` for another ending, and for more designs than a sheet of Excel has
-    rows; `MissingExtraError` without the library of the format.
+    **Raises:** `ValueError` for another ending, a folder that does not exist, and more designs than
+    a sheet of Excel has rows; `MissingExtraError` without the library of the format.
     """
     target = Path(path)
-    write = _formats().get(target.suffix.lower())
-    if write is None:
-        endings = ", ".join(_formats())
-        raise ValueError(f"export to {target}: the ending must be one of {endings}")
+    check_export(target)
+    write, _ = _FORMATS[target.suffix.lower()]
     sentences = list(assumptions)
     with whole_file(target) as partial:
         write(data, partial, sentences)
@@ -62,24 +62,16 @@ def check_export(path: str | os.PathLike[str]) -> None:
     **Raises:** as `export`, but for the number of designs.
     """
     target = Path(path)
-    if target.suffix.lower() not in _formats():
-        raise ValueError(f"export to {target}: the ending must be one of {', '.join(_formats())}")
+    if target.suffix.lower() not in _FORMATS:
+        raise ValueError(f"export to {target}: the ending must be one of {', '.join(_FORMATS)}")
     if not target.absolute().parent.is_dir():
         raise ValueError(f"export to {target}: the folder {target.parent} does not exist; make it")
-    library = _LIBRARIES.get(target.suffix.lower())
+    _, library = _FORMATS[target.suffix.lower()]
     if library is not None:
         try:
             __import__(library)
         except ImportError as error:
             raise missing_extra("export", f"an export to {target.suffix}", error) from error
-
-
-#: Library that writes a format, beyond what a sweep needs.
-_LIBRARIES = {".xlsx": "openpyxl", ".parquet": "pyarrow", ".nc": "h5py"}
-
-
-def _formats() -> dict[str, Callable[[Any, Path, list[str]], None]]:
-    return {".csv": _csv, ".xlsx": _excel, ".parquet": _parquet, ".nc": _netcdf}
 
 
 class _Column:
@@ -98,7 +90,7 @@ class _Column:
         self.description = str(array.attrs.get("long_name", ""))
         meanings = str(array.attrs.get("flag_meanings", "")).split()
         #: Words for the numbers of a code.
-        self.words = meanings or None
+        self.words = meanings
 
     @property
     def heading(self) -> str:
@@ -122,15 +114,13 @@ def _design_dimensions(data: "xarray.Dataset") -> tuple[str, ...]:
 
 def _pieces(
     data: "xarray.Dataset", columns: Sequence[_Column], designs: tuple[str, ...]
-) -> "Iterator[pandas.DataFrame]":
+) -> "Generator[pandas.DataFrame, None, None]":
     """Tables of neighbouring designs, in the order of the sweep."""
     import pandas
 
-    lengths = [data.sizes[name] for name in designs]
-    inside = int(np.prod(lengths[1:], dtype=int))
-    step = max(1, _PIECE // inside)
-    for start in range(0, lengths[0], step):
-        part = data.isel({designs[0]: slice(start, start + step)}).load()
+    blocks = blocks_of(tuple(data.sizes[name] for name in designs), _PIECE)
+    for number in range(len(blocks)):
+        part = data.isel(dict(zip(designs, blocks.slices(number), strict=True))).load()
         shape = tuple(part.sizes[name] for name in designs)
         table = {}
         for column in columns:
@@ -145,7 +135,7 @@ def _pieces(
                 table[column.heading] = spread.ravel()
                 continue
             values = array.values[(..., *column.component)].ravel()
-            if column.words is not None:
+            if column.words:
                 values = np.array(column.words, object)[values]
             table[column.heading] = values
         yield pandas.DataFrame(table)
@@ -188,8 +178,7 @@ def _fill(book: Any, data: "xarray.Dataset", designs: tuple[str, ...], assumptio
     sheet.append([column.heading for column in columns])
     for table in _pieces(data, columns, designs):
         for row in table.itertuples(index=False):
-            # Excel has no NaN: the cell is empty.
-            sheet.append([None if cell != cell else _plain(cell) for cell in row])
+            sheet.append([_cell(value) for value in row])
     described = book.create_sheet("columns")
     described.append(["column", "unit", "description"])
     for column in columns:
@@ -201,8 +190,10 @@ def _fill(book: Any, data: "xarray.Dataset", designs: tuple[str, ...], assumptio
         rests.append([_words(rests, f"{name}: {value}")])
 
 
-def _plain(cell: Any) -> Any:
-    return cell.item() if isinstance(cell, np.generic) else cell
+def _cell(value: Any) -> Any:
+    """A value of a cell; Excel has no NaN and no infinity, whose cells are empty."""
+    value = value.item() if isinstance(value, np.generic) else value
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _words(sheet: Any, text: str) -> Any:
@@ -249,3 +240,12 @@ def _parquet(data: "xarray.Dataset", path: Path, assumptions: list[str]) -> None
 def _netcdf(data: "xarray.Dataset", path: Path, assumptions: list[str]) -> None:
     labelled = data.assign_attrs(assumptions="\n".join(assumptions))
     labelled.to_netcdf(path, engine="h5netcdf")
+
+
+#: Of each ending: what writes the format, and the library that it needs beyond those of a sweep.
+_FORMATS: dict[str, tuple[Callable[[Any, Path, list[str]], None], str | None]] = {
+    ".csv": (_csv, None),
+    ".xlsx": (_excel, "openpyxl"),
+    ".parquet": (_parquet, "pyarrow"),
+    ".nc": (_netcdf, "h5netcdf"),
+}

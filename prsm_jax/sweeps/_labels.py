@@ -3,7 +3,7 @@
 import itertools
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from .._version import __version__
 from ..findings import error_names
 from ..mechanism import Mechanism, find_parameters, set_parameters
 from ..quantities import REASONS, Quantity, find_quantity
-from ._plan import Plan
+from ._plan import Plan, blocks_of
 from ._program import BlockResults
 
 if TYPE_CHECKING:
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 #: Code of a design that was not computed, for example because a run was stopped before.
 NOT_COMPUTED = REASONS.index("not_computed")
+#: Designs whose codes are in memory at once.
+_PIECE = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -197,6 +199,30 @@ def empty_dataset(
     return xarray.Dataset({}, coordinates, attributes)
 
 
-def counts_of(code: np.ndarray, error: np.ndarray) -> dict[str, int]:
-    """Attributes that count designs: those that failed, and those with an error of `check`."""
-    return {"failed": int((code != 0).sum()), "errors": int((error != 0).sum())}
+class CodeCounts(NamedTuple):
+    """How many designs of a sweep have which code, by its meaning."""
+
+    #: Designs that are not computed yet.
+    missing: int
+    #: Designs that failed, by the reason.
+    reasons: dict[str, int]
+    #: Designs that did not fail, by the first error that `check` finds in them.
+    errors: dict[str, int]
+
+
+def count_codes(data: "xarray.Dataset") -> CodeCounts:
+    """Count the codes of a sweep, piece by piece, so that memory does not grow with the designs."""
+    names = {key: str(data[key].attrs["flag_meanings"]).split() for key in ("code", "error")}
+    counts = {key: np.zeros(len(words), int) for key, words in names.items()}
+    dimensions = tuple(map(str, data["code"].dims))
+    blocks = blocks_of(data["code"].shape, _PIECE)
+    for number in range(len(blocks)):
+        where = dict(zip(dimensions, blocks.slices(number), strict=True))
+        code, error = (data[key].isel(where).values.ravel() for key in ("code", "error"))
+        counts["code"] += np.bincount(code, minlength=len(names["code"]))
+        counts["error"] += np.bincount(error[code == 0], minlength=len(names["error"]))
+    reasons, errors = (
+        {word: int(n) for word, n in list(zip(names[key], counts[key], strict=True))[1:] if n}
+        for key in ("code", "error")
+    )
+    return CodeCounts(reasons.pop("not_computed", 0), reasons, errors)

@@ -6,13 +6,14 @@ those of the chunks of a zarr array, so that no two processes write to one file.
 
 import itertools
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
 
 from .._errors import missing_extra
+from ..fields import FEWEST_TRACED
 from ..mechanism import Mechanism, set_parameter
 from ._axes import Axis, axes_of
 
@@ -58,16 +59,24 @@ class Plan:
             axis.name: axis.values[place] for axis, place in zip(self.axes, places, strict=True)
         }
 
-    def static_choices(self) -> list[dict[str, int]]:
-        """Every combination of values that are part of the program; one, empty, without any."""
+    def static_choices(self, traced: Collection[str] = ()) -> list[dict[str, int]]:
+        """Every combination of values that are part of the program; one, empty, without any.
+
+        Values that the program takes as numbers, of the axes in `traced`, are 0.
+        """
         static = [axis for axis in self.axes if axis.static]
+        columns = [fixed_counts(axis.values, axis.name in traced) for axis in static]
         if self.kind == "grid":
-            choices = itertools.product(*(np.unique(axis.values) for axis in static))
+            choices = itertools.product(*map(np.unique, columns))
         else:
-            columns = [axis.values for axis in static]
             choices = dict.fromkeys(zip(*columns, strict=True)) if static else [()]
         names = [axis.name for axis in static]
         return [dict(zip(names, map(int, choice), strict=True)) for choice in choices]
+
+
+def fixed_counts(values: np.ndarray, traced: bool) -> np.ndarray:
+    """Whole numbers that are part of the program; 0 where the program takes them as numbers."""
+    return np.where(values >= FEWEST_TRACED, 0, values) if traced else values
 
 
 @dataclass(frozen=True)
@@ -172,9 +181,10 @@ def plan_of(
 
 
 def with_static(mechanism: Mechanism, choice: Mapping[str, int]) -> Mechanism:
-    """The mechanism with these values that are part of the program."""
+    """The mechanism with these values that are part of the program; 0 leaves its own."""
     for name, value in choice.items():
-        mechanism = set_parameter(mechanism, name, value)
+        if value:
+            mechanism = set_parameter(mechanism, name, value)
     return mechanism
 
 

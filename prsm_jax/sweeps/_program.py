@@ -1,6 +1,7 @@
 """The compiled part of a sweep: one block of designs, all at once."""
 
 import functools
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -51,7 +52,8 @@ def evaluate_block(
     **Arguments:**
 
     - `mechanism`: the mechanism, with the whole numbers that are part of the program set.
-    - `columns`: values [SI] of parameters, by name, of all designs.
+    - `columns`: values [SI] of parameters, by name, of all designs; among them numbers of rollers,
+      from `FEWEST_TRACED`, that the program takes as numbers.
     - `point`: `speed` and `load`, or `None` for those of the mechanism.
     - `question`: what is computed.
     """
@@ -94,9 +96,36 @@ def evaluate_chunk(
     mechanism = jax.tree.unflatten(structure, leaves)
 
     def design(values: dict[str, Scalar]) -> BlockResults:
-        return _evaluate(set_parameters(mechanism, values), point, question)
+        whole = {n: v for n, v in values.items() if find_parameters(mechanism, n)[0].static}
+        numbers = {n: v for n, v in values.items() if n not in whole}
+        counted = _with_traced_counts(mechanism, whole)
+        return _evaluate(set_parameters(counted, numbers), point, question)
 
     return jax.vmap(design, axis_size=question.size)(columns)
+
+
+def _with_traced_counts(mechanism: Mechanism, counts: Mapping[str, Scalar]) -> Mechanism:
+    """The mechanism with traced numbers in place of numbers of rollers."""
+    for name, value in counts.items():
+        for index in stages_of_count(mechanism, name):
+            where = _count_of_stage(index)
+            mechanism = eqx.tree_at(where, mechanism, value)
+    return mechanism
+
+
+def _count_of_stage(index: int) -> Callable[[Mechanism], Any]:
+    return lambda mechanism: mechanism.stages[index].roller_count
+
+
+def stages_of_count(mechanism: Mechanism, name: str) -> tuple[int, ...]:
+    """Stages, from 0, whose number of rollers this name sets, if a trace may hold it as a number.
+
+    Empty for other whole numbers, and where rollers differ: each of them has its own equations.
+    """
+    paths = {f"stage.{i + 1}.roller_count": i for i in range(len(mechanism.stages))}
+    found = [paths.get(parameter.path) for parameter in find_parameters(mechanism, name)]
+    known = tuple(i for i in found if i is not None and not mechanism.stages[i].unequal_roller)
+    return known if len(known) == len(found) else ()
 
 
 def _evaluate(mechanism: Mechanism, point: dict[str, Any], question: Question) -> BlockResults:

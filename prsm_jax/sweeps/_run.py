@@ -18,13 +18,22 @@ import numpy as np
 from .._errors import MissingDataError
 from ..findings import sources
 from ..mechanism import Mechanism
-from ._labels import Variable, arrays_of, counts_of, variables_of
-from ._plan import Blocks, Plan, with_static
-from ._program import BlockResults, Question, block_shapes, evaluate_block
+from ._labels import Variable, arrays_of, variables_of
+from ._plan import Blocks, Plan, fixed_counts, with_static
+from ._program import (
+    BlockResults,
+    Question,
+    block_shapes,
+    evaluate_block,
+    stages_of_count,
+)
 from ._store import opened
 
 #: Blocks that an executor has at once: enough for many workers, few enough to stay in memory.
 _IN_FLIGHT = 256
+#: Designs in a call, at least, where a block is divided by whole numbers: below, calls take longer
+#: than the designs.
+_LEAST = 64
 
 
 class _Settings(NamedTuple):
@@ -37,6 +46,8 @@ class _Settings(NamedTuple):
     size: int
     #: `speed` and `load` [rad/s, N], or `None`.
     point: dict[str, float | None]
+    #: Axes of whole numbers that the program takes as numbers, from `FEWEST_TRACED`.
+    traced: tuple[str, ...]
 
     @property
     def question(self) -> Question:
@@ -59,7 +70,7 @@ class BlockTask(NamedTuple):
     number: int
     mechanism: Mechanism
     settings: _Settings
-    #: Values [SI] of parameters at its designs; whole numbers are part of the program.
+    #: Values [SI] of parameters at its designs, and whole numbers.
     values: dict[str, np.ndarray]
     static: dict[str, np.ndarray]
     #: Its place in the arrays of the sweep.
@@ -96,13 +107,51 @@ class Job:
 
     @functools.cached_property
     def _settings(self) -> _Settings:
-        # Only designs with equal whole numbers share a call.
-        static = {axis.name for axis in self.plan.axes if axis.static}
+        """With as few programs as possible."""
+        counts = tuple(
+            axis.name
+            for axis in self.plan.axes
+            if axis.static and stages_of_count(self.mechanism, axis.name)
+        )
+        choices = self.plan.static_choices(counts)
+        # That with the most numbers that are not part of the program.
+        most = min(choices, key=lambda choice: sum(value > 0 for value in choice.values()))
+        if not all(most.values()):
+            settings = self._settings_with(counts)
+            try:
+                self._traced(settings, most)
+            except (TypeError, ValueError):
+                # A result whose shape depends on the number needs a program for each.
+                pass
+            else:
+                return settings
+        return self._settings_with(())
+
+    def _settings_with(self, traced: tuple[str, ...]) -> _Settings:
+        # Only designs with equal whole numbers that are part of the program share a call.
+        static = {
+            axis.name
+            for axis in self.plan.axes
+            if axis.static and fixed_counts(axis.values, axis.name in traced).any()
+        }
         size = self.blocks.size
         if self.plan.kind == "grid":
             lengths = zip(self.plan.dimensions, self.blocks.block, strict=True)
             size = math.prod(length for name, length in lengths if name not in static)
-        return _Settings(self.quantities, self.gradients, self.findings, size, self.point)
+        else:
+            share = -(-size // len(self.plan.static_choices(traced)))
+            size = min(size, max(share, _LEAST))
+        return _Settings(self.quantities, self.gradients, self.findings, size, self.point, traced)
+
+    def _traced(self, settings: _Settings, choice: dict[str, int]) -> BlockResults:
+        """Shapes of the results of the program of a choice."""
+        columns = {
+            axis.name: jnp.zeros(settings.size, jnp.result_type(float))
+            for axis in self.plan.axes
+            if not choice.get(axis.name)
+        }
+        chosen = with_static(self.mechanism, choice)
+        return block_shapes(chosen, columns, settings.arguments, settings.question)
 
     def task(self, number: int) -> BlockTask:
         """What one block is computed from."""
@@ -124,16 +173,11 @@ class Job:
         change the number of components of a quantity.
         """
         settings, first, where_first = self._settings, None, ""
-        columns = {
-            axis.name: jnp.zeros(settings.size, jnp.result_type(float))
-            for axis in self.plan.axes
-            if not axis.static
-        }
-        for choice in self.plan.static_choices():
-            words = ", ".join(f"{name} = {value}" for name, value in choice.items())
+        for choice in self.plan.static_choices(settings.traced):
+            fixed = {name: value for name, value in choice.items() if value}
+            words = ", ".join(f"{name} = {value}" for name, value in fixed.items())
             try:
-                chosen = with_static(self.mechanism, choice)
-                shapes = block_shapes(chosen, columns, settings.arguments, settings.question)
+                shapes = self._traced(settings, choice)
             except MissingDataError as error:
                 raise (MissingDataError(f"at {words}: {error}") if words else error) from error
             if first is None:
@@ -153,26 +197,32 @@ def compute_block(task: BlockTask) -> BlockDone:
     size = task.settings.size
     shape = tuple(part.stop - part.start for part in task.where)
     designs = math.prod(shape)
-    choices = np.reshape(list(task.static.values()), (len(task.static), designs)).astype(int)
+    counts_of_choice = [
+        fixed_counts(values, name in task.settings.traced) for name, values in task.static.items()
+    ]
+    choices = np.reshape(counts_of_choice, (len(task.static), designs)).astype(int)
     distinct, group = np.unique(choices, axis=1, return_inverse=True)
     parts, places = [], []
     for index, choice in enumerate(distinct.T.tolist()):
-        place = np.flatnonzero(group.ravel() == index)
-        # Every call has the same size; the last design fills it.
-        filled = place[np.minimum(np.arange(size), len(place) - 1)]
-        columns = {
-            name: jnp.asarray(values[filled], jnp.result_type(float))
-            for name, values in task.values.items()
-        }
-        chosen = with_static(task.mechanism, dict(zip(task.static, choice, strict=True)))
-        results = jax.tree.map(np.asarray, _evaluated(chosen, columns, task.settings))
-        parts.append(jax.tree.map(operator.itemgetter(slice(len(place))), results))
-        places.append(place)
+        fixed = dict(zip(task.static, choice, strict=True))
+        chosen = with_static(task.mechanism, fixed)
+        given = task.values | {n: v for n, v in task.static.items() if not fixed[n]}
+        group_places = np.flatnonzero(group.ravel() == index)
+        for start in range(0, len(group_places), size):
+            place = group_places[start : start + size]
+            # Every call has the same size; the last design fills it.
+            filled = place[np.minimum(np.arange(size), len(place) - 1)]
+            columns = {
+                name: jnp.asarray(values[filled], jnp.result_type(float))
+                for name, values in given.items()
+            }
+            results = jax.tree.map(np.asarray, _evaluated(chosen, columns, task.settings))
+            parts.append(jax.tree.map(operator.itemgetter(slice(len(place))), results))
+            places.append(place)
     order = np.argsort(np.concatenate(places))
     joined = jax.tree.map(lambda *leaves: np.concatenate(leaves)[order], *parts)
     arrays = arrays_of(shape, joined)
-    counted = counts_of(arrays["code"], arrays["error"])
-    counts = counted["failed"], counted["errors"]
+    counts = int(arrays["failed"].sum()), int((arrays["error"] != 0).sum())
     if task.store is None:
         return BlockDone(task.number, designs, counts, arrays)
     opened(task.store).write(task.number, task.where, arrays, counts)
@@ -186,7 +236,9 @@ _compiling = threading.Lock()
 
 def _evaluated(mechanism: Mechanism, columns: dict[str, Any], settings: _Settings) -> BlockResults:
     question, point = settings.question, settings.arguments
-    program = (question, jax.tree.structure((mechanism, columns, point)))
+    # Each device has a program of its own.
+    device = jax.config.jax_default_device  # pyright: ignore[reportAttributeAccessIssue]
+    program = (question, jax.tree.structure((mechanism, columns, point)), device)
     if program in _compiled:
         return evaluate_block(mechanism, columns, point, question)
     with _compiling:

@@ -1,8 +1,9 @@
 """A sweep on disk: a zarr store that is written block by block, and can be continued.
 
-Metadata and coordinates are written once, beforehand. A block is computed from its number alone and
-lies in chunk files of its own, each put in place as a whole, so any number of processes may write,
-also the same block twice. Its mark comes last: a block without a mark is computed again.
+Metadata and coordinates are written once, before the first block. Every block has chunk files of
+its own, and each file is written under another name and then renamed. Two processes may compute the
+same block: they write the same bytes. The mark of a block is written after its chunks; a block
+without a mark is computed again.
 """
 
 import contextlib
@@ -16,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._errors import missing_extra
-from ..process import placing_in, put_folder, real_path, temporary_folder
+from ..process import real_path, temporary_folder
 from ._labels import Variable
 from ._plan import Blocks
 
@@ -53,17 +54,6 @@ def check_store(store: str | os.PathLike[str]) -> None:
             raise ValueError(
                 f"store {path} exists and is not a zarr store; remove it or choose another path"
             )
-
-
-def write_store(dataset: "xarray.Dataset", store: str | os.PathLike[str]) -> None:
-    """Write a data set as a zarr store (format 3), under a temporary name until it is complete."""
-    path = real_path(Path(store))
-    with temporary_folder(path.parent, f".{path.name}-") as temporary:
-        new = temporary / "new"
-        # Consolidated metadata is not part of format 3, and zarr warns when it is written.
-        dataset.to_zarr(new, mode="w", zarr_format=3, consolidated=False)
-        with placing_in(path.parent):
-            put_folder(new, path, temporary / "old")
 
 
 def create_store(
@@ -126,21 +116,25 @@ def check_identity(store: Path, identity: Mapping[str, Any]) -> None:
 
     **Raises:** `ValueError` if it belongs to another one, or cannot be read.
     """
-    remedy = "remove it, choose another path, or replace it with resume=False"
+    remedy = "remove it, choose another path, or replace it with resume=False (--no-resume)"
     stored = stored_identity(store)
     if stored is None:
         raise ValueError(f"store {store} was not written by a sweep, or is damaged; {remedy}")
-    for name, value in json.loads(json.dumps(identity)).items():
-        before = stored.get(name)
-        if before == value:
+    for name, here in json.loads(json.dumps(identity)).items():
+        there = stored.get(name)
+        if there == here:
             continue
-        words = f"its {name} is {_short(before)}, not {_short(value)}"
-        if isinstance(before, dict) and isinstance(value, dict):
-            differs = [key for key in {**before, **value} if before.get(key) != value.get(key)]
-            words = f"its {name} differs in {', '.join(differs) or 'the order'}"
-        elif name == "mechanism":
+        if isinstance(there, dict) and isinstance(here, dict):
+            names = {**there, **here}
+            name, there, here = next(
+                (f"{name}: {key}", there.get(key), here.get(key))
+                for key in names
+                if there.get(key) != here.get(key)
+            )
+        words = f"{name}: there {_short(there)}, here {_short(here)}"
+        if name == "mechanism":
             words = "its mechanism has other numbers or parts"
-        raise ValueError(f"store {store} belongs to another sweep: {words}; {remedy}")
+        raise ValueError(f"store {store} belongs to another sweep ({words}); {remedy}")
 
 
 def _short(value: Any) -> str:
@@ -158,10 +152,8 @@ class BlockStore:
         self._group: Any = zarr.open_group(path, mode="r+")
         self._marks = self._group[f"{_PROGRESS}/{_DONE}"]
         self._arrays: dict[str, Any] = {}
-
-    def done(self) -> np.ndarray:
-        """Of every block, whether it is complete."""
-        return self.marks()[:, 0] != 0
+        #: Whether `finish` found every block complete.
+        self.complete = False
 
     def marks(self) -> np.ndarray:
         """Of every block: 1 if it is complete, designs that failed, designs with an error."""
@@ -182,29 +174,37 @@ class BlockStore:
             array[where] = values
         self._marks[number] = np.asarray([1, *counts], np.int32)
 
-    def finish(self) -> bool:
+    def finish(self, marks: np.ndarray) -> bool:
         """If every block is complete, write how many designs failed; whether that is so."""
-        marks = self.marks()
         if not marks[:, 0].all():
             return False
         counted = {"failed": int(marks[:, 1].sum()), "errors": int(marks[:, 2].sum())}
         if {name: self._group.attrs.get(name) for name in counted} != counted:
             self._group.attrs.update(counted)
+        self.complete = True
         return True
 
 
-@functools.lru_cache(maxsize=4)
 def opened(path: Path) -> BlockStore:
-    """The store at a path; opened once in each process that writes blocks."""
+    """The store at a path; opened once in each process that writes blocks.
+
+    A store that was removed and made again is opened again: its blocks may be of another size.
+    """
+    made = (path / _PROGRESS / "zarr.json").stat()
+    return _opened(path, made.st_ino, made.st_mtime_ns)
+
+
+@functools.lru_cache(maxsize=4)
+def _opened(path: Path, inode: int, modified: int) -> BlockStore:
     return BlockStore(path)
 
 
 @contextlib.contextmanager
-def writing(path: Path) -> Generator[BlockStore]:
+def writing(path: Path) -> Generator[BlockStore, None, None]:
     """A store that this process, or processes that it starts, write to.
 
-    Of a process that was killed, half a chunk may be left beside its place. It is removed
-    afterwards, unless another process is writing to the same store.
+    A process that was killed may leave a partly written file beside a chunk. Such files are removed
+    when the store is complete, unless another process of this machine still writes to it.
     """
     store = BlockStore(path)
     lock = None
@@ -215,7 +215,7 @@ def writing(path: Path) -> Generator[BlockStore]:
             fcntl.flock(lock, fcntl.LOCK_SH)
     try:
         yield store
-        if lock is not None and fcntl is not None:
+        if store.complete and lock is not None and fcntl is not None:
             with contextlib.suppress(OSError):
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 for left in path.rglob("*.partial"):
@@ -228,8 +228,8 @@ def writing(path: Path) -> Generator[BlockStore]:
 def open_store(store: str | os.PathLike[str]) -> "xarray.Dataset":
     """The data set of a sweep's store; values are read when they are used.
 
-    Designs that were not computed yet are NaN, with the code `not_computed`; the attribute `failed`
-    is there once all are.
+    Designs that are not computed yet are NaN and have the code `not_computed`. The data set has the
+    attribute `failed` when all designs are computed.
 
     **Raises:** `MissingExtraError` without xarray or zarr; `ValueError` if there is no store.
     """

@@ -21,7 +21,7 @@ from ..fields import Scalar
 from ..mechanism import Mechanism, find_parameters, of_one_known_design
 from ..process import placing_in, put_folder, real_path, temporary_folder
 from ..quantities import find_quantity
-from ._labels import counts_of, empty_dataset
+from ._labels import empty_dataset
 from ._plan import PlanName, blocks_of, plan_of
 from ._run import Job, run_blocks
 from ._store import (
@@ -62,8 +62,9 @@ def sweep(
 ) -> "xarray.Dataset":
     """Evaluate quantities, and their derivatives if wanted, at many designs.
 
-    The designs are computed in blocks of fixed size by one compiled program; every combination
-    of static parameters (`roller_count`) has a program of its own. A design that fails, because its
+    The designs are computed in blocks of fixed size by one compiled program. Numbers of rollers
+    from 4 on share it where the quantities allow; every other combination of whole numbers has a
+    program of its own. A design that fails, because its
     threads do not mesh, a contact would have to pull, or a value is not finite, is marked in
     `failed` and is NaN in all quantities; the other designs are not affected. A design in which
     `check` finds an error (teeth that interfere, a carrier that cuts into the screw, a load above
@@ -90,7 +91,7 @@ def sweep(
     - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
     - `chunk`: most designs in a block; default 4096, or that of the store.
     - `progress`: show a progress bar; or a function that is called with the number of finished
-      designs and the total number.
+      designs and the total number, of a shard its own.
     - `store`: directory of a zarr store.
     - `resume`: continue a store of the same sweep. If not, an existing store is replaced when the
       new one is complete.
@@ -139,51 +140,36 @@ def sweep(
     job = Job(
         mechanism, laid_out, blocks_of(laid_out.shape, size), names, parameters, point, findings
     )
-    with _progress_bar(laid_out.points, progress) as bar:
+    mine = range(shares[0] - 1, len(job.blocks), shares[1])
+    with _progress_bar(_designs(job, mine), progress) as bar:
         if store is None:
             return _in_memory(job, executor, bar)
-        return _in_store(job, real_path(Path(store)), resume, shares, executor, bar)
+        return _in_store(job, real_path(Path(store)), resume, mine, executor, bar)
 
 
-def collect(
-    mechanism: Mechanism,
-    axes: Mapping[str, Iterable[Any]],
-    quantities: Iterable[str],
-    *,
-    store: str | os.PathLike[str],
-    plan: PlanName = "grid",
-    points: int | None = None,
-    seed: int = 0,
-    gradients: Iterable[str] = (),
-    speed: float | Scalar | None = None,
-    load: float | Scalar | None = None,
-    findings: bool = True,
-) -> "xarray.Dataset":
+def collect(store: str | os.PathLike[str]) -> "xarray.Dataset":
     """Finish the store that the shards of a sweep have written; nothing is computed.
 
-    **Arguments:** as those of `sweep`.
+    **Arguments:**
+
+    - `store`: its path.
 
     **Returns:** the data set; values are read when they are used.
 
-    **Raises:** `ValueError` if there is no store, if it belongs to another sweep, or if blocks are
-    missing.
+    **Raises:** `ValueError` if there is no store of a sweep, or if blocks are missing.
     """
     path = real_path(Path(store))
     if not path.exists():
         raise ValueError(f"store {store} does not exist; run the shards first")
-    laid_out = plan_of(mechanism, axes, {"speed": speed, "load": load}, plan, points, seed)
-    blocks = blocks_of(laid_out.shape, _stored_chunk(path) or DEFAULT_CHUNK)
-    names, parameters = _names("quantities", quantities), _names("gradients", gradients)
-    job = Job(mechanism, laid_out, blocks, names, parameters, _point(speed, load), findings)
-    check_identity(path, _identity(job))
+    if stored_identity(path) is None:
+        raise ValueError(f"store {store} was not written by a sweep, or is damaged; remove it")
     with writing(path) as written:
-        missing = int((~written.done()).sum())
-        if missing:
+        marks = written.marks()
+        if not written.finish(marks):
             raise ValueError(
-                f"store {store}: {missing} of {len(blocks)} blocks are not computed yet; run the "
-                "shards that were stopped again, or the sweep without a shard"
+                f"store {store}: {int((marks[:, 0] == 0).sum())} of {len(marks)} blocks are not "
+                "computed yet; run the shards that were stopped again, or the sweep without a shard"
             )
-        written.finish()
     return open_store(path)
 
 
@@ -220,6 +206,11 @@ def _stored_chunk(store: str | os.PathLike[str] | None) -> int | None:
     return None if stored is None else stored.get("chunk")
 
 
+def _designs(job: Job, blocks: Iterable[int]) -> int:
+    """Number of designs in blocks."""
+    return sum(math.prod(job.blocks.lengths(number)) for number in blocks)
+
+
 def _in_memory(job: Job, executor: Executor | None, bar) -> "xarray.Dataset":
     variables = job.variables()
     arrays = {
@@ -228,8 +219,10 @@ def _in_memory(job: Job, executor: Executor | None, bar) -> "xarray.Dataset":
         )
         for variable in variables
     }
+    counts = np.zeros(2, int)
     for done in run_blocks(job, range(len(job.blocks)), executor):
         where = job.blocks.slices(done.number)
+        counts += done.counts
         for name, part in (done.arrays or {}).items():
             arrays[name][where] = part
         bar.update(done.designs)
@@ -237,14 +230,14 @@ def _in_memory(job: Job, executor: Executor | None, bar) -> "xarray.Dataset":
     for variable in variables:
         dimensions = (*job.plan.dimensions, *variable.own_dimensions)
         data[variable.name] = (dimensions, arrays[variable.name], variable.attributes)
-    return data.assign_attrs(counts_of(arrays["code"], arrays["error"]))
+    return data.assign_attrs(failed=int(counts[0]), errors=int(counts[1]))
 
 
 def _in_store(
     job: Job,
     path: Path,
     resume: bool,
-    shares: tuple[int, int],
+    mine: range,
     executor: Executor | None,
     bar,
 ) -> "xarray.Dataset":
@@ -253,16 +246,20 @@ def _in_store(
         data = empty_dataset(job.mechanism, job.plan, variables, job.point)
         create_store(path, data, variables, job.blocks, _identity(job))
 
+    points = _designs(job, mine)
+
     def fill(path: Path) -> None:
         with writing(path) as blocks:
-            done = blocks.done().tolist()
-            mine = range(shares[0] - 1, len(job.blocks), shares[1])
-            before = [number for number in mine if done[number]]
-            bar.update(sum(math.prod(job.blocks.lengths(number)) for number in before))
-            left = [number for number in mine if not done[number]]
+            marks = blocks.marks()
+            left = [number for number in mine if not marks[number, 0]]
+            before = points - _designs(job, left)
             for block in run_blocks(replace(job, store=path), left, executor):
-                bar.update(block.designs)
-            blocks.finish()
+                # With the first block, so that the time of the compilation is not in the rate.
+                bar.update(before + block.designs)
+                before = 0
+            if before:
+                bar.update(before)
+            blocks.finish(blocks.marks() if left else marks)
 
     if resume or not path.exists():
         if not path.exists() or not any(path.iterdir()):

@@ -106,8 +106,9 @@ def test_killed_while_it_writes(tmp_path):
     """What was there is whole after SIGKILL at random moments of writing, again and again."""
     code = """
 import pathlib, sys
+sys.path.insert(0, sys.argv[2])
 import numpy as np, xarray
-from prsm_jax.sweeps._store import write_store
+from whole_stores import write_store
 from prsm_jax.process._files import whole_file
 here, count = pathlib.Path(sys.argv[1]), 0
 while True:
@@ -124,7 +125,9 @@ while True:
     moments = random.Random(14)
     for _ in range(4):
         process = subprocess.Popen(
-            [sys.executable, "-c", code, str(tmp_path)], stdout=subprocess.PIPE, text=True
+            [sys.executable, "-c", code, str(tmp_path), str(Path(__file__).parents[1])],
+            stdout=subprocess.PIPE,
+            text=True,
         )
         assert process.stdout.readline() == "written\n"
         time.sleep(moments.uniform(0.0, 0.5))

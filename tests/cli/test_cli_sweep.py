@@ -1,5 +1,7 @@
 """The verb `sweep`: plans, stores that continue, shards, exports, workers of a Dask scheduler."""
 
+import pathlib
+
 import numpy as np
 import pandas
 import pytest
@@ -46,7 +48,7 @@ def test_another_sweep_is_refused_in_one_line(prsm, prsm_json, tmp_path):
     status, out, err = prsm(*other)
     assert (status, out) == (2, "")
     assert len(err.strip().splitlines()) == 1
-    assert "belongs to another sweep: its quantities is" in err
+    assert 'belongs to another sweep (quantities: there ["nut_speed"], here' in err
     status, _, err = prsm(*other, "--no-resume")
     assert (status, err) == (0, "")
 
@@ -62,16 +64,31 @@ def test_shards_and_their_end(prsm, prsm_json, tmp_path, monkeypatch):
     status, out, err = prsm(*words, "--collect")
     assert (status, out) == (2, "")
     assert "1 of 3 blocks are not computed yet; run the shards" in err
-    status, _, err = prsm(*words, "--shard", "1/2", "--export", tmp_path / "a.csv")
-    assert status == 2
-    assert "2 of 6 designs are not computed yet" in err
-    assert not (tmp_path / "a.csv").exists()
     assert prsm_json(*words, "--shard", "2/2")["missing"] == 0
-    results = prsm_json(*words, "--collect", "--export", tmp_path / "a.nc")
+    # The store knows its axes.
+    bare = ("sweep", "wu2022", "--out", tmp_path)
+    results = prsm_json(*bare, "--collect", "--export", tmp_path / "a.nc")
     assert (results["points"], results["missing"]) == (6, 0)
     with xarray.open_dataset(tmp_path / "a.nc") as data:
         assert data.sizes == {"lead": 3, "contact_angle": 2}
         assert not data["failed"].any()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("--axis", "lead=5 mm:15 mm:5"),
+        AXES,
+        (*AXES, "--axis", "roller_count=6,8"),
+        ("--axis", "lead=5 mm:15 mm", "--plan", "sobol", "--points", "8"),
+    ],
+)
+def test_every_sweep_has_a_picture(prsm_json, tmp_path, words):
+    results = prsm_json("sweep", "wu2022", *words, *QUANTITY, "--out", tmp_path)
+    pictures = [str(tmp_path / f"sweep-nut_speed.{ending}") for ending in ("png", "svg")]
+    assert results["pictures"] == pictures
+    for path in pictures:
+        assert pathlib.Path(path).stat().st_size > 0
 
 
 @pytest.mark.parametrize("plan", ["lhs", "sobol"])
@@ -97,7 +114,8 @@ def test_workers_of_a_dask_scheduler(prsm_json, tmp_path):
             *("--scheduler", cluster.scheduler_address),
         )
     here = prsm_json("sweep", "wu2022", *AXES, *QUANTITY, "--out", tmp_path / "here")
-    assert here | {"store": ""} == there | {"store": ""}
+    places = {"store": "", "pictures": []}
+    assert here | places == there | places
     both = [xarray.open_zarr(run["store"], consolidated=False).load() for run in (here, there)]
     xarray.testing.assert_identical(*both)
 
@@ -108,7 +126,9 @@ def test_workers_of_a_dask_scheduler(prsm_json, tmp_path):
         (("--shard", "3"), "--shard 3: must be I/N"),
         (("--shard", "0/2"), "shard is 0 of 2"),
         (("--shard", "1/2", "--no-resume"), "resume=False"),
-        (("--shard", "1/2", "--collect"), "exclude each other"),
+        (("--shard", "1/2", "--collect"), "cannot be combined; run --collect after all shards"),
+        (("--shard", "1/2", "--export", "a.csv"), "--shard and --export cannot be combined"),
+        (("--axis", "lead=6 mm,7 mm"), "--axis lead=6 mm,7 mm: lead is given twice; remove one"),
         (("--collect",), "does not exist; run the shards first"),
         (("--scheduler", "tcp://127.0.0.1:9", "--collect"), "leave out --shard and --collect"),
         (("--plan", "lhs", "--points", "4"), "takes LOWER:UPPER"),
@@ -125,6 +145,12 @@ def test_what_does_not_go_together_is_one_line(prsm, tmp_path, more, words):
     assert len(err.strip().splitlines()) == 1
     assert words in err
     assert not (tmp_path / "o").exists()
+
+
+def test_without_an_axis(prsm, tmp_path):
+    status, out, err = prsm("sweep", "wu2022", *QUANTITY, "--out", tmp_path / "o")
+    assert (status, out) == (2, "")
+    assert "--axis is missing; give at least one" in err
 
 
 def test_the_line_of_progress_has_a_rate_and_the_time_left(monkeypatch):

@@ -23,6 +23,7 @@ from prsm_jax.report import (
     optimisation_chart,
     sensitivity_bars,
     shaft_limits_chart,
+    sweep_figure,
     sweep_map,
 )
 from prsm_jax.strength import LoadSpectrum, buckling_load, permissible_speed
@@ -181,6 +182,158 @@ def test_sweeps_name_no_design_with_an_error_the_best():
     best = np.unravel_index(np.nanargmin(np.where(flawed, np.nan, values)), values.shape)
     chart.curve(axes, star, lead[best[0]], angle[best[1]], ("m", "rad"))
     chart.says("smallest: ", (values[best], "Pa"))
+
+
+def _coded(data, quantity):
+    """The codes of a sweep: designs without a number failed, one of the others has an error."""
+    own = [d for d in data[quantity].dims if d == "mode"]
+    first = data[quantity].isel(dict.fromkeys(own, 0))
+    error = np.zeros(first.shape, np.int8)
+    error.ravel()[np.flatnonzero(np.isfinite(first.values.ravel()))[-1]] = 2
+    codes = {"code": (first.dims, np.isnan(first.values).astype(np.int8))}
+    return data.assign(codes | {"error": (first.dims, error)})
+
+
+def _frequencies(dimension, axes):
+    import xarray
+
+    length = len(next(iter(axes.values()))[0])
+    values = np.outer(np.linspace(1.0, 1.5, length), [210.0, 4300.0])
+    values[2] = np.nan
+    data = xarray.Dataset(
+        {"frequencies": ((dimension, "mode"), values, {"units": "Hz"})},
+        {name: (dimension, one, {"units": unit}) for name, (one, unit) in axes.items()},
+    )
+    return _coded(data, "frequencies")
+
+
+def _crosses(chart, axes, line, expected, unit):
+    """Crosses on the lower edge."""
+    np.testing.assert_allclose(chart.si(axes, "x", x_data(line), unit), expected)
+    np.testing.assert_array_equal(np.asarray(line.get_ydata()), np.zeros(len(expected)))
+    assert line.get_transform() == axes.get_xaxis_transform()
+    chart.take(line)
+
+
+@reads("chart", "sweep_figure")
+def test_sweeps_over_one_axis():
+    """A line for each mode."""
+    lead = np.linspace(5e-3, 20e-3, 6)
+    data = _frequencies("lead", {"lead": (lead, "m")})
+    chart = Chart(sweep_figure(data, "frequencies"))
+    (axes,) = chart.axes
+    first, second, crosses, dots = chart.lines(axes)
+    for line, mode in ((first, 0), (second, 1)):
+        values = data["frequencies"].values[:, mode]
+        known = np.isfinite(values)
+        assert list(np.isfinite(np.asarray(line.get_ydata(), float))) == list(known)
+        x, y = np.asarray(line.get_xdata(), float), np.asarray(line.get_ydata(), float)
+        np.testing.assert_allclose(chart.si(axes, "x", x, "m"), lead)
+        np.testing.assert_allclose(chart.si(axes, "y", y[known], "Hz"), values[known])
+        assert line.get_label() == f"mode {mode + 1}"
+        chart.take(line)
+    _crosses(chart, axes, crosses, lead[[2]], "m")
+    chart.curve(axes, dots, lead[[5, 5]], data["frequencies"].values[5], ("m", "Hz"))
+    assert handles(chart.figure) == ["mode 1", "mode 2", "failed", "error of prsm check"]
+    chart.text("mode 1")
+    chart.text("mode 2")
+    chart.finish()
+
+
+def test_sweeps_over_a_list_of_designs():
+    """Each mode against each axis."""
+    axes = {
+        "lead": (np.array([9e-3, 5e-3, 7e-3, 6e-3, 8e-3]), "m"),
+        "contact_angle": (np.radians([40.0, 45.0, 30.0, 60.0, 50.0]), "rad"),
+    }
+    data = _frequencies("design", axes)
+    chart = Chart(sweep_figure(data, "frequencies"))
+    known = [0, 1, 3, 4]
+    for panel, (name, (values, unit)) in zip(chart.axes, axes.items(), strict=True):
+        first, second, crosses, dots = chart.lines(panel)
+        for line, mode in ((first, 0), (second, 1)):
+            x, y = np.asarray(line.get_xdata(), float), np.asarray(line.get_ydata(), float)
+            np.testing.assert_allclose(chart.si(panel, "x", x, unit), values)
+            label = label_unit(chart.axes[0].get_ylabel())
+            expected = data["frequencies"].values[known, mode]
+            np.testing.assert_allclose(to_si(y[known], label), expected)
+            assert np.isnan(y[2])
+        assert panel.get_xlabel().startswith(name.replace("_", " "))
+        _crosses(chart, panel, crosses, values[[2]], unit)
+        np.testing.assert_allclose(chart.si(panel, "x", x_data(dots), unit), values[[4, 4]])
+
+
+def test_sweeps_over_three_axes():
+    """Panels at six of nine loads; the star in that of the best design without an error."""
+    import xarray
+
+    lead, angle = np.linspace(5e-3, 20e-3, 7), np.radians(np.linspace(30, 60, 6))
+    load = np.linspace(3e3, 11e3, 9)
+    size = np.multiply.outer(np.sin(100 * lead), np.cos(angle))[..., None]
+    values = 1.9e9 + 1e9 * size + 2e8 * (load / 1e3 - 7) ** 2
+    values[0, :2] = np.nan
+    data = xarray.Dataset(
+        {"max_pressure": (("lead", "contact_angle", "load"), values, {"units": "Pa"})},
+        {
+            "lead": ("lead", lead, {"units": "m"}),
+            "contact_angle": ("contact_angle", angle, {"units": "rad"}),
+            "load": ("load", load, {"units": "N"}),
+        },
+    )
+    flawed = np.unravel_index(np.nanargmin(values), values.shape)
+    error = np.zeros(values.shape, np.int8)
+    error[flawed] = 2
+    dimensions = data["max_pressure"].dims
+    data["code"] = (dimensions, np.isnan(values).astype(np.int8))
+    data["error"] = (dimensions, error)
+    best = np.unravel_index(np.nanargmin(np.where(error > 0, np.nan, values)), values.shape)
+    assert load[best[2]] == 7e3
+    chart = Chart(sweep_figure(data, "max_pressure", sense="minimise"))
+    *panels, bar = chart.axes
+    label = label_unit(bar.get_ylabel())
+    # Six equal steps miss the best load; the nearest of them gives way to it.
+    shown = [float(numbers(panel.get_title(loc="left"))[0].value) for panel in panels]
+    assert len(shown) == 6
+    assert {3.0, 7.0, 11.0} <= set(shown)
+    for panel, kilonewtons in zip(panels, shown, strict=True):
+        index = int(np.flatnonzero(np.isclose(load, 1e3 * kilonewtons))[0])
+        assert_reads(panel.get_title(loc="left").removeprefix("load "), (load[index], "N"))
+        filled, plane = panel.collections[0], values[..., index]
+        levels = to_si(levels_of(filled), label)
+        # All panels have one scale.
+        assert levels[0] <= np.nanmin(values) <= levels[1]
+        assert levels[-2] <= np.nanmax(values) <= levels[-1]
+        for i, k in np.ndindex(5, 3):
+            i, k = i + 1, k + 2
+            band = int(np.searchsorted(levels, plane[i, k])) - 1
+            place = 1e3 * float(lead[i]), math.degrees(float(angle[k]))
+            assert filled.get_paths()[band].contains_point(place)
+        marks = {line.get_marker(): line for line in chart.lines(panel)}
+        assert ("*" in marks, "." in marks) == (index == best[2], index == flawed[2])
+        np.testing.assert_allclose(to_si(x_data(marks["x"]), "mm"), [5e-3, 5e-3])
+        np.testing.assert_allclose(to_si(np.sort(marks["x"].get_ydata()), "deg"), angle[:2])
+        for mark, where in (("*", best), (".", flawed)):
+            if mark in marks:
+                x, y = x_data(marks[mark]), np.asarray(marks[mark].get_ydata())
+                np.testing.assert_allclose(to_si(x, "mm"), lead[[where[0]]])
+                np.testing.assert_allclose(to_si(y, "deg"), angle[[where[1]]])
+    (star,) = [word for word in handles(chart.figure) if word.startswith("smallest: ")]
+    assert_reads(star.removeprefix("smallest: "), (values[best], "Pa"))
+
+
+def test_sweeps_of_many_designs_are_thinned():
+    """Every third lead and every third angle; the values stay with their designs."""
+    import xarray
+
+    lead, angle = np.linspace(5e-3, 20e-3, 1200), np.linspace(0.6, 1.0, 1300)
+    values = np.multiply.outer(lead, angle)
+    data = xarray.Dataset(
+        {"mass": (("lead", "contact_angle"), values, {"units": "kg"})},
+        {"lead": ("lead", lead, {"units": "m"}), "contact_angle": ("contact_angle", angle)},
+    )
+    data["code"] = (("lead", "contact_angle"), np.zeros(values.shape, np.int8))
+    star = Chart(sweep_figure(data, "mass")).axes[0].lines[-1]
+    np.testing.assert_allclose(x_data(star), [1e3 * lead[1197]])
 
 
 @reads("chart", "life_chart")

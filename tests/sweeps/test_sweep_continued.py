@@ -5,18 +5,20 @@ import contextlib
 import json
 import multiprocessing
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import textwrap
 from typing import Any
 
+import jax
 import numpy as np
 import pytest
 import xarray
 
 import prsm_jax as prsm
-from prsm_jax.sweeps import _run, _sweep, open_store, sweep
+from prsm_jax.sweeps import _run, _sweep, collect, count_codes, open_store, sweep
 from prsm_jax.sweeps._store import BlockStore
 
 QUANTITIES = ["nut_radius", "nut_speed"]
@@ -121,6 +123,7 @@ def test_a_killed_run_continues_where_it_stopped(tmp_path, expected, counted):
     before = np.flatnonzero(open_done(store))
     assert 0 < len(before) < 12
     partly = open_store(store)
+    assert count_codes(partly).missing >= 4
     assert "failed" not in partly.attrs
     missing = partly["code"] == partly["code"].attrs["flag_meanings"].split().index("not_computed")
     # A block can be written and its mark not yet.
@@ -251,20 +254,21 @@ def test_dask_workers_one_of_them_killed(tmp_path, expected):
 @pytest.mark.parametrize(
     ("more", "words"),
     [
-        ({"axes": AXES | {"lead": np.linspace(6e-3, 13e-3, 4)}}, "axes differs in lead"),
-        ({"axes": {"lead": AXES["lead"]}}, "points is 48, not 4"),
-        ({"chunk": 5, "axes": AXES | {"contact_angle": [0.7, 0.8]}}, "points is 48, not 32"),
-        ({"chunk": 12}, "chunk is 4, not 12"),
-        ({"gradients": ["lead"]}, r"gradients is \[\], not \[\"lead\"\]"),
-        ({"findings": True}, "findings is false, not true"),
-        ({"speed": 5.0}, "point differs in speed"),
+        ({"axes": AXES | {"lead": np.linspace(6e-3, 13e-3, 4)}}, "axes: lead: there .*, here .*"),
+        ({"axes": {"lead": AXES["lead"]}}, "points: there 48, here 4"),
+        ({"chunk": 5, "axes": AXES | {"contact_angle": [0.7, 0.8]}}, "points: there 48, here 32"),
+        ({"chunk": 12}, "chunk: there 4, here 12"),
+        ({"gradients": ["lead"]}, r"gradients: there \[\], here \[\"lead\"\]"),
+        ({"findings": True}, "findings: there false, here true"),
+        ({"speed": 5.0}, "point: speed: there null, here 5.0"),
     ],
 )
 def test_a_store_of_another_sweep_is_refused(tmp_path, more, words):
     store = tmp_path / "a.zarr"
     run(store)
     before = contents(store)
-    with pytest.raises(ValueError, match=f"belongs to another sweep: its {words}.*resume=False"):
+    remedy = r"resume=False \(--no-resume\)"
+    with pytest.raises(ValueError, match=rf"belongs to another sweep \({words}\).*{remedy}"):
         run(store, **more)
     assert contents(store) == before
 
@@ -276,7 +280,7 @@ def test_stores_of_other_mechanisms_and_versions_are_refused(tmp_path, monkeypat
     with pytest.raises(ValueError, match="its mechanism has other numbers"):
         run(store, mechanism=other)
     monkeypatch.setattr(_sweep, "__version__", "99.0")
-    with pytest.raises(ValueError, match=r'its prsm_jax is .* not "99.0"'):
+    with pytest.raises(ValueError, match=r'prsm_jax: there .*, here "99.0"'):
         run(store)
 
 
@@ -337,6 +341,75 @@ def test_a_block_that_cannot_be_written_has_no_mark(tmp_path):
     good = {"nut_speed": np.zeros((1, 1, 4))}
     with pytest.raises(ValueError, match=r"shape|broadcast"):
         blocks.write(0, where, good | {"code": np.zeros((1, 7, 3), np.int8)}, (0, 0))
-    assert not blocks.done()[0]
+    assert not blocks.marks()[0, 0]
     blocks.write(0, where, good, (0, 0))
-    assert blocks.done()[0]
+    assert blocks.marks()[0, 0]
+
+
+def test_a_store_that_was_removed_and_made_again_has_its_own_blocks(tmp_path):
+    """In one process: blocks of twelve designs go where those of four designs were."""
+    store = tmp_path / "a.zarr"
+    run(store)
+    shutil.rmtree(store)
+    again = run(store, chunk=12)
+    xarray.testing.assert_identical(again.load(), run(None, chunk=12))
+
+
+def test_parts_of_chunks_stay_while_blocks_are_missing(tmp_path):
+    """Another machine, whose locks this one may not see, can still be writing them."""
+    store = tmp_path / "a.zarr"
+    run(store, shard=(1, 2))
+    part = store / "nut_speed" / "c" / "0.3f.partial"
+    part.write_bytes(b"half")
+    run(store, shard=(1, 2))
+    assert part.exists()
+    run(store, shard=(2, 2))
+    assert not part.exists()
+
+
+def test_progress_of_a_shard_and_of_a_run_that_continues(tmp_path):
+    """A shard counts its own designs; what was there before comes with the first block."""
+    store, told = tmp_path / "a.zarr", []
+
+    def tell(done, total):
+        told.append((done, total))
+
+    run(store, shard=(1, 3), progress=tell)
+    assert told == [(4, 16), (8, 16), (12, 16), (16, 16)]
+    (store / "progress" / "done" / "c" / "0" / "0").unlink()
+    told.clear()
+    run(store, progress=tell)
+    # Three blocks of the shard are there.
+    assert (told[0], told[-1], len(told)) == ((16, 48), (48, 48), 9)
+
+
+def test_shards_are_collected_from_the_store_alone(tmp_path):
+    store = tmp_path / "a.zarr"
+    run(store, shard=(1, 2))
+    with pytest.raises(ValueError, match="6 of 12 blocks are not computed yet"):
+        collect(store)
+    run(store, shard=(2, 2))
+    assert collect(store).attrs["failed"] == 0
+    with pytest.raises(ValueError, match="does not exist; run the shards"):
+        collect(tmp_path / "b.zarr")
+    (store / "progress" / "zarr.json").unlink()
+    with pytest.raises(ValueError, match="not written by a sweep"):
+        collect(store)
+
+
+def test_a_device_compiles_a_program_of_its_own(monkeypatch):
+    """Another device waits for its program as the first one did."""
+    monkeypatch.setattr(_run, "_compiled", set())
+    run(None)
+    with jax.default_device(jax.devices()[0]):
+        run(None, executor=_Here())
+    assert len(_run._compiled) == 2
+
+
+class _Here(concurrent.futures.Executor):
+    """Computes at once, in this thread."""
+
+    def submit(self, fn, /, *args, **kwargs):
+        future: concurrent.futures.Future[Any] = concurrent.futures.Future()
+        future.set_result(fn(*args, **kwargs))
+        return future

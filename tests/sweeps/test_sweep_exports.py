@@ -1,6 +1,7 @@
 """Exports, read back with the libraries of those who will read them."""
 
 import json
+import sys
 
 import numpy as np
 import openpyxl
@@ -10,6 +11,7 @@ import pytest
 import scenes
 import xarray
 
+import prsm_jax as prsm
 from prsm_jax.sweeps import _export, export, sweep
 
 AXES = {
@@ -141,3 +143,33 @@ def test_errors_name_the_file(tmp_path, data, monkeypatch):
     with pytest.raises(ValueError, match=r"12 designs are more than the 11 rows.*parquet"):
         export(data, tmp_path / "a.xlsx")
     assert json.dumps(list(tmp_path.iterdir())) == "[]"
+
+
+@pytest.mark.parametrize(
+    ("ending", "library"), [(".xlsx", "openpyxl"), (".parquet", "pyarrow"), (".nc", "h5netcdf")]
+)
+def test_a_library_that_is_missing_names_the_extra(tmp_path, data, monkeypatch, ending, library):
+    monkeypatch.setitem(sys.modules, library, None)
+    with pytest.raises(prsm.MissingExtraError, match=r"prsm-jax\[export\]"):
+        export(data, tmp_path / f"a{ending}")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_pieces_of_a_long_second_axis_are_small(data, monkeypatch):
+    """A piece holds no more designs than it may, whichever axis is the long one."""
+    monkeypatch.setattr(_export, "_PIECE", 3)
+    designs = _export._design_dimensions(data)
+    tables = list(_export._pieces(data, _export._columns(data, designs), designs))
+    assert {len(table) for table in tables} == {2}
+    leads = np.concatenate([table["lead [m]"] for table in tables])
+    np.testing.assert_array_equal(leads, [row[0] for row in ROWS])
+
+
+def test_infinities_are_empty_cells_of_excel(tmp_path, data):
+    changed = data.copy(deep=True)
+    changed["nut_speed"][0, 0, 0], changed["nut_speed"][0, 0, 1] = np.inf, -np.inf
+    export(changed, tmp_path / "a.xlsx")
+    head, *rows = list(openpyxl.load_workbook(tmp_path / "a.xlsx")["designs"].values)
+    place = head.index("nut_speed [m/s]")
+    assert [row[place] for row in rows[:2]] == [None, None]
+    assert rows[4][place] == pytest.approx(float(changed["nut_speed"][1, 0, 0]))

@@ -1,7 +1,9 @@
 """Plans: which designs there are, how they are cut into blocks, and derivatives at each."""
 
+import dataclasses
 import itertools
 import math
+from typing import Any
 
 import hypothesis
 import hypothesis.strategies as st
@@ -12,7 +14,7 @@ from scipy.stats import qmc
 
 import prsm_jax as prsm
 from prsm_jax.mechanism import find_parameters
-from prsm_jax.sweeps import sweep
+from prsm_jax.sweeps import _run, sweep
 from prsm_jax.sweeps._plan import blocks_of
 
 SHAPES = st.lists(st.integers(1, 12), min_size=1, max_size=3).map(tuple)
@@ -64,7 +66,8 @@ def test_spread_designs(kind):
         return sweep(scenes.mechanism(), limits, ["nut_radius"], plan=kind, points=12, **more)
 
     data = spread(seed=3)
-    assert dict(data.sizes) == {"design": 12, "stage": 1} or dict(data.sizes) == {"design": 12}
+    # Each stage has a nut.
+    assert dict(data.sizes) == {"design": 12, "stage": 1}
     assert set(data["roller_count"].values) == {6, 7, 8, 9}
     for name in ("lead", "contact_angle"):
         values = data[name].values
@@ -151,6 +154,95 @@ def test_blocks_of_unequal_whole_numbers_share_programs():
     base = scenes.mechanism().stages[0].roller_count
     expected = per_roller * base / 12 * axes["operating_point.load"] / np.array(counts)
     np.testing.assert_allclose(data["contact_force"][:, 0], expected, rtol=1e-12)
+
+
+def _rollers(analysis):
+    """Needs a program for each number of rollers: a Python loop over them."""
+    stage = analysis.mechanism.stages[0]
+    return sum(stage.thread.lead for _ in range(stage.roller_count))
+
+
+@pytest.mark.parametrize("kind", ["list", "sobol"])
+def test_whole_numbers_compute_few_designs_more_than_asked_for(monkeypatch, own_quantities, kind):
+    """Of eight groups in a block none is filled to the size of the block."""
+    own_quantities("rollers", _rollers)
+    computed, evaluate = [], _run.evaluate_block
+
+    def counting(mechanism, columns, point, question):
+        computed.append(question.size)
+        return evaluate(mechanism, columns, point, question)
+
+    monkeypatch.setattr(_run, "evaluate_block", counting)
+    counts = np.arange(5, 13)
+    axes: dict[str, Any] = {"lead": np.linspace(6e-3, 14e-3, 2000)}
+    axes["roller_count"] = np.resize(counts, 2000)
+    more: dict[str, Any] = {}
+    if kind == "sobol":
+        axes, more = {"lead": (6e-3, 14e-3), "roller_count": (5, 12)}, {"points": 2000}
+    plan: Any = kind
+    data = sweep(scenes.mechanism(), axes, ["rollers"], plan=plan, findings=False, **more)
+    expected = data["lead"].values * data["roller_count"].values
+    np.testing.assert_allclose(data["rollers"].values, expected, rtol=1e-12)
+    # Each of eight groups is filled by less than one call of 250 designs.
+    assert 2000 <= sum(computed) < 2000 + 8 * 250
+
+
+@pytest.mark.parametrize("plan", ["grid", "list"])
+def test_numbers_of_rollers_share_a_program(own_quantities, plan):
+    """From four rollers on, the number is data; three have no roller modes, and their own program.
+
+    Against sweeps over the other axis alone, whose program contains the number.
+    """
+    traces = []
+
+    def counted(analysis):
+        traces.append(analysis.mechanism.stages[0].roller_count)
+        return analysis.mechanism.stages[0].thread.lead
+
+    own_quantities("counted", counted)
+    wu = scenes.example("wu2022")
+    names = (
+        *("counted", "contact_force", "max_pressure", "transverse_frequencies"),
+        *("torsional_frequencies", "lowest_mesh_torsional_frequency", "carrier_frequency"),
+        *("mass", "roller_clearance"),
+    )
+    leads, counts = [8e-3, 9e-3], [3, 4, 7, 10]
+    axes: dict[str, Any] = {"roller_count": counts, "lead": leads}
+    if plan == "list":
+        axes = {"roller_count": np.repeat(counts, 2), "lead": np.tile(leads, 4)}
+    data = sweep(wu, axes, names, plan=plan)
+    assert sorted(isinstance(count, int) for count in traces) == [False, True]
+    for index, count in enumerate(counts):
+        one = prsm.set_parameter(wu, "roller_count", count)
+        alone = sweep(one, {"lead": leads}, names)
+        here = (
+            {"roller_count": index}
+            if plan == "grid"
+            else {"design": slice(2 * index, 2 * index + 2)}
+        )
+        for name in (*names, "code", "error"):
+            np.testing.assert_allclose(
+                data[name].isel(here).values, alone[name].values, rtol=1e-13, err_msg=name
+            )
+
+
+def test_what_needs_the_number_of_rollers_has_a_program_for_each(own_quantities):
+    own_quantities("rollers", _rollers)
+    counts = [4, 6, 9]
+    data = sweep(scenes.mechanism(), {"roller_count": counts, "lead": [8e-3]}, ["rollers"])
+    np.testing.assert_allclose(data["rollers"][:, 0], 8e-3 * np.array(counts), rtol=1e-13)
+
+
+def test_unequal_rollers_have_a_program_for_each_number():
+    wu = scenes.example("wu2022")
+    worn = prsm.mechanism.UnequalRoller(2, stiffness_factor=0.5)
+    stage = dataclasses.replace(wu.stages[0], unequal_roller=(worn,))
+    worn_wu = dataclasses.replace(wu, stages=(stage,))
+    data = sweep(worn_wu, {"roller_count": [5, 6]}, ["lowest_torsional_frequency"], findings=False)
+    for index, count in enumerate((5, 6)):
+        one = prsm.set_parameter(worn_wu, "roller_count", count)
+        expected = prsm.compute(one, ["lowest_torsional_frequency"])["lowest_torsional_frequency"]
+        np.testing.assert_allclose(data["lowest_torsional_frequency"][index], expected, rtol=1e-10)
 
 
 def test_jax_is_asked_for_one_program(own_quantities):

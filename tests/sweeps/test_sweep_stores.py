@@ -3,6 +3,7 @@
 import contextlib
 import json
 import os
+import pathlib
 import resource
 import signal
 import stat
@@ -14,10 +15,11 @@ import time
 import numpy as np
 import pytest
 import xarray
+from whole_stores import write_store
 
 from prsm_jax.process import _files, _placing
 from prsm_jax.process._files import whole_file
-from prsm_jax.sweeps._store import check_store, write_store
+from prsm_jax.sweeps._store import check_store
 
 
 def _data(number, size=64):
@@ -88,11 +90,13 @@ def test_the_folder_of_a_store_may_go_meanwhile(tmp_path):
     assert _numbers(tmp_path / "gone" / "a.zarr") == {1}
 
 
+_TESTS = str(pathlib.Path(__file__).parents[1])
 _WRITER = """
     import pathlib, sys
+    sys.path.insert(0, sys.argv[3])
     import numpy as np, xarray
     from prsm_jax.process._files import whole_file
-    from prsm_jax.sweeps._store import write_store
+    from whole_stores import write_store
     folder, number = pathlib.Path(sys.argv[1]), int(sys.argv[2])
     sys.stdin.readline()
     for _ in range(8):
@@ -107,7 +111,7 @@ def test_two_processes_write_one_store(tmp_path):
     """The store and the file are at every moment those of one of them."""
     writers = [
         subprocess.Popen(
-            [sys.executable, "-c", textwrap.dedent(_WRITER), str(tmp_path), str(number)],
+            [sys.executable, "-c", textwrap.dedent(_WRITER), str(tmp_path), str(number), _TESTS],
             stdin=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,

@@ -183,11 +183,14 @@ def test_given_operating_point():
 def test_store_round_trip(tmp_path):
     store = tmp_path / "grid.zarr"
     axes = {"lead": [8e-3, 9e-3], "contact_angle": [0.7, 0.8, 0.9]}
-    data = sweep(mechanism(), axes, ["nut_radius", "nut_speed"], store=store)
+    names = ["nut_radius", "nut_speed"]
+    in_memory = sweep(mechanism(), axes, names)
+    xarray.testing.assert_identical(sweep(mechanism(), axes, names, store=store).load(), in_memory)
     with xarray.open_zarr(store, consolidated=False) as read:
-        xarray.testing.assert_identical(read.load(), data)
+        xarray.testing.assert_identical(read.load(), in_memory)
     # Another sweep takes the place of the first if it may, and leaves nothing beside it.
-    second = sweep(mechanism(), {"lead": [8e-3]}, ["nut_speed"], store=store, resume=False)
+    sweep(mechanism(), {"lead": [8e-3]}, ["nut_speed"], store=store, resume=False)
+    second = sweep(mechanism(), {"lead": [8e-3]}, ["nut_speed"])
     with xarray.open_zarr(store, consolidated=False) as read:
         xarray.testing.assert_identical(read.load(), second)
     assert [path.name for path in tmp_path.iterdir()] == ["grid.zarr"]

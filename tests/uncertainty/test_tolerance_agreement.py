@@ -125,7 +125,7 @@ def test_the_verb_finds_the_tolerances_of_least_cost(
     mechanism = prsm.load(str(file_with_tolerances))
     expected = allocate_tolerances(mechanism, 0.97, verify=False)
     monkeypatch.setattr(
-        "prsm_jax.cli.verbs._tolerance.allocate_tolerances",
+        "prsm_jax.uncertainty.allocate_tolerances",
         functools.partial(allocate_tolerances, verify=False),
     )
     arguments = ["tolerance", str(file_with_tolerances), "--method", "first_order"]

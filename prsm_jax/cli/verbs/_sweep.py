@@ -9,11 +9,12 @@ from cyclopts import Parameter
 from ..._errors import PrsmError, missing_extra
 from ...mechanism import Mechanism
 from ...process import folder_for_results
-from ...quantities import assumptions
+from ...quantities import assumptions, catalogue
 from ...sweeps import (
     PlanName,
     check_export,
     collect as collect_blocks,
+    count_codes,
     export as run_export,
     sweep as run_sweep,
 )
@@ -54,6 +55,17 @@ def _axis(mechanism: Mechanism, text: str, plan: str) -> tuple[str, np.ndarray]:
     return name, np.linspace(value(parts[0]), value(parts[1]), int(parts[2]))
 
 
+def _axes(mechanism: Mechanism, texts: list[str], plan: str) -> dict[str, np.ndarray]:
+    """All axes; an axis that is given twice is refused."""
+    axes: dict[str, np.ndarray] = {}
+    for text in texts:
+        name, values = _axis(mechanism, text, plan)
+        if name in axes:
+            raise PrsmError(f"--axis {text}: {name} is given twice; remove one")
+        axes[name] = values
+    return axes
+
+
 def _shard(text: str | None) -> tuple[int, int] | None:
     """`I/N`."""
     if text is None:
@@ -62,14 +74,6 @@ def _shard(text: str | None) -> tuple[int, int] | None:
     if not (slash and first.strip().isdigit() and second.strip().isdigit()):
         raise PrsmError(f"--shard {text}: must be I/N with 1 ≤ I ≤ N, such as 3/16")
     return int(first), int(second)
-
-
-def _counted(codes: Any) -> dict[str, int]:
-    """Number of designs with each code other than 0, by its meaning."""
-    meanings = codes.attrs["flag_meanings"].split()
-    distinct, counts = np.unique(codes.values, return_counts=True)
-    pairs = zip(distinct.astype(int), counts, strict=True)
-    return {meanings[code]: int(count) for code, count in pairs if code}
 
 
 def _listed(counts: dict[str, int]) -> str:
@@ -81,13 +85,13 @@ def sweep(
     file: str,
     *,
     axis: Annotated[
-        list[str],
+        list[str] | None,
         Parameter(
             negative="",
             help="NAME=FIRST:LAST:COUNT or NAME=VALUE,VALUE,…, such as 'lead=5 mm:15 mm:11'; "
-            "with --plan lhs or sobol NAME=LOWER:UPPER. May be repeated.",
+            "with --plan lhs or sobol NAME=LOWER:UPPER. Repeat it for further axes.",
         ),
-    ],
+    ] = None,
     quantities: Annotated[
         str, Parameter(help="Names from `prsm quantities`, separated by commas.")
     ] = "efficiency,max_pressure",
@@ -106,7 +110,9 @@ def sweep(
     seed: Annotated[int, Parameter(help="Seed of lhs and sobol.")] = 0,
     resume: Annotated[
         bool,
-        Parameter(help="Continue the store of the same sweep, or replace what is there."),
+        Parameter(
+            help="Continue the store of the same sweep. --no-resume replaces the store in --out."
+        ),
     ] = True,
     shard: Annotated[
         str | None,
@@ -116,7 +122,12 @@ def sweep(
         ),
     ] = None,
     collect: Annotated[
-        bool, Parameter(negative="", help="Compute nothing; finish the store of all shards.")
+        bool,
+        Parameter(
+            negative="",
+            help="Compute nothing; finish the store that all shards have written. The store knows "
+            "its axes and quantities.",
+        ),
     ] = False,
     scheduler: Annotated[
         str | None,
@@ -133,25 +144,31 @@ def sweep(
     """Quantities at many designs, into a zarr store in --out (default out).
 
     The store is written block by block. A run that was stopped continues with the same command, and
-    a finished one is not computed again.
+    a finished one is not computed again. With --out, each quantity has a picture beside it.
 
     Example: prsm sweep actuator --axis "lead=5 mm:15 mm:21" --quantities efficiency,mass
     """
     common.check_targets("out")
     part = _shard(shard)
     if collect and part is not None:
-        raise PrsmError("--collect and --shard exclude each other: collect when all shards ended")
+        raise PrsmError("--collect and --shard cannot be combined; run --collect after all shards")
     if scheduler is not None and (part is not None or collect):
         raise PrsmError("--scheduler computes the whole sweep; leave out --shard and --collect")
     files = export or []
+    if part is not None and files:
+        raise PrsmError(
+            "--shard and --export cannot be combined; run --collect with --export after all shards"
+        )
+    if not (axis or collect):
+        raise PrsmError("--axis is missing; give at least one, such as --axis 'lead=5 mm:15 mm:11'")
     for path in files:
         check_export(path)
     mechanism = common.load(file)
-    axes = dict(_axis(mechanism, text, plan) for text in axis)
+    axes = _axes(mechanism, axis or [], plan)
     names = words_of(quantities) or []
     folder = Path("out") if common.out is None else common.out
     store = folder / f"{Path(file).stem}-sweep.zarr"
-    if not collect:
+    if not collect and scheduler is None:
         # Programs with other whole numbers are announced when they are compiled.
         expect_programs("evaluate_chunk")
     options: dict[str, Any] = {
@@ -159,11 +176,12 @@ def sweep(
         "points": points,
         "seed": seed,
         "gradients": words_of(gradients) or [],
-        "store": store,
     }
     with folder_for_results(folder):
         if collect:
-            data = collect_blocks(mechanism, axes, names, **options)
+            data = collect_blocks(store)
+            known = {entry.name for entry in catalogue()}
+            names = [str(name) for name in data.data_vars if name in known]
         else:
             with _executor(scheduler) as executor:
                 data = run_sweep(
@@ -171,22 +189,16 @@ def sweep(
                     axes,
                     names,
                     **options,
+                    store=store,
                     progress=Counter("designs"),
                     resume=resume,
                     shard=part,
                     executor=executor,
                 )
-    total, codes = int(data.attrs["points"]), data["code"].load()
-    reasons = _counted(codes)
-    missing = reasons.pop("not_computed", 0)
-    failed = int(data["failed"].sum()) - missing
-    errors = _counted(data["error"].where(~data["failed"], 0))
+    total = int(data.attrs["points"])
+    missing, reasons, errors = count_codes(data)
+    failed = sum(reasons.values())
     rests_on = assumptions(mechanism, names)
-    if missing and files:
-        raise PrsmError(
-            f"--export: {missing} of {total} designs are not computed yet; run the other shards, "
-            "then --collect with --export"
-        )
     for path in files:
         doing(f"writing {path.name}")
         run_export(data, path, rests_on)
@@ -216,12 +228,15 @@ def sweep(
         "findings": list(dict.fromkeys(f.name for f in findings if f.severity != "note")),
         "valid": failed < total - missing,
     }
-    if common.out is not None and not missing and plan == "grid" and len(axes) == 2:
-        from ...report import save_figure, sweep_map
+    if common.out is not None and not missing and total > 1 and failed < total:
+        from ...report import save_figure, sweep_figure
 
-        for name in names:
-            if data[name].ndim == 2:
-                save_figure(sweep_map(data, name), common.out / f"sweep-{name}")
+        doing("drawing")
+        results["pictures"] = [
+            str(path)
+            for name in names
+            for path in save_figure(sweep_figure(data, name), common.out / f"sweep-{name}")
+        ]
     emit(common, results, text, rests_on)
     return 0
 

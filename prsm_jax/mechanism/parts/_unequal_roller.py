@@ -5,11 +5,13 @@ from ...fields import (
     POSITIVE,
     ROLLER_NUMBER,
     SLANT,
+    CountOrTraced,
     Limited,
     OptionalNumber,
     Scalar,
     choice,
     optional_number,
+    plain,
 )
 
 
@@ -89,7 +91,9 @@ def check_unequal_rollers(rollers: tuple[UnequalRoller, ...], roller_count: int)
         raise ValueError(f"all {roller_count} rollers are missing; leave at least one")
 
 
-def total_factor(rollers: tuple[UnequalRoller, ...], roller_count: int, name: str) -> Scalar | int:
+def total_factor(
+    rollers: tuple[UnequalRoller, ...], roller_count: CountOrTraced, name: str
+) -> Scalar | int:
     """Sum of a factor over the rollers present; 1 for each roller without it.
 
     **Arguments:**
@@ -100,7 +104,7 @@ def total_factor(rollers: tuple[UnequalRoller, ...], roller_count: int, name: st
 
     **Returns:** an integer if no roller has such a factor, so that nothing is traced.
     """
-    total: Scalar | int = roller_count
+    total: Scalar | int = plain(roller_count)
     for roller in rollers:
         factor = 0 if roller.missing else getattr(roller, name)
         if factor is not None:

@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Inexact
 
+from ...fields import plain
 from ._assembly import coordinates
 from ._spring_network import Coordinate
 from ._system import VibrationSystem
@@ -25,7 +26,7 @@ def harmonic_shapes(
     - `harmonic`: 0, 1, or 2 for all higher ones.
     - `amplitudes`: by the coordinates of the harmonic network.
     """
-    count, position = system.roller_count, system.roller_positions
+    count, position = plain(system.roller_count), system.roller_positions
     modes = next(iter(amplitudes.values())).shape[-1]
     dtype = position.dtype
 

@@ -4,7 +4,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ...fields import Scalar
+from ...fields import CountOrTraced, Scalar, as_count, at_least, plain
 from ...mechanism import Stage, Support, body_inertia, body_mass
 from ...stiffness import ThreadStiffness, ring_roller_stiffness
 
@@ -70,7 +70,7 @@ class VibrationSystem(eqx.Module):
     bodies: tuple[CentralBody, ...]
     roller_equivalent_mass: Scalar
     carrier: CarrierBody | None
-    roller_count: int = eqx.field(static=True)
+    roller_count: CountOrTraced = eqx.field(converter=as_count)
     translation: RollerTranslation | None = None
     scatter: RollerScatter | None = None
 
@@ -82,7 +82,7 @@ class VibrationSystem(eqx.Module):
         supports that are equal in x and y.
         """
         isotropic = all(body.radial_support_y is None for body in self.bodies)
-        return self.scatter is None and isotropic and self.roller_count >= 3
+        return self.scatter is None and isotropic and at_least(self.roller_count, 3)
 
     @property
     def roller_numbers(self) -> tuple[int, ...]:
@@ -96,7 +96,7 @@ class VibrationSystem(eqx.Module):
         """Angle of each roller around the screw, φ_i = 2π(i − 1)/N unless they are scattered."""
         if self.scatter is not None:
             return self.scatter.position
-        count = self.roller_count
+        count = plain(self.roller_count)
         return 2 * jnp.pi * jnp.arange(count, dtype=self.roller_equivalent_mass.dtype) / count
 
 
@@ -115,7 +115,7 @@ def _scatter(stage: Stage) -> RollerScatter | None:
     unequal = {roller.number: roller for roller in stage.unequal_roller}
     if not unequal:
         return None
-    places = stage.roller_count
+    places = plain(stage.roller_count)
     numbers = tuple(
         number
         for number in range(1, places + 1)
