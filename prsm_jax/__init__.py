@@ -83,7 +83,12 @@ from .mechanism import (
     get_parameter as get_parameter,
     set_parameter as set_parameter,
 )
-from .optimisation import Optimum as Optimum, optimise as optimise
+from .optimisation import (
+    Optimum as Optimum,
+    ParetoFront as ParetoFront,
+    optimise as optimise,
+    pareto as pareto,
+)
 from .quantities import (
     assumptions as assumptions,
     catalogue as catalogue,

@@ -127,6 +127,8 @@ def _optimise(
     for key in ("starts", "seed"):
         yield f"{key} = {getattr(problem, key)}"
     yield f"method = {_string(problem.method)}"
+    if problem.points != DesignProblem.points:
+        yield f"points = {problem.points}"
     for objective in () if short else problem.objectives:
         yield from ("", "[[optimise.objective]]")
         yield f"quantity = {_string(objective.quantity)}"

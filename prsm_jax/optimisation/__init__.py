@@ -1,6 +1,13 @@
 """Gradient-based optimisation of a mechanism over named parameters."""
 
 from ._optimise import optimise as optimise
+from ._pareto import pareto as pareto
+from .front import (
+    FrontPoint as FrontPoint,
+    ParetoFront as ParetoFront,
+    hypervolume as hypervolume,
+    non_dominated as non_dominated,
+)
 from .results import (
     ConstraintReport as ConstraintReport,
     Design as Design,

@@ -3,12 +3,11 @@
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
 from ..fields import Scalar
 from ..mechanism import Constraint, DesignProblem, Mechanism, Variable, of_one_known_design
-from ._problem import present_design, problem_of
+from ._problem import number, present_design, problem_of
 from ._searches import Searches
 from ._starts import starting_positions
 from .results import Optimum, Reporter, optimum_of
@@ -86,9 +85,7 @@ def optimise(
     requested = problem.method if method is None else method
     search = search_of(requested, bool(problem.constraints), max_iterations)
 
-    evaluator = Evaluator(
-        mechanism, problem, _number(speed), _number(load), margins=respect_findings
-    )
+    evaluator = Evaluator(mechanism, problem, number(speed), number(load), margins=respect_findings)
     report = Reporter(evaluator, problem)
     initial = (present - evaluator.lower) / evaluator.width
     seed = problem.seed if seed is None else seed
@@ -127,11 +124,6 @@ def optimise(
         conditions,
         tolerance,
     )
-
-
-def _number(value: float | Scalar | None) -> Scalar | None:
-    # A Python number would be a constant of the program: another speed would compile again.
-    return None if value is None else jnp.asarray(value, jnp.result_type(float))
 
 
 def _progress(positions: list[np.ndarray], progress: bool):

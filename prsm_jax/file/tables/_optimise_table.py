@@ -38,12 +38,13 @@ def _rows(keys: dict[str, Key], text: str | None = None) -> Key:
     return Key(lambda v, at: read_rows(v, at, lambda row, p: read_keys(row, p, keys)), text)
 
 
+_EFFORT = ("starts", "seed", "method", "points")
 _KEYS = {
     **dict.fromkeys(_SENSE.words, _NAME),
     "objective": _rows(_OBJECTIVE),
     "variable": _rows(_VARIABLE, "variables, as [[optimise.variable]]"),
     "constraint": _rows(_CONSTRAINT),
-    **{name: _PROBLEM[name] for name in ("starts", "seed", "method")},
+    **{name: _PROBLEM[name] for name in _EFFORT},
 }
 
 
@@ -110,5 +111,5 @@ def design_problem(table: dict[str, Any], mechanism: Mechanism) -> DesignProblem
             constraints.append(Constraint(**row))
         except ValueError as error:
             raise Misplaced((("optimise", "constraint", index), str(error))) from error
-    effort = {name: table[name] for name in ("starts", "seed", "method") if name in table}
+    effort = {name: table[name] for name in _EFFORT if name in table}
     return DesignProblem(variables, _objectives(table), tuple(constraints), **effort)

@@ -6,6 +6,7 @@ from typing import Literal
 from ...fields import Limit, check_fields, choice
 
 _STARTS = Limit(1.0, 10_000.0, "a whole number from 1 to 10000", True, True)
+_POINTS = Limit(3.0, 1000.0, "a whole number from 3 to 1000", True, True)
 _SEED = Limit(0.0, 2.0**32 - 1, "a whole number from 0 to 4294967295", True, True)
 
 
@@ -74,6 +75,7 @@ class DesignProblem:
     starts: int = choice("number of searches", default=1, limit=_STARTS)
     seed: int = choice("seed of their starting points", default=0, limit=_SEED)
     method: str = choice("method of the search", default="auto")
+    points: int = choice("number of points of a front", default=20, limit=_POINTS)
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -1,6 +1,10 @@
 """Searches from one start, and the functions that they evaluate."""
 
-from ._constrained import Slsqp as Slsqp, TrustConstr as TrustConstr
+from ._constrained import (
+    Slsqp as Slsqp,
+    TrustConstr as TrustConstr,
+    scipy_optimize as scipy_optimize,
+)
 from ._evaluator import Evaluator as Evaluator, Point as Point
 from ._functions import SearchFunctions as SearchFunctions
 from ._lbfgs import Lbfgs as Lbfgs

@@ -75,7 +75,9 @@ class Rows:
 
     def __init__(self, problem: DesignProblem, shapes: dict[str, tuple[int, ...]], margins: int):
         first = np.cumsum([0, *(int(np.prod(shape)) for shape in shapes.values())])
-        place = dict(zip(shapes, first[:-1], strict=True))
+        place: dict[str, int] = dict(zip(shapes, map(int, first[:-1]), strict=True))
+        #: Index of the first component of each quantity among the evaluated values.
+        self.place: dict[str, int] = place
         self.names: list[str] = []
         index, lower, upper, equality = [], [], [], []
         for constraint in problem.constraints:
