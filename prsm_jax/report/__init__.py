@@ -23,6 +23,7 @@ from .design_charts import (
     Limit as Limit,
     Optimisation as Optimisation,
     calibration_chart as calibration_chart,
+    front_chart as front_chart,
     life_chart as life_chart,
     optimisation_chart as optimisation_chart,
     published_figure as published_figure,
