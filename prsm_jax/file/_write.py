@@ -13,7 +13,7 @@ import numpy as np
 from .._errors import FileError, UnknownNameError, missing_extra
 from ..fields import Declared, declared, values_of
 from ..friction import FrictionLaw
-from ..mechanism import DesignProblem, DutyCycle, Mechanism, Tolerance, find_parameters
+from ..mechanism import Choice, DesignProblem, DutyCycle, Mechanism, Tolerance, find_parameters
 from ..process import whole_file
 from ._read import loads
 from .numbers import bare_number, table_choices, tag_of, takes_numbers, write_number
@@ -116,6 +116,16 @@ def _duty_cycle(duty_cycle: DutyCycle) -> Iterator[str]:
             yield f"{one.name} = {_number(value, one.unit or '1', 'duty_cycle')}"
 
 
+def _choice(one: Choice, mechanism: Mechanism) -> str:
+    parameter = find_parameters(mechanism, one.name)[0]
+    if parameter.static:
+        values = [str(int(value)) for value in one.values]
+    else:
+        values = [_number(value, parameter.unit, one.name) for value in one.values]
+    name = one.name if one.name.isidentifier() else _string(one.name)
+    return f"{name} = [{', '.join(values)}]"
+
+
 def _optimise(
     problem: DesignProblem, mechanism: Mechanism, quantity_units: Mapping[str, str]
 ) -> Iterator[str]:
@@ -129,6 +139,8 @@ def _optimise(
     yield f"method = {_string(problem.method)}"
     if problem.points != DesignProblem.points:
         yield f"points = {problem.points}"
+    if problem.choices:
+        yield f"choices = {{ {', '.join(_choice(one, mechanism) for one in problem.choices)} }}"
     for objective in () if short else problem.objectives:
         yield from ("", "[[optimise.objective]]")
         yield f"quantity = {_string(objective.quantity)}"

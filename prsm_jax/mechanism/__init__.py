@@ -45,6 +45,7 @@ from .parts import (
     MOUNTINGS as MOUNTINGS,
     AxialPlay as AxialPlay,
     Carrier as Carrier,
+    Choice as Choice,
     Constraint as Constraint,
     Damping as Damping,
     DesignProblem as DesignProblem,

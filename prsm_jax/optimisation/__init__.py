@@ -14,6 +14,7 @@ from .results import (
     Optimality as Optimality,
     Optimum as Optimum,
     Run as Run,
+    Trial as Trial,
     optimality as optimality,
     rounded_variables as rounded_variables,
 )

@@ -1,5 +1,6 @@
 """Optimisation of a mechanism: starts, searches, and the best result."""
 
+import dataclasses
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
@@ -7,6 +8,7 @@ import numpy as np
 
 from ..fields import Scalar
 from ..mechanism import Constraint, DesignProblem, Mechanism, Variable, of_one_known_design
+from ._choices import best_of_choices, choices_of
 from ._problem import number, present_design, problem_of
 from ._searches import Searches
 from ._starts import starting_positions
@@ -22,6 +24,7 @@ def optimise(
     minimise: str | Mapping[str, float | int] | None = None,
     constraints: Mapping[str, Any] | Iterable[Constraint] | None = None,
     *,
+    choices: Mapping[str, Any] | None = None,
     problem: DesignProblem | None = None,
     speed: float | Scalar | None = None,
     load: float | Scalar | None = None,
@@ -52,6 +55,10 @@ def optimise(
     - `maximise`, `minimise`: a quantity, or weights by quantity; together they form one sum.
     - `constraints`: (lower, upper) limits [SI] by quantity, `None` for no limit, one number for an
       equality; or `Constraint` objects. A quantity with components is limited in each.
+    - `choices`: values [SI] of which one is chosen, by the name of a parameter, such as
+      `{"roller_count": range(7, 13), "lead": [5e-3, 10e-3]}`: numbers that must be whole, standard
+      modules, preferred numbers. Every combination is searched; listed numbers share a compiled
+      program, and each whole number that shapes the mechanism needs its own.
     - `problem`: supplies the arguments above that are omitted; default that of the mechanism.
     - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
     - `method`: `"slsqp"` or `"trust-constr"` (SciPy), or, for bounds only, `"lbfgs"` or `"adam"`
@@ -76,6 +83,26 @@ def optimise(
     if there are constraints.
     """
     problem = problem_of(mechanism, problem, variables, maximise, minimise, constraints)
+    if choices is not None:
+        problem = dataclasses.replace(problem, choices=choices_of(choices))
+    if problem.choices:
+
+        def search_one(moved: Mechanism, inner: DesignProblem) -> Optimum:
+            return optimise(
+                moved,
+                problem=inner,
+                speed=speed,
+                load=load,
+                method=method,
+                starts=starts,
+                seed=seed,
+                tolerance=tolerance,
+                max_iterations=max_iterations,
+                progress=progress,
+                respect_findings=respect_findings,
+            )
+
+        return best_of_choices(mechanism, problem, search_one)
     present = present_design(mechanism, problem.variables)
     count = problem.starts if starts is None else starts
     if count < 1:

@@ -76,6 +76,12 @@ def pareto(
             f"a front has two or three different objectives, and the problem has {count} "
             f"({', '.join(names)}); give objectives, or [[optimise.objective]] rows in the file"
         )
+    if problem.choices:
+        listed = ", ".join(one.name for one in problem.choices)
+        raise ValueError(
+            f"a front is of one set of choices, and the problem leaves {listed} open; set them, "
+            "and pass a problem without choices"
+        )
     problem = dataclasses.replace(
         problem,
         starts=problem.starts if starts is None else starts,

@@ -107,8 +107,9 @@ def front_objectives(
                 '{"efficiency": "maximise", "mass": "minimise"}'
             )
         return found
-    rows = []
-    for name, sense in objectives.items():
+    rows: list[Objective] = []
+    senses: Mapping[str, str] = objectives  # pyright: ignore[reportAssignmentType]
+    for name, sense in senses.items():
         if sense not in ("maximise", "minimise"):
             raise ValueError(
                 f'objective {name!r} has the sense {sense!r}; write "maximise" or "minimise"'

@@ -66,8 +66,22 @@ class Constraint:
 
 
 @dataclass(frozen=True)
+class Choice:
+    """Values of a parameter of which one is chosen [SI]; of whole numbers, too."""
+
+    name: str = choice("name of a parameter")
+    values: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.values:
+            raise ValueError(f"choice {self.name!r} has no values; list at least one")
+        if len(set(self.values)) < len(self.values):
+            raise ValueError(f"choice {self.name!r} lists a value twice; leave one out")
+
+
+@dataclass(frozen=True)
 class DesignProblem:
-    """Variables, objectives and constraints, and settings of the search."""
+    """Variables, objectives and constraints, choices, and settings of the search."""
 
     variables: tuple[Variable, ...]
     objectives: tuple[Objective, ...]
@@ -76,6 +90,7 @@ class DesignProblem:
     seed: int = choice("seed of their starting points", default=0, limit=_SEED)
     method: str = choice("method of the search", default="auto")
     points: int = choice("number of points of a front", default=20, limit=_POINTS)
+    choices: tuple[Choice, ...] = ()
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -144,7 +144,8 @@ class ParetoFront:
     def to_table(self) -> TextTable:
         """The points in an engineer's units, a row each; the present design first."""
         designs = [self.start, *self.points]
-        columns, cells = [""], [["start", *(str(i + 1) for i in range(len(self.points)))]]
+        columns: list[str] = [""]
+        cells: list[list[Any]] = [["start", *(str(i + 1) for i in range(len(self.points)))]]
         groups = (
             ("objectives", self.objective_units),
             ("variables", self.variable_units),

@@ -136,9 +136,9 @@ class FrontSearch:
         objectives = len(self.goals.matrix)
         # From the middle outwards; two objectives have their ends already.
         third = count // objectives
-        first = (third,) * (objectives - 1) + (count - third * (objectives - 1),)
+        first: Index = (third,) * (objectives - 1) + (count - third * (objectives - 1),)
         waiting: deque[tuple[Index, Index | None]] = deque([(first, None)])
-        known = {first}
+        known: set[Index] = {first}
         while waiting:
             index, parent = waiting.popleft()
             self._expected = max(self._expected, self._finished + len(waiting) + 1)
