@@ -11,7 +11,7 @@ import numpy as np
 from prsm_jax.mechanism import DesignProblem, Mechanism
 from prsm_jax.optimisation.front import senses
 from prsm_jax.optimisation.search import Evaluator
-from prsm_jax.optimisation.search._evaluator import _outputs
+from prsm_jax.optimisation.search._evaluator import outputs_at
 
 #: Objectives and violation of a design that fails.
 _FAILED = 1e3
@@ -22,10 +22,10 @@ def _batched(evaluator: Evaluator):
 
     @eqx.filter_jit
     def run(given, positions):
-        return jax.vmap(lambda position: _outputs(given, position))(positions)
+        return jax.vmap(lambda position: outputs_at(given, position))(positions)
 
     def call(positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        arrays, valid = run(evaluator._given, jnp.asarray(positions))
+        arrays, valid = run(evaluator.program_inputs, jnp.asarray(positions))
         count = len(positions)
         values = np.concatenate([np.asarray(a, float).reshape(count, -1) for a in arrays], axis=1)
         rows = evaluator.rows

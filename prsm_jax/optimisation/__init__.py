@@ -21,6 +21,7 @@ from .results import (
 from .search import (
     Adam as Adam,
     Lbfgs as Lbfgs,
+    MultiStart as MultiStart,
     Optax as Optax,
     Scipy as Scipy,
     SearchFunctions as SearchFunctions,

@@ -13,7 +13,7 @@ from ._problem import number, present_design, problem_of
 from ._searches import Searches
 from ._starts import starting_positions
 from .results import Optimum, Reporter, optimum_of
-from .search import Evaluator, SearchMethod, Slsqp, search_of
+from .search import Evaluator, MultiStart, SearchMethod, Slsqp, search_of
 
 
 @of_one_known_design
@@ -62,8 +62,9 @@ def optimise(
     - `problem`: supplies the arguments above that are omitted; default that of the mechanism.
     - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
     - `method`: `"slsqp"` or `"trust-constr"` (SciPy), or, for bounds only, `"lbfgs"` or `"adam"`
-      (optax). `"auto"`: SLSQP with constraints, L-BFGS without. Default that of the problem. Or
-      an object that carries its own options: `Slsqp`, `TrustConstr`, `Lbfgs`, `Adam`, `Optax`,
+      (optax), or `"multi-start"`: Adam from all starts at once, then SLSQP from the best few.
+      `"auto"`: SLSQP with constraints, L-BFGS without. Default that of the problem. Or an object
+      that carries its own options: `Slsqp`, `TrustConstr`, `Lbfgs`, `Adam`, `MultiStart`, `Optax`,
       `Scipy` of `prsm_jax.optimisation`, or a `SearchMethod` of your own.
     - `starts`, `seed`: number of starts, and seed of the Latin hypercube of all but the first.
       Default those of the problem.
@@ -121,6 +122,10 @@ def optimise(
         if evaluator.point(position).good:
             evaluator.scale_from(position)
             break
+
+    if isinstance(search, MultiStart):
+        positions = search.chosen(evaluator, np.array(positions))
+        count = len(positions)
 
     searches = Searches(evaluator, report, tolerance, count)
     searches.tell = progress if callable(progress) else None

@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections.abc import Iterable, Mapping
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import jax.numpy as jnp
 import numpy as np
@@ -108,8 +108,7 @@ def front_objectives(
             )
         return found
     rows: list[Objective] = []
-    senses: Mapping[str, str] = objectives  # pyright: ignore[reportAssignmentType]
-    for name, sense in senses.items():
+    for name, sense in cast("Mapping[str, str]", objectives).items():
         if sense not in ("maximise", "minimise"):
             raise ValueError(
                 f'objective {name!r} has the sense {sense!r}; write "maximise" or "minimise"'

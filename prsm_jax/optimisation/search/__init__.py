@@ -11,5 +11,6 @@ from ._lbfgs import Lbfgs as Lbfgs
 from ._margin_rows import MarginRow as MarginRow
 from ._method import SearchMethod as SearchMethod, SearchResult as SearchResult
 from ._methods import search_of as search_of
+from ._multi_start import MultiStart as MultiStart
 from ._optax import Adam as Adam, Optax as Optax
 from ._scipy import Scipy as Scipy

@@ -15,7 +15,7 @@ from ...quantities import Analysis, component_names, compute, find_quantity
 from ._margin_rows import WHOLE_SCALE, MarginRows, is_constraint, probe_positions, sorted_margins
 
 
-def _outputs(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
+def outputs_at(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
     """Quantities and margins of a design as separate arrays, and whether the design is usable."""
     mechanism, names, quantities, margins, lower, width, speed, load = inputs
     values = lower + width * position
@@ -39,13 +39,13 @@ def _outputs(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
 
 @eqx.filter_jit
 def _values(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
-    return _outputs(inputs, position)
+    return outputs_at(inputs, position)
 
 
 @eqx.filter_jit
 def _derivatives(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
     # Forward mode: one pass per variable, and there are few variables.
-    _, push = jax.linearize(lambda point: _outputs(inputs, point)[0], position)
+    _, push = jax.linearize(lambda point: outputs_at(inputs, point)[0], position)
     return jax.vmap(push, out_axes=-1)(jnp.eye(position.shape[0], dtype=position.dtype))
 
 
@@ -198,6 +198,11 @@ class Evaluator:
     def _shapes(self, mechanism, speed, load):
         # `compute` names the quantity for which data are missing.
         return compute(mechanism, self.quantities, speed=speed, load=load)
+
+    @property
+    def program_inputs(self) -> tuple[Any, ...]:
+        """What the compiled programs take beside the position."""
+        return self._given
 
     @property
     def variables(self) -> int:
