@@ -139,6 +139,8 @@ def _optimise(
     yield f"method = {_string(problem.method)}"
     if problem.points != DesignProblem.points:
         yield f"points = {problem.points}"
+    if problem.nut_speed is not None:
+        yield f"nut_speed = {_number(problem.nut_speed, 'm/s', 'nut_speed')}"
     if problem.choices:
         yield f"choices = {{ {', '.join(_choice(one, mechanism) for one in problem.choices)} }}"
     for objective in () if short else problem.objectives:

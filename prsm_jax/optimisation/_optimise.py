@@ -28,6 +28,7 @@ def optimise(
     problem: DesignProblem | None = None,
     speed: float | Scalar | None = None,
     load: float | Scalar | None = None,
+    nut_speed: float | None = None,
     method: SearchMethod | str | None = None,
     starts: int | None = None,
     seed: int | None = None,
@@ -61,6 +62,8 @@ def optimise(
       program, and each whole number that shapes the mechanism needs its own.
     - `problem`: supplies the arguments above that are omitted; default that of the mechanism.
     - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
+    - `nut_speed`: axial speed of the last nut [m/s] in place of the screw speed, which then follows
+      for each design; default that of the problem.
     - `method`: `"slsqp"` or `"trust-constr"` (SciPy), or, for bounds only, `"lbfgs"` or `"adam"`
       (optax), or `"multi-start"`: Adam from all starts at once, then SLSQP from the best few.
       `"auto"`: SLSQP with constraints, L-BFGS without. Default that of the problem. Or an object
@@ -84,6 +87,8 @@ def optimise(
     if there are constraints.
     """
     problem = problem_of(mechanism, problem, variables, maximise, minimise, constraints)
+    if nut_speed is not None:
+        problem = dataclasses.replace(problem, nut_speed=nut_speed)
     if choices is not None:
         problem = dataclasses.replace(problem, choices=choices_of(choices))
     if problem.choices:

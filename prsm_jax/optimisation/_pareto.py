@@ -31,6 +31,7 @@ def pareto(
     problem: DesignProblem | None = None,
     speed: float | Scalar | None = None,
     load: float | Scalar | None = None,
+    nut_speed: float | None = None,
     starts: int | None = None,
     seed: int | None = None,
     tolerance: float = 1e-6,
@@ -53,7 +54,7 @@ def pareto(
     - `mechanism`: the mechanism; the first start is its present design, moved into the bounds.
     - `objectives`: two or three quantities with `"maximise"` or `"minimise"`, or `Objective`
       objects; their weights do not matter. Default those of the problem.
-    - `variables`, `constraints`, `problem`, `speed`, `load`: as for `optimise`.
+    - `variables`, `constraints`, `problem`, `speed`, `load`, `nut_speed`: as for `optimise`.
     - `points`: of the front, ends included, 3 to 1000; with three objectives about so many.
       Default that of the problem.
     - `starts`, `seed`: starts of the searches for the best of each objective, as for `optimise`.
@@ -87,6 +88,7 @@ def pareto(
         starts=problem.starts if starts is None else starts,
         seed=problem.seed if seed is None else seed,
         points=problem.points if points is None else points,
+        nut_speed=problem.nut_speed if nut_speed is None else nut_speed,
     )
     if not 0 < tolerance < 1:
         raise ValueError(f"tolerance is {tolerance}; it must be between 0 and 1")

@@ -3,7 +3,7 @@
 from typing import Any
 
 from ..._errors import UnknownNameError
-from ...fields import ANY, Declared, declared
+from ...fields import ANY, POSITIVE, Declared, declared
 from ...mechanism import (
     Choice,
     Constraint,
@@ -46,7 +46,8 @@ def _rows(keys: dict[str, Key], text: str | None = None) -> Key:
     return Key(lambda v, at: read_rows(v, at, lambda row, p: read_keys(row, p, keys)), text)
 
 
-_EFFORT = ("starts", "seed", "method", "points")
+_PROBLEM["nut_speed"] = Key(plain(read_number, "m/s", POSITIVE))
+_EFFORT = ("starts", "seed", "method", "points", "nut_speed")
 _KEYS = {
     **dict.fromkeys(_SENSE.words, _NAME),
     "objective": _rows(_OBJECTIVE),

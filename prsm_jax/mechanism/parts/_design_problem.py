@@ -1,5 +1,6 @@
 """Definition of an optimisation: variables, objective and constraints, as static data."""
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -81,7 +82,11 @@ class Choice:
 
 @dataclass(frozen=True)
 class DesignProblem:
-    """Variables, objectives and constraints, choices, and settings of the search."""
+    """Variables, objectives and constraints, choices, and settings of the search.
+
+    With `nut_speed` [m/s] the screw turns as fast as each design needs for this speed of the nut;
+    otherwise its speed is that of the operating point.
+    """
 
     variables: tuple[Variable, ...]
     objectives: tuple[Objective, ...]
@@ -91,6 +96,9 @@ class DesignProblem:
     method: str = choice("method of the search", default="auto")
     points: int = choice("number of points of a front", default=20, limit=_POINTS)
     choices: tuple[Choice, ...] = ()
+    nut_speed: float | None = choice("axial speed of the last nut", default=None)
 
     def __post_init__(self) -> None:
         check_fields(self)
+        if self.nut_speed is not None and not 0 < self.nut_speed < math.inf:
+            raise ValueError(f"nut_speed is {self.nut_speed} m/s; it must be positive")

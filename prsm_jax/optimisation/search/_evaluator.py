@@ -15,12 +15,22 @@ from ...quantities import Analysis, component_names, compute, find_quantity
 from ._margin_rows import WHOLE_SCALE, MarginRows, is_constraint, probe_positions, sorted_margins
 
 
+def screw_speed(
+    mechanism: Mechanism, speed: Scalar | None, load: Scalar | None, nut_speed: Scalar | None
+) -> Scalar | None:
+    """Screw speed of a design [rad/s]: given, or from the speed of the nut [m/s]."""
+    if nut_speed is None:
+        return speed
+    one = Analysis(mechanism, jnp.ones_like(nut_speed), load)
+    return nut_speed / find_quantity("nut_speed").function(one)
+
+
 def outputs_at(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
     """Quantities and margins of a design as separate arrays, and whether the design is usable."""
-    mechanism, names, quantities, margins, lower, width, speed, load = inputs
+    mechanism, names, quantities, margins, lower, width, speed, load, nut_speed = inputs
     values = lower + width * position
     moved = set_parameters(mechanism, {name: values[i] for i, name in enumerate(names)})
-    analysis = Analysis(moved, speed, load)
+    analysis = Analysis(moved, screw_speed(moved, speed, load, nut_speed), load)
     # A design whose threads do not mesh is unusable, whatever the requested quantities.
     for stage in analysis.kinematics:
         analysis.require(stage.meshing.converged)
@@ -171,13 +181,20 @@ class Evaluator:
             jnp.asarray(self.width),
             speed,
             load,
+            None if problem.nut_speed is None else jnp.asarray(problem.nut_speed, float),
         )
-        shapes = eqx.filter_eval_shape(self._shapes, mechanism, speed, load)
+        if problem.nut_speed is not None and speed is not None:
+            raise ValueError(
+                f"speed is {float(speed):g} rad/s and nut_speed {problem.nut_speed:g} m/s; give one"
+            )
+        # With a nut speed the screw speed is any number: there need not be an operating point.
+        some_speed = speed if problem.nut_speed is None else jnp.ones(())
+        shapes = eqx.filter_eval_shape(self._shapes, mechanism, some_speed, load)
         # A derived number that a variable makes explicit has margins too (the profile radius).
         written = set_parameters(
             mechanism, dict(zip(names, self.lower, strict=True)), checked=False
         )
-        known = _margins(written, speed, load) if margins else ()
+        known = _margins(written, some_speed, load) if margins else ()
         shape_of = {name: shapes[name].shape for name in self.quantities}
         self.rows: Rows = Rows(problem, shape_of, len(known))
         self.evaluations: int = 0
