@@ -148,6 +148,10 @@ def _optimise(
         yield f"quantity = {_string(objective.quantity)}"
         yield f"sense = {_string(objective.sense)}"
         yield f"weight = {_number(objective.weight, '1', 'weight')}"
+    for case in problem.operating_points:
+        yield from ("", "[[optimise.operating_point]]")
+        for name, unit in (("speed", "rad/s"), ("load", "N"), ("share", "1")):
+            yield f"{name} = {_number(getattr(case, name), unit, name)}"
     for variable in problem.variables:
         yield from ("", "[[optimise.variable]]", f"name = {_string(variable.name)}")
         unit = find_parameters(mechanism, variable.name)[0].unit

@@ -60,6 +60,7 @@ from .parts import (
     Mounting as Mounting,
     Nut as Nut,
     Objective as Objective,
+    OperatingCase as OperatingCase,
     RayleighDamping as RayleighDamping,
     RingGear as RingGear,
     Roller as Roller,

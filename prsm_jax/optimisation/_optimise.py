@@ -9,7 +9,7 @@ import numpy as np
 from ..fields import Scalar
 from ..mechanism import Constraint, DesignProblem, Mechanism, Variable, of_one_known_design
 from ._choices import best_of_choices, choices_of
-from ._problem import number, present_design, problem_of
+from ._problem import cases_of, number, present_design, problem_of
 from ._searches import Searches
 from ._starts import starting_positions
 from .results import Optimum, Reporter, optimum_of
@@ -29,6 +29,7 @@ def optimise(
     speed: float | Scalar | None = None,
     load: float | Scalar | None = None,
     nut_speed: float | None = None,
+    operating_points: Iterable[tuple[float, ...]] | None = None,
     method: SearchMethod | str | None = None,
     starts: int | None = None,
     seed: int | None = None,
@@ -64,6 +65,8 @@ def optimise(
     - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
     - `nut_speed`: axial speed of the last nut [m/s] in place of the screw speed, which then follows
       for each design; default that of the problem.
+    - `operating_points`: several (speed, load) or (speed, load, share) in place of one: every
+      objective is their mean by shares, and every constraint and margin holds at each.
     - `method`: `"slsqp"` or `"trust-constr"` (SciPy), or, for bounds only, `"lbfgs"` or `"adam"`
       (optax), or `"multi-start"`: Adam from all starts at once, then SLSQP from the best few.
       `"auto"`: SLSQP with constraints, L-BFGS without. Default that of the problem. Or an object
@@ -89,6 +92,8 @@ def optimise(
     problem = problem_of(mechanism, problem, variables, maximise, minimise, constraints)
     if nut_speed is not None:
         problem = dataclasses.replace(problem, nut_speed=nut_speed)
+    if operating_points is not None:
+        problem = dataclasses.replace(problem, operating_points=cases_of(operating_points))
     if choices is not None:
         problem = dataclasses.replace(problem, choices=choices_of(choices))
     if problem.choices:

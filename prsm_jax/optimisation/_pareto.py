@@ -13,7 +13,7 @@ from ..mechanism import (
     Variable,
     of_one_known_design,
 )
-from ._problem import front_objectives, number, present_design, problem_of
+from ._problem import cases_of, front_objectives, number, present_design, problem_of
 from ._starts import starting_positions
 from .front import FrontSearch, ParetoFront, front_of
 from .results import Reporter
@@ -32,6 +32,7 @@ def pareto(
     speed: float | Scalar | None = None,
     load: float | Scalar | None = None,
     nut_speed: float | None = None,
+    operating_points: Iterable[tuple[float, ...]] | None = None,
     starts: int | None = None,
     seed: int | None = None,
     tolerance: float = 1e-6,
@@ -54,7 +55,8 @@ def pareto(
     - `mechanism`: the mechanism; the first start is its present design, moved into the bounds.
     - `objectives`: two or three quantities with `"maximise"` or `"minimise"`, or `Objective`
       objects; their weights do not matter. Default those of the problem.
-    - `variables`, `constraints`, `problem`, `speed`, `load`, `nut_speed`: as for `optimise`.
+    - `variables`, `constraints`, `problem`: as for `optimise`.
+    - `speed`, `load`, `nut_speed`, `operating_points`: as for `optimise`.
     - `points`: of the front, ends included, 3 to 1000; with three objectives about so many.
       Default that of the problem.
     - `starts`, `seed`: starts of the searches for the best of each objective, as for `optimise`.
@@ -89,6 +91,9 @@ def pareto(
         seed=problem.seed if seed is None else seed,
         points=problem.points if points is None else points,
         nut_speed=problem.nut_speed if nut_speed is None else nut_speed,
+        operating_points=problem.operating_points
+        if operating_points is None
+        else cases_of(operating_points),
     )
     if not 0 < tolerance < 1:
         raise ValueError(f"tolerance is {tolerance}; it must be between 0 and 1")

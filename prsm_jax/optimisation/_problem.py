@@ -13,6 +13,7 @@ from ..mechanism import (
     DesignProblem,
     Mechanism,
     Objective,
+    OperatingCase,
     Variable,
     check_independent,
     find_parameters,
@@ -114,6 +115,28 @@ def front_objectives(
                 f'objective {name!r} has the sense {sense!r}; write "maximise" or "minimise"'
             )
         rows.append(Objective(name, sense))
+    return tuple(rows)
+
+
+def cases_of(points: Iterable[tuple[float, ...]]) -> tuple[OperatingCase, ...]:
+    """Operating points from (speed, load) or (speed, load, share) [rad/s, N, 1].
+
+    **Raises:** `ValueError` for anything else, or without any.
+    """
+    rows: list[OperatingCase] = []
+    for one in points:
+        try:
+            numbers = [float(value) for value in one]
+        except (TypeError, ValueError):
+            numbers = []
+        if len(numbers) not in (2, 3):
+            raise ValueError(
+                f"operating point {one!r} is none; give (speed, load) or (speed, load, share) in "
+                "rad/s and N"
+            )
+        rows.append(OperatingCase(*numbers))
+    if not rows:
+        raise ValueError("operating_points is empty; give at least one, or leave it out")
     return tuple(rows)
 
 

@@ -10,6 +10,7 @@ from ...mechanism import (
     DesignProblem,
     Mechanism,
     Objective,
+    OperatingCase,
     Variable,
     find_parameters,
 )
@@ -47,12 +48,16 @@ def _rows(keys: dict[str, Key], text: str | None = None) -> Key:
 
 
 _PROBLEM["nut_speed"] = Key(plain(read_number, "m/s", POSITIVE))
+_CASE = {one.name: _key(one) for one in declared(OperatingCase)}
+for _name, _unit, _limit in (("speed", "rad/s", ANY), ("load", "N", ANY), ("share", "1", POSITIVE)):
+    _CASE[_name] = _CASE[_name]._replace(read=plain(read_number, _unit, _limit))
 _EFFORT = ("starts", "seed", "method", "points", "nut_speed")
 _KEYS = {
     **dict.fromkeys(_SENSE.words, _NAME),
     "objective": _rows(_OBJECTIVE),
     "variable": _rows(_VARIABLE, "variables, as [[optimise.variable]]"),
     "constraint": _rows(_CONSTRAINT),
+    "operating_point": _rows(_CASE),
     # The units of a list depend on its parameter, as those of bounds.
     "choices": Key(lambda v, at: _lists(v, at)),
     **{name: _PROBLEM[name] for name in _EFFORT},
@@ -159,7 +164,16 @@ def design_problem(table: dict[str, Any], mechanism: Mechanism) -> DesignProblem
             raise Misplaced((("optimise", "constraint", index), str(error))) from error
     rows = table.get("choices", {}).items()
     choices = tuple(_choice(name, values, mechanism, taken) for name, values in rows)
+    cases = tuple(OperatingCase(**row) for row in table.get("operating_point", ()))
+    if cases and "nut_speed" in table:
+        message = "both set the speed of the screw; give nut_speed or operating points"
+        raise Misplaced((("optimise", "operating_point"), message))
     effort = {name: table[name] for name in _EFFORT if name in table}
     return DesignProblem(
-        variables, _objectives(table), tuple(constraints), choices=choices, **effort
+        variables,
+        _objectives(table),
+        tuple(constraints),
+        choices=choices,
+        operating_points=cases,
+        **effort,
     )

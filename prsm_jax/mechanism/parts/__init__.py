@@ -22,6 +22,7 @@ from ._design_problem import (
     Constraint as Constraint,
     DesignProblem as DesignProblem,
     Objective as Objective,
+    OperatingCase as OperatingCase,
     Variable as Variable,
 )
 from ._line_contact import LineContact as LineContact

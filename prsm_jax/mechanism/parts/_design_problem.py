@@ -81,11 +81,28 @@ class Choice:
 
 
 @dataclass(frozen=True)
+class OperatingCase:
+    """A speed and a load at which a design is judged, and its share in the mean [rad/s, N, 1]."""
+
+    speed: float = choice("speed of the screw")
+    load: float = choice("axial load")
+    share: float = choice("share in the mean", default=1.0)
+
+    def __post_init__(self) -> None:
+        for name in ("speed", "load", "share"):
+            if not math.isfinite(getattr(self, name)):
+                raise ValueError(f"operating point: {name} is {getattr(self, name)}; it is finite")
+        if self.share <= 0:
+            raise ValueError(f"operating point: share is {self.share}; it must be positive")
+
+
+@dataclass(frozen=True)
 class DesignProblem:
     """Variables, objectives and constraints, choices, and settings of the search.
 
     With `nut_speed` [m/s] the screw turns as fast as each design needs for this speed of the nut;
-    otherwise its speed is that of the operating point.
+    otherwise its speed is that of the operating point. With `operating_points` each objective is
+    the mean over them by their shares, and each constraint holds at every one.
     """
 
     variables: tuple[Variable, ...]
@@ -97,8 +114,14 @@ class DesignProblem:
     points: int = choice("number of points of a front", default=20, limit=_POINTS)
     choices: tuple[Choice, ...] = ()
     nut_speed: float | None = choice("axial speed of the last nut", default=None)
+    operating_points: tuple[OperatingCase, ...] = ()
 
     def __post_init__(self) -> None:
         check_fields(self)
         if self.nut_speed is not None and not 0 < self.nut_speed < math.inf:
             raise ValueError(f"nut_speed is {self.nut_speed} m/s; it must be positive")
+        if self.nut_speed is not None and self.operating_points:
+            raise ValueError(
+                "nut_speed and operating_points are both given, and both set the speed of the "
+                "screw; give one"
+            )

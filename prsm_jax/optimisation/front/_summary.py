@@ -111,8 +111,10 @@ class _Words:
         self._variables = [one.name for one in problem.variables]
 
     def _values(self, point: Point) -> dict[str, float]:
-        place = self._evaluator.rows.place
-        return {name: float(point.values[place[name]]) for name in self._objectives}
+        means = {name: self._evaluator.rows.mean_of(name) for name in self._objectives}
+        return {
+            name: float(mean[mean != 0] @ point.values[mean != 0]) for name, mean in means.items()
+        }
 
     def start(self, point: Point) -> FrontPoint:
         """The present design, which no search has judged."""

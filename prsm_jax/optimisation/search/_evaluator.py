@@ -30,11 +30,29 @@ def outputs_at(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
     mechanism, names, quantities, margins, lower, width, speed, load, nut_speed = inputs
     values = lower + width * position
     moved = set_parameters(mechanism, {name: values[i] for i, name in enumerate(names)})
-    analysis = Analysis(moved, screw_speed(moved, speed, load, nut_speed), load)
+    if load is None or jnp.ndim(load) == 0:
+        at = screw_speed(moved, speed, load, nut_speed)
+        return _analysed(moved, quantities, margins, at, load)
+    # Several operating points: every quantity at each of them, and the least of every margin.
+    at_each = jax.vmap(lambda one, other: _analysed(moved, quantities, margins, one, other))
+    outputs, valid = at_each(speed, load)
+    split = len(quantities)
+    return (
+        [jnp.ravel(numbers) for numbers in outputs[:split]]
+        + [jnp.min(numbers, axis=0) for numbers in outputs[split:]],
+        jnp.all(valid),
+    )
+
+
+def _analysed(
+    moved: Mechanism, quantities: tuple[str, ...], margins: Any, speed: Any, load: Any
+) -> tuple[list[Array], Any]:
+    """Quantities and margins at one operating point, and whether they can be used."""
+    analysis = Analysis(moved, speed, load)
     # A design whose threads do not mesh is unusable, whatever the requested quantities.
     for stage in analysis.kinematics:
         analysis.require(stage.meshing.converged)
-    analysis.expect(load for name in quantities for load in find_quantity(name).shares)
+    analysis.expect(case for name in quantities for case in find_quantity(name).shares)
     if margins:
         analysis.expect(shared_loads(margins_of(moved), is_constraint))
     # Not concatenated: XLA would recompute the operands for each element.
@@ -84,6 +102,18 @@ class Rows:
     """
 
     def __init__(self, problem: DesignProblem, shapes: dict[str, tuple[int, ...]], margins: int):
+        shares = np.array([one.share for one in problem.operating_points] or [1.0])
+        #: Share of each operating point in the mean.
+        self.shares: np.ndarray = shares / shares.sum()
+        for term in problem.objectives:
+            if int(np.prod(shapes[term.quantity])) != 1:
+                raise ValueError(
+                    f"objective {term.quantity!r} has {int(np.prod(shapes[term.quantity]))} "
+                    "components; an objective must be one number"
+                )
+        if problem.operating_points:
+            # The operating point is the first index of a component.
+            shapes = {name: (len(shares), *shape) for name, shape in shapes.items()}
         first = np.cumsum([0, *(int(np.prod(shape)) for shape in shapes.values())])
         place: dict[str, int] = dict(zip(shapes, map(int, first[:-1]), strict=True))
         #: Index of the first component of each quantity among the evaluated values.
@@ -110,13 +140,15 @@ class Rows:
         self.first_margin: int = int(first[-1])
         self.weights: np.ndarray = np.zeros(int(first[-1]) + margins)
         for term in problem.objectives:
-            if int(np.prod(shapes[term.quantity])) != 1:
-                raise ValueError(
-                    f"objective {term.quantity!r} has {int(np.prod(shapes[term.quantity]))} "
-                    "components; an objective must be one number"
-                )
             sign = -1.0 if term.sense == "maximise" else 1.0
-            self.weights[place[term.quantity]] += sign * term.weight
+            self.weights += sign * term.weight * self.mean_of(term.quantity)
+
+    def mean_of(self, name: str) -> np.ndarray:
+        """Weights of all values in an objective: its mean over the operating points."""
+        weights = np.zeros(len(self.weights))
+        first = self.place[name]
+        weights[first : first + len(self.shares)] = self.shares
+        return weights
 
     def add(self, rows: MarginRows) -> None:
         """Append the margins that a search has to respect."""
@@ -171,6 +203,14 @@ class Evaluator:
         self.lower: np.ndarray = np.array([variable.lower for variable in problem.variables])
         upper = np.array([variable.upper for variable in problem.variables])
         self.width: np.ndarray = upper - self.lower
+        cases = problem.operating_points
+        if cases and (speed is not None or load is not None):
+            raise ValueError(
+                "a speed or a load is given, and the problem has operating points; give one or the "
+                "other"
+            )
+        speeds = jnp.asarray([float(one.speed) for one in cases])
+        loads = jnp.asarray([float(one.load) for one in cases])
         self._given = (
             mechanism,
             names,
@@ -179,8 +219,8 @@ class Evaluator:
             sources() if margins else None,
             jnp.asarray(self.lower),
             jnp.asarray(self.width),
-            speed,
-            load,
+            speeds if cases else speed,
+            loads if cases else load,
             None if problem.nut_speed is None else jnp.asarray(problem.nut_speed, float),
         )
         if problem.nut_speed is not None and speed is not None:
@@ -189,12 +229,15 @@ class Evaluator:
             )
         # With a nut speed the screw speed is any number: there need not be an operating point.
         some_speed = speed if problem.nut_speed is None else jnp.ones(())
-        shapes = eqx.filter_eval_shape(self._shapes, mechanism, some_speed, load)
+        some_load = load
+        if problem.operating_points:
+            some_speed, some_load = speeds[0], loads[0]
+        shapes = eqx.filter_eval_shape(self._shapes, mechanism, some_speed, some_load)
         # A derived number that a variable makes explicit has margins too (the profile radius).
         written = set_parameters(
             mechanism, dict(zip(names, self.lower, strict=True)), checked=False
         )
-        known = _margins(written, some_speed, load) if margins else ()
+        known = _margins(written, some_speed, some_load) if margins else ()
         shape_of = {name: shapes[name].shape for name in self.quantities}
         self.rows: Rows = Rows(problem, shape_of, len(known))
         self.evaluations: int = 0
