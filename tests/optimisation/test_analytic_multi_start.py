@@ -90,4 +90,4 @@ def test_options_out_of_range_are_refused(unchecked):
     with pytest.raises(ValueError, match="finish is 'lbfgs', which accepts bounds only"):
         MultiStart(finish=Lbfgs())
     with pytest.raises(ValueError, match="MultiStart takes steps, learning_rate, keep, finish"):
-        MultiStart(designs=3)
+        MultiStart(designs=3)  # pyright: ignore[reportCallIssue]

@@ -68,7 +68,7 @@ def _descend(
         least = jnp.where(better, costs, least)
         with optax_promotion():
             direction, state = adam.update(slopes, state, position)
-            moved = position - rate * schedule(count) * direction
+            moved = position - rate * schedule(count) * jnp.asarray(direction)
             moved = optax.projections.projection_box(moved, 0.0, 1.0)
         # From a design that fails, back to the middle between it and the best one.
         moved = jnp.where(jnp.isfinite(costs)[:, None], moved, (position + best) / 2)
