@@ -8,7 +8,9 @@ Each of these is a command with options of its own (`--help`):
 * `… parts`: cost of each optional part of each example;
 * `… programs`: how long programs take to compile and to run;
 * `… startup`: the time from a command to its answer;
-* `… devices`: designs per second on each device that JAX finds.
+* `… devices`: designs per second on each device that JAX finds;
+* `… fronts`: fronts by gradients against NSGA-II;
+* `… starts`: many starts at once against searches one by one.
 
 `--quick --compare` compares errors and ratios with stored ones; the exit status is 1 if one is
 worse. `--quick --store` renews the stored numbers.
@@ -31,7 +33,17 @@ from .cases import case_names, find_case
 from .harness import FULL, QUICK, SMOKE, Case, Problem, draw, read_json, survivors, write
 
 #: Folders with a `command` of their own.
-_COMMANDS = ("extremes", "load", "joint", "parts", "programs", "startup", "devices")
+_COMMANDS = (
+    "extremes",
+    "load",
+    "joint",
+    "parts",
+    "programs",
+    "startup",
+    "devices",
+    "fronts",
+    "starts",
+)
 
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:

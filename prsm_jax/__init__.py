@@ -102,7 +102,12 @@ if TYPE_CHECKING:
     )
     from .calibration import calibrate as calibrate
     from .explanation import explain as explain
-    from .optimisation import Optimum as Optimum, optimise as optimise
+    from .optimisation import (
+        Optimum as Optimum,
+        ParetoFront as ParetoFront,
+        optimise as optimise,
+        pareto as pareto,
+    )
     from .sensitivities import Sensitivity as Sensitivity, sensitivity as sensitivity
     from .sweeps import sweep as sweep
     from .uncertainty import tolerance as tolerance
@@ -113,7 +118,7 @@ else:
         "calibration": "calibrate",
         "explanation": "explain",
         "halfspace": "",
-        "optimisation": "Optimum optimise",
+        "optimisation": "Optimum ParetoFront optimise pareto",
         "sensitivities": "Sensitivity sensitivity",
         "sweeps": "sweep",
         "uncertainty": "tolerance",

@@ -13,7 +13,7 @@ import numpy as np
 from .._errors import FileError, UnknownNameError, missing_extra
 from ..fields import Declared, declared, values_of
 from ..friction import FrictionLaw
-from ..mechanism import DesignProblem, DutyCycle, Mechanism, Tolerance, find_parameters
+from ..mechanism import Choice, DesignProblem, DutyCycle, Mechanism, Tolerance, find_parameters
 from ..process import whole_file
 from ._read import loads
 from .numbers import bare_number, table_choices, tag_of, takes_numbers, write_number
@@ -116,6 +116,16 @@ def _duty_cycle(duty_cycle: DutyCycle) -> Iterator[str]:
             yield f"{one.name} = {_number(value, one.unit or '1', 'duty_cycle')}"
 
 
+def _choice(one: Choice, mechanism: Mechanism) -> str:
+    parameter = find_parameters(mechanism, one.name)[0]
+    if parameter.static:
+        values = [str(int(value)) for value in one.values]
+    else:
+        values = [_number(value, parameter.unit, one.name) for value in one.values]
+    name = one.name if one.name.isidentifier() else _string(one.name)
+    return f"{name} = [{', '.join(values)}]"
+
+
 def _optimise(
     problem: DesignProblem, mechanism: Mechanism, quantity_units: Mapping[str, str]
 ) -> Iterator[str]:
@@ -127,11 +137,21 @@ def _optimise(
     for key in ("starts", "seed"):
         yield f"{key} = {getattr(problem, key)}"
     yield f"method = {_string(problem.method)}"
+    if problem.points != DesignProblem.points:
+        yield f"points = {problem.points}"
+    if problem.nut_speed is not None:
+        yield f"nut_speed = {_number(problem.nut_speed, 'm/s', 'nut_speed')}"
+    if problem.choices:
+        yield f"choices = {{ {', '.join(_choice(one, mechanism) for one in problem.choices)} }}"
     for objective in () if short else problem.objectives:
         yield from ("", "[[optimise.objective]]")
         yield f"quantity = {_string(objective.quantity)}"
         yield f"sense = {_string(objective.sense)}"
         yield f"weight = {_number(objective.weight, '1', 'weight')}"
+    for case in problem.operating_points:
+        yield from ("", "[[optimise.operating_point]]")
+        for name, unit in (("speed", "rad/s"), ("load", "N"), ("share", "1")):
+            yield f"{name} = {_number(getattr(case, name), unit, name)}"
     for variable in problem.variables:
         yield from ("", "[[optimise.variable]]", f"name = {_string(variable.name)}")
         unit = find_parameters(mechanism, variable.name)[0].unit

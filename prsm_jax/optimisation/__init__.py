@@ -1,18 +1,27 @@
 """Gradient-based optimisation of a mechanism over named parameters."""
 
 from ._optimise import optimise as optimise
+from ._pareto import pareto as pareto
+from .front import (
+    FrontPoint as FrontPoint,
+    ParetoFront as ParetoFront,
+    hypervolume as hypervolume,
+    non_dominated as non_dominated,
+)
 from .results import (
     ConstraintReport as ConstraintReport,
     Design as Design,
     Optimality as Optimality,
     Optimum as Optimum,
     Run as Run,
+    Trial as Trial,
     optimality as optimality,
     rounded_variables as rounded_variables,
 )
 from .search import (
     Adam as Adam,
     Lbfgs as Lbfgs,
+    MultiStart as MultiStart,
     Optax as Optax,
     Scipy as Scipy,
     SearchFunctions as SearchFunctions,

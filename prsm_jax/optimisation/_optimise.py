@@ -1,18 +1,19 @@
 """Optimisation of a mechanism: starts, searches, and the best result."""
 
+import dataclasses
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
 from ..fields import Scalar
 from ..mechanism import Constraint, DesignProblem, Mechanism, Variable, of_one_known_design
-from ._problem import present_design, problem_of
+from ._choices import best_of_choices, choices_of
+from ._problem import cases_of, number, present_design, problem_of
 from ._searches import Searches
 from ._starts import starting_positions
 from .results import Optimum, Reporter, optimum_of
-from .search import Evaluator, SearchMethod, Slsqp, search_of
+from .search import Evaluator, MultiStart, SearchMethod, Slsqp, search_of
 
 
 @of_one_known_design
@@ -23,9 +24,12 @@ def optimise(
     minimise: str | Mapping[str, float | int] | None = None,
     constraints: Mapping[str, Any] | Iterable[Constraint] | None = None,
     *,
+    choices: Mapping[str, Any] | None = None,
     problem: DesignProblem | None = None,
     speed: float | Scalar | None = None,
     load: float | Scalar | None = None,
+    nut_speed: float | None = None,
+    operating_points: Iterable[tuple[float, ...]] | None = None,
     method: SearchMethod | str | None = None,
     starts: int | None = None,
     seed: int | None = None,
@@ -53,11 +57,20 @@ def optimise(
     - `maximise`, `minimise`: a quantity, or weights by quantity; together they form one sum.
     - `constraints`: (lower, upper) limits [SI] by quantity, `None` for no limit, one number for an
       equality; or `Constraint` objects. A quantity with components is limited in each.
+    - `choices`: values [SI] of which one is chosen, by the name of a parameter, such as
+      `{"roller_count": range(7, 13), "lead": [5e-3, 10e-3]}`: numbers that must be whole, standard
+      modules, preferred numbers. Every combination is searched; listed numbers share a compiled
+      program, and each whole number that shapes the mechanism needs its own.
     - `problem`: supplies the arguments above that are omitted; default that of the mechanism.
     - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
+    - `nut_speed`: axial speed of the last nut [m/s] in place of the screw speed, which then follows
+      for each design; default that of the problem.
+    - `operating_points`: several (speed, load) or (speed, load, share) in place of one: every
+      objective is their mean by shares, and every constraint and margin holds at each.
     - `method`: `"slsqp"` or `"trust-constr"` (SciPy), or, for bounds only, `"lbfgs"` or `"adam"`
-      (optax). `"auto"`: SLSQP with constraints, L-BFGS without. Default that of the problem. Or
-      an object that carries its own options: `Slsqp`, `TrustConstr`, `Lbfgs`, `Adam`, `Optax`,
+      (optax), or `"multi-start"`: Adam from all starts at once, then SLSQP from the best few.
+      `"auto"`: SLSQP with constraints, L-BFGS without. Default that of the problem. Or an object
+      that carries its own options: `Slsqp`, `TrustConstr`, `Lbfgs`, `Adam`, `MultiStart`, `Optax`,
       `Scipy` of `prsm_jax.optimisation`, or a `SearchMethod` of your own.
     - `starts`, `seed`: number of starts, and seed of the Latin hypercube of all but the first.
       Default those of the problem.
@@ -77,6 +90,30 @@ def optimise(
     if there are constraints.
     """
     problem = problem_of(mechanism, problem, variables, maximise, minimise, constraints)
+    if nut_speed is not None:
+        problem = dataclasses.replace(problem, nut_speed=nut_speed)
+    if operating_points is not None:
+        problem = dataclasses.replace(problem, operating_points=cases_of(operating_points))
+    if choices is not None:
+        problem = dataclasses.replace(problem, choices=choices_of(choices))
+    if problem.choices:
+
+        def search_one(moved: Mechanism, inner: DesignProblem) -> Optimum:
+            return optimise(
+                moved,
+                problem=inner,
+                speed=speed,
+                load=load,
+                method=method,
+                starts=starts,
+                seed=seed,
+                tolerance=tolerance,
+                max_iterations=max_iterations,
+                progress=progress,
+                respect_findings=respect_findings,
+            )
+
+        return best_of_choices(mechanism, problem, search_one)
     present = present_design(mechanism, problem.variables)
     count = problem.starts if starts is None else starts
     if count < 1:
@@ -86,9 +123,7 @@ def optimise(
     requested = problem.method if method is None else method
     search = search_of(requested, bool(problem.constraints), max_iterations)
 
-    evaluator = Evaluator(
-        mechanism, problem, _number(speed), _number(load), margins=respect_findings
-    )
+    evaluator = Evaluator(mechanism, problem, number(speed), number(load), margins=respect_findings)
     report = Reporter(evaluator, problem)
     initial = (present - evaluator.lower) / evaluator.width
     seed = problem.seed if seed is None else seed
@@ -97,6 +132,10 @@ def optimise(
         if evaluator.point(position).good:
             evaluator.scale_from(position)
             break
+
+    if isinstance(search, MultiStart):
+        positions = search.chosen(evaluator, np.array(positions))
+        count = len(positions)
 
     searches = Searches(evaluator, report, tolerance, count)
     searches.tell = progress if callable(progress) else None
@@ -127,11 +166,6 @@ def optimise(
         conditions,
         tolerance,
     )
-
-
-def _number(value: float | Scalar | None) -> Scalar | None:
-    # A Python number would be a constant of the program: another speed would compile again.
-    return None if value is None else jnp.asarray(value, jnp.result_type(float))
 
 
 def _progress(positions: list[np.ndarray], progress: bool):

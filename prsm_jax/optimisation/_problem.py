@@ -1,16 +1,19 @@
 """What to optimise: from the mechanism's own design problem, or from arguments."""
 
-from collections.abc import Mapping
-from typing import Literal
+import dataclasses
+from collections.abc import Iterable, Mapping
+from typing import Any, Literal, cast
 
+import jax.numpy as jnp
 import numpy as np
 
-from ..fields import check_number
+from ..fields import Scalar, check_number
 from ..mechanism import (
     Constraint,
     DesignProblem,
     Mechanism,
     Objective,
+    OperatingCase,
     Variable,
     check_independent,
     find_parameters,
@@ -19,34 +22,40 @@ from ..quantities import find_quantity
 
 
 def problem_of(
-    mechanism: Mechanism, problem: DesignProblem | None, variables, maximise, minimise, constraints
+    mechanism: Mechanism,
+    problem: DesignProblem | None,
+    variables: Any,
+    maximise: str | Mapping[str, float | int] | None,
+    minimise: str | Mapping[str, float | int] | None,
+    constraints: Any,
+    objectives: tuple[Objective, ...] | None = None,
 ) -> DesignProblem:
     """The design problem: each part from its argument, or else from `problem` or the mechanism.
+
+    `objectives` stands in place of `maximise` and `minimise`.
 
     **Raises:** `ValueError` where a part is missing or wrong; `UnknownNameError` for unknown names.
     """
     if problem is None:
         problem = mechanism.design_problem
     new_variables = _variables(variables) if variables is not None else None
-    new_objectives = None
+    new_objectives = objectives
     if maximise is not None or minimise is not None:
         new_objectives = (*_objectives(maximise, "maximise"), *_objectives(minimise, "minimise"))
     new_constraints = _constraints(constraints) if constraints is not None else None
     if problem is None:
         if new_variables is None or new_objectives is None:
             raise ValueError(
-                "the mechanism has no design problem; give variables and maximise or minimise, "
-                "or an [optimise] table in its file"
+                "the mechanism has no design problem; give variables and maximise or minimise "
+                "(objectives for a front), or an [optimise] table in its file"
             )
         problem = DesignProblem(new_variables, new_objectives, new_constraints or ())
     else:
-        problem = DesignProblem(
-            problem.variables if new_variables is None else new_variables,
-            problem.objectives if new_objectives is None else new_objectives,
-            problem.constraints if new_constraints is None else new_constraints,
-            problem.starts,
-            problem.seed,
-            problem.method,
+        problem = dataclasses.replace(
+            problem,
+            variables=problem.variables if new_variables is None else new_variables,
+            objectives=problem.objectives if new_objectives is None else new_objectives,
+            constraints=problem.constraints if new_constraints is None else new_constraints,
         )
     if not problem.variables:
         raise ValueError("the design problem has no variables; give at least one")
@@ -82,6 +91,61 @@ def _objectives(
     if isinstance(terms, Mapping):
         return tuple(Objective(name, sense, float(weight)) for name, weight in terms.items())
     raise ValueError(f"{sense} is {terms!r}; give a quantity, or a dictionary of weights")
+
+
+def front_objectives(
+    objectives: Mapping[str, str] | Iterable[Objective],
+) -> tuple[Objective, ...]:
+    """The objectives of a front, from their senses by quantity or from `Objective` objects.
+
+    **Raises:** `ValueError` for a quantity without a sense, or a word that is none.
+    """
+    if not isinstance(objectives, Mapping):
+        found = tuple(objectives)
+        if not all(isinstance(one, Objective) for one in found):
+            raise ValueError(
+                f"objectives are {objectives!r}; give the sense of each, such as "
+                '{"efficiency": "maximise", "mass": "minimise"}'
+            )
+        return found
+    rows: list[Objective] = []
+    for name, sense in cast("Mapping[str, str]", objectives).items():
+        if sense not in ("maximise", "minimise"):
+            raise ValueError(
+                f'objective {name!r} has the sense {sense!r}; write "maximise" or "minimise"'
+            )
+        rows.append(Objective(name, sense))
+    return tuple(rows)
+
+
+def cases_of(points: Iterable[tuple[float, ...]]) -> tuple[OperatingCase, ...]:
+    """Operating points from (speed, load) or (speed, load, share) [rad/s, N, 1].
+
+    **Raises:** `ValueError` for anything else, or without any.
+    """
+    rows: list[OperatingCase] = []
+    for one in points:
+        try:
+            numbers = [float(value) for value in one]
+        except (TypeError, ValueError):
+            numbers = []
+        if len(numbers) not in (2, 3):
+            raise ValueError(
+                f"operating point {one!r} is none; give (speed, load) or (speed, load, share) in "
+                "rad/s and N"
+            )
+        rows.append(OperatingCase(*numbers))
+    if not rows:
+        raise ValueError("operating_points is empty; give at least one, or leave it out")
+    return tuple(rows)
+
+
+def number(value: float | Scalar | None) -> Scalar | None:
+    """An operating speed or load as an array.
+
+    A Python number would be a constant of the program: another speed would compile again.
+    """
+    return None if value is None else jnp.asarray(value, jnp.result_type(float))
 
 
 def _constraints(constraints) -> tuple[Constraint, ...]:

@@ -25,6 +25,7 @@ from .design_charts import (
     calibration_chart as calibration_chart,
     contribution_bars as contribution_bars,
     cost_chart as cost_chart,
+    front_chart as front_chart,
     life_chart as life_chart,
     optimisation_chart as optimisation_chart,
     published_figure as published_figure,

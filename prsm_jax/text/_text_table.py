@@ -111,7 +111,7 @@ class TextTable:
 
         def line(texts: list[str], right: Sequence[bool]) -> list[str]:
             wrapped = [
-                textwrap.wrap(text, widths[c], break_on_hyphens=False) or [""]
+                textwrap.wrap(text, max(widths[c], 1), break_on_hyphens=False) or [""]
                 for text, c in zip(texts, part, strict=True)
             ]
             lines = []

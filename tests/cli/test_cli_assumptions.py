@@ -23,6 +23,10 @@ VERBS = {
         ["max_pressure"],
     ),
     "optimise": ((), ["max_pressure"]),
+    "pareto": (
+        ("--minimise", "max_pressure", "--maximise", "efficiency", "--points", "3"),
+        ["efficiency", "max_pressure"],
+    ),
     "calibrate": (("--data", "wu2022_torque", "--loss", "squared"), ["drive_torque"]),
     "sweep": (("--axis", "lead=9 mm,10 mm", "--quantities", "max_pressure"), ["max_pressure"]),
 }

@@ -21,6 +21,7 @@ VERBS = {
     "simulate": ["wu2022"],
     "sensitivity": ["wu2022"],
     "optimise": ["actuator"],
+    "pareto": ["actuator"],
     "calibrate": ["wu2022", "--data", "wu2022_torque"],
     "sweep": ["wu2022", "--axis", "lead=5 mm,6 mm"],
     "tolerance": ["wu2022"],

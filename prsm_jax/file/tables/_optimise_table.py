@@ -3,8 +3,17 @@
 from typing import Any
 
 from ..._errors import UnknownNameError
-from ...fields import ANY, Declared, declared
-from ...mechanism import Constraint, DesignProblem, Mechanism, Objective, Variable, find_parameters
+from ...fields import ANY, POSITIVE, Declared, declared
+from ...mechanism import (
+    Choice,
+    Constraint,
+    DesignProblem,
+    Mechanism,
+    Objective,
+    OperatingCase,
+    Variable,
+    find_parameters,
+)
 from ..numbers import Misplaced, Place, read_integer, read_number
 from ._table import Key, plain, read_choice, read_keys, read_name, read_rows
 
@@ -38,13 +47,31 @@ def _rows(keys: dict[str, Key], text: str | None = None) -> Key:
     return Key(lambda v, at: read_rows(v, at, lambda row, p: read_keys(row, p, keys)), text)
 
 
+_PROBLEM["nut_speed"] = Key(plain(read_number, "m/s", POSITIVE))
+_CASE = {one.name: _key(one) for one in declared(OperatingCase)}
+for _name, _unit, _limit in (("speed", "rad/s", ANY), ("load", "N", ANY), ("share", "1", POSITIVE)):
+    _CASE[_name] = _CASE[_name]._replace(read=plain(read_number, _unit, _limit))
+_EFFORT = ("starts", "seed", "method", "points", "nut_speed")
 _KEYS = {
     **dict.fromkeys(_SENSE.words, _NAME),
     "objective": _rows(_OBJECTIVE),
     "variable": _rows(_VARIABLE, "variables, as [[optimise.variable]]"),
     "constraint": _rows(_CONSTRAINT),
-    **{name: _PROBLEM[name] for name in ("starts", "seed", "method")},
+    "operating_point": _rows(_CASE),
+    # The units of a list depend on its parameter, as those of bounds.
+    "choices": Key(lambda v, at: _lists(v, at)),
+    **{name: _PROBLEM[name] for name in _EFFORT},
 }
+
+
+def _lists(value: Any, place: Place) -> dict[str, list[Any]]:
+    if not isinstance(value, dict) or not value:
+        words = "must be a table of lists, such as { roller_count = [8, 9, 10] }"
+        raise Misplaced((place, words))
+    for name, one in value.items():
+        if not isinstance(one, list) or not one:
+            raise Misplaced(((*place, name), "must be a list of values"))
+    return value
 
 
 def read_optimise(data: Any, place: Place) -> dict[str, Any]:
@@ -89,6 +116,31 @@ def _variable(
     return Variable(name, **bounds)
 
 
+def _choice(name: str, values: list[Any], mechanism: Mechanism, taken: dict[str, str]) -> Choice:
+    at = ("optimise", "choices", name)
+    try:
+        parameters = find_parameters(mechanism, name)
+    except UnknownNameError as error:
+        raise Misplaced((at, str(error))) from error
+    for parameter in parameters:
+        if parameter.path in taken:
+            raise Misplaced((at, f"moves the same number as {taken[parameter.path]!r}"))
+        taken[parameter.path] = name
+    first, numbers = parameters[0], []
+    for value in values:
+        try:
+            if first.static:
+                numbers.append(float(read_integer(value, first.limit)))
+            else:
+                numbers.append(read_number(value, first.unit, first.limit))
+        except ValueError as error:
+            raise Misplaced((at, str(error))) from error
+    try:
+        return Choice(name, tuple(numbers))
+    except ValueError as error:
+        raise Misplaced((at, str(error))) from error
+
+
 def design_problem(table: dict[str, Any], mechanism: Mechanism) -> DesignProblem:
     """The design problem of an `[optimise]` table.
 
@@ -110,5 +162,18 @@ def design_problem(table: dict[str, Any], mechanism: Mechanism) -> DesignProblem
             constraints.append(Constraint(**row))
         except ValueError as error:
             raise Misplaced((("optimise", "constraint", index), str(error))) from error
-    effort = {name: table[name] for name in ("starts", "seed", "method") if name in table}
-    return DesignProblem(variables, _objectives(table), tuple(constraints), **effort)
+    rows = table.get("choices", {}).items()
+    choices = tuple(_choice(name, values, mechanism, taken) for name, values in rows)
+    cases = tuple(OperatingCase(**row) for row in table.get("operating_point", ()))
+    if cases and "nut_speed" in table:
+        message = "both set the speed of the screw; give nut_speed or operating points"
+        raise Misplaced((("optimise", "operating_point"), message))
+    effort = {name: table[name] for name in _EFFORT if name in table}
+    return DesignProblem(
+        variables,
+        _objectives(table),
+        tuple(constraints),
+        choices=choices,
+        operating_points=cases,
+        **effort,
+    )

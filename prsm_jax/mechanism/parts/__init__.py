@@ -18,9 +18,11 @@ from ._damping import (
     StructuralDamping as StructuralDamping,
 )
 from ._design_problem import (
+    Choice as Choice,
     Constraint as Constraint,
     DesignProblem as DesignProblem,
     Objective as Objective,
+    OperatingCase as OperatingCase,
     Variable as Variable,
 )
 from ._line_contact import LineContact as LineContact

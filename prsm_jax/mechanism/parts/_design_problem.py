@@ -1,11 +1,13 @@
 """Definition of an optimisation: variables, objective and constraints, as static data."""
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
 from ...fields import Limit, check_fields, choice
 
 _STARTS = Limit(1.0, 10_000.0, "a whole number from 1 to 10000", True, True)
+_POINTS = Limit(3.0, 1000.0, "a whole number from 3 to 1000", True, True)
 _SEED = Limit(0.0, 2.0**32 - 1, "a whole number from 0 to 4294967295", True, True)
 
 
@@ -65,8 +67,43 @@ class Constraint:
 
 
 @dataclass(frozen=True)
+class Choice:
+    """Values of a parameter of which one is chosen [SI]; of whole numbers, too."""
+
+    name: str = choice("name of a parameter")
+    values: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.values:
+            raise ValueError(f"choice {self.name!r} has no values; list at least one")
+        if len(set(self.values)) < len(self.values):
+            raise ValueError(f"choice {self.name!r} lists a value twice; leave one out")
+
+
+@dataclass(frozen=True)
+class OperatingCase:
+    """A speed and a load at which a design is judged, and its share in the mean [rad/s, N, 1]."""
+
+    speed: float = choice("speed of the screw")
+    load: float = choice("axial load")
+    share: float = choice("share in the mean", default=1.0)
+
+    def __post_init__(self) -> None:
+        for name in ("speed", "load", "share"):
+            if not math.isfinite(getattr(self, name)):
+                raise ValueError(f"operating point: {name} is {getattr(self, name)}; it is finite")
+        if self.share <= 0:
+            raise ValueError(f"operating point: share is {self.share}; it must be positive")
+
+
+@dataclass(frozen=True)
 class DesignProblem:
-    """Variables, objectives and constraints, and settings of the search."""
+    """Variables, objectives and constraints, choices, and settings of the search.
+
+    With `nut_speed` [m/s] the screw turns as fast as each design needs for this speed of the nut;
+    otherwise its speed is that of the operating point. With `operating_points` each objective is
+    the mean over them by their shares, and each constraint holds at every one.
+    """
 
     variables: tuple[Variable, ...]
     objectives: tuple[Objective, ...]
@@ -74,6 +111,17 @@ class DesignProblem:
     starts: int = choice("number of searches", default=1, limit=_STARTS)
     seed: int = choice("seed of their starting points", default=0, limit=_SEED)
     method: str = choice("method of the search", default="auto")
+    points: int = choice("number of points of a front", default=20, limit=_POINTS)
+    choices: tuple[Choice, ...] = ()
+    nut_speed: float | None = choice("axial speed of the last nut", default=None)
+    operating_points: tuple[OperatingCase, ...] = ()
 
     def __post_init__(self) -> None:
         check_fields(self)
+        if self.nut_speed is not None and not 0 < self.nut_speed < math.inf:
+            raise ValueError(f"nut_speed is {self.nut_speed} m/s; it must be positive")
+        if self.nut_speed is not None and self.operating_points:
+            raise ValueError(
+                "nut_speed and operating_points are both given, and both set the speed of the "
+                "screw; give one"
+            )

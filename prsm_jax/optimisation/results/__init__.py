@@ -6,6 +6,7 @@ from ._optimum import (
     Design as Design,
     Optimum as Optimum,
     Run as Run,
+    Trial as Trial,
 )
 from ._reporting import (
     Reporter as Reporter,

@@ -103,6 +103,34 @@ class Run:
 
 
 @dataclass(frozen=True)
+class Trial:
+    """One combination of choices [SI]: its best design, or why it was dropped."""
+
+    choices: dict[str, float]
+    #: `None` if the mechanism cannot be built.
+    variables: dict[str, float] | None
+    objective: float | None
+    #: `"best"`, `"worse"`, `"infeasible"` or `"cannot be built"`.
+    status: str
+    message: str
+    kkt_residual: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain numbers for JSON; `None` where one is not finite."""
+        variables = None
+        if self.variables is not None:
+            variables = {name: _plain(value) for name, value in self.variables.items()}
+        return {
+            "choices": dict(self.choices),
+            "variables": variables,
+            "objective": _plain(self.objective),
+            "status": self.status,
+            "message": self.message,
+            "kkt_residual": _plain(self.kkt_residual),
+        }
+
+
+@dataclass(frozen=True)
 class Optimum:
     """The best feasible design that was found; prints itself.
 
@@ -143,6 +171,9 @@ class Optimum:
     #: Findings of `check` at the start and at the optimum.
     findings_start: tuple[Finding, ...] = ()
     findings_optimum: tuple[Finding, ...] = ()
+    #: Every combination of choices that was tried, where the problem has choices. `start` then is
+    #: the present design with the choices of the best one, and evaluations are those of all.
+    choices: tuple[Trial, ...] = ()
 
     @property
     def objective_history(self) -> tuple[float, ...]:
@@ -182,7 +213,7 @@ class Optimum:
             "best_run": self.best_run,
             "runs": [run.to_dict() for run in self.runs],
             "variable_units": dict(self.variable_units),
-        }
+        } | ({"choices": [one.to_dict() for one in self.choices]} if self.choices else {})
 
     def text(self, width: int | None = None) -> str:
         """Start and optimum as a table in an engineer's units, and the verdict.

@@ -4,7 +4,7 @@ import textwrap
 from typing import Any
 
 from ...geometry import Finding
-from ...mechanism import follows_in_words
+from ...mechanism import find_parameters, follows_in_words
 from ...text import TextTable, display_unit, state_without_efficiency
 
 
@@ -82,12 +82,22 @@ def _final_name(best: Any) -> str:
 def _verdict(best: Any) -> list[str]:
     return [
         *_dependents(best),
+        *(_trial_line(one, best) for one in best.choices),
         f"{'converged' if best.converged else 'NOT CONVERGED'}: {best.message}",
         f"method {best.method}; best of {len(best.runs)} starts: number {best.best_run + 1}; "
         f"{best.evaluations} evaluations of values, {best.derivative_evaluations} of derivatives",
         *_finding_lines("start", best.findings_start),
         *_finding_lines(_final_name(best), best.findings_optimum),
     ]
+
+
+def _trial_line(one: Any, best: Any) -> str:
+    """One combination of choices in words."""
+    chosen = []
+    for name, value in one.choices.items():
+        shown = display_unit(find_parameters(best.mechanism, name)[0].unit, [value])
+        chosen.append(f"{name} = {shown(value):.6g} {shown.label}".rstrip())
+    return f"{', '.join(chosen)}: {one.status}: {one.message}"
 
 
 def _finding_lines(where: str, findings: tuple[Finding, ...]) -> list[str]:

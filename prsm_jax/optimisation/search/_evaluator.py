@@ -15,16 +15,44 @@ from ...quantities import Analysis, component_names, compute, find_quantity
 from ._margin_rows import WHOLE_SCALE, MarginRows, is_constraint, probe_positions, sorted_margins
 
 
-def _outputs(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
+def screw_speed(
+    mechanism: Mechanism, speed: Scalar | None, load: Scalar | None, nut_speed: Scalar | None
+) -> Scalar | None:
+    """Screw speed of a design [rad/s]: given, or from the speed of the nut [m/s]."""
+    if nut_speed is None:
+        return speed
+    one = Analysis(mechanism, jnp.ones_like(nut_speed), load)
+    return nut_speed / find_quantity("nut_speed").function(one)
+
+
+def outputs_at(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
     """Quantities and margins of a design as separate arrays, and whether the design is usable."""
-    mechanism, names, quantities, margins, lower, width, speed, load = inputs
+    mechanism, names, quantities, margins, lower, width, speed, load, nut_speed = inputs
     values = lower + width * position
     moved = set_parameters(mechanism, {name: values[i] for i, name in enumerate(names)})
+    if load is None or jnp.ndim(load) == 0:
+        at = screw_speed(moved, speed, load, nut_speed)
+        return _analysed(moved, quantities, margins, at, load)
+    # Several operating points: every quantity at each of them, and the least of every margin.
+    at_each = jax.vmap(lambda one, other: _analysed(moved, quantities, margins, one, other))
+    outputs, valid = at_each(speed, load)
+    split = len(quantities)
+    return (
+        [jnp.ravel(numbers) for numbers in outputs[:split]]
+        + [jnp.min(numbers, axis=0) for numbers in outputs[split:]],
+        jnp.all(valid),
+    )
+
+
+def _analysed(
+    moved: Mechanism, quantities: tuple[str, ...], margins: Any, speed: Any, load: Any
+) -> tuple[list[Array], Any]:
+    """Quantities and margins at one operating point, and whether they can be used."""
     analysis = Analysis(moved, speed, load)
     # A design whose threads do not mesh is unusable, whatever the requested quantities.
     for stage in analysis.kinematics:
         analysis.require(stage.meshing.converged)
-    analysis.expect(load for name in quantities for load in find_quantity(name).shares)
+    analysis.expect(case for name in quantities for case in find_quantity(name).shares)
     if margins:
         analysis.expect(shared_loads(margins_of(moved), is_constraint))
     # Not concatenated: XLA would recompute the operands for each element.
@@ -39,13 +67,13 @@ def _outputs(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
 
 @eqx.filter_jit
 def _values(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
-    return _outputs(inputs, position)
+    return outputs_at(inputs, position)
 
 
 @eqx.filter_jit
 def _derivatives(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
     # Forward mode: one pass per variable, and there are few variables.
-    _, push = jax.linearize(lambda point: _outputs(inputs, point)[0], position)
+    _, push = jax.linearize(lambda point: outputs_at(inputs, point)[0], position)
     return jax.vmap(push, out_axes=-1)(jnp.eye(position.shape[0], dtype=position.dtype))
 
 
@@ -74,8 +102,22 @@ class Rows:
     """
 
     def __init__(self, problem: DesignProblem, shapes: dict[str, tuple[int, ...]], margins: int):
+        shares = np.array([one.share for one in problem.operating_points] or [1.0])
+        #: Share of each operating point in the mean.
+        self.shares: np.ndarray = shares / shares.sum()
+        for term in problem.objectives:
+            if int(np.prod(shapes[term.quantity])) != 1:
+                raise ValueError(
+                    f"objective {term.quantity!r} has {int(np.prod(shapes[term.quantity]))} "
+                    "components; an objective must be one number"
+                )
+        if problem.operating_points:
+            # The operating point is the first index of a component.
+            shapes = {name: (len(shares), *shape) for name, shape in shapes.items()}
         first = np.cumsum([0, *(int(np.prod(shape)) for shape in shapes.values())])
-        place = dict(zip(shapes, first[:-1], strict=True))
+        place: dict[str, int] = dict(zip(shapes, map(int, first[:-1]), strict=True))
+        #: Index of the first component of each quantity among the evaluated values.
+        self.place: dict[str, int] = place
         self.names: list[str] = []
         index, lower, upper, equality = [], [], [], []
         for constraint in problem.constraints:
@@ -98,13 +140,15 @@ class Rows:
         self.first_margin: int = int(first[-1])
         self.weights: np.ndarray = np.zeros(int(first[-1]) + margins)
         for term in problem.objectives:
-            if int(np.prod(shapes[term.quantity])) != 1:
-                raise ValueError(
-                    f"objective {term.quantity!r} has {int(np.prod(shapes[term.quantity]))} "
-                    "components; an objective must be one number"
-                )
             sign = -1.0 if term.sense == "maximise" else 1.0
-            self.weights[place[term.quantity]] += sign * term.weight
+            self.weights += sign * term.weight * self.mean_of(term.quantity)
+
+    def mean_of(self, name: str) -> np.ndarray:
+        """Weights of all values in an objective: its mean over the operating points."""
+        weights = np.zeros(len(self.weights))
+        first = self.place[name]
+        weights[first : first + len(self.shares)] = self.shares
+        return weights
 
     def add(self, rows: MarginRows) -> None:
         """Append the margins that a search has to respect."""
@@ -159,6 +203,14 @@ class Evaluator:
         self.lower: np.ndarray = np.array([variable.lower for variable in problem.variables])
         upper = np.array([variable.upper for variable in problem.variables])
         self.width: np.ndarray = upper - self.lower
+        cases = problem.operating_points
+        if cases and (speed is not None or load is not None):
+            raise ValueError(
+                "a speed or a load is given, and the problem has operating points; give one or the "
+                "other"
+            )
+        speeds = jnp.asarray([float(one.speed) for one in cases])
+        loads = jnp.asarray([float(one.load) for one in cases])
         self._given = (
             mechanism,
             names,
@@ -167,15 +219,25 @@ class Evaluator:
             sources() if margins else None,
             jnp.asarray(self.lower),
             jnp.asarray(self.width),
-            speed,
-            load,
+            speeds if cases else speed,
+            loads if cases else load,
+            None if problem.nut_speed is None else jnp.asarray(problem.nut_speed, float),
         )
-        shapes = eqx.filter_eval_shape(self._shapes, mechanism, speed, load)
+        if problem.nut_speed is not None and speed is not None:
+            raise ValueError(
+                f"speed is {float(speed):g} rad/s and nut_speed {problem.nut_speed:g} m/s; give one"
+            )
+        # With a nut speed the screw speed is any number: there need not be an operating point.
+        some_speed = speed if problem.nut_speed is None else jnp.ones(())
+        some_load = load
+        if problem.operating_points:
+            some_speed, some_load = speeds[0], loads[0]
+        shapes = eqx.filter_eval_shape(self._shapes, mechanism, some_speed, some_load)
         # A derived number that a variable makes explicit has margins too (the profile radius).
         written = set_parameters(
             mechanism, dict(zip(names, self.lower, strict=True)), checked=False
         )
-        known = _margins(written, speed, load) if margins else ()
+        known = _margins(written, some_speed, some_load) if margins else ()
         shape_of = {name: shapes[name].shape for name in self.quantities}
         self.rows: Rows = Rows(problem, shape_of, len(known))
         self.evaluations: int = 0
@@ -196,6 +258,11 @@ class Evaluator:
     def _shapes(self, mechanism, speed, load):
         # `compute` names the quantity for which data are missing.
         return compute(mechanism, self.quantities, speed=speed, load=load)
+
+    @property
+    def program_inputs(self) -> tuple[Any, ...]:
+        """What the compiled programs take beside the position."""
+        return self._given
 
     @property
     def variables(self) -> int:

@@ -5,9 +5,10 @@ from typing import Any
 from ._constrained import Slsqp, TrustConstr
 from ._lbfgs import Lbfgs
 from ._method import SearchMethod
+from ._multi_start import MultiStart
 from ._optax import Adam
 
-_BY_WORD: dict[str, Any] = {cls.word: cls for cls in (Adam, Lbfgs, Slsqp, TrustConstr)}
+_BY_WORD: dict[str, Any] = {cls.word: cls for cls in (Adam, Lbfgs, Slsqp, TrustConstr, MultiStart)}
 
 
 def search_of(
@@ -45,7 +46,10 @@ def search_of(
                 "object such as prsm_jax.optimisation.Slsqp(max_iterations=100)"
             )
         options = {} if max_iterations is None else {"max_iterations": max_iterations}
-        found = _BY_WORD[word](**options)
+        if word == MultiStart.word:
+            found = MultiStart(finish=Slsqp(**options))
+        else:
+            found = _BY_WORD[word](**options)
     if constrained and not found.accepts_constraints:
         others = " or ".join(word for word, cls in _BY_WORD.items() if cls.accepts_constraints)
         raise ValueError(

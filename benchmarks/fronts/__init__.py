@@ -1,0 +1,1 @@
+"""Fronts by gradients against NSGA-II of pymoo: dominated volume at equal reference point."""

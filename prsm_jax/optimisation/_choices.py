@@ -1,0 +1,135 @@
+"""Optimisation over choices: one search for every combination of listed values."""
+
+import dataclasses
+import itertools
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from ..mechanism import (
+    Choice,
+    DesignProblem,
+    Mechanism,
+    check_independent,
+    find_parameters,
+    set_parameter,
+)
+from .results import Optimum, Trial
+
+#: More combinations are refused: each needs a search.
+MOST_COMBINATIONS = 1000
+
+
+def choices_of(choices: Mapping[str, Any]) -> tuple[Choice, ...]:
+    """Choices from lists of values by the name of a parameter.
+
+    **Raises:** `ValueError` where the values are no list of numbers.
+    """
+    rows = []
+    for name, values in choices.items():
+        try:
+            numbers = tuple(float(value) for value in values)
+        except (TypeError, ValueError):
+            raise ValueError(
+                f"choice {name!r} has the values {values!r}; give a list of numbers [SI]"
+            ) from None
+        rows.append(Choice(name, numbers))
+    return tuple(rows)
+
+
+def best_of_choices(
+    mechanism: Mechanism,
+    problem: DesignProblem,
+    search: Callable[[Mechanism, DesignProblem], Optimum],
+) -> Optimum:
+    """The best optimum of all combinations of choices, with every combination tried.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism.
+    - `problem`: the design problem with its choices.
+    - `search`: optimises a mechanism of fixed choices.
+
+    **Raises:** `ValueError` for a choice that is a variable too, or too many combinations, or if no
+    combination can be built.
+    """
+    _check(mechanism, problem)
+    names = [one.name for one in problem.choices]
+    inner = dataclasses.replace(problem, choices=())
+    found: list[tuple[dict[str, float], Optimum | None, str]] = []
+    for values in itertools.product(*(one.values for one in problem.choices)):
+        chosen = dict(zip(names, values, strict=True))
+        try:
+            moved = mechanism
+            for name, value in chosen.items():
+                moved = set_parameter(moved, name, _whole(moved, name, value))
+            found.append((chosen, search(moved, inner), ""))
+        except ValueError as error:
+            found.append((chosen, None, str(error)))
+    maximised = all(one.sense == "maximise" for one in problem.objectives)
+    sign = -1.0 if maximised else 1.0
+
+    def rank(place: int) -> tuple[bool, float]:
+        best = found[place][1]
+        if best is None:
+            return True, math.inf
+        value = sign * best.optimum.objective if best.feasible else best.optimum.violation
+        return not best.feasible, value if math.isfinite(value) else math.inf
+
+    built = [place for place, (_, best, _) in enumerate(found) if best is not None]
+    if not built:
+        raise ValueError(f"none of the {len(found)} choices can be built: {found[0][2]}")
+    first = min(built, key=rank)
+    winner = found[first][1]
+    assert winner is not None
+    trials = tuple(
+        _trial(chosen, best, message, place == first, winner)
+        for place, (chosen, best, message) in enumerate(found)
+    )
+    tried = [best for _, best, _ in found if best is not None]
+    return dataclasses.replace(
+        winner,
+        problem=problem,
+        choices=trials,
+        evaluations=sum(one.evaluations for one in tried),
+        derivative_evaluations=sum(one.derivative_evaluations for one in tried),
+    )
+
+
+def _check(mechanism: Mechanism, problem: DesignProblem) -> None:
+    count = math.prod(len(one.values) for one in problem.choices)
+    if count > MOST_COMBINATIONS:
+        raise ValueError(
+            f"the choices have {count} combinations, and each needs a search; give at most "
+            f"{MOST_COMBINATIONS}"
+        )
+    for one in problem.choices:
+        for parameter in find_parameters(mechanism, one.name):
+            for value in one.values:
+                if parameter.static and value != round(value):
+                    raise ValueError(f"choice {one.name!r} is {value:g}; it must be a whole number")
+    names = [*(one.name for one in problem.choices), *(one.name for one in problem.variables)]
+    check_independent(mechanism, names)
+
+
+def _whole(mechanism: Mechanism, name: str, value: float) -> float | int:
+    return int(value) if find_parameters(mechanism, name)[0].static else value
+
+
+def _trial(
+    chosen: dict[str, float], best: Optimum | None, message: str, wins: bool, winner: Optimum
+) -> Trial:
+    """What became of one combination, and why it was dropped."""
+    if best is None:
+        return Trial(chosen, None, None, "cannot be built", message, math.inf)
+    value = best.optimum.objective
+    if not best.feasible:
+        status, words = "infeasible", best.message
+    elif wins:
+        status, words = "best", best.message
+    else:
+        status = "worse"
+        words = f"objective {value:.6g}, against {winner.optimum.objective:.6g} of the best"
+        if not best.converged:
+            words += f"; not converged: {best.message}"
+    return Trial(chosen, dict(best.optimum.variables), value, status, words, best.kkt_residual)

@@ -1,0 +1,220 @@
+"""Fronts whose equation is known, the volume below them, and what a wrong problem says."""
+
+import itertools
+import json
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import scenes
+
+from prsm_jax.mechanism import DesignProblem, Objective, Variable
+from prsm_jax.optimisation import hypervolume, non_dominated, pareto
+
+#: Every problem below is over these two numbers, in units of millimetres and 0.1 rad.
+BOX = {"lead": (4e-3, 14e-3), "contact_angle": (0.3, 1.3)}
+#: Centres of the bowls in these units.
+A, B, C = np.array([6.0, 8.0]), np.array([11.0, 6.0]), np.array([8.0, 11.0])
+
+
+def _point(analysis):
+    thread = analysis.mechanism.stages[0].thread
+    return jnp.stack([thread.lead * 1e3, thread.contact_angle * 10])
+
+
+def _squared(analysis, centre):
+    return jnp.sum((_point(analysis) - centre) ** 2)
+
+
+@pytest.fixture
+def bowls(own_quantities):
+    own_quantities("bowl_a", lambda a: _squared(a, A))
+    own_quantities("bowl_b", lambda a: _squared(a, B))
+    own_quantities("bowl_c", lambda a: _squared(a, C))
+    own_quantities("hill_b", lambda a: 100 - _squared(a, B))
+    own_quantities("hollow_a", lambda a: 1 - jnp.exp(-_squared(a, A) / 4))
+    own_quantities("hollow_b", lambda a: 1 - jnp.exp(-_squared(a, B) / 4))
+    own_quantities("first_number", lambda a: _point(a)[0])
+
+
+def _positions(front):
+    rows = [one.variables for one in front.points]
+    return np.array([[1e3 * row["lead"], 10 * row["contact_angle"]] for row in rows])
+
+
+def test_two_bowls(bowls):
+    """Squared distances from two points: √f₁ + √f₂ is the distance between them."""
+    front = pareto(scenes.mechanism(), {"bowl_a": "minimise", "hill_b": "maximise"}, BOX, points=15)
+    assert front.converged, str(front)
+    assert len(front.points) == 15
+    first, second = front.values.T
+    roots = np.sqrt(first) + np.sqrt(100 - second)
+    np.testing.assert_allclose(roots, np.linalg.norm(A - B), rtol=1e-6)
+    # The ends are the best of each objective: 1e-4 of the other counts there.
+    assert first[0] < 1e-6
+    assert 100 - second[-1] < 1e-6
+    assert max(one.kkt_residual for one in front.points) <= 1e-6
+    # The design divides the distance between the centres as the weights say.
+    weights = np.array([list(one.weights.values()) for one in front.points])
+    weights /= np.ptp(front.values, axis=0)
+    shares = weights[:, 1] / weights.sum(axis=1)
+    np.testing.assert_allclose(_positions(front), A + shares[:, None] * (B - A), atol=2e-5)
+    # Ordered by the first objective, and evenly spaced along the plane of the reference points.
+    assert np.all(np.diff(first) > 0)
+    spacing = np.diff(first + second)  # f₁ − f₂, but for a constant
+    np.testing.assert_allclose(spacing, spacing.mean(), rtol=0.01)
+    # Beyond that count a population would not be needed: some dozen designs for each point.
+    assert front.evaluations + front.derivative_evaluations < 20 * len(front.points)
+
+
+def test_a_front_that_is_hollow(bowls):
+    """Concave towards the ideal point: no weighted sum has its middle as a minimum."""
+    front = pareto(
+        scenes.mechanism(), {"hollow_a": "minimise", "hollow_b": "minimise"}, BOX, points=15
+    )
+    assert front.converged, str(front)
+    first, second = front.values.T
+    roots = 2 * (np.sqrt(-np.log1p(-first)) + np.sqrt(-np.log1p(-second)))
+    # Near an end the argument of the logarithm is the rounding of 1 − f.
+    np.testing.assert_allclose(roots, np.linalg.norm(A - B), rtol=1e-6)
+    assert len(front.points) >= 13
+    # The chord between the ends lies below the middle.
+    assert first[7] + second[7] > 1.2
+
+
+def test_a_front_along_a_limit(bowls):
+    """Both centres lie beyond x ≤ 5: the designs are on x = 5, between the two heights."""
+    front = pareto(
+        scenes.mechanism(),
+        {"bowl_a": "minimise", "bowl_b": "minimise"},
+        BOX,
+        {"first_number": (None, 5.0)},
+        points=9,
+    )
+    assert front.converged, str(front)
+    first, second = front.values.T
+    # 1e-6 is the tolerance of the constraint, in units of its limit; both slopes are above 1.
+    heights = np.sqrt(first - 1.0) + np.sqrt(second - 36.0)
+    np.testing.assert_allclose(heights[1:-1], 2.0, atol=1e-4)
+    np.testing.assert_allclose(_positions(front)[:, 0], 5.0, atol=1e-5)
+    assert all("first_number" in one.active for one in front.points)
+
+
+def test_three_bowls(bowls):
+    """The designs fill the triangle of the centres, and divide it as the weights say."""
+    names = ("bowl_a", "bowl_b", "bowl_c")
+    front = pareto(scenes.mechanism(), dict.fromkeys(names, "minimise"), BOX, points=28)
+    assert front.converged, str(front)
+    assert len(front.points) >= 25
+    corners = np.stack([A, B, C])
+    # Weights are those of objectives over their ranges.
+    ranges = np.ptp(front.values, axis=0)
+    weights = np.array([[one.weights[name] for name in names] for one in front.points]) / ranges
+    weights /= weights.sum(axis=1, keepdims=True)
+    np.testing.assert_allclose(_positions(front), weights @ corners, atol=5e-5)
+    assert np.all(weights > 0)
+    # Spread over the whole triangle: each corner, and a point near its middle.
+    for corner in corners:
+        assert np.min(np.linalg.norm(_positions(front) - corner, axis=1)) < 1e-2
+    middle = corners.mean(axis=0)
+    assert np.min(np.linalg.norm(_positions(front) - middle, axis=1)) < 0.7
+
+
+def test_objectives_without_conflict_have_one_design(own_quantities):
+    own_quantities("one_bowl", lambda a: _squared(a, A))
+    own_quantities("same_bowl", lambda a: 3 * _squared(a, A) + 7)
+    front = pareto(
+        scenes.mechanism(), {"one_bowl": "minimise", "same_bowl": "minimise"}, BOX, points=5
+    )
+    assert len(front.points) == 1
+    assert "do not conflict" in front.message
+    assert front.points[0].variables["lead"] == pytest.approx(6e-3, abs=1e-6)
+
+
+def test_no_feasible_design_is_a_report(bowls):
+    front = pareto(
+        scenes.mechanism(),
+        {"bowl_a": "minimise", "bowl_b": "minimise"},
+        BOX,
+        {"first_number": (None, 3.0)},
+    )
+    assert front.points == ()
+    assert not front.converged
+    assert "breaks first_number" in front.message
+    assert front.hypervolume == 0
+    assert {one.status for one in front.dropped} == {"infeasible"}
+    json.dumps(front.to_dict(), allow_nan=False)
+    str(front)
+
+
+def test_the_result_is_plain_and_gives_mechanisms(bowls):
+    front = pareto(scenes.mechanism(), {"bowl_a": "minimise", "bowl_b": "minimise"}, BOX, points=3)
+    plain = front.to_dict()
+    assert {"points", "hypervolume", "evaluations", "derivative_evaluations"} <= set(plain)
+    assert {"variables", "quantities", "kkt_residual"} <= set(plain["points"][0])
+    json.dumps(plain, allow_nan=False)
+    lead = float(front.design(1).stages[0].thread.lead)
+    assert lead == front.points[1].variables["lead"]
+    rows = front.to_table().rows
+    assert [row[0] for row in rows] == ["start", "1", "2", "3"]
+    # One point at a quarter of the squared distance from both centres; ends at 0 and the whole.
+    whole = float(np.sum((A - B) ** 2))
+    corner = {"bowl_a": 2 * whole, "bowl_b": 2 * whole}
+    expected = 4 * whole**2 - (whole**2 + 2 * whole * 0.25 * whole) - 0.75 * whole * 0.25 * whole
+    # Staircase below the box: three rectangles.
+    steps = [(0.0, 1.0), (0.25, 0.25), (1.0, 0.0)]
+    expected = hypervolume(whole * np.array(steps), np.full(2, 2 * whole))
+    assert front.dominated_volume(corner) == pytest.approx(expected, rel=1e-3)
+    assert expected == pytest.approx((2 * 1 + 1.75 * 0.75 + 1 * 0.25) * whole**2)
+    with pytest.raises(ValueError, match="no value for bowl_b"):
+        front.dominated_volume({"bowl_a": 1.0})
+
+
+@pytest.mark.parametrize("count", [2, 3])
+def test_volume_by_inclusion_and_exclusion(count):
+    """The union of boxes by its 2ⁿ − 1 intersections."""
+    points = np.random.default_rng(4).random((7, count))
+    corner = np.full(count, 0.9)
+    expected = 0.0
+    for size in range(1, len(points) + 1):
+        for chosen in itertools.combinations(points, size):
+            sides = np.maximum(corner - np.max(chosen, axis=0), 0.0)
+            expected += (-1) ** (size + 1) * np.prod(sides)
+    assert hypervolume(points, corner) == pytest.approx(expected, rel=1e-12)
+    best = points[non_dominated(points)]
+    assert hypervolume(best, corner) == pytest.approx(expected, rel=1e-12)
+    assert len(best) < len(points)
+
+
+def test_dominance_keeps_one_of_equal_points():
+    points = np.array([[1, 2], [2, 1], [1, 2], [2, 2], [3, 0]])
+    np.testing.assert_array_equal(non_dominated(points), [True, True, False, False, True])
+    with pytest.raises(ValueError, match="at most 3"):
+        hypervolume(np.zeros((1, 4)), np.ones(4))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"objectives": {"bowl_a": "minimise"}}, "two or three different objectives.*has 1"),
+        ({"objectives": {"bowl_a": "smaller", "bowl_b": "minimise"}}, 'write "maximise" or'),
+        ({"objectives": ["bowl_a", "bowl_b"]}, "give the sense of each"),
+        ({"objectives": {"bowl_a": "minimise", "bowel": "minimise"}}, "unknown quantity"),
+        ({"objectives": {"bowl_a": "minimise", "bowl_b": "minimise"}, "points": 2}, "points is 2"),
+        (
+            {"objectives": {"bowl_a": "minimise", "bowl_b": "minimise"}, "tolerance": 1.0},
+            "tolerance is",
+        ),
+    ],
+)
+def test_errors_name_the_thing(unchecked, bowls, arguments, words):
+    with pytest.raises(ValueError, match=words):
+        pareto(scenes.mechanism(), variables=BOX, **arguments)
+
+
+def test_the_same_objective_twice_is_refused(bowls):
+    problem = DesignProblem(
+        (Variable("lead", 4e-3, 14e-3),), (Objective("bowl_a"), Objective("bowl_a", "maximise"))
+    )
+    with pytest.raises(ValueError, match="different objectives"):
+        pareto(scenes.mechanism(), problem=problem)

@@ -1,0 +1,135 @@
+"""Choices among listed values: every combination, against problems whose best one is known."""
+
+import json
+
+import numpy as np
+import pytest
+import scenes
+
+from prsm_jax import file
+from prsm_jax.mechanism import Choice, DesignProblem, Objective, Variable
+from prsm_jax.optimisation import optimise, pareto
+
+ANGLE = {"contact_angle": (0.3, 1.3)}
+
+
+def _numbers(analysis):
+    stage = analysis.mechanism.stages[0]
+    return stage.thread.lead * 1e3, stage.thread.contact_angle, stage.roller_count
+
+
+@pytest.fixture
+def valley(own_quantities):
+    """(x − 8.2)² + 10 (y − x/10)² + (N − 8)²/4: the best lead is 8 mm of 5, 8 and 10."""
+
+    def function(analysis):
+        x, y, count = _numbers(analysis)
+        return (x - 8.2) ** 2 + 10 * (y - x / 10) ** 2 + (count - 8) ** 2 / 4
+
+    own_quantities("stepped_valley", function)
+    own_quantities("lead_in_mm", lambda a: _numbers(a)[0] + 0 * _numbers(a)[1])
+
+
+def test_the_best_of_all_combinations(valley):
+    best = optimise(
+        scenes.mechanism(),
+        ANGLE,
+        minimise="stepped_valley",
+        choices={"lead": [5e-3, 8e-3, 10e-3], "roller_count": range(7, 10)},
+    )
+    assert best.converged, str(best)
+    stage = best.mechanism.stages[0]
+    assert (float(stage.thread.lead), stage.roller_count) == (8e-3, 8)
+    assert best.optimum.objective == pytest.approx(0.04, abs=1e-9)
+    assert best.optimum.variables["contact_angle"] == pytest.approx(0.8, abs=1e-5)
+    # Every combination has the value of its own minimum over the angle.
+    assert len(best.choices) == 9
+    for one in best.choices:
+        lead, count = one.choices["lead"] * 1e3, one.choices["roller_count"]
+        assert one.objective == pytest.approx((lead - 8.2) ** 2 + (count - 8) ** 2 / 4, abs=1e-8)
+        assert one.variables == {"contact_angle": pytest.approx(lead / 10, abs=1e-4)}
+        assert one.kkt_residual <= 1e-6
+        assert one.status == ("best" if (lead, count) == (8, 8) else "worse")
+    worst = next(one for one in best.choices if one.choices == {"lead": 5e-3, "roller_count": 7})
+    assert worst.message == "objective 10.49, against 0.04 of the best"
+    assert (
+        json.loads(json.dumps(best.to_dict(), allow_nan=False))["choices"][0]["status"] == "worse"
+    )
+    assert "lead = 5 mm, roller_count = 7: worse: objective 10.49" in str(best)
+
+
+def test_what_breaks_a_limit_is_dropped_with_its_reason(valley):
+    best = optimise(
+        scenes.mechanism(),
+        ANGLE,
+        minimise="stepped_valley",
+        constraints={"lead_in_mm": (None, 7.0)},
+        choices={"lead": [5e-3, 8e-3, 10e-3]},
+    )
+    assert [one.status for one in best.choices] == ["best", "infeasible", "infeasible"]
+    assert "lead_in_mm = 8" in best.choices[1].message
+    assert best.feasible
+    assert float(best.mechanism.stages[0].thread.lead) == 5e-3
+
+
+def test_a_combination_that_cannot_be_built_is_dropped(valley):
+    """Twenty rollers overlap: an error of `check` that the angle does not change."""
+    best = optimise(
+        scenes.mechanism(), ANGLE, minimise="stepped_valley", choices={"roller_count": [8, 20]}
+    )
+    assert [one.status for one in best.choices] == ["best", "infeasible"]
+    assert "none of the variables changes the error" in best.choices[1].message
+
+
+def test_the_file_has_choices(tmp_path):
+    mechanism = scenes.example("actuator")
+    text = file.dumps(mechanism)
+    line = 'choices = { roller_count = [9, 10], "gear.roller_teeth" = [16, 18] }\npoints = 7\n'
+    start = text.index("[optimise]\n") + len("[optimise]\n")
+    read = file.loads(text[:start] + line + text[start:])
+    problem = read.design_problem
+    assert problem is not None
+    assert problem.choices == (
+        Choice("roller_count", (9.0, 10.0)),
+        Choice("gear.roller_teeth", (16.0, 18.0)),
+    )
+    assert problem.points == 7
+    assert file.loads(file.dumps(read)).design_problem == problem
+    for wrong, words in (
+        ("choices = { roller_count = [9, 9] }", "lists a value twice"),
+        ("choices = { roller_count = [8.5] }", "whole number"),
+        ("choices = { roller_count = 9 }", "must be a list"),
+        ("choices = { lead = [0.01] }", "moves the same number as 'lead'"),
+        ("choices = { leed = [0.01] }", "did you mean lead"),
+        ("choices = 3", "must be a table of lists"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            file.loads(text[:start] + wrong + "\n" + text[start:])
+
+
+@pytest.mark.parametrize(
+    ("choices", "words"),
+    [
+        ({"lead": []}, "no values"),
+        ({"lead": 5e-3}, "give a list of numbers"),
+        ({"lead": [5e-3, 5e-3]}, "lists a value twice"),
+        ({"roller_count": [7.5]}, "must be a whole number"),
+        ({"contact_angle": [0.5]}, "given twice; remove one"),
+        ({"leed": [5e-3]}, "did you mean lead"),
+        ({"lead": np.linspace(1e-3, 2e-3, 1001)}, "1001 combinations"),
+        ({"lead": [-1.0]}, "none of the 1 choices can be built"),
+    ],
+)
+def test_errors_name_the_thing(unchecked, valley, choices, words):
+    with pytest.raises(ValueError, match=words):
+        optimise(scenes.mechanism(), ANGLE, minimise="stepped_valley", choices=choices)
+
+
+def test_a_front_refuses_open_choices(valley):
+    problem = DesignProblem(
+        (Variable("contact_angle", 0.3, 1.3),),
+        (Objective("stepped_valley"), Objective("lead_in_mm")),
+        choices=(Choice("lead", (5e-3, 8e-3)),),
+    )
+    with pytest.raises(ValueError, match="leaves lead open"):
+        pareto(scenes.mechanism(), problem=problem)

@@ -1,0 +1,187 @@
+"""The front of several objectives: its picture, the JSON of its verb, and the printed table."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+import scenes
+from expectations import reads
+from reading_figures import Chart, handles
+from reading_tables import assert_json, column_unit, without_words
+from reading_units import to_si
+
+from prsm_jax.mechanism import DesignProblem, Objective, Variable
+from prsm_jax.optimisation import FrontPoint, ParetoFront
+from prsm_jax.report import front_chart
+
+
+def _made(*senses: tuple[str, str, str, tuple[float, ...]]):
+    """A front of three points and the present design, of which no two numbers are alike.
+
+    **Arguments:**
+
+    - `senses`: quantity, its unit and sense, and its values: the present design first.
+    """
+    names = [one[0] for one in senses]
+
+    def point(index, status, residual):
+        return FrontPoint(
+            variables={"lead": 0.0101 + 1e-3 * index},
+            objectives={name: values[index] for name, _, _, values in senses},
+            constraints={"max_pressure": 1.5e9 + 1e7 * index},
+            margins={"backlash (stage 1)": 1e-6 * (index + 3)},
+            weights={} if not index else dict(zip(names, (0.1 * index, 0.7, 0.2), strict=False)),
+            active=("max_pressure", "upper bound of lead")[:index],
+            kkt_residual=residual,
+            violation=1e-9 * index,
+            status=status,
+            message=f"message {index}",
+        )
+
+    problem = DesignProblem(
+        (Variable("lead", 0.005, 0.02),),
+        tuple(Objective(name, sense) for name, _, sense, _ in senses),  # type: ignore[arg-type]
+    )
+    return ParetoFront(
+        mechanism=scenes.example("wu2022"),
+        problem=problem,
+        points=(
+            point(1, "optimal", 1.1e-9),
+            point(2, "optimal", 2.2e-8),
+            point(3, "not converged", 3.3e-3),
+        ),
+        start=point(0, "present design", float("nan")),
+        dropped=(point(2, "repeated", 4.4e-7),),
+        hypervolume=0.617,
+        reference=dict(zip(names, (0.7, 0.077, 3.3), strict=False)),
+        ideal=dict(zip(names, (0.91, 0.051, 1.1), strict=False)),
+        tolerance=1e-6,
+        message="two points of three",
+        evaluations=41,
+        derivative_evaluations=37,
+        variable_units={"lead": "m"},
+        objective_units={name: unit for name, unit, _, _ in senses},
+    )
+
+
+EFFICIENCY = ("efficiency", "1", "maximise", (0.841, 0.862, 0.853, 0.847))
+DIAMETER = ("nut_outer_diameter", "m", "minimise", (0.0611, 0.0582, 0.0563, 0.0541))
+MASS = ("mass", "kg", "minimise", (1.61, 1.52, 1.57, 1.43))
+
+
+def _read_panel(chart, axes, x, y):
+    units = (x[1], y[1])
+    if len(chart.axes) == 1:
+        line = next(one for one in chart.lines(axes) if one.get_linestyle() == "-")
+        chart.curve(axes, line, x[3][1:], y[3][1:], units)
+    dots, hollow, square = chart.lines(axes)
+    chart.curve(axes, dots, x[3][1:3], y[3][1:3], units)
+    chart.curve(axes, hollow, x[3][3], y[3][3], units)
+    assert hollow.get_markerfacecolor() == "white"
+    chart.curve(axes, square, x[3][0], y[3][0], units)
+    assert f"({x[2]})" in axes.get_xlabel()
+    assert f"({y[2]})" in axes.get_ylabel()
+
+
+@reads("chart", "front_chart")
+def test_two_objectives_in_one_picture():
+    chart = Chart(front_chart(_made(EFFICIENCY, DIAMETER)))
+    (axes,) = chart.axes
+    _read_panel(chart, axes, EFFICIENCY, DIAMETER)
+    assert handles(chart.figure) == ["front", "not converged", "present design"]
+    chart.finish()
+
+
+def test_three_objectives_in_three_projections():
+    chart = Chart(front_chart(_made(EFFICIENCY, DIAMETER, MASS)))
+    pairs = ((EFFICIENCY, DIAMETER), (EFFICIENCY, MASS), (DIAMETER, MASS))
+    for axes, (x, y) in zip(chart.axes, pairs, strict=True):
+        _read_panel(chart, axes, x, y)
+    chart.finish()
+
+
+def test_a_front_without_points_is_refused():
+    empty = dataclasses.replace(_made(EFFICIENCY, DIAMETER), points=(), message="none feasible")
+    with pytest.raises(ValueError, match=r"no points.*none feasible"):
+        front_chart(empty)
+
+
+def _keys(one):
+    return {
+        "variables": dict(one.variables),
+        "quantities": one.objectives | one.constraints,
+        "margins": dict(one.margins),
+        "weights": dict(one.weights),
+        "active": list(one.active),
+        "kkt_residual": None if np.isnan(one.kkt_residual) else one.kkt_residual,
+        "violation": one.violation,
+        "status": one.status,
+        "message": one.message,
+    }
+
+
+@reads("verb", "pareto")
+def test_pareto(run, monkeypatch, tmp_path):
+    front = _made(EFFICIENCY, DIAMETER)
+    # Otherwise the exit status is 1.
+    points = tuple(dataclasses.replace(one, status="optimal") for one in front.points)
+    front = dataclasses.replace(front, points=points, message="every point is")
+    given = {}
+
+    def found_by(*arguments, **options):
+        given["objectives"] = arguments[1]
+        return front
+
+    monkeypatch.setattr("prsm_jax.optimisation.pareto", found_by)
+    words = (
+        "--maximise",
+        "efficiency",
+        "--minimise",
+        "nut_outer_diameter",
+        "--out",
+        tmp_path / "o",
+    )
+    found, printed = run("pareto", "wu2022", *words)
+    assert given["objectives"] == list(front.objectives)
+    assert {path.stem for path in (tmp_path / "o").iterdir()} == {"front"}
+    assert_json(
+        without_words(found),
+        {
+            "objectives": [
+                {"quantity": "efficiency", "sense": "maximise"},
+                {"quantity": "nut_outer_diameter", "sense": "minimise"},
+            ],
+            "points": [_keys(one) for one in front.points],
+            "start": _keys(front.start),
+            "dropped": [_keys(one) for one in front.dropped],
+            "hypervolume": 0.617,
+            "hypervolume_reference": {"efficiency": 0.7, "nut_outer_diameter": 0.077},
+            "ideal": {"efficiency": 0.91, "nut_outer_diameter": 0.051},
+            "converged": True,
+            "message": "every point is",
+            "evaluations": 41,
+            "derivative_evaluations": 37,
+            "variable_units": {"lead": "m"},
+            "objective_units": {"efficiency": "1", "nut_outer_diameter": "m"},
+        },
+    )
+    head = next(line for line in printed.lines if line[0].startswith("maximise efficiency"))
+    printed.lines.remove(head)
+    assert [column_unit(cell) for cell in head[:3]] == ["%", "mm", "mm"]
+    for name, one in (("start", front.start), *zip("123", front.points, strict=True)):
+        cells = printed.row(name)
+        values = [*one.objectives.values(), *one.variables.values()]
+        shown = [
+            float(to_si(float(cell), unit))
+            for cell, unit in zip(cells, ("%", "mm", "mm"), strict=False)
+        ]
+        assert shown == pytest.approx(values, rel=5e-6)
+        residual = "–" if np.isnan(one.kkt_residual) else f"{one.kkt_residual:.6g}"
+        assert cells[3] == residual
+        assert cells[4] == one.status
+    printed.row("converged: every point is")
+    printed.row(
+        "3 points; 41 evaluations of values, 37 of derivatives; the front dominates 61.7 % of the "
+        "box up to its reference point"
+    )
+    printed.finish()
