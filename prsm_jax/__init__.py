@@ -4,9 +4,9 @@ Data flows one way, and the folders are named after it: file → mechanism → g
 halfspace, load_sharing → strength, stiffness → vibration, dynamics → response → quantities →
 findings, sensitivities, optimisation, calibration, sweeps, uncertainty → report. A mechanism holds
 laws of `friction` and a `scenario`. `validation` compares with published numbers, `explanation`
-lists the parts of a mechanism, `cli` is the command line. The lowest layer is `fields` (numbers
-with units and limits), `numerics` (methods), `programs` (how JAX compiles them), `text` and
-`process` (signals, files).
+lists the parts of a mechanism, `catalogue_sizes` builds mechanisms from a maker's table, `cli` is
+the command line. The lowest layer is `fields` (numbers with units and limits), `numerics`
+(methods), `programs` (how JAX compiles them), `text` and `process` (signals, files).
 """
 
 from . import process as process  # isort: skip # before JAX
@@ -93,6 +93,7 @@ from .vibration import (
 if TYPE_CHECKING:
     from . import (
         calibration as calibration,
+        catalogue_sizes as catalogue_sizes,
         explanation as explanation,
         halfspace as halfspace,
         optimisation as optimisation,
@@ -101,6 +102,7 @@ if TYPE_CHECKING:
         uncertainty as uncertainty,
     )
     from .calibration import calibrate as calibrate
+    from .catalogue_sizes import catalogue_mechanism as catalogue_mechanism
     from .explanation import explain as explain
     from .optimisation import (
         Optimum as Optimum,
@@ -116,6 +118,7 @@ else:
     #: first use, because they are a tenth of the time of an import.
     _AT_FIRST_USE = {
         "calibration": "calibrate",
+        "catalogue_sizes": "catalogue_mechanism",
         "explanation": "explain",
         "halfspace": "",
         "optimisation": "Optimum ParetoFront optimise pareto",

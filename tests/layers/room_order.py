@@ -16,6 +16,7 @@ LAYERS = {
     "friction": set(),
     "scenario": set(),
     "mechanism": {"friction", "scenario"},
+    "catalogue_sizes": {"friction", "mechanism"},
     "file": {"friction", "scenario", "mechanism"},
     "geometry": {"mechanism"},
     "contact": {"mechanism", "geometry"},
@@ -35,12 +36,13 @@ LAYERS = {
         "dynamics",
     },
 }
-LAYERS["quantities"] = set(LAYERS) - {"file"}
+LAYERS["quantities"] = set(LAYERS) - {"file", "catalogue_sizes"}
 LAYERS["findings"] = LAYERS["quantities"] | {"quantities"}
 _PHYSICS = LAYERS["findings"] | {"findings"}
 LAYERS["sensitivities"] = LAYERS["optimisation"] = LAYERS["sweeps"] = _PHYSICS
 LAYERS["uncertainty"] = _PHYSICS
-LAYERS["calibration"] = LAYERS["validation"] = LAYERS["explanation"] = _PHYSICS | {"file"}
+LAYERS["calibration"] = LAYERS["explanation"] = _PHYSICS | {"file"}
+LAYERS["validation"] = _PHYSICS | {"file", "catalogue_sizes"}
 LAYERS["report"] = _PHYSICS | {
     "file",
     "sensitivities",

@@ -1,0 +1,109 @@
+"""Rules that complete a size of a catalogue: radii, what fits, columns that are used."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import prsm_jax as prsm
+from prsm_jax.catalogue_sizes import catalogue_mechanism, catalogue_rows
+
+#: One size, all columns that are dimensions.
+GIVEN = {
+    "crest_diameter_mm": 30.6,
+    "root_diameter_mm": 29.0,
+    "nut_outer_diameter_mm": 64.0,
+    "nut_length_mm": 85.0,
+    "roller_circle_diameter_mm": 40.0,
+}
+
+
+def _stage(mechanism: prsm.Mechanism) -> Any:
+    # Fields that may be absent are given here.
+    (stage,) = mechanism.stages
+    return stage
+
+
+def test_dimensions_of_one_size():
+    """30 × 10 mm with 5 starts: pitch 2 mm, rollers of 10 mm on a circle of 40 mm."""
+    mechanism = catalogue_mechanism(0.03, 0.01, 5, **GIVEN)
+    stage = _stage(mechanism)
+    thread = stage.thread
+    found = [thread.screw_radius, thread.roller_radius, thread.centre_distance, thread.nut_radius]
+    np.testing.assert_allclose(found, [15e-3, 5e-3, 20e-3, 25e-3], rtol=1e-12)
+    # Crest and root: 0.3 mm and 0.5 mm from the nominal radius; 0.1 mm of tip clearance.
+    np.testing.assert_allclose(thread.screw_addendum, 0.3e-3, rtol=1e-9)
+    np.testing.assert_allclose(thread.roller_addendum, 0.4e-3, rtol=1e-9)
+    np.testing.assert_allclose(stage.nut.wall_thickness, 7e-3, rtol=1e-9)
+    # 0.6 · 85 mm of thread over 2 mm.
+    np.testing.assert_allclose(stage.engaged_threads, 25.5, rtol=1e-12)
+    # π/asin(5.5/20) = 11.28.
+    assert stage.roller_count == 11
+    assert mechanism.title == "Roller screw 30 × 10 mm, 5 starts"
+
+
+def test_what_is_missing_follows_from_rules():
+    stage = _stage(catalogue_mechanism(0.03, 0.01, 5))
+    np.testing.assert_allclose(stage.thread.roller_radius, 5e-3, rtol=1e-12)
+    np.testing.assert_allclose(stage.thread.screw_addendum, 0.15 * 2e-3, rtol=1e-12)
+    # Fits of 90 sizes: within a third of the printed 7 mm and 85 mm.
+    assert float(stage.nut.wall_thickness) == pytest.approx(7e-3, rel=1 / 3)
+    assert float(stage.nut.length) == pytest.approx(85e-3, rel=1 / 3)
+
+
+def test_given_masses_are_used():
+    mechanism = catalogue_mechanism(
+        0.03,
+        0.01,
+        5,
+        **GIVEN,
+        nut_mass_kg=1.3,
+        nut_inertia_kg_mm2=667.0,
+        shaft_mass_kg_per_m=5.5,
+        shaft_inertia_kg_mm2_per_m=620.0,
+        largest_axial_play_mm=0.04,
+    )
+    stage = _stage(mechanism)
+    assert float(stage.screw.mass) == 5.5
+    np.testing.assert_allclose(
+        [stage.screw.inertia, stage.nut.inertia], [620e-6, 667e-6], rtol=1e-12
+    )
+    # The printed mass of a nut includes 11 rollers of 10 mm and 0.85 · 85 mm.
+    rollers = 11 * 7850 * math.pi * 5e-3**2 * 0.85 * 85e-3
+    np.testing.assert_allclose(stage.nut.mass, 1.3 - rollers, rtol=1e-9)
+    np.testing.assert_allclose(stage.strength.play.axial_backlash, 40e-6, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "row", catalogue_rows()[::9], ids=lambda r: f"{r['nominal_diameter_mm']}x{r['lead_mm']}"
+)
+def test_rollers_fit_and_one_more_does_not(row):
+    dimensions = {name: row[name] for name in GIVEN if name in row}
+    mechanism = catalogue_mechanism(
+        row["nominal_diameter_mm"] * 1e-3, row["lead_mm"] * 1e-3, row["starts"], **dimensions
+    )
+    stage = _stage(mechanism)
+    crest = float(stage.thread.roller_radius + stage.thread.roller_addendum)
+    distance = float(stage.thread.centre_distance)
+    assert 2 * distance * math.sin(math.pi / stage.roller_count) > 2 * crest
+    more = stage.roller_count + 1
+    gap = 0.02 * float(stage.thread.roller_radius)
+    assert 2 * distance * math.sin(math.pi / more) < 2 * (crest + gap)
+
+
+def test_errors_name_the_column():
+    with pytest.raises(prsm.UnknownNameError, match=r"nut_lenght_mm.*nut_length_mm"):
+        catalogue_mechanism(0.03, 0.01, 5, nut_lenght_mm=85.0)
+    with pytest.raises(ValueError, match="static_capacity_kn is a result"):
+        catalogue_mechanism(0.03, 0.01, 5, static_capacity_kn=278.0)
+    with pytest.raises(ValueError, match="nut_length_mm is nan"):
+        catalogue_mechanism(0.03, 0.01, 5, nut_length_mm=math.nan)
+    with pytest.raises(ValueError, match="lead is 10 m"):
+        catalogue_mechanism(0.03, 10, 5)
+    with pytest.raises(ValueError, match="starts is 2"):
+        catalogue_mechanism(0.03, 0.01, 2)
+    with pytest.raises(ValueError, match="nut_outer_diameter_mm is 40"):
+        catalogue_mechanism(0.03, 0.01, 5, nut_outer_diameter_mm=40.0)
+    with pytest.raises(ValueError, match="roller_circle_diameter_mm is 30"):
+        catalogue_mechanism(0.03, 0.01, 5, roller_circle_diameter_mm=30.0)
