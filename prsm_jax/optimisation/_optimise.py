@@ -86,8 +86,7 @@ def optimise(
 
     **Raises:** `UnknownNameError` for unknown names; `ValueError` for an invalid problem, or for a
     method that is unknown, does not accept the constraints, or does not take an option;
-    `MissingDataError` where the mechanism lacks data; `MissingExtraError` without SciPy,
-    if there are constraints.
+    `MissingDataError` where the mechanism lacks data.
     """
     problem = problem_of(mechanism, problem, variables, maximise, minimise, constraints)
     if nut_speed is not None:

@@ -68,7 +68,7 @@ def pareto(
 
     **Raises:** `UnknownNameError` for unknown names; `ValueError` for an invalid problem, other
     numbers of objectives, or a number that must be whole and depends on the variables;
-    `MissingDataError` where the mechanism lacks data; `MissingExtraError` without SciPy.
+    `MissingDataError` where the mechanism lacks data.
     """
     given = None if objectives is None else front_objectives(objectives)
     problem = problem_of(mechanism, problem, variables, None, None, constraints, given)

@@ -12,7 +12,6 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from .._errors import missing_extra
 from ..fields import FEWEST_TRACED
 from ..mechanism import Mechanism, set_parameter
 from ._axes import Axis, axes_of
@@ -154,8 +153,7 @@ def plan_of(
     - `seed`: of `"lhs"` and `"sobol"`.
 
     **Raises:** as `axes_of`; `ValueError` for an unknown plan, lists of different lengths, limits
-    in the wrong order, and `points` missing, given where it does not count, or below 1;
-    `MissingExtraError` without SciPy for `"lhs"` and `"sobol"`.
+    in the wrong order, and `points` missing, given where it does not count, or below 1.
     """
     if kind not in get_args(PlanName):
         names = ", ".join(get_args(PlanName))
@@ -196,10 +194,8 @@ def _sampled(axes: tuple[Axis, ...], kind: str, points: int, seed: int) -> tuple
                 f"axis {axis.name!r} holds {', '.join(f'{v:g}' for v in axis.values)}; plan "
                 f"{kind!r} needs a lower and an upper limit, in this order"
             )
-    try:
-        from scipy.stats import qmc
-    except ImportError as error:
-        raise missing_extra("optimise", f"the plan {kind!r}", error) from error
+    from scipy.stats import qmc
+
     if kind == "lhs":
         places = qmc.LatinHypercube(len(axes), rng=seed).random(points)
     else:

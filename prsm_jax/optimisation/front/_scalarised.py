@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 
 from ..results import Optimality, optimality
-from ..search import Evaluator, Point, scipy_optimize
+from ..search import Evaluator, Point
 
 #: Share of the sum of the objectives in every search: no point is dominated where one objective
 #: is constant. It moves a point along the front, never away from it.
@@ -206,6 +206,8 @@ def solve(
 
     **Returns:** the end, or `None` if the start or all designs fail.
     """
+    from scipy.optimize import minimize
+
     search = _Search(goals, weights, target, tolerance)
     evaluator = goals.evaluator
     position, message = np.clip(start, 0.0, 1.0), ""
@@ -228,7 +230,7 @@ def solve(
             if target is not None:
                 distance = np.max(goals.values(evaluator.point(position)) - target)
                 joint = np.append(position, distance)
-            result = scipy_optimize().minimize(
+            result = minimize(
                 search.cost,
                 joint,
                 jac=search.gradient,

@@ -34,11 +34,11 @@ class FrontSearch:
         matrix = np.zeros((len(signs), len(evaluator.rows.weights)))
         for row, (one, sign) in enumerate(zip(problem.objectives, signs, strict=True)):
             matrix[row] = sign * evaluator.rows.mean_of(one.quantity)
-        self.goals = Goals(evaluator, matrix)
+        self.goals: Goals = Goals(evaluator, matrix)
         self.tolerance = tolerance
         self.ends: list[Solved] = []
         #: Why there is no front, if there is none.
-        self.message = ""
+        self.message: str = ""
         self._points = problem.points
         self._progress = progress
         self._finished = self._expected = 0

@@ -4,8 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..._errors import missing_extra
-
 
 @dataclass(frozen=True)
 class Optimality:
@@ -59,8 +57,6 @@ def optimality(
     - `values`, `jacobian`: of the constraint rows (rows; rows × variables).
     - `lower`, `upper`: limits of the rows; infinite where there is none, equal for an equality.
     - `active_tolerance`: a limit nearer than this is active.
-
-    **Raises:** `MissingExtraError` without SciPy, if there are constraints.
     """
     equality = lower == upper
     at_lower = ~equality & (values - lower <= active_tolerance)
@@ -115,8 +111,6 @@ def _non_negative_least_squares(
     if not constrained:
         # Only bounds: their normals are unit vectors, so each multiplier is one gradient component.
         return np.maximum(columns.T @ target, 0.0)
-    try:
-        from scipy.optimize import nnls
-    except ImportError as error:
-        raise missing_extra("optimise", "constrained optimisation", error) from error
+    from scipy.optimize import nnls
+
     return nnls(columns, target)[0]

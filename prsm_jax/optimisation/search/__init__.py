@@ -3,7 +3,6 @@
 from ._constrained import (
     Slsqp as Slsqp,
     TrustConstr as TrustConstr,
-    scipy_optimize as scipy_optimize,
 )
 from ._evaluator import Evaluator as Evaluator, Point as Point
 from ._functions import SearchFunctions as SearchFunctions

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from ..._errors import missing_extra
 from ._functions import SearchFunctions
 from ._method import Report, SearchResult, WithOptions, check_at_least
 
@@ -16,21 +15,10 @@ COST_TOLERANCE = 1e-15
 STEP_TOLERANCE = 1e-12
 
 
-def scipy_optimize():
-    """SciPy's module of optimisers.
-
-    **Raises:** `MissingExtraError` without SciPy.
-    """
-    try:
-        import scipy.optimize
-    except ImportError as error:
-        raise missing_extra("optimise", "constrained optimisation", error) from error
-    return scipy.optimize
-
-
 def nonlinear_constraints(functions: SearchFunctions) -> list[Any]:
     """All constraints as one `NonlinearConstraint` of SciPy, or none."""
-    optimize = scipy_optimize()
+    from scipy import optimize
+
     lower, upper = functions.limits
     if not len(lower):
         return []
@@ -70,7 +58,8 @@ class Slsqp(WithOptions):
     def search(
         self, functions: SearchFunctions, start: np.ndarray, tolerance: float, report: Report
     ) -> SearchResult:
-        optimize = scipy_optimize()
+        from scipy import optimize
+
         lower, upper = functions.limits
         equal, maximum = functions.equality, self.max_iterations
         has_lower, has_upper = ~equal & np.isfinite(lower), ~equal & np.isfinite(upper)
@@ -142,7 +131,8 @@ class TrustConstr(WithOptions):
     def search(
         self, functions: SearchFunctions, start: np.ndarray, tolerance: float, report: Report
     ) -> SearchResult:
-        optimize = scipy_optimize()
+        from scipy import optimize
+
         zeros, maximum = np.zeros(len(start)), self.max_iterations
 
         def callback(iterate, _state):

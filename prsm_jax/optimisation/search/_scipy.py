@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ._constrained import COST_TOLERANCE, STEP_TOLERANCE, nonlinear_constraints, scipy_optimize
+from ._constrained import COST_TOLERANCE, STEP_TOLERANCE, nonlinear_constraints
 from ._functions import SearchFunctions
 from ._method import Report, SearchResult, WithOptions, check_at_least, refuse_options
 
@@ -100,7 +100,9 @@ class Scipy(WithOptions):
     ) -> SearchResult:
         support = _METHODS[self.method]
         defaults = {support.iterations: self.max_iterations, **support.defaults(tolerance)}
-        found = scipy_optimize().minimize(
+        from scipy.optimize import minimize
+
+        found = minimize(
             functions.cost,
             start,
             method=self.method,
