@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from ._fields import Scalar
@@ -11,8 +12,12 @@ from ._fields import Scalar
 class Count(int):
     """A whole number that is part of a pytree's structure: a node without leaves.
 
-    A traced number may take its place in the tree, as a leaf.
+    A traced number may take its place in the tree, as a leaf. Beside arrays it takes their type, as
+    a plain `int` does.
     """
+
+    def __jax_array__(self) -> jax.Array:
+        return jnp.asarray(int(self))
 
 
 jax.tree_util.register_pytree_node(Count, lambda one: ((), int(one)), lambda one, _: Count(one))

@@ -6,7 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from ..mechanism import Mechanism, Parameter, check_independent, find_parameters
+from ..mechanism import (
+    Mechanism,
+    Parameter,
+    check_independent,
+    find_parameters,
+    set_parameter,
+)
 
 
 @dataclass(frozen=True)
@@ -36,7 +42,7 @@ def axes_of(
 
     **Raises:** `UnknownNameError` for an unknown name; `ValueError` for no axes, two axes that
     set the same number, and values that are empty, not one-dimensional, not finite, or not whole
-    where they have to be.
+    where they have to be, or out of range there.
     """
     if not axes:
         raise ValueError("axes is empty; give at least one, as {name: values}")
@@ -48,6 +54,10 @@ def axes_of(
         if fixed.get(field) is not None:
             raise ValueError(f"{field} is given and is also an axis of the sweep; remove one")
         array = _values(name, values, parameter.static)
+        if parameter.static:
+            # The limits of a whole number are known: it is refused before anything is computed.
+            for value in np.unique(array):
+                set_parameter(mechanism, name, int(value))
         axis = Axis(name, array, parameter.unit, parameter.description, parameter.static)
         checked.append((axis, parameter))
     return checked

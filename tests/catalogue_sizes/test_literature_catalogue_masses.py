@@ -46,7 +46,7 @@ def test_inertia_of_the_shaft():
 
 def test_mass_of_the_nut_with_its_rollers():
     def mass(stage):
-        rollers = int(stage.roller_count) * mean_roller_mass(stage)
+        rollers = stage.roller_count * mean_roller_mass(stage)
         return float(body_mass(stage, "nut") + rollers)
 
     errors = _errors(mass, "nut_mass_kg")
