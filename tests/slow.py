@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 #: Tests that take longer are slow [s].
-LIMIT = 5.0
+LIMIT = 2.5
 LIST = Path(__file__).with_name("slow.txt")
 
 
