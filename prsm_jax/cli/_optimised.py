@@ -10,21 +10,20 @@ if TYPE_CHECKING:
     from ..optimisation import Optimum
 
 
-def optimised_text(source: str, mechanism: Mechanism, best: "Optimum") -> str:
+def optimised_text(source: str, best: "Optimum") -> str:
     """The file that was optimised, with the new numbers; comments and order stay.
 
     Variables have six digits, or more if rounding changes an objective or constraint by over 1e-6.
 
     **Arguments:**
 
-    - `source`: the file or example that `mechanism` came from.
-    - `mechanism`: what was optimised, settings included.
+    - `source`: the file or example that was optimised.
     - `best`: the optimum.
     """
     from ..file import edit, round_in_unit, source_text
     from ..optimisation import rounded_variables
 
-    values = rounded_variables(mechanism, best, round_in_unit)
+    values = rounded_variables(best.mechanism, best, round_in_unit)
     written = set_parameters(best.mechanism, values)
     units = {quantity.name: quantity.unit for quantity in catalogue()}
     return edit(source_text(source), written, units)

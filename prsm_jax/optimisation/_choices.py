@@ -12,7 +12,7 @@ from ..mechanism import (
     Mechanism,
     check_independent,
     find_parameters,
-    set_parameter,
+    set_parameters,
 )
 from .results import Optimum, Trial
 
@@ -28,6 +28,8 @@ def choices_of(choices: Mapping[str, Any]) -> tuple[Choice, ...]:
     rows = []
     for name, values in choices.items():
         try:
+            if isinstance(values, str):
+                raise TypeError
             numbers = tuple(float(value) for value in values)
         except (TypeError, ValueError):
             raise ValueError(
@@ -59,13 +61,13 @@ def best_of_choices(
     found: list[tuple[dict[str, float], Optimum | None, str]] = []
     for values in itertools.product(*(one.values for one in problem.choices)):
         chosen = dict(zip(names, values, strict=True))
+        numbers = {name: _whole(mechanism, name, value) for name, value in chosen.items()}
         try:
-            moved = mechanism
-            for name, value in chosen.items():
-                moved = set_parameter(moved, name, _whole(moved, name, value))
-            found.append((chosen, search(moved, inner), ""))
+            moved = set_parameters(mechanism, numbers)
         except ValueError as error:
             found.append((chosen, None, str(error)))
+        else:
+            found.append((chosen, search(moved, inner), ""))
     maximised = all(one.sense == "maximise" for one in problem.objectives)
     sign = -1.0 if maximised else 1.0
 
@@ -107,7 +109,10 @@ def _check(mechanism: Mechanism, problem: DesignProblem) -> None:
         for parameter in find_parameters(mechanism, one.name):
             for value in one.values:
                 if parameter.static and value != round(value):
-                    raise ValueError(f"choice {one.name!r} is {value:g}; it must be a whole number")
+                    raise ValueError(
+                        f"choice {one.name!r} is {value:g}; it must be a whole number: round it or "
+                        "leave it out"
+                    )
     names = [*(one.name for one in problem.choices), *(one.name for one in problem.variables)]
     check_independent(mechanism, names)
 

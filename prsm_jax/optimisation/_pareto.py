@@ -83,10 +83,12 @@ def pareto(
         listed = ", ".join(one.name for one in problem.choices)
         raise ValueError(
             f"a front is of one set of choices, and the problem leaves {listed} open; set them, "
-            "and pass a problem without choices"
+            "and take choices out of the problem or of [optimise]"
         )
     problem = dataclasses.replace(
         problem,
+        # A quantity of weight 0 would not be checked for numbers that are not finite.
+        objectives=tuple(dataclasses.replace(one, weight=1.0) for one in problem.objectives),
         starts=problem.starts if starts is None else starts,
         seed=problem.seed if seed is None else seed,
         points=problem.points if points is None else points,

@@ -1,5 +1,6 @@
 """The searches of one optimisation, from all starts and with whole numbers, and the best one."""
 
+import dataclasses
 import itertools
 import math
 from collections.abc import Callable, Iterable
@@ -126,7 +127,7 @@ def _either_side(row: MarginRow, value: float) -> list[float]:
 
 
 def _conditions(evaluator: Evaluator, point: Point, tolerance: float) -> Optimality:
-    return optimality(
+    found = optimality(
         point.position,
         evaluator.cost_gradient(point.position),
         evaluator.constraint_values(point),
@@ -134,6 +135,10 @@ def _conditions(evaluator: Evaluator, point: Point, tolerance: float) -> Optimal
         *evaluator.scaled_limits,
         active_tolerance=max(tolerance, 1e-9),
     )
+    if evaluator.point(point.position).good:
+        return found
+    # Derivatives that are not finite count as 0 above, and would look like an optimum.
+    return dataclasses.replace(found, stationarity=math.inf)
 
 
 def _run(

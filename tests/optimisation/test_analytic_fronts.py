@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 import scenes
 
+import prsm_jax as prsm
 from prsm_jax.mechanism import DesignProblem, Objective, Variable
-from prsm_jax.optimisation import hypervolume, non_dominated, pareto
+from prsm_jax.optimisation import hypervolume, non_dominated, optimise, pareto
 
 #: Every problem below is over these two numbers, in units of millimetres and 0.1 rad.
 BOX = {"lead": (4e-3, 14e-3), "contact_angle": (0.3, 1.3)}
@@ -218,3 +219,36 @@ def test_the_same_objective_twice_is_refused(bowls):
     )
     with pytest.raises(ValueError, match="different objectives"):
         pareto(scenes.mechanism(), problem=problem)
+
+
+@pytest.mark.parametrize(("lead", "missed"), [(8.2e-3, ""), (10e-3, "far_a")])
+def test_an_objective_whose_search_stays_at_a_broken_limit(own_quantities, lead, missed):
+    """sin(2.5 x) + 0.4 (x − 9)² ≤ −0.9 holds in one valley beside others of less depth.
+
+    From 8.2 mm the search for one objective ends in another valley, and finds its optimum from the
+    optimum of the other; from 10 mm it does not, and the front says so.
+    """
+    own_quantities("far_a", lambda a: _squared(a, np.array([4.5, 4.0])))
+    own_quantities("far_b", lambda a: _squared(a, np.array([13.5, 12.0])))
+    own_quantities("wavy", lambda a: jnp.sin(2.5 * _point(a)[0]) + 0.4 * (_point(a)[0] - 9.0) ** 2)
+    start = prsm.set_parameter(scenes.mechanism(), "lead", lead)
+    objectives = {"far_a": "minimise", "far_b": "minimise"}
+    front = pareto(start, objectives, BOX, {"wavy": (None, -0.9)}, points=3)
+    assert front.points, str(front)
+    assert max(one.violation for one in front.points) <= 1e-6
+    assert front.converged == (not missed)
+    assert ("no optimum of far_a was found" in front.message) == bool(missed)
+    assert "no feasible design" not in front.message
+    assert "do not conflict" not in front.message
+
+
+def test_a_design_without_derivatives_is_not_optimal(own_quantities):
+    """√|x − 9|⁠: at its kink the value is finite and the derivative is not."""
+    own_quantities("cusp", lambda a: jnp.sqrt(jnp.abs(_point(a)[0] - 9.0)))
+    own_quantities("slope", lambda a: (_point(a)[1] - 8.0) ** 2 + (_point(a)[0] - 9.0) ** 2)
+    start = prsm.set_parameter(scenes.mechanism(), "lead", 9e-3)
+    front = pareto(start, {"cusp": "minimise", "slope": "minimise"}, BOX, points=3)
+    for one in (*front.points, *front.dropped):
+        assert one.status != "optimal" or abs(one.variables["lead"] - 9e-3) > 1e-12, str(front)
+    best = optimise(start, BOX, minimise="cusp", starts=1)
+    assert not best.converged, str(best)

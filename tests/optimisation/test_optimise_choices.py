@@ -58,6 +58,50 @@ def test_the_best_of_all_combinations(valley):
     assert "lead = 5 mm, roller_count = 7: worse: objective 10.49" in str(best)
 
 
+def test_the_best_of_a_maximised_objective(valley, own_quantities):
+    """The greatest value wins, and the message of a worse one names it."""
+
+    def function(analysis):
+        x, y, _ = _numbers(analysis)
+        return 5 + x - (y - x / 10) ** 2
+
+    own_quantities("hill", function)
+    best = optimise(
+        scenes.mechanism(), ANGLE, maximise="hill", choices={"lead": [5e-3, 10e-3, 8e-3]}
+    )
+    assert [one.status for one in best.choices] == ["worse", "best", "worse"]
+    assert best.optimum.objective == pytest.approx(15.0, abs=1e-9)
+    assert "against 15 of the best" in best.choices[0].message
+
+
+def test_choices_that_only_go_together(valley):
+    """A bore of 13 mm radius needs a wider screw than the present one of 12 mm."""
+    both = {"screw.bore_radius": [1e-3, 13e-3], "roller_radius": [4e-3, 8e-3]}
+    best = optimise(
+        scenes.example("actuator"),
+        ANGLE,
+        minimise="stepped_valley",
+        choices=both,
+        respect_findings=False,
+    )
+    status = {tuple(one.choices.values()): one.status for one in best.choices}
+    assert status[13e-3, 4e-3] == "cannot be built"
+    assert [name for name, one in status.items() if one == "cannot be built"] == [(13e-3, 4e-3)]
+    dropped = next(one for one in best.choices if one.status == "cannot be built")
+    assert "bore" in dropped.message
+
+
+def test_an_error_of_the_search_is_no_choice_that_cannot_be_built(valley):
+    with pytest.raises(ValueError, match=r"^(?!none of).*tolerance"):
+        optimise(
+            scenes.mechanism(),
+            ANGLE,
+            minimise="stepped_valley",
+            choices={"lead": [5e-3, 8e-3]},
+            tolerance=2.0,
+        )
+
+
 def test_what_breaks_a_limit_is_dropped_with_its_reason(valley):
     best = optimise(
         scenes.mechanism(),
@@ -72,7 +116,7 @@ def test_what_breaks_a_limit_is_dropped_with_its_reason(valley):
     assert float(best.mechanism.stages[0].thread.lead) == 5e-3
 
 
-def test_a_combination_that_cannot_be_built_is_dropped(valley):
+def test_a_combination_with_an_error_of_check_is_dropped(valley):
     """Twenty rollers overlap: an error of `check` that the angle does not change."""
     best = optimise(
         scenes.mechanism(), ANGLE, minimise="stepped_valley", choices={"roller_count": [8, 20]}
@@ -114,6 +158,8 @@ def test_the_file_has_choices(tmp_path):
         ({"lead": 5e-3}, "give a list of numbers"),
         ({"lead": [5e-3, 5e-3]}, "lists a value twice"),
         ({"roller_count": [7.5]}, "must be a whole number"),
+        ({"roller_count": [np.inf]}, "lists inf; give finite"),
+        ({"roller_count": "12"}, "give a list of numbers"),
         ({"contact_angle": [0.5]}, "given twice; remove one"),
         ({"leed": [5e-3]}, "did you mean lead"),
         ({"lead": np.linspace(1e-3, 2e-3, 1001)}, "1001 combinations"),

@@ -88,7 +88,7 @@ def demo(
     best = optimise(mechanism, progress=told_of_search)
     tell(best.text(terminal_width()))
 
-    text = optimised_text(file, mechanism, best)
+    text = optimised_text(file, best)
     # The improved mechanism is read from its file, so that an analysis of the file gives the
     # numbers of the report.
     improved = loads(text, name="optimised.toml")

@@ -97,7 +97,7 @@ def optimise(
         folder = Path("out/optimise") if common.out is None else common.out
         make_folder(folder)
         path = folder / f"{Path(file).stem}-optimised.toml"
-        write_text(path, optimised_text(file, mechanism, best))
+        write_text(path, optimised_text(file, best))
     results = best.to_dict() | {"mechanism": path, "valid": best.feasible}
 
     def text() -> str:

@@ -53,11 +53,15 @@ def pareto(
 
         save_figures(common.out, {"front": front_chart(front)})
     terms = (*front.objectives, *front.problem.constraints)
+    findings = checked(mechanism)
+    if front.points:
+        # Errors are constraints: those of the present design are not those of the front.
+        findings = tuple(one for one in findings if one.severity != "error")
     valid = emit(
         common,
         front.to_dict(),
         lambda: front.text(terminal_width()),
         assumptions(mechanism, [term.quantity for term in terms]),
-        checked(mechanism),
+        findings,
     )
     return int(not (valid and front.converged))

@@ -76,6 +76,9 @@ class Choice:
     def __post_init__(self) -> None:
         if not self.values:
             raise ValueError(f"choice {self.name!r} has no values; list at least one")
+        for value in self.values:
+            if not math.isfinite(value):
+                raise ValueError(f"choice {self.name!r} lists {value}; give finite numbers")
         if len(set(self.values)) < len(self.values):
             raise ValueError(f"choice {self.name!r} lists a value twice; leave one out")
 
@@ -91,7 +94,9 @@ class OperatingCase:
     def __post_init__(self) -> None:
         for name in ("speed", "load", "share"):
             if not math.isfinite(getattr(self, name)):
-                raise ValueError(f"operating point: {name} is {getattr(self, name)}; it is finite")
+                raise ValueError(
+                    f"operating point: {name} is {getattr(self, name)}; give a finite number"
+                )
         if self.share <= 0:
             raise ValueError(f"operating point: share is {self.share}; it must be positive")
 

@@ -84,6 +84,8 @@ class ParetoFront:
     derivative_evaluations: int
     variable_units: dict[str, str]
     objective_units: dict[str, str]
+    #: Whether the best of each objective was found; else the front may go on beyond its ends.
+    complete: bool = True
 
     @property
     def objectives(self) -> tuple[Objective, ...]:
@@ -92,8 +94,12 @@ class ParetoFront:
 
     @property
     def converged(self) -> bool:
-        """Whether there are points and every one satisfies the optimality conditions."""
-        return bool(self.points) and all(one.status == "optimal" for one in self.points)
+        """Whether the best of each objective was found, and every point is optimal."""
+        return (
+            self.complete
+            and bool(self.points)
+            and all(one.status == "optimal" for one in self.points)
+        )
 
     @property
     def values(self) -> np.ndarray:

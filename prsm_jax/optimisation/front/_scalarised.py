@@ -74,7 +74,8 @@ class _Search:
         self.goals, self.weights, self.target = goals, weights, target
         self.tolerance = tolerance
         self.failures = 0
-        self.best: tuple[float, np.ndarray] | None = None
+        #: Whether the best iterate breaks a limit, its residual, and its position.
+        self.best: tuple[bool, float, np.ndarray] | None = None
         self._last_good: Point | None = None
         evaluator = goals.evaluator
         self.lower, self.upper = evaluator.scaled_limits
@@ -177,11 +178,16 @@ class _Search:
     def look(self, joint: np.ndarray) -> None:
         """Judge an iterate; ends the search where it is good enough."""
         position = np.clip(joint[: self._count], 0.0, 1.0)
-        if not self.goals.evaluator.point(position).good:
+        evaluator = self.goals.evaluator
+        # A design whose derivatives are not finite fails, too.
+        evaluator.jacobian(position)
+        point = evaluator.point(position)
+        if not point.good:
             return
         residual, _ = self.conditions(position)
-        if self.best is None or residual < self.best[0]:
-            self.best = residual, position
+        rank = evaluator.violation(point) > self.tolerance, residual
+        if self.best is None or rank < self.best[:2]:
+            self.best = *rank, position
         if residual <= self.tolerance:
             raise _Finished
 
@@ -245,7 +251,9 @@ def solve(
             moved = np.clip(result.x[: evaluator.variables], 0.0, 1.0)
             if np.max(np.abs(moved - position)) <= tolerance or result.status == 4:
                 break
-            position = moved if evaluator.point(moved).good else position
+            if not evaluator.point(moved).good:
+                break
+            position = moved
     except _Finished:
         message = "KKT residual below tolerance"
     if search.best is None:
@@ -255,7 +263,7 @@ def solve(
 
 def _judged(search: _Search, message: str) -> Solved:
     assert search.best is not None
-    goals, position = search.goals, search.best[1]
+    goals, position = search.goals, search.best[2]
     evaluator = goals.evaluator
     residual, weights = search.conditions(position)
     weights = weights / np.sum(weights)

@@ -39,6 +39,9 @@ class FrontSearch:
         self.ends: list[Solved] = []
         #: Why there is no front, if there is none.
         self.message: str = ""
+        #: Whether the best of each objective was found.
+        self.complete: bool = True
+        self._names = [one.quantity for one in problem.objectives]
         self._points = problem.points
         self._progress = progress
         self._finished = self._expected = 0
@@ -59,6 +62,11 @@ class FrontSearch:
         self._expected = 3 * count * len(good)
         found = [self._alone(objective, good) for objective in range(count)]
         differ = np.zeros(count, dtype=bool)
+        feasible = [one.point.position for ends in found for one in ends if self.feasible(one)]
+        for place, ends in enumerate(found):
+            # A search that stayed at broken limits: again from designs that keep them.
+            if not any(map(self.feasible, ends)):
+                ends += self._alone(place, feasible)
         # The second time with scales that are nearly those of the front.
         for _ in range(2):
             best = [
@@ -80,8 +88,22 @@ class FrontSearch:
                 for place, ends in enumerate(found)
             ]
         self.ends = [end for ends in found for end in ends]
+        missed = [
+            name
+            for name, ends in zip(self._names, found, strict=True)
+            if not any(map(self.converged, ends))
+        ]
+        if missed:
+            self.complete = False
+            self.message = (
+                f"no optimum of {', '.join(missed)} was found: the front may go on beyond these "
+                "points; give more starts"
+            )
         if not differ.any():
-            self.message = "the objectives do not conflict: one design is the best in all of them"
+            self.message = (
+                self.message
+                or "the objectives do not conflict: one design is the best in all of them"
+            )
             return
         self._between(divisions(count, self._points))
 
@@ -178,6 +200,8 @@ class FrontSearch:
         target = reference(index, count)
         weights = np.full(len(target), AUGMENTATION / len(target))
         known = [one for one in (*self.ends, *self._at.values()) if self.feasible(one)]
+        if not known:
+            return None
         nearest = min(known, key=lambda one: float(np.max(one.objectives - target)))
         start = nearest.point.position
         if parent in self._at and self._at[parent] is nearest:

@@ -59,6 +59,7 @@ def front_of(
         ideal=ideal,
         tolerance=search.tolerance,
         message=_message(points, search),
+        complete=search.complete,
         evaluations=evaluator.evaluations,
         derivative_evaluations=evaluator.derivative_evaluations,
         variable_units={

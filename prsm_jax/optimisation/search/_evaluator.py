@@ -306,7 +306,7 @@ class Evaluator:
             arrays = _derivatives(self._given, jnp.asarray(position))
             jacobian = np.concatenate([np.asarray(rows, dtype=float) for rows in arrays])
             self.derivative_evaluations += 1
-            if not np.isfinite(jacobian).all():
+            if not np.isfinite(jacobian[self._used]).all():
                 point.good = False
             point.jacobian = np.nan_to_num(jacobian, nan=0.0, posinf=0.0, neginf=0.0)
         return point.jacobian
