@@ -27,11 +27,13 @@ from ._rows import CAPACITIES, columns
 _ADDENDUM, _DEDENDUM = 0.15, 0.25
 #: Tip clearance between the roller's crest and the screw's root, over the pitch.
 _TIP_CLEARANCE = 0.05
-#: Smallest gap between neighbouring rollers beyond their crests, over the roller's radius.
+#: Half of the smallest gap between crests of neighbouring rollers, over the roller's radius.
 _GAP = 0.02
 #: Length of the roller, and of its thread, over that of the nut. Printed inertias of the rollers
 #: give 0.78 to 0.96 for the first; gears and journals take the rest.
-_ROLLER_SHARE, _THREAD_SHARE = 0.85, 0.6
+_ROLLER_SHARE, _THREAD_SHARE, _GEAR_SHARE = 0.85, 0.6, 0.0625
+#: Relative error of a given circle of the roller axes: the 90 sizes print it exactly.
+_CIRCLE_TOLERANCE = 0.01
 #: Wall and length of the nut by nominal diameter, d in mm: fits of 90 sizes, good to a third.
 _WALL, _LENGTH = (1.14, 0.53), (7.97, 0.69)
 #: Standard modules of small gears [mm], and the smallest number of teeth of a roller.
@@ -51,8 +53,12 @@ def _checked(row: dict[str, float | int]) -> None:
             raise ValueError(f"{name} is a result of the mechanism; leave it out")
         if name not in known:
             raise UnknownNameError(f"unknown column {name!r}; {closest(name, known)}")
-        if not (math.isfinite(value) and value >= 0):
-            raise ValueError(f"{name} is {value}; give a finite number, 0 or more")
+        if not (isinstance(value, float | int) and math.isfinite(value)):
+            raise ValueError(f"{name} is {value!r}; give a finite number")
+        if name != "largest_axial_play_mm" and value <= 0:
+            raise ValueError(f"{name} is {value}; it must be above 0")
+        if value < 0:
+            raise ValueError(f"{name} is {value}; it must be 0 or more")
 
 
 def rollers_that_fit(centre_distance: float, largest_radius: float) -> int:
@@ -67,12 +73,13 @@ def catalogue_mechanism(
 
     | number | rule |
     |---|---|
-    | radius of the roller | half of the circle of the roller axes less $r_s$, or $r_s/(n-2)$ |
+    | radius of the roller | $r_s/(n-2)$ |
     | addendum and dedendum of the screw | from crest and root, or 0.15 and 0.25 pitches |
     | addendum of the roller | dedendum of the screw less 0.05 pitches |
-    | number of rollers | as many as fit with a gap of 0.02 radii between their crests |
+    | number of rollers | as many as fit with gaps of 0.04 radii between crests; at least 3 |
     | nut | outer diameter and length given, or fitted to 90 sizes |
-    | roller | 0.85 of the nut's length, threads on 0.6 of it |
+    | roller | 0.85 of the nut's length; threads on 0.6, a gear on 0.0625 at either end |
+    | carriers | 2, as wide as the roller's radius, 0.02 of the nut's length each |
     | contact angle, profile radius | 45°, $r_R/\sin\alpha$ |
     | gear | a standard module with at least 16 teeth of the roller, 20° |
     | screw | solid, one metre long |
@@ -97,22 +104,40 @@ def catalogue_mechanism(
     for name, value in {"nominal_diameter": nominal_diameter, "lead": lead}.items():
         if not 0 < value <= 1:
             raise ValueError(f"{name} is {value} m; it must be above 0 and at most 1 m")
-    if not starts > 2:
-        raise ValueError(f"starts is {starts}; a standard roller screw has more than 2")
+    if not (math.isfinite(starts) and starts == round(starts) and starts > 2):
+        raise ValueError(f"starts is {starts}; a standard roller screw has a whole number above 2")
 
     def given(name: str, scale: float, estimate: float) -> float:
         return row[name] * scale if name in row else estimate
 
     screw_radius, pitch = nominal_diameter / 2, lead / starts
-    circle = given("roller_circle_diameter_mm", 1e-3, nominal_diameter * (1 + 1 / (starts - 2)))
+    # Screw and nut have the same lead, so the ratio of their radii follows from the starts.
+    circle = nominal_diameter * (1 + 1 / (starts - 2))
+    printed = given("roller_circle_diameter_mm", 1e-3, circle)
+    if abs(printed / circle - 1) > _CIRCLE_TOLERANCE:
+        raise ValueError(
+            f"roller_circle_diameter_mm is {printed * 1e3:.4g}; a screw of "
+            f"{nominal_diameter * 1e3:.4g} mm with {starts:g} starts has {circle * 1e3:.4g}"
+        )
     roller_radius = circle / 2 - screw_radius
     addendum = given("crest_diameter_mm", 5e-4, screw_radius + _ADDENDUM * pitch) - screw_radius
     root_radius = given("root_diameter_mm", 5e-4, screw_radius - _DEDENDUM * pitch)
+    if root_radius <= 0:
+        raise ValueError(
+            f"lead is {lead} m: threads of this pitch are deeper than a screw of "
+            f"{nominal_diameter * 1e3:.4g} mm"
+        )
+    if not root_radius < screw_radius <= screw_radius + addendum:
+        raise ValueError(
+            f"root_diameter_mm is {root_radius * 2e3:.4g} and crest_diameter_mm "
+            f"{(screw_radius + addendum) * 2e3:.4g}; the nominal diameter, "
+            f"{nominal_diameter * 1e3:.4g}, must lie between them"
+        )
     roller_addendum = max(screw_radius - root_radius - _TIP_CLEARANCE * pitch, 0.1 * pitch)
     largest = roller_radius * (1 + _GAP) + roller_addendum
-    if roller_radius <= 0 or largest >= circle / 2:
+    if largest >= circle / 2:
         raise ValueError(
-            f"roller_circle_diameter_mm is {circle * 1e3:.4g}: no roller fits beside a screw of "
+            f"lead is {lead} m: rollers with threads of this pitch do not fit beside a screw of "
             f"{nominal_diameter * 1e3:.4g} mm"
         )
     count = rollers_that_fit(circle / 2, largest)
@@ -128,7 +153,12 @@ def catalogue_mechanism(
         )
     length = given("nut_length_mm", 1e-3, 1e-3 * _LENGTH[0] * millimetres ** _LENGTH[1])
     fitting = [m for m in _MODULES if 2e3 * roller_radius / m >= _FEWEST_TEETH]
-    module = 1e-3 * max(fitting, default=_MODULES[0])
+    if not fitting:
+        raise ValueError(
+            f"nominal_diameter is {nominal_diameter} m: the rollers are too small for a gear of "
+            f"{_FEWEST_TEETH} teeth with the smallest module, {_MODULES[0]:g} mm"
+        )
+    module = 1e-3 * max(fitting)
 
     steel = Material(210e9, 0.3, 7850.0)
     roller = Roller(length=_ROLLER_SHARE * length)
@@ -164,7 +194,7 @@ def catalogue_mechanism(
         gear=Gear(
             pressure_angle=math.radians(20),
             roller_teeth=round(2 * roller_radius / module),
-            face_width=0.5 * (_ROLLER_SHARE - _THREAD_SHARE) * length * 0.5,
+            face_width=_GEAR_SHARE * length,
         ),
         material=steel,
         friction=Friction(thread=CoulombFriction(0.06)),

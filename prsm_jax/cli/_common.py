@@ -18,6 +18,7 @@ from ..findings import check, check_from, check_numbers, sources
 from ..geometry import Finding
 from ..mechanism import Mechanism, get_parameter
 from ..process import make_folder, whole_file
+from ..programs import origin_of
 from ..text import markdown
 from ._programs import run_stored, runs_one_verb
 from ._progress import clear, doing, expect_programs
@@ -85,8 +86,8 @@ def checked(mechanism: Mechanism) -> tuple[Finding, ...]:
     doing("checking the design")
     if not runs_one_verb():
         return check(mechanism)
-    # Each added source of margins needs another program.
-    name = f"check_numbers {len(sources())}"
+    # Other sources of margins need another program.
+    name = f"check_numbers {[origin_of(one) for one in sources()]}"
     values = run_stored(name, check_numbers, mechanism, announced=True)
     return check_from(mechanism, values)
 

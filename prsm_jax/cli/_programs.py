@@ -27,6 +27,8 @@ from ._plugins import has_plugins
 from ._progress import expect_programs
 
 _PACKAGE = Path(__file__).parent.parent
+#: Packages whose code is in the programs.
+_MADE_BY = ("jax", "jaxlib", "equinox", "diffrax", "optimistix", "lineax")
 
 
 @functools.cache
@@ -50,7 +52,7 @@ def _processor() -> str:
 
 def _key(name: str, leaves: list[Any], structure: Any) -> str:
     shapes = [(leaf.shape, str(leaf.dtype)) for leaf in leaves]
-    made_by = (jax.__version__, version("jaxlib"), jax.default_backend())
+    made_by = (*map(version, _MADE_BY), jax.default_backend())
     flags = os.environ.get("XLA_FLAGS", ""), os.environ.get("EQX_ON_ERROR", "")
     parts = (name, made_by, flags, _processor(), shapes, str(structure), _fingerprint())
     return hashlib.sha256(repr(parts).encode()).hexdigest()
@@ -87,8 +89,8 @@ def run_stored(
     **Arguments:**
 
     - `name`: names the function in the key.
-    - `function`: a pure function of the mechanism and arrays to a dictionary of arrays
-      (dictionaries and lists inside are fine).
+    - `function`: a pure function of the mechanism and arrays to arrays in dictionaries, lists and
+      named tuples.
     - `mechanism`: the mechanism.
     - `more`: arrays.
     - `announced`: whether the progress line counts the program already.

@@ -30,6 +30,7 @@ from .parameters import (
     Parameter as Parameter,
     all_parameters as all_parameters,
     check_independent as check_independent,
+    check_parameter as check_parameter,
     check_tolerance as check_tolerance,
     dependents_in_words as dependents_in_words,
     find_parameters as find_parameters,

@@ -10,8 +10,8 @@ from ..mechanism import (
     Mechanism,
     Parameter,
     check_independent,
+    check_parameter,
     find_parameters,
-    set_parameter,
 )
 
 
@@ -57,7 +57,8 @@ def axes_of(
         if parameter.static:
             # The limits of a whole number are known: it is refused before anything is computed.
             for value in np.unique(array):
-                set_parameter(mechanism, name, int(value))
+                check_parameter(mechanism, name, value)
+            array = array.astype(np.int64)
         axis = Axis(name, array, parameter.unit, parameter.description, parameter.static)
         checked.append((axis, parameter))
     return checked
@@ -81,4 +82,4 @@ def _values(name: str, values, static: bool) -> np.ndarray:
     if (array != np.round(array)).any():
         first = array[array != np.round(array)][0]
         raise ValueError(f"axis {name!r} holds {first:g}; it must hold whole numbers")
-    return array.astype(np.int64)
+    return array

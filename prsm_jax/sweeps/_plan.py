@@ -13,7 +13,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from ..fields import FEWEST_TRACED
-from ..mechanism import Mechanism, set_parameter
+from ..mechanism import Mechanism, set_parameters
 from ._axes import Axis, axes_of
 
 #: `grid`: all combinations of the values. `list`: the first value of each axis, then the second,
@@ -163,8 +163,13 @@ def plan_of(
     if not sampled and points is not None:
         raise ValueError(f"points is {points}, but plan {kind!r} has as many designs as its values")
     if sampled:
-        if points is None or points < 1:
-            raise ValueError(f"points is {points}; plan {kind!r} needs a number of designs")
+        if not isinstance(points, int) or points < 1:
+            raise ValueError(
+                f"points is {points}; plan {kind!r} needs a number of designs, a whole number of 1 "
+                "or more"
+            )
+        if seed < 0:
+            raise ValueError(f"seed is {seed}; give a whole number of 0 or more")
         checked = _sampled(checked, kind, points, seed)
     elif kind == "list":
         lengths = {axis.name: len(axis.values) for axis in checked}
@@ -180,10 +185,7 @@ def plan_of(
 
 def with_static(mechanism: Mechanism, choice: Mapping[str, int]) -> Mechanism:
     """The mechanism with these values that are part of the program; 0 leaves its own."""
-    for name, value in choice.items():
-        if value:
-            mechanism = set_parameter(mechanism, name, value)
-    return mechanism
+    return set_parameters(mechanism, {name: value for name, value in choice.items() if value})
 
 
 def _sampled(axes: tuple[Axis, ...], kind: str, points: int, seed: int) -> tuple[Axis, ...]:

@@ -129,8 +129,8 @@ def sweep(
     for name in parameters:
         if find_parameters(mechanism, name)[0].static:
             raise ValueError(f"gradients names {name}, a whole number, which has no derivative")
-    if chunk is not None and chunk < 1:
-        raise ValueError(f"chunk is {chunk}; it must be at least 1")
+    if chunk is not None and not (isinstance(chunk, int) and chunk >= 1):
+        raise ValueError(f"chunk is {chunk}; it must be a whole number of at least 1")
     laid_out = plan_of(mechanism, axes, {"speed": speed, "load": load}, plan, points, seed)
     shares = _checked_shard(shard, store, resume)
     if store is not None:
@@ -190,6 +190,9 @@ def _names(argument: str, names: Iterable[str]) -> tuple[str, ...]:
 def _checked_shard(shard, store, resume: bool) -> tuple[int, int]:
     if shard is None:
         return 1, 1
+    whole = isinstance(shard, tuple) and len(shard) == 2 and all(isinstance(i, int) for i in shard)
+    if not whole:
+        raise ValueError(f"shard is {shard!r}; give its number and the number of shards: (3, 16)")
     index, count = shard
     if not 1 <= index <= count:
         raise ValueError(f"shard is {index} of {count}; it must be from 1 to the number of shards")

@@ -105,5 +105,19 @@ def test_errors_name_the_column():
         catalogue_mechanism(0.03, 0.01, 2)
     with pytest.raises(ValueError, match="nut_outer_diameter_mm is 40"):
         catalogue_mechanism(0.03, 0.01, 5, nut_outer_diameter_mm=40.0)
-    with pytest.raises(ValueError, match="roller_circle_diameter_mm is 30"):
-        catalogue_mechanism(0.03, 0.01, 5, roller_circle_diameter_mm=30.0)
+    with pytest.raises(ValueError, match=r"roller_circle_diameter_mm is 44; .* has 40"):
+        catalogue_mechanism(0.03, 0.01, 5, roller_circle_diameter_mm=44.0)
+    for column, value in {"root_diameter_mm": 40.0, "crest_diameter_mm": 29.0}.items():
+        with pytest.raises(ValueError, match=f"{column} (is )?{value:g}.* must lie between"):
+            catalogue_mechanism(0.03, 0.01, 5, **{column: value})
+    with pytest.raises(ValueError, match="nut_length_mm is 0; it must be above 0"):
+        catalogue_mechanism(0.03, 0.01, 5, nut_length_mm=0)
+    for starts in (4.5, math.inf):
+        with pytest.raises(ValueError, match=f"starts is {starts}"):
+            catalogue_mechanism(0.03, 0.01, starts)
+    with pytest.raises(ValueError, match="rollers are too small for a gear of 16 teeth"):
+        catalogue_mechanism(0.002, 0.0005, 5)
+    with pytest.raises(ValueError, match=r"lead is 0.2 m: threads"):
+        catalogue_mechanism(0.03, 0.2, 3)
+    with pytest.raises(ValueError, match=r"lead is 0.5 m: rollers"):
+        catalogue_mechanism(0.03, 0.5, 3, root_diameter_mm=29.0)

@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 import scenes
 from scipy.stats import qmc
+from sharing_scenes import sharing_stage
 
 import prsm_jax as prsm
-from prsm_jax.mechanism import find_parameters
+from prsm_jax.mechanism import SplitNut, find_parameters
 from prsm_jax.sweeps import _run, sweep
 from prsm_jax.sweeps._plan import blocks_of
 
@@ -259,3 +260,13 @@ def test_jax_is_asked_for_one_program(own_quantities):
     np.testing.assert_array_equal(data["counted_by_lead"], np.ones(23))
     # Once for the values, once for the derivatives.
     assert len(traces) == 2
+
+
+def test_whole_numbers_that_only_go_together():
+    """A split after thread 25 needs more than the 20 threads of the mechanism."""
+    base = scenes.mechanism(sharing_stage(split_nut=SplitNut(10, preload=3e3)))
+    axes = {"thread_count": [40], "after_thread": [25], "lead": [8e-3, 9e-3]}
+    with pytest.raises(ValueError, match="after_thread 25"):
+        prsm.set_parameter(base, "after_thread", 25)
+    data = sweep(base, axes, ["nut_radius"], findings=False)
+    assert np.isfinite(data["nut_radius"].values).all()

@@ -1,5 +1,6 @@
 """The verb `sweep`: quantities at many designs, into a store that a later run continues."""
 
+import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -20,7 +21,7 @@ from ...sweeps import (
 )
 from .._app import app
 from .._common import Common, checked, emit, value_of, words_of
-from .._progress import Counter, doing, expect_programs
+from .._progress import Counter, clear, doing, expect_programs
 from .._tables import prose
 
 _DEFAULT = Common()
@@ -232,11 +233,19 @@ def sweep(
         from ...report import save_figure, sweep_figure
 
         doing("drawing")
-        results["pictures"] = [
-            str(path)
-            for name in names
-            for path in save_figure(sweep_figure(data, name), common.out / f"sweep-{name}")
-        ]
+        problem = mechanism.design_problem
+        senses = {} if problem is None else {o.quantity: o.sense for o in problem.objectives}
+        results["pictures"] = []
+        for name in names:
+            try:
+                picture = sweep_figure(data, name, sense=senses.get(name, "maximise"))
+            except ValueError as error:
+                # The numbers are there all the same.
+                clear()
+                print(f"prsm: no picture of {name}: {error}", file=sys.stderr)
+                continue
+            written = save_figure(picture, common.out / f"sweep-{name}")
+            results["pictures"] += [str(path) for path in written]
     emit(common, results, text, rests_on)
     return 0
 

@@ -11,6 +11,7 @@ from ._parameters import (
     DesignVariable as DesignVariable,
     Parameter as Parameter,
     all_parameters as all_parameters,
+    check_parameter as check_parameter,
     find_parameters as find_parameters,
     get_parameter as get_parameter,
     set_parameter as set_parameter,

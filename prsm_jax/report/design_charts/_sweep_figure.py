@@ -55,10 +55,13 @@ def sweep_figure(
     names = [quantity, *(name for name in ("code", "error") if name in dataset)]
     part = _thinned(dataset[names], designs)
     part = part.isel({d: 0 for d in designs if d not in long_axes}).load()
+    if designs != (_DESIGN,):
+        # Axes may be given in any order; lines and contours need an ascending one.
+        part = part.sortby(long_axes)
     own = [str(d) for d in part[quantity].dims if d not in designs]
     part = part.assign({quantity: _flat(part[quantity], own)})
     if not np.isfinite(part[quantity].values).any():
-        raise ValueError(f"no design of the sweep has a {quantity!r}; every one failed")
+        raise ValueError(f"no design of the picture has a {quantity!r}; every one failed")
     if designs == (_DESIGN,):
         return _points(part, quantity)
     if len(long_axes) == 1:
