@@ -45,7 +45,7 @@ def pareto(
     reference points $a$ on the plane where the scaled objectives sum to 1, evenly spaced, lines
     along (1, …, 1) then lead to the front: the least $t$ with $f_i - a_i \le t$ (Pascoletti and
     Serafini 1984; normal boundary intersection with inequalities), by SLSQP on exact gradients from
-    the nearest design known so far. All searches share two compiled programs.
+    the best design known so far. All searches share two compiled programs.
 
     Every point is judged by the Karush–Kuhn–Tucker conditions of the weighted sum that it
     minimises. Dominated and repeated designs are dropped, and listed.

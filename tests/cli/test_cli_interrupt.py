@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 import prsm_jax
+from prsm_jax.sweeps._store import stored_identity
 
 PACKAGE = Path(prsm_jax.__file__).parent
 #: The process has to end in this time [s], whatever it is doing.
@@ -103,13 +104,16 @@ def test_ctrl_c_while_compiling_or_running(tmp_path, words, moment):
     # The line of progress is erased, and nothing but it and the message was written.
     assert "Traceback" not in terminal.text
     assert re.fullmatch(r"(\r\x1b\[K(prsm [^\r\n]*)?)+\r\x1b\[Kprsm: stopped.*\s*", terminal.text)
-    if moment.endswith("designs"):
-        # The store stays, for the next run to continue.
-        assert [str(p.relative_to(folder)) for p in folder.glob("out/*")] == [
-            "out/wu2022-sweep.zarr"
-        ]
+    written = sorted(str(path.relative_to(folder)) for path in folder.rglob("*"))
+    if written and words[0] == "sweep":
+        # The store stays, for the next run to continue: whole, and nothing beside it.
+        store = folder / "out" / "wu2022-sweep.zarr"
+        assert stored_identity(store)["quantities"] == ["efficiency", "max_pressure"]
+        assert [path for path in written if not path.startswith(f"out/{store.name}")] == ["out"]
     else:
-        assert list(folder.iterdir()) == []
+        # A sweep makes its store while its program is compiled.
+        assert not moment.endswith("designs")
+        assert written == []
 
 
 @pytest.mark.parametrize(

@@ -64,7 +64,7 @@ def test_two_bowls(bowls):
     assert np.all(np.diff(first) > 0)
     spacing = np.diff(first + second)  # f₁ − f₂, but for a constant
     np.testing.assert_allclose(spacing, spacing.mean(), rtol=0.01)
-    # Beyond that count a population would not be needed: some dozen designs for each point.
+    # Each point takes a dozen designs or so.
     assert front.evaluations + front.derivative_evaluations < 20 * len(front.points)
 
 
@@ -158,15 +158,12 @@ def test_the_result_is_plain_and_gives_mechanisms(bowls):
     assert lead == front.points[1].variables["lead"]
     rows = front.to_table().rows
     assert [row[0] for row in rows] == ["start", "1", "2", "3"]
-    # One point at a quarter of the squared distance from both centres; ends at 0 and the whole.
+    # Points at 0, a quarter and the whole of the squared distance; a staircase of three rectangles.
     whole = float(np.sum((A - B) ** 2))
     corner = {"bowl_a": 2 * whole, "bowl_b": 2 * whole}
-    expected = 4 * whole**2 - (whole**2 + 2 * whole * 0.25 * whole) - 0.75 * whole * 0.25 * whole
-    # Staircase below the box: three rectangles.
-    steps = [(0.0, 1.0), (0.25, 0.25), (1.0, 0.0)]
-    expected = hypervolume(whole * np.array(steps), np.full(2, 2 * whole))
-    assert front.dominated_volume(corner) == pytest.approx(expected, rel=1e-3)
-    assert expected == pytest.approx((2 * 1 + 1.75 * 0.75 + 1 * 0.25) * whole**2)
+    expected = (2 * 1 + 1.75 * 0.75 + 1 * 0.25) * whole**2
+    # The other objective counts 1e-4 in each search, which moves the points along the front.
+    assert front.dominated_volume(corner) == pytest.approx(expected, rel=1e-4)
     with pytest.raises(ValueError, match="no value for bowl_b"):
         front.dominated_volume({"bowl_a": 1.0})
 

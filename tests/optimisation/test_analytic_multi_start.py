@@ -17,7 +17,7 @@ def _point(analysis):
 
 @pytest.fixture
 def valleys(own_quantities):
-    """36 valleys on a bowl: the deepest is at the middle of the bowl, (11, 9)."""
+    """30 valleys on a bowl: the deepest is at the middle of the bowl, (11, 9)."""
 
     def function(analysis):
         x, y = _point(analysis)

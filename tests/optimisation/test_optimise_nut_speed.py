@@ -12,7 +12,7 @@ BOX = {"lead": (4e-3, 14e-3)}
 
 @pytest.fixture
 def power(own_quantities):
-    """(v − 0.2)² + (ω − 150)²/1e4 with the speed ω of the screw and v of the nut."""
+    """(ω − 150)²/1e4 with the speed ω of the screw, and the speeds of nut and screw themselves."""
 
     def nut(analysis):
         return analysis.speed * analysis.mechanism.stages[0].thread.lead / (2 * np.pi)

@@ -71,7 +71,7 @@ def optimise(
     file: str,
     *,
     method: Annotated[
-        str | None, Parameter(help="auto, slsqp, trust-constr, lbfgs or adam.")
+        str | None, Parameter(help="auto, slsqp, trust-constr, lbfgs, adam or multi-start.")
     ] = None,
     starts: Annotated[int | None, Parameter(help="Number of starts.")] = None,
     keep_infeasible: Annotated[

@@ -2,7 +2,7 @@
 
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from cyclopts import Parameter
@@ -234,7 +234,9 @@ def sweep(
 
         doing("drawing")
         problem = mechanism.design_problem
-        senses = {} if problem is None else {o.quantity: o.sense for o in problem.objectives}
+        senses: dict[str, Literal["maximise", "minimise"]] = (
+            {} if problem is None else {o.quantity: o.sense for o in problem.objectives}
+        )
         results["pictures"] = []
         for name in names:
             try:

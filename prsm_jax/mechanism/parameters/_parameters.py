@@ -329,7 +329,7 @@ def set_parameter(
     return mechanism
 
 
-def check_parameter(mechanism: Mechanism, name: str, value) -> None:
+def check_parameter(mechanism: Mechanism, name: str, value: Any) -> None:
     """**Raises:** `ValueError` if a known value is out of the range of a parameter."""
     if isinstance(value, str):
         return  # the part that has the choice checks its word

@@ -57,7 +57,7 @@ class FrontPoint:
 
 @dataclass(frozen=True)
 class ParetoFront:
-    """The designs of which no other one found is better in every objective; prints itself.
+    """The designs found that no other one dominates; prints itself.
 
     `points` are ordered by the first objective, the best first. No point of them is dominated by
     another, and each satisfies every constraint and error limit of `check`.
