@@ -17,7 +17,6 @@ from ..fields import Scalar
 from ..geometry import Meshing, dimensions_possible, rollers_fit
 from ..load_sharing import LoadDistribution, stage_load_distributions
 from ..mechanism import Mechanism, Stage
-from ..numerics import apart
 from ..stiffness import ThreadStiffness, thread_stiffness
 from ..strength import (
     LoadSpectrum,
@@ -114,7 +113,7 @@ class Analysis:
     @cached_property
     def kinematics(self) -> tuple[StageKinematics, ...]:
         """Meshing and slip of every stage."""
-        return apart(all_kinematics)(self.mechanism)
+        return all_kinematics(self.mechanism)
 
     @cached_property
     def speed(self) -> Scalar:

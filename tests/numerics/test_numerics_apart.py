@@ -4,12 +4,15 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 from jax.core import Tracer
 from jaxtyping import ArrayLike
 from scenes import array, example
 
-from prsm_jax.dynamics import all_kinematics
+import prsm_jax as prsm
+from prsm_jax.dynamics import all_kinematics, stage_kinematics
 from prsm_jax.numerics import apart
+from prsm_jax.programs import traced_physics
 from tests.present import present
 
 
@@ -65,9 +68,45 @@ def test_the_compiler_does_not_see_through():
 
 
 def test_kinematics_of_a_mechanism():
+    """Their separate part has the values of each stage by itself."""
     mechanism = example("li2020_two_stage")
-    found = eqx.filter_jit(apart(all_kinematics))(mechanism)
-    expected = eqx.filter_jit(all_kinematics)(mechanism)
+    found = eqx.filter_jit(all_kinematics)(mechanism)
+    expected = eqx.filter_jit(lambda m: tuple(map(stage_kinematics, m.stages)))(mechanism)
     assert jax.tree.structure(found) == jax.tree.structure(expected)
     for one, other in zip(jax.tree.leaves(found), jax.tree.leaves(expected), strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-14, atol=1e-16)
+
+
+def _is_program(x) -> bool:
+    return hasattr(x, "eqns") or hasattr(x, "jaxpr")
+
+
+def _outside_of_conditions(jaxpr) -> set[str]:
+    """Physics labels of the equations that XLA may fuse with those that use them."""
+    names: set[str] = set()
+    for equation in jaxpr.eqns:
+        for part in str(equation.source_info.name_stack).split("/"):
+            if "physics:" in part:
+                names.add(part.split("physics:", 1)[1].rstrip(")"))
+        if equation.primitive.name != "cond":
+            for inner in jax.tree.leaves(list(equation.params.values()), is_leaf=_is_program):
+                if _is_program(inner):
+                    names |= _outside_of_conditions(getattr(inner, "jaxpr", inner))
+    return names
+
+
+@pytest.mark.parametrize("verb", ["steady_state", "compute"])
+def test_the_meshing_is_a_separate_part_of_every_verb(verb):
+    """Each derivative of a concatenation of results would compute it anew: 34 times the values."""
+    mechanism = example("wu2022")
+
+    def efficiency(lead):
+        moved = prsm.set_parameter(mechanism, "lead", lead)
+        if verb == "compute":
+            return prsm.compute(moved, ["efficiency"])["efficiency"]
+        return prsm.steady_state(moved).efficiency
+
+    outside = _outside_of_conditions(jax.make_jaxpr(efficiency)(array(10e-3)).jaxpr)
+    assert "meshing" in traced_physics(efficiency, array(10e-3))
+    assert "steady_state" in outside
+    assert "meshing" not in outside

@@ -185,7 +185,12 @@ def _steady_states(
 
 
 def all_kinematics(mechanism: Mechanism) -> tuple[StageKinematics, ...]:
-    """Kinematics of every stage."""
+    """Kinematics of every stage, compiled as a separate part of a larger program."""
+    # Derivatives of an efficiency would compute the meshing anew for each of them.
+    return apart(_of_every_stage)(mechanism)
+
+
+def _of_every_stage(mechanism: Mechanism) -> tuple[StageKinematics, ...]:
     return tuple(stage_kinematics(stage) for stage in mechanism.stages)
 
 
