@@ -11,7 +11,7 @@ from ..harness import of_this_run, parser_of, read_json, write_json, write_text
 from .guard import LIMITS, numbers_of_joint
 from .measured import quantity_names, random_subsets
 from .page import tables, write_page
-from .rows import hessian, joint, joint_to_single
+from .rows import hessian, joint, joint_to_single, verbs_to_value
 
 #: What the toolkit is for: together, by lead, contact angle and roller radius.
 _THREE = ("efficiency", "max_pressure", "natural_frequencies")
@@ -104,7 +104,8 @@ def _quick(example: str, designs: int, of_hessian: str) -> Numbers:
     row = joint(example, _THREE, designs, _QUICK_SECONDS)
     second = hessian(example, of_hessian, designs, _QUICK_SECONDS)
     together = joint_to_single(example, _THREE, designs, _QUICK_SECONDS)
-    found = numbers_of_joint(row, second, together)
+    verbs = verbs_to_value(example, designs, _QUICK_SECONDS)
+    found = numbers_of_joint(row, second, together, verbs)
     for name, value in {**found.errors, **found.ratios, **found.costs}.items():
         print(f"{name}: {value:.3g}", flush=True)
     jax.clear_caches()

@@ -63,6 +63,23 @@ def of_numbers(
     return evaluate, np.array([float(get_parameter(mechanism, name)) for name in variables])
 
 
+def results_of_verbs(example: str) -> tuple[Callable[[jax.Array], jax.Array], np.ndarray]:
+    """Efficiency, contact pressures and frequencies from three verbs, concatenated; and where."""
+    mechanism = prsm.load(example)
+
+    def evaluate(numbers):
+        moved = set_parameters(mechanism, dict(zip(VARIABLES, numbers, strict=True)))
+        contacts = prsm.thread_contacts(moved)
+        sides = [side for stage in contacts for side in (stage.screw, stage.nut)]
+        return jnp.concatenate([
+            prsm.steady_state(moved).efficiency[None],
+            jnp.stack([side.hertz.max_pressure for side in sides]),
+            prsm.modal(moved).frequencies,
+        ])  # fmt: skip
+
+    return evaluate, np.array([float(get_parameter(mechanism, name)) for name in VARIABLES])
+
+
 def designs_around(centre: np.ndarray, count: int) -> jax.Array:
     """Designs within a thousandth of the example."""
     generator = np.random.default_rng(15)

@@ -14,6 +14,7 @@ from .measured import (
     error_of,
     of_numbers,
     reference_jacobian,
+    results_of_verbs,
     timed,
     with_value,
 )
@@ -104,3 +105,12 @@ def joint_to_single(example: str, names: tuple[str, ...], count: int, seconds: f
         {**parts, "together": jax.jacfwd(as_one(evaluate))}, designs_around(centre, count), seconds
     )
     return found["together"].seconds / sum(found[name].seconds for name in names)
+
+
+def verbs_to_value(example: str, count: int, seconds: float) -> float:
+    """Time of value and Jacobian of the results of three verbs, concatenated, over the value's."""
+    evaluate, centre = results_of_verbs(example)
+    value, both = timed(
+        {"value": evaluate, "both": with_value(evaluate)}, designs_around(centre, count), seconds
+    ).values()
+    return both.seconds / value.seconds

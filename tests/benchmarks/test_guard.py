@@ -174,16 +174,18 @@ def test_numbers_of_joint_derivatives_have_their_limits():
         "processor_s": {"forward over forward": 43.0},
         "instructions": {"forward over forward": 154_000},
     }
-    found = numbers_of_joint(row, second, 0.9)
+    found = numbers_of_joint(row, second, 0.9, 2.4)
     assert compare(found, found, LIMITS) == []
     row["over_value"]["concatenated"] = 58.0
     row["error_dictionary"] = 2e-8
     second["processor_s"]["forward over forward"] = 401.0
     second["instructions"]["forward over forward"] = 251_000
-    assert [one.name for one in compare(found, numbers_of_joint(row, second, 7.0), LIMITS)] == [
+    worse = numbers_of_joint(row, second, 7.0, 19.0)
+    assert [one.name for one in compare(found, worse, LIMITS)] == [
         "error of the Jacobian, dictionary",
         "Jacobian over value, concatenated",
         "Jacobian together over one by one",
+        "Jacobian over value, results of verbs",
         "Hessian: processor time of compiling [s]",
         "Hessian: instructions of the compiled program",
     ]
