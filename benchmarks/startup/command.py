@@ -1,6 +1,7 @@
 """`python -m benchmarks startup`: time from command to answer, cold and warm; JSON, page."""
 
 import argparse
+import json
 import os
 import subprocess
 import sys
@@ -9,7 +10,14 @@ import time
 from pathlib import Path
 from typing import Any
 
-from ..harness import of_this_run, parser_of, read_json, refuse_unknown, write_json
+from ..harness import (
+    of_this_run,
+    parser_of,
+    read_json,
+    refuse_unknown,
+    run_worker,
+    write_json,
+)
 from .child import ORDER
 from .page import tables, write_page
 
@@ -110,8 +118,17 @@ def _verb(name: str, rounds: int) -> dict[str, Any]:
     return {**row, "warm": best, "imports": imports, "over_imports": ratio, "error": None}
 
 
+def _calls() -> list[dict[str, Any]]:
+    """First and later calls in Python, from a process of their own."""
+    done = run_worker("startup.calls", [], _LIMIT)
+    if done is None or done.returncode:
+        print(f"startup: calls in Python failed: {done and done.stderr[-300:]}", file=sys.stderr)
+        return []
+    return json.loads(done.stdout)
+
+
 def main(argv: list[str] | None = None) -> int:
-    """Entry point; the exit status is 1 where a command did not end."""
+    """Entry point; the exit status is 1 if a command did not end."""
     given = _arguments(argv)
     if given.page is not None:
         print(f"startup: {write_page(read_json(given.page), given.docs or given.out)}")
@@ -120,13 +137,15 @@ def main(argv: list[str] | None = None) -> int:
     rows: dict[str, Any] = {}
     if given.add and path.exists():
         rows = {r["verb"]: r for r in read_json(path)["verbs"]}
+    calls = _calls()
     document: dict[str, Any] = {}
     for name in given.verbs or COMMANDS:
         rows[name] = _verb(name, given.rounds)
         print(f"{name}: {rows[name].get('over_imports')}", flush=True)
-        document = of_this_run(1) | {"verbs": [rows[name] for name in COMMANDS if name in rows]}
+        verbs = [rows[name] for name in COMMANDS if name in rows]
+        document = of_this_run(1) | {"verbs": verbs, "calls": calls}
         write_json(path, document)
     print(tables(document["verbs"]))
     if given.docs is not None:
         print(f"startup: {write_page(document, given.docs)}")
-    return int(any(row["error"] for row in document["verbs"]))
+    return int(not calls or any(row["error"] for row in document["verbs"]))

@@ -18,6 +18,12 @@ reading stored programs), and the rest: reading the file, running, printing and 
 process. **Over imports** is the processor time of the warm run over that of `import jax, diffrax`
 alone; both run in turn.
 """
+_CALLS = """\
+## Calls in Python
+
+`wu2022`, each call as written, without `jax.jit`, in a process without stored programs. The first
+call traces and compiles; of thirty later ones the fastest counts.
+"""
 _PARTS = ("wall", "processor", "interpreter", "imports", "tracing", "lowering", "compiling", "rest")
 
 
@@ -33,6 +39,15 @@ def tables(verbs: list[dict[str, Any]]) -> str:
             cells = [f"{row[kind][f'{part}_s']:.2f}" for part in _PARTS]
             ratio = f"{row['over_imports']:.2f}" if kind == "warm" else ""
             lines.append(row_of([f"`prsm {row['command']}`", kind, *cells, ratio]))
+    return "\n".join([*lines, ""])
+
+
+def call_table(calls: list[dict[str, Any]]) -> str:
+    """First and later calls as Markdown."""
+    lines = table_of(["call", "first [s]", "later [ms]"])
+    for row in calls:
+        later = f"{1e3 * row['later_s']:.2f}"
+        lines.append(row_of([f"`{row['call']}`", f"{row['first_s']:.2f}", later]))
     return "\n".join([*lines, ""])
 
 
@@ -52,5 +67,6 @@ def write_page(document: dict[str, Any], folder: Path) -> Path:
         f"`import jax, diffrax` alone took {min(alone):.2f} to {max(alone):.2f} s of processor "
         "time.\n"
     )
-    text = "\n".join([_HEAD, measured, tables(document["verbs"])])
+    parts = [_HEAD, measured, tables(document["verbs"]), _CALLS, call_table(document["calls"])]
+    text = "\n".join(parts)
     return write_text(folder / "startup.md", text)

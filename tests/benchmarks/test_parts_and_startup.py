@@ -96,9 +96,14 @@ def test_startup_cells_and_verbs(tmp_path):
     assert lines[3].startswith("| `prsm steady wu2022` | warm | 0.10 | 0.20 |")
     assert lines[3].endswith(" | 0.80 | 1.50 |")
     assert lines[4].startswith("| modal | not done |")
-    document = {"machine": {"cores": 2, "processor": "x"}, "date": "2026-01-02T", "verbs": [row]}
+    calls = [{"call": "modal(m)", "first_s": 4.25, "later_s": 3.1e-4}]
+    document = {
+        "machine": {"cores": 2, "processor": "x"}, "date": "2026-01-02T", "verbs": [row],
+        "calls": calls,
+    }  # fmt: skip
     text = startup_page.write_page(document, tmp_path).read_text()
     assert "On a busy machine of two cores (x), 2026-01-02." in text
+    assert "| `modal(m)` | 4.25 | 0.31 |" in text
     assert {"steady", "modal", "simulate", "sensitivity", "optimise", "check"} <= set(COMMANDS)
 
 
