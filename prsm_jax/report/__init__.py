@@ -32,8 +32,6 @@ from .design_charts import (
     sensitivity_bars as sensitivity_bars,
     shaft_limits_chart as shaft_limits_chart,
     summarise_optimisation as summarise_optimisation,
-    sweep_figure as sweep_figure,
-    sweep_map as sweep_map,
     tolerance_histograms as tolerance_histograms,
     tolerance_scatter as tolerance_scatter,
     yield_chart as yield_chart,
@@ -64,6 +62,7 @@ from .motion_charts import (
     time_to_settle as time_to_settle,
     transient_chart as transient_chart,
 )
+from .sweep_charts import sweep_figure as sweep_figure, sweep_map as sweep_map
 from .vibration_charts import (
     campbell_chart as campbell_chart,
     frequency_chart as frequency_chart,

@@ -15,8 +15,6 @@ from ._optimisation_chart import optimisation_chart as optimisation_chart
 from ._published_figure import published_figure as published_figure
 from ._sensitivity_bars import sensitivity_bars as sensitivity_bars
 from ._shaft_limits_chart import shaft_limits_chart as shaft_limits_chart
-from ._sweep_figure import sweep_figure as sweep_figure
-from ._sweep_map import sweep_map as sweep_map
 from ._tolerance_charts import (
     contribution_bars as contribution_bars,
     tolerance_histograms as tolerance_histograms,
