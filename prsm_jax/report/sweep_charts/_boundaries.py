@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from .._style import INK, MUTED, SERIES, Axes
+from .._style import INK, SERIES, Axes
 from ._limits import QuantityLimit
 
 #: Colours that stand out from those of a map, and then the dashes, of the first, second, … limit.
