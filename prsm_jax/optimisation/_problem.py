@@ -162,8 +162,8 @@ def constraints_of(
     """
     if not isinstance(constraints, Mapping):
         return tuple(constraints)
-    rows = []
-    for name, limits in constraints.items():
+    rows: list[Constraint] = []
+    for name, limits in cast("Mapping[str, Any]", constraints).items():
         if isinstance(limits, int | float):
             rows.append(Constraint(name, equal=float(limits)))
             continue

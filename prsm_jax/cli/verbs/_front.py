@@ -30,8 +30,9 @@ def pareto(
     """The front of two or three objectives, with the variables and limits of [optimise].
 
     The objectives are those of --maximise and --minimise, or else the file's
-    [[optimise.objective]] rows. Errors of `prsm check` are constraints, too. With --out two
-    pictures are written: the objectives, and all designs across variables and objectives. Exit status 1 if a point does not satisfy the optimality conditions.
+    [[optimise.objective]] rows. Errors of `prsm check` are constraints, too. With --out pictures
+    are written: the objectives, and the designs across all variables and objectives. Exit status 1
+    if a point does not satisfy the optimality conditions.
     """
     mechanism = common.load(file)
     expect_programs("_values", "_derivatives")

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...optimisation import FrontPoint, ParetoFront
 from ...text import DisplayUnit, display_unit
-from .._parts import colour_bar, in_words, legend_below
+from .._parts import colour_bar, in_words, legend_below, legend_line
 from .._style import INK, MUTED, Figure, drawn, page_figure, readable
 
 #: Letters in a line below an axis.
@@ -63,12 +63,12 @@ def parallel_chart(front: ParetoFront) -> Figure:
     bar.set_ylabel(in_words(readable(columns[first][1]), units[first]))
     entries = []
     if not all(one.status == "optimal" for one in front.points):
-        entries.append(_entry("not converged", color=MUTED, linestyle=":"))
+        entries.append(legend_line("not converged", color=MUTED, linestyle=":"))
     if present is not None:
         height = (shown[-1] - low) / (high - low)
         style: dict[str, Any] = {"color": INK, "linestyle": "--", "linewidth": 1.4}
         axes.plot(range(len(columns)), height, zorder=4, **style)
-        entries.append(_entry("present design", **style))
+        entries.append(legend_line("present design", **style))
     axes.set_title(f"{len(front.points)} designs of the front")
     legend_below(figure, entries)
     return figure
@@ -128,9 +128,3 @@ def _lines(
         dashes = "-" if one.status == "optimal" else ":"
         axes.plot(range(len(height)), height, color=colours.to_rgba(value), lw=1.2, ls=dashes)
     colour_bar(figure, colours, axes, "", pad=0.06)
-
-
-def _entry(words: str, **style: Any) -> Any:
-    from matplotlib.lines import Line2D
-
-    return Line2D([], [], label=words, **style)

@@ -7,7 +7,7 @@ import numpy as np
 from ...mechanism import Tolerance
 from ...text import DisplayUnit, display_unit, in_unit, number
 from ...uncertainty import ToleranceAnalysis, ZoneEnds
-from .._parts import aside, in_words, legend_below, page_title
+from .._parts import aside, in_words, legend_below, legend_line, page_title
 from .._style import INK, SERIES, SMALL, Axes, Figure, drawn, page_figure, readable
 
 _COLOURS = {"lower": SERIES[5], "upper": SERIES[1]}
@@ -67,7 +67,7 @@ def tornado_chart(analysis: ToleranceAnalysis, quantity: str) -> Figure:
         axes.axvline(shown(side), color=INK, linestyle=":", linewidth=1.2)
     if limit:
         words = " and ".join(in_unit(side, shown) for side in limit)
-        entries.append(_line(f"limit: {words}", color=INK, linestyle=":"))
+        entries.append(legend_line(f"limit: {words}", color=INK, linestyle=":"))
     axes.set_xlabel(in_words(readable(quantity), shown))
     axes.set_title(
         f"One number at an end of its zone, others nominal; {_FROM[analysis.method]}",
@@ -135,11 +135,5 @@ def _entries(shown: DisplayUnit, ends: ZoneEnds) -> list[Any]:
 
     return [
         *(Patch(facecolor=c, label=f"{side} end of the zone") for side, c in _COLOURS.items()),
-        _line(f"nominal: {in_unit(ends.nominal, shown, 5)}", color=INK, linestyle="--"),
+        legend_line(f"nominal: {in_unit(ends.nominal, shown, 5)}", color=INK, linestyle="--"),
     ]
-
-
-def _line(words: str, **style: Any) -> Any:
-    from matplotlib.lines import Line2D
-
-    return Line2D([], [], label=words, **style)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from .._parts import legend_line
 from .._style import INK, SERIES, Axes
 from ._limits import QuantityLimit
 
@@ -77,7 +78,7 @@ def draw_on_map(
             # Scaled, so that quantities of any units can be compared with 0 together.
             worst = np.maximum(worst, fine / max(np.nanmax(np.abs(fine), initial=0.0), 1e-300))
         if _two_sides(fine):
-            style = {f"{key}s": [value] for key, value in style_of(index).items()}
+            style: Any = {f"{key}s": [value] for key, value in style_of(index).items()}
             masked = np.ma.masked_invalid(fine)
             lines = axes.contour(fine_x, fine_y, masked, levels=[0.0], zorder=3, **style)
             lines.set_path_effects(_edges(limit, _LEFT))
@@ -200,7 +201,6 @@ def limit_entries(
     - `lines`: whether each has a line; default where designs lie on both sides.
     - `hatched`: whether what is outside is hatched.
     """
-    from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     entries: list[Any] = []
@@ -215,7 +215,7 @@ def limit_entries(
             beyond = "all outside" if (known > 0).all() else "all within"
             words += f" ({beyond if limit.excludes else 'not in the picture'})"
         style = style_of(index) if has_line else {"linestyle": ""}
-        entries.append(Line2D([], [], label=words, **style))
+        entries.append(legend_line(words, **style))
     if outside and hatched:
         entries.append(Patch(label=OUTSIDE, **_HATCHED))
     return entries

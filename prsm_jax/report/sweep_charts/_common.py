@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ...text import DisplayUnit, display_unit, in_unit
-from .._parts import in_words, legend_below
+from .._parts import in_words, legend_below, legend_line
 from .._style import INK, SMALL, Axes, Figure, readable
 from ._limits import Best
 
@@ -58,11 +58,9 @@ def mark_best(
         words = f"{best.words}: {in_unit(best.value, unit)}"
         axes.plot(x, y, "*", ms=12, zorder=5, ls="", label=words, **style)
         return
-    from matplotlib.lines import Line2D
-
     words = "no design is within all limits"
     if words not in [one.get_label() for one in entries]:
-        entries.append(Line2D([], [], linestyle="", label=words))
+        entries.append(legend_line(words, linestyle=""))
 
 
 def sweep_legend(figure: Figure, more: Iterable[Any] = (), most: int = 4) -> None:
