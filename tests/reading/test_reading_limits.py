@@ -206,6 +206,18 @@ def test_lines_of_other_quantities():
     chart.finish()
 
 
+def test_a_design_exactly_on_a_limit_is_within():
+    """Its line goes through the design, and the design can be the best."""
+    data = _over_lead()
+    limit = float(data["mass"][3])
+    chart = Chart(sweep_figure(data, "efficiency", constraints={"mass": (None, limit)}))
+    (axes,) = chart.axes
+    chart.level(axes, LEAD[3], "m", "x")
+    chart.bars(axes, [LEAD[-1] - LEAD[3]], "m", "x", starts=[LEAD[3]])
+    star = chart.lines(axes)[-1]
+    chart.curve(axes, star, LEAD[3], float(data["efficiency"][3]), ("m", "1"))
+
+
 def test_lines_of_the_quantity_itself():
     """A level at its limit; one far from all values is told but not drawn."""
     limits = {"max_pressure": (1e6, 2e9), "efficiency": 0.75}

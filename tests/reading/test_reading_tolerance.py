@@ -277,7 +277,7 @@ def test_ends_of_the_tolerance_zones():
     chart.level(axes, 2.12e9, "Pa", "x")
     chart.says("nominal: ", (2.1e9, "Pa"))
     chart.says("limit: ", (2.12e9, "Pa"))
-    assert chart.text("One number").endswith("every end analysed")
+    assert chart.text("One number").endswith("(every end analysed)")
     assert handles(chart.figure)[:2] == ["lower end of the zone", "upper end of the zone"]
     chart.finish()
 
@@ -293,7 +293,7 @@ def test_both_ends_on_one_side_have_bars_of_half_the_height():
     half = boxes[2].get_height() / 2
     assert [first.get_height(), second.get_height()] == pytest.approx([half, half])
     chart.bars(axes, [1e7, 4e6, 0, 0], "Pa", "x", starts=[2.1e9] * 4)
-    assert chart.text("One number").endswith("from first derivatives at the middle of the zones")
+    assert chart.text("One number").endswith("(from first derivatives at the middle of the zones)")
     # A tolerance that changes nothing has its value once.
     chart.text("2110")
     chart.text("2104")

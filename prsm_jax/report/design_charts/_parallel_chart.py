@@ -11,8 +11,8 @@ from ...text import DisplayUnit, display_unit
 from .._parts import colour_bar, in_words, legend_below, legend_line
 from .._style import INK, MUTED, Figure, drawn, page_figure, readable
 
-#: Letters in a line below an axis.
-_LETTERS = 16
+#: Room for the words below all axes, in letters, and the most and fewest letters in a line.
+_ROOM, _LETTERS, _FEWEST = 84, 16, 9
 _MARGIN = 0.04
 
 
@@ -52,8 +52,9 @@ def parallel_chart(front: ParetoFront) -> Figure:
     figure = page_figure(95)
     axes = figure.add_subplot()
     low, high = _scales(axes, shown)
+    letters = max(_FEWEST, min(_LETTERS, _ROOM // (len(columns) - 1)))
     labels = [
-        _label(name, unit, senses.get(name, "") if group == "objectives" else "")
+        _label(name, unit, senses.get(name, "") if group == "objectives" else "", letters)
         for (group, name, _), unit in zip(columns, units, strict=True)
     ]
     axes.set_xticks(range(len(columns)), labels)
@@ -74,12 +75,14 @@ def parallel_chart(front: ParetoFront) -> Figure:
     return figure
 
 
-def _label(name: str, unit: DisplayUnit, sense: str) -> str:
-    lines = textwrap.wrap(readable(name), _LETTERS, break_long_words=False)
+def _label(name: str, unit: DisplayUnit, sense: str, letters: int) -> str:
+    # Parts of a path are words as well.
+    words = readable(name).replace(".", " ")
+    lines = textwrap.wrap(words, letters, break_long_words=False)
     if unit.label:
         # The unit stays beside its preposition.
         tail = f"in {unit.label}"
-        fits = len(lines[-1]) + 1 + len(tail) <= _LETTERS
+        fits = len(lines[-1]) + 1 + len(tail) <= letters
         lines[-1:] = [f"{lines[-1]} {tail}"] if fits else [lines[-1], tail]
     return "\n".join([*lines, *([f"({sense})"] if sense else [])])
 
@@ -102,6 +105,7 @@ def _scales(axes: Any, shown: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     axes.tick_params(axis="x", length=0, pad=4)
     for column in range(count):
         own = axes.twinx()
+        own.tick_params(axis="x", labelbottom=False)
         own.set_ylim(low[column], high[column])
         own.spines["right"].set_visible(True)
         own.spines["right"].set_position(("data", column))

@@ -7,11 +7,13 @@ import numpy as np
 from ...mechanism import Tolerance
 from ...text import DisplayUnit, display_unit, in_unit, number
 from ...uncertainty import ToleranceAnalysis, ZoneEnds
-from .._parts import aside, in_words, legend_below, legend_line, page_title
+from .._parts import WHITE, aside, in_words, legend_below, legend_line, page_title
 from .._style import INK, SERIES, SMALL, Axes, Figure, drawn, page_figure, readable
 
 _COLOURS = {"lower": SERIES[5], "upper": SERIES[1]}
 _HEIGHT = 0.7
+#: Behind values that stand on the line of a limit.
+_BEHIND = WHITE | {"pad": 0.5}
 _FROM = {
     "monte_carlo": "every end analysed",
     "second_order": "from first and second derivatives at the middle of the zones",
@@ -48,7 +50,7 @@ def tornado_chart(analysis: ToleranceAnalysis, quantity: str) -> Figure:
     index = analysis.quantities.index(quantity)
     shown = display_unit(analysis.units[index], abs(mean), quantity)
     order = _ranked(ends)
-    figure = page_figure(8.5 * len(order) + 34, 150)
+    figure = page_figure(8.5 * len(order) + 38, 150)
     axes = figure.add_subplot()
     for place, which in enumerate(order):
         _bars(axes, place, ends, which, shown)
@@ -70,7 +72,7 @@ def tornado_chart(analysis: ToleranceAnalysis, quantity: str) -> Figure:
         entries.append(legend_line(f"limit: {words}", color=INK, linestyle=":"))
     axes.set_xlabel(in_words(readable(quantity), shown))
     axes.set_title(
-        f"One number at an end of its zone, others nominal; {_FROM[analysis.method]}",
+        f"One number at an end of its zone, others nominal\n({_FROM[analysis.method]})",
         fontsize=SMALL,
         fontweight="normal",
     )
@@ -109,7 +111,7 @@ def _bars(axes: Axes, place: int, ends: ZoneEnds, which: int, shown: DisplayUnit
             continue
         away = -3 if changes[side] < 0 else 3
         words = number(shown(value), 5)
-        aside(axes, words, (shown(value), middle), (away, 0), va="center")
+        aside(axes, words, (shown(value), middle), (away, 0), va="center", bbox=_BEHIND)
 
 
 def _zone(tolerance: Tolerance, unit: str) -> str:
