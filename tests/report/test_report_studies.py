@@ -1,6 +1,7 @@
 """Pictures of design studies can be printed: many limits, many axes, long words."""
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 import pytest
@@ -40,8 +41,8 @@ def _sweep(*axes: str):
         "roller_radius": (np.linspace(3e-3, 5e-3, 6), "m"),
     }
     shape = [len(values[name][0]) for name in axes]
-    along = sum(np.meshgrid(*(np.linspace(0, 1, n) for n in shape), indexing="ij")) / len(axes)
-    variables = {
+    along: Any = sum(np.meshgrid(*(np.linspace(0, 1, n) for n in shape), indexing="ij")) / len(axes)
+    variables: dict[str, Any] = {
         name: (axes, low + along * (high - low), {"units": unit})
         for name, (unit, low, high) in QUANTITIES.items()
     }
