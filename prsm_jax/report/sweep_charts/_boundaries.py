@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from .._parts import legend_line
-from .._style import INK, SERIES, Axes
+from .._style import SERIES, Axes
 from ._limits import QuantityLimit
 
 #: Colours that stand out from those of a map, and then the dashes, of the first, second, … limit.
@@ -15,7 +15,7 @@ _COLOURS = (SERIES[3], SERIES[4], SERIES[5], SERIES[2], SERIES[1])
 _DASHES = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)))
 #: Ticks on the left of a line, where matplotlib has the larger values of a contour.
 _LEFT, _RIGHT = 60, -60
-#: Values along each axis of a map, between which the limits are drawn straight.
+#: Values, at least, along each axis of a map: straight lines join points of a limit between them.
 _FINE = 200
 _HATCH = "////"
 #: A range that is outside of a limit, and its entry in the legend.
@@ -135,9 +135,7 @@ def outside_ranges(x: np.ndarray, excesses: Sequence[np.ndarray]) -> list[tuple[
     return ranges
 
 
-def draw_on_axis(
-    axes: Axes, x: np.ndarray, limits: Sequence[QuantityLimit], quantity: str
-) -> list[tuple[float, float]]:
+def draw_on_axis(axes: Axes, x: np.ndarray, limits: Sequence[QuantityLimit], quantity: str) -> None:
     """Lines where other quantities are at their limits along an axis; ranges outside hatched.
 
     **Arguments:**
@@ -146,8 +144,6 @@ def draw_on_axis(
     - `x`: values along its axis, ascending.
     - `limits`: the limits.
     - `quantity`: what is drawn over the axis, whose own limits are levels.
-
-    **Returns:** the ranges.
     """
     excesses = [np.asarray(one.excess.values, float) for one in limits]
     for index, (limit, excess) in enumerate(zip(limits, excesses, strict=True)):
@@ -157,10 +153,8 @@ def draw_on_axis(
             line = axes.axvline(place, zorder=1.5, **style_of(index))
             line.set_path_effects(_edges(limit, _RIGHT if above else _LEFT))
     excluding = [e for one, e in zip(limits, excesses, strict=True) if one.excludes]
-    ranges = outside_ranges(x, excluding)
-    for low, high in ranges:
+    for low, high in outside_ranges(x, excluding):
         axes.axvspan(low, high, zorder=0.5, **_HATCHED)
-    return ranges
 
 
 def draw_levels(
@@ -211,15 +205,14 @@ def limit_entries(
         outside |= limit.excludes and bool((known > 0).any())
         has_line = _two_sides(excess) if lines is None else lines[index]
         words = limit.words
-        if not _two_sides(excess):
-            beyond = "all outside" if (known > 0).all() else "all within"
-            words += f" ({beyond if limit.excludes else 'not in the picture'})"
+        if not known.size:
+            words += " (no design has a value)"
+        elif not limit.excludes and not _two_sides(excess):
+            words += " (not in the picture)"
+        elif not _two_sides(excess):
+            words += " (all outside)" if (known > 0).all() else " (all within)"
         style = style_of(index) if has_line else {"linestyle": ""}
         entries.append(legend_line(words, **style))
     if outside and hatched:
         entries.append(Patch(label=OUTSIDE, **_HATCHED))
     return entries
-
-
-#: Designs of a list that are outside: hollow.
-HOLLOW: dict[str, Any] = {"mfc": "white", "mec": INK, "mew": 0.6}

@@ -8,7 +8,6 @@ import numpy as np
 from .._parts import in_words, page_title
 from .._style import SERIES, Figure, page_figure, readable
 from ._boundaries import (
-    HOLLOW,
     OUTSIDE,
     crossings,
     draw_levels,
@@ -119,7 +118,7 @@ def sweep_points(
             style |= {"ls": "", "marker": "o", "ms": size, "color": SERIES[index % len(SERIES)]}
             axes.plot(x[~outside], y[~outside, index], mew=0, **style)
             if outside.any():
-                hollow = style | HOLLOW | {"mec": style["color"], "label": OUTSIDE}
+                hollow = style | {"mfc": "white", "mew": 0.6, "label": OUTSIDE}
                 axes.plot(x[outside], y[outside, index], **hollow)
         mark(axes, x, y, failed, errors)
         if best is not None:
