@@ -2,6 +2,7 @@
 
 from ._optimise import optimise as optimise
 from ._pareto import pareto as pareto
+from ._problem import constraints_of as constraints_of
 from .front import (
     FrontPoint as FrontPoint,
     ParetoFront as ParetoFront,

@@ -42,7 +42,7 @@ def problem_of(
     new_objectives = objectives
     if maximise is not None or minimise is not None:
         new_objectives = (*_objectives(maximise, "maximise"), *_objectives(minimise, "minimise"))
-    new_constraints = _constraints(constraints) if constraints is not None else None
+    new_constraints = constraints_of(constraints) if constraints is not None else None
     if problem is None:
         if new_variables is None or new_objectives is None:
             raise ValueError(
@@ -148,11 +148,22 @@ def number(value: float | Scalar | None) -> Scalar | None:
     return None if value is None else jnp.asarray(value, jnp.result_type(float))
 
 
-def _constraints(constraints) -> tuple[Constraint, ...]:
+def constraints_of(
+    constraints: Mapping[str, Any] | Iterable[Constraint],
+) -> tuple[Constraint, ...]:
+    """Constraints from limits by quantity: (lower, upper) [SI], or one number for an equality.
+
+    **Arguments:**
+
+    - `constraints`: the limits, `None` for none on a side; or `Constraint` objects, which are
+      returned as they are.
+
+    **Raises:** `ValueError` for limits that are no pair, or in the wrong order.
+    """
     if not isinstance(constraints, Mapping):
         return tuple(constraints)
-    rows = []
-    for name, limits in constraints.items():
+    rows: list[Constraint] = []
+    for name, limits in cast("Mapping[str, Any]", constraints).items():
         if isinstance(limits, int | float):
             rows.append(Constraint(name, equal=float(limits)))
             continue

@@ -28,14 +28,14 @@ from .design_charts import (
     front_chart as front_chart,
     life_chart as life_chart,
     optimisation_chart as optimisation_chart,
+    parallel_chart as parallel_chart,
     published_figure as published_figure,
     sensitivity_bars as sensitivity_bars,
     shaft_limits_chart as shaft_limits_chart,
     summarise_optimisation as summarise_optimisation,
-    sweep_figure as sweep_figure,
-    sweep_map as sweep_map,
     tolerance_histograms as tolerance_histograms,
     tolerance_scatter as tolerance_scatter,
+    tornado_chart as tornado_chart,
     yield_chart as yield_chart,
 )
 from .document import (
@@ -64,6 +64,7 @@ from .motion_charts import (
     time_to_settle as time_to_settle,
     transient_chart as transient_chart,
 )
+from .sweep_charts import sweep_figure as sweep_figure, sweep_map as sweep_map
 from .vibration_charts import (
     campbell_chart as campbell_chart,
     frequency_chart as frequency_chart,

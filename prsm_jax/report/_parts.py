@@ -42,6 +42,13 @@ def legend_below(figure: Figure, handles: Sequence[Any], most: int = 7, **style:
         figure.legend(handles=list(handles), **place, **style)
 
 
+def legend_line(words: str, **style: Any) -> Any:
+    """An entry of a legend for a line or a marker of a style."""
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], label=words, **style)
+
+
 def dense_legend(figure: Figure, handles: Sequence[Any], place: tuple[Number, Number]) -> None:
     """A legend in one dense line, its lower edge at a place in the figure, from 0 to 1."""
     figure.legend(

@@ -20,3 +20,4 @@ from ._result import (
 )
 from ._tolerance import DEFAULT_QUANTITIES as DEFAULT_QUANTITIES, tolerance as tolerance
 from ._yield_curve import YieldCurve as YieldCurve, yield_curve as yield_curve
+from ._zone_ends import ZoneEnds as ZoneEnds

@@ -9,6 +9,7 @@ import numpy as np
 from ..mechanism import Tolerance
 from ..text import TextTable, display_unit
 from ._estimates import PROBABILITIES, Estimate
+from ._zone_ends import ZoneEnds
 
 METHOD_WORDS = {
     "first_order": "first order",
@@ -30,6 +31,8 @@ class MethodResult:
     - `values`: samples of each quantity [SI], NaN for designs that failed.
     - `slopes`: change of each quantity for one standard deviation of each tolerance [SI], at the
       middle of the tolerance zones; empty for Monte Carlo.
+    - `ends`: each quantity with one number at an end of its zone and all others nominal: analysed
+      for Monte Carlo, by the expansion for propagation.
     """
 
     estimates: dict[str, Estimate]
@@ -40,6 +43,7 @@ class MethodResult:
     samples: int = 0
     values: dict[str, np.ndarray] = dataclasses.field(default_factory=dict, repr=False)
     slopes: dict[str, np.ndarray] = dataclasses.field(default_factory=dict, repr=False)
+    ends: dict[str, ZoneEnds] = dataclasses.field(default_factory=dict, repr=False)
 
     @property
     def failed(self) -> int:
@@ -99,6 +103,19 @@ class ToleranceAnalysis:
         pairs = zip(names, self[quantity].contributions, strict=True)
         return sorted(pairs, key=lambda pair: -pair[1] if pair[1] == pair[1] else math.inf)
 
+    def _ends(self, name: str) -> dict[str, Any] | None:
+        ends = self.best.ends.get(name)
+        if ends is None:
+            return None
+        rows = zip(self.tolerances, ends.lower, ends.upper, strict=True)
+        return {
+            "nominal": _finite(ends.nominal),
+            "tolerances": [
+                {"tolerance": one.name, "lower": _finite(float(low)), "upper": _finite(float(high))}
+                for one, low, high in rows
+            ],
+        }
+
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers and lists [SI] for JSON; `None` where a number is not finite."""
         rows = zip(self.quantities, self.units, self.limits, strict=True)
@@ -113,6 +130,7 @@ class ToleranceAnalysis:
                         {"tolerance": tolerance, "share": _finite(share)}
                         for tolerance, share in self.ranked(name)
                     ],
+                    "zone_ends": self._ends(name),
                     "methods": {
                         method: _plain(one.estimates[name]) for method, one in self.methods.items()
                     },

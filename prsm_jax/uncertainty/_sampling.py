@@ -13,7 +13,7 @@ from ._programs import evaluate_designs
 
 #: Independent scramblings, whose results scatter by the standard error.
 SCRAMBLINGS = 8
-#: Designs per compiled call.
+#: Designs per compiled call, about.
 CHUNK = 1024
 Progress: TypeAlias = Callable[[int, int], None] | None
 
@@ -64,7 +64,8 @@ def evaluate_points(
     """
     values = inputs.values(deviations)
     total = len(values)
-    size = min(CHUNK, total)
+    # Chunks of equal size, so that a few designs more than full chunks do not need another one.
+    size = -(-total // max(round(total / CHUNK), 1))
     parts: dict[str, list[np.ndarray]] = {}
     codes, errors = [], []
     for start in range(0, total, size):

@@ -30,6 +30,7 @@ from ._limits import Limits, limits_of
 from ._programs import derivatives_along
 from ._result import MethodResult, ToleranceAnalysis
 from ._sampling import SCRAMBLINGS, Progress, by_component, evaluate_points, points
+from ._zone_ends import zone_ends, zone_points
 
 _METHODS = ("first_order", "second_order", "monte_carlo")
 #: Without limits; those that the mechanism lacks the data for are omitted.
@@ -74,7 +75,8 @@ def tolerance(
     - `tolerances`: in place of the mechanism's own.
     - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
     - `findings`: whether Monte Carlo looks for errors of `check` in every design.
-    - `progress`: called with the number of finished designs and the total number.
+    - `progress`: called with the number of finished designs and the total number, which includes
+      the ends of the tolerance zones.
 
     **Returns:** a `ToleranceAnalysis`.
 
@@ -162,9 +164,11 @@ def _propagated(
 ) -> dict[str, MethodResult]:
     values, slopes, curvatures, code = derivatives(inputs, selected, at, "second_order" in orders)
     deviations = points(inputs, _SURROGATE_SAMPLES, seed)
+    at_ends = zone_points(inputs)
     found = {}
     for order in orders:
         estimates: dict[str, Estimate] = {}
+        ends: dict[str, np.ndarray] = {}
         surrogates: dict[str, np.ndarray] = {}
         for label, value in values.items():
             limit, curved = limit_of(label, bounds), np.zeros((len(inputs.tolerances),) * 2)
@@ -175,6 +179,7 @@ def _propagated(
                 estimates[label] = second_order(
                     float(value), slopes[label], curved, inputs.kurtosis, deviations, limit
                 )
+            ends[label] = quadratic(float(value), slopes[label], curved, at_ends)
             if limit is not None:
                 surrogates[label] = quadratic(float(value), slopes[label], curved, deviations)
         inside = _all_within(surrogates, bounds)
@@ -185,7 +190,9 @@ def _propagated(
         elif inside is not None:
             share = share_with_error(inside)
         reasons = _reasons(np.array([code]))
-        found[order] = MethodResult(estimates, *share, reasons=reasons, slopes=slopes)
+        found[order] = MethodResult(
+            estimates, *share, reasons=reasons, slopes=slopes, ends=zone_ends(ends)
+        )
     return found
 
 
@@ -199,8 +206,11 @@ def _sampled(
     deviations = points(inputs, samples, seed)
     shape = deviations.shape[:2]
     flat = deviations.reshape(-1, deviations.shape[-1])
-    values, codes, errors = evaluate_points(inputs, flat, selected, at[0], at[1], checks, progress)
-    values = {label: array.reshape(shape) for label, array in values.items()}
+    # The ends of the zones are further designs of the same program.
+    everything = np.concatenate([flat, zone_points(inputs)])
+    found, *flags = evaluate_points(inputs, everything, selected, at[0], at[1], checks, progress)
+    values = {label: array[: len(flat)].reshape(shape) for label, array in found.items()}
+    codes, errors = (array[: len(flat)] for array in flags)
     usable = (codes == 0).reshape(shape)
     estimates = {
         label: monte_carlo(array, deviations, limit_of(label, bounds))
@@ -224,4 +234,5 @@ def _sampled(
         errors={name: count for name, count in counts.items() if count},
         samples=len(flat),
         values={label: array.ravel() for label, array in values.items()},
+        ends=zone_ends({label: array[len(flat) :] for label, array in found.items()}),
     )

@@ -1,5 +1,6 @@
 """The verb `sweep`: plans, stores that continue, shards, exports, workers of a Dask scheduler."""
 
+import json
 import pathlib
 
 import numpy as np
@@ -7,6 +8,7 @@ import pandas
 import pytest
 import xarray
 
+from prsm_jax import file, report
 from prsm_jax.sweeps import _run
 
 AXES = ("--axis", "lead=5 mm:15 mm:3", "--axis", "contact_angle=40 deg,45 deg")
@@ -89,6 +91,58 @@ def test_every_sweep_has_a_picture(prsm_json, tmp_path, words):
     assert results["pictures"] == pictures
     for path in pictures:
         assert pathlib.Path(path).stat().st_size > 0
+
+
+@pytest.fixture
+def limited(tmp_path):
+    """A file with limits on a quantity of the sweeps below, and on one that it lacks data for."""
+    path = tmp_path / "limited.toml"
+    file.dump(file.load("wu2022"), path)
+    table = """
+[optimise]
+minimise = "nut_speed"
+
+[[optimise.variable]]
+name = "lead"
+lower = "5 mm"
+upper = "15 mm"
+
+[[optimise.constraint]]
+quantity = "nut_radius"
+lower = "19 mm"
+
+[[optimise.constraint]]
+quantity = "max_pressure_shared"
+upper = "2 GPa"
+"""
+    path.write_text(path.read_text() + table)
+    return path
+
+
+def test_limits_of_the_file_are_computed_and_drawn(prsm, limited, tmp_path, monkeypatch):
+    """Those that cannot be computed are named; --no-constraints computes none."""
+    given = []
+    monkeypatch.setattr(report, "sweep_figure", lambda *_, **more: given.append(more))
+    monkeypatch.setattr(report, "save_figure", lambda *_: ())
+    words = ("sweep", limited, *AXES, *QUANTITY, "--json", "-", "--out", tmp_path / "o")
+    status, out, err = prsm(*words)
+    results = json.loads(out)
+    assert (status, len(err.splitlines())) == (0, 1)
+    assert "no limits of max_pressure_shared, which the sweep has not computed" in err
+    (one,) = results["constraints"]
+    assert (one["quantity"], one["lower"], one["upper"]) == ("nut_radius", 0.019, None)
+    with xarray.open_zarr(results["store"], consolidated=False) as data:
+        # r_N = r_S + 2 r_R.
+        np.testing.assert_allclose(data["nut_radius"], 0.02, rtol=1e-12)
+    assert len(given) == 1
+    assert given[0]["sense"] == "minimise"
+    assert [limit.quantity for limit in given[0]["constraints"]] == ["nut_radius"]
+
+    status, out, err = prsm(*words, "--no-constraints", "--no-resume")
+    assert status == 0
+    assert "no limits of max_pressure_shared, nut_radius, which the sweep has not" in err
+    assert json.loads(out)["constraints"] == []
+    assert given[1]["constraints"] is None
 
 
 @pytest.mark.parametrize("plan", ["lhs", "sobol"])

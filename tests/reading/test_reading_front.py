@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 import scenes
 from expectations import reads
+from matplotlib import colormaps
 from reading_figures import Chart, handles
 from reading_tables import assert_json, column_unit, without_words
-from reading_units import to_si
+from reading_units import label_unit, same_dimension, to_si
 
 from prsm_jax.mechanism import DesignProblem, Objective, Variable
 from prsm_jax.optimisation import FrontPoint, ParetoFront
-from prsm_jax.report import front_chart
+from prsm_jax.report import front_chart, parallel_chart
 
 
 def _made(*senses: tuple[str, str, str, tuple[float, ...]]):
@@ -100,10 +101,67 @@ def test_three_objectives_in_three_projections():
     chart.finish()
 
 
+@reads("chart", "parallel_chart")
+def test_designs_across_variables_and_objectives():
+    """Heights are read on the scale of each axis, in the unit that stands below it."""
+    chart = Chart(parallel_chart(_made(EFFICIENCY, DIAMETER, MASS)))
+    axes, *scales, bar = chart.axes
+    labels = [label.get_text().replace("\n", " ") for label in axes.get_xticklabels()]
+    assert labels == [
+        "lead in mm",
+        "efficiency in % (maximise)",
+        "nut outer diameter in mm (minimise)",
+        "mass in kg (minimise)",
+    ]
+    lead = (0.0101, 0.0111, 0.0121, 0.0131)
+    columns = [("m", lead), *((one[1], one[3]) for one in (EFFICIENCY, DIAMETER, MASS))]
+    lines = chart.lines(axes)
+    assert len(lines) == 4
+    for place, (label, own, (unit, values)) in enumerate(zip(labels, scales, columns, strict=True)):
+        assert same_dimension(label_unit(label), unit)
+        low, high = own.get_ylim()
+        # The axis stands where the lines have their corners.
+        assert own.spines["right"].get_position() == ("data", place)
+        for line, value in zip(lines, (*values[1:], values[0]), strict=True):
+            assert np.asarray(line.get_xdata())[place] == place
+            shown = low + np.asarray(line.get_ydata())[place] * (high - low)
+            assert to_si(shown, label_unit(label)) == pytest.approx(value, rel=1e-12)
+    assert [line.get_linestyle() for line in lines] == ["-", "-", ":", "--"]
+    assert bar.get_ylabel() == "efficiency in %"
+    low, high = to_si(bar.get_ylim(), "%")
+    assert (low, high) == pytest.approx((0.847, 0.862))
+    for line, value in zip(lines[:3], EFFICIENCY[3][1:], strict=True):
+        assert line.get_color() == colormaps["cividis"]((value - low) / (high - low))
+    assert handles(chart.figure) == ["not converged", "present design"]
+    chart.ignore([*lines, *bar.collections, *bar.patches, *bar.lines])
+    assert chart.text("3 designs of the front")
+    chart.finish()
+
+
+def test_a_number_that_all_designs_share_lies_in_the_middle_of_its_axis():
+    level = ("mass", "kg", "minimise", (1.5, 1.5, 1.5, 1.5))
+    chart = Chart(parallel_chart(_made(EFFICIENCY, level)))
+    own = chart.axes[3]
+    assert sum(own.get_ylim()) / 2 == pytest.approx(1.5)
+    for line in chart.axes[0].lines:
+        assert np.asarray(line.get_ydata())[2] == pytest.approx(0.5)
+
+
+def test_a_present_design_that_fails_is_left_out():
+    front = _made(EFFICIENCY, MASS)
+    start = dataclasses.replace(
+        front.start, status="fails", objectives=dict.fromkeys(front.start.objectives, np.nan)
+    )
+    chart = Chart(parallel_chart(dataclasses.replace(front, start=start)))
+    assert len(chart.axes[0].lines) == 3
+    assert handles(chart.figure) == ["not converged"]
+
+
 def test_a_front_without_points_is_refused():
     empty = dataclasses.replace(_made(EFFICIENCY, DIAMETER), points=(), message="none feasible")
-    with pytest.raises(ValueError, match=r"no points.*none feasible"):
-        front_chart(empty)
+    for chart in (front_chart, parallel_chart):
+        with pytest.raises(ValueError, match=r"no points.*none feasible"):
+            chart(empty)
 
 
 def _keys(one):
@@ -143,7 +201,7 @@ def test_pareto(run, monkeypatch, tmp_path):
     )
     found, printed = run("pareto", "wu2022", *words)
     assert given["objectives"] == list(front.objectives)
-    assert {path.stem for path in (tmp_path / "o").iterdir()} == {"front"}
+    assert {path.stem for path in (tmp_path / "o").iterdir()} == {"front", "front-parallel"}
     assert_json(
         without_words(found),
         {

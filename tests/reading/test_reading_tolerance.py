@@ -9,7 +9,7 @@ from expectations import reads
 from matplotlib.container import ErrorbarContainer
 from reading_artists import box_of
 from reading_figures import Chart, handles
-from reading_units import to_si
+from reading_units import assert_reads, to_si
 from scipy.stats import chi2, norm
 
 from prsm_jax.mechanism import Tolerance
@@ -18,9 +18,10 @@ from prsm_jax.report import (
     cost_chart,
     tolerance_histograms,
     tolerance_scatter,
+    tornado_chart,
     yield_chart,
 )
-from prsm_jax.uncertainty import CostCurve, ToleranceAnalysis, YieldCurve
+from prsm_jax.uncertainty import CostCurve, ToleranceAnalysis, YieldCurve, ZoneEnds
 from prsm_jax.uncertainty._estimates import PROBABILITIES, Estimate
 from prsm_jax.uncertainty._result import MethodResult
 
@@ -37,6 +38,8 @@ SAMPLED = Estimate(
     yield_error=0.004,
     contribution_errors=(0.01, 0.02),
 )
+#: The lead and the contact angle at the ends of their zones; the last design fails.
+ENDS = ZoneEnds(2.1e9, np.array([2.094e9, 2.13e9]), np.array([2.107e9, np.nan]))
 
 
 def _analysis():
@@ -49,6 +52,7 @@ def _analysis():
             reasons={"no_meshing": 3},
             errors={"backlash": 2},
             samples=4096,
+            ends={"max_pressure": ENDS},
         ),
     }
     return ToleranceAnalysis(
@@ -74,6 +78,13 @@ def test_tolerance(run, monkeypatch):
     shares = [(one["tolerance"], one["share"]) for one in row["contributions"]]
     assert shares == [("contact_angle", 0.7), ("lead", 0.2)]
     assert row["methods"]["first_order"]["mean"] == 2.1e9
+    assert row["zone_ends"] == {
+        "nominal": 2.1e9,
+        "tolerances": [
+            {"tolerance": "lead", "lower": 2.094e9, "upper": 2.107e9},
+            {"tolerance": "contact_angle", "lower": 2.13e9, "upper": None},
+        ],
+    }
     assert (found["yield"], found["samples"], found["failed"]) == (0.95, 4096, 3)
     assert (found["reasons"], found["errors"]) == ({"no_meshing": 3}, {"backlash": 2})
     assert [one["unit"] for one in found["tolerances"]] == ["m", "rad"]
@@ -233,6 +244,75 @@ def test_what_cannot_be_drawn_is_said():
             chart(failed)
     with pytest.raises(ValueError, match="no tolerances reach one of the yields"):
         cost_chart(CostCurve(np.array([0.9]), np.array([np.nan]), 0.8, 3.0))
+
+
+def _ended(ends: ZoneEnds, method: str = "monte_carlo") -> ToleranceAnalysis:
+    """The analysis by one method, with these values at the ends of the zones."""
+    one = MethodResult({"max_pressure": FIRST}, 0.97, None, ends={"max_pressure": ends})
+    return dataclasses.replace(_analysis(), methods={method: one})
+
+
+@reads("chart", "tornado_chart")
+def test_ends_of_the_tolerance_zones():
+    chart = Chart(tornado_chart(_analysis(), "max_pressure"))
+    (axes,) = chart.axes
+    assert axes.get_xlabel() == "max pressure in MPa"
+    # The angle moves the pressure more, although one of its ends fails.
+    names, zones = zip(*(label.split("\n") for label in chart.ticks(axes)), strict=True)
+    assert names == ("contact angle", "lead")
+    for zone, (value, unit) in zip(zones, ((0.01, "rad"), (2e-5, "m")), strict=True):
+        assert zone.startswith("±")
+        assert_reads(zone.removeprefix("±"), (value, unit))
+    heights = [box_of(bar).get_y() + box_of(bar).get_height() / 2 for bar in axes.patches]
+    assert heights == pytest.approx([0, 1, 1])
+    colours = [bar.get_facecolor() for bar in axes.patches]
+    assert colours[0] == colours[1] != colours[2]
+    # Lower end of the angle; lower and upper end of the lead.
+    chart.bars(axes, [3e7, -6e6, 7e6], "Pa", "x", starts=[2.1e9] * 3)
+    for value in (2.13e9, 2.094e9, 2.107e9):
+        words = chart.text(f"{value / 1e6:.1f}")
+        assert float(to_si(float(words), "MPa")) == pytest.approx(value)
+    chart.text("fails at its upper end")
+    chart.level(axes, 2.1e9, "Pa", "x")
+    chart.level(axes, 2.12e9, "Pa", "x")
+    chart.says("nominal: ", (2.1e9, "Pa"))
+    chart.says("limit: ", (2.12e9, "Pa"))
+    assert chart.text("One number").endswith("(every end analysed)")
+    assert handles(chart.figure)[:2] == ["lower end of the zone", "upper end of the zone"]
+    chart.finish()
+
+
+def test_both_ends_on_one_side_have_bars_of_half_the_height():
+    ends = ZoneEnds(2.1e9, np.array([2.11e9, 2.1e9]), np.array([2.104e9, 2.1e9]))
+    chart = Chart(tornado_chart(_ended(ends, "first_order"), "max_pressure"))
+    (axes,) = chart.axes
+    boxes = [box_of(bar) for bar in axes.patches]
+    first, second = boxes[:2]
+    # The one above the other.
+    assert first.get_y() + first.get_height() <= second.get_y() + 1e-12
+    half = boxes[2].get_height() / 2
+    assert [first.get_height(), second.get_height()] == pytest.approx([half, half])
+    chart.bars(axes, [1e7, 4e6, 0, 0], "Pa", "x", starts=[2.1e9] * 4)
+    assert chart.text("One number").endswith("(from first derivatives at the middle of the zones)")
+    # A tolerance that changes nothing has its value once.
+    chart.text("2110")
+    chart.text("2104")
+    chart.text("2100")
+    assert not [words for words in chart.words() if words.get_text() == "2100.0"]
+
+
+def test_a_limit_far_away_and_a_nominal_design_that_fails():
+    near = ZoneEnds(2.1e9, np.array([2.0999e9, 2.1e9]), np.array([2.1001e9, 2.1e9]))
+    chart = Chart(tornado_chart(_ended(near), "max_pressure"))
+    # The limit of 2120 MPa is a hundred times as far away as the bars are long.
+    chart.level(chart.axes[0], 2.1e9, "Pa", "x")
+    assert chart.lines(chart.axes[0]) == []
+    assert len(handles(chart.figure)) == 3
+    failed = dataclasses.replace(near, nominal=float("nan"))
+    with pytest.raises(ValueError, match="max_pressure has no nominal value"):
+        tornado_chart(_ended(failed), "max_pressure")
+    with pytest.raises(KeyError, match="mass; the analysis has max_pressure"):
+        tornado_chart(_analysis(), "mass")
 
 
 @reads("chart", "yield_chart")

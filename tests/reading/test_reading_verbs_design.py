@@ -507,7 +507,7 @@ def test_sweep(run, monkeypatch, tmp_path):
     reasons = {"overlapping_rollers": 3, "no_meshing": 1}
     errors = {"backlash": 3, "static_safety": 2}
     wanted = {"points": 21, "failed": 4, "reasons": reasons, "errors": errors}
-    wanted |= {"missing": 0, "exports": []}
+    wanted |= {"missing": 0, "exports": [], "constraints": []}
     assert_json(without_words(found), wanted)
     axes, quantities, place = given[0]
     assert quantities == ["efficiency", "mass"]

@@ -103,6 +103,39 @@ def test_one_sided_tolerances_move_the_mean_to_the_middle():
     assert found.mean_error < 5e-4
 
 
+def test_the_ends_of_the_tolerance_zones():
+    """q = 1 + x + 2 x² + 3 x y − y²/2 with one of x and y at an end and the other nominal, 0."""
+    given = (Tolerance("lead", -0.1e-3, 0.3e-3), Tolerance("contact_angle", -0.2, 0.1))
+    analysis = _run([QUADRATIC], tolerances=given, samples=16)
+    ends = {name: one.ends[QUADRATIC] for name, one in analysis.methods.items()}
+    for exact in ("monte_carlo", "second_order"):
+        one = ends[exact]
+        # Rounding of the lead in millimetres.
+        assert one.nominal == pytest.approx(1.0, rel=1e-11)
+        assert one.lower == pytest.approx([1 - 0.1 + 0.02, 1 - 0.02], rel=1e-11)
+        assert one.upper == pytest.approx([1 + 0.3 + 0.18, 1 - 0.005], rel=1e-11)
+    # The tangent at the middle, x = 0.1 and y = −0.05.
+    middle = 1 + 0.1 + 0.02 - 0.015 - 0.00125
+    by_x, by_y = 1 + 0.4 - 0.15, 0.3 + 0.05
+    nominal = middle - 0.1 * by_x + 0.05 * by_y
+    one = ends["first_order"]
+    assert one.nominal == pytest.approx(nominal, rel=1e-11)
+    assert one.lower == pytest.approx([nominal - 0.1 * by_x, nominal - 0.2 * by_y], rel=1e-11)
+    assert one.upper == pytest.approx([nominal + 0.3 * by_x, nominal + 0.1 * by_y], rel=1e-11)
+    # They are no samples.
+    assert analysis.best.samples == len(analysis.best.values[QUADRATIC]) == 16
+
+
+def test_an_end_that_fails_is_not_a_number():
+    """The first component is NaN for x above 0."""
+    given = (Tolerance("lead", -0.3e-3, 0.1e-3), Tolerance("contact_angle", -0.1, 0.1))
+    analysis = _run([PAIR], tolerances=given, samples=64, method="monte_carlo")
+    one = analysis.best.ends[f"{PAIR}[2]"]
+    assert math.isnan(one.upper[0])
+    assert [one.nominal, one.lower[0]] == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert [one.lower[1], one.upper[1]] == pytest.approx([-0.1, 0.1])
+
+
 def test_designs_that_fail_are_counted_and_have_no_place_in_the_yield():
     """x is not defined above 0: half of the designs, and the yield is that of x > −0.1 below it."""
     limits = {f"{PAIR}[1]": (-0.1, None)}

@@ -144,7 +144,8 @@ def test_the_verb_finds_the_tolerances_of_least_cost(
     assert cli.main([*arguments, "--out", str(folder)]) == 0
     assert "in place of 4; yield wanted 97 %" in capsys.readouterr().out
     # One method has no samples to scatter.
-    names = ("contributions", "cost", "distributions", "yield")
+    names = ["contributions", "cost", "distributions", "yield"]
+    names += [f"tornado-{name}" for name in ("efficiency", "max_pressure")]
     assert sorted(path.name for path in folder.iterdir()) == sorted(
         f"tolerance-{name}.{kind}" for name in names for kind in ("png", "svg")
     )

@@ -30,8 +30,9 @@ def pareto(
     """The front of two or three objectives, with the variables and limits of [optimise].
 
     The objectives are those of --maximise and --minimise, or else the file's
-    [[optimise.objective]] rows. Errors of `prsm check` are constraints, too. With --out a picture
-    is written. Exit status 1 if a point does not satisfy the optimality conditions.
+    [[optimise.objective]] rows. Errors of `prsm check` are constraints, too. With --out pictures
+    are written: the objectives, and the designs across all variables and objectives. Exit status 1
+    if a point does not satisfy the optimality conditions.
     """
     mechanism = common.load(file)
     expect_programs("_values", "_derivatives")
@@ -49,9 +50,10 @@ def pareto(
         progress=lambda done, total: counted(done, total, "searches"),
     )
     if common.out is not None and front.points:
-        from ...report import front_chart, save_figures
+        from ...report import front_chart, parallel_chart, save_figures
 
-        save_figures(common.out, {"front": front_chart(front)})
+        pictures = {"front": front_chart(front), "front-parallel": parallel_chart(front)}
+        save_figures(common.out, pictures)
     terms = (*front.objectives, *front.problem.constraints)
     findings = checked(mechanism)
     if front.points:

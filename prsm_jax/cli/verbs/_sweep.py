@@ -1,5 +1,6 @@
 """The verb `sweep`: quantities at many designs, into a store that a later run continues."""
 
+import dataclasses
 import sys
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -8,9 +9,9 @@ import numpy as np
 from cyclopts import Parameter
 
 from ..._errors import PrsmError, missing_extra
-from ...mechanism import Mechanism
+from ...mechanism import Constraint, Mechanism
 from ...process import folder_for_results
-from ...quantities import assumptions, catalogue
+from ...quantities import assumptions, available_quantities, catalogue
 from ...sweeps import (
     PlanName,
     check_export,
@@ -109,6 +110,13 @@ def sweep(
     ] = "grid",
     points: Annotated[int | None, Parameter(help="Number of designs of lhs and sobol.")] = None,
     seed: Annotated[int, Parameter(help="Seed of lhs and sobol.")] = 0,
+    constraints: Annotated[
+        bool,
+        Parameter(
+            help="Compute the quantities with limits in [optimise], too: pictures then show where "
+            "the limits are. --no-constraints computes only --quantities."
+        ),
+    ] = True,
     resume: Annotated[
         bool,
         Parameter(
@@ -145,7 +153,8 @@ def sweep(
     """Quantities at many designs, into a zarr store in --out (default out).
 
     The store is written block by block. A run that was stopped continues with the same command, and
-    a finished one is not computed again. With --out, each quantity has a picture beside it.
+    a finished one is not computed again. With --out, each quantity has a picture beside it, which
+    shows the limits of the constraints in the file's [optimise] table.
 
     Example: prsm sweep actuator --axis "lead=5 mm:15 mm:21" --quantities efficiency,mass
     """
@@ -166,7 +175,8 @@ def sweep(
         check_export(path)
     mechanism = common.load(file)
     axes = _axes(mechanism, axis or [], plan)
-    names = words_of(quantities) or []
+    asked = words_of(quantities) or []
+    names = [*asked, *_limited(mechanism, asked)] if constraints and not collect else asked
     folder = Path("out") if common.out is None else common.out
     store = folder / f"{Path(file).stem}-sweep.zarr"
     if not collect and scheduler is None:
@@ -182,7 +192,7 @@ def sweep(
         if collect:
             data = collect_blocks(store)
             known = {entry.name for entry in catalogue()}
-            names = [str(name) for name in data.data_vars if name in known]
+            names = asked = [str(name) for name in data.data_vars if name in known]
         else:
             with _executor(scheduler) as executor:
                 data = run_sweep(
@@ -215,6 +225,8 @@ def sweep(
         return prose(words) + "\n".join(map(str, [store, *files]))
 
     findings = checked(mechanism)
+    limits = () if mechanism.design_problem is None else mechanism.design_problem.constraints
+    drawn = [one for one in limits if one.quantity in data]
     results: dict[str, Any] = {
         "store": store,
         "points": total,
@@ -224,32 +236,66 @@ def sweep(
         "reasons": reasons,
         # Designs that did not fail, by the first error that `check` finds in them.
         "errors": errors,
+        # Limits of [optimise] whose quantities were computed.
+        "constraints": [dataclasses.asdict(one) for one in drawn],
         "exports": files,
         # Of the mechanism in the file; each design has its own code.
         "findings": list(dict.fromkeys(f.name for f in findings if f.severity != "note")),
         "valid": failed < total - missing,
     }
     if common.out is not None and not missing and total > 1 and failed < total:
-        from ...report import save_figure, sweep_figure
-
-        doing("drawing")
-        problem = mechanism.design_problem
-        senses: dict[str, Literal["maximise", "minimise"]] = (
-            {} if problem is None else {o.quantity: o.sense for o in problem.objectives}
-        )
-        results["pictures"] = []
-        for name in names:
-            try:
-                picture = sweep_figure(data, name, sense=senses.get(name, "maximise"))
-            except ValueError as error:
-                # The numbers are there all the same.
-                clear()
-                print(f"prsm: no picture of {name}: {error}", file=sys.stderr)
-                continue
-            written = save_figure(picture, common.out / f"sweep-{name}")
-            results["pictures"] += [str(path) for path in written]
+        results["pictures"] = _save_pictures(common.out, mechanism, data, asked, drawn)
     emit(common, results, text, rests_on)
     return 0
+
+
+def _limited(mechanism: Mechanism, asked: list[str]) -> list[str]:
+    """Further quantities with limits in [optimise] that the mechanism has the data for."""
+    problem = mechanism.design_problem
+    names = () if problem is None else (one.quantity for one in problem.constraints)
+    further = dict.fromkeys(name for name in names if name not in asked)
+    return list(available_quantities(mechanism, further)) if further else []
+
+
+def _save_pictures(
+    folder: Path, mechanism: Mechanism, data: Any, names: list[str], limits: list[Constraint]
+) -> list[str]:
+    """Write a picture of each quantity; those that cannot be drawn, and limits, are told."""
+    from ...report import save_figure, sweep_figure
+
+    doing("drawing")
+    problem = mechanism.design_problem
+    senses: dict[str, Literal["maximise", "minimise"]] = {}
+    if problem is not None:
+        senses = {one.quantity: one.sense for one in problem.objectives}
+        lacking = {one.quantity for one in problem.constraints} - {one.quantity for one in limits}
+        if lacking:
+            _tell(
+                f"pictures have no limits of {', '.join(sorted(lacking))}, which the sweep has not "
+                "computed"
+            )
+        if limits and (problem.nut_speed is not None or problem.operating_points):
+            _tell(
+                "limits are drawn at the operating point of the sweep, not at the "
+                f"{'nut_speed' if problem.nut_speed is not None else 'operating points'} of "
+                "[optimise]"
+            )
+    written: list[str] = []
+    for name in names:
+        sense = senses.get(name, "maximise")
+        try:
+            picture = sweep_figure(data, name, sense=sense, constraints=limits or None)
+        except ValueError as error:
+            # The numbers are there all the same.
+            _tell(f"no picture of {name}: {error}")
+            continue
+        written += map(str, save_figure(picture, folder / f"sweep-{name}"))
+    return written
+
+
+def _tell(words: str) -> None:
+    clear()
+    print(f"prsm: {words}", file=sys.stderr)
 
 
 def _executor(scheduler: str | None) -> Any:

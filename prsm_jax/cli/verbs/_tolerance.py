@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from ...uncertainty import ToleranceAnalysis
 
 _DEFAULT = Common()
+#: Quantities with a picture of the ends of their tolerances; those with limits come first.
+_TORNADOES = 6
 _PROGRAMS = {
     "first_order": ("derivatives_along",),
     "second_order": ("derivatives_along",),
@@ -48,7 +50,8 @@ def tolerance(
 
     Limits are those of the constraints in the file's [optimise] table; by Monte Carlo an error of
     `prsm check` also counts as a mechanism outside of the limits. With --out, pictures are written
-    to that folder: distributions, contributions, pairs of quantities, yield and cost.
+    to that folder: distributions, contributions, ends of the tolerance zones (tornado), a pair of
+    quantities, yield and cost.
     """
     mechanism = common.load(file)
     expect_programs(*_PROGRAMS.get(method, ()))
@@ -89,6 +92,7 @@ def _save_pictures(
         save_figures,
         tolerance_histograms,
         tolerance_scatter,
+        tornado_chart,
         yield_chart,
     )
     from ...uncertainty import cost_curve, yield_curve
@@ -100,9 +104,17 @@ def _save_pictures(
     }
     pairs = zip(analysis.quantities, analysis.limits, strict=True)
     limited = [name for name, limit in pairs if limit is not None]
-    chosen = [*limited, *(name for name in analysis.quantities if name not in limited)][:2]
-    if len(analysis.methods) > 1 and len(chosen) == 2:
-        pictures["tolerance-scatter"] = tolerance_scatter(analysis, *chosen)
+    ranked = [*limited, *(name for name in analysis.quantities if name not in limited)]
+    if len(analysis.methods) > 1 and len(ranked) > 1:
+        pictures["tolerance-scatter"] = tolerance_scatter(analysis, *ranked[:2])
+    for name in ranked[:_TORNADOES]:
+        # A component, such as drive_torque[2], has brackets, which shells interpret.
+        file = name.replace("[", "-").replace("]", "").replace(",", "-")
+        try:
+            pictures[f"tolerance-tornado-{file}"] = tornado_chart(analysis, name)
+        except ValueError as error:
+            clear()
+            print(f"prsm: no tornado of {name}: {error}", file=sys.stderr)
     if limited:
         curve = yield_curve(
             mechanism,

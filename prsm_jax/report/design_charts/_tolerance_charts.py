@@ -7,7 +7,7 @@ import numpy as np
 
 from ...text import DisplayUnit, display_unit
 from ...uncertainty import METHOD_WORDS, ToleranceAnalysis
-from .._parts import aside, in_words, legend_below, page_title
+from .._parts import aside, in_words, legend_below, legend_line, page_title
 from .._style import INK, MUTED, SERIES, Axes, Figure, drawn, page_figure, readable
 
 _ROW = 52.0
@@ -47,12 +47,6 @@ def _heading(name: str) -> str:
     return f"{words[:1].upper()}{words[1:]}"
 
 
-def _line(words: str, **style: Any) -> Any:
-    from matplotlib.lines import Line2D
-
-    return Line2D([], [], label=words, **style)
-
-
 @drawn
 def tolerance_histograms(analysis: ToleranceAnalysis) -> Figure:
     """Draw the distribution of each quantity: Monte Carlo as bars, propagation as normal curves.
@@ -74,7 +68,7 @@ def tolerance_histograms(analysis: ToleranceAnalysis) -> Figure:
     for axes, name in zip(panels, analysis.quantities, strict=True):
         _histogram(axes, analysis, name)
     entries = [
-        _line(METHOD_WORDS[one], **style)
+        legend_line(METHOD_WORDS[one], **style)
         for one, style in _ORDERS.items()
         if one in analysis.methods
     ]
@@ -83,7 +77,7 @@ def tolerance_histograms(analysis: ToleranceAnalysis) -> Figure:
 
         entries.insert(0, Patch(facecolor=_SAMPLES, label="Monte Carlo"))
     if any(_limits(analysis, name) for name in analysis.quantities):
-        entries.append(_line("limit", color=INK, linestyle=":"))
+        entries.append(legend_line("limit", color=INK, linestyle=":"))
     legend_below(figure, entries)
     page_title(figure, "Distributions due to tolerances")
     return figure
@@ -207,10 +201,10 @@ def tolerance_scatter(analysis: ToleranceAnalysis, x: str, y: str) -> Figure:
     axes.set_title(f"{_heading(x)} and {readable(y)}")
     axes.grid(True, color=MUTED, alpha=0.2)
     entries = [
-        _line("design (Monte Carlo)", color=_SAMPLES, marker=".", linestyle=""),
-        _line("95 % ellipse (first order)", **_ORDERS["first_order"]),
+        legend_line("design (Monte Carlo)", color=_SAMPLES, marker=".", linestyle=""),
+        legend_line("95 % ellipse (first order)", **_ORDERS["first_order"]),
     ]
     if _limits(analysis, x) or _limits(analysis, y):
-        entries.append(_line("limit", color=INK, linestyle=":"))
+        entries.append(legend_line("limit", color=INK, linestyle=":"))
     legend_below(figure, entries)
     return figure

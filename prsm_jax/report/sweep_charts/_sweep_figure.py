@@ -1,0 +1,125 @@
+"""A picture of one quantity of any sweep: lines, a map, slices, or points."""
+
+import math
+from typing import Any, Literal
+
+import numpy as np
+
+from .._style import Figure, drawn
+from ._limits import Constraints, constraints_in, limits_of
+from ._sweep_lines import sweep_lines, sweep_points
+from ._sweep_map import sweep_map
+from ._sweep_slices import sweep_slices
+
+#: Designs in a picture; of more, every second, third, … along the axes is drawn.
+_MOST = 250_000
+#: Components of a quantity, and points of a scatter.
+_COMPONENTS, _POINTS = 6, 4000
+_DESIGN = "design"
+
+
+@drawn
+def sweep_figure(
+    dataset: Any,
+    quantity: str,
+    *,
+    sense: Literal["maximise", "minimise"] = "maximise",
+    constraints: Constraints = None,
+) -> Figure:
+    """Draw a quantity of a sweep in the way that fits its axes.
+
+    | designs | picture |
+    | --- | --- |
+    | one axis | a line for each component; crosses and dots as below |
+    | two axes | `sweep_map`; a panel for each component if there are several |
+    | more axes | maps of the first two axes at 6 values of the third, through the best design |
+    | `list`, `lhs`, `sobol` | points against each axis |
+
+    Crosses mark designs that failed, on the lower edge where the picture has an axis of the
+    quantity, and dots designs in which `check` finds an error. Of more than 250,000 designs every
+    second, third, … value of the longest axes is drawn; of points, 4,000. Of more than 6
+    components the first 6 are drawn.
+
+    With `constraints`, maps have a line where a quantity is at its limit, with ticks on the side
+    outside, which is hatched. Over one axis the ranges outside are hatched; limits of the drawn
+    quantity are levels. Points outside are hollow. A star marks the best design within all limits.
+    Of several components the one that is furthest beyond its limit counts.
+
+    **Arguments:**
+
+    - `dataset`: an `xarray.Dataset` from a sweep.
+    - `quantity`: name of a variable in it.
+    - `sense`: whether the best design has the largest or the smallest value.
+    - `constraints`: (lower, upper) [SI] by the name of a variable, `None` for no limit on a side,
+      or one number for an equality, which has a line and excludes no design; or the `constraints`
+      of a design problem.
+
+    **Returns:** a matplotlib figure.
+
+    **Raises:** `ValueError` for an unknown name, a sweep of one design, or when no design
+    succeeded; `MissingExtraError` without matplotlib.
+    """
+    if quantity not in dataset:
+        raise ValueError(f"the sweep has no {quantity!r}; it has {', '.join(dataset.data_vars)}")
+    designs = tuple(map(str, dataset["code"].dims))
+    long_axes = [d for d in designs if dataset.sizes[d] > 1]
+    if not long_axes:
+        raise ValueError(f"a picture of {quantity!r} needs more than one design")
+    limited = constraints_in(dataset, constraints)
+    names = [quantity, *(name for name in ("code", "error") if name in dataset)]
+    names += [one.quantity for one in limited]
+    part = _thinned(dataset[list(dict.fromkeys(names))], designs)
+    part = part.isel({d: 0 for d in designs if d not in long_axes}).load()
+    if designs != (_DESIGN,):
+        # Axes may be given in any order; lines and contours need an ascending one.
+        part = part.sortby(long_axes)
+    limits = limits_of(part, limited, long_axes)
+    own = [str(d) for d in part[quantity].dims if d not in designs]
+    part = part.assign({quantity: _flat(part[quantity], own)})
+    if not np.isfinite(part[quantity].values).any():
+        raise ValueError(f"no design of the picture has a {quantity!r}; every one failed")
+    if designs == (_DESIGN,):
+        return sweep_points(part, quantity, limits, sense)
+    if len(long_axes) == 1:
+        return sweep_lines(part, quantity, long_axes[0], limits, sense)
+    if len(long_axes) == 2 and part.sizes["component"] == 1:
+        return sweep_map(part.isel(component=0), quantity, sense=sense, constraints=limited or None)
+    return sweep_slices(part, quantity, long_axes, limits, sense)
+
+
+def _thinned(dataset: Any, designs: tuple[str, ...]) -> Any:
+    """Every second, third, … value of the longest axes, so that few designs are left."""
+    steps = dict.fromkeys(designs, 1)
+    most = _POINTS if designs == (_DESIGN,) else _MOST
+
+    def length(name: str) -> int:
+        return -(-dataset.sizes[name] // steps[name])
+
+    while math.prod(map(length, designs)) > most:
+        steps[max(designs, key=length)] += 1
+    return dataset.isel({name: slice(None, None, step) for name, step in steps.items()})
+
+
+def _flat(data: Any, own: list[str]) -> Any:
+    """A quantity with one axis of components, the first few; their names are a coordinate."""
+    shape = [data.sizes[d] for d in own]
+    moved = data.transpose(*(d for d in data.dims if d not in own), *own)
+    values = moved.values.reshape(*moved.shape[: moved.ndim - len(own)], -1)[..., :_COMPONENTS]
+    words = [
+        ", ".join(
+            f"{d.removeprefix(f'{data.name}_')} {i + 1}"
+            for d, i in zip(own, place, strict=True)
+            if data.sizes[d] > 1
+        )
+        for place in np.ndindex(*shape)
+    ]
+    import xarray
+
+    flat = xarray.DataArray(
+        values,
+        dims=[*(d for d in data.dims if d not in own), "component"],
+        coords={n: c for n, c in data.coords.items() if not set(c.dims) & set(own)},
+        attrs=data.attrs,
+        name=data.name,
+    )
+    return flat.assign_coords(component=words[:_COMPONENTS])
