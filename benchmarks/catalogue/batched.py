@@ -35,11 +35,11 @@ from .problem import (
 #: Searches begin at the size's own values, and in the unit box here, with one roller less.
 _SECOND_START = (0.4, 0.2, 0.8)
 #: Tolerance of SLSQP, for t and for the sum of violated constraints.
-_TOLERANCE = 1e-11
+_TOLERANCE = 1e-9
 #: A number of rollers nearer to a whole one than this is whole.
 _WHOLE = 1e-6
-#: A constraint with less slack than this is active.
-_ACTIVE = 1e-7
+#: Largest violation of a limit, as the logarithm of a ratio, and slack of an active one.
+FEASIBLE = 1e-7
 #: Gains of a design whose threads do not mesh.
 _FAILED = -10.0
 
@@ -87,7 +87,6 @@ class Found:
     kkt_residual: float
     #: Names of active limits and bounds.
     active: tuple[str, ...]
-    converged: bool
 
 
 def stacked(mechanisms: Sequence[Mechanism]) -> Mechanism:
@@ -133,7 +132,9 @@ def measured_together(mechanisms: Mechanism, index: Any, variables: Any):
     return jax.vmap(one)(index, variables)
 
 
-def tasks_of(sizes: Sequence[Size], loss: float) -> tuple[list[Task], np.ndarray]:
+def tasks_of(
+    sizes: Sequence[Size], loss: float, flattest: float = UPPER[1]
+) -> tuple[list[Task], np.ndarray]:
     """A search for each size and number of starts, and the measures of the sizes' own designs."""
     made = [(size, n, dimensioned(size, n)) for size in sizes for n in size.choices]
     own = {size.name: m for size, n, m in made if n == size.starts}
@@ -151,7 +152,7 @@ def tasks_of(sizes: Sequence[Size], loss: float) -> tuple[list[Task], np.ndarray
             n,
             mechanism,
             np.array([*LOWER, FEWEST_ROLLERS]),
-            np.array([*UPPER, float(mechanism.stages[0].roller_count)]),
+            np.array([UPPER[0], flattest, UPPER[2], float(mechanism.stages[0].roller_count)]),
             limits[size.name],
         )
         for size, n, mechanism in made
@@ -219,24 +220,22 @@ def _search(task: Task, ask: Callable[[np.ndarray], tuple[np.ndarray, ...]]) -> 
             bounds=bounds,
             constraints=[margins],
             method="SLSQP",
-            options={"ftol": _TOLERANCE, "maxiter": 100},
+            options={"ftol": _TOLERANCE, "maxiter": 40},
         )
-        one = _judged(task, found.x[:-1], at(found.x), bool(found.success), box)
-        if best is None or (one.violation <= _ACTIVE, one.objective) > (
-            best.violation <= _ACTIVE,
-            best.objective,
-        ):
+        one = _judged(task, found.x[:-1], at(found.x), box)
+        if best is None or _rank(one) > _rank(best):
             best = one
     assert best is not None
     return best
 
 
+def _rank(found: Found) -> tuple[bool, float]:
+    """Feasible before better."""
+    return found.violation <= FEASIBLE, found.objective
+
+
 def _judged(
-    task: Task,
-    position: np.ndarray,
-    at: tuple[np.ndarray, np.ndarray],
-    converged: bool,
-    box: np.ndarray,
+    task: Task, position: np.ndarray, at: tuple[np.ndarray, np.ndarray], box: np.ndarray
 ) -> Found:
     """The end of a search, with the residual of the conditions of Karush, Kuhn and Tucker.
 
@@ -249,12 +248,13 @@ def _judged(
     objective = float(np.min(gain[: len(OBJECTIVES)]))
     columns, names = [], []
     for name, value, row, share in zip(MEASURES, gain, slope, _OF_T, strict=True):
-        if value - share * objective < _ACTIVE:
+        if value - share * objective < FEASIBLE:
             columns.append(np.append(row, -share))
             names.append(name)
     for i, variable in enumerate(VARIABLES):
-        for end, sign in ((0.0, 1.0), (box[i], -1.0)):
-            if abs(position[i] - end) < _ACTIVE:
+        for end, sign in ((0.0, 1.0), (1.0, -1.0)):
+            # A fixed variable is at both of its bounds.
+            if abs(position[i] - end * box[i]) < FEASIBLE:
                 columns.append(sign * np.eye(len(VARIABLES) + 1)[i])
                 names.append(f"{variable} {'lower' if sign > 0 else 'upper'}")
     upwards = np.append(np.zeros(len(VARIABLES)), -1.0)
@@ -269,7 +269,6 @@ def _judged(
         float(max(0.0, -np.min(gain[len(OBJECTIVES) :]))),
         float(residual),
         tuple(names),
-        converged,
     )
 
 
@@ -284,24 +283,28 @@ class Batch:
     #: Evaluations, each with its derivatives, and compiled calls.
     evaluations: int
     calls: int
+    #: Run times: of all searches, and before them of building the mechanisms [s].
     seconds: float
+    building_s: float
 
     def best(self, size: Size, starts: int | None = None) -> Found:
         """The best feasible design of a size; with `starts`, that of this number of starts."""
         ends = [one for one in self.found[size.name] if starts in (None, one.task.starts)]
-        return max(ends, key=lambda one: (one.violation <= _ACTIVE, one.objective))
+        return max(ends, key=_rank)
 
 
-def solve(sizes: Sequence[Size], loss: float) -> Batch:
+def solve(sizes: Sequence[Size], loss: float, flattest: float = UPPER[1]) -> Batch:
     """The best designs of all sizes.
 
     **Arguments:**
 
     - `sizes`: the sizes.
     - `loss`: allowed loss of efficiency.
+    - `flattest`: upper bound of the ratio of profile radii.
     """
     begin = time.perf_counter()
-    tasks, starts = tasks_of(sizes, loss)
+    tasks, starts = tasks_of(sizes, loss, flattest)
+    built = time.perf_counter()
     ends, evaluations, calls = _ends(tasks)
     divided = [
         one.task.with_rollers(count)
@@ -317,8 +320,8 @@ def solve(sizes: Sequence[Size], loss: float) -> Batch:
     found: dict[str, list[Found]] = {size.name: [] for size in sizes}
     for one in ends:
         found[one.task.size.name].append(one)
-    seconds = time.perf_counter() - begin
-    return Batch(found, starts, evaluations + len(sizes), calls, seconds)
+    seconds = time.perf_counter() - built
+    return Batch(found, starts, evaluations + len(sizes), calls, seconds, built - begin)
 
 
 def _ends(tasks: Sequence[Task]) -> tuple[list[Found], int, int]:
