@@ -28,8 +28,8 @@ from .problem import (
     Size,
     dimensioned,
     limits_of,
-    varied,
     measured,
+    varied,
 )
 
 #: Searches begin at the size's own values, and in the unit box here, with one roller less.

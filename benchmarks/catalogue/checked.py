@@ -42,7 +42,5 @@ def checked(size: Size, found: Found) -> dict[str, Any]:
         "smallest_gain": float(np.min(gained[:3])),
         "smallest_slack": float(np.min(gained[3:])),
         "errors": [one.name for one in prsm.check(design) if one.severity == "error"],
-        "over_own": dict(
-            zip(_OTHERS, map(float, (numbers / own)[len(MEASURES) :]), strict=True)
-        ),
+        "over_own": dict(zip(_OTHERS, map(float, (numbers / own)[len(MEASURES) :]), strict=True)),
     }

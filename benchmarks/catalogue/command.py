@@ -137,8 +137,7 @@ def solved(chosen: Sequence[Size], loss: float) -> tuple[Batch, dict[str, Any]]:
         "first_s": first.seconds,
         "objective_by_flattest_profile": gained,
         "sizes": [
-            result_of(size, start, batch)
-            for size, start in zip(chosen, batch.starts, strict=True)
+            result_of(size, start, batch) for size, start in zip(chosen, batch.starts, strict=True)
         ],
     }
 

@@ -185,9 +185,10 @@ def measured(mechanism: Mechanism) -> tuple[Float[Array, "7"], Bool[Array, ""]]:
     values, good = evaluate_checked(Analysis(mechanism), MEASURES)
     # A product with a matrix: XLA would recompute the operands of a concatenation.
     rows = [jnp.sum(values[name]) for name in MEASURES]
-    return sum(row * jnp.eye(len(rows))[i] for i, row in enumerate(rows)), good
-
-
+    total = jnp.zeros(len(rows))
+    for row, unit in zip(rows, np.eye(len(rows)), strict=True):
+        total += row * unit
+    return total, good
 
 
 def measures_of(mechanism: Mechanism) -> np.ndarray:

@@ -37,7 +37,7 @@ class Rival(NamedTuple):
     seconds: float
 
 
-def _decoded(size: Size, rollers: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def decoded(size: Size, rollers: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Places among the numbers of starts, and variables with whole rollers, from the unit box."""
     index = np.minimum((x[:, 4] * len(size.choices)).astype(int), len(size.choices) - 1)
     lower, upper = np.array(LOWER), np.array(UPPER)
@@ -47,7 +47,7 @@ def _decoded(size: Size, rollers: np.ndarray, x: np.ndarray) -> tuple[np.ndarray
     return index, np.column_stack([lower + (upper - lower) * x[:, :3], count])
 
 
-def _encoded_start() -> np.ndarray:
+def encoded_start() -> np.ndarray:
     """The size's own design: its own starts, and as many rollers as fit."""
     own = np.array([np.pi / 4, 1.0, 1.0])
     return np.append((own - np.array(LOWER)) / (np.array(UPPER) - np.array(LOWER)), [1.0, 0.0])
@@ -91,7 +91,7 @@ def nsga2(size: Size, limits: np.ndarray, evaluations: int, seed: int, *, severa
 
         def _evaluate(self, x: Any, out: Any, *_args: Any, **_kwargs: Any) -> None:
             filled = np.concatenate([x, np.full((POPULATION - len(x), x.shape[1]), 0.5)])
-            index, variables = _decoded(size, rollers, filled)
+            index, variables = decoded(size, rollers, filled)
             values, good = measured_together(batch, jnp.asarray(index), jnp.asarray(variables))
             values, good = np.asarray(values)[: len(x)], np.asarray(good)[: len(x)]
             counted[0] += len(x)
@@ -112,7 +112,7 @@ def nsga2(size: Size, limits: np.ndarray, evaluations: int, seed: int, *, severa
             out["G"] = -slack * _WEIGHTS
 
     first = np.random.default_rng(seed).random((POPULATION, 5))
-    first[0] = _encoded_start()
+    first[0] = encoded_start()
     begin = time.perf_counter()
     generations = max(1, round(evaluations / POPULATION))
     minimize(

@@ -65,8 +65,7 @@ thread = dataclasses.replace(
 )
 stage = dataclasses.replace(design.stages[0], thread=thread, roller_count=rollers)
 design = dataclasses.replace(design, stages=(stage,))
-mass = prsm.compute(design, ["nut_unit_mass"])["nut_unit_mass"]
-assert 1.0 < mass < 1.1
+print(prsm.compute(design, ["nut_unit_mass"])["nut_unit_mass"])  # kg
 ```
 
 `prsm.compute` gives all measures, at the operating point of the mechanism (25 MPa times d₀²,
@@ -89,18 +88,18 @@ last digit to which the catalogue prints efficiencies.
 
 ### What was decided, and why
 
-* **Starts.** With lead and starts given, the pitch would be fixed. The lead is given; the starts are
-  free whole numbers, the size's own among them, and give the pitch. Most makers offer 4 to 6 starts;
-  up to 8 are allowed. With fewer starts than n₀ the nut would be thicker than the size's.
+* **Starts.** With lead and starts given, the pitch would be fixed. The lead is given; the starts
+  are free whole numbers, the size's own among them, and give the pitch. The catalogue has 4 to 6
+  starts; up to 8 are allowed. With fewer than n₀ the nut would be thicker than the size's.
 * **Wall of the nut.** It stays: equal sharing does not see its elasticity, so a thinner wall would
   be a gain that the model cannot judge. The nut then fits into its envelope.
 * **Length.** Rollers and nut have the size's proportion. Nothing else in the model ties the number
   of loaded threads to the length.
-* **One objective.** The smallest of three gains cannot be bought by one of them. With t as a further
-  variable and three limits it is smooth.
-* **Ends of flanks.** Capacities count only the part of an ellipse on its flank, without the pressure
-  at the edge. The limit of `truncation_load` keeps designs from relying on this under the operating
-  load.
+* **One objective.** The smallest of three gains cannot be bought by one of them. With t as a
+  further variable and three limits it is smooth.
+* **Ends of flanks.** Capacities count only the part of an ellipse on its flank, without the
+  pressure at the edge. The limit of `truncation_load` keeps designs from relying on this under the
+  operating load.
 * **Shaft.** With as many starts or more, the root of the screw is as thick or thicker. One metre of
   8 mm would buckle, hence 25 d₀.
 """
