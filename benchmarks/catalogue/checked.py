@@ -7,10 +7,10 @@ import numpy as np
 
 import prsm_jax as prsm
 
-from .batched import Found
-from .problem import MEASURES, Size, built, dimensioned, gains
+from .problem import MEASURES, OBJECTIVES, Size, built, dimensioned, gains
+from .search import Found
 
-#: Quantities that the limits do not name, and what a good ratio to the size's own design is.
+#: Further quantities that are compared with those of the size's own design.
 _OTHERS = ("buckling_load", "critical_speed", "max_pressure", "nut_outer_diameter")
 
 
@@ -39,8 +39,8 @@ def checked(size: Size, found: Found) -> dict[str, Any]:
     gained = gains(measures, found.task.limits)
     return {
         "difference": float(np.max(np.abs(measures / found.measures - 1))),
-        "smallest_gain": float(np.min(gained[:3])),
-        "smallest_slack": float(np.min(gained[3:])),
+        "smallest_gain": float(np.min(gained[: len(OBJECTIVES)])),
+        "smallest_slack": float(np.min(gained[len(OBJECTIVES) :])),
         "errors": [one.name for one in prsm.check(design) if one.severity == "error"],
         "over_own": dict(zip(_OTHERS, map(float, (numbers / own)[len(MEASURES) :]), strict=True)),
     }

@@ -12,11 +12,12 @@ from typing import Any
 import numpy as np
 
 from ..harness import of_this_run, parser_of, read_json, write_json
-from .batched import FEASIBLE, Batch, Found, solve
+from .batched import Batch, solve
 from .checked import checked
 from .page import write_page
 from .problem import ALLOWED, MEASURES, VARIABLES, Size, sizes
 from .rival import POPULATION, Rival, nsga2
+from .search import FEASIBLE, Found
 
 #: Other upper bounds of the ratio of profile radii.
 _FLATTEST = (1.0, 3.0)

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from ..harness import table_of, time_text, where_and_when, write_json, write_text
-from .batched import FEASIBLE
 from .picture import TITLES, draw, percents
 from .problem import LOWER, MEASURES, OBJECTIVES, UPPER, VARIABLES
+from .search import FEASIBLE
 from .statement import STATEMENT
 
 #: A result counts as better than another one from this difference of the objective on.

@@ -191,12 +191,6 @@ def measured(mechanism: Mechanism) -> tuple[Float[Array, "7"], Bool[Array, ""]]:
     return total, good
 
 
-def measures_of(mechanism: Mechanism) -> np.ndarray:
-    """`MEASURES` of one built mechanism [SI], by `prsm_jax.compute`."""
-    values = prsm.compute(mechanism, MEASURES)
-    return np.array([float(jnp.sum(values[name])) for name in MEASURES])
-
-
 def limits_of(start: np.ndarray, load: float, loss: float) -> np.ndarray:
     """What the measures of a design are compared with [SI].
 
@@ -219,13 +213,3 @@ def limits_of(start: np.ndarray, load: float, loss: float) -> np.ndarray:
 def gains(measures: np.ndarray, limits: np.ndarray) -> np.ndarray:
     """Natural logarithms of how much better than its limit each measure is, along the last axis."""
     return SIGNS * np.log(measures / limits)
-
-
-def objective(measures: np.ndarray, limits: np.ndarray) -> float:
-    """The smallest gain of the three objectives, to be maximised."""
-    return float(np.min(gains(measures, limits)[: len(OBJECTIVES)]))
-
-
-def violation(measures: np.ndarray, limits: np.ndarray) -> float:
-    """Largest violation of the limits of the other measures; 0 if none is violated."""
-    return float(max(0.0, -np.min(gains(measures, limits)[len(OBJECTIVES) :])))

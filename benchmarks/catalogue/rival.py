@@ -6,7 +6,6 @@ from typing import Any, NamedTuple
 import jax.numpy as jnp
 import numpy as np
 
-from .batched import FEASIBLE, measured_together, stacked
 from .problem import (
     FEWEST_ROLLERS,
     LIMITED,
@@ -17,11 +16,11 @@ from .problem import (
     dimensioned,
     gains,
 )
+from .search import FEASIBLE
+from .tasks import FAILED, measured_together, stacked
 
 #: Designs in a generation.
 POPULATION = 100
-#: Gains of a design that cannot be evaluated.
-_FAILED = -10.0
 #: Efficiencies vary by a hundredth where other measures vary by their own size.
 _WEIGHTS = np.array([100.0 if name.startswith("efficiency") else 1.0 for name in LIMITED])
 
@@ -95,8 +94,9 @@ def nsga2(size: Size, limits: np.ndarray, evaluations: int, seed: int, *, severa
             values, good = measured_together(batch, jnp.asarray(index), jnp.asarray(variables))
             values, good = np.asarray(values)[: len(x)], np.asarray(good)[: len(x)]
             counted[0] += len(x)
-            good = good & np.isfinite(values).all(axis=1)
-            gain = np.full(values.shape, _FAILED)
+            # A truncation load of 0 has no logarithm.
+            good = good & (np.isfinite(values) & (values > 0)).all(axis=1)
+            gain = np.full(values.shape, FAILED)
             gain[good] = gains(values[good], limits)
             least = np.min(gain[:, : len(OBJECTIVES)], axis=1)
             slack = gain[:, len(OBJECTIVES) :] + FEASIBLE

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import prsm_jax as prsm
-from benchmarks.catalogue.batched import measured_together, solve, stacked
+from benchmarks.catalogue.batched import solve
 from benchmarks.catalogue.checked import design_of
 from benchmarks.catalogue.lockstep import searched_together
 from benchmarks.catalogue.page import page_of
@@ -29,6 +29,7 @@ from benchmarks.catalogue.problem import (
     varied,
 )
 from benchmarks.catalogue.rival import decoded, encoded_start
+from benchmarks.catalogue.tasks import measured_together, stacked
 
 DOCS = Path(__file__).parents[2] / "docs"
 #: Index of each size by its name.
