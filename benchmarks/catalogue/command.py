@@ -6,7 +6,7 @@ problem and `--times` as many designs as the batch on average, derivatives count
 """
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -41,7 +41,7 @@ def _number(value: float) -> float:
     return float(f"{value:.12g}")
 
 
-def _of(names: Sequence[str], values: np.ndarray) -> dict[str, float]:
+def _of(names: Sequence[str], values: Iterable[float]) -> dict[str, float]:
     return {name: _number(value) for name, value in zip(names, values, strict=True)}
 
 
@@ -58,7 +58,7 @@ def result_of(size: Size, start: np.ndarray, batch: Batch) -> dict[str, Any]:
     task = found.task
     own = [one for one in batch.found[size.name] if one.task.starts == size.starts]
     radius = size.roller_radius(task.starts)
-    angle, profile_ratio, length_ratio, _ = found.variables
+    angle, profile_ratio, length_ratio, count = found.variables
     return {
         "size": size.name,
         "nominal_diameter_mm": size.row["nominal_diameter_mm"],
@@ -70,7 +70,7 @@ def result_of(size: Size, start: np.ndarray, batch: Batch) -> dict[str, Any]:
         "starts": task.starts,
         "most_starts": size.choices[-1],
         "most_rollers": round(task.own[3]),
-        "variables": _of(VARIABLES, found.variables),
+        "variables": _of(VARIABLES, [angle, profile_ratio, length_ratio, round(count)]),
         "pitch_mm": _number(size.row["lead_mm"] / task.starts),
         "profile_radius_mm": _number(1e3 * profile_ratio * radius / np.cos(angle)),
         "nut_outer_diameter_mm": _number(2e3 * (task.starts * radius + size.wall)),

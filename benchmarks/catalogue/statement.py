@@ -10,8 +10,10 @@ Find, within the envelope of each size, a design whose dynamic capacity, axial s
 are all better than those of the size's own model, with nothing else worse. The model of a size, not
 the maker's product, is what a design is compared with.
 
-All numbers of the best designs, the start values and those of NSGA-II are in
-`catalogue_benchmark.json` beside this page.
+All numbers are in `catalogue_benchmark.json` beside this page: under `problems`, `no_loss` or
+`half_digit`, `sizes`, each size has the measures of its own design (`own`), the `limits`, the best
+design (`starts`, `variables`, `measures`, `objective`) and the runs of NSGA-II (`rivals`), in SI
+units where a name has no unit.
 
 ## The problem
 
