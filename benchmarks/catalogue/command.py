@@ -15,7 +15,7 @@ from ..harness import of_this_run, parser_of, read_json, write_json
 from .batched import Batch, solve
 from .checked import checked
 from .page import write_page
-from .problem import ALLOWED, MEASURES, VARIABLES, Size, sizes
+from .problem import ALLOWED, MEASURES, VARIABLES, Size, dimensioned, sizes
 from .rival import POPULATION, Rival, nsga2
 from .search import FEASIBLE, Found
 
@@ -56,7 +56,6 @@ def result_of(size: Size, start: np.ndarray, batch: Batch) -> dict[str, Any]:
     """
     found = batch.best(size)
     task = found.task
-    own = [one for one in batch.found[size.name] if one.task.starts == size.starts]
     radius = size.roller_radius(task.starts)
     angle, profile_ratio, length_ratio, count = found.variables
     return {
@@ -64,12 +63,12 @@ def result_of(size: Size, start: np.ndarray, batch: Batch) -> dict[str, Any]:
         "nominal_diameter_mm": size.row["nominal_diameter_mm"],
         "lead_mm": size.row["lead_mm"],
         "own_starts": size.starts,
-        "own_rollers": round(own[0].task.own[3]),
+        "own_rollers": int(dimensioned(size, size.starts).stages[0].roller_count),
         "own": _of(MEASURES, start),
         "limits": _of(MEASURES, task.limits),
         "starts": task.starts,
         "most_starts": size.choices[-1],
-        "most_rollers": round(task.own[3]),
+        "most_rollers": int(task.mechanism.stages[0].roller_count),
         "variables": _of(VARIABLES, [angle, profile_ratio, length_ratio, round(count)]),
         "pitch_mm": _number(size.row["lead_mm"] / task.starts),
         "profile_radius_mm": _number(1e3 * profile_ratio * radius / np.cos(angle)),

@@ -7,8 +7,8 @@ This page is written by `python -m benchmarks catalogue --docs docs`. Do not edi
 
 A maker's table has 90 sizes of planetary roller screws (`prsm_jax.catalogue_sizes.catalogue_rows`).
 Find, within the envelope of each size, a design whose dynamic capacity, axial stiffness and mass
-are all better than those of the size's own model, with nothing else worse. The model of a size, not
-the maker's product, is what a design is compared with.
+are all better than those of the size's own model, with static capacity and efficiencies no worse.
+The model of a size, not the maker's product, is what a design is compared with.
 
 All numbers are in `catalogue_benchmark.json` beside this page: under `problems`, `no_loss` or
 `half_digit`, `sizes`, each size has the measures of its own design (`own`), the `limits`, the best
