@@ -103,7 +103,8 @@ def _not_improved(document: Mapping[str, Any]) -> list[str]:
         rows = [row for row in problem["sizes"] if not row["objective"] > IMPROVED]
         if not rows:
             continue
-        sizes = ", ".join(row["size"].partition(",")[0] for row in rows)
+        # Lines do not break within a name.
+        sizes = ", ".join(row["size"].partition(",")[0].replace(" ", "\u00a0") for row in rows)
         cut = sum(row["limits"][_CUT] == row["own"][_CUT] for row in rows)
         text = (
             f"With {TITLES[name]}, these sizes are not improved: {sizes}. In {cut} of {len(rows)} "
