@@ -10,7 +10,8 @@ Each of these is a command with options of its own (`--help`):
 * `… startup`: the time from a command to its answer;
 * `… devices`: designs per second on each device that JAX finds;
 * `… fronts`: fronts by gradients against NSGA-II;
-* `… starts`: many starts at once against searches one by one.
+* `… starts`: many starts at once against searches one by one;
+* `… catalogue`: the best design within the envelope of each size of a catalogue.
 
 `--quick --compare` compares errors and ratios with stored ones; the exit status is 1 if one is
 worse. `--quick --store` renews the stored numbers.
@@ -41,6 +42,7 @@ _COMMANDS = (
     "programs",
     "startup",
     "devices",
+    "catalogue",
     "fronts",
     "starts",
 )

@@ -22,6 +22,7 @@ from .derived import (
     mean_roller_mass as mean_roller_mass,
     numbers_possible as numbers_possible,
     nut_outer_radius as nut_outer_radius,
+    nut_unit_mass as nut_unit_mass,
     stage_mass as stage_mass,
 )
 from .parameters import (

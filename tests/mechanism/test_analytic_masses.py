@@ -14,6 +14,7 @@ from prsm_jax.mechanism import (
     body_inertia,
     body_mass,
     nut_outer_radius,
+    nut_unit_mass,
     stage_mass,
 )
 
@@ -42,14 +43,16 @@ def _annuli(roller_radius):
 def test_masses_and_inertias_follow_the_roller_radius(roller_radius):
     mechanism = prsm.Mechanism((stage(material=STEEL, **BODIES),))
     moved = prsm.set_parameter(mechanism, "roller_radius", roller_radius).stages[0]
-    total = 0.0
+    total, of_screw = 0.0, 0.0
     for body, (inner, outer, length) in _annuli(roller_radius).items():
         mass = np.pi * 7850 * length * (outer**2 - inner**2)
         assert body_mass(moved, body) == pytest.approx(mass, rel=1e-13)
         inertia = mass * (outer**2 + inner**2) / 2
         assert body_inertia(moved, body) == pytest.approx(inertia, rel=1e-13)
         total += mass * {"roller": 10, "carrier": 2}.get(body, 1)
+        of_screw += mass * (body == "screw")
     assert stage_mass(moved) == pytest.approx(total, rel=1e-13)
+    assert nut_unit_mass(moved) == pytest.approx(total - of_screw, rel=1e-13)
     assert nut_outer_radius(moved) == pytest.approx(5 * roller_radius + 10e-3, rel=1e-14)
 
 

@@ -7,6 +7,7 @@ from ._masses import (
     mean_roller_inertia as mean_roller_inertia,
     mean_roller_mass as mean_roller_mass,
     nut_outer_radius as nut_outer_radius,
+    nut_unit_mass as nut_unit_mass,
     stage_mass as stage_mass,
 )
 from ._possible import numbers_possible as numbers_possible

@@ -129,12 +129,19 @@ def nut_outer_radius(stage: Stage) -> Scalar:
     return stage.thread.nut_radius + wall
 
 
-def stage_mass(stage: Stage) -> Scalar:
-    """Mass of all bodies of a stage [kg]: screw, rollers, nut; ring gear, carriers if present."""
-    mass = body_mass(stage, "screw") + body_mass(stage, "nut")
-    mass = mass + stage.present_roller_count * mean_roller_mass(stage)
+def nut_unit_mass(stage: Stage) -> Scalar:
+    """Mass of the nut with what it carries [kg]: rollers; ring gear, carriers if present.
+
+    **Raises:** `MissingDataError` as in `body_mass`.
+    """
+    mass = body_mass(stage, "nut") + stage.present_roller_count * mean_roller_mass(stage)
     if stage.ring_gear is not None:
         mass = mass + body_mass(stage, "ring_gear")
     if stage.carrier is not None:
         mass = mass + stage.carrier.count * body_mass(stage, "carrier")
     return mass
+
+
+def stage_mass(stage: Stage) -> Scalar:
+    """Mass of all bodies of a stage [kg]: screw, rollers, nut; ring gear, carriers if present."""
+    return body_mass(stage, "screw") + nut_unit_mass(stage)

@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 
 from ...geometry import roller_clearance as stage_roller_clearance
-from ...mechanism import nut_outer_radius, stage_mass
+from ...mechanism import nut_outer_radius, nut_unit_mass as stage_nut_unit_mass, stage_mass
 from .._analysis import Analysis
 from .._catalogue import quantity
 
@@ -15,6 +15,16 @@ def _per_stage(analysis: Analysis, function):
 @quantity("mass", "m", "kg", "mass of all bodies of all stages")
 def mass(analysis: Analysis):
     return jnp.sum(_per_stage(analysis, stage_mass))
+
+
+@quantity(
+    "nut_unit_mass",
+    "m_n",
+    "kg",
+    "mass of what moves along the screw: nuts, rollers, carriers and ring gears of all stages",
+)
+def nut_unit_mass(analysis: Analysis):
+    return jnp.sum(_per_stage(analysis, stage_nut_unit_mass))
 
 
 @quantity("nut_outer_diameter", "D_n", "m", "outer diameter of the largest nut")

@@ -1,0 +1,1 @@
+"""Beat the catalogue: the best design within the envelope of each of 90 sizes."""
