@@ -1,6 +1,7 @@
 """NSGA-II of pymoo on the same problem: same variables, bounds, objective and limits."""
 
 import time
+from importlib import import_module
 from typing import Any, NamedTuple
 
 import jax.numpy as jnp
@@ -67,9 +68,10 @@ def nsga2(size: Size, limits: np.ndarray, evaluations: int, seed: int, *, severa
     - `several`: whether the three gains are three objectives; otherwise the smallest is the only
       one.
     """
-    from pymoo.algorithms.moo.nsga2 import NSGA2
-    from pymoo.core.problem import Problem
-    from pymoo.optimize import minimize
+    # By name, so that types are checked where pymoo is not installed.
+    algorithm: Any = import_module("pymoo.algorithms.moo.nsga2").NSGA2
+    problem_class: Any = import_module("pymoo.core.problem").Problem
+    minimize = import_module("pymoo.optimize").minimize
 
     mechanisms = [dimensioned(size, n) for n in size.choices]
     rollers = np.array([float(one.stages[0].roller_count) for one in mechanisms])
@@ -78,7 +80,7 @@ def nsga2(size: Size, limits: np.ndarray, evaluations: int, seed: int, *, severa
     best: dict[str, Any] = {"objective": -np.inf}
     counted = [0]
 
-    class Design(Problem):
+    class Design(problem_class):
         def __init__(self) -> None:
             super().__init__(
                 n_var=5,
@@ -116,7 +118,7 @@ def nsga2(size: Size, limits: np.ndarray, evaluations: int, seed: int, *, severa
     begin = time.perf_counter()
     generations = max(1, round(evaluations / POPULATION))
     minimize(
-        Design(), NSGA2(pop_size=POPULATION, sampling=first), ("n_gen", generations), seed=seed
+        Design(), algorithm(pop_size=POPULATION, sampling=first), ("n_gen", generations), seed=seed
     )
     seconds = time.perf_counter() - begin
     if "starts" not in best:

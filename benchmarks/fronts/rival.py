@@ -1,6 +1,7 @@
 """NSGA-II of pymoo on the same objectives, variables, constraints and margins of `check`."""
 
 import time
+from importlib import import_module
 from typing import Any
 
 import equinox as eqx
@@ -50,9 +51,10 @@ def nsga2(
     **Returns:** objectives to be minimised (designs × objectives), designs evaluated, and run time
     without compilation [s].
     """
-    from pymoo.algorithms.moo.nsga2 import NSGA2
-    from pymoo.core.problem import Problem
-    from pymoo.optimize import minimize
+    # By name, so that types are checked where pymoo is not installed.
+    algorithm: Any = import_module("pymoo.algorithms.moo.nsga2").NSGA2
+    problem_class: Any = import_module("pymoo.core.problem").Problem
+    minimize = import_module("pymoo.optimize").minimize
 
     evaluator = Evaluator(mechanism, problem, None, None)
     call = _batched(evaluator)
@@ -68,7 +70,7 @@ def nsga2(
     call(np.full((population, evaluator.variables), 0.5))
     counted = [0]
 
-    class Design(Problem):
+    class Design(problem_class):
         def __init__(self):
             super().__init__(
                 n_var=evaluator.variables,
@@ -96,7 +98,7 @@ def nsga2(
 
     begin = time.perf_counter()
     generations = max(1, round(evaluations / population))
-    found = minimize(Design(), NSGA2(pop_size=population), ("n_gen", generations), seed=seed)
+    found = minimize(Design(), algorithm(pop_size=population), ("n_gen", generations), seed=seed)
     seconds = time.perf_counter() - begin
     objectives = np.empty((0, len(places))) if found.F is None else np.atleast_2d(found.F)
     return objectives, counted[0], seconds
