@@ -68,9 +68,7 @@ def front_gradients(
         elasticities = gradients_at(problem, designs, first + index)
         exchange = _exchange(front, point)
         found.append(
-            FrontGradient(
-                elasticities, exchange, _sentence(problem, point, elasticities, exchange)
-            )
+            FrontGradient(elasticities, exchange, _sentence(problem, point, elasticities, exchange))
         )
     return tuple(found)
 

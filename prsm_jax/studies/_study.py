@@ -105,9 +105,7 @@ def study(
             return find_front(one, its, f"front without {name}")
 
         variants.append(
-            variant_of(
-                mechanism, problem, name, places, designs, here, front, size, find_without
-            )
+            variant_of(mechanism, problem, name, places, designs, here, front, size, find_without)
         )
     return DriverStudy(
         title=mechanism.title,

@@ -41,7 +41,9 @@ def _drivers(study: "DriverStudy") -> TextTable:
     for one in study.problem.drivers:
         shown = unit_of_driver(study, one.name)
         numbers = [float(shown(value)) for value in (one.present, one.lower, one.upper)]
-        rows.append((shown.heading(words(one.name)), *numbers, len(study.map.coordinates[one.name])))
+        rows.append(
+            (shown.heading(words(one.name)), *numbers, len(study.map.coordinates[one.name]))
+        )
     return TextTable("Drivers", ("driver", "present", "from", "to", "values"), rows)
 
 

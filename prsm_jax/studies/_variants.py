@@ -97,9 +97,7 @@ def best_of(front: ParetoFront, objective: str) -> dict[str, float]:
     return dict(pick(front.points, key=lambda one: one.objectives[objective]).variables)
 
 
-def parts_of(
-    mechanism: Mechanism, names: Iterable[str] | None
-) -> dict[str, tuple[Place, ...]]:
+def parts_of(mechanism: Mechanism, names: Iterable[str] | None) -> dict[str, tuple[Place, ...]]:
     """Places of the parts to be left out, by their names.
 
     A name is the end of that of a place, such as `spin`, and stands for all stages.

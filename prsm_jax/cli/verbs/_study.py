@@ -72,10 +72,12 @@ def study(
             "drivers. Default: lead, contact angle and roller radius.",
         ),
     ] = None,
-    maximise: Annotated[str | None, Parameter(help=f"Quantities of which more is better, {_NAMES}")]
-    = None,
-    minimise: Annotated[str | None, Parameter(help=f"Quantities of which less is better, {_NAMES}")]
-    = None,
+    maximise: Annotated[
+        str | None, Parameter(help=f"Quantities of which more is better, {_NAMES}")
+    ] = None,
+    minimise: Annotated[
+        str | None, Parameter(help=f"Quantities of which less is better, {_NAMES}")
+    ] = None,
     objectives: Annotated[
         str | None,
         Parameter(help="Two or three of the quantities, of which the front is. Default the first."),

@@ -1,6 +1,7 @@
 """A study of drivers as a report."""
 
 import platform
+import re
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -39,7 +40,9 @@ def study_sections(
         ("design", "change of the quantities, active limits, and exchange along the front"),
         tuple((str(i), one.sentence) for i, one in enumerate(study.gradients, start=1)),
     )
-    summary = [lines[-1] if part == "drivers" else lines[0] for part, lines in said.items() if lines]
+    summary = [
+        lines[-1] if part == "drivers" else lines[0] for part, lines in said.items() if lines
+    ]
     front_tables = (*tables["front"], *((gradients,) if study.gradients else ()))
     follows = tuple(f"{one.follows}." for one in study.problem.drivers if one.follows)
     sections = [
@@ -118,17 +121,22 @@ def write_study(
 
 
 def _cell(value: Any) -> str:
-    if isinstance(value, float):
-        return NOT_DEFINED if value != value else number(value)
-    if value is None:
+    if value is None or value != value:
         return NOT_DEFINED
+    if isinstance(value, float):
+        return number(value)
     text = str(value)
     return text.replace("-", MINUS, 1) if text[:1] == "-" else text
 
 
+def _heading(text: str) -> str:
+    """A name with its unit as reports write it: "lead in mm"."""
+    return re.sub(r" \[(.+)\]$", r" in \1", text)
+
+
 def _table(table: TextTable) -> Table:
-    rows = tuple(tuple(map(_cell, row)) for row in table.rows)
-    return Table(table.title, tuple(table.columns), rows)
+    rows = tuple((_heading(_cell(row[0])), *map(_cell, row[1:])) for row in table.rows)
+    return Table(table.title, tuple(map(_heading, table.columns)), rows)
 
 
 def _pictures(study: DriverStudy) -> dict[str, tuple[Picture, ...]]:

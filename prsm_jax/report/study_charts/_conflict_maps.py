@@ -1,5 +1,6 @@
 """Where the quantities of a study conflict."""
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -43,11 +44,9 @@ def conflict_maps(study: DriverStudy, limits: bool = False) -> Figure:
     figure = page_figure(16 + 48.0 * len(rows))
     panels: Any = figure.subplots(len(rows), len(rows[0]), squeeze=False, sharey=limits)
     filled: Any = None
-    for axes, (one, plane) in zip(np.ravel(panels), sum(rows, []), strict=True):
+    for axes, (one, plane) in zip(np.ravel(panels), itertools.chain(*rows), strict=True):
         filled = _panel(axes, one, plane)
-        axes.set_title(_title(one, limits, len(rows[0])), fontsize=SMALL)
-    for axes in np.ravel(panels):
-        axes.label_outer() if limits else None
+        axes.set_title(f"{readable(one.first)}\nagainst {readable(one.second)}", fontsize=SMALL)
     colour_bar(figure, filled, list(np.ravel(panels)), "cosine: −1 conflict, +1 agreement")
     legend_below(figure, handles_of(np.ravel(panels)))
     return figure
@@ -62,8 +61,3 @@ def _panel(axes: Any, one: Conflict, plane: Plane) -> Any:
         axes.contour(xs, ys, cut, levels=[0.0], colors=INK, linewidths=0.9)
     plane.dress(axes)
     return filled
-
-
-def _title(one: Conflict, limits: bool, columns: int) -> str:
-    first, second = readable(one.first), readable(one.second)
-    return f"{first}\nagainst {second}"

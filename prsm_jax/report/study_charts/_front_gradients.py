@@ -54,7 +54,8 @@ def front_gradient_chart(study: DriverStudy) -> Figure:
             ]
             axes.quiver(
                 values[x][1:], values[y][1:], *moves, angles="xy", scale_units="xy", scale=1,
-                width=0.003, color=SERIES[place + 1], label=f"{step:g} % more {readable(driver.name)}",
+                width=0.003, color=SERIES[place + 1],
+                label=f"{step:g} % more {readable(driver.name)}",
             )  # fmt: skip
             ends = np.stack([values[x][1:] + moves[0], values[y][1:] + moves[1]], axis=1)
             axes.update_datalim(ends)

@@ -48,7 +48,9 @@ class Plane:
             if one.name not in (self.x, self.y):
                 along = self.study.map.coordinates[one.name]
                 value = float(along[np.abs(along - one.present).argmin()])
-                words.append(f"{readable(one.name)} {in_unit(value, self.coordinates(one.name)[1])}")
+                words.append(
+                    f"{readable(one.name)} {in_unit(value, self.coordinates(one.name)[1])}"
+                )
         return ", ".join(words)
 
     def dress(self, axes: Axes) -> None:

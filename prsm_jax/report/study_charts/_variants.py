@@ -89,9 +89,7 @@ def variant_fronts(study: DriverStudy) -> Figure:
             colour, words = SERIES[place], f"without {readable(one.name)}"
             order = [list(study.problem.objectives).index(name) for name in (x, y)]
             assert one.front is not None
-            alone = [
-                shown[n](one.front.values[:, i]) for n, i in zip((x, y), order, strict=True)
-            ]
+            alone = [shown[n](one.front.values[:, i]) for n, i in zip((x, y), order, strict=True)]
             axes.plot(*alone, color=colour, lw=1.0, ls="--", label=f"{words}, as computed")
             full = [shown[name](one.complete[name]) for name in (x, y)]
             for kept, marker, state in (
