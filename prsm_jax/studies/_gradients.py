@@ -1,6 +1,7 @@
 """What the gradients say at the points of a front."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +15,9 @@ from ._problem import StudyProblem
 
 #: A change below this [% per %] is said to be none.
 _LITTLE = 5e-4
+#: A weight up to this is that of an end of the front, where one objective counts for nothing; the
+#: search for an end gives the other one a ten thousandth.
+_END = 1e-3
 
 
 @dataclass(frozen=True)
@@ -79,8 +83,7 @@ def _exchange(front: ParetoFront, point: FrontPoint) -> float:
         return math.nan
     (first, second), values = front.objectives, front.values
     weights = [point.weights[one.quantity] for one in (first, second)]
-    if min(weights) <= 1e-6:
-        # At an end one objective counts for nothing.
+    if min(weights) <= _END:
         return math.nan
     ranges = np.ptp(values, axis=0)
     sign = -1.0 if first.sense == second.sense else 1.0
@@ -94,12 +97,18 @@ def words(name: str) -> str:
     return name.replace("_", " ")
 
 
-def change_in_words(problem: StudyProblem, driver: str, elasticities: dict[str, Any]) -> str:
-    """What 1 % more of a driver does to the quantities: a clause."""
+def change_in_words(driver: str, elasticities: Mapping[str, Mapping[str, float]]) -> str:
+    """What 1 % more of a driver does to quantities: a clause.
+
+    **Arguments:**
+
+    - `driver`: its name.
+    - `elasticities`: of the quantities that are spoken of, by quantity and driver.
+    """
     parts: dict[str, list[str]] = {"raises": [], "lowers": []}
     same = []
-    for name in problem.senses:
-        value = elasticities[name][driver]
+    for name, row in elasticities.items():
+        value = row[driver]
         if not math.isfinite(value):
             continue
         if abs(value) < _LITTLE:
@@ -120,13 +129,22 @@ def _listed(parts: list[str]) -> str:
 
 
 def _sentence(
-    problem: StudyProblem, point: FrontPoint, elasticities: dict[str, Any], exchange: float
+    problem: StudyProblem,
+    point: FrontPoint,
+    elasticities: dict[str, dict[str, float]],
+    exchange: float,
 ) -> str:
-    clauses = [change_in_words(problem, one.name, elasticities) for one in problem.drivers]
+    of_front = {name: elasticities[name] for name in problem.objectives}
+    clauses = [change_in_words(one.name, of_front) for one in problem.drivers]
     text = "; ".join(clauses) + "."
-    if point.active:
-        stops = _listed([words(name) for name in point.active])
-        text += f" Active limits: {stops}."
+    better = [_better(problem, one.name, of_front) for one in problem.drivers]
+    active = _listed([words(name) for name in point.active])
+    improving = _listed([one for one in better if one])
+    if improving and active:
+        text += f" {improving[0].upper()}{improving[1:]} would improve all objectives, but for "
+        text += f"the active limits: {active}."
+    elif active:
+        text += f" Active limits: {active}."
     if math.isfinite(exchange):
         first, second = problem.objectives
         verb = "lowers" if exchange < 0 else "raises"
@@ -135,3 +153,14 @@ def _sentence(
             f"{number(abs(exchange), 2)} %."
         )
     return text
+
+
+def _better(problem: StudyProblem, driver: str, of_front: dict[str, dict[str, float]]) -> str:
+    """Which change of a driver improves all objectives, in words; empty if none does."""
+    gains = [
+        of_front[name][driver] * (1 if problem.senses[name] == "maximise" else -1)
+        for name in problem.objectives
+    ]
+    if min(gains) >= _LITTLE:
+        return f"more {words(driver)}"
+    return f"less {words(driver)}" if max(gains) <= -_LITTLE else ""

@@ -26,11 +26,9 @@ def map_sentences(study: "DriverStudy") -> list[str]:
         f"The map has {designs} designs; {failed} fail, prsm check finds errors in {errors} more, "
         f"and {int(grid.allowed.sum())} are allowed: they have no error and satisfy all limits."
     ]
-    clauses = [
-        change_in_words(study.problem, one.name, study.present_elasticities)
-        for one in study.problem.drivers
-    ]
-    lines.append(f"Present design: {'; '.join(clauses)}.")
+    rows = {name: study.present_elasticities[name] for name in study.problem.senses}
+    clauses = [change_in_words(one.name, rows) for one in study.problem.drivers]
+    lines.append(f"Present design, relative changes: {'; '.join(clauses)}.")
     return lines
 
 
@@ -44,9 +42,15 @@ def conflict_sentences(study: "DriverStudy") -> list[str]:
         if not math.isfinite(one.share):
             lines.append(f"{pair}: one of them does not depend on the drivers.")
             continue
+        allowed = int(np.sum(study.map.allowed & np.isfinite(one.cosine)))
+        if one.share == 0:
+            lines.append(f"{pair[0].upper()}{pair[1:]} do not conflict anywhere in the map.")
+            continue
         text = f"{pair} conflict in {number(100 * one.share, 3)} % of the map"
-        if math.isfinite(one.share_allowed):
-            text += f" and in {number(100 * one.share_allowed, 3)} % of the allowed designs"
+        if allowed:
+            text += (
+                f" and in {number(100 * one.share_allowed, 3)} % of its {allowed} allowed designs"
+            )
         opposed = [words(n) for n, share in one.by_driver.items() if share > _OFTEN]
         if opposed:
             text += f"; in most designs {' and '.join(opposed)} moves them in opposite senses"

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..text import DisplayUnit, TextTable, display_unit, state_without_efficiency
+from ..text import NOT_DEFINED, DisplayUnit, TextTable, display_unit, state_without_efficiency
 from ._gradients import words
 from ._variants import Variant, best_of
 
@@ -77,14 +77,18 @@ def _quantities(study: "DriverStudy") -> TextTable:
 def _present(study: "DriverStudy") -> TextTable:
     drivers = [one.name for one in study.problem.drivers]
     rows = [
-        (words(name), *(f"{study.present_elasticities[name][by]:+.3f}" for by in drivers))
+        (words(name), *(_signed(study.present_elasticities[name][by]) for by in drivers))
         for name in study.problem.names
     ]
     return TextTable(
-        "Present design: change in % for 1 % more of each driver",
+        "Present design: relative change in % for 1 % more of each driver",
         ("quantity", *map(words, drivers)),
         rows,
     )
+
+
+def _signed(value: float) -> str:
+    return f"{value:+.3f}" if math.isfinite(value) else NOT_DEFINED
 
 
 def _percent(share: float) -> float:
@@ -171,8 +175,8 @@ def _gradients(study: "DriverStudy") -> TextTable:
     rows = [
         (
             str(index + 1),
-            *(f"{one.elasticities[name][by]:+.3f}" for name, by in pairs),
-            *((round(one.exchange, 4),) if len(study.problem.objectives) == 2 else ()),
+            *(_signed(one.elasticities[name][by]) for name, by in pairs),
+            *((_signed(one.exchange),) if len(study.problem.objectives) == 2 else ()),
         )
         for index, one in enumerate(study.gradients)
     ]
@@ -180,7 +184,7 @@ def _gradients(study: "DriverStudy") -> TextTable:
     if len(study.problem.objectives) == 2:
         first, second = map(words, study.problem.objectives)
         head.append(f"{first} per % of {second} along the front")
-    return TextTable("Gradients on the front, in % per %", ("design", *head), rows)
+    return TextTable("Gradients on the front, relative, in % per %", ("design", *head), rows)
 
 
 def _changes(study: "DriverStudy") -> TextTable:
@@ -196,7 +200,7 @@ def _changes(study: "DriverStudy") -> TextTable:
             ends = [float(known.min()), float(known.max())] if known.size else [math.nan] * 2
             rows.append((words(one.name), words(name), *(round(v, 3) for v in (change[0], *ends))))
     return TextTable(
-        "Change of quantities without a part of the physics, in %",
+        "Relative change of quantities without a part of the physics, in %",
         ("without", "quantity", "present design", "front: lowest", "front: highest"),
         rows,
     )

@@ -5,11 +5,13 @@ import math
 
 import numpy as np
 import pytest
+import scenes
 from expectations import reads
 from reading_figures import Chart, handles
 from reading_tables import assert_json, assert_table, html_tables, without_words
 from study_scene import DRIVERS, SENSES, SIZES, UNITS, made
 
+from prsm_jax import assumptions
 from prsm_jax.report import (
     conflict_maps,
     front_gradient_chart,
@@ -283,7 +285,7 @@ def test_tables_of_the_report(study):
     )
     assert_table(tables["Front"], ("design", *head, "active limits"), rows)
     for row, one in zip(
-        tables["Gradients on the front, in % per %"].rows, study.gradients, strict=True
+        tables["Gradients on the front, relative, in % per %"].rows, study.gradients, strict=True
     ):
         wanted = [one.elasticities[n][d] for n in study.problem.objectives for d in NAMES]
         found = [float(cell.replace("−", "-")) for cell in row[1:]]
@@ -291,7 +293,7 @@ def test_tables_of_the_report(study):
     said = tables["What the gradient says at each point"].rows
     assert [row[1] for row in said] == [one.sentence for one in study.gradients]
     spin = study.variants[0]
-    changes = tables["Change of quantities without a part of the physics, in %"].rows
+    changes = tables["Relative change of quantities without a part of the physics, in %"].rows
     for row, name in zip(changes, SENSES, strict=False):
         assert row[:2] == ("spin", _words(name))
         change = 100 * spin.changes[name]
@@ -469,6 +471,9 @@ def test_study(run, monkeypatch, tmp_path, study):
         "store": store,
     }
     report = tmp_path / "o" / "report.html"
+    # Names of all quantities, those of limits too.
+    assert found["assumptions"] == list(assumptions(scenes.example("wu2022"), list(SIZES)))
+    assert found["assumptions"]
     expected = _expected(study)
     assert_json(
         without_words(dict(found)), {"report": str(report), "store": str(store), **expected}

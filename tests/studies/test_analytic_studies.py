@@ -222,7 +222,7 @@ def test_the_front_and_its_gradients(found):
 
 def test_sentences_say_what_the_numbers_say(found):
     for one in found.gradients[1:6]:
-        for driver, name in itertools.product(BOX, SENSES):
+        for driver, name in itertools.product(BOX, found.problem.objectives):
             value = one.elasticities[name][driver]
             words, by = (text.replace("_", " ") for text in (name, driver))
             (clause,) = re.findall(rf"1 % more {by} (.+?)[;.](?: |$)", one.sentence)
