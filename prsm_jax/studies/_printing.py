@@ -2,23 +2,20 @@
 
 import math
 import textwrap
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..text import in_unit, number, state_without_efficiency
 from ._gradients import change_in_words, words
+from ._parts import StudyParts
 from ._tables import tables_of, unit_of_quantity
-
-if TYPE_CHECKING:
-    from ._result import DriverStudy
-    from ._variants import Variant
+from ._variants import Variant
 
 #: Limits that conflict with an objective in this share of the map are named.
 _OFTEN = 0.5
 
 
-def map_sentences(study: "DriverStudy") -> list[str]:
+def map_sentences(study: StudyParts) -> list[str]:
     """What the map holds, and what the gradient of the present design says."""
     grid, designs = study.map, study.map.usable.size
     failed, errors = int(np.sum(~grid.usable)), int(np.sum(grid.error & grid.usable))
@@ -32,7 +29,7 @@ def map_sentences(study: "DriverStudy") -> list[str]:
     return lines
 
 
-def conflict_sentences(study: "DriverStudy") -> list[str]:
+def conflict_sentences(study: StudyParts) -> list[str]:
     """Where quantities conflict, with each other and with limits."""
     lines = []
     for one in study.conflicts:
@@ -69,7 +66,7 @@ def conflict_sentences(study: "DriverStudy") -> list[str]:
     return lines
 
 
-def front_sentences(study: "DriverStudy") -> list[str]:
+def front_sentences(study: StudyParts) -> list[str]:
     """How far the front goes, and what bounds it."""
     front = study.front
     if not front.points:
@@ -93,12 +90,12 @@ def front_sentences(study: "DriverStudy") -> list[str]:
     return lines
 
 
-def variant_sentences(study: "DriverStudy") -> list[str]:
+def variant_sentences(study: StudyParts) -> list[str]:
     """What each part of the physics is worth to the answer."""
     return [_variant(study, one) for one in study.variants]
 
 
-def _variant(study: "DriverStudy", one: "Variant") -> str:
+def _variant(study: StudyParts, one: Variant) -> str:
     head = f"Without {words(one.name)}"
     if not one.changes:
         return f"{head}: {one.error}."
@@ -128,7 +125,7 @@ def _variant(study: "DriverStudy", one: "Variant") -> str:
     return f"{text}."
 
 
-def sentences_of(study: "DriverStudy") -> dict[str, list[str]]:
+def sentences_of(study: StudyParts) -> dict[str, list[str]]:
     """All sentences, by the part of the study that they belong to."""
     return {
         "drivers": map_sentences(study),
@@ -138,7 +135,7 @@ def sentences_of(study: "DriverStudy") -> dict[str, list[str]]:
     }
 
 
-def text_of(study: "DriverStudy", width: int | None) -> str:
+def text_of(study: StudyParts, width: int | None) -> str:
     """Tables and sentences, part by part, and what the gradient says at each point."""
     said, blocks = sentences_of(study), []
     for part, tables in tables_of(study).items():

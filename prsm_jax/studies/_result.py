@@ -5,19 +5,15 @@ from typing import Any
 
 import numpy as np
 
-from ..optimisation import ParetoFront
 from ..text import TextTable
-from ._conflict import Conflict, plain
-from ._gradients import FrontGradient, gradients_at
-from ._map import DriverMap
+from ._conflict import plain
+from ._parts import StudyParts
 from ._printing import sentences_of, text_of
-from ._problem import StudyProblem
 from ._tables import tables_of
-from ._variants import Variant
 
 
 @dataclass(frozen=True)
-class DriverStudy:
+class DriverStudy(StudyParts):
     """What drivers do to quantities, where these conflict, and the best compromises.
 
     - `title`: of the mechanism.
@@ -29,27 +25,6 @@ class DriverStudy:
     - `gradients`: what the gradient says at each point of the front.
     - `variants`: the answer without parts of the physics.
     """
-
-    title: str
-    problem: StudyProblem
-    map: DriverMap
-    conflicts: tuple[Conflict, ...]
-    front: ParetoFront
-    designs: DriverMap
-    gradients: tuple[FrontGradient, ...]
-    variants: tuple[Variant, ...]
-
-    @property
-    def present_elasticities(self) -> dict[str, dict[str, float]]:
-        """Per cent of a quantity per per cent of a driver in the present design."""
-        return gradients_at(self.problem, self.designs, 0)
-
-    def conflict(self, first: str, second: str) -> Conflict:
-        """That of a pair, in any order. **Raises:** `KeyError` if there is none."""
-        for one in self.conflicts:
-            if {one.first, one.second} == {first, second}:
-                return one
-        raise KeyError((first, second))
 
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers for JSON; `None` where one is not finite."""

@@ -1,19 +1,17 @@
 """Tables of a study in an engineer's units."""
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..text import NOT_DEFINED, DisplayUnit, TextTable, display_unit, state_without_efficiency
 from ._gradients import words
+from ._parts import StudyParts
 from ._variants import Variant, best_of
 
-if TYPE_CHECKING:
-    from ._result import DriverStudy
 
-
-def tables_of(study: "DriverStudy") -> dict[str, tuple[TextTable, ...]]:
+def tables_of(study: StudyParts) -> dict[str, tuple[TextTable, ...]]:
     """All tables, by the part of the study that they belong to."""
     return {
         "drivers": (_drivers(study), _quantities(study), _present(study)),
@@ -23,20 +21,20 @@ def tables_of(study: "DriverStudy") -> dict[str, tuple[TextTable, ...]]:
     }
 
 
-def unit_of_driver(study: "DriverStudy", name: str) -> DisplayUnit:
+def unit_of_driver(study: StudyParts, name: str) -> DisplayUnit:
     """In which unit a driver is shown everywhere."""
     one = next(d for d in study.problem.drivers if d.name == name)
     return display_unit(one.unit, (one.lower, one.upper))
 
 
-def unit_of_quantity(study: "DriverStudy", name: str) -> DisplayUnit:
+def unit_of_quantity(study: StudyParts, name: str) -> DisplayUnit:
     """In which unit a quantity is shown everywhere: the largest value in the map decides."""
     values = study.map.values[name]
     known = map(float, values[np.isfinite(values)])
     return display_unit(study.problem.units[name], known, name)
 
 
-def _drivers(study: "DriverStudy") -> TextTable:
+def _drivers(study: StudyParts) -> TextTable:
     rows = []
     for one in study.problem.drivers:
         shown = unit_of_driver(study, one.name)
@@ -47,7 +45,7 @@ def _drivers(study: "DriverStudy") -> TextTable:
     return TextTable("Drivers", ("driver", "present", "from", "to", "values"), rows)
 
 
-def _limit_words(study: "DriverStudy", name: str) -> str:
+def _limit_words(study: StudyParts, name: str) -> str:
     shown = unit_of_quantity(study, name)
     texts = []
     for one in study.problem.limits:
@@ -57,7 +55,7 @@ def _limit_words(study: "DriverStudy", name: str) -> str:
     return " and ".join(texts)
 
 
-def _quantities(study: "DriverStudy") -> TextTable:
+def _quantities(study: StudyParts) -> TextTable:
     rows = []
     for name in study.problem.names:
         shown, values = unit_of_quantity(study, name), study.map.values[name]
@@ -74,7 +72,7 @@ def _quantities(study: "DriverStudy") -> TextTable:
     return TextTable("Quantities", (*head, "limit"), rows)
 
 
-def _present(study: "DriverStudy") -> TextTable:
+def _present(study: StudyParts) -> TextTable:
     drivers = [one.name for one in study.problem.drivers]
     rows = [
         (words(name), *(_signed(study.present_elasticities[name][by]) for by in drivers))
@@ -95,7 +93,7 @@ def _percent(share: float) -> float:
     return round(100 * share, 1) if math.isfinite(share) else math.nan
 
 
-def _conflicts(study: "DriverStudy") -> TextTable:
+def _conflicts(study: StudyParts) -> TextTable:
     rows = []
     for one in study.conflicts:
         lowest, highest = one.range
@@ -118,7 +116,7 @@ def _conflicts(study: "DriverStudy") -> TextTable:
     )
 
 
-def _by_driver(study: "DriverStudy") -> TextTable:
+def _by_driver(study: StudyParts) -> TextTable:
     drivers = [one.name for one in study.problem.drivers]
     rows = [
         (
@@ -135,7 +133,7 @@ def _by_driver(study: "DriverStudy") -> TextTable:
     )
 
 
-def _front(study: "DriverStudy") -> TextTable:
+def _front(study: StudyParts) -> TextTable:
     """Present design and points: objectives, other quantities, drivers, and active limits."""
     front, problem = study.front, study.problem
     names = [*problem.objectives, *(one for one in problem.senses if one not in problem.objectives)]
@@ -157,7 +155,7 @@ def _front(study: "DriverStudy") -> TextTable:
     return TextTable("Front", ("design", *head, "active limits"), rows)
 
 
-def _broken(study: "DriverStudy") -> tuple[str, ...]:
+def _broken(study: StudyParts) -> tuple[str, ...]:
     """Limits that the present design breaks."""
     found = [
         f"breaks {name}"
@@ -169,7 +167,7 @@ def _broken(study: "DriverStudy") -> tuple[str, ...]:
     return tuple(found)
 
 
-def _gradients(study: "DriverStudy") -> TextTable:
+def _gradients(study: StudyParts) -> TextTable:
     drivers = [one.name for one in study.problem.drivers]
     pairs = [(name, by) for name in study.problem.objectives for by in drivers]
     rows = [
@@ -187,7 +185,7 @@ def _gradients(study: "DriverStudy") -> TextTable:
     return TextTable("Gradients on the front, relative, in % per %", ("design", *head), rows)
 
 
-def _changes(study: "DriverStudy") -> TextTable:
+def _changes(study: StudyParts) -> TextTable:
     """Change of every quantity without each part."""
     rows = []
     for one in study.variants:
@@ -206,7 +204,7 @@ def _changes(study: "DriverStudy") -> TextTable:
     )
 
 
-def _found_without(study: "DriverStudy") -> list[TextTable]:
+def _found_without(study: StudyParts) -> list[TextTable]:
     """Best designs with and without each part, and what its front is worth."""
     drivers = [(one.name, unit_of_driver(study, one.name)) for one in study.problem.drivers]
     rows = []

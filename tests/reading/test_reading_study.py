@@ -45,11 +45,13 @@ def _of_unit(name):
 def _dressed(chart, axes, study, pair):
     """Dots at designs that are not allowed, and the square of the present one."""
     units = [_of_unit(NAMES[i]) for i in pair]
-    dots, square = chart.lines(axes)
+    dots, front, square = chart.lines(axes)
     allowed = _cut(study.map.allowed, pair)
     x, y = (study.map.coordinates[NAMES[i]] for i in pair)
     places = [(x[i], y[j]) for j in range(len(y)) for i in range(len(x)) if not allowed[i, j]]
     chart.curve(axes, dots, *np.transpose(places), units)
+    found = [[one.variables[NAMES[i]] for one in study.front.points] for i in pair]
+    chart.curve(axes, front, *found, units)
     chart.curve(axes, square, *([DRIVERS[i].present] for i in pair), units)
 
 
@@ -95,7 +97,11 @@ def test_maps(study):
         chart.says(f"at {NAMES[third].replace('_', ' ')} ", (value, unit))
     for bar in bars:
         chart.take(*bar.collections)
-    assert handles(chart.figure) == ["breaks a limit, or error of prsm check", "present design"]
+    assert handles(chart.figure) == [
+        "breaks a limit, or error of prsm check",
+        "front, projected",
+        "present design",
+    ]
     chart.finish()
 
 
@@ -204,8 +210,8 @@ def test_other_fronts(study):
     assert handles(chart.figure) == [
         "complete physics",
         "without spin, as computed",
-        "without spin, in truth: allowed",
-        "without spin, in truth: breaks limits",
+        "without spin, with complete physics: allowed",
+        "without spin, with complete physics: breaks limits",
     ]
     chart.finish()
 

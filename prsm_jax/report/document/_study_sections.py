@@ -151,7 +151,8 @@ def _pictures(study: DriverStudy) -> dict[str, tuple[Picture, ...]]:
             "drivers",
             "map",
             "Quantities over every two drivers, the others nearest to their present values. Dots: "
-            "designs that break a limit or have an error.",
+            "designs that break a limit or have an error. The front is projected: its points have "
+            "other values of the third driver.",
             lambda: study_maps(study),
         )
         add(

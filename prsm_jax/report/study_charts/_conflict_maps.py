@@ -17,7 +17,7 @@ _LEVELS = np.linspace(-1.0, 1.0, 11)
 def conflict_maps(study: DriverStudy, limits: bool = False) -> Figure:
     """Draw the cosine of the angle between the elasticities of two quantities over the drivers.
 
-    Below 0 (orange) the two conflict, above (blue) the same change improves both; the line is at 0.
+    Below 0 (orange) the two conflict, above (violet) one change improves both; the line is at 0.
 
     **Arguments:**
 

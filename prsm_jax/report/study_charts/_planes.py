@@ -9,7 +9,7 @@ import numpy as np
 from ...studies import DriverStudy
 from ...text import DisplayUnit, display_unit, in_unit
 from .._parts import in_words
-from .._style import INK, Axes, readable
+from .._style import ACTIVE, INK, Axes, readable
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,10 @@ class Plane:
         return ", ".join(words)
 
     def dress(self, axes: Axes) -> None:
-        """Label the axes, mark designs that are not allowed, and the present design."""
+        """Label the axes, mark designs that are not allowed, the front, and the present design.
+
+        Points of the front have other values of the other drivers.
+        """
         (xs, x_unit), (ys, y_unit) = self.coordinates(self.x), self.coordinates(self.y)
         axes.set_xlabel(in_words(readable(self.x), x_unit))
         axes.set_ylabel(in_words(readable(self.y), y_unit))
@@ -63,6 +66,15 @@ class Plane:
             xs[refused[:, 1]], ys[refused[:, 0]], ls="", marker=".", ms=2.5, color=INK,
             clip_on=False, label="breaks a limit, or error of prsm check",
         )  # fmt: skip
+        front = self.study.front.points
+        if front:
+            axes.plot(
+                *(
+                    unit(np.array([one.variables[name] for one in front]))
+                    for name, unit in ((self.x, x_unit), (self.y, y_unit))
+                ),
+                color=ACTIVE, lw=0.8, marker="o", ms=2.5, label="front, projected",
+            )  # fmt: skip
         present = [
             unit(self._driver(name).present) for name, unit in ((self.x, x_unit), (self.y, y_unit))
         ]

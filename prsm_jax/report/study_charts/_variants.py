@@ -99,7 +99,7 @@ def variant_fronts(study: DriverStudy) -> Figure:
                 if kept.any():
                     axes.plot(
                         full[0][kept], full[1][kept], ls="", marker=marker, ms=4.0, color=colour,
-                        label=f"{words}, in truth: {state}",
+                        label=f"{words}, with complete physics: {state}",
                     )  # fmt: skip
         for name, label in ((x, axes.set_xlabel), (y, axes.set_ylabel)):
             label(f"{in_words(readable(name), shown[name])} ({study.problem.senses[name]})")
