@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import scenes
 from expectations import reads
+from reading_artists import box_of, x_data
 from reading_figures import Chart, handles
 from reading_tables import assert_json, assert_table, html_tables, without_words
 from study_scene import DRIVERS, SENSES, SIZES, UNITS, made
@@ -66,9 +67,9 @@ def _filled(axes, chart, cut, x, y, convert):
         band = int(np.searchsorted(levels, cut[i, j])) - 1
         path = filled.get_paths()[band]
         # The corner of the grid lies on the edge of the band: a little inside of it.
-        inside = np.array([x[i] + 1e-6 * (x.mean() - x[i]), y[j] + 1e-6 * (y.mean() - y[j])])
+        inside = tuple(float(v[k] + 1e-6 * (v.mean() - v[k])) for v, k in ((x, i), (y, j)))
         near = min(abs(levels - cut[i, j])) < 1e-4 * np.ptp(levels)
-        assert near or path.contains_point(inside, radius=1e-6), (i, j, cut[i, j])
+        assert near or path.contains_point((inside[0], inside[1]), radius=1e-6), (i, j, cut[i, j])
     chart.take(*axes.collections)
 
 
@@ -136,6 +137,7 @@ def test_conflict_maps(study, limits):
 )
 def test_front_with_arrows(objectives):
     from matplotlib.quiver import Quiver
+    from matplotlib.text import Annotation
 
     study = made(*objectives)
     chart = Chart(front_gradient_chart(study))
@@ -163,7 +165,7 @@ def test_front_with_arrows(objectives):
         assert f"({SENSES[x]})" in axes.get_xlabel()
         assert f"({SENSES[y]})" in axes.get_ylabel()
         # Points by their numbers, where they are not too near to each other.
-        for text in axes.texts:
+        for text in axes.findobj(Annotation):
             place = int(text.get_text())
             at = [values[x][place], values[y][place]]
             for way, value, name, found in zip("xy", at, (x, y), text.xy, strict=True):
@@ -182,11 +184,11 @@ def test_changes(study):
         assert axes.get_xlabel() == f"{name.replace('_', ' ')}:\nchange in %"
         change = 100 * spin.changes[name]
         (bar,) = axes.patches
-        assert bar.get_width() == pytest.approx(change[0])
+        assert box_of(bar).get_width() == pytest.approx(change[0])
         chart.take(bar)
         span, zero = chart.lines(axes)
-        np.testing.assert_allclose(span.get_xdata(), [change[1:].min(), change[1:].max()])
-        assert list(zero.get_xdata()) == [0, 0]
+        np.testing.assert_allclose(x_data(span), [change[1:].min(), change[1:].max()])
+        assert list(x_data(zero)) == [0, 0]
         chart.take(span, zero)
     assert chart.ticks(chart.axes[0]) == ["without spin"]
     assert handles(chart.figure) == ["front", "present design"]
