@@ -112,7 +112,7 @@ if TYPE_CHECKING:
         pareto as pareto,
     )
     from .sensitivities import Sensitivity as Sensitivity, sensitivity as sensitivity
-    from .studies import DriverStudy as DriverStudy, study as study
+    from .studies import study as study
     from .sweeps import sweep as sweep
     from .uncertainty import tolerance as tolerance
 else:
@@ -125,7 +125,7 @@ else:
         "halfspace": "",
         "optimisation": "Optimum ParetoFront optimise pareto",
         "sensitivities": "Sensitivity sensitivity",
-        "studies": "DriverStudy study",
+        "studies": "study",
         "sweeps": "sweep",
         "uncertainty": "tolerance",
     }

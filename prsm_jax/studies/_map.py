@@ -100,11 +100,20 @@ def at_designs(
     - `mechanism`, `problem`: what the study is of.
     - `designs`: drivers [SI], by name.
     - `quantities`: those that the mechanism has data for.
-    - `grid`: number of designs of a map of the same mechanism, whose program is then used.
+    - `grid`: number of designs of a map of the same mechanism and quantities, whose program is then
+      used. Without it errors of `check` are not looked for, so that less is compiled.
     """
     axes = {one.name: [design[one.name] for design in designs] for one in problem.drivers}
     size = len(designs) if grid is None else min(grid, DEFAULT_CHUNK)
-    data = sweep(mechanism, axes, quantities, plan="list", gradients=list(axes), chunk=size)
+    data = sweep(
+        mechanism,
+        axes,
+        quantities,
+        plan="list",
+        gradients=list(axes),
+        chunk=size,
+        findings=grid is not None,
+    )
     return _read(problem, data)
 
 

@@ -28,8 +28,8 @@ class Variant:
 
     - `name`: of the part, such as `spin`; `parts`: its places, such as `stage.1.friction.spin`.
     - `misses`: what results miss without it, in words.
-    - `values`: quantities without the part, of the present design and then of the points of the
-      complete front.
+    - `values`: quantities without the part (not those of limits), of the present design and then of
+      the points of the complete front.
     - `changes`: the same relative to the complete physics, minus 1.
     - `turned`: signs of elasticities that differ from those of the complete physics, as quantity,
       driver, and the number of these designs.
@@ -158,11 +158,11 @@ def variant_of(
             limits=tuple(one for one in problem.limits if one.quantity in known),
             limited={one: sense for one, sense in problem.limited.items() if one in known},
         )
-        bare = at_designs(rest, fewer, designs, list(known))
+        bare = at_designs(rest, fewer, designs, list(problem.senses))
         found = dataclasses.replace(
             found,
-            values={one: bare.values[one] for one in fewer.names},
-            changes={one: bare.values[one] / complete.values[one] - 1 for one in fewer.names},
+            values=bare.values,
+            changes={one: bare.values[one] / complete.values[one] - 1 for one in problem.senses},
             turned=_turned(problem, complete, bare),
             without_data=tuple(
                 dict.fromkeys(q.quantity for q in problem.limits if q.quantity not in known)
