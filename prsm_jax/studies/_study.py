@@ -71,8 +71,8 @@ def study(
     """
     if not (isinstance(points, int) and points >= 2):
         raise ValueError(f"points is {points}; give a whole number of 2 or more")
-    problem = problem_of(mechanism, drivers, quantities, objectives, limits)
     parts = parts_of(mechanism, without)
+    problem = problem_of(mechanism, drivers, quantities, objectives, limits)
     tell = progress or (lambda what, done, total: None)
     own = mechanism.design_problem
 
