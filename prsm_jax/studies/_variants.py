@@ -116,7 +116,9 @@ def parts_of(mechanism: Mechanism, names: Iterable[str] | None) -> dict[str, tup
     for name, some in chosen.items():
         if not some:
             hint = closest(name, {p.name.rpartition(".")[2] for p in present})
-            raise UnknownNameError(f"without names {name!r}, a part that the mechanism does not have; {hint}")
+            raise UnknownNameError(
+                f"without names {name!r}, a part that the mechanism does not have; {hint}"
+            )
     return chosen
 
 

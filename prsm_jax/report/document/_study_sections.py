@@ -40,13 +40,16 @@ def study_sections(
         ("design", "change of the quantities, active limits, and exchange along the front"),
         tuple((str(i), one.sentence) for i, one in enumerate(study.gradients, start=1)),
     )
-    summary = [
-        lines[-1] if part == "drivers" else lines[0] for part, lines in said.items() if lines
-    ]
+    summary = (
+        said["drivers"][-1],
+        *said["conflict"][:1],
+        *said["front"][:1],
+        *said["variants"],
+    )
     front_tables = (*tables["front"], *((gradients,) if study.gradients else ()))
     follows = tuple(f"{one.follows}." for one in study.problem.drivers if one.follows)
     sections = [
-        Section("summary", "In short", tuple(summary)),
+        Section("summary", "In short", summary),
         Section(
             "drivers",
             "Drivers and quantities",
