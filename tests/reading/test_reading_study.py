@@ -120,8 +120,8 @@ def test_conflict_maps(study, limits):
     assert len(panels) == len(wanted) * len(pairs)
     for number, axes in enumerate(panels):
         one, pair = wanted[number // len(pairs)], pairs[number % len(pairs)]
-        words = f"{one.first}\nagainst {one.second}".replace("_", " ")
-        assert axes.get_title("left") == words
+        words = f"{one.first} against {one.second}".replace("_", " ")
+        assert axes.get_title("left").replace("\n", " ") == words
         scales = [{"m": 1e3, "rad": 180 / math.pi}[_of_unit(NAMES[i])] for i in pair]
         x, y = (s * study.map.coordinates[NAMES[i]] for i, s in zip(pair, scales, strict=True))
         _filled(axes, chart, _cut(one.cosine, pair), x, y, lambda levels: levels)
@@ -181,7 +181,7 @@ def test_changes(study):
     chart = Chart(variant_changes(study))
     spin = study.variants[0]
     for axes, name in zip(chart.axes, SENSES, strict=True):
-        assert axes.get_xlabel() == f"{name.replace('_', ' ')}:\nchange in %"
+        assert axes.get_xlabel().replace("\n", " ") == f"{_words(name)}: change in %"
         change = 100 * spin.changes[name]
         (bar,) = axes.patches
         assert box_of(bar).get_width() == pytest.approx(change[0])
@@ -211,9 +211,9 @@ def test_other_fronts(study):
     assert refused.get_marker() == "x"
     assert handles(chart.figure) == [
         "complete physics",
-        "without spin, as computed",
-        "without spin, with complete physics: allowed",
-        "without spin, with complete physics: breaks limits",
+        "without spin",
+        "the same designs with complete physics",
+        "those that break a limit then",
     ]
     chart.finish()
 

@@ -1,6 +1,7 @@
 """Where the quantities of a study conflict."""
 
 import itertools
+import textwrap
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,8 @@ from .._parts import colour_bar, legend_below
 from .._style import INK, SMALL, Figure, drawn, page_figure, readable
 from ._planes import Plane, handles_of, planes_of
 
+#: Of a title in a panel as wide as the page.
+_CHARACTERS = 84
 _LEVELS = np.linspace(-1.0, 1.0, 11)
 
 
@@ -41,12 +44,14 @@ def conflict_maps(study: DriverStudy, limits: bool = False) -> Figure:
             raise ValueError("the study has no limit on a quantity that could conflict")
     else:
         rows = [[(one, plane) for plane in planes] for one in study.conflicts if not one.limit]
-    figure = page_figure(16 + 48.0 * len(rows))
+    figure = page_figure(16 + (58.0 if limits else 50.0) * len(rows))
     panels: Any = figure.subplots(len(rows), len(rows[0]), squeeze=False, sharey=limits)
     filled: Any = None
     for axes, (one, plane) in zip(np.ravel(panels), itertools.chain(*rows), strict=True):
         filled = _panel(axes, one, plane)
-        axes.set_title(f"{readable(one.first)}\nagainst {readable(one.second)}", fontsize=SMALL)
+        words = f"{readable(one.first)} against {readable(one.second)}"
+        title = textwrap.fill(words, _CHARACTERS // len(rows[0]))
+        axes.set_title(title, fontsize=SMALL, fontweight="normal")
     colour_bar(figure, filled, list(np.ravel(panels)), "cosine: −1 conflict, +1 agreement")
     legend_below(figure, handles_of(np.ravel(panels)))
     return figure

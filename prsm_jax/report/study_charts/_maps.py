@@ -11,6 +11,9 @@ from .._style import SMALL, Figure, drawn, page_figure, readable
 from ._planes import handles_of, planes_of
 
 _LEVELS = 10
+#: Beyond this ratio of the whole range to that of nine tenths of the designs, colours end at the
+#: latter.
+_FAR = 2.0
 
 
 @drawn
@@ -58,8 +61,12 @@ def _fill(axes: Any, xs: np.ndarray, ys: np.ndarray, cut: Any, shown: np.ndarray
     if shown.size and shown.min() < shown.max():
         from matplotlib.ticker import MaxNLocator
 
-        levels = MaxNLocator(_LEVELS).tick_values(float(shown.min()), float(shown.max()))
-        filled = axes.contourf(xs, ys, cut, levels=levels, cmap="cividis")
+        low, high = (float(v) for v in np.percentile(shown, (5, 95)))
+        # A few designs with far other values would leave one colour for all others.
+        extend = "both" if np.ptp(shown) > _FAR * (high - low) > 0 else "neither"
+        ends = (low, high) if extend == "both" else (float(shown.min()), float(shown.max()))
+        levels = MaxNLocator(_LEVELS).tick_values(*ends)
+        filled = axes.contourf(xs, ys, cut, levels=levels, cmap="cividis", extend=extend)
         axes.contour(xs, ys, cut, levels=levels, colors="white", linewidths=0.4)
         return filled
     return axes.pcolormesh(xs, ys, cut, shading="nearest", cmap="cividis")

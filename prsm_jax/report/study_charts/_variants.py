@@ -1,6 +1,7 @@
 """What parts of the physics are worth: changes of quantities, and other fronts."""
 
 import itertools
+import textwrap
 
 import numpy as np
 
@@ -44,7 +45,7 @@ def variant_changes(study: DriverStudy) -> Figure:
                 axes.plot(ends, [place, place], color=INK, lw=1.2, marker="|", label="front")
         axes.axvline(0, color=INK, lw=0.6)
         axes.set_yticks(places, [f"without {readable(one.name)}" for one in variants])
-        axes.set_xlabel(f"{readable(name)}:\nchange in %")
+        axes.set_xlabel(textwrap.fill(f"{readable(name)}: change in %", 24))
         axes.margins(x=0.1)
         axes.grid(True, axis="x")
     panels[0].invert_yaxis()
@@ -57,8 +58,8 @@ def variant_changes(study: DriverStudy) -> Figure:
 def variant_fronts(study: DriverStudy) -> Figure:
     """Draw the front, and what the designs of fronts without a part are worth with all physics.
 
-    Dashed lines are the fronts as they look without the part. Dots are their designs with complete
-    physics: filled where these satisfy all limits, crosses where they do not.
+    Dashed lines are the fronts as they look without the part. Circles are their designs with
+    complete physics where these satisfy all limits, crosses where they do not.
 
     **Arguments:**
 
@@ -90,16 +91,18 @@ def variant_fronts(study: DriverStudy) -> Figure:
             order = [list(study.problem.objectives).index(name) for name in (x, y)]
             assert one.front is not None
             alone = [shown[n](one.front.values[:, i]) for n, i in zip((x, y), order, strict=True)]
-            axes.plot(*alone, color=colour, lw=1.0, ls="--", label=f"{words}, as computed")
+            axes.plot(*alone, color=colour, lw=1.0, ls="--", label=words)
             full = [shown[name](one.complete[name]) for name in (x, y)]
             for kept, marker, state in (
-                (one.allowed, "o", "allowed"),
-                (~one.allowed, "x", "breaks limits"),
+                (one.allowed, "o", "the same designs with complete physics"),
+                (~one.allowed, "x", "those that break a limit then"),
             ):
                 if kept.any():
+                    known = axes.get_legend_handles_labels()[1]
+                    # Of designs that coincide, each is seen.
                     axes.plot(
-                        full[0][kept], full[1][kept], ls="", marker=marker, ms=4.0, color=colour,
-                        label=f"{words}, with complete physics: {state}",
+                        full[0][kept], full[1][kept], ls="", marker=marker, ms=7.0 - 1.5 * place,
+                        mfc="none", mec=colour, label="_" if state in known else state,
                     )  # fmt: skip
         for name, label in ((x, axes.set_xlabel), (y, axes.set_ylabel)):
             label(f"{in_words(readable(name), shown[name])} ({study.problem.senses[name]})")
