@@ -155,7 +155,8 @@ def _pictures(study: DriverStudy) -> dict[str, tuple[Picture, ...]]:
             "map",
             "Quantities over every two drivers, the others nearest to their present values. Dots: "
             "designs that break a limit or have an error. The front is projected: its points have "
-            "other values of the third driver.",
+            "other values of the third driver. Values beyond a pointed end of a colour scale have "
+            "its last colour.",
             lambda: study_maps(study),
         )
         add(
