@@ -204,7 +204,7 @@ def test_other_fronts(study):
     spin = study.variants[0]
     front, alone, allowed, refused = chart.lines(axes)
     chart.curve(axes, front, study.designs.values[x][1:], study.designs.values[y][1:], units)
-    chart.curve(axes, alone, *spin.front.values.T, units)
+    chart.curve(axes, alone, spin.front.values[:, 0], spin.front.values[:, 1], units)
     full = spin.complete
     chart.curve(axes, allowed, full[x][[0, 2]], full[y][[0, 2]], units)
     chart.curve(axes, refused, full[x][[1]], full[y][[1]], units)
