@@ -2,11 +2,11 @@
 
 Data flows one way, and the folders are named after it: file → mechanism → geometry → contact →
 halfspace, load_sharing → strength, stiffness → vibration, dynamics → response → quantities →
-findings, sensitivities, optimisation, calibration, sweeps, uncertainty → report. A mechanism holds
-laws of `friction` and a `scenario`. `validation` compares with published numbers, `explanation`
-lists the parts of a mechanism, `catalogue_sizes` builds mechanisms from a maker's table, `cli` is
-the command line. The lowest layer is `fields` (numbers with units and limits), `numerics`
-(methods), `programs` (how JAX compiles them), `text` and `process` (signals, files).
+findings, sensitivities, optimisation, calibration, sweeps, uncertainty → studies → report. A
+mechanism holds laws of `friction` and a `scenario`. `validation` compares with published numbers,
+`explanation` lists the parts of a mechanism, `catalogue_sizes` builds mechanisms from a maker's
+table, `cli` is the command line. The lowest layer is `fields` (numbers with units and limits),
+`numerics` (methods), `programs` (how JAX compiles them), `text` and `process` (signals, files).
 """
 
 from . import process as process  # isort: skip # before JAX
@@ -98,6 +98,7 @@ if TYPE_CHECKING:
         halfspace as halfspace,
         optimisation as optimisation,
         sensitivities as sensitivities,
+        studies as studies,
         sweeps as sweeps,
         uncertainty as uncertainty,
     )
@@ -111,6 +112,7 @@ if TYPE_CHECKING:
         pareto as pareto,
     )
     from .sensitivities import Sensitivity as Sensitivity, sensitivity as sensitivity
+    from .studies import study as study
     from .sweeps import sweep as sweep
     from .uncertainty import tolerance as tolerance
 else:
@@ -123,6 +125,7 @@ else:
         "halfspace": "",
         "optimisation": "Optimum ParetoFront optimise pareto",
         "sensitivities": "Sensitivity sensitivity",
+        "studies": "study",
         "sweeps": "sweep",
         "uncertainty": "tolerance",
     }

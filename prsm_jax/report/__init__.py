@@ -48,7 +48,10 @@ from .document import (
     report_section as report_section,
     save_contact_pictures as save_contact_pictures,
     save_transient_pictures as save_transient_pictures,
+    study_sections as study_sections,
+    write_document as write_document,
     write_report as write_report,
+    write_study as write_study,
 )
 from .drawings import cross_section as cross_section
 from .motion_charts import (
@@ -63,6 +66,13 @@ from .motion_charts import (
     steady_flow as steady_flow,
     time_to_settle as time_to_settle,
     transient_chart as transient_chart,
+)
+from .study_charts import (
+    conflict_maps as conflict_maps,
+    front_gradient_chart as front_gradient_chart,
+    study_maps as study_maps,
+    variant_changes as variant_changes,
+    variant_fronts as variant_fronts,
 )
 from .sweep_charts import sweep_figure as sweep_figure, sweep_map as sweep_map
 from .vibration_charts import (

@@ -29,6 +29,10 @@ VERBS = {
     ),
     "calibrate": (("--data", "wu2022_torque", "--loss", "squared"), ["drive_torque"]),
     "sweep": (("--axis", "lead=9 mm,10 mm", "--quantities", "max_pressure"), ["max_pressure"]),
+    "tolerance": (
+        ("--quantities", "max_pressure", "--method", "first_order"),
+        ["max_pressure"],
+    ),
 }
 
 
@@ -42,7 +46,11 @@ def design(tmp_path_factory):
         (prsm.mechanism.Objective("max_pressure", "minimise"),),
     )
     mechanism = dataclasses.replace(
-        mechanism, stages=(stage,), duty_cycle=None, design_problem=problem
+        mechanism,
+        stages=(stage,),
+        duty_cycle=None,
+        design_problem=problem,
+        tolerances=(prsm.mechanism.Tolerance("lead", -1e-5, 1e-5),),
     )
     path = tmp_path_factory.mktemp("design") / "design.toml"
     path.write_text(file.dumps(mechanism), encoding="utf-8")

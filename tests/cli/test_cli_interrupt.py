@@ -24,6 +24,8 @@ PATIENCE = 2.0
 HEARS = "import signal, sys\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n"
 MAIN = "from prsm_jax.cli import main\nsys.exit(main())"
 SWEEP = ("sweep", "wu2022", "--axis", "lead=5 mm:15 mm:3000", "--axis")
+STUDY = ("study", "wu2022", "--driver", "lead", "--driver", "contact_angle")
+STUDY += ("--maximise", "efficiency", "--minimise", "max_pressure", "--points")
 
 
 def start(folder, words, stderr, tmp_path):
@@ -77,8 +79,16 @@ class Terminal:
         (("optimise", "actuator", "--starts", "1"), "compiling 1 of 3 programs"),
         (("simulate", "actuator_mission"), "compiling"),
         (("demo",), "compiling"),
+        ((*STUDY, "9"), "compiling 1 of 4 programs"),
+        ((*STUDY, "3000"), "of 9000000 designs"),
+        (("pareto", "actuator", "--minimise", "mass,max_pressure"), "compiling 1 of 3 programs"),
+        (("tolerance", "actuator_tolerances"), "compiling 1 of"),
+        (("calibrate", "wu2022", "--data", "wu2022_torque"), "compiling 1 of 3 programs"),
     ],
-    ids=["sweep compiles", "sweep runs", "optimise", "simulate", "demo"],
+    ids=[
+        *("sweep compiles", "sweep runs", "optimise", "simulate", "demo"),
+        *("study compiles", "study runs", "pareto", "tolerance", "calibrate"),
+    ],
 )
 def test_ctrl_c_while_compiling_or_running(tmp_path, words, moment):
     folder = tmp_path / "empty"
@@ -105,13 +115,13 @@ def test_ctrl_c_while_compiling_or_running(tmp_path, words, moment):
     assert "Traceback" not in terminal.text
     assert re.fullmatch(r"(\r\x1b\[K(prsm [^\r\n]*)?)+\r\x1b\[Kprsm: stopped.*\s*", terminal.text)
     written = sorted(str(path.relative_to(folder)) for path in folder.rglob("*"))
-    if written and words[0] == "sweep":
+    if written and words[0] in ("sweep", "study"):
         # The store stays, for the next run to continue: whole, and nothing beside it.
-        store = folder / "out" / "wu2022-sweep.zarr"
+        store = folder / "out" / f"wu2022-{words[0]}.zarr"
         assert stored_identity(store)["quantities"] == ["efficiency", "max_pressure"]
         assert [path for path in written if not path.startswith(f"out/{store.name}")] == ["out"]
     else:
-        # A sweep makes its store while its program is compiled.
+        # A sweep and a study make their store while its program is compiled.
         assert not moment.endswith("designs")
         assert written == []
 

@@ -24,6 +24,7 @@ VERBS = {
     "pareto": ["actuator"],
     "calibrate": ["wu2022", "--data", "wu2022_torque"],
     "sweep": ["wu2022", "--axis", "lead=5 mm,6 mm"],
+    "study": ["actuator"],
     "tolerance": ["wu2022"],
     "quantities": [],
     "example": ["wu2022"],

@@ -43,6 +43,7 @@ LAYERS["sensitivities"] = LAYERS["optimisation"] = LAYERS["sweeps"] = _PHYSICS
 LAYERS["uncertainty"] = _PHYSICS
 LAYERS["calibration"] = LAYERS["explanation"] = _PHYSICS | {"file"}
 LAYERS["validation"] = _PHYSICS | {"file", "catalogue_sizes"}
+LAYERS["studies"] = _PHYSICS | {"sensitivities", "optimisation", "sweeps", "explanation", "file"}
 LAYERS["report"] = _PHYSICS | {
     "file",
     "sensitivities",
@@ -51,6 +52,8 @@ LAYERS["report"] = _PHYSICS | {
     "sweeps",
     "uncertainty",
     "validation",
+    "explanation",
+    "studies",
 }
 LAYERS["cli"] = set(LAYERS)
 LAYERS = GROUND | {room: below | set(GROUND) for room, below in LAYERS.items()}
@@ -67,6 +70,7 @@ WAY = (
     ("response",),
     ("quantities",),
     ("findings", "sensitivities", "optimisation", "calibration", "sweeps", "uncertainty"),
+    ("studies",),
     ("report",),
 )
 

@@ -4,7 +4,7 @@ import base64
 import dataclasses
 import os
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from urllib.parse import quote
 
@@ -25,7 +25,43 @@ def write_report(
     dpi: int = 200,
     on_fault: Callable[[str], None] = warnings.warn,
 ) -> Path:
-    """Write a report into a directory.
+    """Write the report on one design, or on two, into a directory, as `write_document` does.
+
+    **Arguments:**
+
+    - `directory`: where to write; made if it is not there.
+    - `data`: what to report, from `analyse`.
+    - `attachments`, `dpi`, `on_fault`: as for `write_document`.
+
+    **Returns:** the path of `report.html`.
+
+    **Raises:** as `write_document`.
+    """
+    kind = "analysis and optimisation" if data.optimisation is not None else "analysis"
+    return write_document(
+        directory,
+        data.title,
+        kind,
+        lambda: report_sections(data),
+        attachments=attachments,
+        dpi=dpi,
+        on_fault=on_fault,
+        faults=[f"The analysis of the {part} failed: {words}" for part, words in data.faults],
+    )
+
+
+def write_document(
+    directory: str | Path,
+    title: str,
+    kind: str,
+    sections: Callable[[], Sequence[Section]],
+    *,
+    attachments: Mapping[str, str] | None = None,
+    dpi: int = 200,
+    on_fault: Callable[[str], None] = warnings.warn,
+    faults: Sequence[str] = (),
+) -> Path:
+    """Write a document of sections into a directory.
 
     `report.html` holds everything and can be sent alone; `report.md` refers to `figures/`, where
     each picture lies as PNG and SVG. Everything is made beside the directory and moved in when it
@@ -35,11 +71,13 @@ def write_report(
     **Arguments:**
 
     - `directory`: where to write; made if it is not there.
-    - `data`: what to report, from `analyse`.
+    - `title`: its heading; `kind`: what it is on, such as `analysis`.
+    - `sections`: makes its sections, in the order of reading, once the directory can be written.
     - `attachments`: text of further files that belong to the report (JSON, the optimised
       mechanism), by file name; written with it and linked from it.
     - `dpi`: resolution of the PNG pictures.
     - `on_fault`: called for each part that is missing because of a fault; default a warning.
+    - `faults`: sentences on parts that are missing already.
 
     **Returns:** the path of `report.html`.
 
@@ -61,10 +99,11 @@ def write_report(
     place = real_path(target)
     place.parent.mkdir(parents=True, exist_ok=True)
     with temporary_folder(place.parent, f".{place.name}-") as building:
-        faults = _build(building, data, files, environment, dpi)
+        content = _Content(title, kind, tuple(sections()), files, tuple(faults))
+        told = _build(building, content, environment, dpi)
         with placing_in(place.parent):
             _move_in(building, place)
-    for fault in faults:
+    for fault in told:
         on_fault(fault)
     return target / "report.html"
 
@@ -88,11 +127,20 @@ def _environment():
     return environment
 
 
-def _build(
-    folder: Path, data: ReportData, files: dict[str, str], environment, dpi: int
-) -> tuple[str, ...]:
+@dataclasses.dataclass(frozen=True)
+class _Content:
+    """All that a document holds, before pictures are drawn."""
+
+    title: str
+    kind: str
+    sections: tuple[Section, ...]
+    files: dict[str, str]
+    faults: tuple[str, ...]
+
+
+def _build(folder: Path, content: _Content, environment, dpi: int) -> tuple[str, ...]:
     """Write everything; return what is missing because of a fault, as sentences."""
-    sections = report_sections(data)
+    sections = content.sections
     figures = folder / "figures"
     figures.mkdir()
     lost: dict[str, tuple[str, ...]] = {}
@@ -106,23 +154,23 @@ def _build(
         for section in sections
     )
     faults = (
-        *(f"The analysis of the {part} failed: {words}" for part, words in data.faults),
+        *content.faults,
         *(f"{section.title}: {words}" for section in sections for words in section.faults),
     )
     values = {
-        "title": printable(data.title),
-        "improved": data.optimisation is not None,
+        "title": printable(content.title),
+        "kind": content.kind,
         "sections": sections,
         "embedded": embedded,
         "numbers": {name: number for number, name in enumerate(embedded, start=1)},
-        "attachments": list(files),
+        "attachments": list(content.files),
         "faults": faults,
     }
     for name in ("report.html", "report.md"):
         text = environment.get_template(f"{name}.jinja").render(values)
         # A lone surrogate, which only Python strings can hold, must not lose the rest.
         (folder / name).write_text(text, encoding="utf-8", errors="replace")
-    for name, text in files.items():
+    for name, text in content.files.items():
         (folder / name).write_text(text, encoding="utf-8")
     return faults
 

@@ -1,0 +1,162 @@
+"""The verb on a study of a few drivers, with its report."""
+
+import json
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from ..._errors import PrsmError
+from ...mechanism import Mechanism
+from ...process import folder_for_results
+from ...quantities import assumptions
+from .._app import app
+from .._common import Common, checked, emit, plain, value_of, words_of
+from .._progress import Counter, clear, counted, doing, expect_programs
+from .._tables import terminal_width
+
+_DEFAULT = Common()
+_NAMES = "from `prsm quantities`, separated by commas."
+
+
+def _drivers(mechanism: Mechanism, texts: list[str]) -> Any:
+    """Ranges by name from `NAME=LOWER:UPPER`; only names where no range is given."""
+    ranges: dict[str, tuple[float, float] | None] = {}
+    for text in texts:
+        name, equals, limits = (part.strip() for part in text.partition("="))
+        ends = limits.split(":")
+        if not name or (equals and len(ends) != 2):
+            raise PrsmError(
+                f"--driver {text}: must be NAME or NAME=LOWER:UPPER, such as 'lead=5 mm:20 mm'"
+            )
+        if name in ranges:
+            raise PrsmError(f"--driver {text}: {name} is given twice; remove one")
+        both = [value_of(mechanism, name, end, f"--driver {text}") for end in ends if equals]
+        ranges[name] = (both[0], both[1]) if equals else None
+    return ranges or None
+
+
+def _senses(maximise: str | None, minimise: str | None) -> dict[str, str] | None:
+    """Senses by quantity; a quantity that is named twice is refused."""
+    more, less = words_of(maximise) or [], words_of(minimise) or []
+    both = sorted(set(more) & set(less))
+    if both:
+        raise PrsmError(f"--maximise and --minimise both name {', '.join(both)}; remove one")
+    return (dict.fromkeys(more, "maximise") | dict.fromkeys(less, "minimise")) or None
+
+
+class _Progress:
+    """Shows what a study computes now, and how far it is."""
+
+    def __init__(self) -> None:
+        self._map = Counter("designs of the map")
+
+    def __call__(self, what: str, done: int, total: int) -> None:
+        if what == "map":
+            self._map(done, total)
+        else:
+            counted(done, total, f"searches, {what}")
+
+
+@app.command
+def study(
+    file: str,
+    *,
+    driver: Annotated[
+        list[str] | None,
+        Parameter(
+            negative="",
+            help="NAME=LOWER:UPPER, such as 'lead=5 mm:20 mm', or NAME alone: then the range is "
+            "that of [[optimise.variable]], or 25 % on either side. Repeat it for further "
+            "drivers. Default: lead, contact angle and roller radius.",
+        ),
+    ] = None,
+    maximise: Annotated[
+        str | None, Parameter(help=f"Quantities of which more is better, {_NAMES}")
+    ] = None,
+    minimise: Annotated[
+        str | None, Parameter(help=f"Quantities of which less is better, {_NAMES}")
+    ] = None,
+    objectives: Annotated[
+        str | None,
+        Parameter(help="Two or three of the quantities, of which the front is. Default the first."),
+    ] = None,
+    points: Annotated[int, Parameter(help="Values of every driver in the map.")] = 7,
+    front_points: Annotated[int, Parameter(help="Points of the front.")] = 11,
+    without: Annotated[
+        str | None,
+        Parameter(
+            help="Parts of the physics to leave out, one at a time, by commas; names as `prsm "
+            "explain` prints them, or their ends. Default spin,rolling_hysteresis,load_sharing as "
+            "far as the file has them; none for none."
+        ),
+    ] = None,
+    starts: Annotated[
+        int | None, Parameter(help="Number of starts for the best of each objective.")
+    ] = None,
+    common: Common = _DEFAULT,
+) -> int:
+    """What a few drivers do to quantities, where these conflict, and the front, with a report.
+
+    By default natural frequencies and efficiency against lead, contact angle and roller radius,
+    under the limits of [optimise], and again without spin, rolling hysteresis and load sharing.
+    Writes report.html, report.md, figures, study.json and the store of the map to --out (default
+    out). A run that was stopped continues with the same command. Exit status 1 if the front has not
+    converged.
+
+    Example: prsm study actuator --out out/drivers
+    """
+    common.check_targets("out")
+    mechanism = common.load(file)
+    drivers, senses = _drivers(mechanism, driver or []), _senses(maximise, minimise)
+    left_out = words_of(without)
+    from ...report import write_study
+    from ...studies import study as run_study
+
+    # Map, front and, for each part that is left out, designs and front.
+    expect_programs("evaluate_chunk", "_values", "_derivatives")
+    folder = Path("out") if common.out is None else common.out
+    store = folder / f"{Path(file).stem}-study.zarr"
+    with folder_for_results(folder):
+        found = run_study(
+            mechanism,
+            drivers,
+            senses,
+            words_of(objectives),
+            points=points,
+            front_points=front_points,
+            without=[] if left_out == ["none"] else left_out,
+            starts=starts,
+            store=store,
+            progress=_Progress(),
+        )
+    rests_on = assumptions(mechanism, found.problem.computed)
+    findings = checked(mechanism)
+    if found.front.points:
+        # Errors are constraints: those of the present design are not those of the front.
+        findings = tuple(one for one in findings if one.severity != "error")
+    results = found.to_dict() | {"assumptions": list(rests_on)}
+    doing("drawing and writing the report")
+    faults: list[str] = []
+    report = write_study(
+        folder,
+        found,
+        assumptions=rests_on,
+        command=f"prsm study {file} --out {folder}",
+        attachments={
+            "study.json": json.dumps(plain(results), indent=2, ensure_ascii=False) + "\n",
+        },
+        on_fault=faults.append,
+    )
+    for fault in faults:
+        clear()
+        print(f"prsm: warning: the report is not complete: {fault}", file=sys.stderr)
+    valid = emit(
+        common,
+        {"report": report, "store": store, **found.to_dict()},
+        lambda: found.text(terminal_width()) + f"\n\n{report}\n{store}",
+        rests_on,
+        findings,
+    )
+    return int(not (valid and found.front.converged) or bool(faults))

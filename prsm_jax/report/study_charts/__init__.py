@@ -1,0 +1,6 @@
+"""Pictures of a study: maps, conflicts, the front with its gradients, and what physics is worth."""
+
+from ._conflict_maps import conflict_maps as conflict_maps
+from ._front_gradients import front_gradient_chart as front_gradient_chart
+from ._maps import study_maps as study_maps
+from ._variants import variant_changes as variant_changes, variant_fronts as variant_fronts

@@ -1,0 +1,119 @@
+"""The function `study`: map, conflicts, front, and what they are without parts of the physics."""
+
+import os
+from collections.abc import Callable, Iterable, Mapping
+
+from ..mechanism import Constraint, DesignProblem, Mechanism, Variable, of_one_known_design
+from ..optimisation import ParetoFront, pareto
+from ._conflict import conflicts_of
+from ._gradients import front_gradients
+from ._map import at_designs, map_over_drivers
+from ._problem import StudyProblem, problem_of
+from ._result import DriverStudy
+from ._variants import parts_of, variant_of
+
+
+@of_one_known_design
+def study(
+    mechanism: Mechanism,
+    drivers: Mapping[str, tuple[float, float]] | Iterable[str] | None = None,
+    quantities: Mapping[str, str] | None = None,
+    objectives: Iterable[str] | None = None,
+    limits: Iterable[Constraint] | None = None,
+    *,
+    points: int = 7,
+    front_points: int = 11,
+    without: Iterable[str] | None = None,
+    starts: int | None = None,
+    store: str | os.PathLike[str] | None = None,
+    progress: Callable[[str, int, int], None] | None = None,
+) -> DriverStudy:
+    r"""Study what a few drivers do to quantities, where these conflict, and the best compromises.
+
+    1. A map: all quantities and their exact gradients over a grid of the drivers (`sweep`).
+    2. Conflicts: at each design the cosine of the angle between the elasticities
+       $\frac{p}{q}\frac{\partial q}{\partial p}$ of two quantities, with the signs of their senses.
+       Quantities of limits take part: where nothing conflicts but a limit, the limit makes the
+       compromise.
+    3. The front of two or three of the quantities within the limits (`pareto`), and the gradient at
+       each of its points.
+    4. The same front without parts of the physics, and what its designs are worth with all of it.
+
+    All at the mechanism's operating point.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism.
+    - `drivers`: ranges [SI] by the name of a number, or only names: then the ranges are those of
+      the variables of its design problem, or 25 % on either side of the present value. Default
+      lead, contact angle and roller radius.
+    - `quantities`: `"maximise"` or `"minimise"` by the name of a quantity, two or more. Default
+      efficiency and the lowest torsional and transverse frequencies of the contacts, all to be
+      maximised, as far as the mechanism has data.
+    - `objectives`: those of the quantities that the front is of, two or three; default the first
+      two.
+    - `limits`: constraints of the front; default those of the design problem. Errors of `check` are
+      constraints, too.
+    - `points`: values of every driver in the map, 2 or more.
+    - `front_points`: points of a front, as `points` of `pareto`.
+    - `without`: parts of the physics that are left out, one at a time; names as in `explain`, or
+      their ends, such as `spin`. Default those of spin, rolling hysteresis and load sharing that
+      the mechanism has.
+    - `starts`: of the searches for the best of each objective; default those of the design problem.
+    - `store`: directory of a zarr store of the map, which a later call continues.
+    - `progress`: called with what is computed now, and how many of how many are done.
+
+    **Returns:** a `DriverStudy`, which prints itself. Without a feasible design its front has no
+    points.
+
+    **Raises:** as `sweep` and `pareto`; `ValueError` for a range, a sense or a number of points
+    that cannot be, and for quantities with components; `UnknownNameError` for an unknown name.
+    """
+    if not (isinstance(points, int) and points >= 2):
+        raise ValueError(f"points is {points}; give a whole number of 2 or more")
+    parts = parts_of(mechanism, without)
+    problem = problem_of(mechanism, drivers, quantities, objectives, limits)
+    tell = progress or (lambda what, done, total: None)
+    own = mechanism.design_problem
+
+    def find_front(one: Mechanism, its: StudyProblem, what: str = "front") -> ParetoFront:
+        return pareto(
+            one,
+            problem=DesignProblem(
+                tuple(Variable(d.name, d.lower, d.upper) for d in its.drivers),
+                its.front_objectives,
+                its.limits,
+                starts=starts or (4 if own is None else own.starts),
+                seed=0 if own is None else own.seed,
+                points=front_points,
+            ),
+            progress=lambda done, total: tell(what, done, total),
+        )
+
+    grid, _ = map_over_drivers(
+        mechanism, problem, points, store, lambda done, total: tell("map", done, total)
+    )
+    front = find_front(mechanism, problem)
+    present = {one.name: one.present for one in problem.drivers}
+    designs = [present, *(point.variables for point in front.points)]
+    size = grid.usable.size
+    here = at_designs(mechanism, problem, designs, problem.computed, size)
+    variants = []
+    for name, places in parts.items():
+
+        def find_without(one: Mechanism, its: StudyProblem, name: str = name) -> ParetoFront:
+            return find_front(one, its, f"front without {name}")
+
+        variants.append(
+            variant_of(mechanism, problem, name, places, designs, here, front, size, find_without)
+        )
+    return DriverStudy(
+        title=mechanism.title,
+        problem=problem,
+        map=grid,
+        conflicts=conflicts_of(problem, grid, here),
+        front=front,
+        designs=here,
+        gradients=front_gradients(problem, front, here, 1),
+        variants=tuple(variants),
+    )
