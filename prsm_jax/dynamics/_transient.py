@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from .._errors import PrsmError
-from ..fields import Scalar
+from ..fields import Scalar, refuse_options
 from ..mechanism import Mechanism, of_one_design
 from ..numerics import over_samples
 from ..programs import is_known, one_program_where_possible, traceable
@@ -40,7 +40,6 @@ from .solvers import (
     is_concrete,
     method_of,
     options_of,
-    refuse_options,
 )
 from .speed_drive import (
     Problem,
@@ -172,7 +171,7 @@ def _settings(method: Method, gradient: Gradient, scenario: Scenario | TorqueSce
     own_options = {name: getattr(method, name) for name in options_of(type(method))}
     if isinstance(method, QuasiSteady) and not torque:
         named = [name for name, value in own_options.items() if value is not None]
-        refuse_options(method.word, named, (), " at a prescribed speed")
+        refuse_options(f"method {method.word!r}", named, (), " at a prescribed speed")
     defaults = {"rtol": RTOL, "atol": ATOL, "max_steps": MAX_STEPS}
     options = {
         name: value if own_options.get(name) is None else own_options[name]

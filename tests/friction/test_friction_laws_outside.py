@@ -1,6 +1,7 @@
 """Friction laws of a user's own, in everything that the package's laws work in."""
 
 import dataclasses
+import re
 from typing import ClassVar
 
 import equinox as eqx
@@ -331,6 +332,20 @@ def test_naming_a_law():
     first, second = made("run_twice"), made("run_twice")
     assert first is not second
     assert file.loads(_with_law("run_twice")).stages[0].friction.thread == second()
+
+
+def test_the_remedy_for_a_field_without_a_unit_can_be_copied():
+    def made(**body):
+        body["friction_coefficient"] = lambda self, sliding: self.plain
+        return prsm.friction_law("copied")(type("Copied", (prsm.FrictionLaw,), body))
+
+    with pytest.raises(ValueError, match="plain has no unit") as refused:
+        made(plain=0.1, __annotations__={"plain": float})
+    field, imports = re.findall("`(.+?)`", str(refused.value))
+    body = {}
+    exec(f"{imports}\n{field}", body)
+    law = made(plain=body["plain"], __annotations__=body["__annotations__"])
+    assert float(law(0.2).friction_coefficient(None)) == 0.2
 
 
 def _with_law(name):

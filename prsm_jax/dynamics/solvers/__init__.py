@@ -22,7 +22,6 @@ from ._method_objects import (
     Rodasp as Rodasp,
     method_of as method_of,
     options_of as options_of,
-    refuse_options as refuse_options,
 )
 from ._methods import (
     NAMES as NAMES,

@@ -4,11 +4,12 @@ The words that `simulate` also takes (`"rosenbrock"`, …) stand for such object
 """
 
 import dataclasses
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
 
 import equinox as eqx
 from jaxtyping import ArrayLike
+
+from ...fields import refuse_options
 
 if TYPE_CHECKING:
     import diffrax
@@ -193,17 +194,5 @@ def method_of(method: Method | str, **options: Any) -> Method:
             "prsm_jax.Rodasp(rtol=1e-6) or prsm_jax.Diffrax(diffrax.Kvaerno5())"
         )
     cls = _BY_WORD[method]
-    refuse_options(method, options, options_of(cls))
+    refuse_options(f"method {method!r}", options, options_of(cls))
     return cls(**options)
-
-
-def refuse_options(
-    method: str, options: Iterable[str], takes: tuple[str, ...], where: str = ""
-) -> None:
-    """**Raises:** `ValueError` for an option that a method does not take."""
-    for name in options:
-        if name not in takes:
-            known = ", ".join(takes) or "no options"
-            raise ValueError(
-                f"method {method!r} takes {known}{where}, but not {name}; leave it out"
-            )

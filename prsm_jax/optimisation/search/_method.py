@@ -2,12 +2,13 @@
 
 import abc
 import inspect
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar, TypeAlias, TypeVar
 
 import numpy as np
 
+from ...fields import refuse_options
 from ._functions import SearchFunctions
 
 _Method = TypeVar("_Method", bound="WithOptions")
@@ -73,14 +74,6 @@ class WithOptions(SearchMethod):
         if all(one.kind is not inspect.Parameter.VAR_KEYWORD for one in known):
             refuse_options(cls.__name__, options, [one.name for one in known][1:])
         return object.__new__(cls)
-
-
-def refuse_options(method: str, options: Iterable[str], takes: Iterable[str]) -> None:
-    """**Raises:** `ValueError` for an option that a method does not take."""
-    for name in options:
-        if name not in takes:
-            known = ", ".join(takes) or "no options"
-            raise ValueError(f"{method} takes {known}, but not {name}; leave it out")
 
 
 def check_at_least(least: int, **options: Any) -> None:

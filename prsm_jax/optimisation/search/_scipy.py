@@ -6,9 +6,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...fields import refuse_options
 from ._constrained import COST_TOLERANCE, STEP_TOLERANCE, nonlinear_constraints
 from ._functions import SearchFunctions
-from ._method import Report, SearchResult, WithOptions, check_at_least, refuse_options
+from ._method import Report, SearchResult, WithOptions, check_at_least
 
 
 class _Support(NamedTuple):
