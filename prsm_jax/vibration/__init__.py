@@ -23,7 +23,6 @@ from ._spring_modes import (
     RIGID_SHARE as RIGID_SHARE,
     SpringModes as SpringModes,
     clusters as clusters,
-    directional_slopes as directional_slopes,
     spring_modes as spring_modes,
 )
 from ._symmetric import (
