@@ -1,4 +1,4 @@
-"""What the data cannot tell: directions of small singular values, in words."""
+"""Combinations of parameters that the data do not determine: small singular values, in words."""
 
 import numpy as np
 

@@ -328,7 +328,10 @@ class _Problem:
         return self._searched()
 
     def _scale(self, shape: np.ndarray) -> float:
-        """Factor at which widths of a given shape reach the wanted yield, which falls with it."""
+        """Factor on widths of a given shape at which the yield is the wanted one.
+
+        The yield falls as the factor rises.
+        """
         low, high = -60.0, 60.0
         for _ in range(80):
             middle = 0.5 * (low + high)

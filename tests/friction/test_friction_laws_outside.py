@@ -313,6 +313,23 @@ def test_what_is_not_asked_for_cannot_be_used():
         steady_state(_one(Careless()))
 
 
+def test_a_law_from_outside_is_optimised():
+    """The optimum is no worse than the steady states at the bounds, and is one itself."""
+    bounds = (0.6, 1.2)
+    one = _one(AskingCoulomb(0.05))
+    best = prsm.optimise(one, {"contact_angle": bounds}, maximise="efficiency")
+    assert best.converged
+    angles = (best.optimum.variables["contact_angle"], *bounds)
+    values = [
+        float(steady_state(prsm.set_parameter(one, "contact_angle", angle)).efficiency)
+        for angle in angles
+    ]
+    # The same operations in another program.
+    assert best.optimum.objective == pytest.approx(values[0], rel=1e-12)
+    assert values[0] == max(values)
+    assert min(values) < values[0] - 1e-3
+
+
 def test_naming_a_law():
     def made(name, **members):
         body = {"friction_coefficient": lambda self, sliding: sliding.speed, **members}

@@ -6,6 +6,7 @@ import inspect
 import re
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 from types import ModuleType
 
@@ -288,6 +289,12 @@ def test_files_are_short():
     }
     assert not {path: lines for path, lines in lengths.items() if lines > 400}
     assert sorted(lengths.values())[len(lengths) // 2] <= 160
+
+
+def test_folders_are_small():
+    """With more files than this a folder needs rooms within."""
+    counts = Counter(path.parent.relative_to(ROOT) for path in _files())
+    assert not {folder: count for folder, count in counts.items() if count > 15}
 
 
 def test_every_module_says_what_it_is():

@@ -48,8 +48,9 @@ class Settings(NamedTuple):
     def within(self, dtype: DTypeLike) -> "Settings":
         """The settings, with tolerances that numbers of this precision can meet.
 
-        Errors below their rounding are noise, and so are steps chosen by them: there are then more
-        steps than needed, and reverse mode, which repeats some, ends at a different time.
+        A tolerance below the rounding of the states makes the error estimate, and the steps that
+        follow from it, random. Steps are then too many, and reverse mode, which repeats some of
+        them, ends at a different time.
         """
         if not is_short(dtype):
             return self

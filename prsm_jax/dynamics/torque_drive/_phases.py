@@ -83,7 +83,7 @@ def _chosen_steps(
     state: Array,
     label: Any,
 ) -> tuple[Callable[..., Any], Any]:
-    """The rate, traced, and one phase without derivatives, with a record of its steps."""
+    """The traced rate, and one phase integrated without derivatives, whose steps are recorded."""
     import diffrax
 
     from ..solvers._recorded_steps import Recording

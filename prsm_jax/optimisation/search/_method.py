@@ -9,6 +9,7 @@ from typing import Any, ClassVar, TypeAlias, TypeVar
 import numpy as np
 
 from ...fields import refuse_options
+from ._evaluator import Evaluator
 from ._functions import SearchFunctions
 
 _Method = TypeVar("_Method", bound="WithOptions")
@@ -36,9 +37,11 @@ class SearchMethod(abc.ABC):
     - `accepts_constraints`: whether `search` keeps `functions.limits`. A method that does not is
       refused where the problem has constraints; a design with an error of `check` then counts as
       one that fails.
+    - `chooses_starts`: whether `chosen` replaces the starts of the problem before the searches.
     """
 
     accepts_constraints: bool = False
+    chooses_starts: ClassVar[bool] = False
     #: The word that stands for the method with its default options; empty if there is none.
     word: ClassVar[str] = ""
 
@@ -46,6 +49,16 @@ class SearchMethod(abc.ABC):
     def name(self) -> str:
         """The name in results: the word, or the name of the class."""
         return self.word or type(self).__name__
+
+    def chosen(self, evaluator: Evaluator, positions: np.ndarray) -> list[np.ndarray]:
+        """Starts in place of those of the problem, of a method that declares `chooses_starts`.
+
+        **Arguments:**
+
+        - `evaluator`: the design problem, with its scales.
+        - `positions`: the starts of the problem in the unit box, starts × variables.
+        """
+        return list(positions)
 
     @abc.abstractmethod
     def search(

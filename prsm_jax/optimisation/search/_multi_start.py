@@ -102,6 +102,7 @@ class MultiStart(WithOptions):
 
     word = "multi-start"
     accepts_constraints = True
+    chooses_starts = True
     steps: int = 30
     learning_rate: float = 0.05
     keep: int = 3

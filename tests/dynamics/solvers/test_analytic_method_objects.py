@@ -9,7 +9,7 @@ from scenes import Swing, array, mechanism, simulate, stage
 
 import prsm_jax as prsm
 from prsm_jax.dynamics import Auto, Integrating, ReverseMode
-from prsm_jax.dynamics.solvers import method_of
+from prsm_jax.dynamics.solvers import gradient_of, method_of
 from prsm_jax.friction import Friction, RegularisedCoulombFriction
 
 ONE = mechanism()
@@ -168,7 +168,7 @@ def test_a_mode_of_differentiation_is_an_object_or_a_word():
     # The three programs take the same steps; checkpoints are recomputed by the same operations.
     np.testing.assert_allclose(slopes[1:], [slopes[0]] * 2, rtol=1e-12)
     with pytest.raises(ValueError, match="gradient is 'sideways'; choose one of reverse, forward"):
-        last(array(7e3), "sideways")
+        gradient_of("sideways")
 
 
 def test_an_unknown_word_names_the_known_ones():
