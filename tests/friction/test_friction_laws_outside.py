@@ -2,7 +2,7 @@
 
 import dataclasses
 import re
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import equinox as eqx
 import jax
@@ -316,7 +316,7 @@ def test_what_is_not_asked_for_cannot_be_used():
 def test_a_law_from_outside_is_optimised():
     """The optimum is no worse than the steady states at the bounds, and is one itself."""
     bounds = (0.6, 1.2)
-    one = _one(AskingCoulomb(0.05))
+    one = _one(AskingCoulomb(array(0.05)))
     best = prsm.optimise(one, {"contact_angle": bounds}, maximise="efficiency")
     assert best.converged
     angles = (best.optimum.variables["contact_angle"], *bounds)
@@ -361,7 +361,7 @@ def test_the_remedy_for_a_field_without_a_unit_can_be_copied():
     field, imports = re.findall("`(.+?)`", str(refused.value))
     body = {}
     exec(f"{imports}\n{field}", body)
-    law = made(plain=body["plain"], __annotations__=body["__annotations__"])
+    law: Any = made(plain=body["plain"], __annotations__=body["__annotations__"])
     assert float(law(0.2).friction_coefficient(None)) == 0.2
 
 
