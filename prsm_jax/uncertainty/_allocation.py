@@ -366,7 +366,7 @@ class _Problem:
         # 8: rounding hides a further descent at the optimum.
         if least_cost.status not in (0, 8):
             raise ValueError(
-                f"the search for the tolerances of least cost found no optimum: "
+                "the search for the tolerances of least cost found no optimum: "
                 f"{least_cost.message}; give fewer tolerances or limits"
             )
         widths = np.exp(least_cost.x)

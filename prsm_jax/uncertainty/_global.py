@@ -180,8 +180,6 @@ def sobol_indices(
             indices = salib.analyze.sobol.analyze(
                 problem, scaled, calc_second_order=False, seed=seed
             )
-                problem, scaled, calc_second_order=False, seed=seed
-            )
         rows[label] = {
             "first_order": np.asarray(indices["S1"]),
             "total_order": np.asarray(indices["ST"]),
