@@ -97,12 +97,12 @@ report.pressure_map({"whole flank": whole, "crest 0.08 mm high": cut})
 # opposite flanks of one half unload as the load grows. Above the opening load the nut is softer.
 
 # %%
-braced = prsm.load("actuator_load_sharing")
-shared = eqx.filter_jit(load_distribution)(braced)
+split = prsm.load("actuator_load_sharing")
+shared = eqx.filter_jit(load_distribution)(split)
 report.thread_load_chart(shared)
 
 # %%
-curve = eqx.filter_jit(force_deflection)(braced, np.linspace(-18e3, 18e3, 61))
+curve = eqx.filter_jit(force_deflection)(split, np.linspace(-18e3, 18e3, 61))
 report.force_deflection_chart({"preload 5 kN": curve})
 
 # %% [markdown]

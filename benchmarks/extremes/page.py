@@ -78,9 +78,10 @@ cells of 398 rows were bad, all of them derivatives, in 24 rows. The causes:
   in the two-stage example with carriers a thousand times too heavy, 1.6 % by the amplitude and 5 %
   by the mean speed were missing. Now the steps next to a reversal move with it; at a relative
   tolerance of 1e-10 the derivatives agree with differences to 2e-5.
-* Next to a standstill the time constants of the carriers are proportional to the speed. Steps that
-  grew tenfold after it multiplied deviations by 20 each, up to 1e37 in derivatives, without any
-  check. Now a step takes at most 0.32 of the time to a standstill, and 1.2 of the time since one.
+* Next to a standstill the time constants of the carriers are proportional to the speed. After the
+  standstill each step was up to ten times longer than the one before, and multiplied deviations by
+  20: derivatives grew up to 1e37, and no check found it. Now a step takes at most 0.32 of the time
+  to a standstill, and 1.2 of the time since one.
 * Outside the range of carrier speeds in which friction changes its direction, deviations grow. Long
   steps of RODASP did not change such a state, and estimated no error. They are rejected now.
 * At the reversal itself a force jumps, so a sample there has no derivative. It counts as open now.

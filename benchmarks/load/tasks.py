@@ -73,7 +73,7 @@ def _apart(found: Any, period: np.ndarray, count: int) -> float:
 
 
 def _reversals(method: Any, steps: int, width: float) -> Callable[[int], Work]:
-    """Strokes forth and back; `steps` may be taken in each, friction reverses over `width`."""
+    """Periods of a reversing stroke; each takes at most `steps`, friction reverses over `width`."""
 
     def build(size: int) -> Work:
         two = base(width)
@@ -209,7 +209,7 @@ TASKS = {
         "reversal",
         _reversals("quasi_steady", 1, 0.0),
         (100, 1000, 10_000),
-        "one stroke forth and back by itself",
+        "one period computed alone",
         1.0,
         f"{_SAMPLES_ALONE}; a repeated sequence is found by one division",
     ),
@@ -218,7 +218,7 @@ TASKS = {
         "reversal",
         _reversals("rosenbrock", 500, 1e-3),
         (100, 1000, 10_000),
-        "one stroke forth and back by itself",
+        "one period computed alone",
         1.0,
         "a reversal takes as many steps as the one before; a step looks at two breaks. Operations "
         "are counted with one step, so they are those of the samples",

@@ -225,7 +225,7 @@ def _within_bounds(problem: CalibrationProblem, start) -> tuple[Solved, np.ndarr
 
 
 def _slope(problem: CalibrationProblem, solved: Solved) -> np.ndarray:
-    """Derivative of the sum of losses by each value over its magnitude."""
+    """Derivative of the sum of losses by each scaled value (value over its magnitude)."""
     first, _ = influence(np.asarray(solved.residuals), problem.loss)
     return -np.asarray(solved.jacobian).T @ first
 

@@ -284,18 +284,18 @@ def _parameters(mechanism: Mechanism, names: tuple[str, ...], bounds: dict[str, 
             )
         bounds[name] = bounds.pop(other)
     for name in names:
-        found = find_parameters(mechanism, name)
-        if any(one.static for one in found):
+        parameters = find_parameters(mechanism, name)
+        if any(one.static for one in parameters):
             raise ValueError(
                 f"parameter {name!r} is a whole number and cannot be fitted; calibrate with each "
                 "of its values"
             )
-        present = [float(one.get(mechanism)) for one in found]
+        present = [float(one.get(mechanism)) for one in parameters]
         if not np.allclose(present, present[0], rtol=1e-12, atol=0.0):
             raise ValueError(
                 f"parameter {name!r} differs between the stages "
                 f"({', '.join(f'{value:g}' for value in present)}); name the stage: "
-                f"{' or '.join(one.path for one in found)}"
+                f"{' or '.join(one.path for one in parameters)}"
             )
         try:
             low, high = bounds.get(name, (None, None))
@@ -304,7 +304,7 @@ def _parameters(mechanism: Mechanism, names: tuple[str, ...], bounds: dict[str, 
                 f"parameter {name!r} has the bounds {bounds[name]!r}; give (lower, upper), with "
                 "None for no bound"
             ) from None
-        limit, value = found[0].limit, present[0]
+        limit, value = parameters[0].limit, present[0]
         far = _FAR * abs(value)
         if low is None:
             low = limit.lower

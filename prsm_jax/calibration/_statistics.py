@@ -131,17 +131,17 @@ def repeat_fits(
     magnitude = np.asarray(problem.magnitude)
     jacobians, residuals = np.asarray(solved.jacobian), np.asarray(solved.residuals)
     good = np.asarray(solved.converged & solved.finite)
-    found = np.where(good[:, None], np.asarray(solved.values), np.nan)
-    deviations = np.full_like(found, np.nan)
+    fitted = np.where(good[:, None], np.asarray(solved.values), np.nan)
+    deviations = np.full_like(fitted, np.nan)
     student = 1.0
     for i in np.flatnonzero(good):
         one = statistics_of(jacobians[i], residuals[i], problem.loss)
         deviations[i], student = one.deviations * magnitude, one.student
     return Repetitions(
         problem.parameters,
-        found,
+        fitted,
         deviations,
-        found - student * deviations,
-        found + student * deviations,
+        fitted - student * deviations,
+        fitted + student * deviations,
         good,
     )

@@ -1,4 +1,4 @@
-"""What the data cannot tell: directions of small singular values, in words."""
+"""Combinations of parameters that the data do not determine: small singular values, in words."""
 
 import numpy as np
 
@@ -25,7 +25,7 @@ def undetermined(
     - `statistics`: of the fit.
     - `limit`: relative standard deviation, such as 0.5.
     """
-    found = []
+    combinations = []
     deviations = statistics.direction_deviations
     for direction, deviation in zip(statistics.directions, deviations, strict=True):
         if deviation <= limit:
@@ -38,8 +38,8 @@ def undetermined(
         sentence = _sentence(
             chosen, tuple(units[i] for i in parts), magnitudes[parts], changes, float(deviation)
         )
-        found.append(Undetermined(chosen, changes, float(deviation), sentence))
-    return tuple(found)
+        combinations.append(Undetermined(chosen, changes, float(deviation), sentence))
+    return tuple(combinations)
 
 
 def _sentence(

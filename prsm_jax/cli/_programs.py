@@ -27,7 +27,7 @@ from ._plugins import has_plugins
 from ._progress import expect_programs
 
 _PACKAGE = Path(__file__).parent.parent
-#: Packages whose code is in the programs.
+#: Packages whose code is in the programs; diffrax and optimistix bring lineax with them.
 _MADE_BY = ("jax", "jaxlib", "equinox", "diffrax", "optimistix", "lineax")
 
 

@@ -42,7 +42,7 @@ class _Line:
         self.over = threading.Event()
 
     def text(self) -> str:
-        """What the line says now."""
+        """The current text of the line."""
         words, programs = self.words, f"{self.total} program{'s' * (self.total > 1)}"
         if self.compiling:
             number = min(self.compiled + 1, self.total)

@@ -18,7 +18,6 @@ from ._line_contact import (
     SliceGeometry as SliceGeometry,
     line_contact as line_contact,
     line_contact_under_force as line_contact_under_force,
-    slice_geometry as slice_geometry,
 )
 from ._slip_and_spin import (
     EllipseShape as EllipseShape,
@@ -40,7 +39,6 @@ from ._truncation import (
     Onsets as Onsets,
     half_extent as half_extent,
     load_beyond as load_beyond,
-    onset_pressure as onset_pressure,
     onset_pressures as onset_pressures,
     pressure_ratio as pressure_ratio,
     risk_beyond as risk_beyond,

@@ -33,14 +33,19 @@ from .newton_euler import (
 )
 from .solvers import (
     Auto as Auto,
+    BothModes as BothModes,
     ClosedForm as ClosedForm,
     Diffrax as Diffrax,
     Explicit as Explicit,
+    ForwardMode as ForwardMode,
     Gradient as Gradient,
+    GradientMode as GradientMode,
     Implicit as Implicit,
+    Integrating as Integrating,
     Method as Method,
     MethodName as MethodName,
     QuasiSteady as QuasiSteady,
+    ReverseMode as ReverseMode,
     Rodasp as Rodasp,
 )
 from .speed_drive import (

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from .._errors import PrsmError
-from ..fields import Scalar
+from ..fields import Scalar, refuse_options
 from ..mechanism import Mechanism, of_one_design
 from ..numerics import over_samples
 from ..programs import is_known, one_program_where_possible, traceable
@@ -31,16 +31,17 @@ from .solvers import (
     ATOL,
     MAX_STEPS,
     RTOL,
-    Diffrax,
+    BothModes,
+    ForwardMode,
     Gradient,
+    GradientMode,
     Method,
     MethodName,
-    OwnSolver,
-    QuasiSteady,
+    Rodasp,
+    gradient_of,
     is_concrete,
     method_of,
     options_of,
-    refuse_options,
 )
 from .speed_drive import (
     Problem,
@@ -58,10 +59,6 @@ from .speed_drive import (
 )
 from .torque_drive import has_smooth_threads, smooth_torque_history, torque_history
 
-#: Longest step of Tsitouras's method over the time constant: such a step reduces a deviation to a
-#: share of 0.39; beyond 3.5 deviations grow.
-_STABLE = 3.0
-
 
 @of_one_design
 def simulate(
@@ -69,7 +66,7 @@ def simulate(
     scenario: Scenario | TorqueScenario | None = None,
     *,
     method: Method | MethodName = "auto",
-    gradient: Gradient = "both",
+    gradient: GradientMode | Gradient = "both",
     rtol: float | Scalar | None = None,
     atol: float | Scalar | None = None,
     max_steps: int | None = None,
@@ -134,52 +131,46 @@ def simulate(
     if scenario is None:
         scenario = default_scenario(mechanism)
     check_scenario(scenario)
-    settings = _settings(requested, gradient, scenario)
+    settings = _settings(requested, gradient_of(gradient), scenario)
     # The scenario is a separate argument; in the mechanism it would be traced a second time.
     mechanism = dataclasses.replace(mechanism, scenario=None)
     scene = mechanism, scenario, kinematics = traceable((mechanism, scenario, kinematics))
     known = is_known((*scene, settings.rtol, settings.atol))
-    if known and gradient == "both" and not any(map(callable, jax.tree.leaves(scene))):
+    either = isinstance(settings.gradient, BothModes)
+    if known and either and not any(map(callable, jax.tree.leaves(scene))):
         # Nothing is differentiated; the loop of forward mode stops after the last step.
-        settings = settings._replace(gradient="forward")
-    if requested.word == "auto" and isinstance(scenario, Scenario):
+        settings = settings._replace(gradient=ForwardMode())
+    if requested.chooses and isinstance(scenario, Scenario):
         chosen = chosen_method(
             mechanism, scenario, kinematics, settings.rtol, known, settling=True
         ).method
-        settings = settings._replace(method=chosen)
+        settings = settings._replace(method=method_of(chosen))
     run, code = _transient(*scene, settings)
-    if (
-        settings.method != requested.word
-        and known
-        and int(code) != 0
-        and (settings.method == "closed_form")
-    ):
-        run, _ = _transient(*scene, settings._replace(method="rosenbrock"))
+    closed = settings.method.carriers == "closed_form"
+    if requested.chooses and closed and known and int(code) != 0:
+        run, _ = _transient(*scene, settings._replace(method=Rodasp()))
     return _checked(run, throw)
 
 
-def _settings(method: Method, gradient: Gradient, scenario: Scenario | TorqueScenario) -> Settings:
+def _settings(
+    method: Method, gradient: GradientMode, scenario: Scenario | TorqueScenario
+) -> Settings:
     """Settings of the integration by a method.
 
     **Raises:** `ValueError` for a method, or an option of it, that has no meaning in this scene.
     """
     torque = isinstance(scenario, TorqueScenario)
-    if torque and method.word == "closed_form":
-        raise ValueError(
-            "method is 'closed_form', which needs a prescribed speed; under a prescribed torque "
-            "choose auto, rosenbrock, implicit, explicit, quasi_steady or a solver of diffrax"
-        )
+    method.check(gradient, torque)
     own_options = {name: getattr(method, name) for name in options_of(type(method))}
-    if isinstance(method, QuasiSteady) and not torque:
+    if method.carriers == "in_balance" and not torque:
         named = [name for name, value in own_options.items() if value is not None]
-        refuse_options(method.word, named, (), " at a prescribed speed")
+        refuse_options(f"method {method.word!r}", named, (), " at a prescribed speed")
     defaults = {"rtol": RTOL, "atol": ATOL, "max_steps": MAX_STEPS}
     options = {
         name: value if own_options.get(name) is None else own_options[name]
         for name, value in defaults.items()
     }
-    own = OwnSolver(method.solver, method.controller) if isinstance(method, Diffrax) else None
-    return Settings(method.word, gradient, **options, own=own)
+    return Settings(method, gradient, **options)
 
 
 @one_program_where_possible
@@ -197,13 +188,13 @@ def _transient(
         return run, run.solver.code
     problem = scene_problem(mechanism, scenario, kinematics)
     times = sample_times(problem)
-    if has_bristles(mechanism) and settings.method not in ("quasi_steady", "closed_form"):
+    if has_bristles(mechanism) and settings.method.carriers == "integrated":
         history, report = bristle_history(problem, times, settings)
         return histories(mechanism, problem.kinematics, times, history, report), report.code
     # One pass per time, from the state to its results: all states of a long scene at once would
     # take more memory than the results, and would have to be read from there.
     rows_at = rows_of(mechanism, problem.kinematics)
-    if settings.method == "quasi_steady":
+    if settings.method.carriers == "in_balance":
         balanced_at = quasi_steady_at(problem)
 
         def balanced(time):
@@ -213,7 +204,7 @@ def _transient(
         rows, neglected = over_samples(balanced, times)
         report = quasi_steady_report(neglected)
     else:
-        if settings.method == "closed_form":
+        if settings.method.carriers == "closed_form":
             speeds, report = closed_form_history(problem.reduced, problem.scenario, times)
         else:
             speeds, report = _integrated(problem, times, settings)
@@ -246,26 +237,29 @@ def _integrated(
         settings,
         args=problem,
         autonomous=constant,
-        longest=_longest_stable(problem) if constant and settings.method == "explicit" else None,
+        longest=_longest_stable(problem, settings.method.longest_step) if constant else None,
         weight=error_weight(problem, settings.atol),
         standstills=standstills(problem, settings.atol),
     )
     return ratio * problem.speed_scale, report
 
 
-def _longest_stable(problem: Problem) -> Scalar:
-    """The longest scaled step at which an explicit method damps deviations of the carriers.
+def _longest_stable(problem: Problem, share: float | None) -> Scalar | None:
+    """The longest scaled step at which a method damps deviations of the carriers.
 
-    The error estimate of settled carriers vanishes, so steps would become ever longer, and
+    `share` is that over their time constant; `None` for a method that damps them at any step. The
+    error estimate of settled carriers vanishes, so steps would become ever longer, and
     derivatives through such steps would grow without bound.
     """
+    if share is None:
+        return None
     zero = jnp.zeros_like(problem.speed_scale)
     free = jnp.stack([free_carrier_ratio(k) for k in problem.kinematics])
     settled = free * problem.scenario.speed_at(zero) / problem.speed_scale
     slopes = jax.jacfwd(lambda ratio: scaled_rate.directly(zero, ratio, problem))(settled)
     fastest = jax.lax.stop_gradient(jnp.max(jnp.abs(jnp.diagonal(slopes))))
     settles = fastest > 0
-    return jnp.where(settles, _STABLE / jnp.where(settles, fastest, 1.0), jnp.inf)
+    return jnp.where(settles, share / jnp.where(settles, fastest, 1.0), jnp.inf)
 
 
 def evaluated(

@@ -1,6 +1,6 @@
 """Fields: what a number is called, its unit, and its limits."""
 
-from ._arguments import listed_names as listed_names
+from ._arguments import listed_names as listed_names, refuse_options as refuse_options
 from ._counts import (
     FEWEST_TRACED as FEWEST_TRACED,
     Count as Count,

@@ -16,3 +16,24 @@ def listed_names(names: Iterable[str], argument: str) -> list[str]:
     if isinstance(names, str):
         raise ValueError(f"{argument} is the text {names!r}; give a list of names")
     return list(names)
+
+
+def refuse_options(of: str, options: Iterable[str], takes: Iterable[str], where: str = "") -> None:
+    """Refuse an option that a method does not take.
+
+    **Arguments:**
+
+    - `of`: what the method is called in the message.
+    - `options`: names of the options that were given.
+    - `takes`: names of those that it takes.
+    - `where`: under which condition, such as `" at a prescribed speed"`.
+
+    **Raises:** `ValueError` for an option that is not in `takes`.
+    """
+    known = tuple(takes)
+    for name in options:
+        if name not in known:
+            raise ValueError(
+                f"{of} takes {', '.join(known) or 'no options'}{where}, but not {name}; "
+                "leave it out"
+            )

@@ -5,6 +5,7 @@ Construction in Python, files, `--set`, names of numbers and explanations all re
 
 import dataclasses
 import functools
+import inspect
 import types
 import typing
 from collections.abc import Iterator, Mapping
@@ -27,8 +28,12 @@ def members(hint: Any) -> tuple[Any, ...]:
 
 
 def module_classes(hint: Any) -> tuple[type[eqx.Module], ...]:
-    """The classes of parts that a type hint allows; empty for numbers and choices."""
-    return tuple(m for m in members(hint) if isinstance(m, type) and issubclass(m, eqx.Module))
+    """The classes of parts that a type hint allows; empty for numbers and choices.
+
+    An abstract class beside others stands for classes of users, and is left out.
+    """
+    classes = tuple(m for m in members(hint) if isinstance(m, type) and issubclass(m, eqx.Module))
+    return tuple(cls for cls in classes if not inspect.isabstract(cls)) or classes
 
 
 @dataclasses.dataclass(frozen=True)

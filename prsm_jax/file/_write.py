@@ -13,7 +13,15 @@ import numpy as np
 from .._errors import FileError, UnknownNameError, missing_extra
 from ..fields import Declared, declared, values_of
 from ..friction import FrictionLaw
-from ..mechanism import Choice, DesignProblem, DutyCycle, Mechanism, Tolerance, find_parameters
+from ..mechanism import (
+    Choice,
+    DampingLaw,
+    DesignProblem,
+    DutyCycle,
+    Mechanism,
+    Tolerance,
+    find_parameters,
+)
 from ..process import whole_file
 from ._read import loads
 from .numbers import bare_number, table_choices, tag_of, takes_numbers, write_number
@@ -79,7 +87,7 @@ def _part(hint: Any, value: Any, header: str, unit: str) -> Iterator[str]:
         yield from _module(value, header, unit)
     elif takes_numbers(hint) and not callable(value):
         yield from (f"{tag} = {_string(NUMBER)}", f"value = {_number(value, unit, header)}")
-    elif tag == "kind":
+    elif tag == "kind" or isinstance(value, DampingLaw):
         raise FileError(
             f"{header} is a {type(value).__name__}, which a file cannot hold; use one of "
             f"{', '.join(choices)}"

@@ -23,4 +23,3 @@ from ._margin import (
     sources as sources,
 )
 from ._masses import mass_findings as mass_findings
-from ._sharing import sharing_findings as sharing_findings

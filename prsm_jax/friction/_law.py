@@ -77,9 +77,9 @@ class Sliding(eqx.Module):
 class FrictionLaw(Limited):
     """Base of all friction laws: force `μ F` against the slip, plus `c v`.
 
-    A law is a class with its numbers as fields (`prsm_jax.number`) and `friction_coefficient`. The
-    decorator `prsm_jax.friction_law` gives it the name that files use. Class attributes declare its
-    kind:
+    A law is a class with its numbers as fields (`prsm_jax.fields.number`) and
+    `friction_coefficient`. The decorator `prsm_jax.friction_law` gives it the name that files use.
+    Class attributes declare its kind:
 
     - `smooth_at_standstill`: friction passes through 0 smoothly when the slip changes its sign (it
       is proportional to slow slip). The friction of other laws jumps there, and can hold a load at

@@ -50,8 +50,9 @@ def friction_law(name: str) -> Callable[[_Law], _Law]:
                 )
             if "unit" not in field.metadata:
                 raise ValueError(
-                    f"friction law {name!r}: {field.name} has no unit; declare it as "
-                    f'{field.name}: prsm.Scalar = prsm.number("N", "what it is")'
+                    f"friction law {name!r}: {field.name} has no unit; write "
+                    f'`{field.name}: Number = number("N", "what it is")` after '
+                    "`from prsm_jax.fields import Number, number`"
                 )
         cls.law = name
         _LAWS[name] = cls

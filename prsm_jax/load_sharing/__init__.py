@@ -22,12 +22,8 @@ from ._force_deflection import (
     force_deflection as force_deflection,
 )
 from ._stage_chains import (
-    StageChains as StageChains,
     regularised as regularised,
     roller_classes as roller_classes,
-    segment_compliances as segment_compliances,
-    stage_chains as stage_chains,
-    tooth_compliances as tooth_compliances,
 )
 from ._unloaded import (
     ElasticDeflection as ElasticDeflection,

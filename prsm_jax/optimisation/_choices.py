@@ -58,37 +58,37 @@ def best_of_choices(
     _check(mechanism, problem)
     names = [one.name for one in problem.choices]
     inner = dataclasses.replace(problem, choices=())
-    found: list[tuple[dict[str, float], Optimum | None, str]] = []
+    outcomes: list[tuple[dict[str, float], Optimum | None, str]] = []
     for values in itertools.product(*(one.values for one in problem.choices)):
         chosen = dict(zip(names, values, strict=True))
         numbers = {name: _whole(mechanism, name, value) for name, value in chosen.items()}
         try:
             moved = set_parameters(mechanism, numbers)
         except ValueError as error:
-            found.append((chosen, None, str(error)))
+            outcomes.append((chosen, None, str(error)))
         else:
-            found.append((chosen, search(moved, inner), ""))
+            outcomes.append((chosen, search(moved, inner), ""))
     maximised = all(one.sense == "maximise" for one in problem.objectives)
     sign = -1.0 if maximised else 1.0
 
     def rank(place: int) -> tuple[bool, float]:
-        best = found[place][1]
+        best = outcomes[place][1]
         if best is None:
             return True, math.inf
         value = sign * best.optimum.objective if best.feasible else best.optimum.violation
         return not best.feasible, value if math.isfinite(value) else math.inf
 
-    built = [place for place, (_, best, _) in enumerate(found) if best is not None]
+    built = [place for place, (_, best, _) in enumerate(outcomes) if best is not None]
     if not built:
-        raise ValueError(f"none of the {len(found)} choices can be built: {found[0][2]}")
+        raise ValueError(f"none of the {len(outcomes)} choices can be built: {outcomes[0][2]}")
     first = min(built, key=rank)
-    winner = found[first][1]
+    winner = outcomes[first][1]
     assert winner is not None
     trials = tuple(
         _trial(chosen, best, message, place == first, winner)
-        for place, (chosen, best, message) in enumerate(found)
+        for place, (chosen, best, message) in enumerate(outcomes)
     )
-    tried = [best for _, best, _ in found if best is not None]
+    tried = [best for _, best, _ in outcomes if best is not None]
     return dataclasses.replace(
         winner,
         problem=problem,

@@ -13,7 +13,7 @@ from ._problem import cases_of, number, present_design, problem_of
 from ._searches import Searches
 from ._starts import starting_positions
 from .results import Optimum, Reporter, optimum_of
-from .search import Evaluator, MultiStart, SearchMethod, Slsqp, search_of
+from .search import Evaluator, SearchMethod, Slsqp, search_of
 
 
 @of_one_known_design
@@ -132,7 +132,7 @@ def optimise(
             evaluator.scale_from(position)
             break
 
-    if isinstance(search, MultiStart):
+    if search.chooses_starts:
         positions = search.chosen(evaluator, np.array(positions))
         count = len(positions)
 

@@ -127,7 +127,7 @@ def _either_side(row: MarginRow, value: float) -> list[float]:
 
 
 def _conditions(evaluator: Evaluator, point: Point, tolerance: float) -> Optimality:
-    found = optimality(
+    conditions = optimality(
         point.position,
         evaluator.cost_gradient(point.position),
         evaluator.constraint_values(point),
@@ -136,9 +136,9 @@ def _conditions(evaluator: Evaluator, point: Point, tolerance: float) -> Optimal
         active_tolerance=max(tolerance, 1e-9),
     )
     if evaluator.point(point.position).good:
-        return found
+        return conditions
     # Derivatives that are not finite count as 0 above, and would look like an optimum.
-    return dataclasses.replace(found, stationarity=math.inf)
+    return dataclasses.replace(conditions, stationarity=math.inf)
 
 
 def _run(

@@ -63,7 +63,10 @@ def _open_standard_files() -> None:
 
 
 def clear_first(clear: Callable[[], str]) -> None:
-    """Write the text of this function before the message, to clear the terminal."""
+    """Register a function whose text is written before the message of a signal.
+
+    The text clears the line of progress on the terminal.
+    """
     _clearing.append(clear)
 
 

@@ -35,6 +35,5 @@ from .entries import (
     rating_life_of as rating_life_of,
     sharing_factor_of as sharing_factor_of,
     static_capacity_of as static_capacity_of,
-    static_safety_of as static_safety_of,
     truncated_fatigue_of as truncated_fatigue_of,
 )

@@ -16,7 +16,7 @@ from ..dynamics import StageKinematics, SteadyState, all_kinematics, steady_stat
 from ..fields import Scalar
 from ..geometry import Meshing, dimensions_possible, rollers_fit
 from ..load_sharing import LoadDistribution, stage_load_distributions
-from ..mechanism import Mechanism, Stage
+from ..mechanism import DutyCycle, Mechanism, Stage
 from ..stiffness import ThreadStiffness, thread_stiffness
 from ..strength import (
     LoadSpectrum,
@@ -114,6 +114,15 @@ class Analysis:
     def kinematics(self) -> tuple[StageKinematics, ...]:
         """Meshing and slip of every stage."""
         return all_kinematics(self.mechanism)
+
+    def require_duty_cycle(self) -> DutyCycle:
+        """The duty cycle of the mechanism.
+
+        **Raises:** `MissingDataError` if the mechanism has none.
+        """
+        if self.mechanism.duty_cycle is None:
+            raise MissingDataError("the mechanism has no duty cycle; give [[duty_cycle]] phases")
+        return self.mechanism.duty_cycle
 
     @cached_property
     def speed(self) -> Scalar:

@@ -15,7 +15,6 @@ from ._frequency_response import (
 from ._mesh_response import (
     MeshResponse as MeshResponse,
     excited_response as excited_response,
-    mesh_errors as mesh_errors,
     mesh_response as mesh_response,
 )
 from ._orders import (
@@ -30,6 +29,5 @@ from ._receptance import (
     Solver as Solver,
     direct_response as direct_response,
     harmonic_response as harmonic_response,
-    modal_response as modal_response,
     receptance_matrix as receptance_matrix,
 )

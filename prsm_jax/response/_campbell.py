@@ -12,11 +12,8 @@ from jaxtyping import Array, Float
 from ..fields import Scalar, plain
 from ..mechanism import Mechanism, of_one_design, stage_at
 from ..programs import AbstractResult, each, mapped, physics
-from ..vibration import Modes, stage_modes, stage_system
+from ..vibration import RIGID_SHARE, Modes, stage_modes, stage_system
 from ._orders import ExcitationOrder, excitation_orders, find_order, phasing, working_carrier_ratio
-
-#: Below this share of the highest frequency a mode is a rigid motion, without a critical speed.
-_RIGID = 1e-9
 
 
 @dataclass(frozen=True)
@@ -120,7 +117,8 @@ class Campbell(AbstractResult):
             for harmonic, line in enumerate(row, start=1):
                 family = self.excited_family(order, harmonic)
                 for mode in self.modes.distinct:
-                    if frequencies[mode] <= _RIGID * frequencies[-1]:
+                    # A rigid motion has no critical speed.
+                    if frequencies[mode] <= RIGID_SHARE * frequencies[-1]:
                         continue
                     if line[mode] < min_speed or (max_speed is not None and line[mode] > max_speed):
                         continue

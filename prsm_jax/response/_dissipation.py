@@ -1,7 +1,7 @@
 """Damping as matrices: the laws of a mechanism, dashpots at single springs, or any matrix."""
 
 from collections.abc import Mapping
-from typing import Literal, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 import equinox as eqx
 import jax
@@ -10,7 +10,7 @@ from jaxtyping import Array, Float
 
 from .._errors import UnknownNameError, closest
 from ..fields import Scalar
-from ..mechanism import Damping, ModalDamping, RayleighDamping, Stage, StructuralDamping
+from ..mechanism import Damping, DampingLaw, Stage
 from ..numerics import above_or_nan
 from ..programs import physics
 from ..vibration import SpringModes, SpringNetwork, spring_modes
@@ -28,8 +28,6 @@ class Dissipation(eqx.Module):
     hysteretic: Float[Array, "coordinates coordinates"] | None = None
 
 
-#: Laws that do not couple the modes.
-LAWS = (ModalDamping, RayleighDamping, StructuralDamping)
 #: Use the damping of the mechanism, if it has any.
 AsGiven: TypeAlias = Literal["given"]
 #: Types of the damping of a response; an array is a viscous matrix C.
@@ -68,32 +66,29 @@ def _square_root_jvp(primals, tangents):
     return root, change
 
 
-@physics("modal_damping")
-def _modal_damping(network: SpringNetwork, ratio: Scalar) -> Float[Array, "n n"]:
-    weight = jnp.sqrt(network.mass)
-    scale = weight[:, None] * weight[None, :]
-    vectors, roots = scaled_modes(network)
-    return 2 * ratio * scale * _square_root(network.stiffness_matrix() / scale, vectors, roots)
+class _OfNetwork(NamedTuple):
+    """Mass and stiffness of a network (`mechanism.MassAndStiffness`)."""
 
+    network: SpringNetwork
 
-@physics("rayleigh_damping")
-def _rayleigh_damping(network: SpringNetwork, law: RayleighDamping) -> Float[Array, "n n"]:
-    mass = jnp.diag(law.mass_coefficient * network.mass)
-    return mass + law.stiffness_coefficient * network.stiffness_matrix()
+    @property
+    def mass(self) -> Float[Array, " n"]:
+        return self.network.mass
 
+    def stiffness_matrix(self) -> Float[Array, "n n"]:
+        return self.network.stiffness_matrix()
 
-@physics("structural_damping")
-def _structural_damping(network: SpringNetwork, loss_factor: Scalar) -> Float[Array, "n n"]:
-    return loss_factor * network.stiffness_matrix()
+    def square_root(self) -> Float[Array, "n n"]:
+        weight = jnp.sqrt(self.mass)
+        scale = weight[:, None] * weight[None, :]
+        vectors, roots = scaled_modes(self.network)
+        return scale * _square_root(self.stiffness_matrix() / scale, vectors, roots)
 
 
 def dissipation(network: SpringNetwork, damping: AnyDamping | None) -> Dissipation:
     """The damping matrices of a network under a law.
 
-    `ModalDamping`: `C = 2ζ M^{1/2} (M^{-1/2} K M^{-1/2})^{1/2} M^{1/2}`, which gives every mode the
-    ratio ζ; its derivatives are correct at repeated roots, also for changes that split them.
-    `RayleighDamping`: `C = α M + β K`. `StructuralDamping`: `H = η K`. A `Dissipation` or a
-    matrix C is used unchanged.
+    Those of a law follow from its methods. A `Dissipation` or a matrix C is used unchanged.
 
     **Arguments:**
 
@@ -104,13 +99,13 @@ def dissipation(network: SpringNetwork, damping: AnyDamping | None) -> Dissipati
     """
     if damping is None:
         return Dissipation()
-    if isinstance(damping, ModalDamping):
-        return Dissipation(_modal_damping(network, damping.ratio))
-    if isinstance(damping, RayleighDamping):
-        return Dissipation(_rayleigh_damping(network, damping))
-    if isinstance(damping, StructuralDamping):
-        return Dissipation(hysteretic=_structural_damping(network, damping.loss_factor))
-    losses = damping if isinstance(damping, Dissipation) else Dissipation(jnp.asarray(damping))
+    if isinstance(damping, DampingLaw):
+        of = _OfNetwork(network)
+        losses = Dissipation(damping.viscous_matrix(of), damping.hysteretic_matrix(of))
+    elif isinstance(damping, Dissipation):
+        losses = damping
+    else:
+        losses = Dissipation(jnp.asarray(damping))
     size = len(network.coordinates)
     for name in ("viscous", "hysteretic"):
         matrix = getattr(losses, name)

@@ -9,10 +9,10 @@ import numpy as np
 from jaxtyping import Array, Bool, Complex, Float
 
 from ..fields import Scalar
-from ..mechanism import Mechanism, of_one_design, stage_at
+from ..mechanism import DampingLaw, Mechanism, of_one_design, stage_at
 from ..programs import AbstractResult
 from ..vibration import VibrationSystem, spring_network, stage_system
-from ._dissipation import LAWS, AnyDamping, AsGiven, stage_damping
+from ._dissipation import AnyDamping, AsGiven, stage_damping
 from ._receptance import Solver, infinite, magnitude, receptance_matrix
 
 #: Displacement, velocity or acceleration per force.
@@ -138,7 +138,7 @@ def frequency_response(
     )
     value = receptances[:, 0, 0]
     # A law of damping does not couple the families; any other matrix may.
-    has_law = chosen is None or isinstance(chosen, LAWS)
+    has_law = chosen is None or isinstance(chosen, DampingLaw)
     if has_law and apart_by_symmetry(system, excitation, response):
         value, at_pole = jnp.zeros_like(value), jnp.zeros_like(at_pole)
     power = KINDS[kind][0]

@@ -9,11 +9,11 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Complex, Float
 
 from ..fields import Scalar
-from ..mechanism import ModalDamping, RayleighDamping, StructuralDamping
+from ..mechanism import DampingLaw
 from ..numerics import Factors, factorise, substitute, substitute_transposed
 from ..programs import physics
 from ..vibration import SpringNetwork
-from ._dissipation import LAWS, AnyDamping, Dissipation, dissipation, scaled_modes
+from ._dissipation import AnyDamping, Dissipation, dissipation, scaled_modes
 
 Solver: TypeAlias = Literal["direct", "modal"]
 #: Frequencies solved at once; more are solved in chunks, so that memory stays bounded.
@@ -163,16 +163,16 @@ def modal_response(
 ) -> Harmonic:
     """As `direct_response`, by a sum over all modes, for damping that does not couple them.
 
-    `q = Σ φ φᵀ f / (ω_k²(1 + iη + iωβ) + iω(2ζω_k + α) − ω²)`. All modes are included, so no
-    residual term is needed. One eigenproblem serves all frequencies. Derivatives are those of the
-    system of equations that the sum solves: they are correct at repeated roots, where derivatives
-    of single modes do not exist.
+    `q = Σ φ φᵀ f / (ω_k² − ω² + iL)` with the loss L of the law (`DampingLaw.modal_loss`). All
+    modes are included, so no residual term is needed. One eigenproblem serves all frequencies.
+    Derivatives are those of the system of equations that the sum solves: they are correct at
+    repeated roots, where derivatives of single modes do not exist.
 
     **Arguments:** as `direct_response`; `damping` is a law or `None`.
 
     **Raises:** `ValueError` for a damping matrix, which in general couples the modes.
     """
-    if damping is not None and not isinstance(damping, LAWS):
+    if damping is not None and not isinstance(damping, DampingLaw):
         raise ValueError(
             "a damping matrix couples the modes in general, so the sum over modes is not valid; "
             'choose method "direct", or a law of damping'
@@ -180,17 +180,10 @@ def modal_response(
     scaled = _scale(network, dissipation(network, damping))
     vectors, roots = scaled_modes(network)
     rounding = len(network.coordinates) * float(jnp.finfo(roots.dtype).eps)
-    zero = jnp.zeros_like(roots)
 
     def at(w: Scalar, load: Complex[Array, "coordinates loads"]):
-        elastic, lost = roots**2 - w**2, zero
-        if isinstance(damping, ModalDamping):
-            lost = 2 * damping.ratio * w * roots
-        elif isinstance(damping, RayleighDamping):
-            stiffness = damping.stiffness_coefficient * roots**2
-            lost = w * (damping.mass_coefficient + stiffness)
-        elif isinstance(damping, StructuralDamping):
-            lost = damping.loss_factor * roots**2
+        elastic = roots**2 - w**2
+        lost = jnp.zeros_like(roots) if damping is None else damping.modal_loss(roots, w)
         size = jnp.abs(elastic) + jnp.abs(lost)
         # Rounding errors of ω² and ω_k² are relative; for rigid motions relative to the largest.
         close = size <= rounding * (roots**2 + w**2) + rounding**2 * jnp.max(roots) ** 2

@@ -176,7 +176,7 @@ def _kink_lines(table: Sensitivity) -> list[str]:
 
 
 def _dependent_lines(table: Sensitivity) -> list[str]:
-    """A line for each parameter: what follows it, and what stays."""
+    """A line for each parameter: numbers that change with it, and numbers that stay constant."""
     pairs = zip(table.parameters, table.dependents, strict=False)
     lines = (dependents_in_words(name, *both) for name, both in pairs)
     return [line for line in lines if line]

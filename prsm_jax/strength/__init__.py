@@ -1,7 +1,6 @@
 """Strength and life of a stage: capacities, rating life, buckling, critical speed, play."""
 
 from ._contacts import (
-    axial_approach as axial_approach,
     preload_of as preload_of,
     reference_contact as reference_contact,
     strength_of as strength_of,
@@ -20,7 +19,6 @@ from ._fatigue import (
 )
 from ._life import (
     RatingLife as RatingLife,
-    basic_life as basic_life,
     damage as damage,
     largest_flank_load as largest_flank_load,
     modified_life as modified_life,
@@ -43,7 +41,6 @@ from ._play import (
     thins_teeth as thins_teeth,
 )
 from ._preload import (
-    OPENING_RATIO as OPENING_RATIO,
     flank_loads as flank_loads,
     preload_opening_load as preload_opening_load,
     preload_torque as preload_torque,
@@ -78,7 +75,6 @@ from ._truncation import (
     ThreadShares as ThreadShares,
     TruncatedFatigue as TruncatedFatigue,
     contact_truncation as contact_truncation,
-    load_of_whole_ellipse as load_of_whole_ellipse,
     side_onsets as side_onsets,
     truncated_pressure as truncated_pressure,
     truncation_load as truncation_load,

@@ -270,7 +270,7 @@ def run_blocks(job: Job, numbers: Iterable[int], executor: Executor | None) -> I
 
 
 def _on_device(devices: list[Any], task: BlockTask) -> BlockDone:
-    """Compute a block on the device whose turn it is."""
+    """Compute a block; consecutive blocks use the devices one after the other."""
     with jax.default_device(devices[task.number % len(devices)] if len(devices) > 1 else None):
         return compute_block(task)
 

@@ -328,7 +328,10 @@ class _Problem:
         return self._searched()
 
     def _scale(self, shape: np.ndarray) -> float:
-        """Factor at which widths of a given shape reach the wanted yield, which falls with it."""
+        """Factor on widths of a given shape at which the yield is the wanted one.
+
+        The yield falls as the factor rises.
+        """
         low, high = -60.0, 60.0
         for _ in range(80):
             middle = 0.5 * (low + high)
@@ -345,7 +348,7 @@ class _Problem:
         least = -float(np.log(WIDEST))
         whole = float(np.sum(self.costs))
         start = np.clip(np.full(count, np.log(self._scale(np.ones(count)))), least, ends)
-        found = minimize(
+        least_cost = minimize(
             lambda x: (np.sum(self.costs * np.exp(-x)) / whole, -self.costs * np.exp(-x) / whole),
             start,
             jac=True,
@@ -361,11 +364,11 @@ class _Problem:
             options={"ftol": 1e-12, "maxiter": 500},
         )
         # 8: rounding hides a further descent at the optimum.
-        if found.status not in (0, 8):
+        if least_cost.status not in (0, 8):
             raise ValueError(
-                f"the search for the tolerances of least cost found no optimum: {found.message}; "
-                "give fewer tolerances or limits"
+                "the search for the tolerances of least cost found no optimum: "
+                f"{least_cost.message}; give fewer tolerances or limits"
             )
-        widths = np.exp(found.x)
+        widths = np.exp(least_cost.x)
         # Rounding in the search may leave the yield just short of the wanted one.
         return np.maximum(widths * min(self._scale(widths), 1.0), 1 / WIDEST)

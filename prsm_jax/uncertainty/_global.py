@@ -177,12 +177,14 @@ def sobol_indices(
         spread = np.std(array)
         scaled = (array - np.mean(array)) / (spread if spread > 0 else 1.0)
         with np.errstate(invalid="ignore", divide="ignore"):
-            found = salib.analyze.sobol.analyze(problem, scaled, calc_second_order=False, seed=seed)
+            indices = salib.analyze.sobol.analyze(
+                problem, scaled, calc_second_order=False, seed=seed
+            )
         rows[label] = {
-            "first_order": np.asarray(found["S1"]),
-            "total_order": np.asarray(found["ST"]),
-            "first_order_interval": np.asarray(found["S1_conf"]),
-            "total_order_interval": np.asarray(found["ST_conf"]),
+            "first_order": np.asarray(indices["S1"]),
+            "total_order": np.asarray(indices["ST"]),
+            "first_order_interval": np.asarray(indices["S1_conf"]),
+            "total_order_interval": np.asarray(indices["ST_conf"]),
         }
     return _result(inputs, rows)
 
@@ -223,12 +225,12 @@ def morris(
     values = _evaluated(inputs, (2 * cube - 1) * np.array(reach), selected, speed, load)
     rows = {}
     for label, array in values.items():
-        found = salib.analyze.morris.analyze(problem, cube, array, num_levels=levels, seed=seed)
+        effects = salib.analyze.morris.analyze(problem, cube, array, num_levels=levels, seed=seed)
         rows[label] = {
-            "mean": np.asarray(found["mu"]),
-            "mean_absolute": np.asarray(found["mu_star"]),
-            "standard_deviation": np.asarray(found["sigma"]),
-            "mean_absolute_interval": np.asarray(found["mu_star_conf"]),
+            "mean": np.asarray(effects["mu"]),
+            "mean_absolute": np.asarray(effects["mu_star"]),
+            "standard_deviation": np.asarray(effects["sigma"]),
+            "mean_absolute_interval": np.asarray(effects["mu_star_conf"]),
         }
     return _result(inputs, rows)
 
@@ -261,7 +263,7 @@ def active_subspace(
     size = min(CHUNK, len(values))  # both are powers of 2
     parts: dict[str, list[np.ndarray]] = {one.name: [] for one in selected}
     for start in range(0, len(values), size):
-        found, codes = gradients_of_designs(
+        gradients, codes = gradients_of_designs(
             inputs.mechanism,
             inputs.paths,
             jnp.asarray(values[start : start + size]),
@@ -271,7 +273,7 @@ def active_subspace(
         )
         _refuse_failed(np.asarray(codes))
         for name, arrays in parts.items():
-            arrays.append(np.asarray(found[name]))
+            arrays.append(np.asarray(gradients[name]))
     gradients = by_component({name: np.concatenate(arrays) for name, arrays in parts.items()}, 2)
     rows, eigenvalues, directions = {}, [], []
     for label, slopes in gradients.items():

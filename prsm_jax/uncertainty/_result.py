@@ -226,7 +226,10 @@ class ToleranceAnalysis:
 
 
 def agreement(one: Estimate, best: Estimate) -> str:
-    """Difference of mean and standard deviation from the best method, in its deviations and %."""
+    """Differences from the best method in words.
+
+    That of the mean is in standard deviations, that of the standard deviation in %.
+    """
     spread = best.standard_deviation
     if not spread > 0:
         return "equal" if one.standard_deviation == spread and one.mean == best.mean else "–"

@@ -73,11 +73,11 @@ def evaluate_points(
         count = len(chunk)
         # The last chunk is filled, so that one program serves all.
         filled = np.concatenate([chunk, np.repeat(chunk[-1:], size - count, axis=0)])
-        found, code, error = evaluate_designs(
+        outputs, code, error = evaluate_designs(
             inputs.mechanism, inputs.paths, jnp.asarray(filled), selected, speed, load, sources
         )
         for one in selected:
-            parts.setdefault(one.name, []).append(np.asarray(found[one.name])[:count])
+            parts.setdefault(one.name, []).append(np.asarray(outputs[one.name])[:count])
         codes.append(np.asarray(code)[:count])
         errors.append(np.asarray(error)[:count])
         if progress is not None:

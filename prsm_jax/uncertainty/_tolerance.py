@@ -93,23 +93,23 @@ def tolerance(
     selected = _selected(mechanism, quantities, bounds, speed, load)
     at = as_optional_scalar(speed), as_optional_scalar(load)
     methods = _METHODS if method == "all" else (method,)
-    found: dict[str, MethodResult] = {}
+    by_method: dict[str, MethodResult] = {}
     if method != "monte_carlo":
         orders = [one for one in methods if one != "monte_carlo"]
-        found |= _propagated(inputs, selected, at, bounds, orders, seed)
+        by_method |= _propagated(inputs, selected, at, bounds, orders, seed)
     if "monte_carlo" in methods:
         checks = sources() if findings else None
-        found["monte_carlo"] = _sampled(
+        by_method["monte_carlo"] = _sampled(
             inputs, selected, at, bounds, samples, seed, checks, progress
         )
-    labels = tuple(found[methods[-1]].estimates)
+    labels = tuple(by_method[methods[-1]].estimates)
     return ToleranceAnalysis(
         quantities=labels,
         units=tuple(quantity_of(label).unit for label in labels),
         limits=tuple(limit_of(label, bounds) for label in labels),
         tolerances=inputs.tolerances,
         tolerance_units=inputs.units,
-        methods=found,
+        methods=by_method,
     )
 
 
@@ -147,8 +147,8 @@ def derivatives(
         inputs.mechanism, inputs.paths, middle, directions, pairs, selected, *at
     )
 
-    def arrays(found) -> dict[str, np.ndarray]:
-        return {one.name: np.asarray(found[one.name]) for one in selected}
+    def arrays(values) -> dict[str, np.ndarray]:
+        return {one.name: np.asarray(values[one.name]) for one in selected}
 
     curvatures: dict[str, np.ndarray] = {}
     if curved is not None:
@@ -165,7 +165,7 @@ def _propagated(
     values, slopes, curvatures, code = derivatives(inputs, selected, at, "second_order" in orders)
     deviations = points(inputs, _SURROGATE_SAMPLES, seed)
     at_ends = zone_points(inputs)
-    found = {}
+    by_order = {}
     for order in orders:
         estimates: dict[str, Estimate] = {}
         ends: dict[str, np.ndarray] = {}
@@ -190,10 +190,10 @@ def _propagated(
         elif inside is not None:
             share = share_with_error(inside)
         reasons = _reasons(np.array([code]))
-        found[order] = MethodResult(
+        by_order[order] = MethodResult(
             estimates, *share, reasons=reasons, slopes=slopes, ends=zone_ends(ends)
         )
-    return found
+    return by_order
 
 
 def _reasons(codes: np.ndarray) -> dict[str, int]:

@@ -20,9 +20,9 @@ from ._frequency_loci import (
 from ._modal import modal as modal, stage_system as stage_system
 from ._modes import ModeGroup as ModeGroup, Modes as Modes
 from ._spring_modes import (
+    RIGID_SHARE as RIGID_SHARE,
     SpringModes as SpringModes,
     clusters as clusters,
-    directional_slopes as directional_slopes,
     spring_modes as spring_modes,
 )
 from ._symmetric import (

@@ -8,7 +8,7 @@ from jaxtyping import Array, Float
 
 from ..programs import AbstractResult, listed, mapped, one_program
 from ._families import FAMILIES, family_shares
-from ._spring_modes import clusters
+from ._spring_modes import RIGID_SHARE, clusters
 from .model import (
     Coordinate,
     SpringNetwork,
@@ -18,9 +18,6 @@ from .model import (
     strain_energies,
 )
 
-#: A frequency below this share of the largest one is a rigid-body motion: rounding leaves it at
-#: about 1e-16, and no spring is that soft.
-_RIGID_SHARE = 1e-13
 #: Family of a group whose modes are not separated by symmetry.
 COUPLED = "coupled"
 
@@ -163,7 +160,7 @@ class Modes(AbstractResult):
             lambda shapes: strain_energies(network, shapes, each_spring=each_spring)
         )
         # The strain energy of a rigid motion is only rounding.
-        rigid = self.frequencies <= _RIGID_SHARE * self.frequencies[-1]
+        rigid = self.frequencies <= RIGID_SHARE * self.frequencies[-1]
         return {name: jnp.where(rigid, 0.0, row) for name, row in energy_shares.items()}
 
     def _labels(self) -> list[tuple[float, str, int]]:
@@ -174,7 +171,7 @@ class Modes(AbstractResult):
             if group.family == COUPLED:
                 names = [FAMILIES[at] for at in self._family_indices(group)]
             for value, name in zip(group.frequencies.tolist(), names, strict=True):
-                family = "rigid" if value <= _RIGID_SHARE * largest else name
+                family = "rigid" if value <= RIGID_SHARE * largest else name
                 rows += [(value, family, group.multiplicity)] * group.multiplicity
         return sorted(rows, key=lambda row: row[0])
 
@@ -218,7 +215,7 @@ def of_elastic(
     share: Float[Array, " modes"], frequencies: Float[Array, " modes"]
 ) -> Float[Array, " modes"]:
     """Shares of strain energy; 0 for a rigid motion, whose strain energy is only rounding."""
-    rigid = frequencies <= _RIGID_SHARE * jnp.max(frequencies)
+    rigid = frequencies <= RIGID_SHARE * jnp.max(frequencies)
     return jnp.where(rigid, 0.0, share)
 
 

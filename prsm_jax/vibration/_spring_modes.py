@@ -26,8 +26,11 @@ from .model import SpringNetwork
 #: about 1e-15. At a distance in between the root is nearly repeated; the error of a mean slope
 #: over such a narrow gap is only in how the members separate.
 _CLUSTER = 1e-11
-#: Below this share of the largest eigenvalue a root is zero: a rigid motion has 1e-32.
-_ZERO = 1e-26
+#: A frequency below this share of the largest one is that of a rigid motion: rounding leaves it at
+#: about 1e-16, and no spring is that soft.
+RIGID_SHARE = 1e-13
+#: The same for eigenvalues, which are squares of frequencies.
+_ZERO = RIGID_SHARE**2
 
 
 class SpringModes(eqx.Module):

@@ -181,7 +181,15 @@ def test_unusual_module(radius, found):
         (AxialPlay(preload_force=1e3, screw_tooth_thinning=0.2e-3), None, set()),
         (None, 30e-6, set()),
     ],
-    ids=["bare", "braced", "thinned", "not enough", "measured", "braced and thinned", "shared"],
+    ids=[
+        "bare",
+        "preloaded",
+        "thinned",
+        "not enough",
+        "measured",
+        "preloaded and thinned",
+        "shared",
+    ],
 )
 def test_advice_to_thin_teeth_only_where_nothing_is_known_of_them(play, shared, names):
     """`thin the teeth by at least 0.054 mm` is no advice for teeth that are thinned by more."""

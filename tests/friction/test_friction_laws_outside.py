@@ -1,7 +1,8 @@
 """Friction laws of a user's own, in everything that the package's laws work in."""
 
 import dataclasses
-from typing import ClassVar
+import re
+from typing import Any, ClassVar
 
 import equinox as eqx
 import jax
@@ -312,6 +313,23 @@ def test_what_is_not_asked_for_cannot_be_used():
         steady_state(_one(Careless()))
 
 
+def test_a_law_from_outside_is_optimised():
+    """The optimum is no worse than the steady states at the bounds, and is one itself."""
+    bounds = (0.6, 1.2)
+    one = _one(AskingCoulomb(array(0.05)))
+    best = prsm.optimise(one, {"contact_angle": bounds}, maximise="efficiency")
+    assert best.converged
+    angles = (best.optimum.variables["contact_angle"], *bounds)
+    values = [
+        float(steady_state(prsm.set_parameter(one, "contact_angle", angle)).efficiency)
+        for angle in angles
+    ]
+    # The same operations in another program.
+    assert best.optimum.objective == pytest.approx(values[0], rel=1e-12)
+    assert values[0] == max(values)
+    assert min(values) < values[0] - 1e-3
+
+
 def test_naming_a_law():
     def made(name, **members):
         body = {"friction_coefficient": lambda self, sliding: sliding.speed, **members}
@@ -331,6 +349,20 @@ def test_naming_a_law():
     first, second = made("run_twice"), made("run_twice")
     assert first is not second
     assert file.loads(_with_law("run_twice")).stages[0].friction.thread == second()
+
+
+def test_the_remedy_for_a_field_without_a_unit_can_be_copied():
+    def made(**body):
+        body["friction_coefficient"] = lambda self, sliding: self.plain
+        return prsm.friction_law("copied")(type("Copied", (prsm.FrictionLaw,), body))
+
+    with pytest.raises(ValueError, match="plain has no unit") as refused:
+        made(plain=0.1, __annotations__={"plain": float})
+    field, imports = re.findall("`(.+?)`", str(refused.value))
+    body = {}
+    exec(f"{imports}\n{field}", body)
+    law: Any = made(plain=body["plain"], __annotations__=body["__annotations__"])
+    assert float(law(0.2).friction_coefficient(None)) == 0.2
 
 
 def _with_law(name):

@@ -7,6 +7,7 @@ import ast
 from pathlib import Path
 
 from tests.layers.room_order import GROUND, LAYERS, WAY, order
+from tests.layers.walks import WALKS, in_words
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "prsm_jax"
@@ -43,6 +44,16 @@ the ground, are left out.
 | --- | --- | --- | --- | --- |
 """
 
+_WALKS = """
+## The way of a number
+
+Main functions that a number passes on its way, in the order in which they return. A test traces the
+derivative and compares. No number goes back to an earlier room: what lies above calls what lies
+below, and hands its results on. Losses of spin and rolling, which the first mechanism does not
+have, add the contacts between `geometry` and `dynamics`.
+
+"""
+
 
 def _doc(door: Path) -> str:
     text = ast.get_docstring(ast.parse(door.read_text(encoding="utf-8"))) or ""
@@ -70,7 +81,8 @@ def page() -> str:
         files = sum(1 for p in folder.rglob("*.py") if p.name != "__init__.py")
         cells = [f"`{room}`", _doc(folder / "__init__.py"), str(files), ", ".join(inner) or "–"]
         rows.append("| " + " | ".join([*cells, ", ".join(used_rooms(room)) or "–"]) + " |")
-    return _HEAD.format(order=order()) + "\n".join(rows) + "\n"
+    walks = "\n".join(map(in_words, WALKS))
+    return _HEAD.format(order=order()) + "\n".join(rows) + "\n" + _WALKS + walks
 
 
 def direct() -> dict[str, set[str]]:

@@ -37,7 +37,8 @@ from prsm_jax.stiffness import axial_stiffness, thread_stiffness
 from prsm_jax.vibration import spring_network, vibration_system
 from tests.present import present
 
-#: The search stops at 1e-12 of the largest force; a film 1e-12 as stiff as a contact adds as much.
+#: The search stops at 1e-12 of the largest force; the artificial stiffness, 1e-12 of that of a
+#: contact, adds as much.
 _BALANCE = 1e-10
 
 
@@ -333,7 +334,7 @@ def test_split_nut():
     assert float(present(found.tangent_stiffness)) > 8e8
 
 
-def test_deflection_of_a_braced_nut_is_that_of_the_load_alone():
+def test_deflection_of_a_preloaded_nut_is_that_of_the_load_alone():
     """Not that of the spacer: without a load there is none, and small loads meet the tangent."""
     one = mechanism(sharing_stage(split_nut=SplitNut(10, preload=3e3)))
     resting = load_distribution(one, array(0.0))
@@ -381,11 +382,11 @@ def test_deflection_with_play_starts_at_the_first_contact():
     assert float(nothing.deflection) == 0
     # As the play closes into a fit without any, the balance without load goes on from there.
     least = -(rest.min() + back.min() - 2e-5)
-    braced, loose = (at(array(1.0), array(least + 1e-12 * sign)) for sign in (-1, 1))
-    assert bool(braced.preloaded & braced.converged)
+    preloaded, loose = (at(array(1.0), array(least + 1e-12 * sign)) for sign in (-1, 1))
+    assert bool(preloaded.preloaded & preloaded.converged)
     assert not bool(loose.preloaded)
     # The soft guidance of a roller that has to wedge by 1 µm bends contacts by some 10 pm.
-    assert float(braced.unloaded_position) == pytest.approx(
+    assert float(preloaded.unloaded_position) == pytest.approx(
         float(loose.unloaded_position), abs=1e-10
     )
 

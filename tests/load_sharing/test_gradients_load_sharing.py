@@ -119,7 +119,7 @@ def test_where_a_nut_stands_without_load(backlash):
     # Differences of second order, and rests found to 1e-12 of some micrometres.
     assert float(forward) == pytest.approx(difference, abs=1e-6)
     assert float(reverse) == pytest.approx(float(forward), abs=1e-12)
-    # Backward the play is passed first; a braced nut floats in the middle of what there is.
+    # Backward the play is passed first; a preloaded nut floats in the middle of what there is.
     assert float(forward) == pytest.approx(-1 if backlash > 0 else -0.5, abs=0.2)
 
 

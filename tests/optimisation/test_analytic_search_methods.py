@@ -285,6 +285,30 @@ def test_a_search_of_ones_own_ends_within_the_bounds(hollow):
     assert "message of the search: told to end" in best.message
 
 
+@dataclass(frozen=True)
+class _OwnStarts(_Ends):
+    """Starts where it wants, and ends there."""
+
+    chooses_starts = True
+
+    def chosen(self, evaluator, positions):
+        assert len(positions) == 1
+        return [np.array(position) for position in self.looks]
+
+    def search(self, functions, start, tolerance, report):
+        return SearchResult(start, "", 0)
+
+
+def test_a_search_of_ones_own_chooses_its_starts(hollow):
+    starts = ((0.3, 0.5), (0.3, 0.6), (0.1, 0.6))
+    method = _OwnStarts(starts, (0.0, 0.0))
+    best = optimise(scenes.mechanism(), BOX, minimise="hollow", method=method)
+    assert len(best.runs) == 3
+    # The minimum is at the second.
+    assert best.optimum.variables == pytest.approx({"lead": 7e-3, "contact_angle": 0.8}, rel=0.2)
+    assert best.converged
+
+
 def test_the_best_design_within_the_bounds_counts_if_the_end_is_no_design(own_quantities):
     """The end is infeasible; of what was looked at, the better design lies outside of the box."""
     own_quantities("hollow_at_seven", lambda a: (_point(a)[0] - 7) ** 2)

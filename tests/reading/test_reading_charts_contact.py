@@ -299,10 +299,10 @@ def test_line_contact():
 
 @reads("chart", "force_deflection_chart")
 def test_force_over_deflection():
-    play, single, braced = scenes.curve(), scenes.curve(both=False), scenes.curve(play=0.0)
-    chart = Chart(force_deflection_chart({"play": play, "single": single, "braced": braced}))
+    play, single, preloaded = scenes.curve(), scenes.curve(both=False), scenes.curve(play=0.0)
+    chart = Chart(force_deflection_chart({"play": play, "single": single, "preloaded": preloaded}))
     above, below = chart.axes
-    for one in (play, single, braced):
+    for one in (play, single, preloaded):
         load, travel, slope = (
             np.asarray(v) for v in (one.load, one.deflection, one.tangent_stiffness)
         )
@@ -310,14 +310,14 @@ def test_force_over_deflection():
         chart.curve(above, whole, travel, load, ("m", "N"))
         reach = np.array([0.0, load[-1]])
         chart.curve(above, tangent, travel[-1] - (load[-1] - reach) / slope[-1], reach, ("m", "N"))
-        # Between the flanks nothing is drawn; braced flanks never part.
+        # Between the flanks nothing is drawn; preloaded flanks never part.
         parts = [slice(0, 2), slice(2, 4)] if one is play else [slice(None)]
         for line, part in zip(chart.lines(below)[: len(parts)], parts, strict=True):
             chart.curve(below, line, load[part], slope[part], ("N", "N/m"))
         chart.says("  ", (slope[-1], "N/m"), place=below)
     for way in ("x", "y"):
         chart.level(above, 0.0, "m" if way == "x" else "N", way)
-    assert handles(chart.figure) == ["play", "single", "braced", "tangent at the largest load"]
+    assert handles(chart.figure) == ["play", "single", "preloaded", "tangent at the largest load"]
     chart.finish()
 
 

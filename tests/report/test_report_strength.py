@@ -114,22 +114,24 @@ def test_limits_of_the_shaft_pass_through_the_laws(actuator):
 def test_the_life_in_a_report_is_drawn_with_the_preload(actuator):
     """On the flank that is loaded more; the table's life is that of both flanks together."""
     play = AxialPlay(preload_force=8e3)
-    braced = eqx.tree_at(lambda m: m.stages[0].strength.play, actuator, play)
+    preloaded = eqx.tree_at(lambda m: m.stages[0].strength.play, actuator, play)
     capacity = jnp.asarray(6e4)
-    life = rating_life(braced.stages[0], capacity, prsm.strength.load_spectrum(braced.duty_cycle))
+    life = rating_life(
+        preloaded.stages[0], capacity, prsm.strength.load_spectrum(preloaded.duty_cycle)
+    )
     values = {"dynamic_capacity": capacity[None], "rating_life": life.revolutions[None]}
 
     def drawn(one, given):
         section = strength_section(ReportData(one, "a title", strength=given))
         return [p for p in section.pictures if p.name == "life"]
 
-    (picture,) = drawn(braced, values)
+    (picture,) = drawn(preloaded, values)
     assert "preload included" in picture.caption
     figure = picture.draw()
     assert_printable(figure)
     *_, line = figure.axes
     mean = 1e3 * float(line.lines[2].get_xdata()[0])
-    spectrum = prsm.strength.load_spectrum(braced.duty_cycle)
+    spectrum = prsm.strength.load_spectrum(preloaded.duty_cycle)
     means = [
         float(np.cbrt(jnp.sum(spectrum.weights * load**3)))
         for load in preloaded_pair_loads(spectrum.load, jnp.asarray(8e3))
@@ -138,6 +140,6 @@ def test_the_life_in_a_report_is_drawn_with_the_preload(actuator):
     both = sum((1e6 * (6e4 / x) ** 3) ** (-10 / 9) for x in means) ** -0.9
     np.testing.assert_allclose(life.revolutions, both, rtol=1e-12)
     # Without a life, as where the preload is not known, there is none to draw.
-    assert drawn(braced, {"dynamic_capacity": capacity[None]}) == []
+    assert drawn(preloaded, {"dynamic_capacity": capacity[None]}) == []
     (alone,) = drawn(actuator, values)
     assert "preload" not in alone.caption

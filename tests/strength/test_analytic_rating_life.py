@@ -116,11 +116,11 @@ def test_two_flanks_share_the_turning():
 
 
 def test_a_preload_loads_both_flanks_always():
-    braced = stage(strength=Strength(play=AxialPlay(preload_force=2e3)))
-    idle = life(braced, array(CAPACITY), spectrum([0.0, 0.0, 0.0], [1, 2, 3], np.ones(3)))
+    preloaded = stage(strength=Strength(play=AxialPlay(preload_force=2e3)))
+    idle = life(preloaded, array(CAPACITY), spectrum([0.0, 0.0, 0.0], [1, 2, 3], np.ones(3)))
     np.testing.assert_allclose(idle.revolutions, 1e6 * 25**3 * 2**-0.9, rtol=1e-13)
     first, second = strength.preloaded_pair_loads(array(3e3), array(2e3))
-    loaded = life(braced, array(CAPACITY), spectrum(3 * [3e3], [1, 2, 3], np.ones(3)))
+    loaded = life(preloaded, array(CAPACITY), spectrum(3 * [3e3], [1, 2, 3], np.ones(3)))
     risk = sum((float(load) / CAPACITY) ** (10 / 3) for load in (first, second))
     np.testing.assert_allclose(loaded.revolutions, 1e6 * risk**-0.9, rtol=1e-13)
 

@@ -165,10 +165,10 @@ def test_without_load_nothing_is_shared_unequally():
 
 def test_a_preload_of_two_nuts_is_shared_too():
     """Without a load each nut bears the preload, and its threads share that."""
-    braced = _borne(_uneven(0.0, play=AxialPlay(preload_force=3e3)))
+    preloaded = _borne(_uneven(0.0, play=AxialPlay(preload_force=3e3)))
     alone = _borne(_uneven(3e3))
     for name in ("static_capacity", "static_safety", "dynamic_capacity"):
-        np.testing.assert_allclose(braced[name], alone[name], rtol=1e-12)
+        np.testing.assert_allclose(preloaded[name], alone[name], rtol=1e-12)
 
 
 def test_one_load_is_shared_once(monkeypatch):
@@ -360,10 +360,10 @@ def test_the_dn_limit_may_come_first():
 
 
 @given(st.floats(0, 20))
-def test_braced_nuts_balance_the_load(ratio):
+def test_preloaded_nuts_balance_the_load(ratio):
     """F₁ − F₂ = F always; both follow Hertz' law from one displacement while they touch."""
     preload = 1300.0
-    first, second = _braced(array(ratio * preload), array(preload))
+    first, second = _preloaded(array(ratio * preload), array(preload))
     np.testing.assert_allclose(first - second, ratio * preload, atol=1e-11 * preload)
     s = float(displacement(array(ratio)))
     touching = max(1 - s, 0.0)
@@ -371,24 +371,24 @@ def test_braced_nuts_balance_the_load(ratio):
     np.testing.assert_allclose(displacement(array(-ratio)), -s, rtol=1e-15)
 
 
-_braced = eqx.filter_jit(strength.preloaded_pair_loads)
+_preloaded = eqx.filter_jit(strength.preloaded_pair_loads)
 
 
-def test_a_braced_nut_opens_at_two_to_the_three_halves():
+def test_a_preloaded_nut_opens_at_two_to_the_three_halves():
     np.testing.assert_allclose(strength.preload_opening_load(array(1.0)), 2**1.5, rtol=1e-15)
-    first, second = _braced(array(2**1.5), array(1.0))
+    first, second = _preloaded(array(2**1.5), array(1.0))
     np.testing.assert_allclose((first, second), (2**1.5, 0.0), atol=1e-14)
     # The usual approximation takes the displacement as linear in the load.
     loads = jnp.linspace(0, 2**1.5, 400)
-    exact, _ = _braced(loads, array(1.0))
+    exact, _ = _preloaded(loads, array(1.0))
     high = np.max((1 + np.asarray(loads) / 2**1.5) ** 1.5 / np.asarray(exact) - 1)
     assert 0.024 < high < 0.025
 
 
 @pytest.mark.parametrize("ratio", [0.0, 1.0, 2**1.5 - 1e-9, 2**1.5, 2**1.5 + 1e-9, 10.0, -2.0])
-def test_derivatives_of_a_braced_pair(ratio):
-    forward = _braced_slope(array(ratio))
-    reverse = _braced_gradient(array(ratio))
+def test_derivatives_of_a_preloaded_pair(ratio):
+    forward = _preloaded_slope(array(ratio))
+    reverse = _preloaded_gradient(array(ratio))
     # Not across the opening, where the slope itself has a root's corner.
     step = 1e-5 if abs(ratio - 2**1.5) > 1e-6 else 1e-9
     s = [float(displacement(array(ratio + x))) for x in (step, -step)]
@@ -396,13 +396,13 @@ def test_derivatives_of_a_braced_pair(ratio):
     np.testing.assert_allclose(forward, (s[0] - s[1]) / (2 * step), rtol=5e-5)
 
 
-_braced_slope = jax.jit(
+_preloaded_slope = jax.jit(
     lambda f: jax.jvp(strength.relative_displacement, (f,), (jnp.ones_like(f),))[1]
 )
-_braced_gradient = jax.jit(jax.grad(strength.relative_displacement))
+_preloaded_gradient = jax.jit(jax.grad(strength.relative_displacement))
 
 
-def test_stiffness_of_a_braced_pair():
+def test_stiffness_of_a_preloaded_pair():
     """Twice one nut's tangent stiffness without load, one nut's own after the opening."""
     preload, approach = array(1000.0), array(5e-6)
     one = 1.5 * 1000.0 / 5e-6
@@ -417,8 +417,8 @@ def test_preload_torque_is_that_of_both_senses():
     """The quantity solves both nuts' balance; efficiencies of the same threads give the same."""
     friction = Friction(thread=CoulombFriction(0.05))
     play = Strength(play=AxialPlay(preload_force=1000.0))
-    braced = mechanism(stage(strength=play, friction=friction))
-    found = eqx.filter_jit(lambda m: prsm.compute(m, ["preload_torque"]))(braced)
+    preloaded = mechanism(stage(strength=play, friction=friction))
+    found = eqx.filter_jit(lambda m: prsm.compute(m, ["preload_torque"]))(preloaded)
     forward = steady_state(mechanism(stage(friction=friction)), 100.0, 1000.0)
     backward = steady_state(mechanism(stage(friction=friction)), -100.0, 1000.0)
     expected = strength.preload_torque(
@@ -531,9 +531,9 @@ def test_lost_motion_with_and_without_preload():
     per_thread = 5000.0 / 200
     approach = per_thread / contact.screw.axial_stiffness + per_thread / contact.nut.axial_stiffness
     np.testing.assert_allclose(moved(loose, load), 3e-5 + 2 * approach, rtol=1e-12)
-    braced = screwed(Strength(play=AxialPlay(preload_force=5000.0 / 2**1.5)))
+    preloaded = screwed(Strength(play=AxialPlay(preload_force=5000.0 / 2**1.5)))
     # At the opening s = 1, and one nut carries the load: (2^{3/2} F_p) on δ = 2 δ₀.
-    np.testing.assert_allclose(moved(braced, load), approach, rtol=1e-12)
+    np.testing.assert_allclose(moved(preloaded, load), approach, rtol=1e-12)
     halves = AxialPlay(preload_force=5000.0 / 2**1.5, arrangement="split_nut")
     np.testing.assert_allclose(
         moved(screwed(Strength(play=halves)), load), approach * 2 ** (2 / 3), rtol=1e-12

@@ -93,7 +93,7 @@ def _capacity(lead, **more):
 
 
 def _on_flanks(load, preload):
-    """Loads of two nuts that are braced, from F/F_p = (1 + s)^1.5 − (1 − s)^1.5."""
+    """Loads of two nuts preloaded against each other, from F/F_p = (1 + s)^1.5 − (1 − s)^1.5."""
     shift = root_between(
         lambda s: (1 + s) ** 1.5 - np.maximum(1 - s, 0.0) ** 1.5 - abs(load) / preload, 0, 500
     )

@@ -39,8 +39,8 @@ def _actuator(**duty):
 
 
 #: What a preload makes; the actuator has none.
-BRACED = {"preload_opening_load", "preloaded_stiffness", "preload_torque"}
-AVAILABLE = tuple(name for name in NAMES if name not in BRACED)
+PRELOADED = {"preload_opening_load", "preloaded_stiffness", "preload_torque"}
+AVAILABLE = tuple(name for name in NAMES if name not in PRELOADED)
 
 
 @pytest.fixture(scope="module")
@@ -97,11 +97,11 @@ def test_reverse_agrees_with_forward_and_stays_finite(duty):
 
 
 #: What rests on a preload, and on how threads share the largest and the equivalent load.
-SHARED = (*sorted(BRACED), "lost_motion", "static_safety", "rating_life")
+SHARED = (*sorted(PRELOADED), "lost_motion", "static_safety", "rating_life")
 
 
-def _braced():
-    """Two braced nuts of four threads with pitch errors, and a duty cycle."""
+def _preloaded():
+    """Two preloaded nuts of four threads with pitch errors, and a duty cycle."""
     sharing = LoadSharing(
         4,
         screw_segment_stiffness=4e8,
@@ -132,7 +132,7 @@ def _all_ways(leaves, direction, weights, rest):
 
 
 def test_derivatives_through_preload_and_shared_loads():
-    leaves, rest = eqx.partition(_braced(), eqx.is_inexact_array)
+    leaves, rest = eqx.partition(_preloaded(), eqx.is_inexact_array)
     direction = some_direction(leaves, 5)
     weights = jnp.cos(jnp.arange(float(len(SHARED))))
     here, slopes, gradient = _all_ways(leaves, direction, weights, rest)

@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from ..._errors import PrsmError
 from ...fields import as_scalar
-from ...mechanism import Mechanism, ModalDamping, RayleighDamping, StructuralDamping
+from ...mechanism import Mechanism, ModalDamping
 from ...quantities import assumptions
 from ...response import (
     Campbell,
@@ -30,12 +30,6 @@ _Stage = Annotated[int, Parameter(help="Which stage, counted from 1.")]
 _frequency_response = eqx.filter_jit(frequency_response)
 _modes = eqx.filter_jit(run_modal)
 _campbell = eqx.filter_jit(run_campbell)
-_LAWS = {
-    type(None): None,
-    ModalDamping: "modal",
-    RayleighDamping: "rayleigh",
-    StructuralDamping: "structural",
-}
 
 
 def _range(modes: Modes, fmin: float | None, fmax: float | None, points: int) -> np.ndarray:
@@ -135,7 +129,7 @@ def response(
         )
 
     curve, peaks = part(slice(None, points)), part(slice(points, None))
-    law = _LAWS[type(damping)]
+    law = None if damping is None else damping.law
     picture = None
     if common.out is not None and np.asarray(curve.value).any():
         from ...report import response_chart, save_figures

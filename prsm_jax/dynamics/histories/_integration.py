@@ -13,17 +13,15 @@ from jaxtyping import Array, DTypeLike, Float, Int
 
 from ...fields import Scalar
 from ..solvers import (
-    NAMES,
     DrivenRate,
-    Gradient,
-    OwnSolver,
-    adjoint_of,
+    ForwardMode,
+    GradientMode,
+    Method,
     breaks_inside,
     code_of,
     controller_of,
     converted,
     is_short,
-    solver_of,
     still,
     with_tolerances,
 )
@@ -36,26 +34,23 @@ _ROUNDINGS = 10
 class Settings(NamedTuple):
     """How `simulate` integrates (see its arguments)."""
 
-    method: str
-    gradient: Gradient
+    method: Method
+    gradient: GradientMode
     rtol: float | Scalar
     atol: float | Scalar
     max_steps: int
-    #: Solver and controller of the user, if passed.
-    own: OwnSolver | None = None
 
     @property
     def name(self) -> str:
         """Name of the method."""
-        if self.own is not None:
-            return type(self.own.solver).__name__
-        return NAMES["rosenbrock" if self.method == "auto" else self.method]
+        return self.method.name
 
     def within(self, dtype: DTypeLike) -> "Settings":
         """The settings, with tolerances that numbers of this precision can meet.
 
-        Errors below their rounding are noise, and so are steps chosen by them: there are then more
-        steps than needed, and reverse mode, which repeats some, ends at a different time.
+        A tolerance below the rounding of the states makes the error estimate, and the steps that
+        follow from it, random. Steps are then too many, and reverse mode, which repeats some of
+        them, ends at a different time.
         """
         if not is_short(dtype):
             return self
@@ -93,7 +88,7 @@ def integrated(
     - `end`: scaled duration.
     - `breaks`: scaled times at which the drive jumps or bends.
     - `samples`: number of equally spaced times at which the state is saved, both ends included.
-    - `settings`: solver, tolerances and kind of derivative; the method `"auto"` is RODASP.
+    - `settings`: method, tolerances and mode of differentiation.
     - `args`: passed to `rate`.
     - `autonomous`: whether `rate` is independent of time.
     - `longest`: limit of the scaled step, if any.
@@ -102,16 +97,15 @@ def integrated(
 
     **Returns:** the states, with samples along the first axis, and the solver report.
 
-    **Raises:** `ValueError` for a method that does not integrate, or an unknown gradient.
+    **Raises:** `ValueError` for a method that does not integrate.
     """
-    method = "rosenbrock" if settings.method == "auto" else settings.method
     if autonomous and isinstance(rate, DrivenRate):
         rate = rate.directly
-    scene = _Scene(breaks, longest, weight, standstills, settings.rtol, settings.atol, settings.own)
-    static = _Static(method, settings.gradient, settings.max_steps, samples, autonomous)
-    # An unknown gradient is refused before anything is traced.
-    adjoint_of(settings.gradient)
-    if settings.gradient == "forward" and not is_short(end.dtype):
+    scene = _Scene(
+        breaks, longest, weight, standstills, settings.rtol, settings.atol, settings.method
+    )
+    static = _Static(settings.gradient, settings.max_steps, samples, autonomous)
+    if not settings.gradient.reverse and not is_short(end.dtype):
         solution, _ = _solved(rate, start, end, args, scene, static)
     else:
         example = jnp.zeros_like(end), start, args
@@ -125,7 +119,10 @@ def integrated(
             scene = scene._replace(standstills=converted(standstills, example[0]))
         solution = _solved_twice(closed, start, end, args, still(scene), static=static)
     report = SolverReport(
-        steps=solution.steps, rejected=solution.rejected, code=solution.code, name=settings.name
+        steps=solution.steps,
+        rejected=solution.rejected,
+        code=solution.code,
+        name=settings.method.name,
     )
     return solution.states, report
 
@@ -139,15 +136,14 @@ class _Scene(NamedTuple):
     standstills: Any
     rtol: Any
     atol: Any
-    #: Solver and controller of the user, which may hold traced numbers.
-    own: Any
+    #: Its solver and controller may hold traced numbers.
+    method: Any
 
 
 class _Static(NamedTuple):
     """Static settings of an integration."""
 
-    method: str
-    gradient: Gradient
+    gradient: GradientMode
     max_steps: int
     samples: int
     autonomous: bool
@@ -183,16 +179,16 @@ def _solved(
             scene.weight,
             scene.standstills,
             moved,
-            None if scene.own is None else scene.own.controller,
+            scene.method.own_controller,
         )
-        adjoint = adjoint_of("forward")
+        adjoint = ForwardMode().adjoint()
     else:
         from ..solvers._recorded_steps import Again
 
-        controller, adjoint = Again(again, moved), adjoint_of(static.gradient)
-    solver = solver_of(static.method, scene.rtol, scene.atol, static.autonomous, own=scene.own)
-    if again is not None and scene.own is not None:
-        solver = with_tolerances(solver, scene.own.controller, scene.rtol, scene.atol)
+        controller, adjoint = Again(again, moved), static.gradient.adjoint()
+    solver = scene.method.make_solver(scene.rtol, scene.atol, autonomous=static.autonomous)
+    if again is not None:
+        solver = with_tolerances(solver, scene.method.own_controller, scene.rtol, scene.atol)
     if record:
         save_at = diffrax.SaveAt(steps=True, fn=lambda time, state, args: time)
     else:

@@ -42,8 +42,7 @@ _MEANINGS = (
     "or shorten the duration",
     "the closed form does not hold: a thread locks, or the torque of a screw or the load of a nut "
     "changes its sign; choose the method rosenbrock",
-    "jammed: thread friction cancels the axial part of the normal force, and no torque moves the "
-    "load; lower the friction or raise the contact angle (quantity jamming_margin)",
+    steady_meaning("jammed"),
     "missed a phase: while the mechanism stuck, the torque passed a limit and came back between "
     "two steps; raise samples to shorten the steps",
     steady_meaning("overlapping_rollers"),

@@ -4,11 +4,13 @@ The words that `simulate` also takes (`"rosenbrock"`, …) stand for such object
 """
 
 import dataclasses
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias
 
 import equinox as eqx
 from jaxtyping import ArrayLike
+
+from ...fields import Scalar, refuse_options
+from ._gradient_modes import GradientMode
 
 if TYPE_CHECKING:
     import diffrax
@@ -25,9 +27,84 @@ RTOL, ATOL, MAX_STEPS = 1e-8, 1e-10, 4096
 
 
 class Method(eqx.Module):
-    """A method to compute a transient; its fields are its options."""
+    """A method to compute a transient; its fields are its options.
 
-    word: ClassVar[str]
+    For a method of your own, derive from `Integrating`.
+
+    **Declarations:**
+
+    - `word`: the word that stands for the method; empty if there is none.
+    - `label`: its name in `Transient.solver`; empty for the name of the class.
+    - `carriers`: how it finds the motion of the carriers at a prescribed speed: integrated, in
+      balance at every instant, or in closed form.
+    - `chooses`: whether `choose_method` names the method that is used in its place.
+    - `under_torque`: whether it computes transients under a prescribed torque.
+    - `gradients`: words of the modes of differentiation that it supports.
+    - `longest_step`: longest step over the shortest time constant at which deviations decay;
+      `None` if they decay at any step.
+    """
+
+    word: ClassVar[str] = ""
+    label: ClassVar[str] = ""
+    carriers: ClassVar[Literal["integrated", "in_balance", "closed_form"]] = "integrated"
+    chooses: ClassVar[bool] = False
+    under_torque: ClassVar[bool] = True
+    gradients: ClassVar[tuple[str, ...]] = ("reverse", "forward", "both")
+    longest_step: ClassVar[float | None] = None
+
+    @property
+    def name(self) -> str:
+        """Its name in `Transient.solver`."""
+        return self.label or type(self).__name__
+
+    @property
+    def own_controller(self) -> Controller | None:
+        """Step controller in place of the package's own; `None` for that one."""
+        return None
+
+    def make_solver(
+        self,
+        rtol: float | Scalar,
+        atol: float | Scalar,
+        *,
+        autonomous: bool = False,
+        compact: bool = False,
+    ) -> Solver:
+        """The solver of diffrax.
+
+        **Arguments:**
+
+        - `rtol`, `atol`: tolerances, for iterations inside a step.
+        - `autonomous`: whether the right-hand side is independent of time.
+        - `compact`: whether a small program matters more than a fast one.
+
+        **Raises:** `ValueError` if the method does not integrate.
+        """
+        raise ValueError(f"method {self.word or self.name} does not integrate")
+
+    def check(self, gradient: GradientMode, torque: bool) -> None:
+        """Refuse what the method does not support.
+
+        **Arguments:**
+
+        - `gradient`: mode of differentiation.
+        - `torque`: whether the torque is prescribed, not the speed.
+
+        **Raises:** `ValueError`.
+        """
+        called = repr(self.word) if self.word else self.name
+        if torque and not self.under_torque:
+            able = [cls.word for cls in _BY_WORD.values() if cls.under_torque]
+            raise ValueError(
+                f"method is {called}, which needs a prescribed speed; under a prescribed torque "
+                f"choose {', '.join(able)} or a solver of diffrax"
+            )
+        if gradient.word not in self.gradients:
+            known = ", ".join(self.gradients) or "none"
+            raise ValueError(
+                f"gradient is {gradient.word!r}, but method {called} supports {known}; pass a "
+                "gradient that it supports, or choose another method"
+            )
 
 
 class ClosedForm(Method):
@@ -37,10 +114,13 @@ class ClosedForm(Method):
     """
 
     word: ClassVar[str] = "closed_form"
+    label: ClassVar[str] = "closed form"
+    carriers: ClassVar[Literal["integrated", "in_balance", "closed_form"]] = "closed_form"
+    under_torque: ClassVar[bool] = False
 
 
 class Integrating(Method):
-    """Base of the methods that integrate.
+    """Base of the methods that integrate; each overrides `make_solver`.
 
     **Arguments:**
 
@@ -54,41 +134,101 @@ class Integrating(Method):
     max_steps: int | None = eqx.field(static=True, default=MAX_STEPS)
 
 
-class Auto(Integrating):
-    """The cheapest method that suits the scene (`choose_method`)."""
-
-    word: ClassVar[str] = "auto"
-
-
 class QuasiSteady(Integrating):
     """Carriers in balance at every instant.
 
     At a prescribed speed nothing is integrated, and tolerances have no meaning; under a prescribed
-    torque the screw's motion is integrated with them.
+    torque the screw's motion is integrated with them, by Tsit5.
     """
 
     word: ClassVar[str] = "quasi_steady"
+    label: ClassVar[str] = "quasi-steady balance"
+    carriers: ClassVar[Literal["integrated", "in_balance", "closed_form"]] = "in_balance"
     rtol: Tolerance = None
     atol: Tolerance = None
     max_steps: int | None = eqx.field(static=True, default=None)
+
+    def make_solver(
+        self,
+        rtol: float | Scalar,
+        atol: float | Scalar,
+        *,
+        autonomous: bool = False,
+        compact: bool = False,
+    ) -> Solver:
+        """Tsitouras's method, for the screw."""
+        import diffrax
+
+        return diffrax.Tsit5()
 
 
 class Rodasp(Integrating):
     """RODASP 4/3: any stiffness, no iterations; the cheapest that integrates."""
 
     word: ClassVar[str] = "rosenbrock"
+    label: ClassVar[str] = "RODASP"
+
+    def make_solver(
+        self,
+        rtol: float | Scalar,
+        atol: float | Scalar,
+        *,
+        autonomous: bool = False,
+        compact: bool = False,
+    ) -> Solver:
+        """RODASP."""
+        from ._rosenbrock import Rodasp as Solved
+
+        return Solved(autonomous, compact)
+
+
+class Auto(Rodasp):
+    """The cheapest method that suits the scene (`choose_method`); RODASP where it integrates."""
+
+    word: ClassVar[str] = "auto"
+    chooses: ClassVar[bool] = True
 
 
 class Implicit(Integrating):
     """Kvaerno 5/4 with Newton's iteration: any stiffness, the reference."""
 
     word: ClassVar[str] = "implicit"
+    label: ClassVar[str] = "Kvaerno5 with Newton"
+
+    def make_solver(
+        self,
+        rtol: float | Scalar,
+        atol: float | Scalar,
+        *,
+        autonomous: bool = False,
+        compact: bool = False,
+    ) -> Solver:
+        """Kvaerno's method, whose iterations take the tolerances."""
+        from ._kvaerno import Kvaerno
+
+        return Kvaerno(rtol, atol)
 
 
 class Explicit(Integrating):
     """Tsitouras 5/4, explicit: not for stiff scenes."""
 
     word: ClassVar[str] = "explicit"
+    label: ClassVar[str] = "Tsit5"
+    #: Such a step reduces a deviation to a share of 0.39; beyond 3.5 deviations grow.
+    longest_step: ClassVar[float | None] = 3.0
+
+    def make_solver(
+        self,
+        rtol: float | Scalar,
+        atol: float | Scalar,
+        *,
+        autonomous: bool = False,
+        compact: bool = False,
+    ) -> Solver:
+        """Tsitouras's method."""
+        import diffrax
+
+        return diffrax.Tsit5()
 
 
 class Diffrax(Integrating):
@@ -109,7 +249,6 @@ class Diffrax(Integrating):
     controller does not adapt.
     """
 
-    word: ClassVar[str] = "diffrax"
     solver: Solver = eqx.field(default=None)
     controller: Controller | None = None
 
@@ -148,17 +287,35 @@ class Diffrax(Integrating):
                 "as diffrax.PIDController(rtol=1e-6, atol=1e-8)"
             )
 
+    @property
+    def name(self) -> str:
+        """The name of the solver's class."""
+        return type(self.solver).__name__
 
-class OwnSolver(NamedTuple):
-    """A solver of diffrax, and a controller or `None` for the default one."""
+    @property
+    def own_controller(self) -> Controller | None:
+        """`controller`."""
+        return self.controller
 
-    solver: Solver
-    controller: Controller | None
+    def make_solver(
+        self,
+        rtol: float | Scalar,
+        atol: float | Scalar,
+        *,
+        autonomous: bool = False,
+        compact: bool = False,
+    ) -> Solver:
+        """`solver`."""
+        return self.solver
 
 
 _BY_WORD: dict[str, type[Method]] = {
     cls.word: cls for cls in (Auto, ClosedForm, QuasiSteady, Rodasp, Explicit, Implicit)
 }
+
+
+#: The words that stand for methods.
+METHOD_WORDS = tuple(_BY_WORD)
 
 
 def options_of(cls: type[Method]) -> tuple[str, ...]:
@@ -193,17 +350,5 @@ def method_of(method: Method | str, **options: Any) -> Method:
             "prsm_jax.Rodasp(rtol=1e-6) or prsm_jax.Diffrax(diffrax.Kvaerno5())"
         )
     cls = _BY_WORD[method]
-    refuse_options(method, options, options_of(cls))
+    refuse_options(f"method {method!r}", options, options_of(cls))
     return cls(**options)
-
-
-def refuse_options(
-    method: str, options: Iterable[str], takes: tuple[str, ...], where: str = ""
-) -> None:
-    """**Raises:** `ValueError` for an option that a method does not take."""
-    for name in options:
-        if name not in takes:
-            known = ", ".join(takes) or "no options"
-            raise ValueError(
-                f"method {method!r} takes {known}{where}, but not {name}; leave it out"
-            )

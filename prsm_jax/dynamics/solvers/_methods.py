@@ -11,7 +11,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, DTypeLike, Float, Int
 
 from ...fields import Scalar
-from ._method_objects import Controller, OwnSolver, Solver
+from ._method_objects import Controller
 
 if TYPE_CHECKING:
     import diffrax
@@ -19,50 +19,14 @@ if TYPE_CHECKING:
     from ._step_control import Weight
 
     StepSizes: TypeAlias = diffrax.AbstractStepSizeController[Any, Any]
-    Adjoint: TypeAlias = diffrax.AbstractAdjoint
 else:
     # Types of diffrax, which is imported where it is used.
-    StepSizes = Adjoint = Any
+    StepSizes = Any
 
 #: Words for methods with their usual options.
 MethodName = Literal["auto", "closed_form", "implicit", "explicit", "rosenbrock", "quasi_steady"]
-NAMES = {
-    "closed_form": "closed form",
-    "implicit": "Kvaerno5 with Newton",
-    "explicit": "Tsit5",
-    "rosenbrock": "RODASP",
-    "quasi_steady": "quasi-steady balance",
-}
-Gradient = Literal["reverse", "forward", "both"]
 #: Largest number of breaks that every step compares all at once.
 _MANY_BREAKS = 256
-
-
-def solver_of(
-    method: str,
-    rtol: float | Scalar,
-    atol: float | Scalar,
-    autonomous: bool,
-    *,
-    compact: bool = False,
-    own: OwnSolver | None = None,
-) -> Solver:
-    """The solver of diffrax for the word of a method, or the user's solver `own`."""
-    import diffrax
-
-    if own is not None:
-        return own.solver
-    if method == "explicit":
-        return diffrax.Tsit5()
-    if method == "implicit":
-        from ._kvaerno import Kvaerno
-
-        return Kvaerno(rtol, atol)
-    if method == "rosenbrock":
-        from ._rosenbrock import Rodasp
-
-        return Rodasp(autonomous, compact)
-    raise ValueError(f"method is {method!r}; choose one of auto, {', '.join(NAMES)}")
 
 
 def with_tolerances(solver: Any, controller: Any, rtol: Any, atol: Any) -> Any:
@@ -83,6 +47,8 @@ def with_tolerances(solver: Any, controller: Any, rtol: Any, atol: Any) -> Any:
     finder = solver.root_finder
     # A placeholder of diffrax without a public name.
     unset = [one for one in tolerances if type(getattr(finder, one)).__name__ == "_UseStepSizeTol"]
+    if not unset:
+        return solver
     return eqx.tree_at(
         lambda one: [getattr(one.root_finder, name) for name in unset],
         solver,
@@ -152,22 +118,6 @@ def breaks_inside(
     inside = (breaks > 0) & (breaks < end)
     jumps = jnp.sort(jnp.where(inside, breaks, 2 * end))
     return jax.lax.stop_gradient(jumps)
-
-
-def adjoint_of(gradient: Gradient) -> Adjoint:
-    import diffrax
-
-    adjoints = {
-        "reverse": diffrax.RecursiveCheckpointAdjoint,
-        "forward": diffrax.ForwardMode,
-        # In reverse mode it recomputes blocks of steps, compiled differently. At tolerances of
-        # 1e-11 and below, and where the right-hand side amplifies rounding, they end at other
-        # states than the stored ones, and derivatives are wrong (`_recorded_steps` avoids this).
-        "both": diffrax.DirectAdjoint,
-    }
-    if gradient not in adjoints:
-        raise ValueError(f"gradient is {gradient!r}; choose one of {', '.join(adjoints)}")
-    return adjoints[gradient]()
 
 
 def still(tree: Any) -> Any:

@@ -33,7 +33,7 @@ from ..forces import (
 )
 from ..friction import friction_coefficient
 from ..histories import SolverReport
-from ..solvers import NAMES
+from ..solvers import ClosedForm
 
 
 def settles_in_closed_form(mechanism: Mechanism, scenario: Scenario) -> bool:
@@ -236,6 +236,6 @@ def closed_form_history(
         steps=zero,
         rejected=zero,
         code=jnp.where(jnp.all(valid), zero, 6),
-        name=NAMES["closed_form"],
+        name=ClosedForm.label,
     )
     return ratios * scenario.speed_at(times[0]), report

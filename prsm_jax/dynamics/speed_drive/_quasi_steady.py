@@ -19,7 +19,7 @@ from ...programs import physics
 from .._kinematics import StageKinematics
 from ..forces import Motion, Scenario, StageState, all_push, chain_forces, drive_once
 from ..histories import CarrierHistory, SolverReport
-from ..solvers import NAMES
+from ..solvers import QuasiSteady
 from ..steady import balanced_carrier_ratio, steady_motion
 from ._carrier_motion import Problem, carrier_acceleration
 
@@ -181,7 +181,7 @@ def quasi_steady_report(neglected: Neglected) -> SolverReport:
         steps=zero,
         rejected=zero,
         code=jnp.where(jnp.all(valid), zero, 4),
-        name=NAMES["quasi_steady"],
+        name=QuasiSteady.label,
         error_estimate=jax.lax.stop_gradient(jnp.max(error)),
         time_constant=jax.lax.stop_gradient(jnp.max(lag)),
     )

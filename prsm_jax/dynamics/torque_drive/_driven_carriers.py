@@ -258,7 +258,7 @@ def leaving(
     mode: Scalar,
     carriers: Carriers,
 ) -> tuple[Float[Array, " stages"], Bool[Array, ""]]:
-    """Tangents at which carriers in step keep their ratio to a turning screw, and whether found.
+    """Tangents at which carriers keep a constant ratio to a turning screw, and whether they exist.
 
     From rest carriers start in this ratio at once: until the speeds grow, only the directions of
     slip matter, and any other ratio settles immediately. The balance has to be stable. If the screw

@@ -16,7 +16,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ...fields import Scalar
 from ..histories import Phase, Settings
-from ..solvers import adjoint_of, controller_of, is_short, still
+from ..solvers import ForwardMode, controller_of, is_short, still
 
 #: Events are located to this share of the duration.
 EVENT = 1e-10
@@ -83,7 +83,7 @@ def _chosen_steps(
     state: Array,
     label: Any,
 ) -> tuple[Callable[..., Any], Any]:
-    """The rate, traced, and one phase without derivatives, with a record of its steps."""
+    """The traced rate, and one phase integrated without derivatives, whose steps are recorded."""
     import diffrax
 
     from ..solvers._recorded_steps import Recording
@@ -98,7 +98,7 @@ def _chosen_steps(
         saveat=diffrax.SaveAt(t1=True, controller_state=True),
         stepsize_controller=Recording(still(controller), settings.max_steps),
         event=_event(still(margin), None),
-        adjoint=adjoint_of("forward"),
+        adjoint=ForwardMode().adjoint(),
     )
     return rate, still(solution)
 
@@ -143,7 +143,7 @@ def follow_phases(
             breaks / end,
             jnp.ones_like(end),
             longest,
-            own=None if settings.own is None else settings.own.controller,
+            own=settings.method.own_controller,
         )
         integrate = functools.partial(
             diffrax.diffeqsolve,
@@ -156,7 +156,7 @@ def follow_phases(
         )
         rate: Any = laws.rate
         chosen = None
-        if settings.gradient == "reverse" or is_short(dtype):
+        if settings.gradient.checkpointed or is_short(dtype):
             rate, chosen = _chosen_steps(laws, integrate, controller, settings, start, state, label)
             controller = Again(chosen.controller_state[1])
         solution = integrate(
@@ -170,7 +170,7 @@ def follow_phases(
             # Newton's method would leave the step where the margin bends. Declaring that it falls
             # (`flip`) saves two copies of the margin in the program.
             event=_event(laws.margin, optimistix.Bisection(rtol=EVENT, atol=EVENT, flip=True)),
-            adjoint=adjoint_of(settings.gradient),
+            adjoint=settings.gradient.adjoint(),
         )
         saved_times: Any = solution.ts
         saved_values: Any = solution.ys

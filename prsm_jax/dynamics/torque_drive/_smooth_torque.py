@@ -22,6 +22,7 @@ from .._kinematics import free_carrier_ratio, travel_per_turn
 from ..forces import all_push
 from ..friction import bristles_of, has_contact_losses
 from ..histories import CarrierHistory, Settings, Transient, histories, integrated
+from ..solvers import Rodasp
 from ..speed_drive import BristleState, deflection_scales, states_with_bristles
 from ._torque_balance import TorqueProblem, torque_problem
 
@@ -148,8 +149,8 @@ def smooth_torque_history(
     **Raises:** `ValueError` if other friction of the mechanism jumps at standstill.
     """
     _check_smooth(mechanism)
-    if settings.method == "quasi_steady":
-        settings = settings._replace(method="auto")
+    if settings.method.carriers == "in_balance":
+        settings = settings._replace(method=Rodasp())
     problem = torque_problem(mechanism, scenario)
     dtype = problem.inertia.dtype
     times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=dtype) * scenario.duration

@@ -26,7 +26,6 @@ from ..._errors import MissingDataError
 from ...fields import Scalar
 from ...numerics import min_few
 from ..histories import Phase, Settings
-from ..solvers import solver_of
 from ._driven_carriers import (
     Carriers,
     driven,
@@ -207,7 +206,7 @@ def follow_carriers(
     **Arguments:**
 
     - `problem`, `times`: the scene and its samples.
-    - `settings`: solver, tolerances and kind of derivative; the method `"auto"` is RODASP.
+    - `settings`: method, tolerances and mode of differentiation.
 
     **Raises:** `MissingDataError` if a stage has no thread friction.
     """
@@ -217,7 +216,6 @@ def follow_carriers(
     scale = jax.lax.stop_gradient(problem.torque_scale * end / problem.total_inertia)
     law = _Law(problem, end, scale)
     interval = times[1] / end
-    method = "rosenbrock" if settings.method == "auto" else settings.method
     solution = follow_phases(
         PhaseLaws(
             law.begin,
@@ -232,7 +230,7 @@ def follow_carriers(
         times,
         scenario.break_times,
         scenario.most_phases,
-        solver_of(method, settings.rtol, settings.atol, False, compact=True, own=settings.own),
+        settings.method.make_solver(settings.rtol, settings.atol, compact=True),
         settings,
     )
     angle, mode = jax.vmap(law.angle)(solution.states), solution.labels["mode"]

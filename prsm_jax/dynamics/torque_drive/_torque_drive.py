@@ -87,7 +87,6 @@ def follow(problem: TorqueProblem, times: Float[Array, " times"], settings: Sett
     Steps are no longer than a quarter of the time between two samples. If the torque passed a limit
     and came back between two steps of a phase of sticking, the code reports it.
     """
-    import diffrax
 
     scenario, inertia = problem.scenario, problem.total_inertia
     end, dtype = times[-1], times.dtype
@@ -127,8 +126,9 @@ def follow(problem: TorqueProblem, times: Float[Array, " times"], settings: Sett
         longest=lambda _: times[1] / end / STEPS_PER_SAMPLE,
     )
     first = jnp.stack([jnp.zeros((), dtype), scenario.initial_speed.astype(dtype) / scale])
+    solver = settings.method.make_solver(settings.rtol, settings.atol)
     solution = follow_phases(
-        laws, first, times, scenario.break_times, scenario.most_phases, diffrax.Tsit5(), settings
+        laws, first, times, scenario.break_times, scenario.most_phases, solver, settings
     )
     angle, mode = solution.states[:, 0] * scale * end, solution.labels["mode"]
     sticks = (mode[:-1] == STICKING) & (mode[1:] == STICKING) & (angle[:-1] == angle[1:])

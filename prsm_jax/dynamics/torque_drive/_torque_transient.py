@@ -47,7 +47,7 @@ def torque_history(mechanism: Mechanism, scenario: TorqueScenario, settings: Set
     problem = torque_problem(mechanism, scenario)
     times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=problem.inertia.dtype)
     times = times * scenario.duration
-    if settings.method == "quasi_steady":
+    if settings.method.carriers == "in_balance":
         return _quasi_steady(problem, times, settings)
     return _integrated(problem, times, settings)
 

@@ -13,6 +13,8 @@ from ._bodies import (
 )
 from ._damping import (
     Damping as Damping,
+    DampingLaw as DampingLaw,
+    MassAndStiffness as MassAndStiffness,
     ModalDamping as ModalDamping,
     RayleighDamping as RayleighDamping,
     StructuralDamping as StructuralDamping,
@@ -28,7 +30,6 @@ from ._design_problem import (
 from ._line_contact import LineContact as LineContact
 from ._load_sharing import (
     GAP_LISTS as GAP_LISTS,
-    MOUNTINGS as MOUNTINGS,
     LoadSharing as LoadSharing,
     Mounting as Mounting,
     SplitNut as SplitNut,

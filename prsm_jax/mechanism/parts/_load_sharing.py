@@ -1,6 +1,6 @@
 """Data for the load sharing of threads and rollers: sections, teeth, errors, preload."""
 
-from typing import Any, Literal, TypeAlias, get_args
+from typing import Any, Literal, TypeAlias
 
 from ...fields import (
     ANY,
@@ -21,7 +21,6 @@ from ...fields import (
 )
 
 Mounting: TypeAlias = Literal["same_end", "opposite_end"]
-MOUNTINGS: tuple[Mounting, ...] = get_args(Mounting)
 
 
 class ThreadTooth(Limited):

@@ -2,12 +2,14 @@
 
 import abc
 import inspect
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar, TypeAlias, TypeVar
 
 import numpy as np
 
+from ...fields import refuse_options
+from ._evaluator import Evaluator
 from ._functions import SearchFunctions
 
 _Method = TypeVar("_Method", bound="WithOptions")
@@ -35,9 +37,11 @@ class SearchMethod(abc.ABC):
     - `accepts_constraints`: whether `search` keeps `functions.limits`. A method that does not is
       refused where the problem has constraints; a design with an error of `check` then counts as
       one that fails.
+    - `chooses_starts`: whether `chosen` replaces the starts of the problem before the searches.
     """
 
     accepts_constraints: bool = False
+    chooses_starts: ClassVar[bool] = False
     #: The word that stands for the method with its default options; empty if there is none.
     word: ClassVar[str] = ""
 
@@ -45,6 +49,16 @@ class SearchMethod(abc.ABC):
     def name(self) -> str:
         """The name in results: the word, or the name of the class."""
         return self.word or type(self).__name__
+
+    def chosen(self, evaluator: Evaluator, positions: np.ndarray) -> list[np.ndarray]:
+        """Starts in place of those of the problem, of a method that declares `chooses_starts`.
+
+        **Arguments:**
+
+        - `evaluator`: the design problem, with its scales.
+        - `positions`: the starts of the problem in the unit box, starts × variables.
+        """
+        return list(positions)
 
     @abc.abstractmethod
     def search(
@@ -73,14 +87,6 @@ class WithOptions(SearchMethod):
         if all(one.kind is not inspect.Parameter.VAR_KEYWORD for one in known):
             refuse_options(cls.__name__, options, [one.name for one in known][1:])
         return object.__new__(cls)
-
-
-def refuse_options(method: str, options: Iterable[str], takes: Iterable[str]) -> None:
-    """**Raises:** `ValueError` for an option that a method does not take."""
-    for name in options:
-        if name not in takes:
-            known = ", ".join(takes) or "no options"
-            raise ValueError(f"{method} takes {known}, but not {name}; leave it out")
 
 
 def check_at_least(least: int, **options: Any) -> None:

@@ -35,7 +35,7 @@ def search_of(
                 f"method is {name}(…), which carries its own options, but max_iterations is passed "
                 f"as well; {advice}"
             )
-        found = method
+        search = method
     else:
         word = method
         if word == "auto":
@@ -47,12 +47,12 @@ def search_of(
             )
         options = {} if max_iterations is None else {"max_iterations": max_iterations}
         if word == MultiStart.word:
-            found = MultiStart(finish=Slsqp(**options))
+            search = MultiStart(finish=Slsqp(**options))
         else:
-            found = _BY_WORD[word](**options)
-    if constrained and not found.accepts_constraints:
+            search = _BY_WORD[word](**options)
+    if constrained and not search.accepts_constraints:
         others = " or ".join(word for word, cls in _BY_WORD.items() if cls.accepts_constraints)
         raise ValueError(
-            f"method {found.name!r} accepts bounds only; with constraints choose {others}"
+            f"method {search.name!r} accepts bounds only; with constraints choose {others}"
         )
-    return found
+    return search

@@ -102,6 +102,7 @@ class MultiStart(WithOptions):
 
     word = "multi-start"
     accepts_constraints = True
+    chooses_starts = True
     steps: int = 30
     learning_rate: float = 0.05
     keep: int = 3
@@ -132,7 +133,7 @@ class MultiStart(WithOptions):
         - `evaluator`: the design problem, with its scales.
         - `positions`: in the unit box, starts × variables.
         """
-        found, costs = _descend(
+        improved, costs = _descend(
             evaluator.program_inputs,
             _rows(evaluator),
             jnp.asarray(positions),
@@ -141,13 +142,13 @@ class MultiStart(WithOptions):
         )
         evaluator.evaluations += len(positions) * self.steps
         evaluator.derivative_evaluations += len(positions) * self.steps
-        found, costs = np.asarray(found), np.asarray(costs)
+        improved, costs = np.asarray(improved), np.asarray(costs)
         kept: list[np.ndarray] = []
         for index in np.argsort(costs, kind="stable"):
             if not np.isfinite(costs[index]) or len(kept) == self.keep:
                 break
-            if all(np.max(np.abs(found[index] - other)) > _APART for other in kept):
-                kept.append(found[index])
+            if all(np.max(np.abs(improved[index] - other)) > _APART for other in kept):
+                kept.append(improved[index])
         return kept or [np.asarray(positions[0])]
 
 

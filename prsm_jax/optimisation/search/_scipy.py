@@ -6,9 +6,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...fields import refuse_options
 from ._constrained import COST_TOLERANCE, STEP_TOLERANCE, nonlinear_constraints
 from ._functions import SearchFunctions
-from ._method import Report, SearchResult, WithOptions, check_at_least, refuse_options
+from ._method import Report, SearchResult, WithOptions, check_at_least
 
 
 class _Support(NamedTuple):
@@ -102,7 +103,7 @@ class Scipy(WithOptions):
         defaults = {support.iterations: self.max_iterations, **support.defaults(tolerance)}
         from scipy.optimize import minimize
 
-        found = minimize(
+        minimum = minimize(
             functions.cost,
             start,
             method=self.method,
@@ -112,4 +113,4 @@ class Scipy(WithOptions):
             callback=lambda iterate: report(np.clip(iterate, 0.0, 1.0)),
             options=defaults | dict(self.options),
         )
-        return SearchResult(np.clip(found.x, 0.0, 1.0), str(found.message), int(found.nit))
+        return SearchResult(np.clip(minimum.x, 0.0, 1.0), str(minimum.message), int(minimum.nit))

@@ -22,6 +22,5 @@ from ._strength import (
     on_one_flank as on_one_flank,
     sharing_factor_of as sharing_factor_of,
     static_capacity_of as static_capacity_of,
-    static_safety_of as static_safety_of,
     truncated_fatigue_of as truncated_fatigue_of,
 )

@@ -98,7 +98,7 @@ def nut_speed(analysis: Analysis):
 
 @_with_friction("duty_efficiency", "η_duty", "1", "output over input energy of the duty cycle")
 def duty_efficiency(analysis: Analysis):
-    duty = _duty(analysis)
+    duty = analysis.require_duty_cycle()
     kinematics = analysis.kinematics
     phases = jax.vmap(
         lambda speed, load: steady_state(analysis.mechanism, speed, load, kinematics)
@@ -110,10 +110,3 @@ def duty_efficiency(analysis: Analysis):
     moves = input_energy != 0
     analysis.require(phases.computed.all() & load_spectrum(duty).possible & moves)
     return output_energy / jnp.where(moves, input_energy, 1.0)
-
-
-def _duty(analysis: Analysis):
-    duty = analysis.mechanism.duty_cycle
-    if duty is None:
-        raise MissingDataError("the mechanism has no duty cycle; give [[duty_cycle]] phases")
-    return duty

@@ -26,7 +26,7 @@ _life = functools.partial(
     "cubic mean load of the duty cycle, weighted by travel (as ISO 3408-5 for ball screws)",
 )
 def equivalent_load(analysis: Analysis):
-    _needs_duty_cycle(analysis)
+    analysis.require_duty_cycle()
     return strength.equivalent_load(analysis.spectrum)
 
 
@@ -37,13 +37,8 @@ def equivalent_load(analysis: Analysis):
     "mean magnitude of the screw speed over the duty cycle (as ISO 3408-5 for ball screws)",
 )
 def equivalent_speed(analysis: Analysis):
-    _needs_duty_cycle(analysis)
+    analysis.require_duty_cycle()
     return analysis.spectrum.mean_speed
-
-
-def _needs_duty_cycle(analysis: Analysis) -> None:
-    if analysis.mechanism.duty_cycle is None:
-        raise MissingDataError("the mechanism has no duty cycle; give [[duty_cycle]] phases")
 
 
 def _fatigue_of(analysis: Analysis, index: int, stage: Stage):
@@ -149,7 +144,7 @@ def life_ratio(analysis: Analysis):
     ("stage", "phase"),
 )
 def phase_damage(analysis: Analysis):
-    _needs_duty_cycle(analysis)
+    analysis.require_duty_cycle()
     return per_stage(analysis, lambda i, stage: strength.damage(*_fatigue_of(analysis, i, stage)))
 
 

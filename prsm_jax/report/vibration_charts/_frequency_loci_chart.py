@@ -5,14 +5,12 @@ from typing import Any
 import numpy as np
 
 from ...text import DisplayUnit, display_unit, in_unit, show
-from ...vibration import FAMILIES, FrequencyLoci, Veering
+from ...vibration import FAMILIES, RIGID_SHARE, FrequencyLoci, Veering
 from .._parts import WHITE, aside, in_words, legend_below, plain_ticks
 from .._style import FAMILY_COLOURS, INK, SMALL, Axes, Figure, drawn, page_figure, readable
 
 #: Frequencies that differ by more than this factor are drawn on a logarithmic axis.
 _WIDE = 20.0
-#: A frequency below this share of the largest is that of a rigid motion.
-_RIGID = 1e-9
 _ENLARGED = 2
 
 
@@ -75,7 +73,7 @@ def _equal_ratios(values: np.ndarray) -> bool:
 def _positive(loci: FrequencyLoci) -> np.ndarray:
     flat = np.concatenate([np.asarray(rows).ravel() for rows in loci.frequencies.values()])
     flat = flat[np.isfinite(flat)]
-    return flat[flat > _RIGID * flat.max(initial=0.0)]
+    return flat[flat > RIGID_SHARE * flat.max(initial=0.0)]
 
 
 def _label(loci: FrequencyLoci, unit: DisplayUnit) -> str:
@@ -87,7 +85,7 @@ def _curves(axes: Axes, loci: FrequencyLoci, unit: DisplayUnit, hertz: DisplayUn
     largest = _positive(loci).max()
     for family, rows in loci.frequencies.items():
         for index, curve in enumerate(np.asarray(rows).T):
-            ys = hertz(np.where(curve > _RIGID * largest, curve, np.nan))
+            ys = hertz(np.where(curve > RIGID_SHARE * largest, curve, np.nan))
             if not np.isfinite(ys).any():
                 continue
             marks = {"marker": "o", "ms": 3.5} if loci.integer else {}

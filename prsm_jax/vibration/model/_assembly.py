@@ -56,7 +56,8 @@ def torsional_springs(system: VibrationSystem) -> SpringBlock:
 def transverse_springs(system: VibrationSystem) -> SpringBlock:
     """Harmonic 1 of the rollers: transverse modes, each with multiplicity 2.
 
-    The contact angles cancel: they only turn the modes.
+    Frequencies are independent of the positions of the contacts around the axes, which only turn
+    the modes.
     """
     return _block(system, "radial_support", "mass", 0.5)
 

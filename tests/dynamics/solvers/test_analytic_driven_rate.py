@@ -7,7 +7,14 @@ import pytest
 
 import prsm_jax as prsm
 from prsm_jax.dynamics.histories._integration import Settings, integrated
-from prsm_jax.dynamics.solvers import DrivenRate, MethodName
+from prsm_jax.dynamics.solvers import (
+    DrivenRate,
+    ForwardMode,
+    MethodName,
+    Rodasp,
+    gradient_of,
+    method_of,
+)
 
 
 def _drive(time, frequency):
@@ -27,7 +34,7 @@ def _at_once(time, state, frequency):
 
 
 def _states(rate, gradient, method: MethodName = "rosenbrock"):
-    settings = Settings(method, gradient, 1e-7, 1e-9, 4096)
+    settings = Settings(method_of(method), gradient_of(gradient), 1e-7, 1e-9, 4096)
 
     def states(frequency):
         start = jnp.array([0.1, 0.9])
@@ -87,7 +94,7 @@ def test_states_that_follow_a_leader(stiffness):
         "share": jnp.array([0.4, -0.7]),
     }
     start, end, samples = jnp.array([0.2, 0.1]), jnp.asarray(3.0), 31
-    settings = Settings("rosenbrock", "forward", 1e-6, 1e-8, 4096)
+    settings = Settings(Rodasp(), ForwardMode(), 1e-6, 1e-8, 4096)
 
     def run(rate):
         def found(share):

@@ -8,8 +8,8 @@ import pytest
 from scenes import Swing, array, mechanism, simulate, stage
 
 import prsm_jax as prsm
-from prsm_jax.dynamics import Auto
-from prsm_jax.dynamics.solvers import method_of
+from prsm_jax.dynamics import Auto, Integrating, ReverseMode
+from prsm_jax.dynamics.solvers import gradient_of, method_of
 from prsm_jax.friction import Friction, RegularisedCoulombFriction
 
 ONE = mechanism()
@@ -111,13 +111,64 @@ def test_derivatives_by_a_solver_of_diffrax(gradient, solver):
             {"rtol": 1e-6},
             r"is Rodasp\(…\).* write Rodasp\(…, rtol=…\)",
         ),
-        (TORQUE, "closed_form", {}, "under a prescribed torque choose auto, rosenbrock"),
-        (TORQUE, prsm.ClosedForm(), {}, "under a prescribed torque choose auto, rosenbrock"),
+        (
+            TORQUE,
+            "closed_form",
+            {},
+            "under a prescribed torque choose auto, quasi_steady, rosenbrock",
+        ),
+        (
+            TORQUE,
+            prsm.ClosedForm(),
+            {},
+            "under a prescribed torque choose auto, quasi_steady, rosenbrock",
+        ),
     ],
 )
 def test_what_a_method_does_not_take_is_refused(scene, method, options, message):
     with pytest.raises(ValueError, match=message):
         prsm.simulate(ONE, scene, method=method, **options)
+
+
+class BogackiShampine(Integrating):
+    """A method of a user's own, for one mode of differentiation."""
+
+    gradients = ("forward",)
+
+    def make_solver(self, rtol, atol, *, autonomous=False, compact=False):
+        return diffrax.Bosh3()
+
+
+@pytest.mark.parametrize("scene", [SWING, TORQUE], ids=["speed", "torque"])
+def test_a_method_from_outside(scene):
+    exact = simulate(ONE, scene, method=prsm.Rodasp(rtol=1e-9))
+    own = simulate(ONE, scene, method=BogackiShampine(rtol=1e-7), gradient="forward")
+    assert own.solver.name.split(" with ")[0] == "BogackiShampine"
+    np.testing.assert_allclose(own.carrier_ratio, exact.carrier_ratio, rtol=0, atol=2e-6)
+    with pytest.raises(ValueError, match="'both', but method BogackiShampine supports forward;"):
+        prsm.simulate(ONE, scene, method=BogackiShampine())
+
+
+def test_a_mode_of_differentiation_is_an_object_or_a_word():
+    """A user's own mode reaches the integration: its adjoint is asked for once a program."""
+    asked = []
+
+    class Counted(ReverseMode):
+        def adjoint(self):
+            asked.append(self)
+            return diffrax.RecursiveCheckpointAdjoint(checkpoints=40)
+
+    def last(load, mode):
+        scene = prsm.Scenario(SWING.speed, load, SWING.duration, samples=11)
+        run = prsm.simulate(ONE, scene, method="rosenbrock", gradient=mode, throw=False)
+        return run.carrier_ratio[0, -1]
+
+    slopes = [jax.grad(last)(array(7e3), mode) for mode in ("reverse", ReverseMode(), Counted())]
+    assert len(asked) == 1
+    # The three programs take the same steps; checkpoints are recomputed by the same operations.
+    np.testing.assert_allclose(slopes[1:], [slopes[0]] * 2, rtol=1e-12)
+    with pytest.raises(ValueError, match="gradient is 'sideways'; choose one of reverse, forward"):
+        gradient_of("sideways")
 
 
 def test_an_unknown_word_names_the_known_ones():

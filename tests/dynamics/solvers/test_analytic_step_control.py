@@ -11,6 +11,7 @@ import pytest
 
 import prsm_jax as prsm
 from benchmarks.extremes import structures
+from prsm_jax.dynamics import BothModes, Explicit
 from prsm_jax.dynamics.histories._integration import Settings, integrated
 from prsm_jax.dynamics.solvers._kvaerno import Kvaerno
 from prsm_jax.dynamics.solvers._step_control import root_mean_square
@@ -76,7 +77,7 @@ def test_what_decays_within_a_step_does_not_grow_in_between(decay):
 
 def test_in_single_precision_reverse_takes_the_steps_that_forward_took():
     """At tolerances below rounding the two were 4 % apart on carriers, here 8e-4."""
-    settings = Settings("explicit", "both", 1e-8, 1e-10, 4096).within(jnp.float32)
+    settings = Settings(Explicit(), BothModes(), 1e-8, 1e-10, 4096).within(jnp.float32)
     assert settings.rtol > 1e-6
 
     @jax.jit

@@ -10,7 +10,7 @@ from scenes import array, mechanism, stage, thread
 
 import prsm_jax as prsm
 from prsm_jax.dynamics.histories._integration import Settings
-from prsm_jax.dynamics.solvers import solver_of
+from prsm_jax.dynamics.solvers import Rodasp, gradient_of
 from prsm_jax.dynamics.solvers._recorded_steps import Again, Steps
 from prsm_jax.dynamics.torque_drive._phases import PhaseLaws, follow_phases
 from prsm_jax.dynamics.torque_drive._stick_slip import follow_carriers
@@ -29,8 +29,8 @@ def _brake(values, gradient):
         end=lambda state, label, ended: state,
         longest=lambda label: array(0.25),
     )
-    settings = Settings("rosenbrock", gradient, 1e-8, 1e-10, 256)
-    solver = solver_of("rosenbrock", 1e-8, 1e-10, False, compact=True)
+    settings = Settings(Rodasp(), gradient_of(gradient), 1e-8, 1e-10, 256)
+    solver = Rodasp().make_solver(1e-8, 1e-10, compact=True)
     times = jnp.linspace(0.0, 1.0, 5)
     found = follow_phases(laws, start[None], times, jnp.zeros(0), 1, solver, settings)
     return found.states[1, 0] + 2 * found.phases.end[0]
@@ -93,7 +93,7 @@ def _end(values, stages, gradient, rtol=1e-7):
         most_phases=3,
     )
     problem = torque_problem(chain, scenario)
-    settings = Settings("rosenbrock", gradient, rtol, 1e-2 * rtol, 1024)
+    settings = Settings(Rodasp(), gradient_of(gradient), rtol, 1e-2 * rtol, 1024)
     run = follow_carriers(problem, jnp.linspace(0.0, 0.05, 5), settings)
     found = jnp.stack(
         [run.angle[-1], run.speed[2] / 1e2, *run.carrier_speed[1] / 1e2, run.solution.phases.end[0]]

@@ -15,7 +15,7 @@ from scenes import array, example
 
 import prsm_jax as prsm
 from benchmarks.method_options import taken
-from prsm_jax.dynamics.solvers import NAMES
+from prsm_jax.dynamics.solvers import METHOD_WORDS
 from prsm_jax.halfspace import RESULTS, flank_contact
 from prsm_jax.mechanism import DutyCycle, OperatingPoint, Screw, set_parameters
 from prsm_jax.quantities import REASONS, compute_coded
@@ -32,13 +32,13 @@ def test_a_duration_that_is_none_is_refused(scenario, duration):
         scenario(100.0, 7e3, duration)
     # As `jax.tree` and `eqx.tree_at` set it: past the construction, but not past `simulate`.
     past = eqx.tree_at(lambda s: s.duration, scenario(100.0, 7e3, 1e-3), array(duration))
-    methods: tuple[Any, ...] = ("auto", *NAMES)
+    methods: tuple[Any, ...] = METHOD_WORDS
     for method in methods:
         with pytest.raises(ValueError, match=r"Scenario: duration is .*; it must be"):
             prsm.simulate(scenes.mechanism(), past, method=method)
 
 
-@pytest.mark.parametrize("method", ["auto", *NAMES])
+@pytest.mark.parametrize("method", METHOD_WORDS)
 def test_a_speed_without_end_is_refused_by_every_method(method):
     """Set past the construction, and found before anything is integrated."""
     for scenario, what in ((Scenario, "speed"), (TorqueScenario, "torque")):

@@ -10,7 +10,7 @@ from scenes import Swing, array, changed, mechanism, stage, thread
 import prsm_jax as prsm
 from prsm_jax.dynamics import slip_velocity, stage_kinematics
 from prsm_jax.dynamics.histories._integration import Settings
-from prsm_jax.dynamics.solvers import Gradient
+from prsm_jax.dynamics.solvers import ForwardMode, Gradient, QuasiSteady, Rodasp, gradient_of
 from prsm_jax.dynamics.torque_drive._stick_slip import follow_carriers
 from prsm_jax.dynamics.torque_drive._torque_balance import torque_problem
 from prsm_jax.dynamics.torque_drive._torque_drive import follow
@@ -110,7 +110,8 @@ def _swinging(values, gradient, *, quasi_steady=False):
     )
     problem = torque_problem(one, scenario)
     times = jnp.linspace(0.0, 0.4, 5)
-    settings = Settings("rosenbrock", gradient, 1e-7, 1e-9, 1024)
+    method = QuasiSteady() if quasi_steady else Rodasp()
+    settings = Settings(method, gradient_of(gradient), 1e-7, 1e-9, 1024)
     if quasi_steady:
         run = follow(problem, times, settings)
         code, phases = run.code, run.phases
@@ -181,7 +182,7 @@ def _reversal(scale, friction, torque, speed):
         scenario = prsm.TorqueScenario(
             torque, 7e3 * scale, array(5e-3), initial_speed=speed, samples=3, most_phases=2
         )
-        settings = Settings("rosenbrock", "forward", 1e-8, 1e-10, 256)
+        settings = Settings(Rodasp(), ForwardMode(), 1e-8, 1e-10, 256)
         times = jnp.linspace(0.0, 5e-3, 3)
         found = follow_carriers(torque_problem(one, scenario), times, settings).solution
         return found.phases.end[0], (found.code, found.steps)
