@@ -109,6 +109,10 @@ def sweep(
     ] = "grid",
     points: Annotated[int | None, Parameter(help="Number of designs of lhs and sobol.")] = None,
     seed: Annotated[int, Parameter(help="Seed of lhs and sobol.")] = 0,
+    chunk: Annotated[
+        int | None,
+        Parameter(help="Most designs in a block, which is stored as a whole; default by memory."),
+    ] = None,
     resume: Annotated[
         bool,
         Parameter(
@@ -177,6 +181,7 @@ def sweep(
         "points": points,
         "seed": seed,
         "gradients": words_of(gradients) or [],
+        "chunk": chunk,
     }
     with folder_for_results(folder):
         if collect:
