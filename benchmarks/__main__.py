@@ -10,6 +10,7 @@ Each of these is a command with options of its own (`--help`):
 * `… startup`: the time from a command to its answer;
 * `… devices`: designs per second on each device that JAX finds;
 * `… fronts`: fronts by gradients against NSGA-II;
+* `… sweeps`: a million designs into a store, against a loop with SciPy;
 * `… starts`: many starts at once against searches one by one.
 
 `--quick --compare` compares errors and ratios with stored ones; the exit status is 1 if one is
@@ -43,6 +44,7 @@ _COMMANDS = (
     "devices",
     "fronts",
     "starts",
+    "sweeps",
 )
 
 

@@ -176,12 +176,22 @@ def call_sizes(scene: str, sizes: list[int], rounds: int) -> dict[str, Any]:
     }
 
 
-def share(scene: str, side: int, shard: tuple[int, int], store: Path, cores: int) -> dict[str, Any]:
-    """One of several processes that sweep together: it compiles, waits for a line, and begins."""
-    os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[-cores:])
+def share(
+    scene: str, side: int, shard: tuple[int, int], store: Path, cores: int, place: int
+) -> dict[str, Any]:
+    """One of several processes that sweep together: it compiles, waits for a line, and begins.
+
+    **Arguments:**
+
+    - `scene`, `side`: as for `throughput`.
+    - `shard`: its number, from 1, and the number of processes.
+    - `store`: where all of them write.
+    - `cores`, `place`: number of its cores, and its place among processes of as many, from 0.
+    """
+    os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[place * cores :][:cores])
     of = study(scene, side, False)
-    with tempfile.TemporaryDirectory() as place:
-        compiling = _compiled(of, Path(place))
+    with tempfile.TemporaryDirectory() as folder:
+        compiling = _compiled(of, Path(folder))
     print("ready", flush=True)
     sys.stdin.readline()
     begin = time.time()
@@ -202,6 +212,7 @@ def main() -> None:
     three.add_argument("--shard", type=int, nargs=2, required=True)
     three.add_argument("--store", type=Path, required=True)
     three.add_argument("--cores", type=int, required=True)
+    three.add_argument("--place", type=int, required=True)
     for kind in (one, two, three):
         kind.add_argument("--scene", choices=SCENES, default=next(iter(SCENES)))
     for kind in (one, three):
@@ -215,7 +226,8 @@ def main() -> None:
         found = call_sizes(given.scene, given.sizes, given.rounds)
     else:
         first, count = given.shard
-        found = share(given.scene, given.side, (first, count), given.store, given.cores)
+        shard = first, count
+        found = share(given.scene, given.side, shard, given.store, given.cores, given.place)
     print(json.dumps(found))
 
 

@@ -14,7 +14,7 @@ import jax
 #: call and needs as many to be busy (docs/devices.md).
 _MOST, _MOST_ON_ACCELERATOR = 16_384, 131_072
 #: Designs in a block, at least, and blocks that threads and shards can share in a small sweep.
-_LEAST, _SHARED = 1024, 32
+_LEAST, _SHARED = 4096, 32
 #: Memory that results of one block may take [B]; each thread or worker has one block.
 RESULT_BYTES = 64 * 2**20
 #: What a call keeps at once for each design of a long program [B]: XLA reserves 8.4 kB for
