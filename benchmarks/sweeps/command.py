@@ -90,7 +90,7 @@ def _programs_kept() -> Generator[None, None, None]:
 
 def _scaling(quick: bool) -> list[dict[str, Any]]:
     """One sweep by one thread, by two, and by two processes of one thread."""
-    scene, side, rounds = (_EQUAL, 30, 1) if quick else (_WHOLE, 60, 3)
+    scene, side, rounds = (_EQUAL, 30, 1) if quick else (_WHOLE, 60, 2)
     ways = [way for way in _WAYS if way[0] * way[1] <= len(os.sched_getaffinity(0))]
     rows: list[dict[str, Any]] = []
     with _programs_kept():

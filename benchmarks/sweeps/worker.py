@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 import prsm_jax as prsm
+from prsm_jax.sweeps._plan import blocks_of
 
 from . import rival
 from .plans import QUANTITIES, SCENES, VARIABLES, Study, calls, kernel, study
@@ -150,9 +151,12 @@ def _error(of: Study, data: Any, count: int) -> dict[str, float]:
 
 def call_sizes(scene: str, sizes: list[int], rounds: int) -> dict[str, Any]:
     """The kernel alone on one thread with calls of several sizes, in turn."""
-    side = round(max(sizes) ** (1 / 3)) + 1
-    whole = study(scene, side, False)
-    studies = {size: whole._replace(job=replace(whole.job, call=size)) for size in sizes}
+    whole = study(scene, round(max(sizes) ** (1 / 3)), False)
+    # One block, so that a call may be as large as all designs.
+    blocks = blocks_of(whole.job.plan.shape, whole.points)
+    studies = {
+        size: whole._replace(job=replace(whole.job, blocks=blocks, call=size)) for size in sizes
+    }
     given = {size: calls(of) for size, of in studies.items()}
     for size, of in studies.items():
         kernel(of, given[size][:1], 1)
