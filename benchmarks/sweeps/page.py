@@ -23,7 +23,8 @@ _WHAT = """\
   plan, arguments, compiled program, results, files.
 * **Kernel**: the compiled program alone on the same designs, in calls of the same size, by as many
   threads; arguments are ready, and results are dropped.
-* **Outside**: 1 − kernel/sweep, wall to wall, and by processor time. Median of the rounds.
+* **Outside**: 1 − kernel/sweep, wall to wall, and by processor time. Median of the rounds. With
+  more work than cores on the machine the first is noise (it can be below zero); the second is not.
 * **Memory**: the most that the process has had, after compiling and after the sweep.
 * **Compiling**: tracing, compiling and the first block.
 """
@@ -33,7 +34,8 @@ The rival computes the same numbers with SciPy, one design after another, in pla
 (hybr) for meshing, `brentq` and `ellipkm1` for two Hertz contacts, `eigh` for 20 degrees of freedom,
 and a linear equation for the steady state. Its actuator shares the load equally among threads and
 has neither spin nor rolling losses, because these need root searches of many unknowns; ours has the
-same in this comparison.
+same in this comparison. Without them the kernel is so short that files and results are half of the
+time. The loop uses one core, a sweep all of them: the ratio of processor times is that of one core.
 """
 
 _CALLS = """\
@@ -46,7 +48,7 @@ one thread; times are those of a design, the best of the rounds.
 _MODEL = """\
 ## Many cores: model
 
-`t = s + N/(p r) `: s is the time in which a process starts and compiles, r the rate of one thread
+`t = s + N/(p r)`: s is the time in which a process starts and compiles, r the rate of one thread
 with its writes, p the number of threads in all processes. Nothing else is shared but the file
 system, which has to take the last two columns. Measured are s, r, bytes and files; the rest of the
 table is modelled.
@@ -169,7 +171,14 @@ def _scaling(rows: list[dict[str, Any]]) -> list[str]:
                 f"{1e6 * min(row['processor_s'] for row in mine) / best['points']:.3g} µs",
             ]
         )
-    heads = ["processes", "threads each", "time", "designs a second", "faster", "processor a design"]
+    heads = [
+        "processes",
+        "threads each",
+        "time",
+        "designs a second",
+        "faster",
+        "processor a design",
+    ]
     return table_of(heads, lines)
 
 

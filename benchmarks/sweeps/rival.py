@@ -128,7 +128,10 @@ def _gaps(flanks: _Flanks, x: float, y: float) -> Iterator[_Gap]:
     ours = _hessian(x, y, slope, 0.0, helical)
     arc = _arc(flanks, hypot(from_roller, y))
     theirs = _hessian(from_roller, y, *arc, flanks.roller_helical)
-    gradient = ((slope * x - helical * y / radius) / radius, (slope * y + helical * x / radius) / radius)
+    gradient = (
+        (slope * x - helical * y / radius) / radius,
+        (slope * y + helical * x / radius) / radius,
+    )
     yield _gap(gradient, _difference(ours, theirs))
     first, second = _arc(flanks, roller)
     ours = _hessian(roller, 0.0, -first, -second, flanks.roller_helical)
@@ -170,9 +173,7 @@ def _efficiency(flanks: _Flanks, x: float, y: float) -> float:
     from_roller = flanks.centre - x
     drive = (arm[0] + _STARTS * y, arm[1] + _STARTS * from_roller)
     ratio = (arm[0] * drive[0] + arm[1] * drive[1]) / (drive[0] ** 2 + drive[1] ** 2)
-    size = sqrt(
-        (arm[0] - ratio * drive[0]) ** 2 + (arm[1] - ratio * drive[1]) ** 2 + helical**2
-    )
+    size = sqrt((arm[0] - ratio * drive[0]) ** 2 + (arm[1] - ratio * drive[1]) ** 2 + helical**2)
     lost = _THREAD_FRICTION * size / (helical * (normal - _THREAD_FRICTION * helical / size))
     bearing = _BEARING_FRICTION * _LOAD * _BEARING_RADIUS
     return _LOAD * helical / (_LOAD * helical * (1 + lost) + bearing + _DRAG)

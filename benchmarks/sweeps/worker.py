@@ -89,6 +89,7 @@ def throughput(scene: str, side: int, findings: bool, rounds: int, theirs: int) 
         given: list[Any] = []
         size = (0, 0)
         data: Any = None
+        error: dict[str, float] | None = None
         for number in range(rounds):
             store = folder / f"{number}.zarr"
             ours, data = _timed(lambda store=store: _swept(of, store))
@@ -98,9 +99,9 @@ def throughput(scene: str, side: int, findings: bool, rounds: int, theirs: int) 
             alone, _ = _timed(lambda: kernel(of, given, threads))
             row = {"sweep": ours, "kernel": alone}
             if theirs:
+                error = error or _error(of, data, 50)
                 row["rival"] = _rival(of, theirs, number)
             rows.append(row)
-        error = _error(of, data, 50) if theirs else None
         failed = int(data.attrs["failed"])
     return {
         "scene": scene,
@@ -200,7 +201,13 @@ def share(
     sys.stdin.readline()
     begin = time.time()
     times, _ = _timed(lambda: _swept(of, store, shard))
-    return {"points": of.points, "compile": compiling, "began": begin, "ended": time.time(), **times}
+    return {
+        "points": of.points,
+        "compile": compiling,
+        "began": begin,
+        "ended": time.time(),
+        **times,
+    }
 
 
 def main() -> None:

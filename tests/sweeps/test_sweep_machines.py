@@ -128,8 +128,18 @@ def test_a_dask_scheduler_with_four_workers_one_of_them_killed(tmp_path, expecte
             time.sleep(0.05)
         address = json.loads(where.read_text())["address"]
         workers = [
-            started("distributed.cli.dask_worker", address, "--nthreads", 1, "--no-nanny",
-                    "--no-dashboard", "--host", "127.0.0.1", "--local-directory", tmp_path / "dask")  # fmt: skip
+            started(
+                "distributed.cli.dask_worker",
+                address,
+                "--nthreads",
+                1,
+                "--no-nanny",
+                "--no-dashboard",
+                "--host",
+                "127.0.0.1",
+                "--local-directory",
+                tmp_path / "dask",
+            )  # fmt: skip
             for _ in range(4)
         ]
         sweep = _sweep(tmp_path, "--scheduler", address)
