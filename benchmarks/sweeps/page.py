@@ -31,10 +31,10 @@ _WHAT = """\
 
 _RIVAL = """\
 The rival computes the same numbers with SciPy, one design after another, in plain floats: `root`
-(hybr) for meshing, `brentq` and `ellipkm1` for two Hertz contacts, `eigh` for 20 degrees of freedom,
-and a linear equation for the steady state. Its actuator shares the load equally among threads and
-has neither spin nor rolling losses, because these need root searches of many unknowns; ours has the
-same in this comparison. Without them the kernel is so short that files and results are half of the
+(hybr) for meshing, `brentq` and `ellipkm1` for two Hertz contacts, `eigh` for 20 degrees of
+freedom, and a linear equation for the steady state. Its actuator shares the load equally among
+threads and has neither spin nor rolling losses, because these need root searches of many unknowns;
+ours has the same in this comparison. Without them the kernel is so short that files and results are half of the
 time. The loop uses one core, a sweep all of them: the ratio of processor times is that of one core.
 """
 

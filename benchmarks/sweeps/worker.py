@@ -4,6 +4,7 @@ Prints one JSON object. Times are by the clock and by the processor (all threads
 """
 
 import argparse
+import functools
 import json
 import os
 import sys
@@ -96,7 +97,7 @@ def throughput(scene: str, side: int, findings: bool, rounds: int, theirs: int) 
             memory.setdefault("swept", peak_bytes())
             size = _stored_bytes(store)
             given = given or calls(of)
-            alone, _ = _timed(lambda: kernel(of, given, threads))
+            alone, _ = _timed(functools.partial(kernel, of, given, threads))
             row = {"sweep": ours, "kernel": alone}
             if theirs:
                 error = error or _error(of, data, 50)
@@ -140,7 +141,7 @@ def _rival(of: Study, count: int, seed: int) -> _Times:
 
 def _error(of: Study, data: Any, count: int) -> dict[str, float]:
     """Largest relative difference between the store and the rival, by quantity."""
-    largest = dict.fromkeys(QUANTITIES, 0.0)
+    largest: dict[str, float] = dict.fromkeys(QUANTITIES, 0.0)
     for place in _some(of, count, 99):
         here = data.isel(dict(zip(VARIABLES, place.tolist(), strict=True)))
         theirs = rival.design(*_values(of, place))

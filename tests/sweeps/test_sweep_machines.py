@@ -24,8 +24,9 @@ SHARDS = 16
 BLOCKS, CHUNK = 480, 4
 #: Longest time that a process of a test may need on a busy machine [s].
 PATIENCE = 240
-WORDS = ("sweep", "wu2022", "--axis", "lead=6 mm:14 mm:60", "--axis", "contact_angle=40 deg:46 deg:32",
-         "--quantities", "nut_speed,nut_radius", "--chunk", str(CHUNK))  # fmt: skip
+AXES = ("--axis", "lead=6 mm:14 mm:60", "--axis", "contact_angle=40 deg:46 deg:32")
+QUANTITIES = ("--quantities", "nut_speed,nut_radius")
+WORDS = ("sweep", "wu2022", *AXES, *QUANTITIES, "--chunk", str(CHUNK))
 
 
 def _environment():
@@ -139,7 +140,7 @@ def test_a_dask_scheduler_with_four_workers_one_of_them_killed(tmp_path, expecte
                 "127.0.0.1",
                 "--local-directory",
                 tmp_path / "dask",
-            )  # fmt: skip
+            )
             for _ in range(4)
         ]
         sweep = _sweep(tmp_path, "--scheduler", address)
