@@ -11,6 +11,7 @@ Each of these is a command with options of its own (`--help`):
 * `… devices`: designs per second on each device that JAX finds;
 * `… fronts`: fronts by gradients against NSGA-II;
 * `… starts`: many starts at once against searches one by one;
+* `… sweeps`: a million designs into a store, against a loop with SciPy;
 * `… catalogue`: the best design within the envelope of each size of a catalogue.
 
 `--quick --compare` compares errors and ratios with stored ones; the exit status is 1 if one is
@@ -45,6 +46,7 @@ _COMMANDS = (
     "catalogue",
     "fronts",
     "starts",
+    "sweeps",
 )
 
 

@@ -5,4 +5,4 @@ from ._export import check_export as check_export, export as export
 from ._labels import CodeCounts as CodeCounts, count_codes as count_codes
 from ._plan import PlanName as PlanName
 from ._store import open_store as open_store
-from ._sweep import DEFAULT_CHUNK as DEFAULT_CHUNK, collect as collect, sweep as sweep
+from ._sweep import collect as collect, sweep as sweep

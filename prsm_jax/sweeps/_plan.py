@@ -49,14 +49,12 @@ class Plan:
         """Number of designs."""
         return math.prod(self.shape)
 
-    def values(self, numbers: np.ndarray) -> dict[str, np.ndarray]:
-        """Values of all axes [SI] at the designs with these numbers."""
+    def values(self, where: tuple[slice, ...]) -> dict[str, np.ndarray]:
+        """Values of all axes [SI] in a block; of a grid, arrays that broadcast to its shape."""
         if self.kind != "grid":
-            return {axis.name: axis.values[numbers] for axis in self.axes}
-        places = np.unravel_index(numbers, self.shape)
-        return {
-            axis.name: axis.values[place] for axis, place in zip(self.axes, places, strict=True)
-        }
+            return {axis.name: axis.values[where] for axis in self.axes}
+        parts = [axis.values[part] for axis, part in zip(self.axes, where, strict=True)]
+        return dict(zip(self.dimensions, np.ix_(*parts), strict=True))
 
     def static_choices(self, traced: Collection[str] = ()) -> list[dict[str, int]]:
         """Every combination of values that are part of the program; one, empty, without any.

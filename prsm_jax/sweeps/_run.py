@@ -27,10 +27,13 @@ from ._program import (
     evaluate_block,
     stages_of_count,
 )
+from ._sizes import equal_parts
 from ._store import opened
 
 #: Blocks that an executor has at once: enough for many workers, few enough to stay in memory.
 _IN_FLIGHT = 256
+#: Blocks that a thread has at once, with the one that it computes.
+_IN_FLIGHT_OF_THREAD = 2
 #: Designs in a call, at least, where a block is divided by whole numbers: below, calls take longer
 #: than the designs.
 _LEAST = 64
@@ -70,7 +73,7 @@ class BlockTask(NamedTuple):
     number: int
     mechanism: Mechanism
     settings: _Settings
-    #: Values [SI] of parameters at its designs, and whole numbers.
+    #: Values [SI] of parameters, and whole numbers; they broadcast to the shape of the block.
     values: dict[str, np.ndarray]
     static: dict[str, np.ndarray]
     #: Its place in the arrays of the sweep.
@@ -102,6 +105,8 @@ class Job:
     #: `speed` and `load` [rad/s, N], or `None`.
     point: dict[str, float | None]
     findings: bool
+    #: The most designs in a call.
+    call: int
     #: Where blocks are written, or `None`.
     store: Path | None = None
 
@@ -141,6 +146,7 @@ class Job:
         else:
             share = -(-size // len(self.plan.static_choices(traced)))
             size = min(size, max(share, _LEAST))
+        size = equal_parts(size, self.call)
         return _Settings(self.quantities, self.gradients, self.findings, size, self.point, traced)
 
     def _traced(self, settings: _Settings, choice: dict[str, int]) -> BlockResults:
@@ -155,9 +161,9 @@ class Job:
 
     def task(self, number: int) -> BlockTask:
         """What one block is computed from."""
-        values = self.plan.values(self.blocks.designs(number))
-        static = {axis.name: values.pop(axis.name) for axis in self.plan.axes if axis.static}
         where = self.blocks.slices(number)
+        values = self.plan.values(where)
+        static = {axis.name: values.pop(axis.name) for axis in self.plan.axes if axis.static}
         return BlockTask(number, self.mechanism, self._settings, values, static, where, self.store)
 
     def variables(self) -> tuple[Variable, ...]:
@@ -165,6 +171,11 @@ class Job:
         return variables_of(
             self.mechanism, self.plan, self.quantities, self.gradients, self.shapes()
         )
+
+    def result_bytes(self) -> int:
+        """Memory that results of one design take [B]; raises as `shapes` does."""
+        leaves = jax.tree.leaves(self.shapes())
+        return sum(leaf.size * leaf.dtype.itemsize for leaf in leaves) // self._settings.size
 
     def shapes(self) -> BlockResults:
         """Shapes of the results of a call.
@@ -197,36 +208,49 @@ def compute_block(task: BlockTask) -> BlockDone:
     size = task.settings.size
     shape = tuple(part.stop - part.start for part in task.where)
     designs = math.prod(shape)
-    counts_of_choice = [
-        fixed_counts(values, name in task.settings.traced) for name, values in task.static.items()
-    ]
-    choices = np.reshape(counts_of_choice, (len(task.static), designs)).astype(int)
-    distinct, group = np.unique(choices, axis=1, return_inverse=True)
+    # In the order of the designs.
+    values, static = (
+        {name: np.broadcast_to(array, shape).ravel() for name, array in given.items()}
+        for given in (task.values, task.static)
+    )
     parts, places = [], []
-    for index, choice in enumerate(distinct.T.tolist()):
-        fixed = dict(zip(task.static, choice, strict=True))
+    for fixed, members in _groups(static, task.settings.traced, designs):
         chosen = with_static(task.mechanism, fixed)
-        given = task.values | {n: v for n, v in task.static.items() if not fixed[n]}
-        group_places = np.flatnonzero(group.ravel() == index)
-        for start in range(0, len(group_places), size):
-            place = group_places[start : start + size]
+        given = values | {n: v for n, v in static.items() if not fixed[n]}
+        for start in range(0, len(members), size):
+            place = members[start : start + size]
             # Every call has the same size; the last design fills it.
             filled = place[np.minimum(np.arange(size), len(place) - 1)]
             columns = {
-                name: jnp.asarray(values[filled], jnp.result_type(float))
-                for name, values in given.items()
+                name: jnp.asarray(column[filled], jnp.result_type(float))
+                for name, column in given.items()
             }
             results = jax.tree.map(np.asarray, _evaluated(chosen, columns, task.settings))
             parts.append(jax.tree.map(operator.itemgetter(slice(len(place))), results))
             places.append(place)
-    order = np.argsort(np.concatenate(places))
-    joined = jax.tree.map(lambda *leaves: np.concatenate(leaves)[order], *parts)
+    joined = jax.tree.map(lambda *leaves: np.concatenate(leaves), *parts)
+    if static:
+        order = np.argsort(np.concatenate(places))
+        joined = jax.tree.map(operator.itemgetter(order), joined)
     arrays = arrays_of(shape, joined)
     counts = int(arrays["failed"].sum()), int((arrays["error"] != 0).sum())
     if task.store is None:
         return BlockDone(task.number, designs, counts, arrays)
     opened(task.store).write(task.number, task.where, arrays, counts)
     return BlockDone(task.number, designs, counts, None)
+
+
+def _groups(
+    static: dict[str, np.ndarray], traced: tuple[str, ...], designs: int
+) -> Iterator[tuple[dict[str, int], np.ndarray]]:
+    """Whole numbers that are part of a program, and the places of the designs that have them."""
+    if not static:
+        yield {}, np.arange(designs)
+        return
+    choices = np.array([fixed_counts(values, name in traced) for name, values in static.items()])
+    distinct, group = np.unique(choices.astype(int), axis=1, return_inverse=True)
+    for index, choice in enumerate(distinct.T.tolist()):
+        yield dict(zip(static, choice, strict=True)), np.flatnonzero(group.ravel() == index)
 
 
 #: Programs that were compiled; a thread that needs another one compiles it while others wait.
@@ -260,13 +284,14 @@ def run_blocks(job: Job, numbers: Iterable[int], executor: Executor | None) -> I
     """
     tasks = map(job.task, numbers)
     if executor is not None:
-        yield from _by(executor, compute_block, tasks)
+        yield from _by(executor, compute_block, tasks, _IN_FLIGHT)
         return
     devices = jax.local_devices()
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     lanes = len(devices) if len(devices) > 1 or devices[0].platform != "cpu" else cores or 1
     with ThreadPoolExecutor(lanes, "sweep") as threads:
-        yield from _by(threads, functools.partial(_on_device, devices), tasks)
+        work = functools.partial(_on_device, devices)
+        yield from _by(threads, work, tasks, lanes * _IN_FLIGHT_OF_THREAD)
 
 
 def _on_device(devices: list[Any], task: BlockTask) -> BlockDone:
@@ -276,7 +301,10 @@ def _on_device(devices: list[Any], task: BlockTask) -> BlockDone:
 
 
 def _by(
-    executor: Executor, function: Callable[[BlockTask], BlockDone], tasks: Iterator[BlockTask]
+    executor: Executor,
+    function: Callable[[BlockTask], BlockDone],
+    tasks: Iterator[BlockTask],
+    at_once: int,
 ) -> Iterator[BlockDone]:
     """Results of an executor as they come, with a bounded number of blocks at once."""
     waiting: set[Future[BlockDone]] = set()
@@ -284,7 +312,7 @@ def _by(
         while True:
             for task in tasks:
                 waiting.add(executor.submit(function, task))
-                if len(waiting) >= _IN_FLIGHT:
+                if len(waiting) >= at_once:
                     break
             if not waiting:
                 return

@@ -55,12 +55,9 @@ def test_another_sweep_is_refused_in_one_line(prsm, prsm_json, tmp_path):
     assert (status, err) == (0, "")
 
 
-def test_shards_and_their_end(prsm, prsm_json, tmp_path, monkeypatch):
+def test_shards_and_their_end(prsm, prsm_json, tmp_path):
     """Two shards of three blocks; collecting before the second has run is refused."""
-    from prsm_jax.sweeps import _sweep
-
-    monkeypatch.setattr(_sweep, "DEFAULT_CHUNK", 2)
-    words = ("sweep", "wu2022", *AXES, *QUANTITY, "--out", tmp_path)
+    words = ("sweep", "wu2022", *AXES, *QUANTITY, "--chunk", "2", "--out", tmp_path)
     first = prsm_json(*words, "--shard", "1/2")
     assert (first["points"], first["missing"], first["failed"], first["valid"]) == (6, 2, 0, True)
     status, out, err = prsm(*words, "--collect")

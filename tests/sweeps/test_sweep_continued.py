@@ -16,6 +16,7 @@ import jax
 import numpy as np
 import pytest
 import xarray
+from stored_sweeps import contents
 
 import prsm_jax as prsm
 from prsm_jax.sweeps import _run, _sweep, collect, count_codes, open_store, sweep
@@ -36,12 +37,6 @@ def run(store, **more):
     options = {"chunk": CHUNK, "findings": False, "store": store, "speed": None} | more
     options.setdefault("load", None)
     return sweep(mechanism, options.pop("axes", AXES), QUANTITIES, **options)
-
-
-def contents(store):
-    """Bytes of every file of a store."""
-    files = sorted(path for path in store.rglob("*") if path.is_file())
-    return {str(path.relative_to(store)): path.read_bytes() for path in files}
 
 
 @pytest.fixture(scope="module")

@@ -110,6 +110,10 @@ def sweep(
     ] = "grid",
     points: Annotated[int | None, Parameter(help="Number of designs of lhs and sobol.")] = None,
     seed: Annotated[int, Parameter(help="Seed of lhs and sobol.")] = 0,
+    chunk: Annotated[
+        int | None,
+        Parameter(help="Most designs in a block, which is stored as a whole; default by memory."),
+    ] = None,
     constraints: Annotated[
         bool,
         Parameter(
@@ -187,6 +191,7 @@ def sweep(
         "points": points,
         "seed": seed,
         "gradients": words_of(gradients) or [],
+        "chunk": chunk,
     }
     with folder_for_results(folder):
         if collect:

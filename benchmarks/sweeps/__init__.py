@@ -1,0 +1,1 @@
+"""A million designs: designs per second, time outside the kernel, memory, threads, and SciPy."""
