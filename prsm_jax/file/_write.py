@@ -13,7 +13,15 @@ import numpy as np
 from .._errors import FileError, UnknownNameError, missing_extra
 from ..fields import Declared, declared, values_of
 from ..friction import FrictionLaw
-from ..mechanism import Choice, DesignProblem, DutyCycle, Mechanism, Tolerance, find_parameters
+from ..mechanism import (
+    Choice,
+    DesignProblem,
+    DutyCycle,
+    Mechanism,
+    Objective,
+    Tolerance,
+    find_parameters,
+)
 from ..process import whole_file
 from ._read import loads
 from .numbers import bare_number, table_choices, tag_of, takes_numbers, write_number
@@ -131,7 +139,7 @@ def _optimise(
 ) -> Iterator[str]:
     yield from ("", "[optimise]")
     first = problem.objectives[0] if len(problem.objectives) == 1 else None
-    short = first is not None and first.weight == 1.0
+    short = first is not None and first.weight == 1.0 and first.over == Objective.over
     if first is not None and short:
         yield f"{first.sense} = {_string(first.quantity)}"
     for key in ("starts", "seed"):
@@ -141,6 +149,12 @@ def _optimise(
         yield f"points = {problem.points}"
     if problem.nut_speed is not None:
         yield f"nut_speed = {_number(problem.nut_speed, 'm/s', 'nut_speed')}"
+    cases = problem.operating_points
+    if isinstance(cases, str):
+        yield f"operating_points = {_string(cases)}"
+        cases = ()
+    if problem.tolerance_sigmas is not None:
+        yield f"tolerance_sigmas = {_number(problem.tolerance_sigmas, '1', 'tolerance_sigmas')}"
     if problem.choices:
         yield f"choices = {{ {', '.join(_choice(one, mechanism) for one in problem.choices)} }}"
     for objective in () if short else problem.objectives:
@@ -148,7 +162,9 @@ def _optimise(
         yield f"quantity = {_string(objective.quantity)}"
         yield f"sense = {_string(objective.sense)}"
         yield f"weight = {_number(objective.weight, '1', 'weight')}"
-    for case in problem.operating_points:
+        if objective.over != Objective.over:
+            yield f"over = {_string(objective.over)}"
+    for case in cases:
         yield from ("", "[[optimise.operating_point]]")
         for name, unit in (("speed", "rad/s"), ("load", "N"), ("share", "1")):
             yield f"{name} = {_number(getattr(case, name), unit, name)}"

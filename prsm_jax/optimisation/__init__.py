@@ -2,6 +2,7 @@
 
 from ._optimise import optimise as optimise
 from ._pareto import pareto as pareto
+from ._problem import operating_range as operating_range
 from .front import (
     FrontPoint as FrontPoint,
     ParetoFront as ParetoFront,
