@@ -14,7 +14,7 @@ PARAMETERS = ("lead", "contact_angle", "roller_radius")
 
 
 def test_second_derivatives_of_hertz_theory():
-    """p₀ = c F^a z^b: ∂²p₀/∂F² = a (a − 1) p₀/F² and ∂²p₀/∂F∂z = a b p₀/(F z), a = 1/3, b = −1/3."""
+    """p₀ = c F^a z^b, a = 1/3, b = −1/3: ∂²p₀/∂F² = a (a − 1) p₀/F², ∂²p₀/∂F∂z = a b p₀/(F z)."""
     table = sensitivity(
         scenes.mechanism(),
         ["max_pressure", "nut_speed"],
@@ -86,15 +86,13 @@ def test_the_table_and_the_verb_have_them(capsys):
     assert second == [first[1], pytest.approx(0.0, abs=1e-15)]
     assert main([*given, "--json", "-"]) == 0
     assert "hessian" not in json.loads(capsys.readouterr().out)
-    assert main([*given, "--second"]) == 0
-    (line,) = [
-        row
-        for row in capsys.readouterr().out.splitlines()
-        if " lead " in row
-        and "speed" in row
-        and "per mm" in row
-        and "operating" in row
-        and "rpm" in row
-    ][-1:]
-    # 1 rpm and 1 mm: 1/60 mm/s.
-    assert float(line.split()[-1]) == pytest.approx(1 / 60, rel=1e-3)
+
+
+def test_the_text_has_the_units_of_both():
+    """v = Ω L / 2π: 1 rpm and 1 mm are 1/60 mm/s."""
+    table = sensitivity(
+        prsm.load("wu2022"), ["nut_speed"], ["lead", "operating_point.speed"], second=True
+    )
+    (line,) = [row for row in table.text().splitlines() if "per mm rpm" in row]
+    assert line.split()[-3:-1] == ["lead", "operating_point.speed"]
+    assert float(line.split()[-1]) == pytest.approx(1 / 60, rel=1e-5)
