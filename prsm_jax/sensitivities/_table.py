@@ -1,5 +1,6 @@
 """The result of a sensitivity analysis: a table that prints itself."""
 
+import itertools
 import math
 import textwrap
 from collections.abc import Sequence
@@ -228,7 +229,7 @@ def _second_table(table: Sensitivity, steps: Sequence[Any]) -> TextTable:
         shown = display_unit(unit, float(values[i]), name)
         if state_without_efficiency(name, float(values[i])):
             continue
-        for a, b in zip(*np.triu_indices(len(steps)), strict=True):
+        for a, b in itertools.combinations_with_replacement(range(len(steps)), 2):
             per = " ".join(steps[k].label or "1" for k in (a, b))
             label = f"{shown.heading(name)} per {per}"
             cell = float(shown(curved[i, a, b]) / steps[a].per_si / steps[b].per_si)
