@@ -10,6 +10,7 @@ many designs, once with as many in a generation as the front has points, and onc
 import argparse
 import dataclasses
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,8 @@ from prsm_jax.mechanism import DesignProblem, Mechanism, Objective
 from prsm_jax.optimisation import hypervolume
 from prsm_jax.optimisation.front import senses
 
-from ..harness import of_this_run, parser_of, refuse_unknown, write_json
+from ..harness import of_this_run, parser_of, read_json, refuse_unknown, write_json
+from .page import write_page
 from .rival import nsga2
 
 #: Objectives by problem, on the variables and constraints of the example `actuator`.
@@ -101,6 +103,8 @@ def compared(
 def main(argv: list[str] | None = None) -> int:
     """Entry point; returns the exit status: 1 where NSGA-II has the larger volume."""
     arguments = _arguments(argv)
+    if arguments.page is not None:
+        return _written(read_json(arguments.page), arguments.docs or arguments.out, arguments.out)
     mechanism = prsm.load("actuator")
     assert mechanism.design_problem is not None
     document = {**of_this_run(1), "problems": {}}
@@ -130,4 +134,14 @@ def main(argv: list[str] | None = None) -> int:
         )
         status |= one["hypervolume_ratio"] < 1
         write_json(arguments.out / "fronts.json", document)
+    if arguments.docs is not None:
+        _written(document, arguments.docs, arguments.out)
     return int(status)
+
+
+def _written(document: dict[str, Any], docs: Path, out: Path) -> int:
+    """Write the page, with the starts of `out` if they were measured there."""
+    starts = out / "starts.json"
+    path = write_page(document, read_json(starts) if starts.exists() else None, docs)
+    print(f"page: {path}")
+    return 0

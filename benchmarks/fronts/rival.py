@@ -12,14 +12,14 @@ import numpy as np
 from prsm_jax.mechanism import DesignProblem, Mechanism
 from prsm_jax.optimisation.front import senses
 from prsm_jax.optimisation.search import Evaluator
-from prsm_jax.optimisation.search._evaluator import outputs_at
+from prsm_jax.optimisation.search._outputs import outputs_at
 
 #: Objectives and violation of a design that fails.
 _FAILED = 1e3
 
 
-def _batched(evaluator: Evaluator):
-    """Values of many designs by one program, and which are usable."""
+def _batched(evaluator: Evaluator, places: list[int]):
+    """Values of many designs by one program, and which are usable; `places` of the objectives."""
 
     @eqx.filter_jit
     def run(given, positions):
@@ -30,7 +30,7 @@ def _batched(evaluator: Evaluator):
         count = len(positions)
         values = np.concatenate([np.asarray(a, float).reshape(count, -1) for a in arrays], axis=1)
         rows = evaluator.rows
-        used = np.append(rows.index, [rows.place[q] for q in evaluator.quantities])
+        used = np.append(rows.index, places)
         return values, np.asarray(valid) & np.isfinite(values[:, used]).all(axis=1)
 
     return call
@@ -57,9 +57,10 @@ def nsga2(
     minimize = import_module("pymoo.optimize").minimize
 
     evaluator = Evaluator(mechanism, problem, None, None)
-    call = _batched(evaluator)
     rows, signs = evaluator.rows, senses(problem.objectives)
-    places = [rows.place[one.quantity] for one in problem.objectives]
+    # At one operating point an objective is one of the evaluated numbers.
+    places = [int(np.argmax(rows.mean_of(one))) for one in problem.objectives]
+    call = _batched(evaluator, places)
     size = np.maximum(
         np.where(np.isfinite(rows.lower), np.abs(rows.lower), 0.0),
         np.where(np.isfinite(rows.upper), np.abs(rows.upper), 0.0),

@@ -8,12 +8,14 @@ import argparse
 import statistics
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import prsm_jax as prsm
 from prsm_jax.optimisation import MultiStart, Optimum, Slsqp
 
-from ..harness import of_this_run, parser_of, write_json
+from ..fronts.page import write_page
+from ..harness import of_this_run, parser_of, read_json, write_json
 
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
@@ -35,6 +37,8 @@ def _timed(call: Callable[[], Optimum]) -> tuple[float, Optimum]:
 def main(argv: list[str] | None = None) -> int:
     """Entry point; returns the exit status: 1 where the answers differ by more than 1e-6."""
     given = _arguments(argv)
+    if given.page is not None:
+        return _written(read_json(given.page), given.docs or given.out, given.out)
     mechanism = prsm.load(given.example)
     methods: dict[str, Any] = {
         "one by one": Slsqp(),
@@ -77,4 +81,14 @@ def main(argv: list[str] | None = None) -> int:
     document |= {"steps": given.steps, "keep": given.keep, "rows": rows}
     document |= {"speed_ratio": statistics.median(ratios), "difference": difference}
     write_json(given.out / "starts.json", document)
+    if given.docs is not None:
+        _written(document, given.docs, given.out)
     return int(difference > 1e-6)
+
+
+def _written(document: dict[str, Any], docs: Path, out: Path) -> int:
+    """Write the page, with the fronts of `out` if they were measured there."""
+    fronts = out / "fronts.json"
+    path = write_page(read_json(fronts) if fronts.exists() else None, document, docs)
+    print(f"page: {path}")
+    return 0

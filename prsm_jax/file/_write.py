@@ -19,6 +19,7 @@ from ..mechanism import (
     DesignProblem,
     DutyCycle,
     Mechanism,
+    Objective,
     Tolerance,
     find_parameters,
 )
@@ -139,7 +140,7 @@ def _optimise(
 ) -> Iterator[str]:
     yield from ("", "[optimise]")
     first = problem.objectives[0] if len(problem.objectives) == 1 else None
-    short = first is not None and first.weight == 1.0
+    short = first is not None and first.weight == 1.0 and first.over == Objective.over
     if first is not None and short:
         yield f"{first.sense} = {_string(first.quantity)}"
     for key in ("starts", "seed"):
@@ -149,6 +150,12 @@ def _optimise(
         yield f"points = {problem.points}"
     if problem.nut_speed is not None:
         yield f"nut_speed = {_number(problem.nut_speed, 'm/s', 'nut_speed')}"
+    cases = problem.operating_points
+    if isinstance(cases, str):
+        yield f"operating_points = {_string(cases)}"
+        cases = ()
+    if problem.tolerance_sigmas is not None:
+        yield f"tolerance_sigmas = {_number(problem.tolerance_sigmas, '1', 'tolerance_sigmas')}"
     if problem.choices:
         yield f"choices = {{ {', '.join(_choice(one, mechanism) for one in problem.choices)} }}"
     for objective in () if short else problem.objectives:
@@ -156,7 +163,9 @@ def _optimise(
         yield f"quantity = {_string(objective.quantity)}"
         yield f"sense = {_string(objective.sense)}"
         yield f"weight = {_number(objective.weight, '1', 'weight')}"
-    for case in problem.operating_points:
+        if objective.over != Objective.over:
+            yield f"over = {_string(objective.over)}"
+    for case in cases:
         yield from ("", "[[optimise.operating_point]]")
         for name, unit in (("speed", "rad/s"), ("load", "N"), ("share", "1")):
             yield f"{name} = {_number(getattr(case, name), unit, name)}"

@@ -29,6 +29,7 @@ from .parameters import (
     DESIGN_VARIABLES as DESIGN_VARIABLES,
     DesignVariable as DesignVariable,
     Parameter as Parameter,
+    ToleranceZones as ToleranceZones,
     all_parameters as all_parameters,
     check_independent as check_independent,
     check_parameter as check_parameter,
@@ -39,10 +40,12 @@ from .parameters import (
     get_parameter as get_parameter,
     set_parameter as set_parameter,
     set_parameters as set_parameters,
+    tolerance_zones as tolerance_zones,
     what_follows as what_follows,
 )
 from .parts import (
     DISTRIBUTIONS as DISTRIBUTIONS,
+    DUTY_CYCLE as DUTY_CYCLE,
     END_CONDITIONS as END_CONDITIONS,
     GAP_LISTS as GAP_LISTS,
     AxialPlay as AxialPlay,

@@ -2,7 +2,7 @@
 
 from ._optimise import optimise as optimise
 from ._pareto import pareto as pareto
-from ._problem import constraints_of as constraints_of
+from ._problem import constraints_of as constraints_of, operating_range as operating_range
 from .front import (
     FrontPoint as FrontPoint,
     ParetoFront as ParetoFront,

@@ -2,14 +2,14 @@
 
 import dataclasses
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from ..fields import Scalar
 from ..mechanism import Constraint, DesignProblem, Mechanism, Variable, of_one_known_design
 from ._choices import best_of_choices, choices_of
-from ._problem import cases_of, number, present_design, problem_of
+from ._problem import number, present_design, problem_of, robust
 from ._searches import Searches
 from ._starts import starting_positions
 from .results import Optimum, Reporter, optimum_of
@@ -29,7 +29,9 @@ def optimise(
     speed: float | Scalar | None = None,
     load: float | Scalar | None = None,
     nut_speed: float | None = None,
-    operating_points: Iterable[tuple[float, ...]] | None = None,
+    operating_points: Iterable[tuple[float, ...]] | Literal["duty_cycle"] | None = None,
+    worst_case: bool | None = None,
+    tolerance_sigmas: float | None = None,
     method: SearchMethod | str | None = None,
     starts: int | None = None,
     seed: int | None = None,
@@ -67,6 +69,12 @@ def optimise(
       for each design; default that of the problem.
     - `operating_points`: several (speed, load) or (speed, load, share) in place of one: every
       objective is their mean by shares, and every constraint and margin holds at each.
+      `"duty_cycle"`: the phases of the mechanism's duty cycle, with their durations as shares.
+    - `worst_case`: whether each objective is its worst value at any operating point, in place of
+      the mean; default as `over` of each objective says.
+    - `tolerance_sigmas`: with the mechanism's tolerances, the number of standard deviations (of
+      first order) by which each objective and each limited quantity is taken to the worse side of
+      its mean; default that of the problem. Margins of `check` stay those of the mean.
     - `method`: `"slsqp"` or `"trust-constr"` (SciPy), or, for bounds only, `"lbfgs"` or `"adam"`
       (optax), or `"multi-start"`: Adam from all starts at once, then SLSQP from the best few.
       `"auto"`: SLSQP with constraints, L-BFGS without. Default that of the problem. Or an object
@@ -91,8 +99,7 @@ def optimise(
     problem = problem_of(mechanism, problem, variables, maximise, minimise, constraints)
     if nut_speed is not None:
         problem = dataclasses.replace(problem, nut_speed=nut_speed)
-    if operating_points is not None:
-        problem = dataclasses.replace(problem, operating_points=cases_of(operating_points))
+    problem = robust(mechanism, problem, operating_points, worst_case, tolerance_sigmas)
     if choices is not None:
         problem = dataclasses.replace(problem, choices=choices_of(choices))
     if problem.choices:
@@ -120,7 +127,8 @@ def optimise(
     if not 0 < tolerance < 1:
         raise ValueError(f"tolerance is {tolerance}; it must be between 0 and 1")
     requested = problem.method if method is None else method
-    search = search_of(requested, bool(problem.constraints), max_iterations)
+    worst = any(one.over == "worst" for one in problem.objectives)
+    search = search_of(requested, bool(problem.constraints) or worst, max_iterations)
 
     evaluator = Evaluator(mechanism, problem, number(speed), number(load), margins=respect_findings)
     report = Reporter(evaluator, problem)

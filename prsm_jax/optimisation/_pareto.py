@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any
+from typing import Any, Literal
 
 from ..fields import Scalar
 from ..mechanism import (
@@ -13,7 +13,7 @@ from ..mechanism import (
     Variable,
     of_one_known_design,
 )
-from ._problem import cases_of, front_objectives, number, present_design, problem_of
+from ._problem import front_objectives, number, present_design, problem_of, robust
 from ._starts import starting_positions
 from .front import FrontSearch, ParetoFront, front_of
 from .results import Reporter
@@ -32,7 +32,8 @@ def pareto(
     speed: float | Scalar | None = None,
     load: float | Scalar | None = None,
     nut_speed: float | None = None,
-    operating_points: Iterable[tuple[float, ...]] | None = None,
+    operating_points: Iterable[tuple[float, ...]] | Literal["duty_cycle"] | None = None,
+    tolerance_sigmas: float | None = None,
     starts: int | None = None,
     seed: int | None = None,
     tolerance: float = 1e-6,
@@ -56,7 +57,8 @@ def pareto(
     - `objectives`: two or three quantities with `"maximise"` or `"minimise"`, or `Objective`
       objects; their weights do not matter. Default those of the problem.
     - `variables`, `constraints`, `problem`: as for `optimise`.
-    - `speed`, `load`, `nut_speed`, `operating_points`: as for `optimise`.
+    - `speed`, `load`, `nut_speed`, `operating_points`, `tolerance_sigmas`: as for `optimise`. A
+      front takes means over operating points.
     - `points`: of the front, ends included, 3 to 1000; with three objectives about so many.
       Default that of the problem.
     - `starts`, `seed`: starts of the searches for the best of each objective, as for `optimise`.
@@ -93,10 +95,14 @@ def pareto(
         seed=problem.seed if seed is None else seed,
         points=problem.points if points is None else points,
         nut_speed=problem.nut_speed if nut_speed is None else nut_speed,
-        operating_points=problem.operating_points
-        if operating_points is None
-        else cases_of(operating_points),
     )
+    problem = robust(mechanism, problem, operating_points, None, tolerance_sigmas)
+    for one in problem.objectives:
+        if one.over == "worst":
+            raise ValueError(
+                f'objective {one.quantity!r} has over = "worst", and a front takes means over '
+                "operating points; leave it out, and limit the quantity, which holds at every point"
+            )
     if not 0 < tolerance < 1:
         raise ValueError(f"tolerance is {tolerance}; it must be between 0 and 1")
     present = present_design(mechanism, problem.variables)

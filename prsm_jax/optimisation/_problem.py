@@ -1,6 +1,7 @@
 """What to optimise: from the mechanism's own design problem, or from arguments."""
 
 import dataclasses
+import itertools
 from collections.abc import Iterable, Mapping
 from typing import Any, Literal, cast
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from ..fields import Scalar, check_number
 from ..mechanism import (
+    DUTY_CYCLE,
     Constraint,
     DesignProblem,
     Mechanism,
@@ -138,6 +140,75 @@ def cases_of(points: Iterable[tuple[float, ...]]) -> tuple[OperatingCase, ...]:
     if not rows:
         raise ValueError("operating_points is empty; give at least one, or leave it out")
     return tuple(rows)
+
+
+def robust(
+    mechanism: Mechanism,
+    problem: DesignProblem,
+    operating_points: Iterable[tuple[float, ...]] | str | None,
+    worst_case: bool | None,
+    tolerance_sigmas: float | None,
+) -> DesignProblem:
+    """A problem with its operating points listed, and with what is given in place of its own.
+
+    **Raises:** `ValueError` for operating points that are none, or a missing duty cycle.
+    """
+    points = problem.operating_points if operating_points is None else operating_points
+    if isinstance(points, str):
+        if points != DUTY_CYCLE:
+            raise ValueError(
+                f'operating_points is {points!r}; write "{DUTY_CYCLE}", or give '
+                "(speed, load, share) for each"
+            )
+        points = _phases(mechanism)
+    if not isinstance(points, tuple) or not all(isinstance(one, OperatingCase) for one in points):
+        points = cases_of(cast("Iterable[tuple[float, ...]]", points))
+    problem = dataclasses.replace(
+        problem,
+        operating_points=points,
+        tolerance_sigmas=problem.tolerance_sigmas if tolerance_sigmas is None else tolerance_sigmas,
+    )
+    if worst_case is None:
+        return problem
+    over = "worst" if worst_case else "mean"
+    terms = tuple(dataclasses.replace(one, over=over) for one in problem.objectives)
+    return dataclasses.replace(problem, objectives=terms)
+
+
+def _phases(mechanism: Mechanism) -> tuple[OperatingCase, ...]:
+    """The phases of the duty cycle, with their durations as shares."""
+    cycle = mechanism.duty_cycle
+    if cycle is None:
+        raise ValueError(
+            f'operating_points is "{DUTY_CYCLE}", and the mechanism has none; give [[duty_cycle]] '
+            "phases in its file, or (speed, load, share) for each"
+        )
+    columns = (np.asarray(one, float).tolist() for one in (cycle.speed, cycle.load, cycle.duration))
+    return tuple(OperatingCase(*row) for row in zip(*columns, strict=True))
+
+
+def operating_range(
+    speeds: tuple[float, float], loads: tuple[float, float], points: int = 3
+) -> tuple[tuple[float, float], ...]:
+    """Operating points on a grid over a range of speeds and loads, its corners included.
+
+    **Arguments:**
+
+    - `speeds`, `loads`: least and largest [rad/s, N]; two equal numbers give one.
+    - `points`: in each direction.
+
+    **Returns:** (speed, load) of each, for `operating_points`.
+
+    **Raises:** `ValueError` for a range in the wrong order, or fewer than two points.
+    """
+    if points < 2:
+        raise ValueError(f"points is {points}; it must be at least 2")
+    axes: list[list[float]] = []
+    for name, (low, high) in (("speeds", speeds), ("loads", loads)):
+        if not low <= high:
+            raise ValueError(f"{name} are ({low}, {high}); give the lower one first")
+        axes.append([low] if low == high else np.linspace(low, high, points).tolist())
+    return tuple(itertools.product(*axes))  # pyright: ignore[reportReturnType]
 
 
 def number(value: float | Scalar | None) -> Scalar | None:

@@ -7,11 +7,21 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from .results import Optimality, Reporter, Run, optimality, run_report
-from .search import Evaluator, MarginRow, Point, SearchFunctions, SearchMethod
+from .results import Optimality, Reporter, Run, run_report, worst_case_optimality
+from .search import (
+    Evaluator,
+    MarginRow,
+    Point,
+    SearchFunctions,
+    SearchMethod,
+    SearchResult,
+    WorstCaseFunctions,
+)
 
 #: At most this many numbers are made whole: each doubles the number of searches.
 _MOST_WHOLE = 4
+#: At most so often the level of a worst case gets a new range.
+_MOST_RANGES = 10
 
 
 class Searches:
@@ -127,18 +137,50 @@ def _either_side(row: MarginRow, value: float) -> list[float]:
 
 
 def _conditions(evaluator: Evaluator, point: Point, tolerance: float) -> Optimality:
-    conditions = optimality(
+    parts = zip(evaluator.worst_parts(point), evaluator.worst_slopes(point.position), strict=True)
+    conditions, _ = worst_case_optimality(
         point.position,
-        evaluator.cost_gradient(point.position),
+        evaluator.mean_cost_gradient(point.position),
         evaluator.constraint_values(point),
         evaluator.constraint_jacobian(point.position),
         *evaluator.scaled_limits,
+        list(parts),
         active_tolerance=max(tolerance, 1e-9),
     )
     if evaluator.point(point.position).good:
         return conditions
     # Derivatives that are not finite count as 0 above, and would look like an optimum.
     return dataclasses.replace(conditions, stationarity=math.inf)
+
+
+def _searched(
+    evaluator: Evaluator,
+    method: SearchMethod,
+    start: np.ndarray,
+    tolerance: float,
+    note: Callable[[np.ndarray], None],
+) -> tuple[SearchFunctions, SearchResult]:
+    """The end of a method from one start, with or without worst cases."""
+    # The search has a tighter tolerance than the optimality check.
+    tight = tolerance / 10
+    if not evaluator.rows.worst:
+        functions = SearchFunctions(evaluator)
+        return functions, method.search(functions, start, tight, note)
+    functions = WorstCaseFunctions(evaluator, start)
+
+    def note_design(joint: np.ndarray) -> None:
+        note(functions.position(joint))
+
+    position, iterations, message = start, 0, ""
+    for _ in range(_MOST_RANGES):
+        if not evaluator.point(position).good:
+            break
+        result = method.search(functions, functions.joined(position), tight, note_design)
+        position = np.clip(functions.position(result.position), 0.0, 1.0)
+        iterations, message = iterations + result.iterations, result.message
+        if not functions.at_edge(result.position):
+            break
+    return functions, SearchResult(position, message, iterations)
 
 
 def _run(
@@ -161,9 +203,7 @@ def _run(
     if not first.good:
         message = "the start fails: no meshing, a pulling contact, or a value that is not finite"
         return run_report(report, first, None, history, None, 0, 0, message), None
-    functions = SearchFunctions(evaluator)
-    # The search has a tighter tolerance than the optimality check.
-    result = method.search(functions, start, tolerance / 10, note)
+    functions, result = _searched(evaluator, method, start, tolerance, note)
     # Only a user's own search may end outside of the box.
     end = functions.best(np.clip(result.position, 0.0, 1.0), tolerance)
     if end is None:

@@ -16,6 +16,7 @@ from ..mechanism import Mechanism, Parameter, find_parameters, of_one_design, wh
 from ..quantities import available_quantities, component_names, find_quantity
 from ._derivatives import Mode, jacobian
 from ._kinks import one_sided
+from ._second import hessian
 from ._table import Sensitivity
 
 #: Main results for an engineer; those without data in the mechanism are omitted.
@@ -49,6 +50,7 @@ def sensitivity(
     load: float | Scalar | None = None,
     mode: Mode = "auto",
     kinks: bool = True,
+    second: bool = False,
 ) -> Sensitivity:
     r"""Exact derivatives of quantities with respect to parameters, by automatic differentiation.
 
@@ -70,6 +72,8 @@ def sensitivity(
     - `kinks`: whether to look for kinks, such as a tie of the operating load with one of the duty
       cycle: there the derivatives below and above differ, and the table has both. Costs two more
       evaluations for each parameter; inside a trace there is no search for kinks.
+    - `second`: whether to compute second derivatives, too: `hessian` of the table. A program of its
+      own, which takes several times as long to compile. At a kink there is no second derivative.
 
     **Returns:** a `Sensitivity`.
 
@@ -86,7 +90,15 @@ def sensitivity(
     def evaluate(_, shift: Float[Array, " numbers"]) -> Numbers:
         return _compiled_numbers(mechanism, names, parameters, speed, load, mode, shift)
 
-    return _table(evaluate, mechanism, names, parameters, speed, load, mode, kinks)
+    table = _table(evaluate, mechanism, names, parameters, speed, load, mode, kinks)
+    if not second:
+        return table
+    return eqx.tree_at(
+        lambda t: t.hessian,
+        table,
+        _compiled_hessian(mechanism, names, parameters, speed, load),
+        is_leaf=lambda leaf: leaf is None,
+    )
 
 
 def sensitivity_by(
@@ -218,6 +230,17 @@ def _numbers(
 
 
 _compiled_numbers = eqx.filter_jit(_numbers)
+
+
+@eqx.filter_jit
+def _compiled_hessian(
+    mechanism: Mechanism,
+    quantities: tuple[str, ...],
+    parameters: tuple[str, ...],
+    speed: Scalar | None,
+    load: Scalar | None,
+) -> Float[Array, "quantities parameters parameters"]:
+    return hessian(mechanism, quantities, _single_numbers(mechanism, parameters), speed, load)
 
 
 def _with_names(

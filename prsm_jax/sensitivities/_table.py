@@ -1,7 +1,9 @@
 """The result of a sensitivity analysis: a table that prints itself."""
 
+import itertools
 import math
 import textwrap
+from collections.abc import Sequence
 from typing import Any
 
 import equinox as eqx
@@ -44,6 +46,8 @@ class Sensitivity(eqx.Module):
     #: ∂q/∂p just below and just above each parameter; `None` without a search for kinks.
     left: Float[Array, "*batch quantities parameters"] | None = None
     right: Float[Array, "*batch quantities parameters"] | None = None
+    #: ∂²q/∂p∂p' in SI units, symmetric; `None` unless asked for.
+    hessian: Float[Array, "*batch quantities parameters parameters"] | None = None
 
     @property
     def kinks(self) -> tuple[tuple[str, str, float, float], ...]:
@@ -102,6 +106,7 @@ class Sensitivity(eqx.Module):
             ],
             "follows": {p: list(d[0]) for p, d in self._dependents()},
             "stays": {p: list(d[1]) for p, d in self._dependents()},
+            **({} if self.hessian is None else {"hessian": _plain(self.hessian)}),
         }
 
     def _dependents(self):
@@ -182,8 +187,8 @@ def _dependent_lines(table: Sensitivity) -> list[str]:
     return [line for line in lines if line]
 
 
-def _tables(table: Sensitivity) -> tuple[TextTable, TextTable]:
-    """Values with their changes per millimetre or degree, and elasticities."""
+def _tables(table: Sensitivity) -> tuple[TextTable, ...]:
+    """Values with their changes per millimetre or degree, elasticities, and second derivatives."""
     steps = [
         display_unit(unit, np.abs(np.asarray(value, dtype=float)).ravel().tolist())
         for unit, value in zip(table.parameter_units, table.parameter_values, strict=True)
@@ -209,7 +214,24 @@ def _tables(table: Sensitivity) -> tuple[TextTable, TextTable]:
         rows.append((label, float(shown(values[i])), *cells))
         signs = [f"{e:+.4f}" if defined[i] else NOT_DEFINED for e in elasticity[i]]
         relative.append((name, *signs))
-    return (
+    tables = (
         TextTable("", ("quantity", "value", *heads), rows),
         TextTable("", ("elasticity (% per %)", *table.parameters), relative),
     )
+    return tables if table.hessian is None else (*tables, _second_table(table, steps))
+
+
+def _second_table(table: Sensitivity, steps: Sequence[Any]) -> TextTable:
+    """Second derivatives per millimetre, degree and so on, a row for each pair."""
+    values, curved = np.asarray(table.values), np.asarray(table.hessian)
+    rows = []
+    for i, (name, unit) in enumerate(zip(table.quantities, table.quantity_units, strict=True)):
+        shown = display_unit(unit, float(values[i]), name)
+        if state_without_efficiency(name, float(values[i])):
+            continue
+        for a, b in itertools.combinations_with_replacement(range(len(steps)), 2):
+            per = " ".join(steps[k].label or "1" for k in (a, b))
+            label = f"{shown.heading(name)} per {per}"
+            cell = float(shown(curved[i, a, b]) / steps[a].per_si / steps[b].per_si)
+            rows.append((label, table.parameters[a], table.parameters[b], cell))
+    return TextTable("", ("second derivative", "by", "and by", "value"), rows)

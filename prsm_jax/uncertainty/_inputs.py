@@ -11,14 +11,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..fields import Scalar
-from ..mechanism import (
-    Mechanism,
-    Tolerance,
-    check_independent,
-    check_tolerance,
-    find_parameters,
-    set_parameters,
-)
+from ..mechanism import Mechanism, Tolerance, set_parameters, tolerance_zones
 
 #: Smallest probability of a sample: the normal quantile of 0 is infinite.
 _LEAST = 2.0**-53
@@ -79,33 +72,18 @@ class Inputs:
 def inputs_of(mechanism: Mechanism, tolerances: Iterable[Tolerance] | None) -> Inputs:
     """Check tolerances and look up their numbers.
 
-    **Raises:** `ValueError` without tolerances, for a whole number, a limit out of range, or two
-    that set the same number; `UnknownNameError` for an unknown name.
+    **Raises:** as `tolerance_zones`.
     """
-    chosen = tuple((mechanism.tolerances or ()) if tolerances is None else tolerances)
-    if not chosen:
-        raise ValueError(
-            "the mechanism has no tolerances; give tolerances, or a [tolerances] table in its file "
-            'such as lead = "±0.02 mm"'
-        )
-    paths: list[str] = []
-    middle: list[float] = []
-    units: list[str] = []
-    owner: list[int] = []
-    for index, one in enumerate(chosen):
-        parameters = find_parameters(mechanism, one.name)
-        units.append(parameters[0].unit)
-        check_tolerance(mechanism, one, parameters)
-        for parameter in parameters:
-            paths.append(parameter.path)
-            middle.append(float(np.asarray(parameter.get(mechanism))) + one.middle)
-            owner.append(index)
-    check_independent(mechanism, [one.name for one in chosen])
-    directions = np.zeros((len(chosen), len(paths)))
-    for number, index in enumerate(owner):
-        directions[index, number] = chosen[index].standard_deviation
+    zones = tolerance_zones(mechanism, tolerances)
     physics = dataclasses.replace(mechanism, tolerances=None, design_problem=None)
-    return Inputs(physics, chosen, tuple(paths), np.array(middle), directions, tuple(units))
+    return Inputs(
+        physics,
+        zones.tolerances,
+        zones.paths,
+        zones.nominal + zones.offsets,
+        zones.directions,
+        zones.units,
+    )
 
 
 def moved(

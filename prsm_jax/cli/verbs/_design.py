@@ -23,13 +23,16 @@ _NAMES = "Names from `prsm quantities`, separated by commas."
 
 
 def _sensitivity(
-    mechanism: Mechanism, quantities: list[str] | None, parameters: list[str] | None
+    mechanism: Mechanism,
+    quantities: list[str] | None,
+    parameters: list[str] | None,
+    second: bool,
 ) -> "Sensitivity":
     from ...sensitivities import sensitivity as run_sensitivity, sensitivity_by
 
-    if not runs_one_verb():
-        expect_programs("_numbers")
-        return run_sensitivity(mechanism, quantities, parameters)
+    if second or not runs_one_verb():
+        expect_programs("_numbers", *(["_compiled_hessian"] if second else []))
+        return run_sensitivity(mechanism, quantities, parameters, second=second)
     name = f"sensitivity {quantities} {parameters}"
 
     def evaluate(function, shift):
@@ -46,11 +49,14 @@ def sensitivity(
     parameters: Annotated[
         str | None, Parameter(help="Names of numbers in the file, separated by commas.")
     ] = None,
+    second: Annotated[
+        bool, Parameter(negative="", help="Second derivatives, too; minutes to compile.")
+    ] = False,
     common: Common = _DEFAULT,
 ) -> int:
     """Exact derivatives of quantities with respect to parameters, absolute and relative."""
     mechanism = common.load(file)
-    table = _sensitivity(mechanism, words_of(quantities), words_of(parameters))
+    table = _sensitivity(mechanism, words_of(quantities), words_of(parameters), second)
     if common.out is not None:
         from ...report import save_figures, sensitivity_bars
 

@@ -5,6 +5,7 @@ from typing import Any
 from ..._errors import UnknownNameError
 from ...fields import ANY, POSITIVE, Declared, declared
 from ...mechanism import (
+    DUTY_CYCLE,
     Choice,
     Constraint,
     DesignProblem,
@@ -48,16 +49,19 @@ def _rows(keys: dict[str, Key], text: str | None = None) -> Key:
 
 
 _PROBLEM["nut_speed"] = Key(plain(read_number, "m/s", POSITIVE))
+# The range is checked with the others of the problem.
+_PROBLEM["tolerance_sigmas"] = Key(plain(read_number, "1", POSITIVE))
 _CASE = {one.name: _key(one) for one in declared(OperatingCase)}
 for _name, _unit, _limit in (("speed", "rad/s", ANY), ("load", "N", ANY), ("share", "1", POSITIVE)):
     _CASE[_name] = _CASE[_name]._replace(read=plain(read_number, _unit, _limit))
-_EFFORT = ("starts", "seed", "method", "points", "nut_speed")
+_EFFORT = ("starts", "seed", "method", "points", "nut_speed", "tolerance_sigmas")
 _KEYS = {
     **dict.fromkeys(_SENSE.words, _NAME),
     "objective": _rows(_OBJECTIVE),
     "variable": _rows(_VARIABLE, "variables, as [[optimise.variable]]"),
     "constraint": _rows(_CONSTRAINT),
     "operating_point": _rows(_CASE),
+    "operating_points": Key(plain(read_choice, (DUTY_CYCLE,))),
     # The units of a list depend on its parameter, as those of bounds.
     "choices": Key(lambda v, at: _lists(v, at)),
     **{name: _PROBLEM[name] for name in _EFFORT},
@@ -164,16 +168,34 @@ def design_problem(table: dict[str, Any], mechanism: Mechanism) -> DesignProblem
             raise Misplaced((("optimise", "constraint", index), str(error))) from error
     rows = table.get("choices", {}).items()
     choices = tuple(_choice(name, values, mechanism, taken) for name, values in rows)
-    cases = tuple(OperatingCase(**row) for row in table.get("operating_point", ()))
-    if cases and "nut_speed" in table:
-        message = "both set the speed of the screw; give nut_speed or operating points"
-        raise Misplaced((("optimise", "operating_point"), message))
+    cases = _cases(table, mechanism)
     effort = {name: table[name] for name in _EFFORT if name in table}
-    return DesignProblem(
-        variables,
-        _objectives(table),
-        tuple(constraints),
-        choices=choices,
-        operating_points=cases,
-        **effort,
-    )
+    try:
+        return DesignProblem(
+            variables,
+            _objectives(table),
+            tuple(constraints),
+            choices=choices,
+            operating_points=cases,
+            **effort,
+        )
+    except ValueError as error:
+        # Keys have been checked one by one: what is left is the number of standard deviations.
+        raise Misplaced((("optimise", "tolerance_sigmas"), str(error))) from error
+
+
+def _cases(table: dict[str, Any], mechanism: Mechanism) -> Any:
+    """The operating points of the table, or the word for those of the duty cycle."""
+    cases = tuple(OperatingCase(**row) for row in table.get("operating_point", ()))
+    word = table.get("operating_points")
+    keys = [key for key in ("operating_point", "operating_points") if table.get(key)]
+    if len(keys) == 2:
+        message = "is given beside [[optimise.operating_point]]; give one of them"
+        raise Misplaced((("optimise", "operating_points"), message))
+    if keys and "nut_speed" in table:
+        message = "both set the speed of the screw; give nut_speed or operating points"
+        raise Misplaced((("optimise", keys[0]), message))
+    if word is not None and mechanism.duty_cycle is None:
+        message = 'is "duty_cycle", and the file has no [[duty_cycle]]; give its phases'
+        raise Misplaced((("optimise", "operating_points"), message))
+    return cases if word is None else word

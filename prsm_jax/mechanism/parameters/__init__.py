@@ -20,3 +20,7 @@ from ._set_parameters import (
     check_independent as check_independent,
     set_parameters as set_parameters,
 )
+from ._tolerance_zones import (
+    ToleranceZones as ToleranceZones,
+    tolerance_zones as tolerance_zones,
+)

@@ -20,6 +20,7 @@ from ._damping import (
     StructuralDamping as StructuralDamping,
 )
 from ._design_problem import (
+    DUTY_CYCLE as DUTY_CYCLE,
     Choice as Choice,
     Constraint as Constraint,
     DesignProblem as DesignProblem,

@@ -8,6 +8,9 @@ from ...fields import Limit, check_fields, choice
 
 _STARTS = Limit(1.0, 10_000.0, "a whole number from 1 to 10000", True, True)
 _POINTS = Limit(3.0, 1000.0, "a whole number from 3 to 1000", True, True)
+_SIGMAS = Limit(0.0, 10.0, "above 0 and at most 10", False, True)
+#: In place of operating points: the phases of the mechanism's duty cycle.
+DUTY_CYCLE = "duty_cycle"
 _SEED = Limit(0.0, 2.0**32 - 1, "a whole number from 0 to 4294967295", True, True)
 
 
@@ -29,13 +32,20 @@ class Variable:
 
 @dataclass(frozen=True)
 class Objective:
-    """One term of the objective: a quantity, its direction and its weight."""
+    """One term of the objective: a quantity, its direction, its weight, and how points count.
+
+    With several operating points the term is the mean of the quantity over them, by their shares,
+    or its worst value at any of them.
+    """
 
     quantity: str = choice("name of a quantity")
     sense: Literal["maximise", "minimise"] = choice(
         'direction: "maximise" or "minimise"', default="minimise"
     )
     weight: float = choice("weight in the sum", default=1.0)
+    over: Literal["mean", "worst"] = choice(
+        'over several operating points: "mean" by their shares, or "worst" of them', default="mean"
+    )
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -107,7 +117,10 @@ class DesignProblem:
 
     With `nut_speed` [m/s] the screw turns as fast as each design needs for this speed of the nut;
     otherwise its speed is that of the operating point. With `operating_points` each objective is
-    the mean over them by their shares, and each constraint holds at every one.
+    the mean over them by their shares, or the worst of them, and each constraint holds at every
+    one; `"duty_cycle"` stands for the phases of the mechanism's duty cycle, with their durations as
+    shares. With `tolerance_sigmas` each objective and each limit is taken so many standard
+    deviations to the worse side of the mean.
     """
 
     variables: tuple[Variable, ...]
@@ -119,12 +132,24 @@ class DesignProblem:
     points: int = choice("number of points of a front", default=20, limit=_POINTS)
     choices: tuple[Choice, ...] = ()
     nut_speed: float | None = choice("axial speed of the last nut", default=None)
-    operating_points: tuple[OperatingCase, ...] = ()
+    operating_points: tuple[OperatingCase, ...] | Literal["duty_cycle"] = ()
+    tolerance_sigmas: float | None = choice(
+        "standard deviations by which tolerances worsen objectives and limits", default=None
+    )
 
     def __post_init__(self) -> None:
         check_fields(self)
         if self.nut_speed is not None and not 0 < self.nut_speed < math.inf:
             raise ValueError(f"nut_speed is {self.nut_speed} m/s; it must be positive")
+        if isinstance(self.operating_points, str) and self.operating_points != DUTY_CYCLE:
+            raise ValueError(
+                f'operating_points is {self.operating_points!r}; write "{DUTY_CYCLE}", or give '
+                "(speed, load, share) for each"
+            )
+        if self.tolerance_sigmas is not None and not _SIGMAS.admits(self.tolerance_sigmas):
+            raise ValueError(
+                f"tolerance_sigmas is {self.tolerance_sigmas}; it must be {_SIGMAS.allowed}"
+            )
         if self.nut_speed is not None and self.operating_points:
             raise ValueError(
                 "nut_speed and operating_points are both given, and both set the speed of the "

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 
-from ..results import Optimality, optimality
+from ..results import Optimality, optimality, worst_case_optimality
 from ..search import Evaluator, Point
 
 #: Share of the sum of the objectives in every search: no point is dominated where one objective
@@ -156,24 +156,17 @@ class _Search:
                 active_tolerance=active,
             )
             return found.residual, self.weights
-        distance = float(np.max(objectives - self.target))
-        count = len(objectives)
-        found = optimality(
-            # A distance inside the box has no bounds.
-            np.append(position, 0.5),
-            np.append(self.weights @ slopes, 1.0),
-            np.concatenate([rows, objectives - distance]),
-            np.concatenate(
-                [
-                    np.concatenate([row_slopes, np.zeros((len(rows), 1))], axis=1),
-                    np.concatenate([slopes, -np.ones((count, 1))], axis=1),
-                ]
-            ),
-            np.append(self.lower, np.full(count, -np.inf)),
-            np.append(self.upper, self.target),
+        found, multipliers = worst_case_optimality(
+            position,
+            self.weights @ slopes,
+            rows,
+            row_slopes,
+            self.lower,
+            self.upper,
+            [(objectives - self.target, slopes)],
             active_tolerance=active,
         )
-        return found.residual, self.weights - found.multipliers[len(rows) :]
+        return found.residual, self.weights - multipliers
 
     def look(self, joint: np.ndarray) -> None:
         """Judge an iterate; ends the search where it is good enough."""

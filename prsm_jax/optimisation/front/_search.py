@@ -33,7 +33,7 @@ class FrontSearch:
         signs = senses(problem.objectives)
         matrix = np.zeros((len(signs), len(evaluator.rows.weights)))
         for row, (one, sign) in enumerate(zip(problem.objectives, signs, strict=True)):
-            matrix[row] = sign * evaluator.rows.mean_of(one.quantity)
+            matrix[row] = sign * evaluator.rows.mean_of(one)
         self.goals: Goals = Goals(evaluator, matrix)
         self.tolerance = tolerance
         self.ends: list[Solved] = []

@@ -108,11 +108,12 @@ class _Words:
 
     def __init__(self, evaluator: Evaluator, report: Reporter, problem: DesignProblem):
         self._evaluator, self._report = evaluator, report
+        self._terms = problem.objectives
         self._objectives = [one.quantity for one in problem.objectives]
         self._variables = [one.name for one in problem.variables]
 
     def _values(self, point: Point) -> dict[str, float]:
-        means = {name: self._evaluator.rows.mean_of(name) for name in self._objectives}
+        means = {one.quantity: self._evaluator.rows.mean_of(one) for one in self._terms}
         return {
             name: float(mean[mean != 0] @ point.values[mean != 0]) for name, mean in means.items()
         }

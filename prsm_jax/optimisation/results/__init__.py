@@ -1,6 +1,10 @@
 """The result of an optimisation, and its optimality."""
 
-from ._optimality import Optimality as Optimality, optimality as optimality
+from ._optimality import (
+    Optimality as Optimality,
+    optimality as optimality,
+    worst_case_optimality as worst_case_optimality,
+)
 from ._optimum import (
     ConstraintReport as ConstraintReport,
     Design as Design,

@@ -1,6 +1,7 @@
 """First-order optimality: how far a point is from satisfying the Karush–Kuhn–Tucker conditions."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -101,6 +102,60 @@ def optimality(
         active=np.where(equality | at_upper, 1, np.where(at_lower, -1, 0)),
         active_bounds=np.where(high_bound, 1, np.where(low_bound, -1, 0)),
     )
+
+
+def worst_case_optimality(
+    position: np.ndarray,
+    gradient: np.ndarray,
+    values: np.ndarray,
+    jacobian: np.ndarray,
+    lower: np.ndarray,
+    upper: np.ndarray,
+    parts: Sequence[tuple[np.ndarray, np.ndarray]],
+    *,
+    active_tolerance: float = 1e-6,
+) -> tuple[Optimality, np.ndarray]:
+    r"""As `optimality`, of a smooth cost plus the largest of each of several sets of functions.
+
+    The conditions are those of the cost plus one level for each set, which none of its functions
+    exceeds. Levels are at the largest function.
+
+    **Arguments:**
+
+    - `position`, `values`, `jacobian`, `lower`, `upper`, `active_tolerance`: as in `optimality`.
+    - `gradient`: of the smooth part of the cost (variables).
+    - `parts`: of each set the values and their derivatives (functions; functions × variables).
+
+    **Returns:** the conditions, and the multipliers of the functions, at most 0; those of one set
+    sum to -1.
+    """
+    rows, variables, levels = len(values), len(position), len(parts)
+    blocks = [np.concatenate([jacobian, np.zeros((rows, levels))], axis=1)]
+    above = []
+    for place, (functions, slopes) in enumerate(parts):
+        columns = np.zeros((len(functions), levels))
+        columns[:, place] = -1.0
+        blocks.append(np.concatenate([slopes, columns], axis=1))
+        above.append(functions - np.max(functions))
+    more = sum(map(len, above))
+    found = optimality(
+        # A level inside of the box has no bounds.
+        np.append(position, np.full(levels, 0.5)),
+        np.append(gradient, np.ones(levels)),
+        np.concatenate([values, *above]),
+        np.concatenate(blocks),
+        np.append(lower, np.full(more, -np.inf)),
+        np.append(upper, np.zeros(more)),
+        active_tolerance=active_tolerance,
+    )
+    design = replace(
+        found,
+        multipliers=found.multipliers[:rows],
+        active=found.active[:rows],
+        bound_multipliers=found.bound_multipliers[:variables],
+        active_bounds=found.active_bounds[:variables],
+    )
+    return design, found.multipliers[rows:]
 
 
 def _non_negative_least_squares(

@@ -13,3 +13,4 @@ from ._methods import search_of as search_of
 from ._multi_start import MultiStart as MultiStart
 from ._optax import Adam as Adam, Optax as Optax
 from ._scipy import Scipy as Scipy
+from ._worst import WorstCaseFunctions as WorstCaseFunctions

@@ -3,170 +3,16 @@
 from typing import Any
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
 
 from ...fields import Scalar
-from ...findings import Margin, evaluate_margins, margins_of, shared_loads, sources
+from ...findings import sources
 from ...mechanism import DesignProblem, Mechanism, set_parameters
-from ...quantities import Analysis, component_names, compute, find_quantity
-from ._margin_rows import WHOLE_SCALE, MarginRows, is_constraint, probe_positions, sorted_margins
-
-
-def screw_speed(
-    mechanism: Mechanism, speed: Scalar | None, load: Scalar | None, nut_speed: Scalar | None
-) -> Scalar | None:
-    """Screw speed of a design [rad/s]: given, or from the speed of the nut [m/s]."""
-    if nut_speed is None:
-        return speed
-    one = Analysis(mechanism, jnp.ones_like(nut_speed), load)
-    return nut_speed / find_quantity("nut_speed").function(one)
-
-
-def outputs_at(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
-    """Quantities and margins of a design as separate arrays, and whether the design is usable."""
-    mechanism, names, quantities, margins, lower, width, speed, load, nut_speed = inputs
-    values = lower + width * position
-    moved = set_parameters(mechanism, {name: values[i] for i, name in enumerate(names)})
-    if load is None or jnp.ndim(load) == 0:
-        at = screw_speed(moved, speed, load, nut_speed)
-        return _analysed(moved, quantities, margins, at, load)
-    # Several operating points: every quantity at each of them, and the least of every margin.
-    at_each = jax.vmap(lambda one, other: _analysed(moved, quantities, margins, one, other))
-    outputs, valid = at_each(speed, load)
-    split = len(quantities)
-    return (
-        [jnp.ravel(numbers) for numbers in outputs[:split]]
-        + [jnp.min(numbers, axis=0) for numbers in outputs[split:]],
-        jnp.all(valid),
-    )
-
-
-def _analysed(
-    moved: Mechanism, quantities: tuple[str, ...], margins: Any, speed: Any, load: Any
-) -> tuple[list[Array], Any]:
-    """Quantities and margins at one operating point, and whether they can be used."""
-    analysis = Analysis(moved, speed, load)
-    # A design whose threads do not mesh is unusable, whatever the requested quantities.
-    for stage in analysis.kinematics:
-        analysis.require(stage.meshing.converged)
-    analysis.expect(case for name in quantities for case in find_quantity(name).shares)
-    if margins:
-        analysis.expect(shared_loads(margins_of(moved), is_constraint))
-    # Not concatenated: XLA would recompute the operands for each element.
-    outputs = [jnp.ravel(find_quantity(name).function(analysis)) for name in quantities]
-    if margins:
-        for numbers in evaluate_margins(analysis, is_constraint, details=False):
-            if numbers is not None:
-                outputs.append(jnp.ravel(numbers["value"]))
-    # Overlapping rollers violate only a margin, which a search may do on its way.
-    return outputs, analysis.computed
-
-
-@eqx.filter_jit
-def _values(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
-    return outputs_at(inputs, position)
-
-
-@eqx.filter_jit
-def _derivatives(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
-    # Forward mode: one pass per variable, and there are few variables.
-    _, push = jax.linearize(lambda point: outputs_at(inputs, point)[0], position)
-    return jax.vmap(push, out_axes=-1)(jnp.eye(position.shape[0], dtype=position.dtype))
-
-
-def _margins(mechanism: Mechanism, speed: Scalar | None, load: Scalar | None) -> tuple[Margin, ...]:
-    """The margins for which the mechanism has data."""
-    margins: list[Margin] = []
-
-    def try_all(traced, speed, load):
-        analysis = Analysis(traced, speed, load)
-        values = evaluate_margins(analysis, is_constraint, details=False)
-        pairs = zip(margins_of(traced), values, strict=True)
-        margins.extend(margin for margin, numbers in pairs if numbers is not None)
-
-    eqx.filter_eval_shape(try_all, mechanism, speed, load)
-    known = {(m.name, m.stage, m.subject, m.levels) for m in margins}
-    # Margins of the mechanism itself: the ones above refer to a finished trace.
-    return tuple(
-        m for m in margins_of(mechanism) if (m.name, m.stage, m.subject, m.levels) in known
-    )
-
-
-class Rows:
-    """The constraints as rows `lower <= value <= upper`, one per component of a quantity.
-
-    The first `explicit` rows are the constraints of the problem; those of the margins follow.
-    """
-
-    def __init__(self, problem: DesignProblem, shapes: dict[str, tuple[int, ...]], margins: int):
-        shares = np.array([one.share for one in problem.operating_points] or [1.0])
-        #: Share of each operating point in the mean.
-        self.shares: np.ndarray = shares / shares.sum()
-        for term in problem.objectives:
-            if int(np.prod(shapes[term.quantity])) != 1:
-                raise ValueError(
-                    f"objective {term.quantity!r} has {int(np.prod(shapes[term.quantity]))} "
-                    "components; an objective must be one number"
-                )
-        if problem.operating_points:
-            # The operating point is the first index of a component.
-            shapes = {name: (len(shares), *shape) for name, shape in shapes.items()}
-        first = np.cumsum([0, *(int(np.prod(shape)) for shape in shapes.values())])
-        place: dict[str, int] = dict(zip(shapes, map(int, first[:-1]), strict=True))
-        #: Index of the first component of each quantity among the evaluated values.
-        self.place: dict[str, int] = place
-        self.names: list[str] = []
-        index, lower, upper, equality = [], [], [], []
-        for constraint in problem.constraints:
-            name = constraint.quantity
-            for offset, label in enumerate(component_names(name, shapes[name])):
-                self.names.append(label)
-                index.append(place[name] + offset)
-                equality.append(constraint.equal is not None)
-                low, high = constraint.lower, constraint.upper
-                if constraint.equal is not None:
-                    low = high = constraint.equal
-                lower.append(-np.inf if low is None else low)
-                upper.append(np.inf if high is None else high)
-        self.units: list[str] = [find_quantity(name.partition("[")[0]).unit for name in self.names]
-        self.index: np.ndarray = np.array(index, dtype=int)
-        self.lower: np.ndarray = np.array(lower, dtype=float)
-        self.upper: np.ndarray = np.array(upper, dtype=float)
-        self.equality: np.ndarray = np.array(equality, dtype=bool)
-        self.explicit: int = len(self.names)
-        self.first_margin: int = int(first[-1])
-        self.weights: np.ndarray = np.zeros(int(first[-1]) + margins)
-        for term in problem.objectives:
-            sign = -1.0 if term.sense == "maximise" else 1.0
-            self.weights += sign * term.weight * self.mean_of(term.quantity)
-
-    def mean_of(self, name: str) -> np.ndarray:
-        """Weights of all values in an objective: its mean over the operating points."""
-        weights = np.zeros(len(self.weights))
-        first = self.place[name]
-        weights[first : first + len(self.shares)] = self.shares
-        return weights
-
-    def add(self, rows: MarginRows) -> None:
-        """Append the margins that a search has to respect."""
-        added = rows.smooth
-        self.names += [row.label for row in added]
-        self.units += [row.margin.unit for row in added]
-        places = [self.first_margin + row.place for row in added]
-        self.index = np.concatenate([self.index, np.array(places, dtype=int)])
-        self.lower = np.concatenate([self.lower, [row.lower for row in added]])
-        self.upper = np.concatenate([self.upper, np.full(len(added), np.inf)])
-        self.equality = np.concatenate([self.equality, np.zeros(len(added), dtype=bool)])
-
-    def fix(self, label: str, value: float | None, lower: float) -> None:
-        """Fix a margin at a whole number, or release it (`None`)."""
-        row = self.names.index(label, self.explicit)
-        self.equality[row] = value is not None
-        self.lower[row] = lower if value is None else value
-        self.upper[row] = np.inf if value is None else value
+from ...quantities import compute
+from ._margin_rows import WHOLE_SCALE, MarginRows, known_margins, probe_positions, sorted_margins
+from ._outputs import compiled_derivatives, compiled_values, scatter_of
+from ._rows import Rows
 
 
 class Point:
@@ -200,10 +46,12 @@ class Evaluator:
         names = tuple(variable.name for variable in problem.variables)
         terms = (*problem.objectives, *problem.constraints)
         self.quantities: tuple[str, ...] = tuple(dict.fromkeys(term.quantity for term in terms))
+        scatter = scatter_of(mechanism, problem.tolerance_sigmas)
         self.lower: np.ndarray = np.array([variable.lower for variable in problem.variables])
         upper = np.array([variable.upper for variable in problem.variables])
         self.width: np.ndarray = upper - self.lower
         cases = problem.operating_points
+        assert not isinstance(cases, str), "the phases of the duty cycle have been looked up"
         if cases and (speed is not None or load is not None):
             raise ValueError(
                 "a speed or a load is given, and the problem has operating points; give one or the "
@@ -222,6 +70,7 @@ class Evaluator:
             speeds if cases else speed,
             loads if cases else load,
             None if problem.nut_speed is None else jnp.asarray(problem.nut_speed, float),
+            scatter,
         )
         if problem.nut_speed is not None and speed is not None:
             raise ValueError(
@@ -230,14 +79,16 @@ class Evaluator:
         # With a nut speed the screw speed is any number: there need not be an operating point.
         some_speed = speed if problem.nut_speed is None else jnp.ones(())
         some_load = load
-        if problem.operating_points:
+        if cases:
             some_speed, some_load = speeds[0], loads[0]
         shapes = eqx.filter_eval_shape(self._shapes, mechanism, some_speed, some_load)
         # A derived number that a variable makes explicit has margins too (the profile radius).
         written = set_parameters(
             mechanism, dict(zip(names, self.lower, strict=True)), checked=False
         )
-        known = _margins(written, some_speed, some_load) if margins else ()
+        if scatter is not None:
+            written = scatter.made(written)
+        known = known_margins(written, some_speed, some_load) if margins else ()
         shape_of = {name: shapes[name].shape for name in self.quantities}
         self.rows: Rows = Rows(problem, shape_of, len(known))
         self.evaluations: int = 0
@@ -276,7 +127,7 @@ class Evaluator:
         """The design at a position; the last one is cached."""
         if self._last is not None and np.array_equal(self._last.position, position):
             return self._last
-        arrays, valid = _values(self._given, jnp.asarray(position))
+        arrays, valid = compiled_values(self._given, jnp.asarray(position))
         self.evaluations += 1
         values = np.concatenate([np.asarray(array, dtype=float) for array in arrays])
         good = bool(valid) and bool(np.isfinite(values[self._used]).all())
@@ -297,13 +148,15 @@ class Evaluator:
     def _used(self) -> np.ndarray:
         used = self.rows.weights != 0
         used[self.rows.index] = True
+        for group in self.rows.worst:
+            used |= np.any(group != 0, axis=0)
         return used
 
     def jacobian(self, position: np.ndarray) -> np.ndarray:
         """Derivatives of all quantities with respect to the position; 0 where not finite."""
         point = self.point(position)
         if point.jacobian is None:
-            arrays = _derivatives(self._given, jnp.asarray(position))
+            arrays = compiled_derivatives(self._given, jnp.asarray(position))
             jacobian = np.concatenate([np.asarray(rows, dtype=float) for rows in arrays])
             self.derivative_evaluations += 1
             if not np.isfinite(jacobian[self._used]).all():
@@ -314,7 +167,7 @@ class Evaluator:
     def scale_from(self, position: np.ndarray) -> None:
         """Take typical magnitudes from a good design: the value, its change over the box, or 1."""
         values, jacobian = self.point(position).values, self.jacobian(position)
-        cost, slope = self.rows.weights @ values, self.rows.weights @ jacobian
+        cost, slope = self._cost(values), self._cost_slope(values, jacobian)
         self.cost_scale = float(max(abs(cost), np.max(np.abs(slope)))) or 1.0
         limits = np.where(np.isfinite(self.rows.lower), np.abs(self.rows.lower), 0.0)
         limits = np.maximum(
@@ -329,12 +182,49 @@ class Evaluator:
         for row in self.margins.integer:
             self.row_scale[self.rows.names.index(row.label, self.rows.explicit)] = WHOLE_SCALE
 
+    def _cost(self, values: np.ndarray) -> float:
+        levels = (float(np.max(part)) for part in self._parts(values))
+        return self.mean_cost_of(values) + sum(levels)
+
+    def mean_cost_of(self, values: np.ndarray) -> float:
+        """The part of the cost that is a weighted sum [SI]: all but the worst cases."""
+        return float(self.rows.weights[self._used] @ values[self._used])
+
+    def _parts(self, values: np.ndarray) -> list[np.ndarray]:
+        used = self._used
+        return [group[:, used] @ values[used] for group in self.rows.worst]
+
+    def _cost_slope(self, values: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
+        slope = self.rows.weights @ jacobian
+        for group, part in zip(self.rows.worst, self._parts(values), strict=True):
+            slope = slope + group[np.argmax(part)] @ jacobian
+        return slope
+
     def cost(self, point: Point) -> float:
         """Scaled cost, to be minimised."""
-        return float(self.rows.weights[self._used] @ point.values[self._used]) / self.cost_scale
+        return self._cost(point.values) / self.cost_scale
+
+    def mean_cost(self, point: Point) -> float:
+        """Scaled cost without the worst cases."""
+        return self.mean_cost_of(point.values) / self.cost_scale
+
+    def mean_cost_gradient(self, position: np.ndarray) -> np.ndarray:
+        """Derivatives of the scaled cost without the worst cases."""
+        return self.rows.weights @ self.jacobian(position) / self.cost_scale
 
     def cost_gradient(self, position: np.ndarray) -> np.ndarray:
-        return self.rows.weights @ self.jacobian(position) / self.cost_scale
+        """Derivatives of the scaled cost; where worst cases tie, of the first of them."""
+        jacobian = self.jacobian(position)
+        return self._cost_slope(self.point(position).values, jacobian) / self.cost_scale
+
+    def worst_parts(self, point: Point) -> list[np.ndarray]:
+        """Scaled cost of each worst-case objective at every operating point."""
+        return [part / self.cost_scale for part in self._parts(point.values)]
+
+    def worst_slopes(self, position: np.ndarray) -> list[np.ndarray]:
+        """Their derivatives (operating points × variables), objective by objective."""
+        jacobian = self.jacobian(position)
+        return [group @ jacobian / self.cost_scale for group in self.rows.worst]
 
     def constraint_values(self, point: Point) -> np.ndarray:
         """Scaled values of the constraint rows."""

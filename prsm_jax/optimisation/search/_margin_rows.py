@@ -2,9 +2,13 @@
 
 from dataclasses import dataclass
 
+import equinox as eqx
 import numpy as np
 
-from ...findings import Margin
+from ...fields import Scalar
+from ...findings import Margin, evaluate_margins, margins_of
+from ...mechanism import Mechanism
+from ...quantities import Analysis
 
 #: Number of designs in the unit box that show whether a margin depends on the variables.
 _PROBES = 3
@@ -47,6 +51,26 @@ class MarginRows:
 def is_constraint(margin: Margin) -> bool:
     """Whether a margin has an error limit and a derivative."""
     return margin.error_limit is not None and margin.smooth
+
+
+def known_margins(
+    mechanism: Mechanism, speed: Scalar | None, load: Scalar | None
+) -> tuple[Margin, ...]:
+    """The margins for which the mechanism has data."""
+    margins: list[Margin] = []
+
+    def try_all(traced, speed, load):
+        analysis = Analysis(traced, speed, load)
+        values = evaluate_margins(analysis, is_constraint, details=False)
+        pairs = zip(margins_of(traced), values, strict=True)
+        margins.extend(margin for margin, numbers in pairs if numbers is not None)
+
+    eqx.filter_eval_shape(try_all, mechanism, speed, load)
+    known = {(m.name, m.stage, m.subject, m.levels) for m in margins}
+    # Margins of the mechanism itself: the ones above refer to a finished trace.
+    return tuple(
+        m for m in margins_of(mechanism) if (m.name, m.stage, m.subject, m.levels) in known
+    )
 
 
 def probe_positions(variables: int) -> np.ndarray:

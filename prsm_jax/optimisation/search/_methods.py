@@ -53,6 +53,7 @@ def search_of(
     if constrained and not search.accepts_constraints:
         others = " or ".join(word for word, cls in _BY_WORD.items() if cls.accepts_constraints)
         raise ValueError(
-            f"method {search.name!r} accepts bounds only; with constraints choose {others}"
+            f"method {search.name!r} accepts bounds only; with constraints or worst cases choose "
+            f"{others}"
         )
     return search

@@ -10,10 +10,11 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ._constrained import Slsqp
-from ._evaluator import Evaluator, outputs_at
+from ._evaluator import Evaluator
 from ._functions import SearchFunctions
 from ._method import Report, SearchMethod, SearchResult, WithOptions, check_at_least
 from ._optax import optax_promotion
+from ._outputs import outputs_at
 
 #: Cost of a violation of one scaled constraint, over that of the scaled objective.
 _PENALTY = 10.0
@@ -25,6 +26,7 @@ def _penalised(inputs: tuple[Any, ...], rows: dict[str, Any], position: Float[Ar
     """Scaled cost with violations added, infinite where a design fails."""
     outputs, valid = outputs_at(inputs, position)
     total, first = jnp.zeros(()), 0
+    levels = [jnp.zeros(group.shape[0]) for group in rows["worst"]]
     for numbers in outputs:
         part = slice(first, first + numbers.shape[0])
         first += numbers.shape[0]
@@ -36,6 +38,13 @@ def _penalised(inputs: tuple[Any, ...], rows: dict[str, Any], position: Float[Ar
         # A number that is not used may be anything, NaN included.
         total += jnp.sum(jnp.where(used, rows["weights"][part] * numbers, 0.0))
         total += _PENALTY * jnp.sum(jnp.where(used, broken, 0.0))
+        known = jnp.where(used, numbers, 0.0)
+        levels = [
+            level + group[:, part] @ known
+            for level, group in zip(levels, rows["worst"], strict=True)
+        ]
+    for level in levels:
+        total += jnp.max(level)
     return jnp.where(valid & jnp.isfinite(total), total, jnp.inf)
 
 
@@ -157,6 +166,8 @@ def _rows(evaluator: Evaluator) -> dict[str, Any]:
     rows, count = evaluator.rows, len(evaluator.rows.weights)
     lower, upper = np.full(count, -np.inf), np.full(count, np.inf)
     scale, used = np.ones(count), rows.weights != 0
+    for group in rows.worst:
+        used |= np.any(group != 0, axis=0)
     for place, low, high, size in zip(
         rows.index, rows.lower, rows.upper, evaluator.row_scale, strict=True
     ):
@@ -168,4 +179,5 @@ def _rows(evaluator: Evaluator) -> dict[str, Any]:
         "lower": jnp.asarray(lower / scale),
         "upper": jnp.asarray(upper / scale),
         "used": jnp.asarray(used),
+        "worst": [jnp.asarray(group / evaluator.cost_scale) for group in rows.worst],
     }

@@ -1,0 +1,189 @@
+"""The compiled programs of a search: quantities and margins of a design, and their derivatives."""
+
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ...fields import Scalar
+from ...findings import evaluate_margins, margins_of, shared_loads
+from ...mechanism import Mechanism, find_parameters, set_parameters, tolerance_zones
+from ...quantities import Analysis, find_quantity
+from ._margin_rows import is_constraint
+
+
+def screw_speed(
+    mechanism: Mechanism, speed: Scalar | None, load: Scalar | None, nut_speed: Scalar | None
+) -> Scalar | None:
+    """Screw speed of a design [rad/s]: given, or from the speed of the nut [m/s]."""
+    if nut_speed is None:
+        return speed
+    one = Analysis(mechanism, jnp.ones_like(nut_speed), load)
+    return nut_speed / find_quantity("nut_speed").function(one)
+
+
+class Scatter(eqx.Module):
+    """Tolerances of a mechanism, which move its numbers about those of each design.
+
+    - `paths`: names of the numbers.
+    - `offsets`: from the numbers to the middle of their zones [SI].
+    - `directions`: change of the numbers for one standard deviation of each tolerance [SI].
+    - `sigmas`: standard deviations by which a value is worsened.
+    """
+
+    paths: tuple[str, ...] = eqx.field(static=True)
+    offsets: Float[Array, " numbers"]
+    directions: Float[Array, "tolerances numbers"]
+    sigmas: Scalar
+
+    def made(
+        self, design: Mechanism, deviations: Float[Array, " tolerances"] | None = None
+    ) -> Mechanism:
+        """A mechanism made after a design; by default in the middle of all zones.
+
+        **Arguments:**
+
+        - `design`: the mechanism with its nominal numbers.
+        - `deviations`: standardised, of each tolerance.
+        """
+        moves = self.offsets
+        if deviations is not None:
+            moves = moves + deviations @ self.directions
+        values = {
+            path: find_parameters(design, path)[0].get(design) + moves[index]
+            for index, path in enumerate(self.paths)
+        }
+        return set_parameters(design, values, checked=False)
+
+
+def scatter_of(mechanism: Mechanism, sigmas: float | None) -> Scatter | None:
+    """The tolerances of a mechanism for values worsened by standard deviations; `None` without.
+
+    **Raises:** `ValueError` where the mechanism has no tolerances, or impossible ones.
+    """
+    if sigmas is None:
+        return None
+    if not mechanism.tolerances:
+        raise ValueError(
+            f"tolerance_sigmas is {sigmas:g}, and the mechanism has no tolerances; give a "
+            "[tolerances] table in its file, or leave it out"
+        )
+    zones = tolerance_zones(mechanism)
+    numbers = zones.offsets, zones.directions, np.asarray(sigmas, float)
+    return Scatter(zones.paths, *map(jnp.asarray, numbers))
+
+
+def outputs_at(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
+    """Quantities and margins of a design as separate arrays, and whether the design is usable.
+
+    With tolerances every quantity is there three times: all means, all means plus the standard
+    deviations, and all means less these. Margins are those in the middle of the tolerances.
+    """
+    mechanism, names, quantities, margins, lower, width, speed, load, nut_speed, scatter = inputs
+    values = lower + width * position
+    moved = set_parameters(mechanism, {name: values[i] for i, name in enumerate(names)})
+
+    def at_point(speed, load):
+        if scatter is None:
+            at = screw_speed(moved, speed, load, nut_speed)
+            return _analysed(moved, quantities, margins, at, load)
+        return _worsened(moved, quantities, margins, speed, load, nut_speed, scatter)
+
+    if load is None or jnp.ndim(load) == 0:
+        return at_point(speed, load)
+    # Several operating points: every quantity at each of them, and the least of every margin.
+    outputs, valid = jax.vmap(at_point)(speed, load)
+    split = len(quantities) * (1 if scatter is None else 3)
+    return (
+        [jnp.ravel(numbers) for numbers in outputs[:split]]
+        + [jnp.min(numbers, axis=0) for numbers in outputs[split:]],
+        jnp.all(valid),
+    )
+
+
+def _worsened(
+    design: Mechanism,
+    quantities: tuple[str, ...],
+    margins: Any,
+    speed: Any,
+    load: Any,
+    nut_speed: Any,
+    scatter: Scatter,
+) -> tuple[list[Array], Any]:
+    """Means, both sides of them, and margins at one operating point.
+
+    The standard deviation is that of first order, the root of the sum of squared slopes along the
+    tolerances. A derivative of this function differentiates the slopes a second time.
+    """
+
+    def at(deviations, margins):
+        made = scatter.made(design, deviations)
+        at = screw_speed(made, speed, load, nut_speed)
+        return _analysed(made, quantities, margins, at, load)
+
+    count = scatter.directions.shape[0]
+    middle = jnp.zeros(count, scatter.offsets.dtype)
+    outputs, valid = at(middle, margins)
+    # One tolerance after the other: side by side they take far longer to compile.
+    slopes = jax.lax.map(
+        lambda along: jax.jvp(lambda one: at(one, None)[0], (middle,), (along,))[1],
+        jnp.eye(count, dtype=middle.dtype),
+    )
+    means, rest = outputs[: len(quantities)], outputs[len(quantities) :]
+    spreads = [scatter.sigmas * _norm(one) for one in slopes]
+    pairs = list(zip(means, spreads, strict=True))
+    return [*means, *(m + s for m, s in pairs), *(m - s for m, s in pairs), *rest], valid
+
+
+def _norm(slopes: Float[Array, "tolerances components"]) -> Float[Array, " components"]:
+    """Root of the sum of squares over the tolerances; 0 with derivative 0 where all are 0."""
+    total = jnp.sum(slopes**2, axis=0)
+    some = total > 0
+    return jnp.where(some, jnp.sqrt(jnp.where(some, total, 1.0)), 0.0)
+
+
+def _analysed(
+    moved: Mechanism, quantities: tuple[str, ...], margins: Any, speed: Any, load: Any
+) -> tuple[list[Array], Any]:
+    """Quantities and margins at one operating point, and whether they can be used."""
+    analysis = Analysis(moved, speed, load)
+    # A design whose threads do not mesh is unusable, whatever the requested quantities.
+    for stage in analysis.kinematics:
+        analysis.require(stage.meshing.converged)
+    analysis.expect(case for name in quantities for case in find_quantity(name).shares)
+    if margins:
+        analysis.expect(shared_loads(margins_of(moved), is_constraint))
+    # Not concatenated: XLA would recompute the operands for each element.
+    outputs = [jnp.ravel(find_quantity(name).function(analysis)) for name in quantities]
+    if margins:
+        for numbers in evaluate_margins(analysis, is_constraint, details=False):
+            if numbers is not None:
+                outputs.append(jnp.ravel(numbers["value"]))
+    # Overlapping rollers violate only a margin, which a search may do on its way.
+    return outputs, analysis.computed
+
+
+@eqx.filter_jit
+def compiled_values(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
+    """`outputs_at`, compiled."""
+    return outputs_at(inputs, position)
+
+
+@eqx.filter_jit
+def compiled_derivatives(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
+    """Derivatives of the arrays of `outputs_at` by the position, variables last."""
+    unit = jnp.eye(position.shape[0], dtype=position.dtype)
+
+    def outputs(point):
+        return outputs_at(inputs, point)[0]
+
+    if inputs[-1] is not None:
+        # Second derivatives: variables one after the other, as the tolerances.
+        columns = jax.lax.map(lambda along: jax.jvp(outputs, (position,), (along,))[1], unit)
+        return [jnp.moveaxis(one, 0, -1) for one in columns]
+    # Forward mode: one pass per variable, and there are few variables.
+    _, push = jax.linearize(outputs, position)
+    return jax.vmap(push, out_axes=-1)(unit)
