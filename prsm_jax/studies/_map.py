@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..mechanism import Constraint, Mechanism
-from ..sweeps import DEFAULT_CHUNK, sweep
+from ..sweeps import block_size, sweep
 from ._problem import StudyProblem, check_single
 
 if TYPE_CHECKING:
@@ -104,7 +104,7 @@ def at_designs(
       used. Without it errors of `check` are not looked for, so that less is compiled.
     """
     axes = {one.name: [design[one.name] for design in designs] for one in problem.drivers}
-    size = len(designs) if grid is None else min(grid, DEFAULT_CHUNK)
+    size = len(designs) if grid is None else min(grid, block_size(grid))
     data = sweep(
         mechanism,
         axes,

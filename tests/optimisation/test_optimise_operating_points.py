@@ -88,7 +88,9 @@ def test_the_file_has_operating_points():
     at = text.index("\n[[optimise.variable]]")
     read = file.loads(text[:at] + rows + text[at:])
     assert read.design_problem is not None
-    (case,) = read.design_problem.operating_points
+    cases = read.design_problem.operating_points
+    assert not isinstance(cases, str)
+    (case,) = cases
     assert (case.speed, case.load, case.share) == (pytest.approx(10 * np.pi), 3000.0, 2.0)
     assert file.loads(file.dumps(read)).design_problem == read.design_problem
     wrong = rows.replace("300 rpm", "300 kN")

@@ -26,7 +26,7 @@ def _sensitivity(
     mechanism: Mechanism,
     quantities: list[str] | None,
     parameters: list[str] | None,
-    second: bool,
+    second: bool = False,
 ) -> "Sensitivity":
     from ...sensitivities import sensitivity as run_sensitivity, sensitivity_by
 
