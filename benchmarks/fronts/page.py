@@ -84,7 +84,8 @@ def _starts(document: dict[str, Any]) -> Iterator[str]:
     heads = ("starts", "objective", "values", "derivatives", "searches", "run time", "first call")
     yield from table_of(heads, rows)
     yield (
-        f"\nAt once is {document['speed_ratio']:.2f} times as fast; the objectives differ by "
+        f"\nIn the median of runs in turn, at once is {document['speed_ratio']:.3g} times as fast; "
+        "the objectives differ by "
         f"{document['difference']:.0e}, relative.\n"
     )
 
