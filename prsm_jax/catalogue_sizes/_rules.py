@@ -6,6 +6,7 @@ from typing import Any
 from .._errors import UnknownNameError, closest
 from ..friction import CoulombFriction, Friction
 from ..mechanism import (
+    USUAL_MODULES,
     AxialPlay,
     Carrier,
     Gear,
@@ -36,8 +37,7 @@ _ROLLER_SHARE, _THREAD_SHARE, _GEAR_SHARE = 0.85, 0.6, 0.0625
 _CIRCLE_TOLERANCE = 0.01
 #: Wall and length of the nut by nominal diameter, d in mm: fits of 90 sizes, good to a third.
 _WALL, _LENGTH = (1.14, 0.53), (7.97, 0.69)
-#: Standard modules of small gears [mm], and the smallest number of teeth of a roller.
-_MODULES = (0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0)
+#: Smallest number of teeth of a roller.
 _FEWEST_TEETH = 16
 #: Mean pressure of the operating load on the square of the nominal diameter: about a fifth of a
 #: printed dynamic capacity [Pa].
@@ -152,11 +152,11 @@ def catalogue_mechanism(
             f"nut's thread, {nut_radius * 2e3:.4g} mm"
         )
     length = given("nut_length_mm", 1e-3, 1e-3 * _LENGTH[0] * millimetres ** _LENGTH[1])
-    fitting = [m for m in _MODULES if 2e3 * roller_radius / m >= _FEWEST_TEETH]
+    fitting = [m for m in USUAL_MODULES if 2e3 * roller_radius / m >= _FEWEST_TEETH]
     if not fitting:
         raise ValueError(
             f"nominal_diameter is {nominal_diameter} m: the rollers are too small for a gear of "
-            f"{_FEWEST_TEETH} teeth with the smallest module, {_MODULES[0]:g} mm"
+            f"{_FEWEST_TEETH} teeth with the smallest module, {USUAL_MODULES[0]:g} mm"
         )
     module = 1e-3 * max(fitting)
 

@@ -146,6 +146,9 @@ def _optimise(
     for key in ("starts", "seed"):
         yield f"{key} = {getattr(problem, key)}"
     yield f"method = {_string(problem.method)}"
+    if problem.method_options:
+        options = (f"{name} = {_number(one, '1', name)}" for name, one in problem.method_options)
+        yield f"method_options = {{ {', '.join(options)} }}"
     if problem.points != DesignProblem.points:
         yield f"points = {problem.points}"
     if problem.nut_speed is not None:

@@ -8,18 +8,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..fields import Scalar
-from ..mechanism import Mechanism
+from ..mechanism import LEADS, MODULES, Mechanism
 from ..quantities import Analysis
 from ._margin import Margin, Reading, margin_source
 
-#: Nominal leads of ISO 3408-2 (ball screws), and those that makers of roller screws add [mm].
-LEADS = (1, 2, 2.5, 3, 4, 5, 6, 8, 9, 10, 12, 15, 16, 18, 20, 24, 25, 30, 32, 35, 36, 40, 42, 50)
-#: Modules of both series of DIN 780-1, which include those of ISO 54 from 1 mm on [mm].
-MODULES = (
-    *(0.05, 0.055, 0.06, 0.07, 0.08, 0.09, 0.1, 0.11, 0.12, 0.14, 0.16, 0.18, 0.2, 0.22, 0.25),
-    *(0.28, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95),
-    *(1, 1.125, 1.25, 1.375, 1.5, 1.75, 2, 2.25, 2.5, 2.75, 3, 3.5, 4, 4.5, 5, 5.5, 6, 7, 8, 9, 10),
-)
 #: A lead or module closer than this is taken as that of the series [relative].
 _SAME = 1e-3
 
@@ -63,15 +55,13 @@ def _lead(mechanism: Mechanism, index: int) -> Iterator[Margin]:
 
 @margin_source
 def _module(mechanism: Mechanism, index: int) -> Iterator[Margin]:
-    gear = mechanism.stages[index].gear
-    if gear is None or gear.roller_teeth is None:
+    if mechanism.stages[index].gear_module is None:
         return
 
     def module(analysis: Analysis) -> Scalar:
-        stage = analysis.mechanism.stages[index]
-        assert stage.gear is not None
-        assert stage.gear.roller_teeth is not None
-        return 2 * stage.thread.roller_radius / stage.gear.roller_teeth
+        value = analysis.mechanism.stages[index].gear_module
+        assert value is not None
+        return value
 
     def message(r: Reading) -> str:
         value = r.details["module"]

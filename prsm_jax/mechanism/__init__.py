@@ -14,6 +14,16 @@ from ._one_design import (
     of_one_design as of_one_design,
     of_one_known_design as of_one_known_design,
 )
+from ._standard_numbers import (
+    LEADS as LEADS,
+    MODULES as MODULES,
+    SERIES as SERIES,
+    USUAL_MODULES as USUAL_MODULES,
+    numbers_of_series as numbers_of_series,
+    preferred_numbers as preferred_numbers,
+    standard_leads as standard_leads,
+    standard_modules as standard_modules,
+)
 from .derived import (
     body_inertia as body_inertia,
     body_mass as body_mass,
@@ -82,5 +92,6 @@ from .parts import (
     Tolerance as Tolerance,
     UnequalRoller as UnequalRoller,
     Variable as Variable,
+    operating_range as operating_range,
     total_factor as total_factor,
 )

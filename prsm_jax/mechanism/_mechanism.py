@@ -12,6 +12,7 @@ from ..fields import (
     Number,
     Numbers,
     OptionalNumber,
+    Scalar,
     as_count,
     check_stage,
     choice,
@@ -121,6 +122,13 @@ class Stage(Limited):
     def thread_law(self) -> FrictionLaw | None:
         """Law of friction between screw and roller threads, if there is one."""
         return None if self.friction is None else self.friction.thread
+
+    @property
+    def gear_module(self) -> Scalar | None:
+        """Module of the roller's gear, 2 r_R / z_R [m]; `None` without a gear or its teeth."""
+        if self.gear is None or self.gear.roller_teeth is None:
+            return None
+        return 2 * self.thread.roller_radius / self.gear.roller_teeth
 
     @property
     def present_roller_count(self) -> CountOrTraced:

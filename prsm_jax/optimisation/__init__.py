@@ -1,8 +1,9 @@
 """Gradient-based optimisation of a mechanism over named parameters."""
 
+from ..mechanism import operating_range as operating_range
 from ._optimise import optimise as optimise
 from ._pareto import pareto as pareto
-from ._problem import constraints_of as constraints_of, operating_range as operating_range
+from ._problem import constraints_of as constraints_of
 from .front import (
     FrontPoint as FrontPoint,
     ParetoFront as ParetoFront,

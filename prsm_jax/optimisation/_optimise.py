@@ -60,8 +60,9 @@ def optimise(
     - `constraints`: (lower, upper) limits [SI] by quantity, `None` for no limit, one number for an
       equality; or `Constraint` objects. A quantity with components is limited in each.
     - `choices`: values [SI] of which one is chosen, by the name of a parameter, such as
-      `{"roller_count": range(7, 13), "lead": [5e-3, 10e-3]}`: numbers that must be whole, standard
-      modules, preferred numbers. Every combination is searched; listed numbers share a compiled
+      `{"roller_count": range(7, 13), "lead": [5e-3, 10e-3]}`: numbers that must be whole, or those
+      of `standard_modules` (for `gear_module`), `standard_leads` and `preferred_numbers` of
+      `prsm_jax.mechanism`. Every combination is searched; listed numbers share a compiled
       program, and each whole number that shapes the mechanism needs its own.
     - `problem`: supplies the arguments above that are omitted; default that of the mechanism.
     - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
@@ -77,7 +78,8 @@ def optimise(
       its mean; default that of the problem. Margins of `check` stay those of the mean.
     - `method`: `"slsqp"` or `"trust-constr"` (SciPy), or, for bounds only, `"lbfgs"` or `"adam"`
       (optax), or `"multi-start"`: Adam from all starts at once, then SLSQP from the best few.
-      `"auto"`: SLSQP with constraints, L-BFGS without. Default that of the problem. Or an object
+      `"auto"`: SLSQP with constraints, L-BFGS without. Default that of the problem, with its
+      `method_options`. Or an object
       that carries its own options: `Slsqp`, `TrustConstr`, `Lbfgs`, `Adam`, `MultiStart`, `Optax`,
       `Scipy` of `prsm_jax.optimisation`, or a `SearchMethod` of your own.
     - `starts`, `seed`: number of starts, and seed of the Latin hypercube of all but the first.
@@ -128,7 +130,9 @@ def optimise(
         raise ValueError(f"tolerance is {tolerance}; it must be between 0 and 1")
     requested = problem.method if method is None else method
     worst = any(one.over == "worst" for one in problem.objectives)
-    search = search_of(requested, bool(problem.constraints) or worst, max_iterations)
+    # The options of the problem are for its own method.
+    options = problem.method_options if method is None else ()
+    search = search_of(requested, bool(problem.constraints) or worst, max_iterations, options)
 
     evaluator = Evaluator(mechanism, problem, number(speed), number(load), margins=respect_findings)
     report = Reporter(evaluator, problem)
@@ -151,7 +155,7 @@ def optimise(
     searches.run_all(search, _progress(positions, progress is True))
     if bounds_only and requested == "auto" and evaluator.margins.smooth and not searches.converged:
         # A margin may have stopped the search; only a search with constraints can follow it.
-        search = search_of("auto", True, max_iterations)
+        search = search_of("auto", True, max_iterations or dict(options).get("max_iterations"))
         evaluator.guard(False)
         searches.clear()
         searches.run_all(search, positions)

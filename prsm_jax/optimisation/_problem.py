@@ -1,7 +1,6 @@
 """What to optimise: from the mechanism's own design problem, or from arguments."""
 
 import dataclasses
-import itertools
 from collections.abc import Iterable, Mapping
 from typing import Any, Literal, cast
 
@@ -185,30 +184,6 @@ def _phases(mechanism: Mechanism) -> tuple[OperatingCase, ...]:
         )
     columns = (np.asarray(one, float).tolist() for one in (cycle.speed, cycle.load, cycle.duration))
     return tuple(OperatingCase(*row) for row in zip(*columns, strict=True))
-
-
-def operating_range(
-    speeds: tuple[float, float], loads: tuple[float, float], points: int = 3
-) -> tuple[tuple[float, float], ...]:
-    """Operating points on a grid over a range of speeds and loads, its corners included.
-
-    **Arguments:**
-
-    - `speeds`, `loads`: least and largest [rad/s, N]; two equal numbers give one.
-    - `points`: in each direction.
-
-    **Returns:** (speed, load) of each, for `operating_points`.
-
-    **Raises:** `ValueError` for a range in the wrong order, or fewer than two points.
-    """
-    if points < 2:
-        raise ValueError(f"points is {points}; it must be at least 2")
-    axes: list[list[float]] = []
-    for name, (low, high) in (("speeds", speeds), ("loads", loads)):
-        if not low <= high:
-            raise ValueError(f"{name} are ({low}, {high}); give the lower one first")
-        axes.append([low] if low == high else np.linspace(low, high, points).tolist())
-    return tuple(itertools.product(*axes))  # pyright: ignore[reportReturnType]
 
 
 def number(value: float | Scalar | None) -> Scalar | None:

@@ -1,12 +1,12 @@
 """The `[optimise]` table: variables with bounds, objectives, constraints, search effort."""
 
+import math
 from typing import Any
 
 from ..._errors import UnknownNameError
 from ...fields import ANY, POSITIVE, Declared, declared
 from ...mechanism import (
     DUTY_CYCLE,
-    Choice,
     Constraint,
     DesignProblem,
     Mechanism,
@@ -16,6 +16,8 @@ from ...mechanism import (
     find_parameters,
 )
 from ..numbers import Misplaced, Place, read_integer, read_number
+from ._choices_of_optimise import choice_of, read_choices
+from ._operating_points import operating_points_of, read_range
 from ._table import Key, plain, read_choice, read_keys, read_name, read_rows
 
 
@@ -48,6 +50,13 @@ def _rows(keys: dict[str, Key], text: str | None = None) -> Key:
     return Key(lambda v, at: read_rows(v, at, lambda row, p: read_keys(row, p, keys)), text)
 
 
+def _read_method(value: object) -> str:
+    """A word such as `multi-start`; the search knows which there are."""
+    read_name(value.replace("-", "_") if isinstance(value, str) else value)
+    return str(value)
+
+
+_PROBLEM["method"] = Key(plain(_read_method))
 _PROBLEM["nut_speed"] = Key(plain(read_number, "m/s", POSITIVE))
 # The range is checked with the others of the problem.
 _PROBLEM["tolerance_sigmas"] = Key(plain(read_number, "1", POSITIVE))
@@ -55,6 +64,22 @@ _CASE = {one.name: _key(one) for one in declared(OperatingCase)}
 for _name, _unit, _limit in (("speed", "rad/s", ANY), ("load", "N", ANY), ("share", "1", POSITIVE)):
     _CASE[_name] = _CASE[_name]._replace(read=plain(read_number, _unit, _limit))
 _EFFORT = ("starts", "seed", "method", "points", "nut_speed", "tolerance_sigmas")
+
+
+def _options(value: Any, place: Place) -> tuple[tuple[str, float | int], ...]:
+    """Options of the search method, which knows their names."""
+    if not isinstance(value, dict):
+        words = "must be a table of options of the method, such as { max_iterations = 100 }"
+        raise Misplaced((place, words))
+    for name, one in value.items():
+        if not (name.isascii() and name.isidentifier()):
+            raise Misplaced(((*place, name), "must be a name of letters, digits and _"))
+        # A whole number stays one: it may count iterations.
+        if isinstance(one, bool) or not isinstance(one, int | float) or not math.isfinite(one):
+            raise Misplaced(((*place, name), "must be a number without a unit"))
+    return tuple(value.items())
+
+
 _KEYS = {
     **dict.fromkeys(_SENSE.words, _NAME),
     "objective": _rows(_OBJECTIVE),
@@ -62,20 +87,12 @@ _KEYS = {
     "constraint": _rows(_CONSTRAINT),
     "operating_point": _rows(_CASE),
     "operating_points": Key(plain(read_choice, (DUTY_CYCLE,))),
+    "operating_range": Key(read_range),
     # The units of a list depend on its parameter, as those of bounds.
-    "choices": Key(lambda v, at: _lists(v, at)),
+    "choices": Key(read_choices),
+    "method_options": Key(_options),
     **{name: _PROBLEM[name] for name in _EFFORT},
 }
-
-
-def _lists(value: Any, place: Place) -> dict[str, list[Any]]:
-    if not isinstance(value, dict) or not value:
-        words = "must be a table of lists, such as { roller_count = [8, 9, 10] }"
-        raise Misplaced((place, words))
-    for name, one in value.items():
-        if not isinstance(one, list) or not one:
-            raise Misplaced(((*place, name), "must be a list of values"))
-    return value
 
 
 def read_optimise(data: Any, place: Place) -> dict[str, Any]:
@@ -120,31 +137,6 @@ def _variable(
     return Variable(name, **bounds)
 
 
-def _choice(name: str, values: list[Any], mechanism: Mechanism, taken: dict[str, str]) -> Choice:
-    at = ("optimise", "choices", name)
-    try:
-        parameters = find_parameters(mechanism, name)
-    except UnknownNameError as error:
-        raise Misplaced((at, str(error))) from error
-    for parameter in parameters:
-        if parameter.path in taken:
-            raise Misplaced((at, f"moves the same number as {taken[parameter.path]!r}"))
-        taken[parameter.path] = name
-    first, numbers = parameters[0], []
-    for value in values:
-        try:
-            if first.static:
-                numbers.append(float(read_integer(value, first.limit)))
-            else:
-                numbers.append(read_number(value, first.unit, first.limit))
-        except ValueError as error:
-            raise Misplaced((at, str(error))) from error
-    try:
-        return Choice(name, tuple(numbers))
-    except ValueError as error:
-        raise Misplaced((at, str(error))) from error
-
-
 def design_problem(table: dict[str, Any], mechanism: Mechanism) -> DesignProblem:
     """The design problem of an `[optimise]` table.
 
@@ -167,9 +159,12 @@ def design_problem(table: dict[str, Any], mechanism: Mechanism) -> DesignProblem
         except ValueError as error:
             raise Misplaced((("optimise", "constraint", index), str(error))) from error
     rows = table.get("choices", {}).items()
-    choices = tuple(_choice(name, values, mechanism, taken) for name, values in rows)
-    cases = _cases(table, mechanism)
-    effort = {name: table[name] for name in _EFFORT if name in table}
+    choices = tuple(
+        choice_of(name, values, mechanism, taken, ("optimise", "choices", name))
+        for name, values in rows
+    )
+    cases = operating_points_of(table, mechanism)
+    effort = {name: table[name] for name in (*_EFFORT, "method_options") if name in table}
     try:
         return DesignProblem(
             variables,
@@ -182,20 +177,3 @@ def design_problem(table: dict[str, Any], mechanism: Mechanism) -> DesignProblem
     except ValueError as error:
         # Keys have been checked one by one: what is left is the number of standard deviations.
         raise Misplaced((("optimise", "tolerance_sigmas"), str(error))) from error
-
-
-def _cases(table: dict[str, Any], mechanism: Mechanism) -> Any:
-    """The operating points of the table, or the word for those of the duty cycle."""
-    cases = tuple(OperatingCase(**row) for row in table.get("operating_point", ()))
-    word = table.get("operating_points")
-    keys = [key for key in ("operating_point", "operating_points") if table.get(key)]
-    if len(keys) == 2:
-        message = "is given beside [[optimise.operating_point]]; give one of them"
-        raise Misplaced((("optimise", "operating_points"), message))
-    if keys and "nut_speed" in table:
-        message = "both set the speed of the screw; give nut_speed or operating points"
-        raise Misplaced((("optimise", keys[0]), message))
-    if word is not None and mechanism.duty_cycle is None:
-        message = 'is "duty_cycle", and the file has no [[duty_cycle]]; give its phases'
-        raise Misplaced((("optimise", "operating_points"), message))
-    return cases if word is None else word

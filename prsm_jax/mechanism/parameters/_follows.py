@@ -18,6 +18,7 @@ _SETS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "screw_radius": (("roller_radius",), ()),
     "roller_radius_at_fixed_screw_radius": (("roller_radius", "starts"), ("screw_radius",)),
     "starts_at_fixed_pitch": (("starts", "lead"), ("pitch",)),
+    "gear_module": (("roller_radius",), ()),
 }
 #: Derived numbers, and the independent numbers from which they follow.
 _DERIVED: dict[str, tuple[str, ...]] = {
@@ -36,7 +37,7 @@ def _dependencies(stage: Stage) -> dict[str, tuple[str, ...]]:
     own = ("roller_profile_radius",) if has_profile_radius else ("roller_radius", "contact_angle")
     dependencies["roller_profile_radius"] = own
     if stage.gear is not None and stage.gear.roller_teeth is not None:
-        dependencies["gear module"] = ("roller_radius",)
+        dependencies["gear_module"] = ("roller_radius",)
         dependencies["ring gear teeth"] = ("starts",)
     bodies = ("screw", "roller", "nut", "carrier", "ring_gear")
     parts = [(body, getattr(stage, body)) for body in bodies]
@@ -67,7 +68,7 @@ def what_follows(
     path = find_parameters(mechanism, name)[0].path
     head, _, field = path.rpartition(".")
     parts = head.split(".")
-    if field not in _SETS or parts[-1] != "thread":
+    if field not in _SETS or (parts[-1] != "thread" and field != "gear_module"):
         return (), ()
     stage = mechanism.stages[int(parts[1]) - 1]
     fixed = {find_parameters(mechanism, other)[0].path.rpartition(".")[2] for other in frozen}

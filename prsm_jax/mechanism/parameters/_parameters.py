@@ -212,6 +212,31 @@ def _design_parameter(index: int, variable: DesignVariable) -> Parameter:
     )
 
 
+#: Where several numbers are set together: those that a name waits for, to keep its own value.
+SET_AFTER: dict[str, tuple[str, ...]] = {"gear_module": ("roller_teeth",)}
+
+
+def _gear_module(index: int) -> Parameter:
+    """The module of the roller's gear: it sets the roller's radius, and all radii with it."""
+
+    def get(mechanism):
+        return mechanism.stages[index].gear_module
+
+    def set_(mechanism, value):
+        stage = mechanism.stages[index]
+        moved = _with(stage.thread, roller_radius=value * stage.gear.roller_teeth / 2)
+        return eqx.tree_at(lambda m: m.stages[index].thread, mechanism, moved)
+
+    return Parameter(
+        f"stage.{index + 1}.gear_module",
+        "m",
+        "module of the roller's gear at fixed teeth and starts; roller radius m z_R / 2 follows",
+        get,
+        set_,
+        limit=OF_A_THREAD,
+    )
+
+
 def _numbers_and_words(mechanism: Mechanism) -> Iterator[Parameter]:
     parts = [
         (f"stage.{index + 1}", _stage_at(index), stage)
@@ -224,6 +249,8 @@ def _numbers_and_words(mechanism: Mechanism) -> Iterator[Parameter]:
         of_stage = index < len(mechanism.stages)
         variables = [_design_parameter(index, v) for v in DESIGN_VARIABLES] if of_stage else []
         yield from variables
+        if of_stage and part.gear_module is not None:
+            yield _gear_module(index)
         names = {variable.path for variable in variables}
         for path, one in _walk(part):
             dotted = ".".join((name, *path))

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import ArrayLike
 
 from .._mechanism import Mechanism
-from ._parameters import check_parameter, check_stages, find_parameters, set_parameter
+from ._parameters import SET_AFTER, check_parameter, check_stages, find_parameters, set_parameter
 
 #: Setting one number may change another by rounding; a larger change is a conflict.
 _ROUNDING = 1e-6
@@ -19,6 +19,8 @@ def set_parameters(
 ) -> Mechanism:
     """A mechanism with several named numbers set [SI], one after the other.
 
+    `gear_module` is set after `roller_teeth`, whichever is named first.
+
     **Arguments:**
 
     - `mechanism`: the mechanism.
@@ -28,13 +30,21 @@ def set_parameters(
 
     **Raises:** `UnknownNameError` as in `find_parameters`; `ValueError` for a refused number.
     """
-    for name, value in values.items():
+    for name in _in_order(values):
+        value = values[name]
         if checked:
             check_parameter(mechanism, name, value)
         mechanism = set_parameter(mechanism, name, value, checked=False)
     if checked:
         check_stages(mechanism)
     return mechanism
+
+
+def _in_order(names: Iterable[str]) -> list[str]:
+    """The names in their order, but each after those on which its meaning depends."""
+    fields = {name: name.rpartition(".")[2] for name in names}
+    given = set(fields.values())
+    return sorted(fields, key=lambda name: not given.isdisjoint(SET_AFTER.get(fields[name], ())))
 
 
 def check_independent(mechanism: Mechanism, names: Iterable[str]) -> None:

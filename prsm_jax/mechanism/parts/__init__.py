@@ -27,6 +27,7 @@ from ._design_problem import (
     Objective as Objective,
     OperatingCase as OperatingCase,
     Variable as Variable,
+    operating_range as operating_range,
 )
 from ._line_contact import LineContact as LineContact
 from ._load_sharing import (

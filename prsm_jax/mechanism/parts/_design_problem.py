@@ -1,8 +1,11 @@
 """Definition of an optimisation: variables, objective and constraints, as static data."""
 
+import itertools
 import math
 from dataclasses import dataclass
 from typing import Literal
+
+import numpy as np
 
 from ...fields import Limit, check_fields, choice
 
@@ -120,7 +123,8 @@ class DesignProblem:
     the mean over them by their shares, or the worst of them, and each constraint holds at every
     one; `"duty_cycle"` stands for the phases of the mechanism's duty cycle, with their durations as
     shares. With `tolerance_sigmas` each objective and each limit is taken so many standard
-    deviations to the worse side of the mean.
+    deviations to the worse side of the mean. `method_options` are fields of the object for which
+    `method` stands, as pairs of name and value; the method refuses those that it does not take.
     """
 
     variables: tuple[Variable, ...]
@@ -136,6 +140,7 @@ class DesignProblem:
     tolerance_sigmas: float | None = choice(
         "standard deviations by which tolerances worsen objectives and limits", default=None
     )
+    method_options: tuple[tuple[str, float | int], ...] = ()
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -150,8 +155,35 @@ class DesignProblem:
             raise ValueError(
                 f"tolerance_sigmas is {self.tolerance_sigmas}; it must be {_SIGMAS.allowed}"
             )
+        names = [name for name, _ in self.method_options]
+        if len(set(names)) < len(names):
+            raise ValueError(f"method_options are {', '.join(names)}; give each one once")
         if self.nut_speed is not None and self.operating_points:
             raise ValueError(
                 "nut_speed and operating_points are both given, and both set the speed of the "
                 "screw; give one"
             )
+
+
+def operating_range(
+    speeds: tuple[float, float], loads: tuple[float, float], points: int = 3
+) -> tuple[tuple[float, float], ...]:
+    """Operating points on a grid over a range of speeds and loads, its corners included.
+
+    **Arguments:**
+
+    - `speeds`, `loads`: least and largest [rad/s, N]; two equal numbers give one.
+    - `points`: in each direction.
+
+    **Returns:** (speed, load) of each, for `operating_points`.
+
+    **Raises:** `ValueError` for a range in the wrong order, or fewer than two points.
+    """
+    if points < 2:
+        raise ValueError(f"points is {points}; it must be at least 2")
+    axes: list[list[float]] = []
+    for name, (low, high) in (("speeds", speeds), ("loads", loads)):
+        if not low <= high:
+            raise ValueError(f"{name} are ({low}, {high}); give the lower one first")
+        axes.append([low] if low == high else np.linspace(low, high, points).tolist())
+    return tuple(itertools.product(*axes))  # pyright: ignore[reportReturnType]

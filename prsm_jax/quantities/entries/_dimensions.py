@@ -2,6 +2,7 @@
 
 import jax.numpy as jnp
 
+from ..._errors import MissingDataError
 from ...geometry import roller_clearance as stage_roller_clearance
 from ...mechanism import nut_outer_radius, nut_unit_mass as stage_nut_unit_mass, stage_mass
 from .._analysis import Analysis
@@ -49,6 +50,14 @@ for _name, _symbol, _unit, _description in (
     ("roller_helix_angle", "β_R", "rad", "helix angle of roller and nut"),
 ):
     quantity(_name, _symbol, _unit, _description, ("stage",))(_of_thread(_name))
+
+
+@quantity("gear_module", "m_R", "m", "module of the roller's gear, 2 r_R / z_R", ("stage",))
+def gear_module(analysis: Analysis):
+    modules = [stage.gear_module for stage in analysis.mechanism.stages]
+    if any(module is None for module in modules):
+        raise MissingDataError("a stage has no gear teeth; give roller_teeth in [stage.gear]")
+    return jnp.stack([module for module in modules if module is not None])
 
 
 @quantity("screw_contact_radius", "r_sR", "m", "radius of the screw at its contact", ("stage",))
