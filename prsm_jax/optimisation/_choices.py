@@ -113,8 +113,12 @@ def _check(mechanism: Mechanism, problem: DesignProblem) -> None:
                         f"choice {one.name!r} is {value:g}; it must be a whole number: round it or "
                         "leave it out"
                     )
-    names = [*(one.name for one in problem.choices), *(one.name for one in problem.variables)]
-    check_independent(mechanism, names)
+    # The search sets its variables in a mechanism whose choices are made.
+    check_independent(
+        mechanism,
+        [one.name for one in problem.choices],
+        [one.name for one in problem.variables],
+    )
 
 
 def _whole(mechanism: Mechanism, name: str, value: float) -> float | int:

@@ -12,9 +12,11 @@ import scipy.optimize
 from extensions import extension
 
 import prsm_jax as prsm
+from prsm_jax.mechanism import DesignProblem, Objective, Variable
 from prsm_jax.optimisation import (
     Adam,
     Lbfgs,
+    MultiStart,
     Optax,
     Scipy,
     SearchMethod,
@@ -86,6 +88,43 @@ def test_a_word_stands_for_an_object(hollow, word, method, options, limit):
     of_object = optimise(scenes.mechanism(), BOX, method=method(**options), **arguments)
     assert of_word.to_dict() == of_object.to_dict()
     assert of_object.method == word
+
+
+def test_options_by_name_are_the_fields_of_the_object():
+    """Values of a file: a whole number is a real one where the field is."""
+    for word, options, made in (
+        ("slsqp", {"restarts": 0}, Slsqp(restarts=0)),
+        ("auto", {"memory_size": 4}, Lbfgs(memory_size=4)),
+        ("adam", {"learning_rate": 1, "max_iterations": 7}, Adam(1.0, 7)),
+        ("trust-constr", {}, TrustConstr()),
+        (
+            "multi-start",
+            {"steps": 300, "keep": 4, "restarts": 1},
+            MultiStart(300, keep=4, finish=Slsqp(restarts=1)),
+        ),
+    ):
+        assert search_of(word, False, None, options.items()) == made
+    assert search_of("slsqp", True, 5, [("max_iterations", 9)]) == Slsqp(max_iterations=5)
+
+
+def test_the_problem_carries_the_options_of_its_method(hollow):
+    """Three steps of Adam; another method does not get them."""
+    problem = DesignProblem(
+        tuple(Variable(name, *bounds) for name, bounds in BOX.items()),
+        (Objective("hollow"),),
+        method="adam",
+        method_options=(("max_iterations", 3),),
+    )
+    best = optimise(scenes.mechanism(), problem=problem)
+    same = optimise(scenes.mechanism(), BOX, minimise="hollow", method=Adam(max_iterations=3))
+    assert [run.iterations for run in best.runs] == [3]
+    assert best.optimum.variables == same.optimum.variables
+    wrong = replace(problem, method_options=(("steps", 3),))
+    with pytest.raises(ValueError, match="'adam' takes learning_rate, max_iterations, but not st"):
+        optimise(scenes.mechanism(), problem=wrong)
+    assert optimise(scenes.mechanism(), problem=wrong, method=Adam(max_iterations=3)) is not None
+    with pytest.raises(ValueError, match="method_options are steps, steps; give each one once"):
+        replace(problem, method_options=(("steps", 3), ("steps", 4)))
 
 
 def test_whole_numbers_by_an_object(own_quantities):
@@ -408,6 +447,19 @@ def test_a_design_with_an_error_of_check_fails_for_a_search_without_constraints(
         (lambda: Adam(learning_rate=np.nan), "learning_rate is nan"),
         (lambda: Optax("adam"), "transformation is 'adam'; give one of optax, such as optax.adam"),
         (lambda: Optax(optax.lbfgs()), r"value_fn.*optax\.lbfgs\(linesearch=None\)"),
+        (
+            lambda: search_of("slsqp", True, None, (("steps", 3),)),
+            "method 'slsqp' takes restarts, max_iterations, but not steps; leave it out",
+        ),
+        (
+            lambda: search_of("multi-start", True, None, (("finish", 3),)),
+            "'multi-start' takes steps, learning_rate, keep, restarts, max_iterations, but not fin",
+        ),
+        (
+            lambda: search_of("auto", False, None, (("restarts", 3),)),
+            "method 'lbfgs' takes memory_size, max_iterations, but not restarts",
+        ),
+        (lambda: search_of("adam", False, None, (("max_iterations", 2.5),)), "a whole number"),
         (lambda: search_of("optax", False), "choose one of auto, adam, lbfgs, slsqp, trust-constr"),
         (lambda: search_of(Slsqp, False), "give an object such as prsm_jax.optimisation.Slsqp"),  # pyright: ignore[reportArgumentType]
         (lambda: search_of("adam", True), "'adam' accepts bounds only; .* slsqp or trust-constr"),

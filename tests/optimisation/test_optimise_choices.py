@@ -7,7 +7,14 @@ import pytest
 import scenes
 
 from prsm_jax import file
-from prsm_jax.mechanism import Choice, DesignProblem, Objective, Variable
+from prsm_jax.mechanism import (
+    Choice,
+    DesignProblem,
+    Gear,
+    Objective,
+    Variable,
+    standard_modules,
+)
 from prsm_jax.optimisation import optimise, pareto
 
 ANGLE = {"contact_angle": (0.3, 1.3)}
@@ -169,6 +176,50 @@ def test_the_file_has_choices(tmp_path):
 def test_errors_name_the_thing(unchecked, valley, choices, words):
     with pytest.raises(ValueError, match=words):
         optimise(scenes.mechanism(), ANGLE, minimise="stepped_valley", choices=choices)
+
+
+@pytest.fixture
+def geared(own_quantities):
+    """A mechanism of a gear, and (r_R / mm − 4.3)² + (y − r_R / (5 mm))² of its contact angle y."""
+
+    def function(analysis):
+        thread = analysis.mechanism.stages[0].thread
+        radius = thread.roller_radius * 1e3
+        return (radius - 4.3) ** 2 + (thread.contact_angle - radius / 5) ** 2
+
+    own_quantities("roller_of_4_3", function)
+    return scenes.mechanism(scenes.stage(gear=Gear(np.radians(20), roller_teeth=16.0)))
+
+
+def test_standard_modules_with_numbers_of_teeth(geared):
+    """r_R = m z_R / 2: of 4 pairs 0.45 mm with 19 teeth is nearest to 4.3 mm, at 4.275 mm."""
+    best = optimise(
+        geared,
+        ANGLE,
+        minimise="roller_of_4_3",
+        choices={"gear_module": standard_modules(0.45e-3, 0.5e-3), "roller_teeth": [17, 19]},
+        respect_findings=False,
+    )
+    assert best.converged, str(best)
+    assert len(best.choices) == 4
+    for one in best.choices:
+        radius = one.choices["gear_module"] * 1e3 * one.choices["roller_teeth"] / 2
+        assert one.objective == pytest.approx((radius - 4.3) ** 2, abs=1e-9)
+    (stage,) = best.mechanism.stages
+    assert stage.gear is not None
+    assert stage.gear.roller_teeth == 19
+    assert stage.gear_module == pytest.approx(0.45e-3, rel=1e-15)
+    assert stage.thread.roller_radius == pytest.approx(4.275e-3, rel=1e-15)
+
+
+def test_a_module_is_no_choice_where_the_teeth_vary(geared):
+    with pytest.raises(ValueError, match="'gear_module' moves again when 'roller_teeth' is set"):
+        optimise(
+            geared,
+            {"roller_teeth": (16.0, 20.0)},
+            minimise="roller_of_4_3",
+            choices={"gear_module": [0.4e-3, 0.5e-3]},
+        )
 
 
 def test_a_front_refuses_open_choices(valley):

@@ -200,7 +200,7 @@ def test_what_follows_is_what_moves(given):
         found["roller_profile_radius"] = found.pop("profile_radius")
         return found
 
-    fields = [*numbers[:4], *(v.name for v in prsm.mechanism.DESIGN_VARIABLES)]
+    fields = [*numbers[:4], *(v.name for v in prsm.mechanism.DESIGN_VARIABLES), "gear_module"]
     for name in fields:
         value = prsm.get_parameter(one, name)
         _, slopes = jax.jvp(

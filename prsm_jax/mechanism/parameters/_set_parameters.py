@@ -47,20 +47,22 @@ def _in_order(names: Iterable[str]) -> list[str]:
     return sorted(fields, key=lambda name: not given.isdisjoint(SET_AFTER.get(fields[name], ())))
 
 
-def check_independent(mechanism: Mechanism, names: Iterable[str]) -> None:
+def check_independent(mechanism: Mechanism, *groups: Iterable[str]) -> None:
     """Check that parameters can be set together, each to its own value.
 
     **Arguments:**
 
     - `mechanism`: the mechanism, with concrete numbers.
-    - `names`: names of parameters; static ones (`roller_count`) may be among them.
+    - `groups`: names of parameters that are set together; static ones (`roller_count`) may be
+      among them. Those of a further group are set after the first.
 
     **Raises:** `UnknownNameError` as in `find_parameters`; `ValueError` if two of them are the same
     number, or if setting a later one moves an earlier one (`pitch` before `starts`).
     """
     owner: dict[str, str] = {}
     probes: dict[str, float] = {}
-    for index, name in enumerate(names):
+    listed = [list(names) for names in groups]
+    for index, name in enumerate(name for names in listed for name in names):
         if name in probes:
             raise ValueError(f"parameter {name!r} is given twice; remove one")
         parameters = find_parameters(mechanism, name)
@@ -76,7 +78,9 @@ def check_independent(mechanism: Mechanism, names: Iterable[str]) -> None:
             probes[name] = current + 1
         else:
             probes[name] = current * (1 + _PROBE * (index + 1)) if current else _PROBE
-    moved = set_parameters(mechanism, probes, checked=False)
+    moved = mechanism
+    for names in listed:
+        moved = set_parameters(moved, {name: probes[name] for name in names}, checked=False)
     for name, value in probes.items():
         for parameter in find_parameters(moved, name):
             # False for NaN: a probe may be infeasible, which is not a conflict.
