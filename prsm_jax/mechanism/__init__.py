@@ -50,8 +50,10 @@ from .parameters import (
     get_parameter as get_parameter,
     set_parameter as set_parameter,
     set_parameters as set_parameters,
+    stages_of_count as stages_of_count,
     tolerance_zones as tolerance_zones,
     what_follows as what_follows,
+    with_traced_counts as with_traced_counts,
 )
 from .parts import (
     DISTRIBUTIONS as DISTRIBUTIONS,

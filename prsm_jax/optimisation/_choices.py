@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from ..fields import FEWEST_TRACED
 from ..mechanism import (
     Choice,
     DesignProblem,
@@ -13,6 +14,7 @@ from ..mechanism import (
     check_independent,
     find_parameters,
     set_parameters,
+    stages_of_count,
 )
 from .results import Optimum, Trial
 
@@ -42,7 +44,7 @@ def choices_of(choices: Mapping[str, Any]) -> tuple[Choice, ...]:
 def best_of_choices(
     mechanism: Mechanism,
     problem: DesignProblem,
-    search: Callable[[Mechanism, DesignProblem], Optimum],
+    search: Callable[[Mechanism, DesignProblem, dict[str, float]], Optimum],
 ) -> Optimum:
     """The best optimum of all combinations of choices, with every combination tried.
 
@@ -50,7 +52,8 @@ def best_of_choices(
 
     - `mechanism`: the mechanism.
     - `problem`: the design problem with its choices.
-    - `search`: optimises a mechanism of fixed choices.
+    - `search`: optimises a mechanism of fixed choices; its last argument is the number of rollers
+      by name, where a program can take it as a number and so be shared by several choices.
 
     **Raises:** `ValueError` for a choice that is a variable too, or too many combinations, or if no
     combination can be built.
@@ -58,6 +61,7 @@ def best_of_choices(
     _check(mechanism, problem)
     names = [one.name for one in problem.choices]
     inner = dataclasses.replace(problem, choices=())
+    counts = _shared_counts(mechanism, problem)
     outcomes: list[tuple[dict[str, float], Optimum | None, str]] = []
     for values in itertools.product(*(one.values for one in problem.choices)):
         chosen = dict(zip(names, values, strict=True))
@@ -67,7 +71,8 @@ def best_of_choices(
         except ValueError as error:
             outcomes.append((chosen, None, str(error)))
         else:
-            outcomes.append((chosen, search(moved, inner), ""))
+            shared = {n: v for n, v in chosen.items() if n in counts and v >= FEWEST_TRACED}
+            outcomes.append((chosen, search(moved, inner, shared), ""))
     maximised = all(one.sense == "maximise" for one in problem.objectives)
     sign = -1.0 if maximised else 1.0
 
@@ -96,6 +101,16 @@ def best_of_choices(
         evaluations=sum(one.evaluations for one in tried),
         derivative_evaluations=sum(one.derivative_evaluations for one in tried),
     )
+
+
+def _shared_counts(mechanism: Mechanism, problem: DesignProblem) -> set[str]:
+    """Choices among several numbers of rollers that one program can take as numbers."""
+    return {
+        one.name
+        for one in problem.choices
+        if sum(value >= FEWEST_TRACED for value in one.values) > 1
+        and stages_of_count(mechanism, one.name)
+    }
 
 
 def _check(mechanism: Mechanism, problem: DesignProblem) -> None:

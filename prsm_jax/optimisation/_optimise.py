@@ -63,7 +63,8 @@ def optimise(
       `{"roller_count": range(7, 13), "lead": [5e-3, 10e-3]}`: numbers that must be whole, or those
       of `standard_modules` (for `gear_module`), `standard_leads` and `preferred_numbers` of
       `prsm_jax.mechanism`. Every combination is searched; listed numbers share a compiled
-      program, and each whole number that shapes the mechanism needs its own.
+      program, and so do numbers of rollers from 4 on; other whole numbers that shape the
+      mechanism need their own.
     - `problem`: supplies the arguments above that are omitted; default that of the mechanism.
     - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
     - `nut_speed`: axial speed of the last nut [m/s] in place of the screw speed, which then follows
@@ -104,24 +105,44 @@ def optimise(
     problem = robust(mechanism, problem, operating_points, worst_case, tolerance_sigmas)
     if choices is not None:
         problem = dataclasses.replace(problem, choices=choices_of(choices))
+
+    def search_one(moved: Mechanism, inner: DesignProblem, counts: dict[str, float]) -> Optimum:
+        return _of_fixed_choices(
+            moved,
+            inner,
+            counts,
+            speed=number(speed),
+            load=number(load),
+            method=method,
+            starts=starts,
+            seed=seed,
+            tolerance=tolerance,
+            max_iterations=max_iterations,
+            progress=progress,
+            respect_findings=respect_findings,
+        )
+
     if problem.choices:
-
-        def search_one(moved: Mechanism, inner: DesignProblem) -> Optimum:
-            return optimise(
-                moved,
-                problem=inner,
-                speed=speed,
-                load=load,
-                method=method,
-                starts=starts,
-                seed=seed,
-                tolerance=tolerance,
-                max_iterations=max_iterations,
-                progress=progress,
-                respect_findings=respect_findings,
-            )
-
         return best_of_choices(mechanism, problem, search_one)
+    return search_one(mechanism, problem, {})
+
+
+def _of_fixed_choices(
+    mechanism: Mechanism,
+    problem: DesignProblem,
+    counts: dict[str, float],
+    *,
+    speed: Scalar | None,
+    load: Scalar | None,
+    method: SearchMethod | str | None,
+    starts: int | None,
+    seed: int | None,
+    tolerance: float,
+    max_iterations: int | None,
+    progress: bool | Callable[[int, int, int], None],
+    respect_findings: bool,
+) -> Optimum:
+    """`optimise` without choices; `counts` as for `Evaluator`."""
     present = present_design(mechanism, problem.variables)
     count = problem.starts if starts is None else starts
     if count < 1:
@@ -134,7 +155,7 @@ def optimise(
     options = problem.method_options if method is None else ()
     search = search_of(requested, bool(problem.constraints) or worst, max_iterations, options)
 
-    evaluator = Evaluator(mechanism, problem, number(speed), number(load), margins=respect_findings)
+    evaluator = _evaluator(mechanism, problem, counts, speed, load, respect_findings)
     report = Reporter(evaluator, problem)
     initial = (present - evaluator.lower) / evaluator.width
     seed = problem.seed if seed is None else seed
@@ -177,6 +198,29 @@ def optimise(
         conditions,
         tolerance,
     )
+
+
+def _evaluator(
+    mechanism: Mechanism,
+    problem: DesignProblem,
+    counts: dict[str, float],
+    speed: Scalar | None,
+    load: Scalar | None,
+    margins: bool,
+) -> Evaluator:
+    """With a program that takes `counts` as numbers, if there is one."""
+    if counts:
+        try:
+            shared = Evaluator(mechanism, problem, speed, load, margins=margins, counts=counts)
+            if not shared.evaluations:
+                # The first call makes the program.
+                shared.point(np.full(shared.variables, 0.5))
+        except (TypeError, ValueError):
+            # A quantity that needs the number itself has a program for each.
+            pass
+        else:
+            return shared
+    return Evaluator(mechanism, problem, speed, load, margins=margins)
 
 
 def _progress(positions: list[np.ndarray], progress: bool):

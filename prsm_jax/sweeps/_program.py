@@ -1,7 +1,6 @@
 """The compiled part of a sweep: one block of designs, all at once."""
 
 import functools
-from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -11,7 +10,7 @@ from jaxtyping import Array, Float, Int
 
 from ..fields import Scalar
 from ..findings import first_error, margins_of, shared_loads
-from ..mechanism import Mechanism, find_parameters, set_parameters
+from ..mechanism import Mechanism, find_parameters, set_parameters, with_traced_counts
 from ..quantities import Analysis, evaluate_coded
 
 
@@ -98,34 +97,10 @@ def evaluate_chunk(
     def design(values: dict[str, Scalar]) -> BlockResults:
         whole = {n: v for n, v in values.items() if find_parameters(mechanism, n)[0].static}
         numbers = {n: v for n, v in values.items() if n not in whole}
-        counted = _with_traced_counts(mechanism, whole)
+        counted = with_traced_counts(mechanism, whole)
         return _evaluate(set_parameters(counted, numbers), point, question)
 
     return jax.vmap(design, axis_size=question.size)(columns)
-
-
-def _with_traced_counts(mechanism: Mechanism, counts: Mapping[str, Scalar]) -> Mechanism:
-    """The mechanism with traced numbers in place of numbers of rollers."""
-    for name, value in counts.items():
-        for index in stages_of_count(mechanism, name):
-            where = _count_of_stage(index)
-            mechanism = eqx.tree_at(where, mechanism, value)
-    return mechanism
-
-
-def _count_of_stage(index: int) -> Callable[[Mechanism], Any]:
-    return lambda mechanism: mechanism.stages[index].roller_count
-
-
-def stages_of_count(mechanism: Mechanism, name: str) -> tuple[int, ...]:
-    """Stages, from 0, whose number of rollers this name sets, if a trace may hold it as a number.
-
-    Empty for other whole numbers, and where rollers differ: each of them has its own equations.
-    """
-    paths = {f"stage.{i + 1}.roller_count": i for i in range(len(mechanism.stages))}
-    found = [paths.get(parameter.path) for parameter in find_parameters(mechanism, name)]
-    known = tuple(i for i in found if i is not None and not mechanism.stages[i].unequal_roller)
-    return known if len(known) == len(found) else ()
 
 
 def _evaluate(mechanism: Mechanism, point: dict[str, Any], question: Question) -> BlockResults:

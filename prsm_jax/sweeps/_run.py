@@ -17,7 +17,7 @@ import numpy as np
 
 from .._errors import MissingDataError
 from ..findings import sources
-from ..mechanism import Mechanism
+from ..mechanism import Mechanism, stages_of_count
 from ._labels import Variable, arrays_of, variables_of
 from ._plan import Blocks, Plan, fixed_counts, with_static
 from ._program import (
@@ -25,7 +25,6 @@ from ._program import (
     Question,
     block_shapes,
     evaluate_block,
-    stages_of_count,
 )
 from ._sizes import equal_parts
 from ._store import opened

@@ -16,6 +16,7 @@ from prsm_jax.mechanism import (
     standard_modules,
 )
 from prsm_jax.optimisation import optimise, pareto
+from prsm_jax.optimisation.search import _outputs
 
 ANGLE = {"contact_angle": (0.3, 1.3)}
 
@@ -230,3 +231,47 @@ def test_a_front_refuses_open_choices(valley):
     )
     with pytest.raises(ValueError, match="leaves lead open"):
         pareto(scenes.mechanism(), problem=problem)
+
+
+def test_numbers_of_rollers_share_a_program(valley, monkeypatch):
+    """As many traces for five numbers of rollers as for two, and the results of one by one."""
+    traced = []
+    whole = _outputs.outputs_at
+
+    def counted(inputs, position):
+        traced.append(inputs[0].stages[0].roller_count)
+        return whole(inputs, position)
+
+    monkeypatch.setattr(_outputs, "outputs_at", counted)
+    arguments = {"minimise": "stepped_valley", "constraints": {"lead_in_mm": (None, 20.0)}}
+    counts = [3, 6, 7, 9, 12]
+    best = optimise(scenes.mechanism(), ANGLE, choices={"roller_count": counts}, **arguments)
+    # Values and derivatives of a traced number once, of three rollers once.
+    assert [isinstance(one, int) for one in traced] == [True, True, False, False]
+    for count, one in zip(counts, best.choices, strict=True):
+        assert one.choices == {"roller_count": count}
+        assert one.objective == pytest.approx(1.8**2 + (count - 8) ** 2 / 4, abs=1e-8)
+    alone = optimise(scenes.mechanism(scenes.stage(9)), ANGLE, **arguments)
+    assert best.optimum.variables == pytest.approx(alone.optimum.variables, rel=1e-9)
+    assert best.mechanism.stages[0].roller_count == 7
+    assert isinstance(best.mechanism.stages[0].roller_count, int)
+
+
+def test_a_quantity_that_needs_the_number_itself(own_quantities):
+    """A sum over range(N) has no program for a traced number: each number has its own."""
+
+    def function(analysis):
+        _, y, count = _numbers(analysis)
+        return sum((y - 0.1 * k) ** 2 for k in range(count))
+
+    own_quantities("sum_over_rollers", function)
+    best = optimise(
+        scenes.mechanism(),
+        ANGLE,
+        minimise="sum_over_rollers",
+        choices={"roller_count": [9, 11]},
+        respect_findings=False,
+    )
+    # The mean of 0 to 0.8 and of 0 to 1.0.
+    for one, mean in zip(best.choices, (0.4, 0.5), strict=True):
+        assert one.variables == {"contact_angle": pytest.approx(mean, abs=1e-6)}

@@ -24,3 +24,7 @@ from ._tolerance_zones import (
     ToleranceZones as ToleranceZones,
     tolerance_zones as tolerance_zones,
 )
+from ._traced_counts import (
+    stages_of_count as stages_of_count,
+    with_traced_counts as with_traced_counts,
+)

@@ -1,5 +1,6 @@
 """The design problem as guarded functions of a point in the unit box, with a cache."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import equinox as eqx
@@ -8,7 +9,7 @@ import numpy as np
 
 from ...fields import Scalar
 from ...findings import sources
-from ...mechanism import DesignProblem, Mechanism, set_parameters
+from ...mechanism import DesignProblem, Mechanism, set_parameters, with_traced_counts
 from ...quantities import compute
 from ._margin_rows import WHOLE_SCALE, MarginRows, known_margins, probe_positions, sorted_margins
 from ._outputs import compiled_derivatives, compiled_values, scatter_of
@@ -30,7 +31,8 @@ class Evaluator:
 
     Cost and constraints come from one compiled function and their derivatives from another; the
     mechanism and the bounds are arguments of both, so that another problem with the same names
-    does not compile again. `cost` and `constraint_values` are in units of `cost_scale` and
+    does not compile again; numbers of rollers in `counts` are numbers of the program, not part of
+    it. `cost` and `constraint_values` are in units of `cost_scale` and
     `row_scale`, typical magnitudes found at the first good design.
     """
 
@@ -42,6 +44,7 @@ class Evaluator:
         load: Scalar | None,
         *,
         margins: bool = True,
+        counts: Mapping[str, float | int] | None = None,
     ):
         names = tuple(variable.name for variable in problem.variables)
         terms = (*problem.objectives, *problem.constraints)
@@ -59,8 +62,9 @@ class Evaluator:
             )
         speeds = jnp.asarray([float(one.speed) for one in cases])
         loads = jnp.asarray([float(one.load) for one in cases])
+        numbers = {name: jnp.asarray(float(count)) for name, count in (counts or {}).items()}
         self._given = (
-            mechanism,
+            with_traced_counts(mechanism, numbers),
             names,
             self.quantities,
             # Other sources of margins need another program.
