@@ -176,7 +176,9 @@ def _of_fixed_choices(
     searches.run_all(search, _progress(positions, progress is True))
     if bounds_only and requested == "auto" and evaluator.margins.smooth and not searches.converged:
         # A margin may have stopped the search; only a search with constraints can follow it.
-        search = search_of("auto", True, max_iterations or dict(options).get("max_iterations"))
+        # SLSQP does not take other options of L-BFGS.
+        both = [one for one in options if one[0] == "max_iterations"]
+        search = search_of("auto", True, max_iterations, both)
         evaluator.guard(False)
         searches.clear()
         searches.run_all(search, positions)

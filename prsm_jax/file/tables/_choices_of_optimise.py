@@ -54,8 +54,10 @@ def choice_of(
         if parameter.path in taken:
             raise Misplaced((place, f"moves the same number as {taken[parameter.path]!r}"))
         taken[parameter.path] = name
-    read = _of_series if isinstance(values, dict) else _listed
-    numbers = read(values, parameters[0], place)
+    if isinstance(values, list):
+        numbers = _listed(values, parameters[0], place)
+    else:
+        numbers = _of_series(values, parameters[0], place)
     try:
         return Choice(name, numbers)
     except ValueError as error:
