@@ -50,7 +50,7 @@ def sensitivity(
         str | None, Parameter(help="Names of numbers in the file, separated by commas.")
     ] = None,
     second: Annotated[
-        bool, Parameter(negative="", help="Second derivatives, too; minutes to compile.")
+        bool, Parameter(negative="", help="Also second derivatives; they compile for minutes.")
     ] = False,
     common: Common = _DEFAULT,
 ) -> int:
@@ -86,10 +86,10 @@ def optimise(
     ] = False,
     common: Common = _DEFAULT,
 ) -> int:
-    """Improve the design as the file's [optimise] table says; writes the optimised file.
+    """Improve the design by the file's [optimise] table, and write the optimised file.
 
     Errors of `prsm check` are constraints, too. The optimised mechanism is written to the
-    folder of --out (default out/optimise), unless it breaks a constraint; exit status 1 if no
+    folder of --out (default out/optimise), unless it violates a constraint. Exit status 1 if no
     design satisfies the constraints and the optimality conditions.
     """
     common.check_targets("out/optimise")
