@@ -84,7 +84,7 @@ def _starts(document: dict[str, Any]) -> Iterator[str]:
     heads = ("starts", "objective", "values", "derivatives", "searches", "run time", "first call")
     yield from table_of(heads, rows)
     yield (
-        f"\n\"At once\" is {document['speed_ratio']:.3g} times as fast (median of runs in turn); "
+        f'\n"At once" is {document["speed_ratio"]:.3g} times as fast (median of runs in turn); '
         "the relative difference of the objectives is "
         f"{document['difference']:.0e}.\n"
     )

@@ -127,8 +127,9 @@ class FrontSearch:
         values, (lower, upper) = evaluator.constraint_values(nearest), evaluator.scaled_limits
         broken = np.maximum(lower - values, values - upper) > self.tolerance
         names = [name for name, out in zip(evaluator.rows.names, broken, strict=True) if out]
-        listed = ", ".join(names)
-        return f"no feasible design found; the design of least violation violates {listed}"
+        return (
+            f"no feasible design found; the design of least violation violates {', '.join(names)}"
+        )
 
     def _scale_from(self, position: np.ndarray) -> None:
         """Typical magnitudes of the objectives, until their ranges are known."""
