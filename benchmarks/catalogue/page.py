@@ -242,16 +242,16 @@ than a millionth. The independent evaluation builds each result by `catalogue_me
 fixed number of rollers and calls `prsm.compute` and `prsm.check`; its difference is relative. The
 KKT residual is the largest component of the gradient of the Lagrangian by t and by the variables
 over their ranges, with the multipliers of active limits and bounds, none of them negative. The
-lines with κ solve the problem again with another upper bound. Ratios are to the size's own design;
+lines with κ are results with another upper bound of κ. Ratios are to the size's own design;
 buckling load and pressure are not limited."""
 _LIES = """\
-The efficiency of a driving screw is largest a little above a contact angle of 45°, that under a
-driving load a little below (46.8° and 43.4° at 30 x 5 mm): the normal force is proportional to
-1/sin λ, and the sliding grows with 1/cos λ. Any other angle than 45° lowers one of them, so without
-any loss of efficiency the angle stays there, and the gain comes from a flatter profile and from
-more starts. If the efficiencies may fall by half of the last digit that the catalogue prints, the
-angle rises until that limit is reached. One start more makes rollers smaller and more numerous, the
-pitch finer and the nut narrower.
+At 30 x 5 mm, the efficiency of a driving screw is largest at a contact angle of 46.8°, the
+efficiency under a driving load at 43.4°: the normal force is proportional to 1/sin λ, and the
+sliding grows with 1/cos λ. Any angle other than 45° lowers one of the two. Without any loss of
+efficiency the angle therefore stays at 45°, and the gain comes from a flatter profile and from more
+starts. If the efficiencies may fall by half of the last digit that the catalogue prints, the angle
+rises until that limit is reached. One start more makes rollers smaller and more numerous, the pitch
+finer and the nut narrower.
 
 An active limit of `dynamic_capacity`, `axial_stiffness` or `nut_unit_mass` means that this gain is
 the smallest one. Where κ is at its upper bound, the gain depends on that bound."""
@@ -261,8 +261,8 @@ variables, with whole numbers of starts and rollers, the same bounds, limits and
 and evaluates a generation as one batch. It gets {times:g} times as many designs per size as the
 batch on average, where each derivative by a variable counts as a design. The size's own design is
 in its first generation. Its best run counts. In another run it has three objectives, the three
-gains; there the design with the largest t of all that it evaluated counts. Results are equal if
-their t differs by at most 1e-4: without loss of efficiency the tolerance alone is worth some 1e-5.
+gains; the result is then the evaluated design with the largest t. Results are equal if their t
+differs by at most 1e-4: without loss of efficiency the tolerance alone changes t by about 1e-5.
 Run times are without compilation; those of the batch are of all searches, and the first call
 includes compilation and building."""
 _VALUES = """\

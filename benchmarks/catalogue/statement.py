@@ -8,7 +8,7 @@ This page is written by `python -m benchmarks catalogue --docs docs`. Do not edi
 A maker's table has 90 sizes of planetary roller screws (`prsm_jax.catalogue_sizes.catalogue_rows`).
 Find, within the envelope of each size, a design whose dynamic capacity, axial stiffness and mass
 are all better than those of the size's own model, with static capacity and efficiencies no worse.
-The model of a size, not the maker's product, is what a design is compared with.
+A design is compared with the model of a size, not with the maker's product.
 
 All numbers are in `catalogue_benchmark.json` beside this page: under `problems`, `no_loss` or
 `half_digit`, `sizes`, each size has the measures of its own design (`own`), the `limits`, the best
@@ -20,7 +20,7 @@ units where a name has no unit.
 A size gives the nominal diameter d₀, the lead L, the starts n₀, and the outer diameter D₀ and the
 length l₀ of the nut. Its own design is that of `prsm.catalogue_mechanism` from these dimensions,
 the printed diameters of crest and root, and the axial play. Masses are not given, so they follow
-from the dimensions. The shaft is 25 d₀ long, which the objectives do not depend on.
+from the dimensions. The shaft is 25 d₀ long; this length does not affect the objectives.
 
 | free | symbol | own value | bounds |
 | --- | --- | --- | --- |
@@ -30,7 +30,7 @@ from the dimensions. The shaft is 25 d₀ long, which the objectives do not depe
 | `roller_count` | N | as many as fit | whole, 4 to as many as fit |
 | `starts` | n | n₀ | whole, n₀ to 8, rollers at least 3.2 mm thick |
 
-What follows from them:
+The other dimensions follow from these:
 
 * pitch p = L/n, radius of the roller r = d₀ / (2 (n − 2)), radius of the nut's thread n r;
 * profile radius of the roller ρ = κ r / cos λ: with κ = 1 it is centred on the roller's axis;
@@ -82,26 +82,27 @@ size's own design.
 * `static_capacity` at least that of the size's own design;
 * `efficiency` and `efficiency_backward` each at least that of the size's own design less δ;
 * `truncation_load`, above which a contact ellipse passes the end of a flank, at least the operating
-  load, or that of the size's own design where this is smaller;
+  load, or at least that of the size's own design where this is smaller;
 * no error of `prsm.check`.
 
 There are two problems. In the first δ = 0: no loss at all. In the second δ = 0.005, half of the
 last digit to which the catalogue prints efficiencies.
 
-### What was decided, and why
+### Decisions and their reasons
 
 * **Starts.** With lead and starts given, the pitch would be fixed. The lead is given; the starts
   are free whole numbers, the size's own among them, and give the pitch. The catalogue has 4 to 6
   starts; up to 8 are allowed. With fewer than n₀ the nut would be thicker than the size's.
-* **Wall of the nut.** It stays: equal sharing does not see its elasticity, so a thinner wall would
-  be a gain that the model cannot judge. The nut then fits into its envelope.
-* **Length.** Rollers and nut have the size's proportion. Nothing else in the model ties the number
-  of loaded threads to the length.
-* **One objective.** The smallest of three gains cannot be bought by one of them. With t as a
-  further variable and three limits it is smooth.
+* **Wall of the nut.** The wall is not free: with equal load sharing the model neglects its
+  elasticity, so a thinner wall would have no disadvantage in the model. With the size's own wall
+  the nut fits into its envelope.
+* **Length.** The lengths of rollers and nut have the same ratio as in the size's own design. Only
+  this ratio relates the number of loaded threads to the length.
+* **One objective.** The smallest of three gains increases only if all three increase beyond it.
+  With t as a further variable and three limits the problem is smooth.
 * **Ends of flanks.** Capacities count only the part of an ellipse on its flank, without the
-  pressure at the edge. The limit of `truncation_load` keeps designs from relying on this under the
-  operating load.
-* **Shaft.** With as many starts or more, the root of the screw is as thick or thicker. One metre of
-  8 mm would buckle, hence 25 d₀.
+  pressure at the edge. The limit of `truncation_load` excludes designs that need this under the
+  operating load, unless the size's own design needs it too.
+* **Shaft.** With n₀ or more starts, the root of the screw is at least as thick as that of the size.
+  A shaft of 8 mm and one metre would buckle; the length is therefore 25 d₀.
 """

@@ -10,25 +10,25 @@ _HEAD = """\
 # Fronts and starts against rivals
 
 This page is written by `python -m benchmarks fronts --docs docs` and `python -m benchmarks starts
---docs docs`; each takes what the other has measured from `--out`. Do not edit it by hand.
+--docs docs`; each takes the measurements of the other from `--out`. Do not edit it by hand.
 """
 
 _FRONTS = """\
 ## Fronts by gradients against NSGA-II
 
-Both see the variables, limits and errors of `check` of the example `actuator`. The **volume** is
-that which the designs dominate, as a share of the box from the ideal point to a point that is worse
-than the front of the gradients by 10 % of its range. **Evaluations** of the gradients are values
-plus derivatives, each counted as one; in brackets a derivative counts as many times as there are
-variables. Run times are without compilation. The goal is a volume at least as large as the best of
-NSGA-II with at most a twentieth of the evaluations.
+Both methods have the variables, the limits and the errors of `check` of the example `actuator`. The
+**volume** is the volume that the designs dominate, as a share of a box. The box extends from the
+ideal point to a point that is worse than the front of the gradients by 10 % of its range.
+**Evaluations** of the gradients are values plus derivatives, each counted as one; in brackets, a
+derivative is counted once for each variable. Run times are without compilation. The goal is a
+volume at least as large as the best of NSGA-II with at most a twentieth of the evaluations.
 """
 
 _STARTS = """\
 ## Many starts at once against SLSQP from each
 
-Both begin at the same Latin hypercube. "At once" moves all starts by Adam in one program and
-continues the best few by SLSQP. Run times are the shortest of several, after the first call.
+Both begin at the same Latin hypercube. "At once" moves all starts by Adam in one program, and then
+searches from the best few by SLSQP. Run times are the shortest of several, after the first call.
 """
 
 
@@ -84,9 +84,9 @@ def _starts(document: dict[str, Any]) -> Iterator[str]:
     heads = ("starts", "objective", "values", "derivatives", "searches", "run time", "first call")
     yield from table_of(heads, rows)
     yield (
-        f"\nIn the median of runs in turn, at once is {document['speed_ratio']:.3g} times as fast; "
-        "the objectives differ by "
-        f"{document['difference']:.0e}, relative.\n"
+        f'\n"At once" is {document["speed_ratio"]:.3g} times as fast (median of runs in turn); '
+        "the relative difference of the objectives is "
+        f"{document['difference']:.0e}.\n"
     )
 
 

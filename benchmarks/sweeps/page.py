@@ -12,10 +12,11 @@ _HEAD = """\
 
 This page is written by `python -m benchmarks sweeps --docs docs`. Do not edit it by hand.
 
-A grid over lead, contact angle and roller radius, within 10 % of the actuator; every design gets
-its natural frequencies, efficiency and largest contact pressure, from geometry. Results go into a
-store. Other work on the machine lengthens all times; the processor time of all threads it lengthens
-less, and ratios are those of measurements taken in turn in one run.
+The designs are a grid over lead, contact angle and roller radius, within 10 % of the actuator. For
+every design the sweep computes natural frequencies, efficiency and largest contact pressure,
+beginning with the geometry, and writes them to a store. Other work on the machine lengthens all
+run times, and the processor times of all threads by less. Ratios are those of measurements taken
+in turn in one run.
 """
 
 _WHAT = """\
@@ -23,9 +24,10 @@ _WHAT = """\
   plan, arguments, compiled program, results, files.
 * **Kernel**: the compiled program alone on the same designs, in calls of the same size, by as many
   threads; arguments are ready, and results are dropped.
-* **Outside**: 1 − kernel/sweep, wall to wall, and by processor time. Median of the rounds. With
-  more work than cores on the machine the first is noise (it can be below zero); the second is not.
-* **Memory**: the most that the process has had, after compiling and after the sweep.
+* **Outside**: 1 − kernel/sweep, by wall time and by processor time; median of the rounds. If other
+  work needs the cores, the value by wall time is noise (it can be below zero); the value by
+  processor time is not.
+* **Memory**: largest memory of the process, after compiling and after the sweep.
 * **Compiling**: tracing, compiling and the first block.
 """
 
@@ -33,31 +35,31 @@ _RIVAL = """\
 The rival computes the same numbers with SciPy, one design after another, in plain floats: `root`
 (hybr) for meshing, `brentq` and `ellipkm1` for two Hertz contacts, `eigh` for 20 degrees of
 freedom, and a linear equation for the steady state. Its actuator shares the load equally among
-threads and has neither spin nor rolling losses, because these need root searches of many unknowns;
-ours has the same in this comparison. Without them the kernel is so short that files and results are
-half of the time. The loop uses one core, a sweep all of them: the ratio of processor times is that
-of one core.
+threads and has neither spin nor rolling losses, because these need root searches of many unknowns.
+In this comparison our actuator is the same; the kernel is then so short that files and results take
+half of the time. The loop uses one core, and a sweep uses all cores: the ratio of processor times
+is that of one core.
 """
 
 _CALLS = """\
 A block is computed in calls that are small enough for the cache. On a processor the size of a call
-is the share of one core in the largest cache over 8 kB, as a power of two from 512 to 4,096; XLA
-reserves 8.4 kB for a design of the actuator. Sizes below were measured in turn, the kernel alone on
-one thread; times are those of a design, the best of the rounds.
+is one core's share of the largest cache divided by 8 kB, as a power of two from 512 to 4,096; XLA
+reserves 8.4 kB for a design of the actuator. The sizes below were measured in turn, with the kernel
+alone on one thread. The times are those of a design, the best of the rounds.
 """
 
 _SHARED = """\
-Each thread may use one core. While other work uses the cores too, times are no measure of how much
-faster more threads are; the processor time of a design shows what sharing a store costs.
+Each thread may use one core. While other work uses the cores too, run times do not show the gain of
+more threads. The processor time of a design shows the cost of a shared store.
 """
 
 _MODEL = """\
 ## Many cores: model
 
 `t = s + N/(p r)`: s is the time in which a process starts and compiles, r the rate of one thread
-with its writes, p the number of threads in all processes. Nothing else is shared but the file
-system, which has to take the last two columns. Measured are s and r, both in processor time, bytes
-and files; the table is modelled.
+with its writes, p the number of threads in all processes. The threads share only the file system,
+which must be able to write at the rates in the last two columns. s and r (both in processor time),
+bytes and files are measured; the table follows from the model.
 """
 
 
@@ -245,9 +247,9 @@ def _modelled(document: dict[str, Any]) -> list[str]:
     lines.append(
         f"Below {even:,.0f} designs for each thread, starting and compiling take longer than "
         "computing: keep compiled programs in a common folder (`PRSM_JAX_CACHE`), or use fewer "
-        f"processes. More threads than blocks ({1e6 / block:,.0f} for a million designs) have "
-        "nothing to do: use a smaller `chunk`. Beyond, the file system is the limit, first by the "
-        "number of files: use a larger `chunk`."
+        f"processes. If there are more threads than blocks ({1e6 / block:,.0f} for a million "
+        "designs), some threads are idle: use a smaller `chunk`. With many threads the file system "
+        "becomes the limit, first by the number of files: use a larger `chunk`."
     )
     return [*lines, ""]
 

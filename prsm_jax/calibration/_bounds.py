@@ -43,7 +43,7 @@ def to_free(
     upper: Float[Array, " parameters"],
     scale: Float[Array, " parameters"],
 ) -> Float[Array, " parameters"]:
-    """Free numbers x of values within their bounds."""
+    """Free numbers x that the map assigns to values within their bounds."""
     low, high = jnp.isfinite(lower), jnp.isfinite(upper)
     both, middle, half = _between(lower, upper)
     angle = jnp.arcsin(jnp.clip(jnp.where(both, values - middle, 0.0) / half, -1.0, 1.0))
@@ -62,7 +62,7 @@ def from_free(
     upper: Float[Array, " parameters"],
     scale: Float[Array, " parameters"],
 ) -> Float[Array, " parameters"]:
-    """Values within their bounds of free numbers x."""
+    """Values within their bounds that the map assigns to free numbers x."""
     low, high = jnp.isfinite(lower), jnp.isfinite(upper)
     both, middle, half = _between(lower, upper)
     away = scale * (jnp.sqrt(1.0 + free * free) - 1.0)

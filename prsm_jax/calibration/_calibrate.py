@@ -27,13 +27,14 @@ from ._result import Calibration, FittedParameter, Residuals
 from ._statistics import Statistics, statistics_of
 from ._undetermined import undetermined
 
-#: Fits with new pairs of modes, or with a new estimate of the scatter.
+#: Largest number of fits with new pairs of modes, or with a new estimate of the scatter.
 _ROUNDS = 10
-#: Relative change of the estimated scatter at which it has settled.
+#: The estimated scatter is final if its relative change is below this.
 _SETTLED = 1e-3
-#: A value this close to a bound, over its magnitude, is tried on the bound.
+#: A value is tried on its bound if its distance to the bound is less than this times its magnitude.
 _NEAR = 2e-2
-#: The others then start this share inside of their bounds: on one, the map has no derivative.
+#: The other values then start inside of their bounds by this share: on a bound, the derivative of
+#: the map is 0.
 _FROM_BOUND = 1e-3
 #: Median of |z| of a normal distribution, for a robust standard deviation.
 _MEDIAN = 0.6744897501960817
@@ -55,23 +56,24 @@ def calibrate(
     Minimises $\sum_i \rho(z_i)$ over the parameters, where $z_i$ is measured minus computed value
     over its standard deviation, by Levenberg–Marquardt (optimistix). The covariance of the fitted
     values is $s^2 (J^\top J)^{-1}$ with the Jacobian $J$ of $z$ and the scatter $s$ of the
-    residuals; limits are those of Student's t at 95 %. All of this holds for small residuals, for
-    which the model is linear.
+    residuals; limits are those of Student's t at 95 %. These formulas hold where the model is
+    linear over the scatter of the parameters.
 
     **Arguments:**
 
     - `mechanism`: the mechanism; its present numbers are the start.
     - `data`: `Measurements`, a mapping of columns [SI] (quantities of the catalogue, and numbers of
       the mechanism as conditions), the path of a CSV file, or the name of shipped example data.
-    - `parameters`: names of the numbers to be fitted. One that several stages have is set in all.
-    - `standard_deviations`: of measured values by column [SI]; they weight the columns. Without,
-      all columns count alike, each over its root mean square. The scatter follows from the
-      residuals in either case.
+    - `parameters`: names of the numbers to be fitted. A name without a stage sets the number in
+      all stages.
+    - `standard_deviations`: standard deviation of the measured values of each column [SI]; they
+      weight the columns. By default each column is divided by its root mean square. The scatter
+      follows from the residuals in either case.
     - `bounds`: (lower, upper) by parameter [SI], `None` for no bound. Physical limits, such as a
       friction coefficient of at least 0, hold anyway.
     - `loss`: `"squared"`; or robust, so that outliers count less: `"huber"`, `"soft_l1"`, or
-      `"cauchy"`, which ignores distant ones. Without standard deviations a robust loss takes them
-      from the median of the absolute residuals.
+      `"cauchy"`, which ignores distant ones. Without standard deviations a robust loss estimates
+      them from the median of the absolute residuals.
     - `undetermined_limit`: relative standard deviation from which a combination of parameters is
       called undetermined.
 
@@ -188,9 +190,10 @@ def _rows_of(data: Measurements) -> dict[str, np.ndarray]:
 
 
 def _within_bounds(problem: CalibrationProblem, start) -> tuple[Solved, np.ndarray]:
-    """A fit; values near a bound are set on it where the sum of losses then still falls outwards.
+    """A fit. A value near a bound is set on it if the sum of losses still falls beyond the bound.
 
-    Near a bound the search by the smooth map is slow; on the bound the others are found exactly.
+    Near a bound the search by the smooth map is slow. With this value on the bound, the search
+    finds the other values exactly.
     """
     names = len(problem.parameters)
     free = np.ones(names, bool)
@@ -213,7 +216,7 @@ def _within_bounds(problem: CalibrationProblem, start) -> tuple[Solved, np.ndarr
             jnp.asarray(inner),
         )
         slope = _slope(problem, again)
-        # On a lower bound the sum must rise with the value, on an upper one fall.
+        # On a lower bound the sum must rise with the value; on an upper bound it must fall.
         leaves = near & np.where(at_lower, slope < 0, slope > 0)
         if not bool(again.finite):
             break
@@ -242,7 +245,7 @@ def _result(
 ) -> Calibration:
     names, units = problem.parameters, _units(mechanism, problem.parameters)
     values, size = np.asarray(solved.values, float), np.asarray(problem.magnitude)
-    # Relative to the fitted values, so that the words about directions are in per cent.
+    # Relative to the fitted values, because the sentences on combinations are in per cent.
     share = np.where(np.abs(values) > 1e-3 * size, np.abs(values), size)
     jacobian = np.asarray(solved.jacobian) * (share / size)
     statistics = statistics_of(jacobian[:, free], np.asarray(solved.residuals), problem.loss)

@@ -132,7 +132,7 @@ def _head(cell: str, place: str, mechanism: Mechanism) -> tuple[str, str, str, L
     except UnknownNameError as error:
         paths = [one.path for one in all_parameters(mechanism)]
         near = closest(name, (one.name for one in catalogue()), paths)
-        # All names of both lists are no hint.
+        # A list of all quantities and numbers would be too long to help.
         hint = near if near.startswith("did you mean") else "see `prsm quantities`"
         if "ambiguous" in str(error):
             hint = str(error)
@@ -162,7 +162,7 @@ def _cell(cell: str, head: tuple[str, str, str, Limit], place: str) -> float:
             return math.nan
         raise FileError(f"{place} {name}: is empty; every row needs this condition")
     try:
-        # Also a dimensionless number goes through the reader of units: it takes no words.
+        # The reader of units also reads dimensionless numbers, because it refuses words.
         return read_number(f"{text} {unit}".strip(), si, limit)
     except ValueError as error:
         what = str(error).partition(";")[0]

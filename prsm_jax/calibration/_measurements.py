@@ -33,7 +33,7 @@ class Measurements:
       each row of a quantity with several components (frequencies) holds one measured component,
       which is paired with the nearest computed one.
     - `conditions`: numbers of the mechanism during the measurement, by the name of a parameter
-      (`operating_point.load`), a number per row; all others are those of the mechanism.
+      (`operating_point.load`), a number per row. All other numbers are those of the mechanism.
 
     **Raises:** `ValueError` for columns of different lengths, without a value, or with a number
     that is not finite; `UnknownNameError` for an unknown quantity.

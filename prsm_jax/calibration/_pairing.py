@@ -20,8 +20,8 @@ def paired(
 ) -> CalibrationProblem:
     """The problem with each measured value paired with a computed one of the same quantity.
 
-    The sum of |ln(measured/computed)| over the values measured at one point is smallest, and each
-    component has at most one measured value.
+    The pairs minimise the sum of |ln(measured/computed)| over the values measured at one point.
+    Each component has at most one measured value.
 
     **Arguments:**
 

@@ -23,7 +23,8 @@ from ._bounds import from_free, inside, to_free
 from ._losses import LOSSES, as_squares
 from ._measurements import Measurements, check_conditions, split_component
 
-#: A physical limit further from the start than this many times the start is no bound of the search.
+#: A physical limit is no bound of the search if its distance from the start is more than this many
+#: times the start.
 _FAR = 100.0
 #: Relative change of scaled numbers and of the sum of squares at which the search stops.
 _TOLERANCE = 1e-10
@@ -31,7 +32,7 @@ _MOST_STEPS = 300
 
 
 class Solved(eqx.Module):
-    """Result of one search: fitted values [SI], and what their uncertainty follows from."""
+    """Result of one search: fitted values [SI], and the data for their uncertainty."""
 
     values: Float[Array, " parameters"]
     #: Measured minus computed value, over `scale` of the problem.
@@ -46,10 +47,10 @@ class Solved(eqx.Module):
 
 
 class CalibrationProblem(eqx.Module):
-    """What is fitted to what [SI]; arrays are traced, names and the loss are static.
+    """Parameters and measured values of a fit [SI]; arrays are traced, names and loss are static.
 
-    One row is one measured value: of a component of a quantity, at one of the points, which differ
-    in their conditions.
+    A row is one measured value of one component of a quantity, at one point. A point is one set of
+    conditions.
     """
 
     mechanism: Mechanism
@@ -145,7 +146,7 @@ def _at_points(
     values: Float[Array, " parameters"],
     evaluation: Callable[[Analysis, tuple[str, ...]], tuple[dict[str, Array], Any]],
 ) -> tuple[Float[Array, "points components"], Any]:
-    """All components at all points, and what else the evaluation returns, a row per point."""
+    """All components at all points, and further results of the evaluation, a row per point."""
     numbers = dict(zip(problem.parameters, values, strict=True))
 
     def at(conditions: dict[str, Array]):
@@ -168,7 +169,7 @@ def calibration_problem(
     bounds: Mapping[str, Any] | None = None,
     loss: str = "squared",
 ) -> CalibrationProblem:
-    """The least-squares problem of `calibrate`, whose arguments these are.
+    """The least-squares problem of `calibrate`; the arguments have the same meaning.
 
     **Raises:** as `calibrate`.
     """
@@ -204,7 +205,7 @@ def calibration_problem(
         if number is not None and not 1 <= number <= count:
             raise UnknownNameError(f"{name}: the quantity has {count} component(s)")
         scale = _scale(name, values, deviations)
-        # A row without a number is paired with a component later.
+        # A row without a component number is paired with a component later.
         component = first[quantity] + (0 if number is None else number - 1)
         known = np.flatnonzero(np.isfinite(values))
         rows += [(values[i], scale, at[i], component) for i in known]
@@ -215,8 +216,8 @@ def calibration_problem(
         )
     if len(rows) <= len(names):
         raise ValueError(
-            f"{len(rows)} measured values for {len(names)} parameters: the residuals then say "
-            "nothing about the scatter; give more values, or fit fewer parameters"
+            f"{len(rows)} measured values for {len(names)} parameters: the residuals then do "
+            "not show the scatter; give more values, or fit fewer parameters"
         )
     measured, scales, point, component = (np.array(column) for column in zip(*rows, strict=True))
     real = jnp.result_type(float)
@@ -313,7 +314,7 @@ def _parameters(mechanism: Mechanism, names: tuple[str, ...], bounds: dict[str, 
         low, high = float(low), float(high)
         if not low < high:
             raise ValueError(f"parameter {name!r} has the bounds ({low:g}, {high:g}); reverse them")
-        # A physical limit that is far away is no bound, and infinity stands for it.
+        # A physical limit that is far away is no bound; infinity replaces it.
         if low < limit.lower or limit.upper < high < np.inf:
             raise ValueError(
                 f"parameter {name!r} has the bounds ({low:g}, {high:g}); it must be {limit.words}"
@@ -358,5 +359,5 @@ def solve_one(problem: CalibrationProblem, measured, free, fixed, start) -> Solv
 
 @eqx.filter_jit
 def solve_many(problem: CalibrationProblem, measured, free, fixed, start) -> Solved:
-    """As `solve_one`, for several rows of measured values."""
+    """As `solve_one`, for several sets of measured values."""
     return jax.vmap(lambda data: problem.solve(data, free, fixed, start))(measured)

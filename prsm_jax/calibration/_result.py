@@ -1,4 +1,4 @@
-"""The result of a calibration: values with limits, residuals, and what the data leave open."""
+"""The result of a calibration: values with limits, residuals, undetermined combinations."""
 
 import math
 from dataclasses import dataclass
@@ -46,7 +46,7 @@ class FittedParameter:
 class Residuals:
     """Measured and computed values of one quantity [SI], a number per measured value.
 
-    `labels` names the component that each is paired with.
+    `labels` names the component that each value is paired with.
     """
 
     quantity: str
@@ -81,10 +81,10 @@ class Residuals:
 
 @dataclass(frozen=True)
 class Undetermined:
-    """A combination of parameters that the data leave open.
+    """A combination of parameters that the data do not determine.
 
-    `changes` are relative changes of parameters, together a direction of length 1;
-    `standard_deviation` is relative, along it.
+    `changes` are relative changes of the parameters, a vector of length 1. `standard_deviation` is
+    the relative standard deviation along this vector.
     """
 
     parameters: tuple[str, ...]
@@ -108,10 +108,11 @@ class Calibration:
 
     `code` is `"converged"`, `"not_converged"` (the search stopped before its tolerance),
     `"start_fails"` (the mechanism cannot be computed at the start) or `"not_finite"`; `message`
-    says it in a sentence.
+    explains the code in a sentence.
     """
 
-    #: The mechanism with the fitted values, a pytree like the given one; as given after failure.
+    #: The mechanism with the fitted values, a pytree like the given one. After a failure, the given
+    #: mechanism.
     mechanism: Mechanism
     parameters: tuple[FittedParameter, ...]
     #: Correlation of each pair, in the order of the parameters; NaN where there is none.
@@ -157,7 +158,7 @@ class Calibration:
         }
 
     def text(self, width: int | None = None) -> str:
-        """Parameters as a table in an engineer's units, residuals, and what is not determined.
+        """Parameters as a table in an engineer's units, residuals, undetermined combinations.
 
         **Arguments:**
 

@@ -13,7 +13,8 @@ from ._losses import influence
 from ._problem import CalibrationProblem, solve_many
 
 PROBABILITY = 0.95
-#: Singular values below this share of the largest are 0: rounding of derivatives is not smaller.
+#: Singular values below this share of the largest count as 0: rounding errors of the derivatives
+#: are as large.
 NO_INFLUENCE = 1e-7
 
 
@@ -106,7 +107,7 @@ def repeat_fits(
     repetitions: int = 1000,
     seed: int = 0,
 ) -> Repetitions:
-    """Fit simulated measurements many times in one mapped program: what a test rig would find.
+    """Fit simulated measurements many times in one mapped program, to plan a test rig.
 
     **Arguments:**
 

@@ -69,7 +69,7 @@ def _sentence(
     return (
         f"The data determine only combinations of {', '.join(names[:-1])} and {names[-1]}: "
         f"a change of {', '.join(listed[:-1])} and {listed[-1]} together "
-        f"cannot be told from the scatter ({_together(deviation)})."
+        f"cannot be distinguished from the scatter ({_together(deviation)})."
     )
 
 

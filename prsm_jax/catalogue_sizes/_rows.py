@@ -6,7 +6,7 @@ from pathlib import Path
 _TABLE = Path(__file__).parent / "data" / "roller_screws.csv"
 #: Columns that are arguments of their own, in other units.
 SIZE = ("nominal_diameter_mm", "lead_mm", "starts")
-#: Columns that a mechanism predicts and never takes.
+#: Columns that are results of a mechanism, and cannot be given.
 CAPACITIES = ("dynamic_capacity_kn", "static_capacity_kn")
 
 

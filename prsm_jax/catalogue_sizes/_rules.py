@@ -33,7 +33,7 @@ _GAP = 0.02
 #: Length of the roller, and of its thread, over that of the nut. Printed inertias of the rollers
 #: give 0.78 to 0.96 for the first; gears and journals take the rest.
 _ROLLER_SHARE, _THREAD_SHARE, _GEAR_SHARE = 0.85, 0.6, 0.0625
-#: Relative error of a given circle of the roller axes: the 90 sizes print it exactly.
+#: Largest relative error of a given circle of the roller axes: the 90 sizes print it exactly.
 _CIRCLE_TOLERANCE = 0.01
 #: Wall and length of the nut by nominal diameter, d in mm: fits of 90 sizes, good to a third.
 _WALL, _LENGTH = (1.14, 0.53), (7.97, 0.69)
@@ -94,8 +94,8 @@ def catalogue_mechanism(
     - `lead`: [m].
     - `starts`: of screw and nut, $n > 2$.
     - `row`: further columns of `catalogue_rows` by their names, in their units; without the
-      capacities, which the mechanism predicts. What is not given follows from the rules. The
-      efficiencies and the torque of the preload are results too, and are not used.
+      capacities, which are results. The rules give all columns that are missing. The efficiencies
+      and the torque of the preload are results too, and are ignored.
 
     **Raises:** `UnknownNameError` for another column; `ValueError` for a capacity, for a number
     that is not finite or is negative, and for dimensions that do not make a screw.

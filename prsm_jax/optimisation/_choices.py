@@ -18,14 +18,14 @@ from ..mechanism import (
 )
 from .results import Optimum, Trial
 
-#: More combinations are refused: each needs a search.
+#: Largest number of combinations: each needs a search.
 MOST_COMBINATIONS = 1000
 
 
 def choices_of(choices: Mapping[str, Any]) -> tuple[Choice, ...]:
     """Choices from lists of values by the name of a parameter.
 
-    **Raises:** `ValueError` where the values are no list of numbers.
+    **Raises:** `ValueError` where the values are not a list of numbers.
     """
     rows = []
     for name, values in choices.items():
@@ -143,7 +143,7 @@ def _whole(mechanism: Mechanism, name: str, value: float) -> float | int:
 def _trial(
     chosen: dict[str, float], best: Optimum | None, message: str, wins: bool, winner: Optimum
 ) -> Trial:
-    """What became of one combination, and why it was dropped."""
+    """Result of one combination, and the reason why it was dropped."""
     if best is None:
         return Trial(chosen, None, None, "cannot be built", message, math.inf)
     value = best.optimum.objective

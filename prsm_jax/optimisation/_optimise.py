@@ -59,7 +59,7 @@ def optimise(
     - `maximise`, `minimise`: a quantity, or weights by quantity; together they form one sum.
     - `constraints`: (lower, upper) limits [SI] by quantity, `None` for no limit, one number for an
       equality; or `Constraint` objects. A quantity with components is limited in each.
-    - `choices`: values [SI] of which one is chosen, by the name of a parameter, such as
+    - `choices`: lists of values [SI] to choose from, by the name of a parameter, such as
       `{"roller_count": range(7, 13), "lead": [5e-3, 10e-3]}`: numbers that must be whole, or those
       of `standard_modules` (for `gear_module`), `standard_leads` and `preferred_numbers` of
       `prsm_jax.mechanism`. Every combination is searched; listed numbers share a compiled
@@ -73,10 +73,10 @@ def optimise(
       objective is their mean by shares, and every constraint and margin holds at each.
       `"duty_cycle"`: the phases of the mechanism's duty cycle, with their durations as shares.
     - `worst_case`: whether each objective is its worst value at any operating point, in place of
-      the mean; default as `over` of each objective says.
-    - `tolerance_sigmas`: with the mechanism's tolerances, the number of standard deviations (of
-      first order) by which each objective and each limited quantity is taken to the worse side of
-      its mean; default that of the problem. Margins of `check` stay those of the mean.
+      the mean; default is `over` of each objective.
+    - `tolerance_sigmas`: number of first-order standard deviations, due to the mechanism's
+      tolerances, by which each objective and each limited quantity is worsened from its mean;
+      default that of the problem. Margins of `check` are those in the middle of the tolerances.
     - `method`: `"slsqp"` or `"trust-constr"` (SciPy), or, for bounds only, `"lbfgs"` or `"adam"`
       (optax), or `"multi-start"`: Adam from all starts at once, then SLSQP from the best few.
       `"auto"`: SLSQP with constraints, L-BFGS without. Default that of the problem, with its
@@ -175,7 +175,7 @@ def _of_fixed_choices(
     evaluator.guard(bounds_only)
     searches.run_all(search, _progress(positions, progress is True))
     if bounds_only and requested == "auto" and evaluator.margins.smooth and not searches.converged:
-        # A margin may have stopped the search; only a search with constraints can follow it.
+        # A margin may have stopped the search; a search with constraints can move along it.
         # SLSQP does not take other options of L-BFGS.
         both = [one for one in options if one[0] == "max_iterations"]
         search = search_of("auto", True, max_iterations, both)
@@ -184,7 +184,7 @@ def _of_fixed_choices(
         searches.run_all(search, positions)
     evaluator.guard(False)
     if evaluator.margins.integer:
-        # `max_iterations` is per start, and these searches are no starts.
+        # `max_iterations` applies to the searches from the starts, not to these searches.
         searches.make_whole(search_of(requested, True) if search.accepts_constraints else Slsqp())
     best, end, conditions = searches.best(initial)
     return optimum_of(

@@ -84,8 +84,8 @@ def pareto(
     if problem.choices:
         listed = ", ".join(one.name for one in problem.choices)
         raise ValueError(
-            f"a front is of one set of choices, and the problem leaves {listed} open; set them, "
-            "and take choices out of the problem or of [optimise]"
+            f"a front needs one value of each number, but the problem has choices of {listed}; "
+            "set these numbers, and remove the choices from the problem or from [optimise]"
         )
     problem = dataclasses.replace(
         problem,
@@ -101,7 +101,7 @@ def pareto(
         if one.over == "worst":
             raise ValueError(
                 f'objective {one.quantity!r} has over = "worst", and a front takes means over '
-                "operating points; leave it out, and limit the quantity, which holds at every point"
+                "operating points; remove it, and limit the quantity: limits hold at every point"
             )
     if not 0 < tolerance < 1:
         raise ValueError(f"tolerance is {tolerance}; it must be between 0 and 1")
@@ -111,7 +111,7 @@ def pareto(
     if whole:
         raise ValueError(
             f"{whole}: this number must be whole and depends on the variables; remove the variable "
-            "that moves it, and find a front for each whole number"
+            "that changes it, and find a front for each whole number"
         )
     initial = (present - evaluator.lower) / evaluator.width
     search = FrontSearch(evaluator, problem, tolerance, progress)

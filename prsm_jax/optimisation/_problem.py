@@ -1,4 +1,4 @@
-"""What to optimise: from the mechanism's own design problem, or from arguments."""
+"""The design problem: that of the mechanism, or one from arguments."""
 
 import dataclasses
 from collections.abc import Iterable, Mapping
@@ -33,7 +33,7 @@ def problem_of(
 ) -> DesignProblem:
     """The design problem: each part from its argument, or else from `problem` or the mechanism.
 
-    `objectives` stands in place of `maximise` and `minimise`.
+    `objectives` replaces `maximise` and `minimise`.
 
     **Raises:** `ValueError` where a part is missing or wrong; `UnknownNameError` for unknown names.
     """
@@ -99,7 +99,7 @@ def front_objectives(
 ) -> tuple[Objective, ...]:
     """The objectives of a front, from their senses by quantity or from `Objective` objects.
 
-    **Raises:** `ValueError` for a quantity without a sense, or a word that is none.
+    **Raises:** `ValueError` for a quantity without a sense, or an unknown sense.
     """
     if not isinstance(objectives, Mapping):
         found = tuple(objectives)
@@ -132,8 +132,8 @@ def cases_of(points: Iterable[tuple[float, ...]]) -> tuple[OperatingCase, ...]:
             numbers = []
         if len(numbers) not in (2, 3):
             raise ValueError(
-                f"operating point {one!r} is none; give (speed, load) or (speed, load, share) in "
-                "rad/s and N"
+                f"operating point {one!r} is not valid; give (speed, load) or (speed, load, share) "
+                "in rad/s and N"
             )
         rows.append(OperatingCase(*numbers))
     if not rows:
@@ -148,9 +148,9 @@ def robust(
     worst_case: bool | None,
     tolerance_sigmas: float | None,
 ) -> DesignProblem:
-    """A problem with its operating points listed, and with what is given in place of its own.
+    """A problem with its operating points as a list; arguments replace its own settings.
 
-    **Raises:** `ValueError` for operating points that are none, or a missing duty cycle.
+    **Raises:** `ValueError` for operating points that are not valid, or a missing duty cycle.
     """
     points = problem.operating_points if operating_points is None else operating_points
     if isinstance(points, str):
@@ -201,10 +201,10 @@ def constraints_of(
 
     **Arguments:**
 
-    - `constraints`: the limits, `None` for none on a side; or `Constraint` objects, which are
+    - `constraints`: the limits, `None` for no limit on a side; or `Constraint` objects, which are
       returned as they are.
 
-    **Raises:** `ValueError` for limits that are no pair, or in the wrong order.
+    **Raises:** `ValueError` for limits that are not a pair, or in the wrong order.
     """
     if not isinstance(constraints, Mapping):
         return tuple(constraints)

@@ -20,7 +20,7 @@ from .search import (
 
 #: At most this many numbers are made whole: each doubles the number of searches.
 _MOST_WHOLE = 4
-#: At most so often the level of a worst case gets a new range.
+#: Largest number of new ranges for the level of a worst case.
 _MOST_RANGES = 10
 
 
@@ -38,7 +38,7 @@ class Searches:
         self._final = 0
 
     def clear(self) -> None:
-        """Forget all runs."""
+        """Remove all runs."""
         self.runs, self._ends = [], []
 
     def run_all(self, method: SearchMethod, positions: Iterable[np.ndarray]) -> None:
@@ -106,7 +106,7 @@ class Searches:
             return 0 if self._final == 0 else self._final
 
         def violation(index: int) -> float:
-            # As seen by that run: the imposed whole numbers differ from run to run.
+            # With the whole numbers of that run: they differ from run to run.
             outcome = self.runs[index].end
             return math.inf if outcome is None else outcome.violation
 

@@ -39,8 +39,8 @@ def jacobian(
     """Values of all quantities, and derivatives of all components by each parameter alone.
 
     Each parameter is a direction in the space of all numbers of the mechanism. The physics is
-    therefore traced and differentiated once for any number of parameters, and the derivative by
-    one is not affected by another in the list that depends on it.
+    therefore traced and differentiated once for any number of parameters. A derivative does not
+    change if the list has another parameter that depends on the first.
 
     **Arguments:**
 

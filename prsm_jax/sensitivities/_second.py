@@ -21,10 +21,10 @@ def hessian(
 ) -> Float[Array, "quantities parameters parameters"]:
     """Second derivatives of all components by each pair of parameters [SI].
 
-    Parameters move by steps, one after the other in the order of the list, each from the value that
-    it has then: a number that follows from an earlier one keeps what that one has moved. Forward
-    over forward differentiation, pair by pair: side by side, or in reverse mode, the program would
-    take many times longer to compile.
+    The steps of the parameters are applied one after the other, in the order of the list. Each step
+    is added to the value that the earlier steps have given: a number that follows from an earlier
+    parameter keeps the change due to it. Forward over forward differentiation, pair by pair: side
+    by side, or in reverse mode, the program would take many times longer to compile.
 
     **Arguments:**
 
@@ -53,7 +53,7 @@ def hessian(
 
     left, right = np.triu_indices(count)
     found = jax.lax.map(second, (jnp.asarray(left), jnp.asarray(right)))
-    # Outside of the loop: the physics is not part of what a concatenation could compute again.
+    # Outside of the loop: a concatenation inside could compute the physics again.
     rows = jnp.concatenate([found[name] for name in quantities], axis=1)
     place = np.zeros((count, count), dtype=int)
     place[left, right] = place[right, left] = np.arange(len(left))

@@ -107,7 +107,7 @@ def sensitivity_by(
     quantities: Iterable[str] | None = None,
     parameters: Iterable[str] | None = None,
 ) -> Sensitivity:
-    """As `sensitivity`, with the program run by the caller, who may keep it for another process.
+    """As `sensitivity`, but the caller runs the program, and may store it for another process.
 
     **Arguments:**
 

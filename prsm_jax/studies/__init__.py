@@ -1,4 +1,4 @@
-"""Studies of a few drivers: what they do to quantities, where these conflict, and the front."""
+"""Studies of a few drivers: their effect on quantities, conflicts of these, and the front."""
 
 from ._conflict import Conflict as Conflict, cosine as cosine
 from ._gradients import FrontGradient as FrontGradient

@@ -16,22 +16,22 @@ _NOTHING = 1e-9
 
 @dataclass(frozen=True)
 class Conflict:
-    """How two quantities agree over the drivers.
+    """Agreement or conflict of two quantities over the drivers.
 
-    The cosine is that of the angle between their elasticities, each with the sign of its sense: 1
-    where the same change of the drivers is the best for both, −1 where what improves one by the
-    most worsens the other by the most, and below 0 they conflict: a step along either gradient
-    worsens the other quantity. It compares relative changes of the drivers. It is NaN for a design
-    that fails, or where one of the two does not change.
+    The cosine is that of the angle between their elasticities, each with the sign of its sense. It
+    is 1 where the same change of the drivers is the best for both quantities, and −1 where the best
+    change for one is the worst for the other. Below 0 the quantities conflict: the best small
+    change for either of them worsens the other. The cosine refers to relative changes of the
+    drivers. It is NaN for a design that fails, or where one of the two quantities does not change.
 
     - `cosine`: over the grid of the map.
-    - `present`: of the present design.
-    - `share`: of the designs with a cosine, those that conflict; NaN if there are none.
-    - `share_allowed`: the same of the designs that satisfy all limits.
-    - `by_driver`: for each driver, the share of designs in which more of it improves one quantity
-      and worsens the other.
+    - `present`: cosine of the present design.
+    - `share`: share of conflicts among the designs with a cosine; NaN if there are none.
+    - `share_allowed`: share of conflicts among the designs that satisfy all limits.
+    - `by_driver`: for each driver, the share of designs in which an increase of the driver improves
+      one quantity and worsens the other.
     - `most`, `least`: drivers [SI] of the designs with the lowest and the highest cosine.
-    - `limit`: whether the second quantity is one of a limit.
+    - `limit`: whether the second quantity belongs to a limit.
     """
 
     first: str
@@ -86,7 +86,7 @@ def conflicts_of(
 
     **Arguments:**
 
-    - `problem`: what the study is of.
+    - `problem`: the problem of the study.
     - `grid`: its map.
     - `present`: a list of designs; the first is the present one.
     """

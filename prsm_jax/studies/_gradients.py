@@ -1,4 +1,4 @@
-"""What the gradients say at the points of a front."""
+"""The gradients at the points of a front, in numbers and in words."""
 
 import math
 from collections.abc import Mapping
@@ -13,10 +13,10 @@ from ._conflict import plain
 from ._map import DriverMap
 from ._problem import StudyProblem
 
-#: A change below this [% per %] is said to be none.
+#: A quantity "hardly changes" if its elasticity is below this [% per %].
 _LITTLE = 5e-4
-#: A weight up to this is that of an end of the front, where one objective counts for nothing; the
-#: search for an end gives the other one a ten thousandth.
+#: A weight up to this marks an end of the front, where one objective has no influence: the search
+#: for the other objective gives it a weight of 1e-4.
 _END = 1e-3
 
 
@@ -25,8 +25,8 @@ class FrontGradient:
     """The gradient at one point of a front.
 
     - `elasticities`: per cent of a quantity per per cent of a driver, by quantity and driver.
-    - `exchange`: change of the first objective per cent of the second along the front, relative
-      [% per %]; NaN with three objectives, or at an end.
+    - `exchange`: relative change of the first objective for a relative change of the second along
+      the front [% per %]; NaN with three objectives, or at an end.
     - `sentence`: the same in words.
     """
 
@@ -63,7 +63,7 @@ def front_gradients(
 
     **Arguments:**
 
-    - `problem`: what the study is of.
+    - `problem`: the problem of the study.
     - `front`: the front.
     - `designs`: a list of designs, with those of the front from the place `first`.
     """
@@ -98,12 +98,12 @@ def words(name: str) -> str:
 
 
 def change_in_words(driver: str, elasticities: Mapping[str, Mapping[str, float]]) -> str:
-    """What 1 % more of a driver does to quantities: a clause.
+    """A clause on the change of quantities for 1 % more of a driver.
 
     **Arguments:**
 
     - `driver`: its name.
-    - `elasticities`: of the quantities that are spoken of, by quantity and driver.
+    - `elasticities`: of the quantities that the clause names, by quantity and driver.
     """
     parts: dict[str, list[str]] = {"raises": [], "lowers": []}
     same = []
@@ -141,8 +141,8 @@ def _sentence(
     active = _listed([words(name) for name in point.active])
     improving = _listed([one for one in better if one])
     if improving and active:
-        text += f" {improving[0].upper()}{improving[1:]} would improve all objectives, but for "
-        text += f"the active limits: {active}."
+        text += f" {improving[0].upper()}{improving[1:]} would improve all objectives, but "
+        text += f"violate active limits: {active}."
     elif active:
         text += f" Active limits: {active}."
     if math.isfinite(exchange):

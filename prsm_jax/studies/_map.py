@@ -22,7 +22,7 @@ class DriverMap:
     The designs are a grid with one axis for each driver, or a list with one axis. Designs that fail
     are NaN.
 
-    - `coordinates`: values of each driver [SI]: along its axis of a grid, or of each in a list.
+    - `coordinates`: values of each driver [SI]: along its axis of a grid, or of each design.
     - `values`: by quantity, over the designs.
     - `elasticities`: by quantity, over the designs and then the drivers: per cent of the quantity
       per per cent of the driver. NaN for a quantity that is 0.
@@ -69,7 +69,7 @@ def map_over_drivers(
 
     **Arguments:**
 
-    - `mechanism`, `problem`: what the study is of.
+    - `mechanism`, `problem`: mechanism and problem of the study.
     - `points`: number of values of every driver.
     - `store`: directory of a zarr store, which a later call continues; `None`: in memory.
     - `progress`: of `sweep`.
@@ -93,15 +93,16 @@ def at_designs(
     quantities: Sequence[str],
     grid: int | None = None,
 ) -> DriverMap:
-    """The same at a list of designs.
+    """The map at a list of designs.
 
     **Arguments:**
 
-    - `mechanism`, `problem`: what the study is of.
+    - `mechanism`, `problem`: mechanism and problem of the study.
     - `designs`: drivers [SI], by name.
     - `quantities`: those that the mechanism has data for.
-    - `grid`: number of designs of a map of the same mechanism and quantities, whose program is then
-      used. Without it errors of `check` are not looked for, so that less is compiled.
+    - `grid`: number of designs of a map of the same mechanism and quantities; the list then uses
+      the program of this map. Without it errors of `check` are not looked for, so that less is
+      compiled.
     """
     axes = {one.name: [design[one.name] for design in designs] for one in problem.drivers}
     size = len(designs) if grid is None else min(grid, block_size(grid))

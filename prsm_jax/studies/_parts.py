@@ -1,4 +1,4 @@
-"""What a study found, before it is printed."""
+"""The results of a study in numbers."""
 
 from dataclasses import dataclass
 
@@ -29,7 +29,7 @@ class StudyParts:
         return gradients_at(self.problem, self.designs, 0)
 
     def conflict(self, first: str, second: str) -> Conflict:
-        """That of a pair, in any order. **Raises:** `KeyError` if there is none."""
+        """The conflict of a pair, in any order. **Raises:** `KeyError` if there is none."""
         for one in self.conflicts:
             if {one.first, one.second} == {first, second}:
                 return one

@@ -16,7 +16,7 @@ _OFTEN = 0.5
 
 
 def map_sentences(study: StudyParts) -> list[str]:
-    """What the map holds, and what the gradient of the present design says."""
+    """Sentences on the designs of the map, and on the gradient at the present design."""
     grid, designs = study.map, study.map.usable.size
     failed, errors = int(np.sum(~grid.usable)), int(np.sum(grid.error & grid.usable))
     lines = [
@@ -30,7 +30,7 @@ def map_sentences(study: StudyParts) -> list[str]:
 
 
 def conflict_sentences(study: StudyParts) -> list[str]:
-    """Where quantities conflict, with each other and with limits."""
+    """Sentences on the conflicts of quantities, with each other and with limits."""
     lines = []
     for one in study.conflicts:
         if one.limit:
@@ -60,14 +60,14 @@ def conflict_sentences(study: StudyParts) -> list[str]:
         ]
         if against:
             lines.append(
-                f"Better {words(name)} leads towards these limits in most of the map: "
+                f"Improving {words(name)} leads towards these limits in most of the map: "
                 f"{', '.join(against)}."
             )
     return lines
 
 
 def front_sentences(study: StudyParts) -> list[str]:
-    """How far the front goes, and what bounds it."""
+    """Sentences on the extent of the front, and on its active limits."""
     front = study.front
     if not front.points:
         return [f"No front: {front.message}."]
@@ -91,7 +91,7 @@ def front_sentences(study: StudyParts) -> list[str]:
 
 
 def variant_sentences(study: StudyParts) -> list[str]:
-    """What each part of the physics is worth to the answer."""
+    """Sentences on the influence of each part of the physics on the results."""
     return [_variant(study, one) for one in study.variants]
 
 
@@ -121,7 +121,7 @@ def _variant(study: StudyParts, one: Variant) -> str:
         f" Of the {points} points of its front, {allowed} satisfy all limits with complete physics"
     )
     if allowed and math.isfinite(one.volume):
-        text += f"; they dominate {number(100 * one.volume, 4)} % of what the front dominates"
+        text += f"; they dominate {number(100 * one.volume, 4)} % of the front's volume"
     return f"{text}."
 
 
@@ -136,7 +136,7 @@ def sentences_of(study: StudyParts) -> dict[str, list[str]]:
 
 
 def text_of(study: StudyParts, width: int | None) -> str:
-    """Tables and sentences, part by part, and what the gradient says at each point."""
+    """Tables and sentences, part by part, and a sentence on the gradient at each point."""
     said, blocks = sentences_of(study), []
     for part, tables in tables_of(study).items():
         blocks += [table.text(width).rstrip() for table in tables]

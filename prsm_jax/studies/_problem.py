@@ -1,4 +1,4 @@
-"""What a study is of: drivers with their ranges, quantities with their senses, and limits."""
+"""Problem of a study: drivers with their ranges, quantities with their senses, and limits."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -20,13 +20,13 @@ from ..quantities import available_quantities, find_quantity
 from ..sensitivities import DEFAULT_PARAMETERS
 
 Sense: TypeAlias = Literal["maximise", "minimise"]
-#: Quantities of a study where none are given, and that of them which a front is of.
+#: Quantities of a study where none are given, with their senses.
 DEFAULT_QUANTITIES: dict[str, Sense] = {
     "efficiency": "maximise",
     "lowest_mesh_torsional_frequency": "maximise",
     "lowest_mesh_transverse_frequency": "maximise",
 }
-#: Range on either side of the present value where the mechanism gives none.
+#: Range on either side of the present value, relative to it, where the mechanism gives none.
 _SHARE = 0.25
 
 
@@ -35,7 +35,7 @@ class Driver:
     """A number of the mechanism that a study varies [SI].
 
     - `present`: its value in the present design, which may lie outside of the range.
-    - `follows`: what changes with it, in words.
+    - `follows`: numbers that change with it, in words.
     """
 
     name: str
@@ -51,10 +51,10 @@ class StudyProblem:
     """Drivers, quantities and limits of a study.
 
     - `senses`: whether more or less of each quantity is better.
-    - `objectives`: those of the quantities that the front is of.
+    - `objectives`: the quantities that are objectives of the front.
     - `limits`: constraints of the front.
-    - `limited`: quantities of one-sided limits that are no quantities of the study, with the sense
-      that leads away from the limit. They are single numbers.
+    - `limited`: further quantities with a one-sided limit, with the sense that leads away from the
+      limit. They are single numbers.
     - `units`: of quantities and limited quantities.
     """
 
@@ -72,7 +72,7 @@ class StudyProblem:
 
     @property
     def computed(self) -> tuple[str, ...]:
-        """All that is computed of a design: those, and quantities of the other limits."""
+        """All quantities that are computed for a design: those, and those of the other limits."""
         return tuple(dict.fromkeys((*self.names, *(one.quantity for one in self.limits))))
 
     @property
@@ -86,7 +86,7 @@ class StudyProblem:
         return tuple(Objective(name, self.senses[name]) for name in self.objectives)
 
     def sense(self, name: str) -> Sense:
-        """Which way a quantity is better, or leads away from its limit."""
+        """The sense in which a quantity improves, or moves away from its limit."""
         return self.senses[name] if name in self.senses else self.limited[name]
 
 
@@ -97,9 +97,9 @@ def problem_of(
     objectives: Iterable[str] | None,
     limits: Iterable[Constraint] | None,
 ) -> StudyProblem:
-    """Fill in what is not given, and check the rest.
+    """Fill in arguments that are not given, and check the others.
 
-    **Raises:** `ValueError` for a range, a sense or a number of objectives that cannot be;
+    **Raises:** `ValueError` for an invalid range, sense or number of objectives;
     `UnknownNameError` for an unknown name.
     """
     senses = _senses(mechanism, quantities)
@@ -212,7 +212,7 @@ def _present(mechanism: Mechanism, name: str) -> tuple[float, str]:
 def _range(mechanism: Mechanism, name: str, both: Any, present: float) -> tuple[float, float]:
     if both is None:
         if present == 0:
-            raise ValueError(f"driver {name!r} is 0, which has no range of its own; give one")
+            raise ValueError(f"driver {name!r} is 0, so its value gives no range; give a range")
         ends = sorted(((1 - _SHARE) * present, (1 + _SHARE) * present))
         lower, upper = ends[0], ends[1]
     else:

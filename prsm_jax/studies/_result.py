@@ -14,16 +14,16 @@ from ._tables import tables_of
 
 @dataclass(frozen=True)
 class DriverStudy(StudyParts):
-    """What drivers do to quantities, where these conflict, and the best compromises.
+    """Effect of drivers on quantities, conflicts of quantities, and the best compromises.
 
     - `title`: of the mechanism.
     - `problem`: drivers, quantities, objectives and limits.
     - `map`: quantities and elasticities over the grid of the drivers.
     - `conflicts`: of each pair of quantities, and of each quantity with each limit.
-    - `front`: the designs that no other one dominates.
+    - `front`: the designs that no other design dominates.
     - `designs`: quantities and elasticities of the present design and then of the front's points.
-    - `gradients`: what the gradient says at each point of the front.
-    - `variants`: the answer without parts of the physics.
+    - `gradients`: the gradient at each point of the front, in numbers and in words.
+    - `variants`: the results without parts of the physics.
     """
 
     def to_dict(self) -> dict[str, Any]:

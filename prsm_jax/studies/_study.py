@@ -1,4 +1,4 @@
-"""The function `study`: map, conflicts, front, and what they are without parts of the physics."""
+"""The function `study`: map, conflicts, front, and the results without parts of the physics."""
 
 import os
 from collections.abc import Callable, Iterable, Mapping
@@ -28,18 +28,18 @@ def study(
     store: str | os.PathLike[str] | None = None,
     progress: Callable[[str, int, int], None] | None = None,
 ) -> DriverStudy:
-    r"""Study what a few drivers do to quantities, where these conflict, and the best compromises.
+    r"""Study the effect of a few drivers on quantities, conflicts, and the best compromises.
 
     1. A map: all quantities and their exact gradients over a grid of the drivers (`sweep`).
     2. Conflicts: at each design the cosine of the angle between the elasticities
        $\frac{p}{q}\frac{\partial q}{\partial p}$ of two quantities, with the signs of their senses.
-       Quantities of limits take part: where nothing conflicts but a limit, the limit makes the
-       compromise.
+       Quantities with limits are included: where objectives conflict only with a limit, the limit
+       determines the compromise.
     3. The front of two or three of the quantities within the limits (`pareto`), and the gradient at
        each of its points.
-    4. The same front without parts of the physics, and what its designs are worth with all of it.
+    4. The front without parts of the physics, and its designs computed with complete physics.
 
-    All at the mechanism's operating point.
+    The study refers to the mechanism's operating point.
 
     **Arguments:**
 
@@ -50,7 +50,7 @@ def study(
     - `quantities`: `"maximise"` or `"minimise"` by the name of a quantity, two or more. Default
       efficiency and the lowest torsional and transverse frequencies of the contacts, all to be
       maximised, as far as the mechanism has data.
-    - `objectives`: those of the quantities that the front is of, two or three; default the first
+    - `objectives`: two or three of the quantities, the objectives of the front; default the first
       two.
     - `limits`: constraints of the front; default those of the design problem. Errors of `check` are
       constraints, too.
@@ -61,13 +61,14 @@ def study(
       the mechanism has.
     - `starts`: of the searches for the best of each objective; default those of the design problem.
     - `store`: directory of a zarr store of the map, which a later call continues.
-    - `progress`: called with what is computed now, and how many of how many are done.
+    - `progress`: called with words on the present computation, the number of its finished steps
+      and the total number.
 
     **Returns:** a `DriverStudy`, which prints itself. Without a feasible design its front has no
     points.
 
-    **Raises:** as `sweep` and `pareto`; `ValueError` for a range, a sense or a number of points
-    that cannot be, and for quantities with components; `UnknownNameError` for an unknown name.
+    **Raises:** as `sweep` and `pareto`; `ValueError` for an invalid range, sense or number of
+    points, and for quantities with components; `UnknownNameError` for an unknown name.
     """
     if not (isinstance(points, int) and points >= 2):
         raise ValueError(f"points is {points}; give a whole number of 2 or more")

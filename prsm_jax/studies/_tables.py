@@ -22,13 +22,13 @@ def tables_of(study: StudyParts) -> dict[str, tuple[TextTable, ...]]:
 
 
 def unit_of_driver(study: StudyParts, name: str) -> DisplayUnit:
-    """In which unit a driver is shown everywhere."""
+    """The unit of a driver in all tables."""
     one = next(d for d in study.problem.drivers if d.name == name)
     return display_unit(one.unit, (one.lower, one.upper))
 
 
 def unit_of_quantity(study: StudyParts, name: str) -> DisplayUnit:
-    """In which unit a quantity is shown everywhere: the largest value in the map decides."""
+    """The unit of a quantity in all tables, chosen for its largest value in the map."""
     values = study.map.values[name]
     known = map(float, values[np.isfinite(values)])
     return display_unit(study.problem.units[name], known, name)
@@ -127,7 +127,7 @@ def _by_driver(study: StudyParts) -> TextTable:
         for one in study.conflicts
     ]
     return TextTable(
-        "Share of the map [%] in which more of one driver improves one and worsens the other",
+        "Share of the map [%] in which more of a driver improves one quantity, worsens the other",
         ("quantity", "against", *map(words, drivers)),
         rows,
     )
@@ -156,7 +156,7 @@ def _front(study: StudyParts) -> TextTable:
 
 
 def _broken(study: StudyParts) -> tuple[str, ...]:
-    """Limits that the present design breaks."""
+    """Limits that the present design violates."""
     found = [
         f"breaks {name}"
         for name, violation in study.designs.violations.items()
@@ -205,7 +205,7 @@ def _changes(study: StudyParts) -> TextTable:
 
 
 def _found_without(study: StudyParts) -> list[TextTable]:
-    """Best designs with and without each part, and what its front is worth."""
+    """Best designs with and without each part, and its front with complete physics."""
     drivers = [(one.name, unit_of_driver(study, one.name)) for one in study.problem.drivers]
     rows = []
     for objective in study.problem.objectives:
@@ -225,8 +225,8 @@ def _found_without(study: StudyParts) -> list[TextTable]:
     if judged:
         tables.append(
             TextTable(
-                "Fronts found without a part, judged with complete physics",
-                ("without", "points", "allowed", "dominates [% of the front]", "limits broken"),
+                "Fronts found without a part, computed with complete physics",
+                ("without", "points", "allowed", "dominates [% of the front]", "limits violated"),
                 [_judged(one) for one in judged],
             )
         )

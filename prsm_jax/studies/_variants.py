@@ -1,4 +1,4 @@
-"""How the answer changes when a part of the physics is left out."""
+"""Changes of the results when a part of the physics is left out."""
 
 import dataclasses
 import math
@@ -27,19 +27,19 @@ class Variant:
     """The same mechanism without one part of its physics.
 
     - `name`: of the part, such as `spin`; `parts`: its places, such as `stage.1.friction.spin`.
-    - `misses`: what results miss without it, in words.
+    - `misses`: effects that the results lack without it, in words.
     - `values`: quantities without the part (not those of limits), of the present design and then of
       the points of the complete front.
-    - `changes`: the same relative to the complete physics, minus 1.
+    - `changes`: relative changes of these values from the complete physics.
     - `turned`: signs of elasticities that differ from those of the complete physics, as quantity,
       driver, and the number of these designs.
-    - `without_data`: limits that need the part, and are no limits of its front.
+    - `without_data`: limits that need the part, and so cannot apply to its front.
     - `front`: the front found without the part; `None` if there is none.
     - `complete`: quantities of its points with complete physics.
     - `allowed`: which of its points satisfy all limits with complete physics.
     - `violations`: largest violation of each limit at its points with complete physics, relative.
-    - `volume`: what the allowed ones of its points dominate with complete physics, relative to the
-      complete front. NaN where there is no front.
+    - `volume`: volume that its allowed points dominate with complete physics, relative to that of
+      the complete front. NaN where there is no front.
     - `error`: why the quantities cannot be computed without the part; empty if they can.
     """
 
@@ -100,7 +100,7 @@ def best_of(front: ParetoFront, objective: str) -> dict[str, float]:
 def parts_of(mechanism: Mechanism, names: Iterable[str] | None) -> dict[str, tuple[Place, ...]]:
     """Places of the parts to be left out, by their names.
 
-    A name is the end of that of a place, such as `spin`, and stands for all stages.
+    A name is the end of the name of a place, such as `spin`, and stands for all stages.
 
     **Raises:** `UnknownNameError` where the mechanism has no such part.
     """
@@ -133,11 +133,11 @@ def variant_of(
     grid: int,
     find_front: Callable[[Mechanism, StudyProblem], ParetoFront],
 ) -> Variant:
-    """The study's answer without a part.
+    """The results of a study without a part.
 
     **Arguments:**
 
-    - `mechanism`, `problem`: what the study is of.
+    - `mechanism`, `problem`: mechanism and problem of the study.
     - `name`, `parts`: of the part that is left out.
     - `designs`, `complete`: the present design and the points of the front, and their quantities
       with complete physics.

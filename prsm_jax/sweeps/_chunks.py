@@ -21,8 +21,8 @@ def map_in_chunks(
     """`jax.vmap(function)(designs)`, chunk by chunk.
 
     A chunk stays in the cache, which is several times faster than all designs at once if the
-    function is long and consists of scalars. Beyond arguments and results only one chunk needs
-    memory. Jittable, and differentiable if `function` is.
+    function is long and consists of scalars. In addition to arguments and results only one chunk
+    needs memory. Jittable, and differentiable if `function` is.
 
     **Arguments:**
 

@@ -43,7 +43,7 @@ def export(
 
     - `data`: the data set of `sweep`.
     - `path`: the file; it is complete or, if anything fails, as before.
-    - `assumptions`: sentences about what the numbers rest on; in CSV they are left out.
+    - `assumptions`: sentences on the assumptions of the analysis; a CSV file does not have them.
 
     **Raises:** `ValueError` for another ending, a folder that does not exist, and more designs than
     a sheet of Excel has rows; `MissingExtraError` without the library of the format.
@@ -164,7 +164,7 @@ def _excel(data: "xarray.Dataset", path: Path, assumptions: list[str]) -> None:
         _fill(book, data, designs, assumptions)
         book.save(path)
     except BaseException:
-        # Of a sheet that is not saved, a file would stay open.
+        # Without saving, a file of the sheet would stay open.
         for sheet in book:
             sheet.close()
         raise
@@ -191,7 +191,7 @@ def _fill(book: Any, data: "xarray.Dataset", designs: tuple[str, ...], assumptio
 
 
 def _cell(value: Any) -> Any:
-    """A value of a cell; Excel has no NaN and no infinity, whose cells are empty."""
+    """A value of a cell. NaN and infinity, which Excel does not have, give an empty cell."""
     value = value.item() if isinstance(value, np.generic) else value
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
@@ -242,7 +242,7 @@ def _netcdf(data: "xarray.Dataset", path: Path, assumptions: list[str]) -> None:
     labelled.to_netcdf(path, engine="h5netcdf")
 
 
-#: Of each ending: what writes the format, and the library that it needs beyond those of a sweep.
+#: By ending: the function that writes the format, and the further library that it needs.
 _FORMATS: dict[str, tuple[Callable[[Any, Path, list[str]], None], str | None]] = {
     ".csv": (_csv, None),
     ".xlsx": (_excel, "openpyxl"),

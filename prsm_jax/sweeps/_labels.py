@@ -1,4 +1,4 @@
-"""Labels: what the arrays of a sweep are called, their dimensions, units and descriptions."""
+"""Labels of the arrays of a sweep: names, dimensions, units and descriptions."""
 
 import itertools
 from collections.abc import Iterable
@@ -200,7 +200,7 @@ def empty_dataset(
 
 
 class CodeCounts(NamedTuple):
-    """How many designs of a sweep have which code, by its meaning."""
+    """Number of designs of a sweep with each code, by the meaning of the code."""
 
     #: Designs that are not computed yet.
     missing: int

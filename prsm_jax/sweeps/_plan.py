@@ -29,7 +29,7 @@ class Plan:
     """Designs of a sweep, numbered in the order in which the last axis changes fastest."""
 
     kind: PlanName
-    #: Of a grid, the values along each dimension; else the values of all designs.
+    #: For a grid the values along each dimension; for other plans the values of all designs.
     axes: tuple[Axis, ...]
 
     @property
@@ -50,14 +50,14 @@ class Plan:
         return math.prod(self.shape)
 
     def values(self, where: tuple[slice, ...]) -> dict[str, np.ndarray]:
-        """Values of all axes [SI] in a block; of a grid, arrays that broadcast to its shape."""
+        """Values of all axes [SI] in a block; for a grid, arrays that broadcast to its shape."""
         if self.kind != "grid":
             return {axis.name: axis.values[where] for axis in self.axes}
         parts = [axis.values[part] for axis, part in zip(self.axes, where, strict=True)]
         return dict(zip(self.dimensions, np.ix_(*parts), strict=True))
 
     def static_choices(self, traced: Collection[str] = ()) -> list[dict[str, int]]:
-        """Every combination of values that are part of the program; one, empty, without any.
+        """Every combination of values that are part of the program; an empty one if there are none.
 
         Values that the program takes as numbers, of the axes in `traced`, are 0.
         """
@@ -78,7 +78,7 @@ def fixed_counts(values: np.ndarray, traced: bool) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Blocks:
-    """Blocks of designs: the last dimensions in full, one in part, the ones before it singly."""
+    """Blocks: each has all values of the last dimensions, some of one, and one of those before."""
 
     shape: tuple[int, ...]
     #: Shape of one block; at the end of a dimension it may be shorter.
@@ -151,7 +151,7 @@ def plan_of(
     - `seed`: of `"lhs"` and `"sobol"`.
 
     **Raises:** as `axes_of`; `ValueError` for an unknown plan, lists of different lengths, limits
-    in the wrong order, and `points` missing, given where it does not count, or below 1.
+    in the wrong order, and `points` missing, below 1, or given for a plan that does not take it.
     """
     if kind not in get_args(PlanName):
         names = ", ".join(get_args(PlanName))
@@ -159,7 +159,7 @@ def plan_of(
     checked = tuple(axis for axis, _ in axes_of(mechanism, axes, fixed))
     sampled = kind in ("lhs", "sobol")
     if not sampled and points is not None:
-        raise ValueError(f"points is {points}, but plan {kind!r} has as many designs as its values")
+        raise ValueError(f"points is {points}, but plan {kind!r} takes its designs from the values")
     if sampled:
         if not isinstance(points, int) or points < 1:
             raise ValueError(
@@ -182,7 +182,7 @@ def plan_of(
 
 
 def with_static(mechanism: Mechanism, choice: Mapping[str, int]) -> Mechanism:
-    """The mechanism with these values that are part of the program; 0 leaves its own."""
+    """The mechanism with these values that are part of the program; 0 keeps the present value."""
     return set_parameters(mechanism, {name: value for name, value in choice.items() if value})
 
 

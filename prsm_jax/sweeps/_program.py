@@ -15,7 +15,7 @@ from ..quantities import Analysis, evaluate_coded
 
 
 class Question(NamedTuple):
-    """What is computed of every design; part of the program."""
+    """What is computed for every design; part of the program."""
 
     #: Names from the catalogue.
     quantities: tuple[str, ...]
@@ -87,7 +87,7 @@ def evaluate_chunk(
     columns: dict[str, Any],
     point: dict[str, Any],
 ) -> BlockResults:
-    """The program of a block; its name is what the progress line counts."""
+    """The program of a call; the progress line counts programs of this name."""
     structure, others = static
     leaves = [
         other if number is None else number for number, other in zip(numbers, others, strict=True)
@@ -104,7 +104,7 @@ def evaluate_chunk(
 
 
 def _evaluate(mechanism: Mechanism, point: dict[str, Any], question: Question) -> BlockResults:
-    """What is computed of one design."""
+    """What is computed for one design."""
     analysis = Analysis(mechanism, point["speed"], point["load"])
     if question.sources:
         margins = margins_of(mechanism)

@@ -1,4 +1,4 @@
-"""Blocks of a sweep are computed: by threads of this process, or by an executor's workers."""
+"""Computation of the blocks of a sweep, by threads of this process or an executor's workers."""
 
 import functools
 import math
@@ -31,15 +31,15 @@ from ._store import opened
 
 #: Blocks that an executor has at once: enough for many workers, few enough to stay in memory.
 _IN_FLIGHT = 256
-#: Blocks that a thread has at once, with the one that it computes.
+#: Blocks that a thread has at once, including the one that it computes.
 _IN_FLIGHT_OF_THREAD = 2
-#: Designs in a call, at least, where a block is divided by whole numbers: below, calls take longer
-#: than the designs.
+#: Smallest number of designs in a call where a block is divided by whole numbers. In smaller calls
+#: the call itself takes longer than the computation.
 _LEAST = 64
 
 
 class _Settings(NamedTuple):
-    """What is computed of every design, in a form that can be sent to another process."""
+    """What is computed for every design, in a form that can be sent to another process."""
 
     quantities: tuple[str, ...]
     gradients: tuple[str, ...]
@@ -67,7 +67,7 @@ class _Settings(NamedTuple):
 
 
 class BlockTask(NamedTuple):
-    """One block: all that it is computed from, and where it goes."""
+    """One block: its inputs, and the store that it is written to."""
 
     number: int
     mechanism: Mechanism
@@ -111,14 +111,14 @@ class Job:
 
     @functools.cached_property
     def _settings(self) -> _Settings:
-        """With as few programs as possible."""
+        """Settings that need as few programs as possible."""
         counts = tuple(
             axis.name
             for axis in self.plan.axes
             if axis.static and stages_of_count(self.mechanism, axis.name)
         )
         choices = self.plan.static_choices(counts)
-        # That with the most numbers that are not part of the program.
+        # The combination with the most numbers that are not part of the program.
         most = min(choices, key=lambda choice: sum(value > 0 for value in choice.values()))
         if not all(most.values()):
             settings = self._settings_with(counts)
@@ -159,7 +159,7 @@ class Job:
         return block_shapes(chosen, columns, settings.arguments, settings.question)
 
     def task(self, number: int) -> BlockTask:
-        """What one block is computed from."""
+        """Inputs of one block."""
         where = self.blocks.slices(number)
         values = self.plan.values(where)
         static = {axis.name: values.pop(axis.name) for axis in self.plan.axes if axis.static}
@@ -218,7 +218,7 @@ def compute_block(task: BlockTask) -> BlockDone:
         given = values | {n: v for n, v in static.items() if not fixed[n]}
         for start in range(0, len(members), size):
             place = members[start : start + size]
-            # Every call has the same size; the last design fills it.
+            # Every call has the same size; copies of the last design fill the last call.
             filled = place[np.minimum(np.arange(size), len(place) - 1)]
             columns = {
                 name: jnp.asarray(column[filled], jnp.result_type(float))
@@ -305,7 +305,7 @@ def _by(
     tasks: Iterator[BlockTask],
     at_once: int,
 ) -> Iterator[BlockDone]:
-    """Results of an executor as they come, with a bounded number of blocks at once."""
+    """Results of an executor as they are completed, with a bounded number of blocks at once."""
     waiting: set[Future[BlockDone]] = set()
     try:
         while True:

@@ -1,8 +1,8 @@
-"""How many designs are stored together, and how many of them are computed in one call.
+"""Number of designs in a block, which is stored as a whole, and in a call of the program.
 
-A block is computed, stored and repeated as a whole. Writing takes a time for each file, so a block
-is large; threads, shards and machines share blocks, so there are enough of them. A call is smaller
-on a processor: what it works on stays in the cache.
+A block must be large, because each file that is written takes time. There must be enough blocks,
+because threads, shards and machines share them. On a processor a call is smaller than a block, so
+that its data stay in the cache.
 """
 
 import math
@@ -10,17 +10,17 @@ from pathlib import Path
 
 import jax
 
-#: Designs in a block, at most: on a processor and on an accelerator, which computes a block in one
-#: call and needs as many to be busy (docs/devices.md).
+#: Largest number of designs in a block, on a processor and on an accelerator. An accelerator
+#: computes a block in one call, and needs as many designs to be fully used (docs/devices.md).
 _MOST, _MOST_ON_ACCELERATOR = 16_384, 131_072
-#: Designs in a block, at least, and blocks that threads and shards can share in a small sweep.
+#: Smallest number of designs in a block, and number of blocks of a small sweep.
 _LEAST, _SHARED = 4096, 32
 #: Memory that results of one block may take [B]; each thread or worker has one block.
 RESULT_BYTES = 64 * 2**20
-#: What a call keeps at once for each design of a long program [B]: XLA reserves 8.4 kB for
+#: Working memory of a call for each design of a long program [B]: XLA reserves 8.4 kB for
 #: frequencies, efficiency and pressure of the example `actuator`.
 _WORKING_BYTES = 8 * 1024
-#: Designs in a call, at least and at most, and where the size of the cache is unknown.
+#: Designs in a call: the smallest and largest number, and that for an unknown size of the cache.
 _FEWEST, _MANY, _UNKNOWN = 512, 4096, 2048
 _CACHES = Path("/sys/devices/system/cpu/cpu0/cache")
 
@@ -57,7 +57,7 @@ def _accelerated() -> bool:
 
 
 def _cache_share(caches: Path) -> int | None:
-    """One core's share of the largest cache [B]; `None` where the system does not tell."""
+    """One core's share of the largest cache [B]; `None` where it is unknown."""
     found: list[int] = []
     try:
         for entry in caches.glob("index*"):

@@ -31,7 +31,7 @@ except ImportError:  # Windows
 
 #: Files that mark a directory as a zarr store of format 3 or 2.
 _MARKS = ("zarr.json", ".zgroup")
-#: Group of a store with what belongs to the run, which xarray does not show.
+#: Group of a store with data of the run, which xarray does not show.
 _PROGRESS, _DONE, _SWEEP = "progress", "done", "sweep"
 
 
@@ -63,7 +63,7 @@ def create_store(
     blocks: Blocks,
     identity: Mapping[str, Any],
 ) -> None:
-    """Write a store without results; if another process makes it at the same time, one wins.
+    """Write a store without results, unless another process has written it in the meantime.
 
     **Arguments:**
 
@@ -71,7 +71,7 @@ def create_store(
     - `dataset`: coordinates and attributes.
     - `variables`: its arrays.
     - `blocks`: their edges are those of the chunks.
-    - `identity`: what the results depend on; JSON.
+    - `identity`: data that the results depend on; JSON.
     """
     import zarr
     from zarr.codecs import ZstdCodec
@@ -87,7 +87,7 @@ def create_store(
                 shape=(*blocks.shape, *variable.own_shape),
                 chunks=(*blocks.block, *variable.own_shape),
                 dtype=variable.dtype,
-                # A third of the time of zarr's own level 0, which is 3, and files as small.
+                # A third of the time of level 0 (zarr's default, which means 3), files as small.
                 compressors=ZstdCodec(level=1),
                 fill_value=variable.fill,
                 dimension_names=(*identity["dimensions"], *variable.own_dimensions),
@@ -105,7 +105,7 @@ def create_store(
 
 
 def stored_identity(store: Path) -> dict[str, Any] | None:
-    """What the results in a store depend on; `None` if no sweep wrote it, or it is damaged."""
+    """Data that the results in a store depend on; `None` if no sweep wrote it or it is damaged."""
     try:
         stored = json.loads((store / _PROGRESS / "zarr.json").read_text(encoding="utf-8"))
         identity = stored["attributes"][_SWEEP]
@@ -178,7 +178,7 @@ class BlockStore:
         self._marks[number] = np.asarray([1, *counts], np.int32)
 
     def finish(self, marks: np.ndarray) -> bool:
-        """If every block is complete, write how many designs failed; whether that is so."""
+        """Write the number of failed designs if every block is complete; return whether it is."""
         if not marks[:, 0].all():
             return False
         counted = {"failed": int(marks[:, 1].sum()), "errors": int(marks[:, 2].sum())}

@@ -58,22 +58,21 @@ def sweep(
     executor: Executor | None = None,
     findings: bool = True,
 ) -> "xarray.Dataset":
-    """Evaluate quantities, and their derivatives if wanted, at many designs.
+    """Evaluate quantities, and on request their derivatives, at many designs.
 
-    The designs are computed in blocks of fixed size by one compiled program. Numbers of rollers
-    from 4 on share it where the quantities allow; every other combination of whole numbers has a
-    program of its own. A design that fails, because its
-    threads do not mesh, a contact would have to pull, or a value is not finite, is marked in
-    `failed` and is NaN in all quantities; the other designs are not affected. A design in which
-    `check` finds an error (teeth that interfere, a carrier that cuts into the screw, a load above
-    the static capacity) is marked in `error` with the code of the first error; its quantities are
-    still computed.
+    One compiled program computes the designs in blocks. Numbers of rollers from 4 on share it where
+    the quantities allow; every other combination of whole numbers has a program of its own. A
+    design fails if its threads do not mesh, a contact would have to pull, or a value is not finite.
+    It is then marked in `failed` and is NaN in all quantities; other designs are not affected. A
+    design in which `check` finds an error (teeth that interfere, a carrier that cuts into the
+    screw, a load above the static capacity) is marked in `error` with the code of the first error;
+    its quantities are still computed.
 
     With a `store`, each block is written when it is computed, and memory does not grow with the
-    number of designs. A run that was stopped continues where it stopped, and the store has the
-    same bytes as that of a run in one go on the same kind of machine. Of a store that is complete
-    nothing is computed again. Several processes can write to one store, on one machine or on many
-    with a common folder: each with a `shard` of its own, or as workers of an `executor`.
+    number of designs. A run that was stopped continues where it stopped; the store has the same
+    bytes as that of an uninterrupted run on the same kind of machine. A complete store is not
+    computed again. Several processes can write to one store, on one machine or on many with a
+    common folder: each with a `shard` of its own, or as workers of an `executor`.
 
     **Arguments:**
 
@@ -87,12 +86,12 @@ def sweep(
     - `points`, `seed`: of `"lhs"` and `"sobol"`.
     - `gradients`: parameters by which every quantity is differentiated, exactly.
     - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
-    - `chunk`: most designs in a block, which is stored as a whole. Default: that of the store, or
-      a 32nd of the designs, from 4,096 to 16,384 (131,072 on an accelerator), and so few that the
-      results of a block take at most 64 MiB. A block is computed in one or several calls, which
-      on a processor are as large as its cache allows.
+    - `chunk`: largest number of designs in a block, which is stored as a whole. Default: that of
+      the store, or a 32nd of the designs, from 4,096 to 16,384 (131,072 on an accelerator); fewer
+      if the results of a block would take more than 64 MiB. A block is computed in one or several
+      calls, which on a processor are as large as its cache allows.
     - `progress`: show a progress bar; or a function that is called with the number of finished
-      designs and the total number, of a shard its own.
+      designs and the total number; with a shard, of its designs only.
     - `store`: directory of a zarr store.
     - `resume`: continue a store of the same sweep. If not, an existing store is replaced when the
       new one is complete.
@@ -213,7 +212,7 @@ def _checked_shard(shard, store, resume: bool) -> tuple[int, int]:
 
 
 def _as_stored(job: Job, store: Path, chunk: int | None) -> Job:
-    """The job in calls, and if they are not given in blocks, as those of an existing store.
+    """The job with calls and, unless `chunk` is given, blocks as large as in an existing store.
 
     **Raises:** `ValueError` if the store belongs to another sweep.
     """
@@ -301,7 +300,7 @@ def _in_new_store(
 
 
 def _identity(job: Job) -> dict[str, Any]:
-    """What the bytes of a store depend on; JSON."""
+    """Data that the bytes of a store depend on; JSON."""
     return {
         "prsm_jax": __version__,
         "jax": jax.__version__,
@@ -326,7 +325,7 @@ def _digest(data: bytes) -> str:
 
 
 def _fingerprint(mechanism: Mechanism) -> str:
-    """Equal for equal mechanisms, also in another process."""
+    """A digest that is equal for equal mechanisms, also in another process."""
     leaves = [leaf for leaf in jax.tree.leaves(mechanism) if eqx.is_array(leaf)]
     numbers = b"".join(np.asarray(leaf).tobytes() for leaf in leaves)
     words = eqx.tree_pformat(mechanism, short_arrays=True)

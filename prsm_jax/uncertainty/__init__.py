@@ -1,4 +1,4 @@
-"""How tolerances of numbers scatter quantities, and which of them matter."""
+"""Scatter of quantities due to tolerances, and the contribution of each tolerance."""
 
 from ._allocation import (
     Allocation as Allocation,

@@ -26,8 +26,9 @@ class Allocation:
     - `before`, `tolerances`: given and allocated tolerances, with their costs.
     - `units`: their SI units.
     - `wanted_yield`: share of mechanisms within all limits.
-    - `yield_first_order`: what first-order standard deviations give; with limits of several
-      quantities a lower bound, because the shares outside of each limit are added.
+    - `yield_first_order`: yield from first-order standard deviations. With limits of several
+      quantities the shares outside of each limit are added; for normal quantities this is a lower
+      bound.
     - `verification`: Monte Carlo with the allocated tolerances.
     """
 
@@ -159,7 +160,7 @@ class CostCurve:
 
     - `yields`: wanted shares of mechanisms within all limits.
     - `costs`: least cost for each; NaN where no tolerances reach the yield.
-    - `given_yield`, `given_cost`: of the given tolerances, the yield by first order.
+    - `given_yield`, `given_cost`: first-order yield and cost of the given tolerances.
     """
 
     yields: np.ndarray
@@ -238,7 +239,7 @@ def _problem_of(
                 f"{low:g} to {high:g}; no tolerances help, change the design"
             )
     parts = np.stack([slopes[label] for label in limited])
-    # A quantity that no tolerance moves always keeps its limits, and its yield has no slope.
+    # A quantity that no tolerance changes always lies within its limits here: it is left out.
     moves = (parts != 0).any(axis=1)
     parts, sides = parts[moves], sides[moves]
     costs = np.array([one.cost for one in inputs.tolerances])
@@ -281,10 +282,10 @@ class _Problem:
     """Least cost over relative widths.
 
     - `parts`: standard deviation of each quantity due to each tolerance, quantities × tolerances;
-      a row has a number other than 0.
+      each row has a number other than 0.
     - `sides`: limits of each quantity less its value in the middle.
-    - `costs`: of the given tolerances.
-    - `wanted`: yield.
+    - `costs`: cost of each given tolerance.
+    - `wanted`: wanted yield.
     - `widest`: greatest relative widths.
     """
 
@@ -363,7 +364,7 @@ class _Problem:
             method="SLSQP",
             options={"ftol": 1e-12, "maxiter": 500},
         )
-        # 8: rounding hides a further descent at the optimum.
+        # SLSQP ends with status 8 where rounding errors hide a further descent at the optimum.
         if least_cost.status not in (0, 8):
             raise ValueError(
                 "the search for the tolerances of least cost found no optimum: "

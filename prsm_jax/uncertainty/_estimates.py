@@ -14,8 +14,8 @@ PROBABILITIES = (0.00135, 0.05, 0.5, 0.95, 0.99865)
 class Estimate:
     """One quantity by one method [SI]; errors are standard errors of sampled numbers, else 0.
 
-    `contributions` are shares of the variance, one for each tolerance; what is left to 1 is due
-    to tolerances together. `yield_share` is `None` without limits.
+    `contributions` are shares of the variance, one for each tolerance; the rest of the variance
+    belongs to no single tolerance. `yield_share` is `None` without limits.
     """
 
     mean: float
@@ -144,7 +144,7 @@ def monte_carlo(
     deviations: np.ndarray,
     limits: tuple[float, float] | None,
 ) -> Estimate:
-    """Moments and quantiles of samples; designs that failed count as outside of limits only.
+    """Moments and quantiles of the samples that did not fail. A failed one is outside of limits.
 
     **Arguments:**
 

@@ -203,8 +203,8 @@ def morris(
 ) -> GlobalSensitivity:
     """Elementary effects of Morris (SALib): a screening with few designs.
 
-    An effect is the change of the quantity if a parameter goes through its whole range, from its
-    lower to its upper limit whatever its distribution.
+    An effect is the change of the quantity over the whole range of a parameter, from its lower to
+    its upper limit. The distribution of the parameter has no influence.
 
     **Arguments:**
 

@@ -21,7 +21,7 @@ _LEAST = 2.0**-53
 class Inputs:
     """Tolerances of a mechanism and the numbers that they move.
 
-    - `mechanism`: without its tables of tolerances and of the optimisation, which are no physics.
+    - `mechanism`: without its tolerances and its design problem, which do not affect the physics.
     - `tolerances`: the tolerances.
     - `paths`: full names of the numbers.
     - `middle`: their values in the middle of the tolerance zones [SI].

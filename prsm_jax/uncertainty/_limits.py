@@ -12,8 +12,8 @@ Limits = dict[str, tuple[float, float]]
 def limits_of(problem: DesignProblem | None, given: Mapping[str, Any] | None) -> Limits:
     """Lower and upper limit of each quantity [SI], infinite where there is none.
 
-    Limits of the design problem hold unless the argument has the same quantity; a value that is
-    to be equal has no tolerance and gives no limit.
+    Limits in the argument replace those of the same quantity in the design problem. An equality
+    constraint gives no limits, because no quantity with scatter can satisfy it.
 
     **Raises:** `ValueError` for limits that are not a pair, or in the wrong order.
     """

@@ -20,7 +20,7 @@ METHOD_WORDS = {
 
 @dataclasses.dataclass(frozen=True)
 class MethodResult:
-    """What one method found.
+    """Result of one method.
 
     - `estimates`: of each quantity.
     - `yield_share`, `yield_error`: share of mechanisms within all limits, and its standard error;
@@ -62,8 +62,8 @@ class ToleranceAnalysis:
 
     - `quantities`, `units`, `limits`: single numbers with SI units and limits (`None`: no limit).
     - `tolerances`, `tolerance_units`: the tolerances with their SI units.
-    - `methods`: what each method found; the last is the most accurate, and its numbers are those of
-      the analysis.
+    - `methods`: result of each method. The last method is the most accurate; the numbers of the
+      analysis are its numbers.
     """
 
     quantities: tuple[str, ...]
@@ -80,7 +80,7 @@ class ToleranceAnalysis:
 
     @property
     def best(self) -> MethodResult:
-        """What it found."""
+        """Result of the most accurate method."""
         return self.methods[self.method]
 
     @property
@@ -226,9 +226,9 @@ class ToleranceAnalysis:
 
 
 def agreement(one: Estimate, best: Estimate) -> str:
-    """Differences from the best method in words.
+    """Differences from the most accurate method in words.
 
-    That of the mean is in standard deviations, that of the standard deviation in %.
+    The mean differs by a number of standard deviations, the standard deviation by a percentage.
     """
     spread = best.standard_deviation
     if not spread > 0:

@@ -11,9 +11,9 @@ from ..quantities import Quantity, component_names
 from ._inputs import Inputs
 from ._programs import evaluate_designs
 
-#: Independent scramblings, whose results scatter by the standard error.
+#: Number of independent scramblings; the scatter of their results gives the standard errors.
 SCRAMBLINGS = 8
-#: Designs per compiled call, about.
+#: Approximate number of designs in a compiled call.
 CHUNK = 1024
 Progress: TypeAlias = Callable[[int, int], None] | None
 
@@ -64,14 +64,14 @@ def evaluate_points(
     """
     values = inputs.values(deviations)
     total = len(values)
-    # Chunks of equal size, so that a few designs more than full chunks do not need another one.
+    # Chunks of equal size: the ends of the zones then need no further chunk of their own.
     size = -(-total // max(round(total / CHUNK), 1))
     parts: dict[str, list[np.ndarray]] = {}
     codes, errors = [], []
     for start in range(0, total, size):
         chunk = values[start : start + size]
         count = len(chunk)
-        # The last chunk is filled, so that one program serves all.
+        # The last chunk is filled up, so that all chunks use the same program.
         filled = np.concatenate([chunk, np.repeat(chunk[-1:], size - count, axis=0)])
         outputs, code, error = evaluate_designs(
             inputs.mechanism, inputs.paths, jnp.asarray(filled), selected, speed, load, sources

@@ -1,4 +1,4 @@
-"""Tolerances of a mechanism carried to its quantities: scatter, yield and contributions."""
+"""Scatter and yield of quantities due to tolerances, and the contribution of each tolerance."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -33,7 +33,7 @@ from ._sampling import SCRAMBLINGS, Progress, by_component, evaluate_points, poi
 from ._zone_ends import zone_ends, zone_points
 
 _METHODS = ("first_order", "second_order", "monte_carlo")
-#: Without limits; those that the mechanism lacks the data for are omitted.
+#: Quantities where no limits are given; without the quantities that the mechanism has no data for.
 DEFAULT_QUANTITIES = ("efficiency", "drive_torque", "max_pressure", "axial_stiffness")
 #: Points of the quadratic expansion, which costs no analyses.
 _SURROGATE_SAMPLES = 16384
@@ -55,24 +55,24 @@ def tolerance(
     findings: bool = True,
     progress: Progress = None,
 ) -> ToleranceAnalysis:
-    """Scatter of quantities due to tolerances: mean, standard deviation, quantiles, yield, causes.
+    """Scatter of quantities due to tolerances: mean, standard deviation, quantiles, yield.
 
     The yield is the share of mechanisms within limits. By Monte Carlo a mechanism counts only if
-    it can be analysed and, with `findings`, has no error of `check`; propagation sees the limits
-    alone. All expansions are about the middle of the tolerance zones.
+    it can be analysed and, with `findings`, has no error of `check`; first and second order
+    consider only the limits. Both expand the quantities about the middle of the tolerance zones.
 
     **Arguments:**
 
     - `mechanism`: the mechanism.
     - `quantities`: names from the catalogue; default those with limits, or else those of
       `DEFAULT_QUANTITIES` that the mechanism has the data for. Those with limits are added.
-    - `limits`: (lower, upper) [SI] by the name of a quantity, `None` for no limit; in addition to
-      the constraints of the mechanism's design problem, and before them.
+    - `limits`: (lower, upper) [SI] by the name of a quantity, `None` for no limit. They replace
+      the limits of the same quantity in the mechanism's design problem; its others still hold.
     - `method`: `"first_order"` (normal distribution from gradients), `"second_order"` (with all
       second derivatives), `"monte_carlo"` (scrambled Sobol points), or `"all"`.
     - `samples`: designs of Monte Carlo, rounded up to 8 scramblings of a power of 2.
     - `seed`: of the scramblings.
-    - `tolerances`: in place of the mechanism's own.
+    - `tolerances`: the tolerances; default those of the mechanism.
     - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
     - `findings`: whether Monte Carlo looks for errors of `check` in every design.
     - `progress`: called with the number of finished designs and the total number, which includes
@@ -122,7 +122,7 @@ def _selected(mechanism, quantities, bounds: Limits, speed, load) -> tuple[Quant
 
 
 def limit_of(label: str, bounds: Limits) -> tuple[float, float] | None:
-    """A limit of a quantity holds for each of its components."""
+    """Limits of a component: those of its quantity."""
     return bounds.get(label, bounds.get(label.partition("[")[0]))
 
 

@@ -20,9 +20,9 @@ _FACTORS = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0)
 class YieldCurve:
     """Share of mechanisms within all limits, for tolerances that are wider by common factors.
 
-    - `factors`: widths of all zones over the given ones.
+    - `factors`: widths of all zones relative to the given widths.
     - `yields`: shares by method, one for each factor.
-    - `errors`: standard errors of the sampled shares, one for each factor; 0 of others.
+    - `errors`: standard errors of the shares by method, one for each factor; 0 without samples.
     """
 
     factors: np.ndarray

@@ -37,7 +37,7 @@ def zone_points(inputs: Inputs) -> np.ndarray:
 
 
 def zone_ends(values: dict[str, np.ndarray]) -> dict[str, ZoneEnds]:
-    """The values of each quantity at the points of `zone_points`, by what they are."""
+    """Values of each quantity at the points of `zone_points`: nominal, lower and upper ends."""
     found: dict[str, ZoneEnds] = {}
     for label, array in values.items():
         lower, upper = np.split(array[1:], 2)

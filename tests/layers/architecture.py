@@ -23,22 +23,22 @@ This page and its picture are written by `python -m tests.layers.architecture` f
 the package, and a test compares them. `tests/layers/room_order.py` says which room may use which.
 
 Data flows one way, and the folders are named after it: {order}.
-A mechanism holds laws of `friction` and a `scenario`. `validation`, `explanation` and `cli` use
-what lies below them. `fields`, `numerics`, `programs`, `text` and `process` lie at the ground,
-know nothing of screws, and serve all.
+A mechanism holds laws of `friction` and a `scenario`. `validation`, `explanation` and `cli` use the
+rooms below them. The rooms at the ground are `fields`, `numerics`, `programs`, `text` and
+`process`: they contain nothing about screws, and all other rooms use them.
 
 ![Rooms of the package, and which room imports which](images/architecture.svg)
 
-An arrow points from a room to one that imports it; arrows that follow from others, and those from
-the ground, are left out.
+An arrow points from a room to a room that imports it. Arrows that follow from other arrows, and
+arrows from the ground, are left out.
 
-* A room is entered by its door, its `__init__.py`, which only re-exports. Its other modules begin
-  with `_`, and no other room imports them.
+* Other rooms import a room only by its `__init__.py` (its door), which only re-exports. The names
+  of its other modules begin with `_`.
 * A room does not import from a room that lies above it or beside it, not even inside a function.
 * A room with more than about a dozen files has rooms within, in an order of their own.
 * No room has the name of a verb: `prsm_jax.vibration` is a room, `prsm_jax.modal` a function.
-* What is heavy (diffrax, SciPy's optimisers, matplotlib, pint, xarray) is imported where it is
-  used.
+* Heavy packages (diffrax, SciPy's optimisers, matplotlib, pint, xarray) are imported inside the
+  functions that use them.
 
 | room | what it is about | files | rooms within | imports |
 | --- | --- | --- | --- | --- |
@@ -47,10 +47,10 @@ the ground, are left out.
 _WALKS = """
 ## The way of a number
 
-Main functions that a number passes on its way, in the order in which they return. A test traces the
-derivative and compares. No number goes back to an earlier room: what lies above calls what lies
-below, and hands its results on. Losses of spin and rolling, which the first mechanism does not
-have, add the contacts between `geometry` and `dynamics`.
+The lists show the main functions through which a number passes, in the order in which they return.
+A test traces the derivative and compares the lists. No number goes back to an earlier room: a room
+calls rooms below it and passes their results on. The first mechanism has no losses of spin and
+rolling; with them, the contacts come between `geometry` and `dynamics`.
 
 """
 

@@ -264,7 +264,9 @@ def test_tables_of_the_report(study):
         numbers = [float(cell.replace("−", "-")) for cell in row[2:]]
         assert numbers[:3] == pytest.approx([one.present, *one.range], abs=5.1e-4)
         assert numbers[3:] == pytest.approx([100 * one.share, 100 * one.share_allowed], abs=0.051)
-    caption = "Share of the map [%] in which more of one driver improves one and worsens the other"
+    caption = (
+        "Share of the map [%] in which more of a driver improves one quantity, worsens the other"
+    )
     for row, one in zip(tables[caption].rows, study.conflicts, strict=True):
         numbers = list(map(float, row[2:]))
         assert numbers == pytest.approx([100 * v for v in one.by_driver.values()], abs=0.051)
@@ -310,7 +312,7 @@ def test_tables_of_the_report(study):
             wanted, rel=1e-3, abs=5.1e-4
         )
     assert changes[3] == ("load sharing", "it has no mass", "–", "–", "–")
-    judged = tables["Fronts found without a part, judged with complete physics"].rows
+    judged = tables["Fronts found without a part, computed with complete physics"].rows
     assert judged == (("spin", "3", "2", "93.50", "max pressure by up to 12.3 %"),)
     best = tables["Best design for each objective, without a part of the physics"]
     for row in best.rows:

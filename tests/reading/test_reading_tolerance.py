@@ -322,7 +322,7 @@ def test_yield_against_the_width_of_all_tolerances():
     errors = {"first_order": np.zeros(3), "monte_carlo": np.array([0.001, 0.004, 0.01])}
     chart = Chart(yield_chart(YieldCurve(factors, yields, errors)))
     (axes,) = chart.axes
-    assert axes.get_xlabel() == "width of all tolerances over the given ones"
+    assert axes.get_xlabel() == "width of all tolerances relative to the given ones"
     assert axes.get_ylabel() == "within all limits in %"
     chart.level(axes, 1.0, "1", "x")
     line, points = chart.lines(axes)

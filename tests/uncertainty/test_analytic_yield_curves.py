@@ -37,7 +37,9 @@ def test_the_yield_of_wider_tolerances():
         assert (errors > 0).all()
         assert (errors < 1e-2).all()
         assert (np.abs(found.yields[method] - expected) < 5 * errors).all()
-    assert told[-1] == (3 * 2048, 3 * 2048)
+    # Of each factor also the nominal design and both ends of the three zones.
+    designs = 3 * (2048 + 1 + 2 * len(TOLERANCES))
+    assert told[-1] == (designs, designs)
     assert told == sorted(told)
 
 

@@ -32,7 +32,7 @@ def _checkout() -> Path:
 
 @app.command
 def bench(
-    *cases: Annotated[str, Parameter(help="Which cases; none runs all of them.")],
+    *cases: Annotated[str, Parameter(help="Names of cases; default all.")],
     quick: Annotated[bool, Parameter(help="Smaller problems: minutes instead of hours.")] = False,
     page: Annotated[bool, Parameter(help="Only the page, from the results in --out.")] = False,
     out: Annotated[Path, Parameter(help="Folder for the results of each case.")] = _OUT,

@@ -19,7 +19,7 @@ _DEFAULT = Common()
 
 
 def _friction(mechanism: Mechanism) -> list[str]:
-    """Friction coefficients of the file: what is fitted if nothing is named."""
+    """Friction coefficients of the file: the parameters of a fit if none are named."""
     found = [
         one.path
         for one in all_parameters(mechanism)
@@ -92,14 +92,14 @@ def calibrate(
         ),
     ] = None,
     loss: Annotated[
-        str, Parameter(help="squared; or huber, soft_l1 or cauchy, which outliers move less.")
+        str, Parameter(help="squared; or huber, soft_l1 or cauchy, which outliers affect less.")
     ] = "squared",
     common: Common = _DEFAULT,
 ) -> int:
-    """Fit numbers of the file to measurements, with 95 % limits and what the data leave open.
+    """Fit numbers of the file to measurements, with 95 % limits; name what stays undetermined.
 
-    With --out the calibrated mechanism and a picture of the residuals are written to that folder;
-    exit status 1 if the fit did not converge.
+    With --out the calibrated mechanism and a picture of the residuals are written to that folder.
+    Exit status 1 if the fit did not converge.
     """
     mechanism = common.load(file)
     from ...calibration import calibrate as run_calibration, read_measurements

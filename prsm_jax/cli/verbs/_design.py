@@ -1,25 +1,26 @@
-"""Verbs that improve a design: sensitivity, optimise."""
+"""Verbs that improve a design: sensitivity, optimise, pareto."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from ...mechanism import Mechanism
+from ...mechanism import Mechanism, Objective
 from ...process import make_folder
 from ...quantities import assumptions
 from .._app import app
 from .._common import Common, checked, emit, words_of, write_text
 from .._optimised import optimised_text
 from .._programs import run_stored, runs_one_verb
-from .._progress import doing, expect_programs
+from .._progress import counted, doing, expect_programs
 from .._tables import terminal_width
 
 if TYPE_CHECKING:
     from ...sensitivities import Sensitivity
 
 _DEFAULT = Common()
-_NAMES = "Names from `prsm quantities`, separated by commas."
+_FROM = "from `prsm quantities`, separated by commas."
+_NAMES = f"Names {_FROM}"
 
 
 def _sensitivity(
@@ -50,7 +51,7 @@ def sensitivity(
         str | None, Parameter(help="Names of numbers in the file, separated by commas.")
     ] = None,
     second: Annotated[
-        bool, Parameter(negative="", help="Second derivatives, too; minutes to compile.")
+        bool, Parameter(negative="", help="Also second derivatives; they compile for minutes.")
     ] = False,
     common: Common = _DEFAULT,
 ) -> int:
@@ -86,10 +87,10 @@ def optimise(
     ] = False,
     common: Common = _DEFAULT,
 ) -> int:
-    """Improve the design as the file's [optimise] table says; writes the optimised file.
+    """Improve the design by the file's [optimise] table, and write the optimised file.
 
     Errors of `prsm check` are constraints, too. The optimised mechanism is written to the
-    folder of --out (default out/optimise), unless it breaks a constraint; exit status 1 if no
+    folder of --out (default out/optimise), unless it violates a constraint. Exit status 1 if no
     design satisfies the constraints and the optimality conditions.
     """
     common.check_targets("out/optimise")
@@ -123,3 +124,57 @@ def optimise(
 def told_of_search(start: int, starts: int, iteration: int) -> None:
     """Show the progress of an optimisation on the terminal."""
     doing(f"start {start} of {starts}, iteration {iteration}")
+
+
+@app.command
+def pareto(
+    file: str,
+    *,
+    maximise: Annotated[str | None, Parameter(help=f"Quantities to maximise, {_FROM}")] = None,
+    minimise: Annotated[str | None, Parameter(help=f"Quantities to minimise, {_FROM}")] = None,
+    points: Annotated[int | None, Parameter(help="Points of the front.")] = None,
+    starts: Annotated[
+        int | None, Parameter(help="Number of starts for the best of each objective.")
+    ] = None,
+    common: Common = _DEFAULT,
+) -> int:
+    """The front of two or three objectives, with the variables and limits of [optimise].
+
+    The objectives are those of --maximise and --minimise, or else the file's
+    [[optimise.objective]] rows. Errors of `prsm check` are constraints, too. With --out pictures
+    are written: the objectives, and the designs across all variables and objectives. Exit status 1
+    if a point does not satisfy the optimality conditions.
+    """
+    mechanism = common.load(file)
+    expect_programs("_values", "_derivatives")
+    objectives = [
+        *(Objective(name, "maximise") for name in words_of(maximise) or ()),
+        *(Objective(name, "minimise") for name in words_of(minimise) or ()),
+    ]
+    from ...optimisation import pareto as run_pareto
+
+    front = run_pareto(
+        mechanism,
+        objectives or None,
+        points=points,
+        starts=starts,
+        progress=lambda done, total: counted(done, total, "searches"),
+    )
+    if common.out is not None and front.points:
+        from ...report import front_chart, parallel_chart, save_figures
+
+        pictures = {"front": front_chart(front), "front-parallel": parallel_chart(front)}
+        save_figures(common.out, pictures)
+    terms = (*front.objectives, *front.problem.constraints)
+    findings = checked(mechanism)
+    if front.points:
+        # Errors are constraints: those of the present design are not those of the front.
+        findings = tuple(one for one in findings if one.severity != "error")
+    valid = emit(
+        common,
+        front.to_dict(),
+        lambda: front.text(terminal_width()),
+        assumptions(mechanism, [term.quantity for term in terms]),
+        findings,
+    )
+    return int(not (valid and front.converged))

@@ -22,15 +22,15 @@ def explain(
         Parameter(help="steady_state, modes, transient, quantities, separated by commas."),
     ] = None,
     numbers: Annotated[
-        bool, Parameter(negative="", help="Optional numbers too, and what each of them costs.")
+        bool, Parameter(negative="", help="Also list optional numbers, and the cost of each.")
     ] = False,
     time: Annotated[
         bool,
-        Parameter(negative="", help="Compile and run each program too: takes minutes."),
+        Parameter(negative="", help="Also compile and run each program; takes minutes."),
     ] = False,
     common: Common = _DEFAULT,
 ) -> int:
-    """Which optional parts the file carries, which it leaves out and why, and what each costs.
+    """Optional parts that the file has, those that it leaves out and why, and the cost of each.
 
     The cost of a part is the difference between the program with it and without it: equations that
     JAX traces; with --time also flops and bytes, memory, compiling and run time. --out writes

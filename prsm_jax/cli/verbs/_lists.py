@@ -34,7 +34,7 @@ def quantities(*, output: Output = _DEFAULT) -> int:
 
 @app.command
 def example(
-    name: Annotated[str | None, Parameter(help="Which example; none lists them.")] = None,
+    name: Annotated[str | None, Parameter(help="Name of an example; default: list all.")] = None,
     *,
     output: Output = _DEFAULT,
 ) -> int:

@@ -125,11 +125,11 @@ def modal(
     first: Annotated[
         str | None,
         Parameter(
-            name="--from", allow_leading_hyphen=True, help="Its first value, such as '20 deg'."
+            name="--from", allow_leading_hyphen=True, help="First value of this number: '20 deg'."
         ),
     ] = None,
     last: Annotated[
-        str | None, Parameter(name="--to", allow_leading_hyphen=True, help="Its last value.")
+        str | None, Parameter(name="--to", allow_leading_hyphen=True, help="Last value.")
     ] = None,
     points: Annotated[int, Parameter(help="Number of values, both ends included.")] = 201,
     common: Common = _DEFAULT,

@@ -47,7 +47,7 @@ def _senses(maximise: str | None, minimise: str | None) -> dict[str, str] | None
 
 
 class _Progress:
-    """Shows what a study computes now, and how far it is."""
+    """Shows the present computation of a study and its progress."""
 
     def __init__(self) -> None:
         self._map = Counter("designs of the map")
@@ -80,7 +80,7 @@ def study(
     ] = None,
     objectives: Annotated[
         str | None,
-        Parameter(help="Two or three of the quantities, of which the front is. Default the first."),
+        Parameter(help="Two or three quantities: objectives of the front. Default: the first two."),
     ] = None,
     points: Annotated[int, Parameter(help="Values of every driver in the map.")] = 7,
     front_points: Annotated[int, Parameter(help="Points of the front.")] = 11,
@@ -89,7 +89,7 @@ def study(
         Parameter(
             help="Parts of the physics to leave out, one at a time, by commas; names as `prsm "
             "explain` prints them, or their ends. Default spin,rolling_hysteresis,load_sharing as "
-            "far as the file has them; none for none."
+            "far as the file has them; `none` leaves out no part."
         ),
     ] = None,
     starts: Annotated[
@@ -97,7 +97,7 @@ def study(
     ] = None,
     common: Common = _DEFAULT,
 ) -> int:
-    """What a few drivers do to quantities, where these conflict, and the front, with a report.
+    """Report on a few drivers: their effect on quantities, conflicts of these, and the front.
 
     By default natural frequencies and efficiency against lead, contact angle and roller radius,
     under the limits of [optimise], and again without spin, rolling hysteresis and load sharing.

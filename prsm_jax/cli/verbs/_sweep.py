@@ -112,7 +112,7 @@ def sweep(
     seed: Annotated[int, Parameter(help="Seed of lhs and sobol.")] = 0,
     chunk: Annotated[
         int | None,
-        Parameter(help="Most designs in a block, which is stored as a whole; default by memory."),
+        Parameter(help="Largest number of designs in a block; default by number and memory."),
     ] = None,
     constraints: Annotated[
         bool,
@@ -138,8 +138,8 @@ def sweep(
         bool,
         Parameter(
             negative="",
-            help="Compute nothing; finish the store that all shards have written. The store knows "
-            "its axes and quantities.",
+            help="Compute nothing; finish the store that all shards have written. It contains "
+            "the axes and quantities.",
         ),
     ] = False,
     scheduler: Annotated[
@@ -244,7 +244,7 @@ def sweep(
         # Limits of [optimise] whose quantities were computed.
         "constraints": [dataclasses.asdict(one) for one in drawn],
         "exports": files,
-        # Of the mechanism in the file; each design has its own code.
+        # Findings on the mechanism in the file; each design has a code of its own.
         "findings": list(dict.fromkeys(f.name for f in findings if f.severity != "note")),
         "valid": failed < total - missing,
     }
@@ -265,7 +265,7 @@ def _limited(mechanism: Mechanism, asked: list[str]) -> list[str]:
 def _save_pictures(
     folder: Path, mechanism: Mechanism, data: Any, names: list[str], limits: list[Constraint]
 ) -> list[str]:
-    """Write a picture of each quantity; those that cannot be drawn, and limits, are told."""
+    """Write a picture of each quantity; stderr names missing pictures and limits."""
     from ...report import save_figure, sweep_figure
 
     doing("drawing")
@@ -291,7 +291,7 @@ def _save_pictures(
         try:
             picture = sweep_figure(data, name, sense=sense, constraints=limits or None)
         except ValueError as error:
-            # The numbers are there all the same.
+            # The store has the numbers all the same.
             _tell(f"no picture of {name}: {error}")
             continue
         written += map(str, save_figure(picture, folder / f"sweep-{name}"))

@@ -46,10 +46,10 @@ def tolerance(
     ] = None,
     common: Common = _DEFAULT,
 ) -> int:
-    """Scatter of quantities due to the file's [tolerances], the yield, and what contributes.
+    """Scatter of quantities due to the file's [tolerances], the yield, and contributions.
 
-    Limits are those of the constraints in the file's [optimise] table; by Monte Carlo an error of
-    `prsm check` also counts as a mechanism outside of the limits. With --out, pictures are written
+    Limits are the constraints in the file's [optimise] table; by Monte Carlo a mechanism with an
+    error of `prsm check` also counts as outside of the limits. With --out, pictures are written
     to that folder: distributions, contributions, ends of the tolerance zones (tornado), a pair of
     quantities, yield and cost.
     """
@@ -127,7 +127,7 @@ def _save_pictures(
         try:
             pictures["tolerance-cost"] = cost_chart(cost_curve(mechanism))
         except ValueError as error:
-            # No tolerances help a design that breaks a limit itself.
+            # If the design itself violates a limit, no tolerances reach a yield.
             clear()
             print(f"prsm: no picture of the cost: {error}", file=sys.stderr)
     save_figures(common.out, pictures)

@@ -216,7 +216,7 @@ def campbell(
         float | None,
         Parameter(help="Highest screw speed in rpm; default 1.5 times the operating speed."),
     ] = None,
-    harmonics: Annotated[int, Parameter(help="How many harmonics of each order.")] = 3,
+    harmonics: Annotated[int, Parameter(help="Number of harmonics of each order.")] = 3,
     orders: Annotated[
         str | None, Parameter(help="Names of orders, separated by commas; default all.")
     ] = None,

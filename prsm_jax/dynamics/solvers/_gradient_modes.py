@@ -25,11 +25,11 @@ class GradientMode(eqx.Module):
 
     **Declarations:**
 
-    - `word`: what methods name in `gradients`.
-    - `reverse`: whether reverse mode may follow. Then a first integration chooses the steps, and a
-      second one repeats them for the derivatives.
-    - `checkpointed`: whether states are recomputed from checkpoints, so that under a prescribed
-      torque the steps are chosen beforehand, too.
+    - `word`: the word by which methods name the mode in `gradients`.
+    - `reverse`: whether the mode supports reverse-mode derivatives. Then a first integration
+      chooses the steps, and a second one repeats them for the derivatives.
+    - `checkpointed`: whether states are recomputed from checkpoints. Then a first integration
+      chooses the steps under a prescribed torque, too.
     """
 
     word: ClassVar[str]

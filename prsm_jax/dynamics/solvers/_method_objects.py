@@ -37,11 +37,11 @@ class Method(eqx.Module):
     - `label`: its name in `Transient.solver`; empty for the name of the class.
     - `carriers`: how it finds the motion of the carriers at a prescribed speed: integrated, in
       balance at every instant, or in closed form.
-    - `chooses`: whether `choose_method` names the method that is used in its place.
+    - `chooses`: whether `choose_method` selects another method that replaces it.
     - `under_torque`: whether it computes transients under a prescribed torque.
     - `gradients`: words of the modes of differentiation that it supports.
-    - `longest_step`: longest step over the shortest time constant at which deviations decay;
-      `None` if they decay at any step.
+    - `longest_step`: longest step at which deviations decay, as a multiple of the shortest time
+      constant; `None` if they decay at any step.
     """
 
     word: ClassVar[str] = ""
@@ -76,7 +76,7 @@ class Method(eqx.Module):
 
         - `rtol`, `atol`: tolerances, for iterations inside a step.
         - `autonomous`: whether the right-hand side is independent of time.
-        - `compact`: whether a small program matters more than a fast one.
+        - `compact`: whether a small program is preferred to a fast one.
 
         **Raises:** `ValueError` if the method does not integrate.
         """
@@ -108,9 +108,9 @@ class Method(eqx.Module):
 
 
 class ClosedForm(Method):
-    """Carriers that settle at constant speed and load with constant friction coefficients.
+    """Settling of the carriers at constant speed and load, with constant friction coefficients.
 
-    Exact at any time, no integration.
+    Exact at any time, without integration.
     """
 
     word: ClassVar[str] = "closed_form"
@@ -137,8 +137,8 @@ class Integrating(Method):
 class QuasiSteady(Integrating):
     """Carriers in balance at every instant.
 
-    At a prescribed speed nothing is integrated, and tolerances have no meaning; under a prescribed
-    torque the screw's motion is integrated with them, by Tsit5.
+    At a prescribed speed nothing is integrated, and tolerances have no effect. Under a prescribed
+    torque Tsit5 integrates the screw's motion with these tolerances.
     """
 
     word: ClassVar[str] = "quasi_steady"
@@ -163,7 +163,7 @@ class QuasiSteady(Integrating):
 
 
 class Rodasp(Integrating):
-    """RODASP 4/3: any stiffness, no iterations; the cheapest that integrates."""
+    """RODASP 4/3: for any stiffness, without iterations; the cheapest method that integrates."""
 
     word: ClassVar[str] = "rosenbrock"
     label: ClassVar[str] = "RODASP"
@@ -190,7 +190,7 @@ class Auto(Rodasp):
 
 
 class Implicit(Integrating):
-    """Kvaerno 5/4 with Newton's iteration: any stiffness, the reference."""
+    """Kvaerno 5/4 with Newton's iteration: for any stiffness; the reference."""
 
     word: ClassVar[str] = "implicit"
     label: ClassVar[str] = "Kvaerno5 with Newton"
@@ -203,7 +203,7 @@ class Implicit(Integrating):
         autonomous: bool = False,
         compact: bool = False,
     ) -> Solver:
-        """Kvaerno's method, whose iterations take the tolerances."""
+        """Kvaerno's method; its iterations use the tolerances."""
         from ._kvaerno import Kvaerno
 
         return Kvaerno(rtol, atol)

@@ -1,4 +1,4 @@
-"""Damping of vibration: one law per stage, and none unless the input defines it."""
+"""Damping of vibration: one law for each stage; without a law there is no damping."""
 
 import abc
 from typing import ClassVar, Protocol, TypeAlias, runtime_checkable
@@ -53,11 +53,11 @@ class DampingLaw(Limited):
         """
 
     def viscous_matrix(self, of: MassAndStiffness) -> Float[Array, "n n"] | None:
-        """C of forces `C q̇` [N·s/m]; `None` if there are none."""
+        """Matrix C of viscous forces `C q̇` [N·s/m]; `None` if there are none."""
         return None
 
     def hysteretic_matrix(self, of: MassAndStiffness) -> Float[Array, "n n"] | None:
-        """H of forces `i H q` in steady harmonic vibration [N/m]; `None` if there are none."""
+        """Matrix H of forces `i H q` in harmonic vibration [N/m]; `None` if there are none."""
         return None
 
 

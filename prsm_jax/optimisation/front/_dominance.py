@@ -1,4 +1,4 @@
-"""Which points of several objectives are the best, and the volume that they dominate."""
+"""Points that no other point dominates, and the volume that they dominate."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ import numpy as np
 def non_dominated(objectives: np.ndarray) -> np.ndarray:
     """Which points no other point dominates; of equal points the first one counts.
 
-    A point dominates another if it is nowhere worse and somewhere better.
+    A point dominates another if it is worse in no objective and better in at least one.
 
     **Arguments:**
 
@@ -38,7 +38,7 @@ def hypervolume(objectives: np.ndarray, reference: np.ndarray) -> float:
     reference = np.asarray(reference, dtype=float)
     count = len(reference)
     if not 1 <= count <= 3:
-        raise ValueError(f"the volume is of {count} objectives; it is computed for at most 3")
+        raise ValueError(f"there are {count} objectives; the volume is computed for at most 3")
     points = np.asarray(objectives, dtype=float).reshape(-1, count)
     points = points[np.all(points < reference, axis=1)]
     if not len(points):

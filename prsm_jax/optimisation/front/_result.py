@@ -1,4 +1,4 @@
-"""The front of several objectives: its points, what each rests on, and the volume it dominates."""
+"""The front of several objectives: points, their active limits, and the dominated volume."""
 
 import math
 from collections.abc import Mapping
@@ -57,19 +57,19 @@ class FrontPoint:
 
 @dataclass(frozen=True)
 class ParetoFront:
-    """The designs found that no other one dominates; prints itself.
+    """The designs found that no other design dominates; prints itself.
 
     `points` are ordered by the first objective, the best first. No point of them is dominated by
     another, and each satisfies every constraint and error limit of `check`.
     """
 
-    #: The given mechanism; `design` gives that of a point.
+    #: The given mechanism; `design` returns the mechanism of a point.
     mechanism: Mechanism
     problem: DesignProblem
     points: tuple[FrontPoint, ...]
     #: The present design, which may violate limits.
     start: FrontPoint
-    #: Results of searches that are no points of the front, with the reason as their status.
+    #: Results of searches that are not points of the front, with the reason as their status.
     dropped: tuple[FrontPoint, ...]
     #: Share of the box between the ideal point and `reference` that the front dominates.
     hypervolume: float
@@ -84,7 +84,7 @@ class ParetoFront:
     derivative_evaluations: int
     variable_units: dict[str, str]
     objective_units: dict[str, str]
-    #: Whether the best of each objective was found; else the front may go on beyond its ends.
+    #: Whether the best of each objective was found; else the front may extend beyond its ends.
     complete: bool = True
 
     @property

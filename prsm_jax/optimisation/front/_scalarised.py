@@ -7,8 +7,8 @@ import numpy as np
 from ..results import Optimality, optimality, worst_case_optimality
 from ..search import Evaluator, Point
 
-#: Share of the sum of the objectives in every search: no point is dominated where one objective
-#: is constant. It moves a point along the front, never away from it.
+#: Weight of the sum of the objectives in every search. Without it a point could be dominated where
+#: one objective is constant. It moves a point along the front, never away from it.
 AUGMENTATION = 1e-4
 #: Searches with a fresh Hessian, and iterations of each.
 _RESTARTS, _ITERATIONS = 3, 100
@@ -96,7 +96,7 @@ class _Search:
 
     def cost(self, joint: np.ndarray) -> float:
         point, good = self._point(joint)
-        # A design that fails is worse than the last one that did not: the search steps back.
+        # A design that fails costs more than the last usable design: the search steps back.
         values = self.goals.values(point) + (0.0 if good else 10.0)
         distance = 0.0 if self.target is None else joint[-1]
         return float(self.weights @ values + distance)
@@ -169,7 +169,7 @@ class _Search:
         return found.residual, self.weights - multipliers
 
     def look(self, joint: np.ndarray) -> None:
-        """Judge an iterate; ends the search where it is good enough."""
+        """Check an iterate, and end the search if the iterate meets the tolerance."""
         position = np.clip(joint[: self._count], 0.0, 1.0)
         evaluator = self.goals.evaluator
         # A design whose derivatives are not finite fails, too.

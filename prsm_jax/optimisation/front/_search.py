@@ -13,10 +13,10 @@ from ._result import senses
 from ._scalarised import AUGMENTATION, Goals, Solved, solve
 
 Index = tuple[int, ...]
-#: The tolerance of the searches for one objective, over that of the others: the little weight of
-#: the other objectives fixes a design that the one objective leaves open.
+#: Tolerance of the searches for one objective, relative to that of the other searches. Where the
+#: one objective does not determine the design, the small weight of the other objectives does.
 _ALONE = 1e-2
-#: Two designs whose scaled objectives differ by less are one.
+#: Two designs whose scaled objectives differ by less count as one.
 SAME = 1e-6
 
 
@@ -64,10 +64,10 @@ class FrontSearch:
         differ = np.zeros(count, dtype=bool)
         feasible = [one.point.position for ends in found for one in ends if self.feasible(one)]
         for place, ends in enumerate(found):
-            # A search that stayed at broken limits: again from designs that keep them.
+            # If all searches ended at violated limits: again from designs that satisfy the limits.
             if not any(map(self.feasible, ends)):
                 ends += self._alone(place, feasible)
-        # The second time with scales that are nearly those of the front.
+        # The second time the scales are nearly those of the front.
         for _ in range(2):
             best = [
                 min(
@@ -96,7 +96,7 @@ class FrontSearch:
         if missed:
             self.complete = False
             self.message = (
-                f"no optimum of {', '.join(missed)} was found: the front may go on beyond these "
+                f"no optimum of {', '.join(missed)} was found: the front may extend beyond these "
                 "points; give more starts"
             )
         if not differ.any():
@@ -127,7 +127,9 @@ class FrontSearch:
         values, (lower, upper) = evaluator.constraint_values(nearest), evaluator.scaled_limits
         broken = np.maximum(lower - values, values - upper) > self.tolerance
         names = [name for name, out in zip(evaluator.rows.names, broken, strict=True) if out]
-        return f"no feasible design found; the design of least violation breaks {', '.join(names)}"
+        return (
+            f"no feasible design found; the design of least violation violates {', '.join(names)}"
+        )
 
     def _scale_from(self, position: np.ndarray) -> None:
         """Typical magnitudes of the objectives, until their ranges are known."""
@@ -138,7 +140,7 @@ class FrontSearch:
         goals.scale = np.where(size > 0, size, 1.0)
 
     def _alone(self, objective: int, positions: list[np.ndarray]) -> list[Solved]:
-        """Designs that are the best in one objective; the others count a little."""
+        """Designs that are the best in one objective; the other objectives have a small weight."""
         weights = np.full(len(self.goals.matrix), AUGMENTATION)
         weights[objective] = 1.0
         weights /= weights.sum()
@@ -177,7 +179,7 @@ class FrontSearch:
                 if other not in known and (objectives > 2 or min(other) > 0):
                     known.add(other)
                     waiting.append((other, index))
-        # A design that a later search surpassed: again from the best design known now.
+        # If a later search found a better design: again from the best design known now.
         values = np.array([one.objectives for one in self._at.values()])
         best = non_dominated(np.round(values / SAME)) if len(values) else []
         for (index, end), good in zip(list(self._at.items()), best, strict=True):

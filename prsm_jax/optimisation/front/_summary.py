@@ -70,7 +70,7 @@ def front_of(
 
 
 def _statuses(ends: list[Solved], search: FrontSearch) -> list[str]:
-    """What each end is: a point of the front, or why it is none."""
+    """Status of each end: a point of the front, or the reason why it is not one."""
     statuses = ["" if search.feasible(one) else "infeasible" for one in ends]
     # Equal designs: the one that satisfies the optimality conditions best stays.
     order = np.argsort([one.conditions.residual for one in ends], kind="stable")
@@ -119,7 +119,7 @@ class _Words:
         }
 
     def start(self, point: Point) -> FrontPoint:
-        """The present design, which no search has judged."""
+        """The present design, for which no search has checked the optimality."""
         violation = self._report.violation(point)
         return FrontPoint(
             variables=self._report.variables(point.position),

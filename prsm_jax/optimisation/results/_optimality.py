@@ -115,10 +115,10 @@ def worst_case_optimality(
     *,
     active_tolerance: float = 1e-6,
 ) -> tuple[Optimality, np.ndarray]:
-    r"""As `optimality`, of a smooth cost plus the largest of each of several sets of functions.
+    r"""As `optimality`, for a smooth cost plus the largest function of each of several sets.
 
-    The conditions are those of the cost plus one level for each set, which none of its functions
-    exceeds. Levels are at the largest function.
+    The conditions are those of the smooth cost plus one level for each set. No function of a set
+    exceeds its level, which equals the largest of them.
 
     **Arguments:**
 

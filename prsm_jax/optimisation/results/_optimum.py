@@ -172,7 +172,7 @@ class Optimum:
     findings_start: tuple[Finding, ...] = ()
     findings_optimum: tuple[Finding, ...] = ()
     #: Every combination of choices that was tried, where the problem has choices. `start` then is
-    #: the present design with the choices of the best one, and evaluations are those of all.
+    #: the present design with the choices of the best, and evaluations count all combinations.
     choices: tuple[Trial, ...] = ()
 
     @property

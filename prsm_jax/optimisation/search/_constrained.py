@@ -39,8 +39,7 @@ class Slsqp(WithOptions):
 
     **Arguments:**
 
-    - `restarts`: times that the search continues with a fresh Hessian; its line search can end
-      too early.
+    - `restarts`: number of restarts with a new Hessian, because the line search can end too early.
     - `max_iterations`: per start, restarts included.
 
     **Raises:** `ValueError` for an option out of range, or one that the method does not take.

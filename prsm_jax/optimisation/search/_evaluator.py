@@ -80,7 +80,7 @@ class Evaluator:
             raise ValueError(
                 f"speed is {float(speed):g} rad/s and nut_speed {problem.nut_speed:g} m/s; give one"
             )
-        # With a nut speed the screw speed is any number: there need not be an operating point.
+        # With a nut speed any screw speed gives the shapes; the mechanism may have no own speed.
         some_speed = speed if problem.nut_speed is None else jnp.ones(())
         some_load = load
         if cases:
@@ -116,7 +116,7 @@ class Evaluator:
 
     @property
     def program_inputs(self) -> tuple[Any, ...]:
-        """What the compiled programs take beside the position."""
+        """Arguments of the compiled programs in addition to the position."""
         return self._given
 
     @property
@@ -179,7 +179,7 @@ class Evaluator:
         )
         reached = np.abs(values[self.rows.index])
         reached = np.maximum(reached, np.max(np.abs(jacobian[self.rows.index]), axis=1, initial=0))
-        # The limit of a margin is at or near 0, and says nothing about the size of the margin.
+        # The limit of a margin is at or near 0, and is no measure of its magnitude.
         explicit = np.arange(len(limits)) < self.rows.explicit
         scale = np.where((limits > 0) & explicit, limits, reached)
         self.row_scale = np.where(scale > 0, scale, 1.0)
@@ -217,7 +217,7 @@ class Evaluator:
         return self.rows.weights @ self.jacobian(position) / self.cost_scale
 
     def cost_gradient(self, position: np.ndarray) -> np.ndarray:
-        """Derivatives of the scaled cost; where worst cases tie, of the first of them."""
+        """Derivatives of the scaled cost; where worst cases tie, those of the first."""
         jacobian = self.jacobian(position)
         return self._cost_slope(self.point(position).values, jacobian) / self.cost_scale
 
@@ -226,7 +226,7 @@ class Evaluator:
         return [part / self.cost_scale for part in self._parts(point.values)]
 
     def worst_slopes(self, position: np.ndarray) -> list[np.ndarray]:
-        """Their derivatives (operating points × variables), objective by objective."""
+        """Derivatives of these costs (operating points × variables), objective by objective."""
         jacobian = self.jacobian(position)
         return [group @ jacobian / self.cost_scale for group in self.rows.worst]
 

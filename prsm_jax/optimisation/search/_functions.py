@@ -11,8 +11,8 @@ class SearchFunctions:
     """Cost, constraints and derivatives at a position in the unit box, for one search.
 
     Variables are scaled by their bounds to [0, 1]. The cost is minimised; cost and constraints
-    have an order of magnitude of 1. A design that fails has a higher cost than the last one that
-    did not, so that a search steps back from it and never gets a number that is not finite. All
+    have an order of magnitude of 1. A design that fails has a higher cost than the last usable
+    design, so that a search steps back from it and never gets a number that is not finite. All
     usable designs are recorded: a search with an unusable or infeasible end returns its best one.
     """
 
@@ -28,7 +28,7 @@ class SearchFunctions:
             return point
         self._previous = point
         if point.good:
-            # Rounding may leave the box; a design outside of its bounds is no result.
+            # Rounding may move a position out of the box; a design outside of bounds is no result.
             if np.all((point.position >= 0) & (point.position <= 1)):
                 self._good.append(point)
         else:

@@ -18,7 +18,7 @@ from ._outputs import outputs_at
 
 #: Cost of a violation of one scaled constraint, over that of the scaled objective.
 _PENALTY = 10.0
-#: Designs nearer than this, in units of the box, are one start.
+#: Designs nearer than this, in units of the box, count as one start.
 _APART = 0.05
 
 
@@ -35,7 +35,7 @@ def _penalised(inputs: tuple[Any, ...], rows: dict[str, Any], position: Float[Ar
         above = scaled - rows["upper"][part]
         used = rows["used"][part]
         broken = jnp.maximum(jnp.maximum(below, above), 0.0)
-        # A number that is not used may be anything, NaN included.
+        # A number that is not used may have any value, also NaN.
         total += jnp.sum(jnp.where(used, rows["weights"][part] * numbers, 0.0))
         total += _PENALTY * jnp.sum(jnp.where(used, broken, 0.0))
         known = jnp.where(used, numbers, 0.0)
@@ -65,7 +65,7 @@ def _descend(
     def cost_and_slope(position):
         cost, push = jax.linearize(lambda point: _penalised(inputs, rows, point), position)
         slope = jax.vmap(push)(jnp.eye(position.shape[0], dtype=position.dtype))
-        # A design that fails has no slope: its start stands still.
+        # A design that fails has no derivative; 0 replaces it.
         good = jnp.isfinite(cost) & jnp.isfinite(slope).all()
         return cost, jnp.where(good, slope, 0.0)
 
@@ -79,7 +79,7 @@ def _descend(
             direction, state = adam.update(slopes, state, position)
             moved = position - rate * schedule(count) * jnp.asarray(direction)
             moved = optax.projections.projection_box(moved, 0.0, 1.0)
-        # From a design that fails, back to the middle between it and the best one.
+        # A design that fails is moved to the middle between it and the best one.
         moved = jnp.where(jnp.isfinite(costs)[:, None], moved, (position + best) / 2)
         return (moved, state, best, least), None
 

@@ -26,12 +26,12 @@ def screw_speed(
 
 
 class Scatter(eqx.Module):
-    """Tolerances of a mechanism, which move its numbers about those of each design.
+    """Tolerances of a mechanism, as deviations from the numbers of each design.
 
     - `paths`: names of the numbers.
     - `offsets`: from the numbers to the middle of their zones [SI].
     - `directions`: change of the numbers for one standard deviation of each tolerance [SI].
-    - `sigmas`: standard deviations by which a value is worsened.
+    - `sigmas`: number of standard deviations by which a value is worsened.
     """
 
     paths: tuple[str, ...] = eqx.field(static=True)
@@ -42,7 +42,7 @@ class Scatter(eqx.Module):
     def made(
         self, design: Mechanism, deviations: Float[Array, " tolerances"] | None = None
     ) -> Mechanism:
-        """A mechanism made after a design; by default in the middle of all zones.
+        """A mechanism with deviations from a design; by default in the middle of all zones.
 
         **Arguments:**
 
@@ -79,8 +79,8 @@ def scatter_of(mechanism: Mechanism, sigmas: float | None) -> Scatter | None:
 def outputs_at(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
     """Quantities and margins of a design as separate arrays, and whether the design is usable.
 
-    With tolerances every quantity is there three times: all means, all means plus the standard
-    deviations, and all means less these. Margins are those in the middle of the tolerances.
+    With tolerances the arrays are all means, then all means plus `sigmas` standard deviations, then
+    all means minus these. Margins are those in the middle of the tolerances.
     """
     mechanism, names, quantities, margins, lower, width, speed, load, nut_speed, scatter = inputs
     values = lower + width * position
@@ -94,7 +94,7 @@ def outputs_at(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
 
     if load is None or jnp.ndim(load) == 0:
         return at_point(speed, load)
-    # Several operating points: every quantity at each of them, and the least of every margin.
+    # Several operating points: every quantity at each point, and the least value of every margin.
     outputs, valid = jax.vmap(at_point)(speed, load)
     split = len(quantities) * (1 if scatter is None else 3)
     return (
@@ -113,9 +113,9 @@ def _worsened(
     nut_speed: Any,
     scatter: Scatter,
 ) -> tuple[list[Array], Any]:
-    """Means, both sides of them, and margins at one operating point.
+    """Means, means plus and minus standard deviations, and margins at one operating point.
 
-    The standard deviation is that of first order, the root of the sum of squared slopes along the
+    The first-order standard deviation is the root of the sum of squared slopes along the
     tolerances. A derivative of this function differentiates the slopes a second time.
     """
 

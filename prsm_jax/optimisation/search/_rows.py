@@ -31,8 +31,8 @@ class Rows:
     """The constraints as rows `lower <= value <= upper`, one per component of a quantity.
 
     The first `explicit` rows are the constraints of the problem; those of the margins follow. With
-    tolerances an upper limit holds for the mean plus so many standard deviations, a lower one for
-    the mean less these, and an equality for the mean.
+    tolerances an upper limit holds for the mean plus `tolerance_sigmas` standard deviations, a
+    lower limit for the mean minus these, and an equality for the mean.
     """
 
     def __init__(self, problem: DesignProblem, shapes: dict[str, tuple[int, ...]], margins: int):

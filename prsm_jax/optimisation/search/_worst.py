@@ -1,4 +1,4 @@
-"""Searches for the least worst case: a level that no operating point may exceed, to be lowered."""
+"""Searches for the least worst case: they lower a level that no operating point may exceed."""
 
 import numpy as np
 
@@ -27,7 +27,7 @@ class WorstCaseFunctions(SearchFunctions):
         self._middle = np.array([np.max(part) for part in self._parts])
 
     def joined(self, position: np.ndarray) -> np.ndarray:
-        """A position with its levels at the worst case there; their range is about these."""
+        """A position with its levels at the worst case there, the middle of their ranges."""
         parts = self._evaluator.worst_parts(self._evaluator.point(position))
         self._middle = np.array([np.max(part) for part in parts])
         return np.append(position, np.full(len(parts), 0.5))
@@ -38,7 +38,7 @@ class WorstCaseFunctions(SearchFunctions):
         return bool(np.any((shares <= _EDGE) | (shares >= 1 - _EDGE)))
 
     def position(self, joint: np.ndarray) -> np.ndarray:
-        """The design alone."""
+        """The position of the design, without the levels."""
         return joint[: self._count]
 
     def _levels(self, joint: np.ndarray) -> np.ndarray:
@@ -52,7 +52,7 @@ class WorstCaseFunctions(SearchFunctions):
         levels = float(np.sum(self._levels(position)))
         if point.good:
             return self._evaluator.mean_cost(point) + levels
-        # A level could be lowered without end where a design fails.
+        # A design that fails does not limit a level, so the levels alone would lower the cost.
         return super().cost(self.position(position))
 
     def gradient(self, position: np.ndarray) -> np.ndarray:

@@ -97,7 +97,7 @@ def _histogram(axes: Axes, analysis: ToleranceAnalysis, name: str) -> None:
     if good.size:
         low, high = float(good.min()), float(good.max())
     if not high > low:
-        # A quantity that no tolerance moves.
+        # A quantity that no tolerance changes.
         low, high = best.mean - abs(best.mean) * 1e-3, best.mean + abs(best.mean) * 1e-3
     edges = np.linspace(low, high, _BINS + 1)
     width = edges[1] - edges[0]

@@ -26,10 +26,10 @@ def tornado_chart(analysis: ToleranceAnalysis, quantity: str) -> Figure:
     """Draw a quantity with each number at the ends of its tolerance zone, the widest bar first.
 
     All other numbers are nominal, and the bars begin at the nominal value. If the analysis has a
-    Monte Carlo part, every end is an analysis of its own; else the ends are those of the expansion
-    of first or second order about the middle of the zones. The picture says which. Where both ends
-    change the quantity in the same direction, the bars have half the height. Dotted lines are
-    limits; a limit further away than the bars are long in total is left out.
+    Monte Carlo part, every end is analysed; else the expansion of first or second order about the
+    middle of the zones gives the values. The picture says which. Where both ends change the
+    quantity in the same direction, the bars have half the height. Dotted lines are limits; a limit
+    is left out if its distance from the bars exceeds their total length.
 
     **Arguments:**
 
@@ -106,7 +106,7 @@ def _bars(axes: Axes, place: int, ends: ZoneEnds, which: int, shown: DisplayUnit
             continue
         style: dict[str, Any] = {"height": height, "color": _COLOURS[side]}
         axes.barh(middle, shown(value) - start, left=start, **style)
-        # Of two ends without a change one is enough.
+        # If both ends change nothing, one number is sufficient.
         if changes[side] == 0 and (side == "upper" or changes["upper"] != 0):
             continue
         away = -3 if changes[side] < 0 else 3

@@ -1,4 +1,4 @@
-"""The yield: against a common factor of all tolerances, and against what they cost."""
+"""The yield: against a common factor of all tolerances, and against their cost."""
 
 from typing import Any
 
@@ -46,7 +46,7 @@ def yield_chart(curve: YieldCurve) -> Figure:
                 label=words,
             )
     axes.axvline(1.0, color=INK, linestyle=":", linewidth=0.8)
-    axes.set_xlabel("width of all tolerances over the given ones")
+    axes.set_xlabel("width of all tolerances relative to the given ones")
     axes.set_ylabel("within all limits in %")
     axes.set_ylim(0, 104)
     axes.set_title("Yield")

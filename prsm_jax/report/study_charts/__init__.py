@@ -1,4 +1,4 @@
-"""Pictures of a study: maps, conflicts, the front with its gradients, and what physics is worth."""
+"""Pictures of a study: maps, conflicts, front with gradients, influence of parts of the physics."""
 
 from ._conflict_maps import conflict_maps as conflict_maps
 from ._front_gradients import front_gradient_chart as front_gradient_chart

@@ -11,7 +11,7 @@ from .._parts import colour_bar, legend_below
 from .._style import INK, SMALL, Figure, drawn, page_figure, readable
 from ._planes import Plane, handles_of, planes_of
 
-#: Of a title in a panel as wide as the page.
+#: Number of characters of a title in a panel as wide as the page.
 _CHARACTERS = 84
 _LEVELS = np.linspace(-1.0, 1.0, 11)
 
@@ -20,7 +20,7 @@ _LEVELS = np.linspace(-1.0, 1.0, 11)
 def conflict_maps(study: DriverStudy, limits: bool = False) -> Figure:
     """Draw the cosine of the angle between the elasticities of two quantities over the drivers.
 
-    Below 0 (orange) the two conflict, above (violet) one change improves both; the line is at 0.
+    Below 0 (orange) the two conflict. Above 0 (violet) one change improves both. The line is at 0.
 
     **Arguments:**
 

@@ -19,8 +19,8 @@ _STEPS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
 def front_gradient_chart(study: DriverStudy) -> Figure:
     """Draw the front of a study, with an arrow for each driver at each point.
 
-    An arrow shows how both objectives change, by the gradient, if this driver alone grows by the
-    same small percentage, which the legend names.
+    An arrow is the change of both objectives that the gradient predicts if this driver alone
+    increases by a small percentage. The percentage is the same for all arrows; the legend names it.
 
     **Arguments:**
 
@@ -88,7 +88,7 @@ def _number(axes, xs: np.ndarray, ys: np.ndarray) -> None:
 
 
 def _step(study: DriverStudy) -> float:
-    """The step for which the longest arrow is about as long as it may be [%]."""
+    """The step for which the longest arrow has about its largest permitted length [%]."""
     longest = 0.0
     for name in study.problem.objectives:
         values = study.designs.values[name][1:]

@@ -11,8 +11,8 @@ from .._style import SMALL, Figure, drawn, page_figure, readable
 from ._planes import handles_of, planes_of
 
 _LEVELS = 10
-#: Beyond this ratio of the whole range to that of nine tenths of the designs, colours end at the
-#: latter.
+#: Colours cover only the range of nine tenths of the designs if the whole range exceeds it by more
+#: than this factor.
 _FAR = 2.0
 
 
@@ -63,7 +63,7 @@ def _fill(axes: Any, xs: np.ndarray, ys: np.ndarray, cut: Any, shown: np.ndarray
         from matplotlib.ticker import MaxNLocator
 
         low, high = (float(v) for v in np.percentile(shown, (5, 95)))
-        # A few designs with far other values would leave one colour for all others.
+        # A few extreme values would give all other designs nearly the same colour.
         extend = "both" if np.ptp(shown) > _FAR * (high - low) > 0 else "neither"
         ends = (low, high) if extend == "both" else (float(shown.min()), float(shown.max()))
         levels = MaxNLocator(_LEVELS).tick_values(*ends)

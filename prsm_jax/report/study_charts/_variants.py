@@ -1,4 +1,4 @@
-"""What parts of the physics are worth: changes of quantities, and other fronts."""
+"""Influence of parts of the physics: changes of quantities, and other fronts."""
 
 import itertools
 import textwrap
@@ -56,10 +56,10 @@ def variant_changes(study: DriverStudy) -> Figure:
 
 @drawn
 def variant_fronts(study: DriverStudy) -> Figure:
-    """Draw the front, and what the designs of fronts without a part are worth with all physics.
+    """Draw the front, and the designs of fronts without a part, computed with complete physics.
 
-    Dashed lines are the fronts as they look without the part. Circles are their designs with
-    complete physics where these satisfy all limits, crosses where they do not.
+    Dashed lines are the fronts computed without the part. Their designs, computed with complete
+    physics, are circles if they satisfy all limits, and crosses if they do not.
 
     **Arguments:**
 
@@ -99,7 +99,7 @@ def variant_fronts(study: DriverStudy) -> Figure:
             ):
                 if kept.any():
                     known = axes.get_legend_handles_labels()[1]
-                    # Of designs that coincide, each is seen.
+                    # Sizes differ, so that designs that coincide are all visible.
                     axes.plot(
                         full[0][kept], full[1][kept], ls="", marker=marker, ms=7.0 - 1.5 * place,
                         mfc="none", mec=colour, label="_" if state in known else state,

@@ -1,4 +1,4 @@
-"""Limits drawn: lines where a quantity is at its limit, with ticks on the side outside of it."""
+"""Limits in pictures: lines where a quantity is at its limit, with ticks on the side outside."""
 
 import itertools
 from collections.abc import Sequence
@@ -10,12 +10,12 @@ from .._parts import legend_line
 from .._style import SERIES, Axes
 from ._limits import QuantityLimit
 
-#: Colours that stand out from those of a map, and then the dashes, of the first, second, … limit.
+#: Colours, distinct from those of a map, and dashes of the first, second, … limit.
 _COLOURS = (SERIES[3], SERIES[4], SERIES[5], SERIES[2], SERIES[1])
 _DASHES = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)))
 #: Ticks on the left of a line, where matplotlib has the larger values of a contour.
 _LEFT, _RIGHT = 60, -60
-#: Values, at least, along each axis of a map: straight lines join points of a limit between them.
+#: Smallest number of values along each axis of a map. Lines of limits are straight between them.
 _FINE = 200
 _HATCH = "////"
 #: A range that is outside of a limit, and its entry in the legend.
@@ -39,7 +39,7 @@ def style_of(index: int) -> dict[str, Any]:
 
 
 def _edges(limit: QuantityLimit, angle: int) -> list[Any]:
-    """A white edge, so that a line is seen on every colour; and ticks, where one side is out."""
+    """A white edge, so that a line is visible on every colour, and ticks if one side is outside."""
     from matplotlib.patheffects import Normal, TickedStroke, withStroke
 
     edge = [withStroke(linewidth=2.6, foreground="white"), Normal()]
@@ -143,7 +143,7 @@ def draw_on_axis(axes: Axes, x: np.ndarray, limits: Sequence[QuantityLimit], qua
     - `axes`: the picture.
     - `x`: values along its axis, ascending.
     - `limits`: the limits.
-    - `quantity`: what is drawn over the axis, whose own limits are levels.
+    - `quantity`: the quantity over the axis; its own limits are levels.
     """
     excesses = [np.asarray(one.excess.values, float) for one in limits]
     for index, (limit, excess) in enumerate(zip(limits, excesses, strict=True)):
@@ -160,7 +160,7 @@ def draw_on_axis(axes: Axes, x: np.ndarray, limits: Sequence[QuantityLimit], qua
 def draw_levels(
     axes: Axes, limits: Sequence[QuantityLimit], quantity: str, unit: Any, values: np.ndarray
 ) -> list[bool]:
-    """Levels of the limits of the quantity that is drawn, unless they would dwarf its values.
+    """Levels at the limits of the drawn quantity, except for limits that are too far away.
 
     **Arguments:**
 
@@ -193,7 +193,7 @@ def limit_entries(
 
     - `limits`: the limits, over the designs that are drawn.
     - `lines`: whether each has a line; default where designs lie on both sides.
-    - `hatched`: whether what is outside is hatched.
+    - `hatched`: whether the range outside is hatched.
     """
     from matplotlib.patches import Patch
 

@@ -1,4 +1,4 @@
-"""What all pictures of a sweep share: units, words, marks of designs, the legend."""
+"""Common parts of all pictures of a sweep: units, words, marks of designs, the legend."""
 
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -30,7 +30,7 @@ def title_of(name: str) -> str:
 
 
 def marks_of(part: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Of each design: whether it failed, and whether `check` finds an error in another one."""
+    """For each design: whether it failed; whether it did not, but `check` finds an error."""
     failed = part["code"].values != 0
     errors = part["error"].values != 0 if "error" in part else np.zeros_like(failed)
     return failed, errors & ~failed
@@ -73,7 +73,7 @@ def sweep_legend(figure: Figure, more: Iterable[Any] = (), most: int = 4) -> Non
 
 
 def place_in_words(part: Any, names: Sequence[str], places: Iterable[int]) -> str:
-    """Where axes are fixed: "load 9.000 kN, roller count 10"."""
+    """Values of fixed axes in words: "load 9.000 kN, roller count 10"."""
     words = []
     for name, place in zip(names, places, strict=False):
         found = part[name].values[place]

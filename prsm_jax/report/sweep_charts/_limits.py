@@ -23,8 +23,8 @@ class QuantityLimit:
       has a line, and excludes no design.
     - `limit`: [SI].
     - `words`: the limit in a display unit, such as "max pressure ≤ 2100 MPa".
-    - `excess`: the value minus the limit, or the limit minus the value for `"≥"` [SI]; of several
-      components the one that is furthest beyond. An array over the dimensions of the designs,
+    - `excess`: the value minus the limit, or the limit minus the value for `"≥"` [SI]; with several
+      components the largest of these. An array over the dimensions of the designs,
       NaN where a design has no value; the design is outside where it is positive.
     """
 
@@ -115,10 +115,10 @@ def cut(limit: QuantityLimit, fixed: Mapping[str, int], like: Any) -> QuantityLi
 
 
 class Best(NamedTuple):
-    """The best design: its place along each dimension, its value [SI], and what it is.
+    """The best design: its place along each dimension, its value [SI], and a description.
 
-    Without a design within all limits it is the best one outside, which determines what is drawn
-    and is not `marked`.
+    If no design is within all limits, it is the best design outside of them. The planes of a map
+    then go through this design, but it is not `marked`.
     """
 
     place: tuple[int, ...]

@@ -11,9 +11,9 @@ from ._sweep_lines import sweep_lines, sweep_points
 from ._sweep_map import sweep_map
 from ._sweep_slices import sweep_slices
 
-#: Designs in a picture; of more, every second, third, … along the axes is drawn.
+#: Largest number of designs in a picture; if there are more, every second, third, … is drawn.
 _MOST = 250_000
-#: Components of a quantity, and points of a scatter.
+#: Largest numbers of components of a quantity, and of points against an axis.
 _COMPONENTS, _POINTS = 6, 4000
 _DESIGN = "design"
 
@@ -36,14 +36,14 @@ def sweep_figure(
     | `list`, `lhs`, `sobol` | points against each axis |
 
     Crosses mark designs that failed, on the lower edge where the picture has an axis of the
-    quantity, and dots designs in which `check` finds an error. Of more than 250,000 designs every
-    second, third, … value of the longest axes is drawn; of points, 4,000. Of more than 6
-    components the first 6 are drawn.
+    quantity, and dots designs in which `check` finds an error. With more than 250,000 designs only
+    every second, third, … value of the longest axes is drawn; a picture of points has at most
+    4,000. Only the first 6 components are drawn.
 
     With `constraints`, maps have a line where a quantity is at its limit, with ticks on the side
     outside, which is hatched. Over one axis the ranges outside are hatched; limits of the drawn
     quantity are levels. Points outside are hollow. A star marks the best design within all limits.
-    Of several components the one that is furthest beyond its limit counts.
+    If a limited quantity has several components, the one furthest beyond the limit counts.
 
     **Arguments:**
 

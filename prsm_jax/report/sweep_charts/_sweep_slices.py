@@ -20,7 +20,7 @@ from ._common import (
 )
 from ._limits import QuantityLimit, best_design, cut, outside_of
 
-#: Slices of a third axis.
+#: Largest number of slices of a third axis.
 _SLICES = 6
 
 
