@@ -115,7 +115,10 @@ def test_a_rival_that_is_not_installed_has_a_row(tmp_path):
 _PROBLEM = DesignProblem(
     (Variable("lead", 5e-3, 15e-3), Variable("roller_radius", 3e-3, 6e-3)),
     (Objective("efficiency", "maximise"),),
-    (Constraint("max_pressure", upper=1.6e9), Constraint("nut_outer_diameter", lower=0.04, upper=0.16)),
+    (
+        Constraint("max_pressure", upper=1.6e9),
+        Constraint("nut_outer_diameter", lower=0.04, upper=0.16),
+    ),
 )
 
 
