@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..harness import of_this_run, parser_of, read_json, write_json
+from ..harness import of_this_run, parser_of, read_json, why_left_out, write_json
 from .batched import Batch, solve
 from .checked import checked
 from .page import write_page
@@ -100,7 +100,12 @@ def _run(one: Rival, seed: int) -> dict[str, Any]:
 
 
 def rivals_of(size: Size, found: Found, evaluations: int, seeds: int) -> dict[str, Any]:
-    """Runs of NSGA-II on one size, by the number of its objectives; three in one run only."""
+    """Runs of NSGA-II on one size, by the number of its objectives; three in one run only.
+
+    None without pymoo.
+    """
+    if why_left_out("pymoo"):
+        return {"one": [], "three": []}
     return {
         "one": [
             _run(nsga2(size, found.task.limits, evaluations, seed, several=False), seed)
@@ -157,6 +162,7 @@ def main(argv: list[str] | None = None) -> int:
     status = 0
     for name, loss in ALLOWED.items():
         batch, one = solved(chosen, loss)
+        one["left_out"] = why_left_out("pymoo")
         document["problems"][name] = one
         print(
             f"{name}: {len(chosen)} sizes, {one['searches']} searches, {one['evaluations']} "
@@ -165,10 +171,10 @@ def main(argv: list[str] | None = None) -> int:
         budget = round(arguments.times * one["designs_per_size"])
         for size, row in zip(chosen, one["sizes"], strict=True):
             row["rivals"] = rivals_of(size, batch.best(size), budget, seeds)
-            best = max(run["objective"] for run in row["rivals"]["one"])
+            runs = [run["objective"] for run in row["rivals"]["one"]]
             print(
                 f"  {size.name}: {row['starts']} starts, smallest gain {row['objective']:.5f}, "
-                f"NSGA-II {best:.5f}",
+                f"NSGA-II {f'{max(runs):.5f}' if runs else one['left_out']}",
                 flush=True,
             )
             again = row["checked"]

@@ -52,16 +52,23 @@ def _fronts(document: dict[str, Any]) -> Iterator[str]:
             )
             for rival in one["nsga2"]
         )
+        if not one["nsga2"]:
+            rivals = (("NSGA-II", one["left_out"], "–", "–"),)
         yield f"### {name.replace('_', ', ')}\n"
         yield from table_of(("method", "volume", "evaluations", "run time"), (ours, *rivals))
+        residual = (
+            f"Largest Karush–Kuhn–Tucker residual of a point {one['largest_kkt_residual']:.0e}.\n"
+        )
+        if not one["nsga2"]:
+            yield f"\nThe goal is not judged. {residual}"
+            continue
         larger = one["hypervolume_ratio"] >= 1
         # A number of generations is whole, so that 20 times as many designs may be 19.99.
         fewer = round(one["evaluation_ratio"], 1) >= 20
         verdict = "reached" if larger and fewer else "NOT reached"
         yield (
             f"\nVolume over the best of NSGA-II {one['hypervolume_ratio']:.4f}, with "
-            f"{one['evaluation_ratio']:.1f} times fewer evaluations: goal {verdict}. Largest "
-            f"Karush–Kuhn–Tucker residual of a point {one['largest_kkt_residual']:.0e}.\n"
+            f"{one['evaluation_ratio']:.1f} times fewer evaluations: goal {verdict}. {residual}"
         )
 
 

@@ -13,6 +13,7 @@ from ._commands import (
     refuse_unknown as refuse_unknown,
     run_worker as run_worker,
     where_and_when as where_and_when,
+    why_left_out as why_left_out,
 )
 from ._markdown import row_of as row_of, table_of as table_of, time_text as time_text
 from .case import (

@@ -2,6 +2,7 @@
 
 import argparse
 import datetime
+import importlib.util
 import subprocess
 import sys
 from collections.abc import Collection, Mapping, Sequence
@@ -55,6 +56,11 @@ def where_and_when(document: Mapping[str, Any]) -> str:
     machine = document["machine"]
     cores = {1: "one core", 2: "two cores"}.get(machine["cores"], f"{machine['cores']} cores")
     return f"On a busy machine of {cores} ({machine['processor']}), {document['date'][:10]}"
+
+
+def why_left_out(package: str) -> str | None:
+    """Why a rival of this package is not measured: it is not installed; `None` if it is."""
+    return None if importlib.util.find_spec(package) else f"not installed: {package}"
 
 
 def run_worker(

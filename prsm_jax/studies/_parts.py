@@ -22,6 +22,7 @@ class StudyParts:
     designs: DriverMap
     gradients: tuple[FrontGradient, ...]
     variants: tuple[Variant, ...]
+    assumptions: tuple[str, ...]
 
     @property
     def present_elasticities(self) -> dict[str, dict[str, float]]:

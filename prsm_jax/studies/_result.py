@@ -24,6 +24,7 @@ class DriverStudy(StudyParts):
     - `designs`: quantities and elasticities of the present design and then of the front's points.
     - `gradients`: the gradient at each point of the front, in numbers and in words.
     - `variants`: the results without parts of the physics.
+    - `assumptions`: on which its numbers are based, as sentences.
     """
 
     def to_dict(self) -> dict[str, Any]:
@@ -36,6 +37,7 @@ class DriverStudy(StudyParts):
             "conflict": [one.to_dict() for one in self.conflicts],
             "front": front,
             "variants": [one.to_dict() for one in self.variants],
+            "assumptions": list(self.assumptions),
         }
 
     def _map(self) -> dict[str, Any]:

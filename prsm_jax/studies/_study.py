@@ -5,12 +5,18 @@ from collections.abc import Callable, Iterable, Mapping
 
 from ..mechanism import Constraint, DesignProblem, Mechanism, Variable, of_one_known_design
 from ..optimisation import ParetoFront, pareto
+from ..quantities import assumptions
 from ._conflict import conflicts_of
 from ._gradients import front_gradients
 from ._map import at_designs, map_over_drivers
 from ._problem import StudyProblem, problem_of
 from ._result import DriverStudy
 from ._variants import parts_of, variant_of
+
+_OPERATING_POINT = (
+    "All designs of the study are at the operating point of the mechanism; nut_speed, "
+    "operating_points and tolerance_sigmas of [optimise] are not used."
+)
 
 
 @of_one_known_design
@@ -39,7 +45,8 @@ def study(
        each of its points.
     4. The front without parts of the physics, and its designs computed with complete physics.
 
-    The study refers to the mechanism's operating point.
+    The study refers to the mechanism's operating point; `nut_speed`, `operating_points` and
+    `tolerance_sigmas` of the design problem are not used.
 
     **Arguments:**
 
@@ -117,4 +124,5 @@ def study(
         designs=here,
         gradients=front_gradients(problem, front, here, 1),
         variants=tuple(variants),
+        assumptions=(*assumptions(mechanism, problem.computed), _OPERATING_POINT),
     )

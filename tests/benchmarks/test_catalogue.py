@@ -3,6 +3,7 @@
 import json
 import math
 from pathlib import Path
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 
 import prsm_jax as prsm
+from benchmarks.catalogue import command
 from benchmarks.catalogue.batched import solve
 from benchmarks.catalogue.checked import design_of
 from benchmarks.catalogue.lockstep import searched_together
@@ -184,6 +186,22 @@ def _document():
 def test_the_page_is_that_of_its_data():
     written = (DOCS / "catalogue_benchmark.md").read_text(encoding="utf-8")
     assert page_of(_document()) == written
+
+
+def test_a_rival_that_is_not_installed_has_a_row(monkeypatch):
+    monkeypatch.setattr(command, "why_left_out", lambda _: "not installed: pymoo")
+    none: Any = None
+    document = _document()
+    for problem in document["problems"].values():
+        problem["left_out"] = "not installed: pymoo"
+        for row in problem["sizes"]:
+            row["rivals"] = command.rivals_of(none, none, 100, 3)
+    page = page_of(document)
+    words = "not installed: pymoo"
+    assert f"| NSGA-II | {words} | {words} |" in page
+    assert "default operators" not in page
+    (row,) = [line for line in page.splitlines() if line.startswith("| 8 x 2 |")][:1]
+    assert row.endswith(" – |")
 
 
 def test_stored_results_are_what_the_page_says():

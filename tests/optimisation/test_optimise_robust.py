@@ -204,6 +204,56 @@ def test_the_duty_cycle_as_operating_points(bowls):
     assert best.problem.operating_points == tuple(OperatingCase(*one) for one in CASES)
 
 
+def test_a_front_over_a_duty_cycle(bowls):
+    """The means are (x − 8)² + 8/5 and 7 x, so √(f₁ − 8/5) + f₂/7 is 8 along the front."""
+    speeds, loads, durations = np.array(CASES).T
+    cycle = DutyCycle(durations, speeds, loads)
+    front = pareto(
+        dataclasses.replace(scenes.mechanism(), duty_cycle=cycle),
+        {"robust_bowl": "minimise", "robust_load": "minimise"},
+        BOX,
+        operating_points="duty_cycle",
+        points=5,
+        respect_findings=False,
+    )
+    assert front.converged, str(front)
+    assert len(front.points) == 5
+    first, second = front.values.T
+    leads = np.array([1e3 * one.variables["lead"] for one in front.points])
+    # A sum of squares against its closed form: rounding.
+    np.testing.assert_allclose(first, (leads - 8) ** 2 + 1.6, rtol=1e-12)
+    np.testing.assert_allclose(second, 7 * leads, rtol=1e-12)
+    # From the best mean, where 1e-4 of the other one counts, to the lower end of the box.
+    assert leads[[0, -1]] == pytest.approx([8.0, 4.0], abs=1e-2)
+    assert np.all(np.diff(leads) < -0.4)
+
+
+def test_a_front_with_tolerances(bowls):
+    """Each objective is three standard deviations worse than that of the design."""
+    mechanism = toleranced()
+    angle = float(mechanism.stages[0].thread.contact_angle)
+    front = pareto(
+        mechanism,
+        {"robust_load": "maximise", "robust_product": "minimise"},
+        BOX,
+        load=1e3,
+        speed=60.0,
+        tolerance_sigmas=3.0,
+        points=5,
+        respect_findings=False,
+    )
+    assert front.converged, str(front)
+    assert len(front.points) == 5
+    x = np.array([1e3 * one.variables["lead"] for one in front.points])
+    slopes = np.stack([0.1 * (2 * (x - 6) + 10 * angle), 0.01 * 10 * x])
+    expected = (x - 6) ** 2 + 10 * x * angle + 3 * np.linalg.norm(slopes, axis=0)
+    np.testing.assert_allclose(front.values[:, 0], x - 0.3, rtol=1e-12)
+    np.testing.assert_allclose(front.values[:, 1], expected, rtol=1e-12)
+    # Nothing but the box ends the front.
+    assert x[[0, -1]] == pytest.approx([14.0, 4.0], rel=1e-6)
+    assert np.all(np.diff(x) < -0.4)
+
+
 def test_many_starts_at_once_for_a_worst_case(bowls):
     best = optimise(
         scenes.mechanism(),

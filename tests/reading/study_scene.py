@@ -181,4 +181,5 @@ def made(*objectives):
         designs=designs,
         gradients=gradients,
         variants=(spin, failed),
+        assumptions=("it rests on this", "and on that"),
     )

@@ -5,14 +5,12 @@ import math
 
 import numpy as np
 import pytest
-import scenes
 from expectations import reads
 from reading_artists import box_of, x_data
 from reading_figures import Chart, handles
 from reading_tables import assert_json, assert_table, html_tables, without_words
 from study_scene import DRIVERS, SENSES, SIZES, UNITS, made
 
-from prsm_jax import assumptions
 from prsm_jax.report import (
     conflict_maps,
     front_gradient_chart,
@@ -220,7 +218,7 @@ def test_other_fronts(study):
 
 def _tables(study):
     found = {}
-    for section in study_sections(study, ("it rests on this",), "prsm study x"):
+    for section in study_sections(study, "prsm study x"):
         for table in section.tables:
             found[table.caption] = table
     return found
@@ -330,13 +328,13 @@ def test_the_report_holds_all_of_it(study, tmp_path):
     path = write_study(
         tmp_path / "r",
         study,
-        assumptions=("it rests on this",),
         attachments={"study.json": "{}"},
         dpi=40,
     )
     page = path.read_text()
     assert "study of design drivers" in page
-    assert "<li>it rests on this</li>" in page
+    for sentence in study.assumptions:
+        assert f"<li>{sentence}</li>" in page
     captions = [caption for caption, _ in html_tables(page)]
     assert captions == [t.caption for s in study_sections(study) for t in s.tables]
     names = {one.stem for one in (tmp_path / "r" / "figures").iterdir()}
@@ -449,7 +447,7 @@ def test_study(run, monkeypatch, tmp_path, study):
         given.update(options, drivers=drivers, quantities=quantities, objectives=objectives)
         return study
 
-    def write(folder, one, *, assumptions, command, attachments, on_fault):
+    def write(folder, one, *, command, attachments, on_fault):
         assert one is study
         assert command == f"prsm study wu2022 --out {folder}"
         given["attachments"] = attachments
@@ -481,9 +479,7 @@ def test_study(run, monkeypatch, tmp_path, study):
         "store": store,
     }
     report = tmp_path / "o" / "report.html"
-    # Names of all quantities, those of limits too.
-    assert found["assumptions"] == list(assumptions(scenes.example("wu2022"), list(SIZES)))
-    assert found["assumptions"]
+    assert found["assumptions"] == list(study.assumptions)
     expected = _expected(study)
     assert_json(
         without_words(dict(found)), {"report": str(report), "store": str(store), **expected}

@@ -263,6 +263,52 @@ def _read_sensitivity(printed: Terminal, table: Sensitivity) -> None:
             assert found == pytest.approx(table.elasticity[row].tolist(), abs=5.1e-5)
 
 
+#: Of each quantity by each pair of parameters [SI], no two of the numbers above alike.
+_SECOND = (
+    ((12.5, -3.25), (-3.25, 0.75)),
+    ((7.5e12, -4.5e10), (-4.5e10, 2.25e9)),
+    ((-150.0, 45.0), (45.0, 8.5)),
+)
+
+
+@reads("verb", "sensitivity")
+def test_second_derivatives(run, monkeypatch):
+    """A row for each pair, per the steps of the first table, millimetres and degrees."""
+    table = dataclasses.replace(_table(), hessian=jnp.asarray(_SECOND))
+    asked = []
+
+    def sensitivity(*_, second, **__):
+        asked.append(second)
+        return table
+
+    monkeypatch.setattr("prsm_jax.sensitivities.sensitivity", sensitivity)
+    found, printed = run("sensitivity", "wu2022", "--second")
+    assert asked == [True, True]
+    # Rows are quantities; then both parameters, in the order of the table.
+    assert_json(found["hessian"], _SECOND)
+    _read_sensitivity(printed, table)
+    assert printed.row("second derivative") == ["by", "and by", "value"]
+    steps = {"mm": 1e-3, "deg": np.pi / 180}
+    units = dict(zip(table.parameters, steps, strict=True))
+    for quantity, rows in zip(table.quantities, _SECOND, strict=True):
+        for first, second in ((0, 0), (0, 1), (1, 1)):
+            head, *cells = printed.lines.pop(0)
+            name, _, label = head.partition(" per ")
+            by = [table.parameters[first], table.parameters[second]]
+            assert name.split(" [")[0] == quantity
+            assert label.split(" ") == [units[one] for one in by]
+            assert cells[:2] == by
+            per = float(to_si(1.0, column_unit(name)))
+            slope = float(cells[2]) * per
+            expected = rows[first][second] * steps[units[by[0]]] * steps[units[by[1]]]
+            # Six digits are printed.
+            assert slope == pytest.approx(expected, rel=5e-6)
+    for parameter in table.parameters:
+        (words,) = [line for line in printed.lines if line[0].startswith(f"{parameter}: moves")]
+        printed.lines.remove(words)
+    printed.finish()
+
+
 def make_optimum(mechanism):
     """An optimum of which no two numbers are alike."""
     problem = DesignProblem(

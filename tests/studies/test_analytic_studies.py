@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import scenes
 
+import prsm_jax as prsm
 from prsm_jax import MissingDataError, UnknownNameError
 from prsm_jax.mechanism import Constraint
 from prsm_jax.quantities import _catalogue, quantity
@@ -63,7 +64,9 @@ def catalogue():
         patch.setattr(_catalogue, "_CATALOGUE", dict(_catalogue._CATALOGUE))
         others = {"study_reach": _reach, "study_of_rolling": _of_rolling}
         for name, function in (QUANTITIES | others).items():
-            quantity(name, "q", "1", "a quantity of these tests")(function)
+            # One of a limit rests on something.
+            assumes = ("equal_contacts",) if name == "study_reach" else ()
+            quantity(name, "q", "1", "a quantity of these tests", assumes=assumes)(function)
         yield
 
 
@@ -291,6 +294,16 @@ def _area(found, values):
             area += (worst[0] - x) * (height - y)
             height = y
     return area
+
+
+def test_assumptions_of_limits_and_of_the_operating_point(found, mechanism):
+    *others, last = found.assumptions
+    assert others == list(prsm.assumptions(mechanism, ["study_reach"]))
+    assert "carry the same load" in others[0]
+    # What [optimise] may say of other points.
+    for words in ("at the operating point of the mechanism", "nut_speed", "operating_points"):
+        assert words in last
+    assert found.to_dict()["assumptions"] == list(found.assumptions)
 
 
 def test_progress_names_each_part(told, found):

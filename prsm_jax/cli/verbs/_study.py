@@ -10,7 +10,6 @@ from cyclopts import Parameter
 from ..._errors import PrsmError
 from ...mechanism import Mechanism
 from ...process import folder_for_results
-from ...quantities import assumptions
 from .._app import app
 from .._common import Common, checked, emit, plain, value_of, words_of
 from .._progress import Counter, clear, counted, doing, expect_programs
@@ -68,8 +67,8 @@ def study(
         Parameter(
             negative="",
             help="NAME=LOWER:UPPER, such as 'lead=5 mm:20 mm', or NAME alone: then the range is "
-            "that of [[optimise.variable]], or 25 % on either side. Repeat it for further "
-            "drivers. Default: lead, contact angle and roller radius.",
+            "that of [[optimise.variable]], or else 25 % on either side of the present value. "
+            "Repeat it for further drivers. Default: lead, contact angle and roller radius.",
         ),
     ] = None,
     maximise: Annotated[
@@ -87,9 +86,9 @@ def study(
     without: Annotated[
         str | None,
         Parameter(
-            help="Parts of the physics to leave out, one at a time, by commas; names as `prsm "
-            "explain` prints them, or their ends. Default spin,rolling_hysteresis,load_sharing as "
-            "far as the file has them; `none` leaves out no part."
+            help="Parts of the physics to leave out, one at a time, separated by commas; names as "
+            "`prsm explain` prints them, or their ends. Default: those of spin, "
+            "rolling_hysteresis and load_sharing that the file has. 'none' leaves out nothing."
         ),
     ] = None,
     starts: Annotated[
@@ -101,6 +100,8 @@ def study(
 
     By default natural frequencies and efficiency against lead, contact angle and roller radius,
     under the limits of [optimise], and again without spin, rolling hysteresis and load sharing.
+    All at the operating point of the file.
+
     Writes report.html, report.md, figures, study.json and the store of the map to --out (default
     out). A run that was stopped continues with the same command. Exit status 1 if the front has not
     converged.
@@ -131,21 +132,18 @@ def study(
             store=store,
             progress=_Progress(),
         )
-    rests_on = assumptions(mechanism, found.problem.computed)
     findings = checked(mechanism)
     if found.front.points:
         # Errors are constraints: those of the present design are not those of the front.
         findings = tuple(one for one in findings if one.severity != "error")
-    results = found.to_dict() | {"assumptions": list(rests_on)}
     doing("drawing and writing the report")
     faults: list[str] = []
     report = write_study(
         folder,
         found,
-        assumptions=rests_on,
         command=f"prsm study {file} --out {folder}",
         attachments={
-            "study.json": json.dumps(plain(results), indent=2, ensure_ascii=False) + "\n",
+            "study.json": json.dumps(plain(found.to_dict()), indent=2, ensure_ascii=False) + "\n",
         },
         on_fault=faults.append,
     )
@@ -156,7 +154,7 @@ def study(
         common,
         {"report": report, "store": store, **found.to_dict()},
         lambda: found.text(terminal_width()) + f"\n\n{report}\n{store}",
-        rests_on,
+        found.assumptions,
         findings,
     )
     return int(not (valid and found.front.converged) or bool(faults))

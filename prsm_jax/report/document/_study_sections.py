@@ -3,7 +3,7 @@
 import platform
 import re
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -21,15 +21,12 @@ from ._section import Picture, Section, Table
 from ._write import write_document
 
 
-def study_sections(
-    study: DriverStudy, assumptions: Sequence[str] = (), command: str = ""
-) -> tuple[Section, ...]:
+def study_sections(study: DriverStudy, command: str = "") -> tuple[Section, ...]:
     """A study as sections of a document, in the order of reading.
 
     **Arguments:**
 
     - `study`: result of `prsm_jax.study`.
-    - `assumptions`: what its numbers rest on.
     - `command`: how it was made, if by a command.
     """
     said = study.sentences()
@@ -56,7 +53,7 @@ def study_sections(
             (*said["drivers"], *follows),
             tables["drivers"],
             pictures["drivers"],
-            tuple(assumptions),
+            study.assumptions,
         ),
         Section(
             "conflict",
@@ -94,7 +91,6 @@ def write_study(
     directory: str | Path,
     study: DriverStudy,
     *,
-    assumptions: Sequence[str] = (),
     command: str = "",
     attachments: Mapping[str, str] | None = None,
     dpi: int = 200,
@@ -105,7 +101,7 @@ def write_study(
     **Arguments:**
 
     - `directory`: where to write; made if it is not there.
-    - `study`, `assumptions`, `command`: as for `study_sections`.
+    - `study`, `command`: as for `study_sections`.
     - `attachments`, `dpi`, `on_fault`: as for `write_document`.
 
     **Returns:** the path of `report.html`.
@@ -116,7 +112,7 @@ def write_study(
         directory,
         study.title or "Study",
         "study of design drivers",
-        lambda: study_sections(study, assumptions, command),
+        lambda: study_sections(study, command),
         attachments=attachments,
         dpi=dpi,
         on_fault=on_fault,
