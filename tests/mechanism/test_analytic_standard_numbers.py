@@ -34,7 +34,10 @@ def test_preferred_numbers_are_a_rounded_geometric_series(per_decade):
 def test_numbers_of_the_tables():
     """R10 of ISO 3, modules of DIN 780 and leads of ISO 3408-2, as the standards print them."""
     assert preferred_numbers(1.0, 10.0) == (1, 1.25, 1.6, 2, 2.5, 3.15, 4, 5, 6.3, 8, 10)
-    assert preferred_numbers(1.0, 1.4, "R40") == (1, 1.06, 1.12, 1.18, 1.25, 1.32, 1.4)
+    printed = "1.00 1.06 1.12 1.18 1.25 1.32 1.40 1.50 1.60 1.70 1.80 1.90 2.00 2.12 2.24 2.36 "
+    printed += "2.50 2.65 2.80 3.00 3.15 3.35 3.55 3.75 4.00 4.25 4.50 4.75 5.00 5.30 5.60 6.00 "
+    printed += "6.30 6.70 7.10 7.50 8.00 8.50 9.00 9.50"
+    assert preferred_numbers(1.0, 9.9, "R40") == tuple(map(float, printed.split()))
     assert standard_modules(0.3e-3, 0.6e-3) == (3e-4, 3.5e-4, 4e-4, 4.5e-4, 5e-4, 5.5e-4, 6e-4)
     assert standard_leads(8e-3, 16e-3) == (8e-3, 9e-3, 10e-3, 12e-3, 15e-3, 16e-3)
 

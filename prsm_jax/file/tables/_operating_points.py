@@ -61,6 +61,5 @@ def operating_points_of(table: dict[str, Any], mechanism: Mechanism) -> Any:
         message = 'is "duty_cycle", and the file has no [[duty_cycle]]; give its phases'
         raise Misplaced((("optimise", keys[0]), message))
     if keys[0] == "operating_point":
-        rows: tuple[dict[str, float], ...] = points
-        return tuple(OperatingCase(**row) for row in rows)
+        return tuple(OperatingCase(**row) for row in table["operating_point"])
     return points
