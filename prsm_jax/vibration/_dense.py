@@ -12,7 +12,8 @@ from ..fields import Scalar
 from ..numerics import above_or_nan
 from ..programs import physics
 from ._families import FAMILIES, family_shares
-from ._modes import COUPLED, ModeGroup, Modes, frequency, of_elastic
+from ._grouped_modes import COUPLED, ModeGroup, frequency, of_elastic
+from ._modes import Modes
 from ._spring_modes import directional_slopes, spring_modes
 from ._symmetric import carrier_mode, meshed_share, symmetric_modes
 from .model import VibrationSystem, spring_network

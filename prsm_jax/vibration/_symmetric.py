@@ -5,7 +5,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..programs import physics
-from ._modes import ModeGroup, Modes, frequency, of_elastic
+from ._grouped_modes import ModeGroup, frequency, of_elastic
+from ._modes import Modes
 from ._spring_modes import spring_modes
 from .arrowhead import SpringBlock, block_modes, mesh_energy_share
 from .model import (
