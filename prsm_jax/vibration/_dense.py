@@ -48,7 +48,7 @@ def dense_modes(system: VibrationSystem) -> Modes:
         shapes = jnp.concatenate([shapes, jnp.zeros_like(shapes[:1])])
         groups = (carrier_group,)
     coupled = ModeGroup(frequencies, share, 1, COUPLED, shapes[..., None])
-    return Modes((*groups, coupled), system, network)
+    return Modes((*groups, coupled), system=system, network=network)
 
 
 def family_modes(modes: Modes, family: str) -> ModeGroup | None:

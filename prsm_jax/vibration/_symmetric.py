@@ -168,7 +168,9 @@ def symmetric_modes(system: VibrationSystem, *, shapes: bool = False) -> Modes:
         roller_modes(system, shapes=shapes),
     )
     present = tuple(group for group in groups if group is not None)
-    return Modes(present, system, spring_network(system)) if shapes else Modes(present)
+    if not shapes:
+        return Modes(present)
+    return Modes(present, system=system, network=spring_network(system))
 
 
 __all__ = [

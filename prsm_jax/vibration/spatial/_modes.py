@@ -93,4 +93,5 @@ def spatial_modes(system: SpatialSystem, *, shapes: bool = False) -> SpatialMode
         for harmonic, (family, multiplicity) in enumerate(kinds)
     ]
     groups = tuple(group for group, _ in found)
-    return SpatialModes(groups, found[0][1], spatial_network(system) if shapes else None)
+    network = spatial_network(system) if shapes else None
+    return SpatialModes(groups, axial_share=found[0][1], network=network)

@@ -78,8 +78,8 @@ def contact_spring(
     )
 
 
-def contact_places(contact: ThreadContact) -> tuple[Place, Place]:
-    """The contact point of a thread, from the axis of screw or nut and from the roller's [m]."""
+def screw_places(contact: ThreadContact) -> tuple[Place, Place]:
+    """The contact point of screw and roller, from the axis of each [m]."""
     angle, roller_angle = contact.contact_angle_position, contact.roller_angle_position
     radius, roller_radius = contact.contact_radius, contact.roller_contact_radius
     return (
@@ -98,12 +98,8 @@ def tangents(normal: Vector) -> tuple[Vector, Vector]:
     return (z / flat, jnp.zeros_like(y), -x / flat), (-x * y / flat, flat, -y * z / flat)
 
 
-def contact_at_nut(contact: ThreadContact) -> tuple[Place, Place]:
-    """The contact on the line of centres, with the roller inside the nut [m].
-
-    The roller's contact with the nut lies outside of its axis, seen from the screw, that with the
-    screw inside.
-    """
+def nut_places(contact: ThreadContact) -> tuple[Place, Place]:
+    """The contact point of roller and nut, from the axis of each: on the line of centres [m]."""
     zero = jnp.zeros_like(contact.contact_radius)
     return (contact.contact_radius, zero), (contact.roller_contact_radius, zero)
 

@@ -11,9 +11,9 @@ from ...programs import physics
 from ...stiffness import ThreadStiffness, ring_roller_stiffness
 from ._springs import (
     RollerSpring,
-    contact_at_nut,
-    contact_places,
     contact_spring,
+    nut_places,
+    screw_places,
     tangential_ratio,
     tangents,
 )
@@ -60,9 +60,9 @@ def _refuse_asymmetric(stage: Stage) -> None:
         reason = f"unequal_roller lists roller {stage.unequal_roller[0].number}"
     for name in ("screw", "nut", "ring_gear", "carrier"):
         body = getattr(stage, name)
-        if body is not None and body.support is not None:
-            if body.support.radial_stiffness_y is not None:
-                reason = f"{name}.support has radial_stiffness_y"
+        support: Support | None = None if body is None else body.support
+        if support is not None and support.radial_stiffness_y is not None:
+            reason = f"{name}.support has radial_stiffness_y"
     if reason is not None:
         raise ValueError(
             f"spatial_modal needs at least 3 equal rollers and supports that are equal in x and y, "
@@ -91,7 +91,7 @@ def _thread_springs(
     screw, nut = meshing.screw.normal_parts, meshing.nut.normal_parts
     screw_stiffness = threads.screw_roller / screw[2] ** 2
     nut_stiffness = threads.nut_roller / nut[2] ** 2
-    at_screw, at_nut = contact_places(meshing.screw), contact_at_nut(meshing.nut)
+    at_screw, at_nut = screw_places(meshing.screw), nut_places(meshing.nut)
     if sticking:
         ratio = tangential_ratio(material_of(stage, "roller"), material_of(stage, "nut"))
         tangential = ratio * nut_stiffness
@@ -109,13 +109,13 @@ def _thread_springs(
     ]
 
 
-def _gear_spring(stage: Stage, stiffness: Scalar, at_nut, like: Scalar) -> RollerSpring:
-    """The teeth touch on the line of centres at the pitch circles, along the line of action."""
-    thread = stage.thread
-    angle = jnp.zeros_like(like) if stage.gear is None else stage.gear.pressure_angle
-    action = -jnp.sin(angle), jnp.cos(angle), jnp.zeros_like(angle)
-    radii = thread.nut_radius, thread.roller_radius
-    return contact_spring("ring_roller", "nut", stiffness, action, at_nut, radii)
+def _gear_spring(stage: Stage, stiffness: Scalar) -> RollerSpring:
+    """The teeth touch where the pitch circles do, and push along the line of action."""
+    zero, radii = jnp.zeros_like(stiffness), (stage.thread.nut_radius, stage.thread.roller_radius)
+    angle = zero if stage.gear is None else stage.gear.pressure_angle
+    action = -jnp.sin(angle), jnp.cos(angle), zero
+    places = (radii[0], zero), (radii[1], zero)
+    return contact_spring("ring_roller", "nut", stiffness, action, places, radii)
 
 
 def _pin_springs(support: Support, like: Scalar, carrier: str | None) -> list[RollerSpring]:
@@ -174,7 +174,7 @@ def spatial_system(
     like = meshing.nut.contact_radius
     teeth = ring_roller_stiffness(stage)
     if teeth is not None:
-        springs.append(_gear_spring(stage, teeth, contact_at_nut(meshing.nut), like))
+        springs.append(_gear_spring(stage, teeth))
 
     pins = stage.roller.support
     radial_pins = None if pins is None else pins.radial_stiffness
