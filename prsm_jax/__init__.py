@@ -87,7 +87,6 @@ from .response import (
 from .scenario import Scenario as Scenario, TorqueScenario as TorqueScenario
 from .vibration import (
     Modes as Modes,
-    SpatialModes as SpatialModes,
     modal as modal,
     spatial_modal as spatial_modal,
 )
