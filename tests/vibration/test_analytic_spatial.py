@@ -199,8 +199,9 @@ def test_modes_by_symmetry_are_those_of_all_coordinates(count):
     expected = frequencies_of(network.stiffness, network.rows, network.mass)
     modes = modes_of(system)
     assert len(expected) == 4 * count + 11
-    # LAPACK's singular values have an error of about 1e-15 of the largest one.
-    np.testing.assert_allclose(modes.frequencies, expected, rtol=1e-12, atol=1e-14 * expected[-1])
+    # LAPACK's singular values have an error of about 1e-15 of the largest one, which is 190 times
+    # the smallest one.
+    np.testing.assert_allclose(modes.frequencies, expected, rtol=1e-12)
 
 
 @pytest.fixture(scope="module")
@@ -310,8 +311,8 @@ def test_static_stiffness_of_free_rollers_has_a_closed_form():
     # The moment arm of a force of 1 is the rounding of a root, about 1e-15 of the radius.
     np.testing.assert_allclose(found, expected, rtol=1e-11)
     held = number(axial_stiffness(stage, THREADS))
-    np.testing.assert_allclose(found, held, rtol=0.02)
-    assert abs(found / held - 1) > 1e-5
+    # Rollers held sideways pass on the axial force alone: the steeper normal makes the difference.
+    assert 1e-3 < abs(found / held - 1) < 5e-3
 
 
 def test_with_wus_assumptions_the_frequencies_are_those_of_modal():
