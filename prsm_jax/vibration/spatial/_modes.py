@@ -31,7 +31,7 @@ class SpatialModes(GroupedModes):
     groups: tuple[ModeGroup, ...]
     #: Share of the kinetic energy of each mode of the group `axial_torsional` that is in motion
     #: along z and in radial motion of the rollers; the rest is rotation of bodies, and motion of
-    #: rollers around the screw.
+    #: rollers around the screw. 0 for a rigid motion, whose shape is arbitrary.
     axial_share: Float[Array, "*batch modes"]
     network: SpringNetwork | None = None
 
@@ -54,7 +54,7 @@ def _group(
         degrees = spatial_coordinates(system)
         whole = expanded_shapes(degrees, system.roller_positions, harmonic, amplitudes)
     share = of_elastic(meshed_share(network, modes.shapes), frequencies)
-    axial = _axial_share(network, modes.shapes)
+    axial = of_elastic(_axial_share(network, modes.shapes), frequencies)
     return ModeGroup(frequencies, share, multiplicity, family, whole), axial
 
 
