@@ -88,6 +88,7 @@ from .scenario import Scenario as Scenario, TorqueScenario as TorqueScenario
 from .vibration import (
     Modes as Modes,
     modal as modal,
+    spatial_modal as spatial_modal,
 )
 
 if TYPE_CHECKING:

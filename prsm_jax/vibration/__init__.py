@@ -1,4 +1,4 @@
-"""Bending–torsional vibration of one stage."""
+"""Vibration of one stage: bending–torsional, and in space."""
 
 from ._dense import (
     FrequencySlopes as FrequencySlopes,
@@ -17,8 +17,9 @@ from ._frequency_loci import (
     Veering as Veering,
     frequency_loci as frequency_loci,
 )
+from ._grouped_modes import GroupedModes as GroupedModes, ModeGroup as ModeGroup
 from ._modal import modal as modal, stage_system as stage_system
-from ._modes import ModeGroup as ModeGroup, Modes as Modes
+from ._modes import Modes as Modes
 from ._spring_modes import (
     RIGID_SHARE as RIGID_SHARE,
     SpringModes as SpringModes,
@@ -57,4 +58,15 @@ from .model import (
     transverse_block as transverse_block,
     transverse_springs as transverse_springs,
     vibration_system as vibration_system,
+)
+from .spatial import (
+    RollerSpring as RollerSpring,
+    SpatialBody as SpatialBody,
+    SpatialModes as SpatialModes,
+    SpatialSystem as SpatialSystem,
+    spatial_harmonic_network as spatial_harmonic_network,
+    spatial_modal as spatial_modal,
+    spatial_modes as spatial_modes,
+    spatial_network as spatial_network,
+    spatial_system as spatial_system,
 )

@@ -12,7 +12,8 @@ from ..fields import Scalar
 from ..numerics import above_or_nan
 from ..programs import physics
 from ._families import FAMILIES, family_shares
-from ._modes import COUPLED, ModeGroup, Modes, frequency, of_elastic
+from ._grouped_modes import COUPLED, ModeGroup, frequency, of_elastic
+from ._modes import Modes
 from ._spring_modes import directional_slopes, spring_modes
 from ._symmetric import carrier_mode, meshed_share, symmetric_modes
 from .model import VibrationSystem, spring_network
@@ -47,7 +48,7 @@ def dense_modes(system: VibrationSystem) -> Modes:
         shapes = jnp.concatenate([shapes, jnp.zeros_like(shapes[:1])])
         groups = (carrier_group,)
     coupled = ModeGroup(frequencies, share, 1, COUPLED, shapes[..., None])
-    return Modes((*groups, coupled), system, network)
+    return Modes((*groups, coupled), system=system, network=network)
 
 
 def family_modes(modes: Modes, family: str) -> ModeGroup | None:

@@ -6,7 +6,7 @@ from jaxtyping import Array, Float
 
 from ..fields import Scalar
 from ..programs import physics
-from ._modes import frequency
+from ._grouped_modes import frequency
 from .arrowhead import arrowhead_modes
 from .model import VibrationSystem, roller_corner
 

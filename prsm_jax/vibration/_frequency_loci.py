@@ -19,7 +19,8 @@ from ..programs import AbstractResult, each
 from ..stiffness import loaded_threads, thread_stiffness
 from ._dense import stage_modes
 from ._families import FAMILIES, family_shares
-from ._modes import COUPLED, Modes
+from ._grouped_modes import COUPLED
+from ._modes import Modes
 from ._spring_modes import clusters
 from .model import vibration_system
 

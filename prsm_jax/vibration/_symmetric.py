@@ -5,7 +5,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..programs import physics
-from ._modes import ModeGroup, Modes, frequency, of_elastic
+from ._grouped_modes import ModeGroup, frequency, of_elastic
+from ._modes import Modes
 from ._spring_modes import spring_modes
 from .arrowhead import SpringBlock, block_modes, mesh_energy_share
 from .model import (
@@ -167,7 +168,9 @@ def symmetric_modes(system: VibrationSystem, *, shapes: bool = False) -> Modes:
         roller_modes(system, shapes=shapes),
     )
     present = tuple(group for group in groups if group is not None)
-    return Modes(present, system, spring_network(system)) if shapes else Modes(present)
+    if not shapes:
+        return Modes(present)
+    return Modes(present, system=system, network=spring_network(system))
 
 
 __all__ = [

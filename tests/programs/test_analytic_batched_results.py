@@ -24,6 +24,7 @@ SCALES = (0.99, 1.0, 1.02)
 #: What methods are called with that want something, by class and method; more than once if several.
 ARGUMENTS: dict[tuple[str, str], list[dict[str, Any]]] = {
     ("Modes", "group"): [{"family": "torsional"}, {"family": "nothing"}],
+    ("SpatialModes", "group"): [{"family": "axial_torsional"}, {"family": "nothing"}],
     ("LoadDistribution", "worst_thread"): [{"side": "screw"}, {"side": "nut"}],
     ("LoadDistribution", "by_roller"): [],  # takes values of the batch: a test of its own
     ("Campbell", "excited_family"): [],  # takes an order of the batch: a test of its own
@@ -63,6 +64,7 @@ def _stress(mechanism):
 #: How to come to each result: an example, a function of it, and the results inside that.
 MADE = {
     "modal": ("wu2022", lambda m: prsm.modal(m, shapes=True), "Modes"),
+    "spatial_modal": ("wu2022", prsm.spatial_modal, "SpatialModes"),
     "steady_state": ("li2020_two_stage", prsm.steady_state, "SteadyState"),
     "simulate": (
         "li2020_two_stage",
@@ -232,6 +234,12 @@ def _close(found, expected, where: str) -> None:
             np.testing.assert_allclose(one, other, rtol=1e-7, atol=least, err_msg=where)
 
 
+def _final(base):
+    """The classes derived from one that have no further ones of their own."""
+    derived = base.__subclasses__()
+    return set().union(*map(_final, derived)) if derived else {base}
+
+
 def test_every_class_of_results_is_among_them():
     public = {
         one
@@ -244,7 +252,7 @@ def test_every_class_of_results_is_among_them():
     # All of AbstractResult that are defined anywhere, and all that a user can name.
     assert {one for one in public if not issubclass(one, AbstractResult)} == set()
     tested = {name for _, _, classes in MADE.values() for name in classes.split()}
-    assert {one.__name__ for one in public | set(AbstractResult.__subclasses__())} == tested
+    assert {one.__name__ for one in public | _final(AbstractResult)} == tested
 
 
 def test_helpers_that_take_arrays_of_the_batch():

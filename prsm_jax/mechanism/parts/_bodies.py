@@ -78,7 +78,8 @@ class Roller(Limited):
         "m", "radius of a central bore", limit=NOT_NEGATIVE
     )
     material: Material | None = part("the body has the material of its stage")
-    #: Pins of the roller in the carriers; if given, rollers also move in translation.
+    #: Pins of the roller in the carriers; if given, rollers also move in translation. An axial
+    #: stiffness holds the roller in the nut (`spatial_modal`).
     support: Support | None = part("the rollers only rotate: no translation on their pins")
 
     def __check_init__(self) -> None:

@@ -17,9 +17,14 @@ from ._energy import (
     shares as shares,
     strain_energies as strain_energies,
 )
-from ._shapes import carrier_shape as carrier_shape, harmonic_shapes as harmonic_shapes
+from ._shapes import (
+    carrier_shape as carrier_shape,
+    expanded_shapes as expanded_shapes,
+    harmonic_shapes as harmonic_shapes,
+)
 from ._spring_network import (
     Coordinate as Coordinate,
+    NetworkBuilder as NetworkBuilder,
     Spring as Spring,
     SpringNetwork as SpringNetwork,
 )

@@ -3,7 +3,6 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Inexact
 
-from ...fields import plain
 from ._assembly import coordinates
 from ._spring_network import Coordinate
 from ._system import VibrationSystem
@@ -11,6 +10,16 @@ from ._system import VibrationSystem
 
 def harmonic_shapes(
     system: VibrationSystem,
+    harmonic: int,
+    amplitudes: dict[Coordinate, Inexact[Array, " modes"]],
+) -> Float[Array, "coordinates modes multiplicity"]:
+    """Displacements of all degrees of freedom of a symmetric system; see `expanded_shapes`."""
+    return expanded_shapes(coordinates(system), system.roller_positions, harmonic, amplitudes)
+
+
+def expanded_shapes(
+    degrees: tuple[Coordinate, ...],
+    position: Float[Array, " rollers"],
     harmonic: int,
     amplitudes: dict[Coordinate, Inexact[Array, " modes"]],
 ) -> Float[Array, "coordinates modes multiplicity"]:
@@ -22,11 +31,12 @@ def harmonic_shapes(
 
     **Arguments:**
 
-    - `system`: a symmetric system.
+    - `degrees`: all degrees of freedom.
+    - `position`: angle of each roller around the screw [rad].
     - `harmonic`: 0, 1, or 2 for all higher ones.
     - `amplitudes`: by the coordinates of the harmonic network.
     """
-    count, position = plain(system.roller_count), system.roller_positions
+    count = len(position)
     modes = next(iter(amplitudes.values())).shape[-1]
     dtype = position.dtype
 
@@ -57,9 +67,9 @@ def harmonic_shapes(
         return jnp.real(amplitude)[None, :, None] * patterns()[:, None, :]
 
     def of_body(body: str, direction: str) -> Float[Array, "modes multiplicity"] | None:
-        if harmonic == 0 and direction == "u":
-            return jnp.real(amplitudes[Coordinate(body, "u")])[:, None]
-        if harmonic == 1 and direction in ("x", "y"):
+        if harmonic == 0 and Coordinate(body, direction) in amplitudes:
+            return jnp.real(amplitudes[Coordinate(body, direction)])[:, None]
+        if harmonic == 1 and direction in ("x", "y") and Coordinate(body, "w") in amplitudes:
             # w = i (x − i y), so x is the imaginary part of w and y the real one.
             which = int(direction == "x")
             parts = [parts[which] for parts in pair(amplitudes[Coordinate(body, "w")])]
@@ -69,15 +79,14 @@ def harmonic_shapes(
     rows: list[Array] = []
     rollers = {}
     multiplicity = count - 3 if harmonic == 2 else harmonic + 1
-    for coordinate in coordinates(system):
+    for coordinate in degrees:
         if coordinate.body.startswith("roller "):
             direction = coordinate.direction
             if direction not in rollers:
                 rollers[direction] = iter(of_roller(amplitudes[Coordinate("roller", direction)]))
             rows.append(next(rollers[direction]))
             continue
-        known = Coordinate(coordinate.body, {0: "u", 1: "w"}.get(harmonic, "")) in amplitudes
-        row = of_body(coordinate.body, coordinate.direction) if known else None
+        row = of_body(coordinate.body, coordinate.direction)
         rows.append(jnp.zeros((modes, multiplicity), dtype) if row is None else row)
     return jnp.stack(rows)
 

@@ -13,7 +13,7 @@ from jaxtyping import Array, Float, Inexact
 class Coordinate:
     """One degree of freedom: a body, and the direction in which it moves.
 
-    Directions: `x`, `y` of a body on the axis; `u = r θ`, the rotation of any body as a
+    Directions: `x`, `y` of a body on the axis; `z` of any body; `u = r θ`, its rotation as a
     displacement on its nominal circle, anticlockwise positive; `radial`, `tangential` of a roller,
     in the frame of its own position around the screw.
     """

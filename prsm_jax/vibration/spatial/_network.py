@@ -1,0 +1,138 @@
+"""The spring network of a stage in space: whole, and reduced for each harmonic of its rollers."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+
+from ...fields import Scalar
+from ...programs import physics
+from ..model import Coordinate, NetworkBuilder, Spring, SpringNetwork
+from ._system import SpatialBody, SpatialSystem
+
+#: Directions of a roller, in the order of `RollerSpring.roller`.
+ROLLER_DIRECTIONS = ("radial", "tangential", "z", "u")
+
+
+def spatial_coordinates(system: SpatialSystem) -> tuple[Coordinate, ...]:
+    """The degrees of freedom: x, y, z, u of bodies on the axis (no z of a carrier), and radial,
+    tangential, z, u of each roller."""
+    degrees = [
+        Coordinate(body.name, direction)
+        for body in system.bodies
+        for direction in "xyzu"
+        if direction != "z" or body.axial_mass is not None
+    ]
+    for direction in ROLLER_DIRECTIONS:
+        count = len(system.roller_positions)
+        degrees += [Coordinate(f"roller {number}", direction) for number in range(1, count + 1)]
+    return tuple(degrees)
+
+
+def _of_body(body: SpatialBody, direction: str) -> tuple[Scalar, Scalar, str]:
+    """Mass and support of a body in a direction, and the word for it."""
+    if direction == "z":
+        assert body.axial_mass is not None
+        assert body.axial_support is not None
+        return body.axial_mass, body.axial_support, "axial"
+    if direction == "u":
+        return body.equivalent_mass, body.torsional_support, "torsional"
+    return body.mass, body.radial_support, "radial" if direction == "w" else direction
+
+
+def _add_bodies(builder: NetworkBuilder, system: SpatialSystem, degrees) -> dict[Coordinate, Any]:
+    """Supports of the bodies on the axis; returns the masses of their coordinates."""
+    bodies = {body.name: body for body in system.bodies}
+    mass: dict[Coordinate, Any] = {}
+    for coordinate in degrees:
+        if coordinate.body in bodies:
+            body = bodies[coordinate.body]
+            mass[coordinate], stiffness, word = _of_body(body, coordinate.direction)
+            spring = Spring(f"{coordinate.body}_support_{word}")
+            builder.add((spring,), stiffness, [(coordinate, jnp.ones_like(stiffness))])
+    return mass
+
+
+def _roller_mass(system: SpatialSystem, direction: str) -> Scalar:
+    return system.roller_equivalent_mass if direction == "u" else system.roller_mass
+
+
+@physics("spatial_dense_assembly")
+def spatial_network(system: SpatialSystem) -> SpringNetwork:
+    """All springs of a stage, without use of symmetry.
+
+    A body at (x, y) moves by `x cos φ_i + y sin φ_i` along the line of centres of roller i and by
+    `−x sin φ_i + y cos φ_i` across it.
+    """
+    degrees = spatial_coordinates(system)
+    position = system.roller_positions
+    numbers = range(1, len(position) + 1)
+    cosine, sine = jnp.cos(position), jnp.sin(position)
+    builder = NetworkBuilder(degrees)
+    for spring in system.springs:
+        elongation: list[Any] = []
+        for direction, value in zip(ROLLER_DIRECTIONS, spring.roller, strict=True):
+            own = [Coordinate(f"roller {number}", direction) for number in numbers]
+            elongation.append((own, value))
+        if spring.body is not None:
+            along, around, axial, turn = spring.central
+            components = {
+                "x": along * cosine - around * sine,
+                "y": along * sine + around * cosine,
+                "z": axial,
+                "u": turn,
+            }
+            for direction, value in components.items():
+                coordinate = Coordinate(spring.body, direction)
+                if coordinate in degrees:
+                    elongation.append((coordinate, value))
+        names = tuple(Spring(spring.name, number) for number in numbers)
+        builder.add(names, spring.stiffness, elongation)
+    mass = _add_bodies(builder, system, degrees)
+    for coordinate in degrees:
+        if coordinate not in mass:
+            mass[coordinate] = _roller_mass(system, coordinate.direction)
+    return builder.network(mass)
+
+
+@physics("spatial_harmonic_network")
+def spatial_harmonic_network(system: SpatialSystem, harmonic: int) -> SpringNetwork:
+    """The reduced network for one harmonic of the rollers' motion.
+
+    As in `harmonic_network`: rollers move as `q_i = Re(Q e^{i h φ_i})`, normalised so that the
+    energies of the N rollers add up to that of `Q`. Harmonic 0 has z and u of the bodies on the
+    axis, harmonic 1 their translations as one complex coordinate `w = i (x − i y)`, of which
+    roller i sees `Re(w e^{iφ_i})` as tangential and `Re(−i w e^{iφ_i})` as radial displacement;
+    higher ones (all equal) have no body on the axis. The transformation is unitary.
+
+    **Arguments:**
+
+    - `system`: masses and springs from `spatial_system`.
+    - `harmonic`: 0, 1 or 2; 2 stands for every higher one.
+    """
+    directions = {0: "zu", 1: "w"}.get(harmonic, "")
+    degrees = tuple(
+        Coordinate(body.name, direction)
+        for body in system.bodies
+        for direction in directions
+        if direction != "z" or body.axial_mass is not None
+    )
+    rollers = tuple(Coordinate("roller", direction) for direction in ROLLER_DIRECTIONS)
+    count = jnp.asarray(system.roller_count).astype(system.roller_mass.dtype)
+    factor = jnp.sqrt(count if harmonic == 0 else count / 2)
+    builder = NetworkBuilder((*degrees, *rollers))
+    for spring in system.springs:
+        elongation: list[Any] = list(zip(rollers, spring.roller, strict=True))
+        if spring.body is not None:
+            along, around, axial, turn = (factor * value for value in spring.central)
+            moved = {"z": axial, "u": turn}
+            if harmonic == 1:
+                moved = {"w": jax.lax.complex(around, -along)}
+            for direction, value in moved.items():
+                coordinate = Coordinate(spring.body, direction)
+                if coordinate in degrees:
+                    elongation.append((coordinate, value))
+        builder.add((Spring(spring.name),), spring.stiffness, elongation)
+    mass = _add_bodies(builder, system, degrees)
+    mass |= {roller: _roller_mass(system, roller.direction) for roller in rollers}
+    return builder.network(mass)

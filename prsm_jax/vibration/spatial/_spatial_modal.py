@@ -1,0 +1,56 @@
+"""Modal analysis in space of one stage of a mechanism."""
+
+import jax.numpy as jnp
+
+from ...contact import load_of
+from ...fields import Scalar
+from ...geometry import mesh
+from ...mechanism import Mechanism, of_one_design, stage_at
+from ...programs import one_program, physics
+from ...stiffness import loaded_threads, thread_stiffness
+from ._modes import SpatialModes, spatial_modes
+from ._system import spatial_system
+
+
+@of_one_design
+@one_program
+@physics("spatial_modal")
+def spatial_modal(
+    mechanism: Mechanism,
+    *,
+    stage: int = 1,
+    load: float | Scalar | None = None,
+    sticking: bool = True,
+    shapes: bool = False,
+) -> SpatialModes:
+    """Natural frequencies and families of one stage whose bodies move in space.
+
+    Unlike in `modal` (Wu et al. 2022), bodies also move along the axis, thread contacts are stiff
+    along their true normals only, and the lead couples rotation with axial motion. Vibration is
+    small, so the contacts have their tangent stiffness at the load. What the file does not hold is
+    free: a mechanism without axial supports has rigid motions, of frequency 0, and so has every
+    roller that no pin ties to the carrier, because it rolls in the nut while the screw's thread
+    slides on it.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism; the stage needs masses and inertias, and either given thread
+      stiffnesses or materials and engaged threads.
+    - `stage`: which stage, counted from 1. Each stage vibrates on its own.
+    - `load`: axial load at which the contact stiffness is taken [N]; default that of the operating
+      point, and not needed where the stiffnesses are given.
+    - `sticking`: whether contacts at the nut, which roll, have Mindlin's tangential stiffness.
+    - `shapes`: also give mass-normalised mode shapes and energy shares.
+
+    **Raises:** `MissingDataError` if data are missing; `ValueError` for a stage that does not
+    exist, fewer than 3 or unequal rollers, and supports that differ in x and y.
+    """
+    chosen = stage_at(mechanism, stage)
+    meshing = mesh(chosen.thread)
+    threads = thread_stiffness(
+        chosen,
+        lambda: loaded_threads(chosen, jnp.abs(load_of(mechanism, load)), meshing),
+        tangent=True,
+    )
+    system = spatial_system(chosen, threads, meshing, sticking=sticking)
+    return spatial_modes(system, shapes=shapes)
