@@ -3,6 +3,7 @@
 from typing import Any, ClassVar, Literal, TypeAlias, get_args
 
 import equinox as eqx
+from jaxtyping import Array, Float
 
 from ..fields import (
     POSITIVE,
@@ -12,7 +13,6 @@ from ..fields import (
     Number,
     Numbers,
     OptionalNumber,
-    Scalar,
     as_count,
     check_stage,
     choice,
@@ -124,7 +124,7 @@ class Stage(Limited):
         return None if self.friction is None else self.friction.thread
 
     @property
-    def gear_module(self) -> Scalar | None:
+    def gear_module(self) -> Float[Array, "*batch"] | None:
         """Module of the roller's gear, 2 r_R / z_R [m]; `None` without a gear or its teeth."""
         if self.gear is None or self.gear.roller_teeth is None:
             return None

@@ -90,7 +90,8 @@ def test_each_command_writes_what_is_known(tmp_path):
     page = _page(tmp_path, "starts", "starts", _starts())
     assert "NSGA-II, 100 a generation, seed 2" in page
     assert "| one by one | 0.9 | 5000 | 7 | 3 | 8.00 s | 30.0 s |" in page
-    assert "at once is 4 times as fast; the objectives differ by 2e-09" in page
+    assert '"At once" is 4 times as fast (median of runs in turn)' in page
+    assert "the relative difference of the objectives is 2e-09." in page
 
 
 def test_a_goal_that_is_missed_is_called_so(tmp_path):

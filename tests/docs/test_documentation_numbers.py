@@ -77,7 +77,14 @@ GIVEN = {
         r"^1998 \(\*J\. Tribology\* 120\)",
     ),
     "docs/load_sharing.md": (r"20 threads, 10 rollers", r"^\| all unlike \| 11 \|"),
-    "docs/vibration.md": (r"1e12 apart", r"×1700|1700 times"),
+    "docs/vibration.md": (
+        r"1e12 apart",
+        r"×1700|1700 times",
+        # Sources.
+        r"J\. Appl\. Mech\. 16 \(1949\) 259–268",
+        r"\(1985\), section 7\.2",
+        r"J\. Vib\. Acoust\.\s121 \(1999\) 316–321",
+    ),
     "docs/response.md": (r"80 teeth on 10 rollers",),
     "docs/dynamics.md": (r"\(17 to 28\)", r"pass 0\.01 rad/s"),
 }

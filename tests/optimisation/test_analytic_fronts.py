@@ -141,7 +141,7 @@ def test_no_feasible_design_is_a_report(bowls):
     )
     assert front.points == ()
     assert not front.converged
-    assert "breaks first_number" in front.message
+    assert "violates first_number" in front.message
     assert front.hypervolume == 0
     assert {one.status for one in front.dropped} == {"infeasible"}
     json.dumps(front.to_dict(), allow_nan=False)

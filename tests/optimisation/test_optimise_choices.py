@@ -229,7 +229,7 @@ def test_a_front_refuses_open_choices(valley):
         (Objective("stepped_valley"), Objective("lead_in_mm")),
         choices=(Choice("lead", (5e-3, 8e-3)),),
     )
-    with pytest.raises(ValueError, match="leaves lead open"):
+    with pytest.raises(ValueError, match="has choices of lead"):
         pareto(scenes.mechanism(), problem=problem)
 
 
