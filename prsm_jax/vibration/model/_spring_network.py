@@ -76,14 +76,14 @@ def _widest(arrays: list[Array]):
 class NetworkBuilder:
     """Collects springs, one kind at a time, and builds a network from them."""
 
-    def __init__(self, coordinates: tuple[Coordinate, ...]):
+    def __init__(self, coordinates: tuple[Coordinate, ...]) -> None:
         self._coordinates = coordinates
         self._places = {coordinate: place for place, coordinate in enumerate(coordinates)}
         self._springs: list[Spring] = []
         self._stiffness: list[Array] = []
         self._rows: list[Array] = []
 
-    def add(self, springs: tuple[Spring, ...], stiffness, elongation: list[Any]) -> None:
+    def add(self, springs: tuple[Spring, ...], stiffness: Any, elongation: list[Any]) -> None:
         """Springs of one kind.
 
         **Arguments:**
