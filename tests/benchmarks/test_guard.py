@@ -180,7 +180,7 @@ def test_numbers_of_joint_derivatives_have_their_limits():
     row["error_dictionary"] = 2e-8
     second["processor_s"]["forward over forward"] = 401.0
     second["instructions"]["forward over forward"] = 251_000
-    worse = numbers_of_joint(row, second, 7.0, 19.0)
+    worse = numbers_of_joint(row, second, 5.0, 19.0)
     assert [one.name for one in compare(found, worse, LIMITS)] == [
         "error of the Jacobian, dictionary",
         "Jacobian over value, concatenated",
