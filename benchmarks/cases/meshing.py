@@ -127,34 +127,20 @@ def _two_angles(thread: Thread, steps) -> _Positions:
 
 def _hybr(designs: Designs, count: int) -> Method:
     """SciPy's Powell hybrid method in a loop over designs, the residual in plain Python."""
-    from math import atan2, cos, hypot, pi, sin, sqrt, tan
+    from math import atan2, hypot
 
-    from scipy.optimize import root
+    from ..references.flanks import contact_point, flanks_of
 
     def solve(design: Design):
-        flank = pi / 2 - design.contact_angle
-        roller, starts, profile = design.roller_radius, design.starts, design.profile_radius
-        screw, centre, slope = (starts - 2) * roller, (starts - 1) * roller, tan(flank)
-        screw_lead, roller_lead = design.lead / (2 * pi), design.lead / starts / (2 * pi)
-        arc_centre = roller - profile * sin(flank)
-
-        def residual(point):
-            x, y = point[0] * centre, point[1] * centre
-            from_roller = x - centre
-            screw_radius, roller_radius = hypot(x, y), hypot(from_roller, y)
-            offset = roller_radius - arc_centre
-            arc = -offset / sqrt(profile**2 - offset**2)
-            return (
-                (slope * x - screw_lead * y / screw_radius) / screw_radius
-                - (arc * from_roller - roller_lead * y / roller_radius) / roller_radius,
-                (slope * y + screw_lead * x / screw_radius) / screw_radius
-                - (arc * y + roller_lead * from_roller / roller_radius) / roller_radius,
-            )
-
-        angle = (screw_lead / screw + roller_lead / roller) / (slope * (1 + screw / roller))
-        start = (screw * cos(angle) / centre, -screw * sin(angle) / centre)
-        x, y = root(residual, start, tol=1e-14).x * centre
-        return hypot(x, y), atan2(y, centre - x)
+        flanks = flanks_of(
+            design.lead,
+            design.contact_angle,
+            design.roller_radius,
+            design.starts,
+            design.profile_radius,
+        )
+        x, y = contact_point(flanks)
+        return hypot(x, y), atan2(y, flanks.centre - x)
 
     some = rows(designs, count)
 

@@ -9,14 +9,15 @@ and steady state need root searches of many unknowns, which a loop in Python wou
 
 import math
 from collections.abc import Iterator
-from math import cos, hypot, pi, sin, sqrt, tan
+from math import hypot, pi, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import eigh
-from scipy.optimize import brentq, root
+from scipy.optimize import brentq
 from scipy.special import ellipe, ellipkm1
 
+from ..references.flanks import Flanks, contact_point, flanks_of
 from ..references.vibration import mass_terms, stiffness_terms
 
 _ROLLERS, _STARTS, _THREADS, _LOAD = 10, 5, 20, 12e3
@@ -31,64 +32,12 @@ _STIFFNESS, _MASS = stiffness_terms(_ROLLERS), mass_terms(_ROLLERS)
 _PLACES = np.arange(_ROLLERS + 10)
 
 
-class _Flanks(NamedTuple):
-    """Lengths and slopes of one thread; p and L over 2π."""
-
-    roller: float
-    screw: float
-    nut: float
-    centre: float
-    slope: float
-    helical: float
-    roller_helical: float
-    arc_centre: float
-    profile: float
-
-
 class _Gap(NamedTuple):
     """A x² + B y² between two flanks [1/m], and normal over axial force."""
 
     smaller: float
     larger: float
     factor: float
-
-
-def _flanks(lead: float, contact_angle: float, roller: float) -> _Flanks:
-    flank, profile = pi / 2 - contact_angle, roller / cos(contact_angle)
-    return _Flanks(
-        roller,
-        (_STARTS - 2) * roller,
-        _STARTS * roller,
-        (_STARTS - 1) * roller,
-        tan(flank),
-        lead / (2 * pi),
-        lead / _STARTS / (2 * pi),
-        roller - profile * sin(flank),
-        profile,
-    )
-
-
-def _contact_point(flanks: _Flanks) -> tuple[float, float]:
-    """Where screw and roller touch: equal gradients of both flanks, by Powell's hybrid method."""
-    roller, screw, _, centre, slope, helical, roller_helical, arc_centre, profile = flanks
-
-    def residual(point):
-        x, y = point[0] * centre, point[1] * centre
-        from_roller = x - centre
-        screw_radius, roller_radius = hypot(x, y), hypot(from_roller, y)
-        offset = roller_radius - arc_centre
-        arc = -offset / sqrt(profile**2 - offset**2)
-        return (
-            (slope * x - helical * y / screw_radius) / screw_radius
-            - (arc * from_roller - roller_helical * y / roller_radius) / roller_radius,
-            (slope * y + helical * x / screw_radius) / screw_radius
-            - (arc * y + roller_helical * from_roller / roller_radius) / roller_radius,
-        )
-
-    angle = (helical / screw + roller_helical / roller) / (slope * (1 + screw / roller))
-    start = (screw * cos(angle) / centre, -screw * sin(angle) / centre)
-    x, y = root(residual, start, tol=1e-14).x * centre
-    return float(x), float(y)
 
 
 def _hessian(x: float, y: float, first: float, second: float, helical: float):
@@ -114,14 +63,14 @@ def _gap(gradient: tuple[float, float], hessian: tuple[float, float, float]) -> 
     return _Gap(mean - spread, mean + spread, sqrt(square))
 
 
-def _arc(flanks: _Flanks, radius: float) -> tuple[float, float]:
+def _arc(flanks: Flanks, radius: float) -> tuple[float, float]:
     """First and second derivative of the roller's arc."""
     offset = radius - flanks.arc_centre
     height = sqrt(flanks.profile**2 - offset**2)
     return -offset / height, -(flanks.profile**2) / height**3
 
 
-def _gaps(flanks: _Flanks, x: float, y: float) -> Iterator[_Gap]:
+def _gaps(flanks: Flanks, x: float, y: float) -> Iterator[_Gap]:
     """Screw side, then nut side."""
     roller, nut, slope, helical = flanks.roller, flanks.nut, flanks.slope, flanks.helical
     radius, from_roller = hypot(x, y), x - flanks.centre
@@ -163,7 +112,7 @@ def _hertz(force: float, gap: _Gap) -> tuple[float, float]:
     return pressure, pressure * ratio * major * k / _MODULUS
 
 
-def _efficiency(flanks: _Flanks, x: float, y: float) -> float:
+def _efficiency(flanks: Flanks, x: float, y: float) -> float:
     """Output over input power of the steady state: friction of threads and bearing, and drag."""
     slope, helical, radius = flanks.slope, flanks.helical, hypot(x, y)
     p = (slope * x - helical * y / radius) / radius
@@ -185,7 +134,7 @@ def _cylinder(length: float, inner: float, outer: float) -> tuple[float, float]:
     return mass, mass * (outer**2 + inner**2) / 2
 
 
-def _system(flanks: _Flanks, screw_roller: float, nut_roller: float) -> np.ndarray:
+def _system(flanks: Flanks, screw_roller: float, nut_roller: float) -> np.ndarray:
     """The numbers of the vibration model, in the order of `references.vibration`."""
     screw, nut, centre = flanks.screw, flanks.nut, flanks.centre
     # Wu et al. 2022: along the thread's tangent.
@@ -226,8 +175,8 @@ def design(lead: float, contact_angle: float, roller: float) -> tuple[np.ndarray
 
     **Arguments:** SI units; the other numbers are those of the actuator.
     """
-    flanks = _flanks(lead, contact_angle, roller)
-    x, y = _contact_point(flanks)
+    flanks = flanks_of(lead, contact_angle, roller, _STARTS)
+    x, y = contact_point(flanks)
     axial = _LOAD / (_ROLLERS * _THREADS)
     pressures, stiffnesses = [], []
     for gap in _gaps(flanks, x, y):

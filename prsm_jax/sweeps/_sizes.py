@@ -12,7 +12,7 @@ import jax
 
 #: Largest number of designs in a block, on a processor and on an accelerator. An accelerator
 #: computes a block in one call, and needs as many designs to be fully used (docs/devices.md).
-_MOST, _MOST_ON_ACCELERATOR = 16_384, 131_072
+_MOST, _MOST_ON_ACCELERATOR = 32_768, 131_072
 #: Smallest number of designs in a block, and number of blocks of a small sweep.
 _LEAST, _SHARED = 4096, 32
 #: Memory that results of one block may take [B]; each thread or worker has one block.

@@ -87,7 +87,7 @@ def sweep(
     - `gradients`: parameters by which every quantity is differentiated, exactly.
     - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
     - `chunk`: largest number of designs in a block, which is stored as a whole. Default: that of
-      the store, or a 32nd of the designs, from 4,096 to 16,384 (131,072 on an accelerator); fewer
+      the store, or a 32nd of the designs, from 4,096 to 32,768 (131,072 on an accelerator); fewer
       if the results of a block would take more than 64 MiB. A block is computed in one or several
       calls, which on a processor are as large as its cache allows.
     - `progress`: show a progress bar; or a function that is called with the number of finished

@@ -71,6 +71,11 @@ def test_shards_and_their_end(prsm, prsm_json, tmp_path):
     with xarray.open_dataset(tmp_path / "a.nc") as data:
         assert data.sizes == {"lead": 3, "contact_angle": 2}
         assert not data["failed"].any()
+    # All quantities of the store are drawn, or those that are named.
+    assert {pathlib.Path(path).stem for path in results["pictures"]} == {"sweep-nut_speed"}
+    status, out, err = prsm(*bare, "--collect", "--quantities", "mass")
+    assert (status, out) == (2, "")
+    assert "--quantities mass: the store has only nut_speed; choose from these" in err
 
 
 @pytest.mark.parametrize(

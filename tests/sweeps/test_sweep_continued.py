@@ -401,6 +401,49 @@ def test_a_device_compiles_a_program_of_its_own(monkeypatch):
     assert len(_run._compiled) == 2
 
 
+#: Sweeps on a CPU that is two devices, and prints the devices that held each block's results.
+_TWO_DEVICES = """
+    import sys
+    from pathlib import Path
+    import jax
+    jax.config.update("jax_num_cpu_devices", 2)
+    import numpy as np
+    import prsm_jax as prsm
+    from prsm_jax.sweeps import _run, sweep
+
+    compute = _run.evaluate_block
+
+    def told(*arguments):
+        results = compute(*arguments)
+        for device in jax.tree.leaves(results)[0].devices():
+            # One write: two threads do.
+            sys.stdout.write(f"{device.id}\\n")
+        return results
+
+    _run.evaluate_block = told
+    axes = {
+        "lead": np.linspace(6e-3, 14e-3, 4),
+        "contact_angle": [0.7, 0.75, 0.8],
+        "operating_point.load": np.linspace(3e3, 9e3, 4),
+    }
+    sweep(prsm.load("wu2022"), axes, ["nut_radius", "nut_speed"], chunk=4, findings=False,
+          store=Path(sys.argv[1]))
+"""
+
+
+def test_all_devices_compute_and_the_store_is_the_same(tmp_path, expected):
+    """Blocks take the devices in turn: each of two devices computes half of the twelve blocks."""
+    store = tmp_path / "a.zarr"
+    done = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(_TWO_DEVICES), str(store)],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert sorted(done.stdout.split()) == ["0"] * 6 + ["1"] * 6
+    assert contents(store) == expected
+
+
 class _Here(concurrent.futures.Executor):
     """Computes at once, in this thread."""
 

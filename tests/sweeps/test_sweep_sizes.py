@@ -22,7 +22,7 @@ def run(store=None, **more):
 
 def test_blocks_are_large_enough_to_write_and_small_enough_to_share():
     assert [_sizes.block_size(n) for n in (1, 10_000, 320_000, 10**6, 10**9)] == [
-        4096, 4096, 10_000, 16_384, 16_384,
+        4096, 4096, 10_000, 31_250, 32_768,
     ]  # fmt: skip
 
 

@@ -57,6 +57,10 @@ def _axis(mechanism: Mechanism, text: str, plan: str) -> tuple[str, np.ndarray]:
     return name, np.linspace(value(parts[0]), value(parts[1]), int(parts[2]))
 
 
+#: Quantities of a sweep if none are named.
+_QUANTITIES = "efficiency,max_pressure"
+
+
 def _axes(mechanism: Mechanism, texts: list[str], plan: str) -> dict[str, np.ndarray]:
     """All axes; an axis that is given twice is refused."""
     axes: dict[str, np.ndarray] = {}
@@ -95,8 +99,12 @@ def sweep(
         ),
     ] = None,
     quantities: Annotated[
-        str, Parameter(help="Names from `prsm quantities`, separated by commas.")
-    ] = "efficiency,max_pressure",
+        str | None,
+        Parameter(
+            help="Names from `prsm quantities`, separated by commas; default "
+            "efficiency,max_pressure. With --collect: those to draw; default all in the store."
+        ),
+    ] = None,
     gradients: Annotated[
         str | None,
         Parameter(help="Names of numbers by which every quantity is differentiated, by commas."),
@@ -179,7 +187,7 @@ def sweep(
         check_export(path)
     mechanism = common.load(file)
     axes = _axes(mechanism, axis or [], plan)
-    asked = words_of(quantities) or []
+    asked = words_of(_QUANTITIES if quantities is None else quantities) or []
     names = [*asked, *_limited(mechanism, asked)] if constraints and not collect else asked
     folder = Path("out") if common.out is None else common.out
     store = folder / f"{Path(file).stem}-sweep.zarr"
@@ -197,7 +205,13 @@ def sweep(
         if collect:
             data = collect_blocks(store)
             known = {entry.name for entry in catalogue()}
-            names = asked = [str(name) for name in data.data_vars if name in known]
+            names = [str(name) for name in data.data_vars if name in known]
+            asked = names if quantities is None else asked
+            if lacking := [name for name in asked if name not in names]:
+                raise PrsmError(
+                    f"--quantities {', '.join(lacking)}: the store has only {', '.join(names)}; "
+                    "choose from these"
+                )
         else:
             with _executor(scheduler) as executor:
                 data = run_sweep(
