@@ -18,9 +18,9 @@ from ..findings import check, check_from, check_numbers, sources
 from ..geometry import Finding
 from ..mechanism import Mechanism, get_parameter
 from ..process import make_folder, whole_file
-from ..programs import origin_of
+from ..programs import origin_of, runs_one_verb
 from ..text import markdown
-from ._programs import run_stored, runs_one_verb
+from ._programs import run_stored
 from ._progress import clear, doing, expect_programs
 from ._tables import TextTable, terminal_width
 from ._targets import check_folder, check_json

@@ -7,11 +7,12 @@ from cyclopts import Parameter
 
 from ...mechanism import Mechanism, Objective
 from ...process import make_folder
+from ...programs import runs_one_verb
 from ...quantities import assumptions
 from .._app import app
 from .._common import Common, checked, emit, words_of, write_text
 from .._optimised import optimised_text
-from .._programs import run_stored, runs_one_verb
+from .._programs import run_stored
 from .._progress import counted, doing, expect_programs
 from .._tables import terminal_width
 
