@@ -20,4 +20,5 @@ from ._stored import (
     run_one_verb as run_one_verb,
     run_stored as run_stored,
     runs_one_verb as runs_one_verb,
+    stored_facts as stored_facts,
 )

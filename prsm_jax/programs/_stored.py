@@ -13,9 +13,10 @@ import os
 import pickle
 import platform
 from collections.abc import Callable, Generator
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import equinox as eqx
 import jax
@@ -30,11 +31,13 @@ _PACKAGE = Path(__file__).parent.parent
 _MADE_BY = ("jax", "jaxlib", "equinox", "diffrax", "optimistix", "lineax")
 #: Packages whose classes and functions mean the same in every process with the same key.
 _KNOWN = {"prsm_jax", "builtins", *_MADE_BY}
+_Facts = TypeVar("_Facts")
 #: In the written form of an object that is another one in every process.
 _ADDRESS = " at 0x"
 
 
-class _Place(NamedTuple):
+@dataclass(frozen=True)
+class _Place:
     """Where an array of the results stands in the list that a program returns."""
 
     index: int
@@ -49,9 +52,7 @@ class _Program(NamedTuple):
     def __call__(self, arrays: list[jax.Array]) -> Any:
         values = self.run(*arrays)
         return jax.tree.map(
-            lambda leaf: values[leaf.index] if isinstance(leaf, _Place) else leaf,
-            self.results,
-            is_leaf=lambda leaf: isinstance(leaf, _Place),
+            lambda leaf: values[leaf.index] if isinstance(leaf, _Place) else leaf, self.results
         )
 
 
@@ -130,10 +131,9 @@ def run_stored(name: str, function: Callable[..., Any], *args: Any, words: str =
     arrays = [leaf for leaf in leaves if eqx.is_array(leaf)]
     program = _used.get((name, structure, *static))
     if program is None:
-        question = (name, static, str(structure))
-        if _ADDRESS in repr(question):
+        path = _path(name, structure, static)
+        if path is None:
             return eqx.filter_jit(function)(*args)
-        path = Path(folder) / "programs" / _key(question)
         # A stored program that was changed, or that this JAX cannot run, is compiled again.
         with contextlib.suppress(Exception):
             program = _loaded(path)
@@ -145,6 +145,39 @@ def run_stored(name: str, function: Callable[..., Any], *args: Any, words: str =
             _write(path, pickle.dumps(_serialised(program)))
         _used[name, structure, *static] = program
     return program(arrays)
+
+
+def stored_facts(name: str, function: Callable[..., _Facts], *args: Any) -> _Facts:
+    """Evaluate a function whose result depends on the structure of its arguments alone.
+
+    The result of tracing, such as shapes. A process that runs one verb keeps it for the next run.
+
+    **Arguments:**
+
+    - `name`: names the function in the key.
+    - `function`: returns words, numbers and containers of them; must not depend on numbers.
+    - `args`: pytrees; leaves that are not arrays are static.
+    """
+    folder = jax.config.jax_compilation_cache_dir  # type: ignore[attr-defined]
+    if not (runs_one_verb() and folder and _is_known(args)):
+        return function(*args)
+    leaves, structure = jax.tree.flatten(args)
+    path = _path(f"facts of {name}", structure, tuple(map(_described, leaves)))
+    if path is None:
+        return function(*args)
+    with contextlib.suppress(Exception):
+        return pickle.loads(_read(path))
+    facts = function(*args)
+    _write(path, pickle.dumps(facts))
+    return facts
+
+
+def _path(name: str, structure: Any, static: tuple[Any, ...]) -> Path | None:
+    """Where a program is kept; `None` if its arguments are not the same in every process."""
+    question = (name, static, str(structure))
+    if _ADDRESS in repr(question):
+        return None
+    return Path(jax.config.jax_compilation_cache_dir) / "programs" / _key(question)  # type: ignore
 
 
 def _described(leaf: Any) -> Any:
@@ -189,13 +222,13 @@ def _loaded(path: Path) -> _Program:
     return _Program(serialize_executable.deserialize_and_load(*run), results)
 
 
-def _is_foreign(definition: Any) -> bool:
+def is_foreign(definition: Any) -> bool:
     """Whether a class or function may change without a change of the key."""
     try:
         module, name = origin_of(definition)
     except AttributeError:
         return True
-    return module.partition(".")[0] not in _KNOWN or "<locals>" in name
+    return module.partition(".")[0] not in _KNOWN or "<" in name
 
 
 def _is_known(tree: Any) -> bool:
@@ -210,10 +243,10 @@ def _is_known(tree: Any) -> bool:
         elif isinstance(part, Tracer | np.ndarray):
             return False
         elif isinstance(part, eqx.Module):
-            if _is_foreign(type(part)):
+            if is_foreign(type(part)):
                 return False
             parts += vars(part).values()
-        elif callable(part) and _is_foreign(part):
+        elif callable(part) and is_foreign(part):
             return False
     return True
 
