@@ -14,13 +14,11 @@ import jax
 import numpy as np
 from cyclopts import Parameter
 
-from ..findings import check, check_from, check_numbers, sources
+from ..findings import check
 from ..geometry import Finding
 from ..mechanism import Mechanism, get_parameter
 from ..process import make_folder, whole_file
-from ..programs import origin_of
 from ..text import markdown
-from ._programs import run_stored, runs_one_verb
 from ._progress import clear, doing, expect_programs
 from ._tables import TextTable, terminal_width
 from ._targets import check_folder, check_json
@@ -77,19 +75,14 @@ class Common(Output):
         self.check_targets()
         mechanism = load(source)
         # Every verb that analyses a mechanism ends with `checked`.
-        expect_programs("call" if runs_one_verb() else "check_numbers")
+        expect_programs("_numbers_by")
         return apply_settings(mechanism, self.settings) if self.settings else mechanism
 
 
 def checked(mechanism: Mechanism) -> tuple[Finding, ...]:
     """Findings of `check`; the terminal announces it because its program compiles slowly."""
     doing("checking the design")
-    if not runs_one_verb():
-        return check(mechanism)
-    # Other sources of margins need another program.
-    name = f"check_numbers {[origin_of(one) for one in sources()]}"
-    values = run_stored(name, check_numbers, mechanism, announced=True)
-    return check_from(mechanism, values)
+    return check(mechanism)
 
 
 def plain(value: Any) -> Any:

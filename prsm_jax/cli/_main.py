@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from .._errors import PrsmError, missing_extra
 from ..process import clear_first, end_on_signals, keep_result, remove_empty_folders
 from ..text import printable
-from ._plugins import load_plugin, without_plugins
+from ._plugins import has_plugins, load_plugin, without_plugins
 from ._progress import erase_for_good, progress
 from ._streams import make_patient, stdout_failure
 
@@ -52,17 +52,19 @@ def _run(words: list[str], alone: bool) -> tuple[int, str]:
     except PrsmError as error:
         return 2, str(error)
     with progress(words[0] if words else ""):
+        from ..programs import run_one_verb
         from ._compiled import keep_compiled_programs, tell_of_trouble_once
-        from ._programs import run_one_verb
         from ._verbs import app
 
         keep_compiled_programs()
         if alone:
             tell_of_trouble_once()
-            run_one_verb()
         try:
             for plugin in plugins:
                 load_plugin(plugin)
+            # Results of a plugin depend on its own files, which no stored program knows.
+            if alone and not has_plugins():
+                run_one_verb()
             status = app(
                 words, exit_on_error=False, print_error=False, result_action="return_value"
             )

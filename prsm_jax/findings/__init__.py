@@ -6,7 +6,6 @@ Do the parts fit, can they be made, do they last, and are the given numbers plau
 from ..geometry import Finding as Finding
 from ._check import (
     check as check,
-    check_from as check_from,
     check_numbers as check_numbers,
     stiffness_findings as stiffness_findings,
     strength_findings as strength_findings,

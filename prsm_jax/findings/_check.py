@@ -2,11 +2,10 @@
 
 from typing import Any, NamedTuple
 
-import equinox as eqx
-
 from ..fields import Scalar
 from ..geometry import Finding
 from ..mechanism import Mechanism, of_one_known_design
+from ..programs import one_program_where_possible
 from ..quantities import Analysis
 from . import _fit, _locking, _preferred, _stiffness, _strength, _truncation
 from ._margin import Source, evaluate_margins, findings_of, margins_of, sources
@@ -31,7 +30,7 @@ def check_numbers(mechanism: Mechanism) -> CheckNumbers:
     return CheckNumbers(evaluate_margins(Analysis(mechanism)), expected_masses(mechanism))
 
 
-@eqx.filter_jit
+@one_program_where_possible
 def _numbers_by(_sources: tuple[Source, ...], mechanism: Mechanism) -> CheckNumbers:
     # Sources are a static argument: a change of them compiles another program.
     return check_numbers(mechanism)
@@ -65,17 +64,7 @@ def check(mechanism: Mechanism) -> tuple[Finding, ...]:
 
     **Returns:** the findings, stage by stage.
     """
-    return check_from(mechanism, _numbers_by(sources(), mechanism))
-
-
-def check_from(mechanism: Mechanism, numbers: CheckNumbers) -> tuple[Finding, ...]:
-    """As `check`, from numbers that are already computed.
-
-    **Arguments:**
-
-    - `mechanism`: the mechanism, with concrete numbers.
-    - `numbers`: the result of `check_numbers`.
-    """
+    numbers = _numbers_by(sources(), mechanism)
     known = _plain(numbers.margins)
     findings = [finding for _, finding in findings_of(mechanism, known)]
     findings += mass_findings_from(mechanism, numbers.masses)

@@ -1,5 +1,6 @@
 """Margins of strength: plastic dents, life, buckling, whirling, false brinelling, play."""
 
+import functools
 import math
 from collections.abc import Callable, Iterator
 
@@ -30,6 +31,8 @@ def _where_given(*names: str) -> Callable[[Source], Source]:
     """Register margins of stages whose strength data have at least one of these entries."""
 
     def register(margins: Source) -> Source:
+        # The name of a source says which programs were compiled with it.
+        @functools.wraps(margins)
         def source(mechanism: Mechanism, index: int) -> Iterator[Margin]:
             data = mechanism.stages[index].strength
             if data is not None and any(getattr(data, name) is not None for name in names):

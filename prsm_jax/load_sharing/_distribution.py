@@ -12,7 +12,7 @@ from ..contact import StageContact, load_of
 from ..fields import Scalar
 from ..geometry import Meshing
 from ..mechanism import Mechanism, Stage, of_one_design, stage_at
-from ..programs import AbstractResult, mapped
+from ..programs import AbstractResult, mapped, one_program_where_possible
 from ._block_tridiagonal import control_column
 from ._chains import (
     Chains,
@@ -305,4 +305,4 @@ def load_distribution(
 
 
 #: One program where a user calls it by itself; operation by operation it takes seconds.
-_compiled = eqx.filter_jit(stage_load_distribution)
+_compiled = one_program_where_possible(stage_load_distribution)

@@ -2,14 +2,13 @@
 
 from collections.abc import Sequence
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jax.typing import ArrayLike
 from jaxtyping import Array, Bool, Float
 
 from ..mechanism import Mechanism, Stage, of_one_design, stage_at
-from ..programs import AbstractResult
+from ..programs import AbstractResult, one_program_where_possible
 from ._chains import Control
 from ._distribution import balanced
 from ._stage_chains import sharing_of, stage_chains
@@ -68,7 +67,7 @@ def force_deflection(
     return _curve(chosen, jnp.asarray(deflections, dtype), "deflection")
 
 
-@eqx.filter_jit
+@one_program_where_possible
 def _curve(stage: Stage, values: Float[Array, " points"], control: Control) -> ForceDeflection:
     distribution = balanced(stage_chains(stage), stage, values, control)
     assert distribution.tangent_stiffness is not None

@@ -2,11 +2,11 @@
 
 from typing import NamedTuple
 
-import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ..fields import Scalar, old_name
+from ..programs import one_program_where_possible
 from ._chains import Chains, deflection_of
 from ._equilibrium import equilibrium
 from ._stage_chains import regularised
@@ -86,7 +86,7 @@ def _rest(
 
 
 # One program where a user asks a distribution for it.
-@eqx.filter_jit
+@one_program_where_possible
 def elastic_deflection(
     chains: Chains, load: Scalar, travel: Scalar, resting: Resting | None = None
 ) -> ElasticDeflection:

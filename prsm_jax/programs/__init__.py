@@ -15,3 +15,10 @@ from ._one_program import (
 from ._origin import origin_of as origin_of
 from ._physics import physics as physics, traced_physics as traced_physics
 from ._precision import to_precision as to_precision
+from ._stored import (
+    has_stored as has_stored,
+    run_one_verb as run_one_verb,
+    run_stored as run_stored,
+    runs_one_verb as runs_one_verb,
+    stored_facts as stored_facts,
+)

@@ -10,6 +10,9 @@ import jax.numpy as jnp
 import numpy as np
 from jax.core import Tracer
 
+from ._origin import origin_of
+from ._stored import is_foreign, run_stored, runs_one_verb
+
 _Params = ParamSpec("_Params")
 _Return = TypeVar("_Return")
 _Tree = TypeVar("_Tree")
@@ -95,10 +98,21 @@ def one_program_where_possible(function: Callable[_Params, _Return]) -> Callable
     With one that is not hashable, the part runs operation by operation.
     """
     program = eqx.filter_jit(function)
+    name = ".".join(origin_of(function))
+    foreign = is_foreign(function)
+
+    anyhow: Callable[..., _Return] = function
+
+    def of_pair(args, kwargs) -> _Return:
+        return anyhow(*args, **kwargs)
 
     @functools.wraps(function)
     def run(*args: _Params.args, **kwargs: _Params.kwargs) -> _Return:
-        return (program if _can_be_kept((args, kwargs)) else function)(*args, **kwargs)
+        if not _can_be_kept((args, kwargs)):
+            return function(*args, **kwargs)
+        if runs_one_verb() and not foreign and is_known((args, kwargs)):
+            return run_stored(name, of_pair, args, kwargs, words=function.__name__)
+        return program(*args, **kwargs)
 
     return run
 

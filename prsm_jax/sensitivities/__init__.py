@@ -4,6 +4,5 @@ from ._sensitivity import (
     DEFAULT_PARAMETERS as DEFAULT_PARAMETERS,
     DEFAULT_QUANTITIES as DEFAULT_QUANTITIES,
     sensitivity as sensitivity,
-    sensitivity_by as sensitivity_by,
 )
 from ._table import Sensitivity as Sensitivity

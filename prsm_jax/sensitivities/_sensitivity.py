@@ -1,6 +1,6 @@
 """Sensitivities of any quantities to any numbers of a mechanism."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, TypeAlias
 
 import equinox as eqx
@@ -13,6 +13,7 @@ from jaxtyping import Array, Float
 from .._errors import MissingDataError
 from ..fields import Scalar, as_optional_scalar, listed_names
 from ..mechanism import Mechanism, Parameter, find_parameters, of_one_design, what_follows
+from ..programs import one_program_where_possible
 from ..quantities import available_quantities, component_names, find_quantity
 from ._derivatives import Mode, jacobian
 from ._kinks import one_sided
@@ -34,10 +35,6 @@ DEFAULT_PARAMETERS = ("lead", "contact_angle", "roller_radius")
 _MODES = ("auto", "forward", "reverse")
 #: The arrays of a `Sensitivity` by their names, and the values of the quantities by theirs.
 Numbers: TypeAlias = dict[str, Any]
-#: Evaluates a pure function of a mechanism and of shifts of its numbers, compiled.
-Evaluate: TypeAlias = Callable[
-    [Callable[[Mechanism, Float[Array, " numbers"]], Numbers], Float[Array, " numbers"]], Numbers
-]
 
 
 @of_one_design
@@ -87,10 +84,7 @@ def sensitivity(
     # A Python number would be a constant of the program: another speed would compile again.
     speed, load = as_optional_scalar(speed), as_optional_scalar(load)
 
-    def evaluate(_, shift: Float[Array, " numbers"]) -> Numbers:
-        return _compiled_numbers(mechanism, names, parameters, speed, load, mode, shift)
-
-    table = _table(evaluate, mechanism, names, parameters, speed, load, mode, kinks)
+    table = _table(mechanism, names, parameters, speed, load, mode, kinks)
     if not second:
         return table
     return eqx.tree_at(
@@ -101,28 +95,7 @@ def sensitivity(
     )
 
 
-def sensitivity_by(
-    evaluate: Evaluate,
-    mechanism: Mechanism,
-    quantities: Iterable[str] | None = None,
-    parameters: Iterable[str] | None = None,
-) -> Sensitivity:
-    """As `sensitivity`, but the caller runs the program, and may store it for another process.
-
-    **Arguments:**
-
-    - `evaluate`: takes a pure function of a mechanism and of shifts of its numbers, and the shifts;
-      returns the function of `mechanism` and the shifts. The function is the same in every call.
-    - `mechanism`, `quantities`, `parameters`: as in `sensitivity`.
-    """
-    names = _quantity_names(mechanism, quantities, None, None)
-    return _table(
-        evaluate, mechanism, names, _parameter_names(parameters), None, None, "auto", True
-    )
-
-
 def _table(
-    evaluate: Evaluate,
     mechanism: Mechanism,
     names: tuple[str, ...],
     parameters: tuple[str, ...],
@@ -133,17 +106,17 @@ def _table(
 ) -> Sensitivity:
     groups = _single_numbers(mechanism, parameters)
 
-    def function(moved: Mechanism, shift: Float[Array, " numbers"]) -> Numbers:
-        return _numbers(moved, names, parameters, speed, load, mode, shift)
+    def moved_by(shift: Float[Array, " numbers"]) -> Numbers:
+        return _compiled_numbers(mechanism, names, parameters, speed, load, mode, shift)
 
     shift = jnp.zeros(sum(map(len, groups)), jnp.result_type(float))
-    numbers = evaluate(function, shift)
+    numbers = moved_by(shift)
     table = _with_names(mechanism, names, parameters, groups, numbers)
     if not kinks or any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves((mechanism, table))):
         return table
 
     def at(shifts: np.ndarray) -> np.ndarray:
-        return np.asarray(evaluate(function, jnp.asarray(shifts, shift.dtype))["gradient"])
+        return np.asarray(moved_by(jnp.asarray(shifts, shift.dtype))["gradient"])
 
     left, right = one_sided(at, [np.asarray(values) for values in table.parameter_values])
     return eqx.tree_at(
@@ -229,10 +202,10 @@ def _numbers(
     }
 
 
-_compiled_numbers = eqx.filter_jit(_numbers)
+_compiled_numbers = one_program_where_possible(_numbers)
 
 
-@eqx.filter_jit
+@one_program_where_possible
 def _compiled_hessian(
     mechanism: Mechanism,
     quantities: tuple[str, ...],

@@ -15,7 +15,7 @@ from ..fields import Scalar, old_name
 from ..geometry import mesh
 from ..load_sharing import LoadDistribution
 from ..mechanism import Mechanism, find_parameters, of_one_design, set_parameter, stage_at
-from ..programs import AbstractResult, each
+from ..programs import AbstractResult, each, one_program_where_possible
 from ..stiffness import loaded_threads, thread_stiffness
 from ._dense import stage_modes
 from ._families import FAMILIES, family_shares
@@ -140,12 +140,12 @@ def _shares(modes: Modes) -> Float[Array, "4 modes"] | None:
     return single @ (members / jnp.sum(members, axis=0, keepdims=True))
 
 
-@eqx.filter_jit
+@one_program_where_possible
 def _all_points(mechanism: Mechanism, values: Array, parameter: str, stage: int, load):
     return jax.vmap(lambda v: _point(set_parameter(mechanism, parameter, v), stage, load))(values)
 
 
-_one_point = eqx.filter_jit(_point)
+_one_point = one_program_where_possible(_point)
 
 
 @of_one_design

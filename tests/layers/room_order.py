@@ -6,7 +6,7 @@ The layer tests hold the imports, the README and the docstring of the package to
 #: Rooms at the ground, which know nothing of screws, and that all others may use.
 GROUND: dict[str, set[str]] = {
     "numerics": set(),
-    "programs": set(),
+    "programs": {"process"},
     "text": set(),
     "process": set(),
     "fields": {"numerics"},

@@ -76,7 +76,14 @@ def demo(
         raise ValueError(f"{file} has no [optimise] table; give one, or use the example actuator")
 
     expect_programs(
-        *("_numbers", "_values", "_derivatives", "_contacts", "modal", "steady_state"),
+        *(
+            "_numbers",
+            "compiled_values",
+            "compiled_derivatives",
+            "_contacts",
+            "modal",
+            "steady_state",
+        ),
         *("_transient", "_strengths", "force_deflection", "load_distribution"),
         *("contact_results", "_numbers"),
     )

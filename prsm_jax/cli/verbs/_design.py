@@ -1,45 +1,22 @@
 """Verbs that improve a design: sensitivity, optimise, pareto."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from cyclopts import Parameter
 
-from ...mechanism import Mechanism, Objective
+from ...mechanism import Objective
 from ...process import make_folder
 from ...quantities import assumptions
 from .._app import app
 from .._common import Common, checked, emit, words_of, write_text
 from .._optimised import optimised_text
-from .._programs import run_stored, runs_one_verb
 from .._progress import counted, doing, expect_programs
 from .._tables import terminal_width
-
-if TYPE_CHECKING:
-    from ...sensitivities import Sensitivity
 
 _DEFAULT = Common()
 _FROM = "from `prsm quantities`, separated by commas."
 _NAMES = f"Names {_FROM}"
-
-
-def _sensitivity(
-    mechanism: Mechanism,
-    quantities: list[str] | None,
-    parameters: list[str] | None,
-    second: bool = False,
-) -> "Sensitivity":
-    from ...sensitivities import sensitivity as run_sensitivity, sensitivity_by
-
-    if second or not runs_one_verb():
-        expect_programs("_numbers", *(["_compiled_hessian"] if second else []))
-        return run_sensitivity(mechanism, quantities, parameters, second=second)
-    name = f"sensitivity {quantities} {parameters}"
-
-    def evaluate(function, shift):
-        return run_stored(name, function, mechanism, shift)
-
-    return sensitivity_by(evaluate, mechanism, quantities, parameters)
 
 
 @app.command
@@ -56,8 +33,11 @@ def sensitivity(
     common: Common = _DEFAULT,
 ) -> int:
     """Exact derivatives of quantities with respect to parameters, absolute and relative."""
+    from ...sensitivities import sensitivity as run_sensitivity
+
     mechanism = common.load(file)
-    table = _sensitivity(mechanism, words_of(quantities), words_of(parameters), second)
+    expect_programs("_numbers", *(["_compiled_hessian"] if second else []))
+    table = run_sensitivity(mechanism, words_of(quantities), words_of(parameters), second=second)
     if common.out is not None:
         from ...report import save_figures, sensitivity_bars
 
@@ -95,7 +75,7 @@ def optimise(
     """
     common.check_targets("out/optimise")
     mechanism = common.load(file)
-    expect_programs("_values", "_derivatives")
+    expect_programs("compiled_values", "compiled_derivatives")
     from ...optimisation import optimise as run_optimise
 
     best = run_optimise(mechanism, method=method, starts=starts, progress=told_of_search)
@@ -146,7 +126,7 @@ def pareto(
     if a point does not satisfy the optimality conditions.
     """
     mechanism = common.load(file)
-    expect_programs("_values", "_derivatives")
+    expect_programs("compiled_values", "compiled_derivatives")
     objectives = [
         *(Objective(name, "maximise") for name in words_of(maximise) or ()),
         *(Objective(name, "minimise") for name in words_of(minimise) or ()),

@@ -3,12 +3,12 @@
 from pathlib import Path
 from typing import Annotated, Any
 
-import equinox as eqx
 import numpy as np
 from cyclopts import Parameter
 
 from ..._errors import PrsmError
 from ...mechanism import Mechanism, find_parameters
+from ...programs import one_program_where_possible
 from ...quantities import assumptions
 from ...vibration import FAMILIES, FrequencyLoci, Modes, frequency_loci, modal as run_modal
 from .._app import app
@@ -18,7 +18,7 @@ from .._progress import doing, expect_programs
 from .._tables import table
 
 _DEFAULT = Common()
-_modes = eqx.filter_jit(run_modal)
+_modes = one_program_where_possible(run_modal)
 #: If the largest value is at least this many times the smallest, values are spaced in equal ratios.
 _WIDE = 50.0
 

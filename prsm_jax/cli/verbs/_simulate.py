@@ -4,7 +4,6 @@ import dataclasses
 from pathlib import Path
 from typing import Annotated, Any
 
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from cyclopts import Parameter
@@ -19,6 +18,7 @@ from ...dynamics import (
     simulate as run_transient,
 )
 from ...mechanism import Mechanism
+from ...programs import one_program_where_possible
 from ...quantities import assumptions
 from .._app import app
 from .._assumed import TRANSIENT
@@ -102,7 +102,7 @@ def _number_or_none(value: Any) -> float | None:
 _MODES = {1: "forward", -1: "backward", 0: "sticking"}
 
 
-@eqx.filter_jit
+@one_program_where_possible
 def _numbers(run: Transient) -> dict[str, Any]:
     drive_power = run.drive_torque * run.screw_speed
     mean_square = integral(run.time, run.drive_torque**2) / (run.time[-1] - run.time[0])

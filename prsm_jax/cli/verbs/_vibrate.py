@@ -10,6 +10,7 @@ from cyclopts import Parameter
 from ..._errors import PrsmError
 from ...fields import as_scalar
 from ...mechanism import Mechanism, ModalDamping
+from ...programs import one_program_where_possible
 from ...quantities import assumptions
 from ...response import (
     Campbell,
@@ -27,9 +28,9 @@ from .._tables import prose, table
 
 _DEFAULT = Common()
 _Stage = Annotated[int, Parameter(help="Which stage, counted from 1.")]
-_frequency_response = eqx.filter_jit(frequency_response)
-_modes = eqx.filter_jit(run_modal)
-_campbell = eqx.filter_jit(run_campbell)
+_frequency_response = one_program_where_possible(frequency_response)
+_modes = one_program_where_possible(run_modal)
+_campbell = one_program_where_possible(run_campbell)
 
 
 def _range(modes: Modes, fmin: float | None, fmax: float | None, points: int) -> np.ndarray:

@@ -10,10 +10,23 @@ import numpy as np
 from ...fields import Scalar
 from ...findings import sources
 from ...mechanism import DesignProblem, Mechanism, set_parameters, with_traced_counts
+from ...programs import stored_facts
 from ...quantities import compute
 from ._margin_rows import WHOLE_SCALE, MarginRows, known_margins, probe_positions, sorted_margins
 from ._outputs import compiled_derivatives, compiled_values, scatter_of
 from ._rows import Rows
+
+
+def _shapes(
+    mechanism: Mechanism, quantities: tuple[str, ...], speed: Scalar | None, load: Scalar | None
+) -> dict[str, tuple[int, ...]]:
+    """Shapes of quantities; `compute` names the quantity for which data are missing."""
+
+    def computed(mechanism, speed, load):
+        return compute(mechanism, quantities, speed=speed, load=load)
+
+    shapes = eqx.filter_eval_shape(computed, mechanism, speed, load)
+    return {name: shapes[name].shape for name in quantities}
 
 
 class Point:
@@ -85,7 +98,9 @@ class Evaluator:
         some_load = load
         if cases:
             some_speed, some_load = speeds[0], loads[0]
-        shapes = eqx.filter_eval_shape(self._shapes, mechanism, some_speed, some_load)
+        shape_of = stored_facts(
+            "shapes", _shapes, mechanism, self.quantities, some_speed, some_load
+        )
         # A derived number that a variable makes explicit has margins too (the profile radius).
         written = set_parameters(
             mechanism, dict(zip(names, self.lower, strict=True)), checked=False
@@ -93,7 +108,6 @@ class Evaluator:
         if scatter is not None:
             written = scatter.made(written)
         known = known_margins(written, some_speed, some_load) if margins else ()
-        shape_of = {name: shapes[name].shape for name in self.quantities}
         self.rows: Rows = Rows(problem, shape_of, len(known))
         self.evaluations: int = 0
         self.derivative_evaluations: int = 0
@@ -109,10 +123,6 @@ class Evaluator:
             self._last = None
         self.cost_scale: float = 1.0
         self.row_scale: np.ndarray = np.ones(len(self.rows.names))
-
-    def _shapes(self, mechanism, speed, load):
-        # `compute` names the quantity for which data are missing.
-        return compute(mechanism, self.quantities, speed=speed, load=load)
 
     @property
     def program_inputs(self) -> tuple[Any, ...]:

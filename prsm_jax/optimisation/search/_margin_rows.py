@@ -1,13 +1,15 @@
 """Margins of findings as constraints of a search."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import equinox as eqx
 import numpy as np
 
 from ...fields import Scalar
-from ...findings import Margin, evaluate_margins, margins_of
+from ...findings import Margin, evaluate_margins, margins_of, sources
 from ...mechanism import Mechanism
+from ...programs import stored_facts
 from ...quantities import Analysis
 
 #: Number of designs in the unit box that show whether a margin depends on the variables.
@@ -57,20 +59,28 @@ def known_margins(
     mechanism: Mechanism, speed: Scalar | None, load: Scalar | None
 ) -> tuple[Margin, ...]:
     """The margins for which the mechanism has data."""
-    margins: list[Margin] = []
+    known = stored_facts("known margins", _names_of_known, mechanism, speed, load, sources())
+    return tuple(m for m in margins_of(mechanism) if _name_of(m) in known)
+
+
+def _name_of(margin: Margin) -> tuple[Any, ...]:
+    return margin.name, margin.stage, margin.subject, margin.levels
+
+
+def _names_of_known(
+    mechanism: Mechanism, speed: Scalar | None, load: Scalar | None, _: tuple[Any, ...]
+) -> set[tuple[Any, ...]]:
+    """Names of the margins that can be evaluated; other sources have other margins."""
+    known: set[tuple[Any, ...]] = set()
 
     def try_all(traced, speed, load):
         analysis = Analysis(traced, speed, load)
         values = evaluate_margins(analysis, is_constraint, details=False)
         pairs = zip(margins_of(traced), values, strict=True)
-        margins.extend(margin for margin, numbers in pairs if numbers is not None)
+        known.update(_name_of(margin) for margin, numbers in pairs if numbers is not None)
 
     eqx.filter_eval_shape(try_all, mechanism, speed, load)
-    known = {(m.name, m.stage, m.subject, m.levels) for m in margins}
-    # Margins of the mechanism itself: the ones above refer to a finished trace.
-    return tuple(
-        m for m in margins_of(mechanism) if (m.name, m.stage, m.subject, m.levels) in known
-    )
+    return known
 
 
 def probe_positions(variables: int) -> np.ndarray:

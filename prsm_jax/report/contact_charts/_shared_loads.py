@@ -1,17 +1,17 @@
 """Load distribution and force–deflection curve of one stage, as reports show them."""
 
-import equinox as eqx
 import jax.numpy as jnp
 
 from ...fields import Scalar
 from ...load_sharing import ForceDeflection, LoadDistribution, force_deflection, load_distribution
 from ...mechanism import Mechanism
+from ...programs import one_program_where_possible
 
 #: Points of a force–deflection curve, and its largest load over the load of the distribution.
 _POINTS, _BEYOND = 61, 1.5
 
-_load_distribution = eqx.filter_jit(load_distribution)
-_force_deflection = eqx.filter_jit(force_deflection)
+_load_distribution = one_program_where_possible(load_distribution)
+_force_deflection = one_program_where_possible(force_deflection)
 
 
 def shared_loads(

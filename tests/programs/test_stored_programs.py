@@ -1,0 +1,142 @@
+"""A process that runs one verb uses stored programs, and finds the same as one that traces."""
+
+import equinox as eqx
+import jax
+import numpy as np
+import pytest
+from scenes import example
+
+import prsm_jax as prsm
+from prsm_jax.findings import _margin
+from prsm_jax.mechanism import set_parameters
+from prsm_jax.programs import _stored
+
+
+@pytest.fixture
+def one_verb(monkeypatch, tmp_path):
+    """As in a process of its own, with an empty folder of stored programs."""
+    before = getattr(jax.config, "jax_compilation_cache_dir")  # noqa: B009
+    monkeypatch.setattr(_stored, "_one_verb", True)
+    monkeypatch.setattr(_stored, "_used", {})
+    jax.config.update("jax_compilation_cache_dir", str(tmp_path))
+    yield tmp_path / "programs"
+    jax.config.update("jax_compilation_cache_dir", before)
+
+
+@pytest.fixture
+def traced_again(monkeypatch):
+    """Empties the programs of this process, and refuses to compile others."""
+
+    def refuse():
+        _stored._used.clear()
+        monkeypatch.setattr(_stored, "_compiled", lambda *_: pytest.fail("traced again"))
+
+    return refuse
+
+
+@pytest.fixture
+def usual(monkeypatch):
+    """Evaluates as a process does that runs longer."""
+
+    def run(function):
+        with monkeypatch.context() as patch:
+            patch.setattr(_stored, "_one_verb", False)
+            return function()
+
+    return run
+
+
+def test_a_stored_check_finds_the_same(one_verb, usual, traced_again):
+    mechanism = example("wu2022")
+    expected = usual(lambda: prsm.check(mechanism))
+    assert expected
+    assert prsm.check(mechanism) == expected
+    (stored,) = one_verb.iterdir()
+    traced_again()
+    assert prsm.check(mechanism) == expected
+    assert [stored] == list(one_verb.iterdir())
+
+
+def test_other_sources_of_margins_need_another_program(one_verb, traced_again, monkeypatch):
+    """A source of a user's own is not stored: its code is not in the key."""
+    mechanism = example("wu2022")
+    prsm.check(mechanism)
+    (stored,) = one_verb.iterdir()
+
+    def own(mechanism, index):
+        yield from ()
+
+    monkeypatch.setattr(_margin, "_SOURCES", [*_margin._SOURCES, own])
+    traced_again()
+    prsm.check(mechanism)
+    assert [stored] == list(one_verb.iterdir())
+    monkeypatch.setattr(_margin, "_SOURCES", _margin._SOURCES[:-2])
+    with pytest.raises(pytest.fail.Exception, match="traced again"):
+        prsm.check(mechanism)
+
+
+def test_a_stored_sensitivity_is_that_of_python(one_verb, usual, traced_again):
+    mechanism = example("wu2022")
+    names, parameters = ["efficiency", "max_pressure"], ["lead", "contact_angle"]
+
+    def run():
+        return prsm.sensitivity(mechanism, names, parameters)
+
+    expected, first = usual(run), run()
+    (stored,) = one_verb.iterdir()
+    traced_again()
+    second = run()
+    assert [stored] == list(one_verb.iterdir())
+    assert first.to_dict() == second.to_dict()
+    for found, value in zip(jax.tree.leaves(second), jax.tree.leaves(expected), strict=True):
+        # Compiled differently: another order of additions.
+        np.testing.assert_allclose(found, value, rtol=1e-10, atol=1e-300)
+    # Other names need another program.
+    with pytest.raises(pytest.fail.Exception, match="traced again"):
+        prsm.sensitivity(mechanism, names, ["lead", "roller_radius"])
+
+
+def _same(found, expected):
+    """The same structure, classes and words; numbers but for another order of additions."""
+    assert jax.tree.structure(found) == jax.tree.structure(expected)
+    for one, other in zip(jax.tree.leaves(found), jax.tree.leaves(expected), strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-10, atol=1e-12 * np.max(np.abs(other)))
+
+
+def test_public_functions_read_their_stored_programs(one_verb, usual, traced_again):
+    """Result objects, their static parts included, come back without tracing."""
+    mechanism = example("wu2022")
+
+    def run():
+        return prsm.steady_state(mechanism), prsm.modal(mechanism, shapes=True)
+
+    expected = usual(run)
+    for found, other in zip(run(), expected, strict=True):
+        _same(found, other)
+    stored = sorted(one_verb.iterdir())
+    assert len(stored) == 2
+    traced_again()
+    for found, other in zip(run(), expected, strict=True):
+        _same(found, other)
+    # Another static argument needs another program; another number does not.
+    with pytest.raises(pytest.fail.Exception, match="traced again"):
+        prsm.modal(mechanism, shapes=False)
+    prsm.steady_state(set_parameters(mechanism, {"lead": 0.011}))
+    # Under a transformation nothing is stored.
+    jax.grad(lambda m: prsm.steady_state(m).efficiency)(mechanism)
+    assert sorted(one_verb.iterdir()) == stored
+
+
+def test_an_optimisation_reads_its_stored_programs(one_verb, usual, traced_again, monkeypatch):
+    def run():
+        return prsm.optimise(example("wu2022"), {"lead": (0.006, 0.014)}, "efficiency", starts=1)
+
+    expected, first = usual(run), run()
+    traced_again()
+    # Shapes and names of margins are read, too.
+    monkeypatch.setattr(eqx, "filter_eval_shape", lambda *_: pytest.fail("shapes traced again"))
+    second = run()
+    for found in (first, second):
+        assert found.converged
+        assert found.optimum.variables == pytest.approx(expected.optimum.variables, rel=1e-9)
+    assert first.evaluations == second.evaluations
