@@ -176,3 +176,5 @@ else:
                 warnings.warn(f"{__name__}.{name} is now {place}", DeprecationWarning, stacklevel=2)
                 return getattr(importlib.import_module(f".{room}", __name__), name)
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+process.collect_as_before()

@@ -7,6 +7,7 @@ from . import (
     _forked as _forked,  # processes forked later cannot calculate
     _own_process as _own_process,  # before JAX, whose import takes seconds
 )
+from ._collection import collect_as_before as collect_as_before
 from ._files import (
     folder_for_results as folder_for_results,
     make_folder as make_folder,
