@@ -177,4 +177,5 @@ else:
                 return getattr(importlib.import_module(f".{room}", __name__), name)
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
+
 process.collect_as_before()
