@@ -134,6 +134,8 @@ def _is_known(mechanism: Mechanism) -> bool:
             if not type(part).__module__.startswith("prsm_jax."):
                 return False
             parts += vars(part).values()
+        elif callable(part):
+            return False  # a function of a user, such as an approximation of the contact ellipse
     return True
 
 

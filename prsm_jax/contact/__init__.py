@@ -1,5 +1,6 @@
 """Contact mechanics of the threads."""
 
+from ..mechanism import contact_approximation as contact_approximation
 from ._contacts import (
     load_of as load_of,
     speed_of as speed_of,

@@ -1,5 +1,11 @@
 """The mechanism: a frozen pytree in SI units. It holds friction laws and a scenario."""
 
+from ._contact_methods import (
+    ContactApproximation as ContactApproximation,
+    ContactMethod as ContactMethod,
+    contact_approximation as contact_approximation,
+    contact_methods as contact_methods,
+)
 from ._mechanism import (
     CURVATURE_CONVENTIONS as CURVATURE_CONVENTIONS,
     CurvatureConvention as CurvatureConvention,
