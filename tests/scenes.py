@@ -139,9 +139,9 @@ def stage(roller_count=10, friction=None, geometry=None, **more):
     )
 
 
-def frictionless(geometry=None):
+def frictionless(**parts):
     """For problems whose answer is in their own quantities: margins of `check` compile fast."""
-    return mechanism(dataclasses.replace(stage(geometry=geometry), friction=None))
+    return mechanism(dataclasses.replace(stage(**parts), friction=None))
 
 
 def mechanism(*stages, speed=100.0, load=7000.0, duration=None):
