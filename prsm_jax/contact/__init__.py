@@ -62,7 +62,6 @@ from .special_functions import (
 )
 from .stress import (
     AxisMeasure as AxisMeasure,
-    StressMeasure as StressMeasure,
     StressPeak as StressPeak,
     axis_stress as axis_stress,
     line_subsurface_stress as line_subsurface_stress,

@@ -8,8 +8,6 @@ from ._check import (
     check as check,
     check_from as check_from,
     check_numbers as check_numbers,
-    stiffness_findings as stiffness_findings,
-    strength_findings as strength_findings,
 )
 from ._margin import (
     Margin as Margin,

@@ -43,9 +43,7 @@ from .derived import (
 )
 from .parameters import (
     DESIGN_VARIABLES as DESIGN_VARIABLES,
-    DesignVariable as DesignVariable,
     Parameter as Parameter,
-    ToleranceZones as ToleranceZones,
     all_parameters as all_parameters,
     check_independent as check_independent,
     check_parameter as check_parameter,
@@ -65,7 +63,6 @@ from .parts import (
     DISTRIBUTIONS as DISTRIBUTIONS,
     DUTY_CYCLE as DUTY_CYCLE,
     END_CONDITIONS as END_CONDITIONS,
-    GAP_LISTS as GAP_LISTS,
     AxialPlay as AxialPlay,
     Carrier as Carrier,
     Choice as Choice,
@@ -82,7 +79,6 @@ from .parts import (
     MassAndStiffness as MassAndStiffness,
     Material as Material,
     ModalDamping as ModalDamping,
-    Mounting as Mounting,
     Nut as Nut,
     Objective as Objective,
     OperatingCase as OperatingCase,
