@@ -147,7 +147,7 @@ for name in ("lead_angle", "centre_distance", "screw_profile_angle", "roller_pro
 # %%
 names = ("static_capacity", "static_safety", "dynamic_capacity", "equivalent_load", "rating_life")
 values = eqx.filter_jit(lambda m: prsm.compute(m, names))(mechanism)
-units = {quantity.name: quantity.unit for quantity in prsm.catalogue()}
+units = {quantity.name: quantity.unit for quantity in prsm.quantities.catalogue()}
 for name, value in values.items():
     print(f"{name:18} {float(np.squeeze(value)):12.5g} {units[name]}")
 

@@ -55,28 +55,20 @@ from .dynamics import (
 from .file import (
     dump as dump,
     dumps as dumps,
-    example_names as example_names,
     load as load,
     loads as loads,
 )
 from .findings import check as check
 from .friction import FrictionLaw as FrictionLaw, friction_law as friction_law
 from .geometry import mesh as mesh
-from .load_sharing import (
-    LoadDistribution as LoadDistribution,
-    force_deflection as force_deflection,
-    load_distribution as load_distribution,
-)
 from .mechanism import (
     Mechanism as Mechanism,
     Stage as Stage,
-    all_parameters as all_parameters,
     get_parameter as get_parameter,
     set_parameter as set_parameter,
 )
 from .quantities import (
     assumptions as assumptions,
-    catalogue as catalogue,
     compute as compute,
     quantity as quantity,
 )
@@ -130,7 +122,7 @@ else:
         "sweeps": "sweep",
         "uncertainty": "tolerance",
     }
-    #: Names that were at the top in the first release, by the room where they are now.
+    #: Names that were at the top in earlier releases, by the room where they are now.
     _MOVED = {
         "contact": "hertz_contact",
         "dynamics": (
@@ -138,14 +130,16 @@ else:
             "settling_time"
         ),
         "explanation": "Explanation",
-        "file": "example_text",
+        "file": "example_names example_text",
         "findings": "Finding",
         "halfspace": "flank_contact solve_contact",
-        "load_sharing": "ForceDeflection",
-        "mechanism": "Constraint DesignProblem Objective OperatingPoint Thread Variable",
+        "load_sharing": "ForceDeflection LoadDistribution force_deflection load_distribution",
+        "mechanism": (
+            "Constraint DesignProblem Objective OperatingPoint Thread Variable all_parameters"
+        ),
         "process": "end_on_signals",
         "programs": "to_precision traced_physics",
-        "quantities": "Quantity available_quantities",
+        "quantities": "Quantity available_quantities catalogue",
         "response": "Campbell FrequencyResponse MeshResponse mesh_response",
         "scenario": (
             "AerodynamicLoad ConstantProfile FrictionLoad HingeLoad PositionTableLoad "

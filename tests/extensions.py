@@ -7,6 +7,7 @@ from pathlib import Path
 
 from prsm_jax import FrictionLaw
 from prsm_jax.friction import _register
+from prsm_jax.mechanism import _contact_methods
 from tests.present import present
 
 FOLDER = Path(__file__).parents[1] / "docs" / "extensions"
@@ -18,12 +19,14 @@ def _loaded(name):
     module = importlib.util.module_from_spec(present(spec))
     sys.modules[spec.name] = module
     spec.loader.exec_module(module)
-    return module
+    approximations = _contact_methods._APPROXIMATIONS.items()
+    return module, {word: one for word, one in approximations if one.__module__ == spec.name}
 
 
 def extension(name):
-    """The module of a file there, run once; its laws are named until the test has ended."""
-    module = _loaded(name)
+    """The module of a file there, run once; what it names is named until the test has ended."""
+    module, approximations = _loaded(name)
+    _contact_methods._APPROXIMATIONS.update(approximations)
     for one in vars(module).values():
         if isinstance(one, type) and issubclass(one, FrictionLaw) and one.law:
             _register._LAWS[one.law] = one

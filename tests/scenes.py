@@ -139,6 +139,11 @@ def stage(roller_count=10, friction=None, geometry=None, **more):
     )
 
 
+def frictionless(**parts):
+    """For problems whose answer is in their own quantities: margins of `check` compile fast."""
+    return mechanism(dataclasses.replace(stage(**parts), friction=None))
+
+
 def mechanism(*stages, speed=100.0, load=7000.0, duration=None):
     """A mechanism of stages, one by default."""
     return Mechanism(stages or (stage(),), OperatingPoint(speed, load, duration))

@@ -15,7 +15,7 @@ from prsm_jax import Scenario, simulate
 
 from ..harness import Case, Method, Prepared, Problem, Reference
 from ..method_options import taken
-from ..references.compiled import (
+from ..references.transients.compiled import (
     Lsoda,
     casadi_integrators,
     followed,
@@ -23,7 +23,7 @@ from ..references.compiled import (
     missing_rivals,
     python_rates,
 )
-from ..references.designs_of_two_stages import (
+from ..references.transients.designs_of_two_stages import (
     Designs,
     apart,
     base,

@@ -15,7 +15,7 @@ from prsm_jax.mechanism import Mechanism, get_parameter, set_parameter
 from prsm_jax.scenario import HingeLoad
 
 from ..harness import Case, Method, Prepared, Problem, Reference
-from ..references.torque_runs import Run, TorqueChain
+from ..references.transients.torque_runs import Run, TorqueChain
 
 _SPEED, _CARRIER = "screw speed", "carrier speed"
 _SAMPLES, _DURATION, _LOAD = 101, 0.5, 7000.0

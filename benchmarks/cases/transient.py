@@ -13,9 +13,9 @@ from prsm_jax.programs import to_precision
 
 from ..harness import Case, Method, Prepared, Problem, Reference
 from ..method_options import taken
-from ..references.compiled import followed
-from ..references.designs_of_two_stages import regularised
-from ..references.dynamics import Chain
+from ..references.transients.compiled import followed
+from ..references.transients.designs_of_two_stages import regularised
+from ..references.transients.dynamics import Chain
 
 _RATIO, _EFFICIENCY = "carrier ratios", "efficiency"
 _MECHANISM = "li2020_two_stage"

@@ -16,13 +16,13 @@ from prsm_jax.vibration import distinct_frequencies
 
 from ..method_options import taken
 from ..references.designs import random_designs, threads
-from ..references.designs_of_two_stages import (
+from ..references.stages import random_systems, unflattened
+from ..references.transients.designs_of_two_stages import (
     base as two_stages,
     design,
     kinematics_of,
     random_designs as random_two_stages,
 )
-from ..references.stages import random_systems, unflattened
 
 _ROLLERS = 10
 _VARIABLES = ("lead", "contact_angle", "roller_radius")

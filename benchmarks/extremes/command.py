@@ -173,7 +173,7 @@ def document(tables: list[Table], arguments: argparse.Namespace, seconds: float)
 
 def _page_of(arguments: argparse.Namespace) -> int:
     """The page again, from files of earlier runs of the same seed."""
-    from .page import write_page
+    from .output.page import write_page
 
     found = [*map(read_json, arguments.page)]
     tables = joined([table_of(data) for one in found for data in one["tables"]])
@@ -220,7 +220,7 @@ def main(argv: list[str] | None = None) -> int:
     content = json.dumps(document(ordered, arguments, seconds), allow_nan=False)
     print(write_text(arguments.out / "extremes.json", content + "\n"))
     if arguments.docs is not None:
-        from .page import write_page
+        from .output.page import write_page
 
         for written in write_page(ordered, arguments.docs, arguments, seconds):
             print(written)

@@ -7,9 +7,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from . import references
 from .cells import Cell
 from .differences import STEPS, Slope, slopes
+from .expected import references
 from .numbers import changed, numbers_of, split
 from .rows import Row, admitted
 from .single import judge_single

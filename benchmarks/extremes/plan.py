@@ -5,7 +5,7 @@ import mpmath
 from prsm_jax.friction import CoulombFriction
 from prsm_jax.mechanism import Mechanism
 
-from .chain import Contact
+from .expected.chain import Contact
 from .numbers import Change, numbers_of, split
 from .rows import (
     COMBINATIONS,

@@ -15,7 +15,7 @@ from prsm_jax.mechanism import set_parameters
 from prsm_jax.sweeps import map_in_chunks
 
 from ..method_options import taken as options_taken
-from ..references.designs_of_two_stages import base
+from ..references.transients.designs_of_two_stages import base
 from .sharing import sharing
 
 

@@ -27,7 +27,7 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     )
     parser.add_argument("--limit", type=float, default=_LIMIT, help="time limit for an example [s]")
     given = parser.parse_args(argv)
-    unknown = sorted(set(given.examples) - set(prsm.example_names()))
+    unknown = sorted(set(given.examples) - set(prsm.file.example_names()))
     if unknown:
         parser.error(f"unknown example {', '.join(unknown)}; see `prsm example`")
     return given
@@ -60,12 +60,12 @@ def main(argv: list[str] | None = None) -> int:
     if given.add and path.exists():
         rows = {r["example"]: r for r in read_json(path)["examples"]}
     document: dict[str, Any] = {}
-    for example in given.examples or prsm.example_names():
+    for example in given.examples or prsm.file.example_names():
         begin = time.perf_counter()
         rows[example] = _measured(example, given)
         print(f"{example}: {time.perf_counter() - begin:.0f} s", flush=True)
         # After each example: a run that is stopped keeps those that are done.
-        examples = [rows[name] for name in prsm.example_names() if name in rows]
+        examples = [rows[name] for name in prsm.file.example_names() if name in rows]
         document = of_this_run(1) | {"examples": examples}
         write_json(path, document)
     print(tables(document["examples"]))

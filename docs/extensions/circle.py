@@ -2,7 +2,10 @@
 
 import jax.numpy as jnp
 
+from prsm_jax.contact import contact_approximation
 
+
+@contact_approximation("circle")
 def circle(anisotropy):
     """κ = 1 and K = E = π/2 for any curvatures: exact for a ball on a plane only."""
     one = jnp.ones_like(anisotropy)

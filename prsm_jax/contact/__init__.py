@@ -1,5 +1,6 @@
 """Contact mechanics of the threads."""
 
+from ..mechanism import contact_approximation as contact_approximation
 from ._contacts import (
     load_of as load_of,
     speed_of as speed_of,
@@ -61,7 +62,6 @@ from .special_functions import (
 )
 from .stress import (
     AxisMeasure as AxisMeasure,
-    StressMeasure as StressMeasure,
     StressPeak as StressPeak,
     axis_stress as axis_stress,
     line_subsurface_stress as line_subsurface_stress,

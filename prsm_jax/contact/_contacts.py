@@ -43,7 +43,7 @@ def thread_contacts(
     mechanism: Mechanism,
     load: float | Scalar | None = None,
     *,
-    method: HertzMethod = "exact",
+    method: HertzMethod | None = None,
 ) -> tuple[StageContact, ...]:
     """Hertz contacts of screw and nut side of every stage, under a static load.
 
@@ -53,7 +53,7 @@ def thread_contacts(
 
     - `mechanism`: the mechanism, with materials and engaged threads.
     - `load`: axial load [N]; default: load of the operating point. The sign is ignored.
-    - `method`: Hertz method.
+    - `method`: Hertz method in place of that of each stage (`contact_method`).
 
     **Raises:** `MissingDataError` if load, materials or engaged threads are not given.
     """

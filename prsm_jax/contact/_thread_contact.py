@@ -1,5 +1,8 @@
 """Thread contacts of one stage under load."""
 
+import functools
+from collections.abc import Callable
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -53,14 +56,27 @@ def engaged_threads(stage: Stage) -> Scalar:
     return stage.engaged_threads
 
 
+def _hertz_of(stage: Stage, method: HertzMethod | None = None) -> Callable[..., HertzContact]:
+    """`hertz_contact` by the method of a stage, or by another one in its place.
+
+    All thread contacts of the package are computed by this function.
+    """
+    chosen = stage.contact_method if method is None else method
+    return functools.partial(hertz_contact, method=chosen)
+
+
 def side_contact(
-    stage: Stage, side: str, frame: ContactFrame, normal_force: Scalar, method: HertzMethod
+    stage: Stage,
+    side: str,
+    frame: ContactFrame,
+    normal_force: Scalar,
+    method: HertzMethod | None = None,
 ) -> ThreadContactSide:
     """One contact under its normal force [N], on the `"screw"` or the `"nut"` side."""
     modulus = contact_modulus(material_of(stage, "roller"), material_of(stage, side))
     curvature = frame.curvature
-    hertz = hertz_contact(
-        normal_force, curvature.total, curvature.difference_squared, modulus, method
+    hertz = _hertz_of(stage, method)(
+        normal_force, curvature.total, curvature.difference_squared, modulus
     )
     return contact_side(hertz, normal_force, frame, engaged_threads(stage))
 
@@ -98,7 +114,7 @@ def contact_pair(
         for side, frame, force in zip(("screw", "nut"), frames, forces, strict=True)
     ]
     force, total, difference, modulus = (jnp.stack(pair) for pair in zip(*inputs, strict=True))
-    both = jax.vmap(hertz_contact)(force, total, difference, modulus)
+    both = jax.vmap(_hertz_of(stage))(force, total, difference, modulus)
     screw, nut = (jax.tree.map(lambda leaf, k=k: leaf[k], both) for k in range(2))
     return screw, nut
 
@@ -107,7 +123,7 @@ def stage_contact(
     stage: Stage,
     load: Scalar,
     meshing: Meshing | None = None,
-    method: HertzMethod = "exact",
+    method: HertzMethod | None = None,
 ) -> StageContact:
     """Thread contacts of a stage under an axial load, shared equally and without friction.
 
@@ -120,7 +136,7 @@ def stage_contact(
     - `stage`: the stage; needs materials and `engaged_threads`.
     - `load`: axial load on the nut [N].
     - `meshing`: its meshing, if already known; used only by the `"exact"` convention.
-    - `method`: Hertz method.
+    - `method`: Hertz method in place of that of the stage.
 
     **Raises:** `MissingDataError` if materials or engaged threads are not given.
     """

@@ -32,6 +32,7 @@ from ._fields import (
     optional_number as optional_number,
     optional_numbers as optional_numbers,
     part as part,
+    registered_choice as registered_choice,
 )
 from ._limits import (
     ACUTE_ANGLE as ACUTE_ANGLE,

@@ -94,11 +94,24 @@ class Declared:
         """Whether it is a choice: a word, a whole number, a text, true or false."""
         return self.metadata.get("static", False) or self.metadata.get("choice", False)
 
-    @functools.cached_property
+    @property
+    def registered(self) -> Mapping[str, Any]:
+        """What each word of a choice stands for now, if users may add words; empty for all else."""
+        return self.metadata["registered"]() if "registered" in self.metadata else {}
+
+    @property
     def words(self) -> tuple[str, ...]:
-        """The words of a choice, from its `Literal`; empty for all else."""
+        """The words of a choice, from its `Literal` or as registered; empty for all else."""
+        return tuple(self.registered) or self._literal
+
+    @functools.cached_property
+    def _literal(self) -> tuple[str, ...]:
         is_word = self.static and typing.get_origin(self.hint) is typing.Literal
         return typing.get_args(self.hint) if is_word else ()
+
+    def word_of(self, value: Any) -> str | None:
+        """The registered word that stands for a value; `None` if there is none."""
+        return next((word for word, one in self.registered.items() if one == value), None)
 
     @property
     def whole(self) -> bool:

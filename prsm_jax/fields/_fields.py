@@ -1,6 +1,6 @@
 """How numbers enter the mechanism: as scalar arrays that can be differentiated."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
 import equinox as eqx
@@ -179,3 +179,25 @@ def choice(
         metadata["choice"] = True
         return eqx.field(converter=converter, metadata=metadata, **kwargs)
     return eqx.field(static=True, metadata=metadata, **kwargs)
+
+
+def registered_choice(
+    description: str, registered: Callable[[], Mapping[str, Any]], *, default: str
+) -> Any:
+    """A static choice by a word to which users may add; it is written if it is not the default.
+
+    The field holds what the word stands for. It also takes a function without a word, which must be
+    hashable; a file cannot hold that.
+
+    **Arguments:**
+
+    - `description`: what is chosen.
+    - `registered`: returns what each word stands for now.
+    - `default`: the word if none is given.
+    """
+
+    def converter(value: Any) -> Any:
+        return registered().get(value, value) if isinstance(value, str) else value
+
+    metadata = {"description": description, "implied": True, "registered": registered}
+    return eqx.field(static=True, converter=converter, default=default, metadata=metadata)

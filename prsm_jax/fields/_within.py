@@ -104,6 +104,8 @@ def _check_list(owner: str, module: Any, one: Declared, values: Any) -> None:
 
 
 def _check_choice(owner: str, one: Declared, value: Any) -> None:
+    if one.registered and callable(value):
+        return _check_hashable(owner, one, value)
     if one.words and value not in one.words:
         raise ValueError(f"{owner}{one.name} is {value!r}; choose one of {', '.join(one.words)}")
     if one.whole:
@@ -112,6 +114,16 @@ def _check_choice(owner: str, one: Declared, value: Any) -> None:
             raise ValueError(f"{owner}{one.name} is {value}; it must be {one.limit.allowed}")
     if one.static and one.hint is bool and not isinstance(value, bool | np.bool_):
         raise ValueError(f"{owner}{one.name} is {value!r}; it must be True or False")
+
+
+def _check_hashable(owner: str, one: Declared, value: Any) -> None:
+    try:
+        hash(value)
+    except TypeError as error:
+        raise ValueError(
+            f"{owner}{one.name} is a {type(value).__name__}, which is not hashable; give a "
+            "function, or an object of a frozen dataclass with plain numbers"
+        ) from error
 
 
 def check_fields(module: Any, *, to_come: bool = True) -> None:

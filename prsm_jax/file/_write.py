@@ -62,6 +62,8 @@ def _module(module: eqx.Module, header: str, unit: str = "1") -> Iterator[str]:
         if isinstance(value, tuple):
             for row in value:
                 inner.extend(("", f"[[{key}]]", *_part(one.element, row, key, own)))
+        elif one.registered:
+            yield f"{one.name} = {_string(_word(one, value, key))}"
         elif isinstance(value, eqx.Module) or callable(value):
             inner.extend(_inner_table(one, value, key, own))
         elif one.is_list:
@@ -98,6 +100,17 @@ def _part(hint: Any, value: Any, header: str, unit: str) -> Iterator[str]:
             f"{header} is of the class {_class_of(value)}, which files do not know; name the class "
             "with the decorator prsm_jax.friction_law"
         )
+
+
+def _word(one: Declared, value: Any, key: str) -> str:
+    word = one.word_of(value)
+    if word is None:
+        name = getattr(value, "__qualname__", type(value).__qualname__)
+        raise FileError(
+            f"{key} is {name}, which files do not know; name it with the decorator "
+            "prsm_jax.contact.contact_approximation"
+        )
+    return word
 
 
 def _inner_table(one: Declared, value: Any, header: str, unit: str) -> list[str]:

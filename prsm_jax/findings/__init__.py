@@ -7,8 +7,6 @@ from ..geometry import Finding as Finding
 from ._check import (
     check as check,
     check_numbers as check_numbers,
-    stiffness_findings as stiffness_findings,
-    strength_findings as strength_findings,
 )
 from ._margin import (
     Margin as Margin,

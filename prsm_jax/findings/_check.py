@@ -78,21 +78,3 @@ def check(mechanism: Mechanism) -> tuple[Finding, ...]:
     findings += _fit.assembly_notes(mechanism)
     findings += sharing_findings(mechanism)
     return tuple(sorted(findings, key=lambda finding: finding.stage))
-
-
-#: Names of findings on given stiffnesses, and on strength and life.
-_STIFFNESS = ("negative_stiffness", "torsional_support")
-_STRENGTH = (
-    *("static_safety", "rating_life", "buckling", "screw_speed", "false_brinelling", "backlash"),
-    *("preload", "engaged_threads", "axial_backlash", "contact_truncation"),
-)
-
-
-def stiffness_findings(mechanism: Mechanism) -> tuple[Finding, ...]:
-    """Findings of `check` on given stiffnesses that are negative or implausible for a shaft."""
-    return tuple(finding for finding in check(mechanism) if finding.name in _STIFFNESS)
-
-
-def strength_findings(mechanism: Mechanism) -> tuple[Finding, ...]:
-    """Findings of `check` on strength, life, speed, play and preload."""
-    return tuple(finding for finding in check(mechanism) if finding.name in _STRENGTH)

@@ -21,7 +21,6 @@ from ._flank_ends import (
     flanks_end as flanks_end,
 )
 from ._flanks import (
-    FlankGeometry as FlankGeometry,
     flanks_of as flanks_of,
     nut_side_heights as nut_side_heights,
     nut_side_hessian as nut_side_hessian,
@@ -31,13 +30,10 @@ from ._flanks import (
 )
 from ._meshing import Meshing as Meshing, ThreadContact as ThreadContact, mesh as mesh
 from ._ring_flanks import (
-    ParabolaFit as ParabolaFit,
-    RingVertex as RingVertex,
     contact_zone as contact_zone,
     fit_parabola as fit_parabola,
     lead_per_radian as lead_per_radian,
     matched_profile_angle as matched_profile_angle,
     ring_gap as ring_gap,
     ring_vertex as ring_vertex,
-    shape_coefficient as shape_coefficient,
 )

@@ -72,18 +72,6 @@ def ring_gap(contact: LineContact, radius: Scalar, arc: Scalar) -> Scalar:
     )
 
 
-def shape_coefficient(contact: LineContact, radius: Scalar) -> Scalar:
-    """Quadratic coefficient of the gap on the line of centres, `tan j · d/(2 r (d − r))` [1/m].
-
-    Exact to second order there. It neglects that the lead moves the smallest gap away from the line
-    of centres, by the angle L/(2π d tan j), where the coefficient is slightly smaller;
-    `ring_vertex` gives the coefficient there.
-    """
-    distance = contact.centre_distance
-    slope = jnp.tan(contact.screw_profile_angle)
-    return slope * distance / (2 * radius * (distance - radius))
-
-
 @physics("ring_vertex")
 def ring_vertex(contact: LineContact, radius: Scalar) -> RingVertex:
     """Smallest gap of the slice at one distance from the roller axis.

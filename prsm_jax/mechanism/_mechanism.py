@@ -20,9 +20,11 @@ from ..fields import (
     numbers,
     optional_number,
     part,
+    registered_choice,
 )
 from ..friction import Friction, FrictionLaw
 from ..scenario import Scenario, TorqueScenario
+from ._contact_methods import ContactMethod, contact_methods
 from .parts import (
     Carrier,
     Damping,
@@ -52,8 +54,8 @@ class Stage(Limited):
     """One planetary roller screw: threads, bodies, gear, stiffnesses taken as given, friction.
 
     Leaves (traced, differentiable): every number. Static: `roller_count` (which a sweep may trace),
-    `curvature`, `carrier.count`, which rollers are unequal or missing, and which optional parts are
-    present.
+    `curvature`, `contact_method`, `carrier.count`, which rollers are unequal or missing, and which
+    optional parts are present.
 
     `roller_count` is the number of evenly spaced places; `present_roller_count` is the number of
     rollers in them. The load is shared equally by the rollers present, independent of their
@@ -61,9 +63,9 @@ class Stage(Limited):
     `sharing = "equal"` states that equal shares are intended.
 
     **Raises:** `ValueError` at construction for a roller count below 1, unequal rollers that do not
-    fit it, an unknown curvature convention or `sharing`, and for known numbers that are out of
-    range or exclude each other (a bore wider than its screw). Traced numbers cannot be refused:
-    results then carry a code, and `prsm_jax.check` gives findings.
+    fit it, an unknown curvature convention, `contact_method` or `sharing`, and for known numbers
+    that are out of range or exclude each other (a bore wider than its screw). Traced numbers cannot
+    be refused: results then carry a code, and `prsm_jax.check` gives findings.
     """
 
     thread: Thread
@@ -103,6 +105,11 @@ class Stage(Limited):
         limit=POSITIVE,
     )
     curvature: CurvatureConvention = choice("convention of the contact curvatures", default="exact")
+    contact_method: ContactMethod = registered_choice(
+        "method for the contact ellipses: exact, or an approximation",
+        contact_methods,
+        default="exact",
+    )
     sharing: Sharing = choice(
         '"equal" states that all engaged threads share the load equally',
         default="unstated",

@@ -38,14 +38,14 @@ def _check_limits(what: str, lower: float, upper: float) -> None:
 def _within(
     what: str, numbers: tuple[float, ...], lower: float, upper: float, unit: str = ""
 ) -> tuple[float, ...]:
-    found = tuple(x for x in numbers if lower * (1 - _ROUNDING) <= x <= upper * (1 + _ROUNDING))
-    if not found:
+    within = tuple(x for x in numbers if lower * (1 - _ROUNDING) <= x <= upper * (1 + _ROUNDING))
+    if not within:
         least, most = numbers[0], numbers[-1]
         raise ValueError(
             f"no {what} from {lower:g} to {upper:g}{unit}; those known are from {least:g} to "
             f"{most:g}{unit}: widen the limits"
         )
-    return found
+    return within
 
 
 def _metres(millimetres: tuple[float | int, ...]) -> tuple[float, ...]:

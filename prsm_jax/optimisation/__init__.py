@@ -13,7 +13,6 @@ from .front import (
 from .results import (
     ConstraintReport as ConstraintReport,
     Design as Design,
-    Optimality as Optimality,
     Optimum as Optimum,
     Run as Run,
     Trial as Trial,

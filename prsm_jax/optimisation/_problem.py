@@ -102,13 +102,13 @@ def front_objectives(
     **Raises:** `ValueError` for a quantity without a sense, or an unknown sense.
     """
     if not isinstance(objectives, Mapping):
-        found = tuple(objectives)
-        if not all(isinstance(one, Objective) for one in found):
+        given = tuple(objectives)
+        if not all(isinstance(one, Objective) for one in given):
             raise ValueError(
                 f"objectives are {objectives!r}; give the sense of each, such as "
                 '{"efficiency": "maximise", "mass": "minimise"}'
             )
-        return found
+        return given
     rows: list[Objective] = []
     for name, sense in cast("Mapping[str, str]", objectives).items():
         if sense not in ("maximise", "minimise"):

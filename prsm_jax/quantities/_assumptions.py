@@ -53,8 +53,10 @@ def sentences(mechanism: Mechanism, names: Iterable[str]) -> tuple[str, ...]:
     for name in names:
         for number, stage in enumerate(mechanism.stages, start=1):
             text = _ASSUMPTIONS[name](stage)
-            if text is not None and number not in stages.setdefault(text, []):
-                stages[text].append(number)
+            approximated = name in _OF_ELLIPSES and text is not None
+            for one in (text, _approximation(stage) if approximated else None):
+                if one is not None and number not in stages.setdefault(one, []):
+                    stages[one].append(number)
     stage_count = len(mechanism.stages)
 
     def with_stages(sentence: str, numbers: list[int]) -> str:
@@ -73,6 +75,18 @@ def has_contacts(stage: Stage) -> bool:
     except MissingDataError:
         return False
     return stage.engaged_threads is not None
+
+
+def _approximation(stage: Stage) -> str | None:
+    method = stage.contact_method
+    if method == "exact":
+        return None
+    name = method if isinstance(method, str) else getattr(method, "__name__", type(method).__name__)
+    return (
+        f"Contact ellipses are those of the approximation {name} (contact_method), not of Hertz's "
+        "exact theory; so are all pressures, stiffnesses, losses and capacities that depend on "
+        "them."
+    )
 
 
 def _equal(stage: Stage) -> str:
@@ -260,3 +274,7 @@ def flanks_of_static(stage: Stage) -> str | None:
 def flanks_of_dynamic(stage: Stage) -> str | None:
     """For a dynamic capacity that is computed from the contacts, and for all lives."""
     return _flanks(stage) if derives_dynamic_capacity(stage) else None
+
+
+#: Where one of the assumptions above applies, the numbers depend on contact ellipses.
+_OF_ELLIPSES = frozenset(_ASSUMPTIONS)

@@ -109,10 +109,10 @@ def named_quantities(names: Iterable[str], argument: str = "quantities") -> tupl
     **Raises:** `ValueError` for a text in place of a list, and for an empty list;
     `UnknownNameError` for an unknown name.
     """
-    found = tuple(dict.fromkeys(map(find_quantity, listed_names(names, argument))))
-    if not found:
+    selected = tuple(dict.fromkeys(map(find_quantity, listed_names(names, argument))))
+    if not selected:
         raise ValueError(f"{argument} is empty; name at least one")
-    return found
+    return selected
 
 
 def assumptions(mechanism: Mechanism, quantities: Iterable[str] | None = None) -> tuple[str, ...]:

@@ -2,7 +2,6 @@
 
 from ._campbell import Campbell as Campbell, Crossing as Crossing, campbell as campbell
 from ._dissipation import (
-    AnyDamping as AnyDamping,
     Dissipation as Dissipation,
     dissipation as dissipation,
     spring_damping as spring_damping,

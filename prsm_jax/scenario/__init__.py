@@ -1,7 +1,6 @@
 """How a mechanism is driven and loaded over time."""
 
 from ._loads import (
-    LOADS_OF_MOTION as LOADS_OF_MOTION,
     AerodynamicLoad as AerodynamicLoad,
     FrictionLoad as FrictionLoad,
     HingeLoad as HingeLoad,
@@ -23,7 +22,6 @@ from ._scenario import (
     check_scenario as check_scenario,
 )
 from ._sequences import (
-    PROFILES as PROFILES,
     Profile as Profile,
     SequenceProfile as SequenceProfile,
     TableProfile as TableProfile,

@@ -7,7 +7,7 @@ time alone and plain numbers are loads, too: `load_value` accepts them all.
 
 import inspect
 from collections.abc import Callable, Iterable
-from typing import ClassVar, TypeAlias, get_args
+from typing import ClassVar, TypeAlias
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -197,7 +197,3 @@ def break_times_of(
     """Times at which a number or function has a jump or a kink, from its `break_times` [s]."""
     times = getattr(function, "break_times", None)
     return jnp.zeros(0, dtype) if times is None else jnp.asarray(times, dtype)
-
-
-#: Loads of motion by the name of their kind.
-LOADS_OF_MOTION: dict[str, type[eqx.Module]] = {cls.kind: cls for cls in get_args(LoadOfMotion)}

@@ -1,7 +1,7 @@
 """Tables over time, and sequences of profiles: repeated, optionally with alternating sign."""
 
 from collections.abc import Callable
-from typing import ClassVar, NamedTuple, TypeAlias, get_args
+from typing import ClassVar, NamedTuple, TypeAlias
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -201,5 +201,3 @@ Profile: TypeAlias = SineProfile | PartProfile
 Driven: TypeAlias = Converted[
     Scalar | Profile | Callable[..., Scalar], ArrayLike | Callable[..., Scalar]
 ]
-#: Profiles by the name of their kind.
-PROFILES: dict[str, type[eqx.Module]] = {cls.kind: cls for cls in get_args(Profile)}

@@ -52,9 +52,9 @@ def hessian(
         return jax.jvp(slope, (steps,), (unit[pair[1]],))[1]
 
     left, right = np.triu_indices(count)
-    found = jax.lax.map(second, (jnp.asarray(left), jnp.asarray(right)))
+    columns = jax.lax.map(second, (jnp.asarray(left), jnp.asarray(right)))
     # Outside of the loop: a concatenation inside could compute the physics again.
-    rows = jnp.concatenate([found[name] for name in quantities], axis=1)
+    rows = jnp.concatenate([columns[name] for name in quantities], axis=1)
     place = np.zeros((count, count), dtype=int)
     place[left, right] = place[right, left] = np.arange(len(left))
     return jnp.moveaxis(rows[place], -1, 0)

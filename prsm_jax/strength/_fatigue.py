@@ -19,7 +19,7 @@ from .._errors import MissingDataError
 from ..contact import StageContact, axis_ratio_of, contact_frames, engaged_threads
 from ..fields import Scalar
 from ..geometry import Meshing
-from ..mechanism import Stage
+from ..mechanism import ContactMethod, Stage
 from ..numerics import above_or_nan
 from ..programs import physics
 from ._contacts import REFERENCE_LOAD, known_contact, strength_of, thread_share
@@ -48,7 +48,7 @@ def _stressed(p0: Scalar, semi_axes_product: Scalar, rolling_ratio: Scalar) -> S
     return (shear / 1e9) ** STRESS_EXPONENT * (across * 1e3) * (depth * 1e3) ** (1 - DEPTH_EXPONENT)
 
 
-def _rolling_ratio(total: Scalar, rolling: Scalar) -> Scalar:
+def _rolling_ratio(total: Scalar, rolling: Scalar, method: ContactMethod) -> Scalar:
     """Semi-axis along over semi-axis across the rolling direction, taken as a principal direction.
 
     In roller screws the principal directions lie within some 30° of it, which changes the capacity
@@ -57,7 +57,7 @@ def _rolling_ratio(total: Scalar, rolling: Scalar) -> Scalar:
     """
     slant = (2 * rolling - total) / total
     small = jnp.abs(slant) < _CIRCULAR
-    log_ratio = jnp.log(axis_ratio_of(jnp.where(small, 0.5, jnp.abs(slant))))
+    log_ratio = jnp.log(axis_ratio_of(jnp.where(small, 0.5, jnp.abs(slant)), method))
     return jnp.exp(jnp.where(small, -4 / 3 * slant, jnp.sign(slant) * log_ratio))
 
 
@@ -183,7 +183,7 @@ def side_risks(
     bodies = (stage.thread.screw_radius, screw_cycles), (stage.thread.nut_radius, nut_cycles)
 
     def stressed_of(total: Scalar, rolling: Scalar, pressure: Scalar, product: Scalar) -> Scalar:
-        return _stressed(pressure, product, _rolling_ratio(total, rolling))
+        return _stressed(pressure, product, _rolling_ratio(total, rolling, stage.contact_method))
 
     inputs = [
         (

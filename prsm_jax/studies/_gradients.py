@@ -67,14 +67,14 @@ def front_gradients(
     - `front`: the front.
     - `designs`: a list of designs, with those of the front from the place `first`.
     """
-    found = []
+    gradients = []
     for index, point in enumerate(front.points):
         elasticities = gradients_at(problem, designs, first + index)
         exchange = _exchange(front, point)
-        found.append(
+        gradients.append(
             FrontGradient(elasticities, exchange, _sentence(problem, point, elasticities, exchange))
         )
-    return tuple(found)
+    return tuple(gradients)
 
 
 def _exchange(front: ParetoFront, point: FrontPoint) -> float:

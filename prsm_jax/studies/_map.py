@@ -46,10 +46,10 @@ class DriverMap:
 
     def within(self, tolerance: float) -> np.ndarray:
         """Where a design satisfies all limits up to a relative tolerance, and has no error."""
-        found = self.usable & ~self.error
+        allowed = self.usable & ~self.error
         for violation in self.violations.values():
-            found = found & (np.nan_to_num(violation, nan=np.inf) <= tolerance)
-        return found
+            allowed = allowed & (np.nan_to_num(violation, nan=np.inf) <= tolerance)
+        return allowed
 
     def design(self, index: tuple[int, ...]) -> dict[str, float]:
         """The drivers of a design [SI], by its place."""
@@ -142,9 +142,9 @@ def _read(problem: StudyProblem, data: "xarray.Dataset") -> DriverMap:
     violations: dict[str, np.ndarray] = {}
     for one in problem.limits:
         if one.quantity in data:
-            found = _violation(one, np.asarray(data[one.quantity].values, float), usable)
+            excess = _violation(one, np.asarray(data[one.quantity].values, float), usable)
             before = violations.get(one.quantity)
-            violations[one.quantity] = found if before is None else np.maximum(before, found)
+            violations[one.quantity] = excess if before is None else np.maximum(before, excess)
     error = np.asarray(data["error"].values) > 0
     return DriverMap(coordinates, values, elasticities, usable, error, violations)
 

@@ -163,13 +163,13 @@ def check_single(name: str, dimensions: tuple[object, ...]) -> None:
 
 def _limits(mechanism: Mechanism, limits: Iterable[Constraint] | None) -> tuple[Constraint, ...]:
     if limits is not None:
-        found = tuple(limits)
+        constraints = tuple(limits)
     else:
         own = mechanism.design_problem
-        found = () if own is None else own.constraints
-    for one in found:
+        constraints = () if own is None else own.constraints
+    for one in constraints:
         find_quantity(one.quantity)
-    return found
+    return constraints
 
 
 def _drivers(mechanism: Mechanism, given: Any) -> tuple[Driver, ...]:
@@ -185,14 +185,14 @@ def _drivers(mechanism: Mechanism, given: Any) -> tuple[Driver, ...]:
     if not ranges:
         raise ValueError("drivers are empty; name at least one number of the mechanism")
     names = list(ranges)
-    found = []
+    complete = []
     for name, both in ranges.items():
         present, unit = _present(mechanism, name)
         lower, upper = _range(mechanism, name, both, present)
         follows = follows_in_words(mechanism, name, names)
-        found.append(Driver(name, unit, lower, upper, present, follows))
+        complete.append(Driver(name, unit, lower, upper, present, follows))
     check_independent(mechanism, names)
-    return tuple(found)
+    return tuple(complete)
 
 
 def _present(mechanism: Mechanism, name: str) -> tuple[float, str]:

@@ -157,14 +157,14 @@ def _front(study: StudyParts) -> TextTable:
 
 def _broken(study: StudyParts) -> tuple[str, ...]:
     """Limits that the present design violates."""
-    found = [
+    broken = [
         f"breaks {name}"
         for name, violation in study.designs.violations.items()
         if float(violation[0]) > 1e-6
     ]
     if bool(study.designs.error[0]):
-        found.append("error of check")
-    return tuple(found)
+        broken.append("error of check")
+    return tuple(broken)
 
 
 def _gradients(study: StudyParts) -> TextTable:

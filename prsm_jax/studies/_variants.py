@@ -110,8 +110,8 @@ def parts_of(mechanism: Mechanism, names: Iterable[str] | None) -> dict[str, tup
         return tuple(p for p in present if p.name == name or p.name.endswith(f".{name}"))
 
     if names is None:
-        found = {name: named(name) for name in DEFAULT_PARTS}
-        return {name: some for name, some in found.items() if some}
+        named_parts = {name: named(name) for name in DEFAULT_PARTS}
+        return {name: some for name, some in named_parts.items() if some}
     chosen = {name: named(name) for name in listed_names(names, "without")}
     for name, some in chosen.items():
         if not some:
@@ -145,7 +145,7 @@ def variant_of(
     - `grid`: number of designs of the map, whose program serves the complete mechanism.
     - `find_front`: finds the front of a mechanism.
     """
-    found = Variant(name, tuple(p.name for p in parts), _misses(parts))
+    variant = Variant(name, tuple(p.name for p in parts), _misses(parts))
     try:
         # From the last to the first, so that places in lists stay valid.
         rest = mechanism
@@ -161,8 +161,8 @@ def variant_of(
             limited={one: sense for one, sense in problem.limited.items() if one in known},
         )
         bare = at_designs(rest, fewer, designs, list(problem.senses))
-        found = dataclasses.replace(
-            found,
+        variant = dataclasses.replace(
+            variant,
             values=bare.values,
             changes={one: bare.values[one] / complete.values[one] - 1 for one in problem.senses},
             turned=_turned(problem, complete, bare),
@@ -172,15 +172,15 @@ def variant_of(
         )
         other = find_front(rest, fewer)
     except (PrsmError, ValueError) as error:
-        return dataclasses.replace(found, error=str(error))
-    found = dataclasses.replace(found, front=other)
+        return dataclasses.replace(variant, error=str(error))
+    variant = dataclasses.replace(variant, front=other)
     if not other.points:
-        return found
+        return variant
     there = at_designs(
         mechanism, problem, [one.variables for one in other.points], problem.computed, grid
     )
     return dataclasses.replace(
-        found,
+        variant,
         complete={one: there.values[one] for one in problem.names},
         allowed=there.allowed,
         violations={one: float(np.max(there.violations[one])) for one in there.violations},
@@ -195,14 +195,14 @@ def _misses(parts: Sequence[Place]) -> str:
 def _turned(
     problem: StudyProblem, complete: DriverMap, bare: DriverMap
 ) -> tuple[tuple[str, str, int], ...]:
-    found = []
+    counts = []
     for name in problem.senses:
         opposite = complete.elasticities[name] * bare.elasticities[name] < 0
         for place, driver in enumerate(problem.drivers):
             count = int(np.sum(opposite[:, place]))
             if count:
-                found.append((name, driver.name, count))
-    return tuple(found)
+                counts.append((name, driver.name, count))
+    return tuple(counts)
 
 
 def _volume(problem: StudyProblem, front: ParetoFront, there: DriverMap) -> float:
@@ -213,5 +213,5 @@ def _volume(problem: StudyProblem, front: ParetoFront, there: DriverMap) -> floa
     values = np.stack([there.values[name] for name in problem.objectives], axis=-1)
     worst = signs * np.array([front.reference[name] for name in problem.objectives])
     allowed = signs * values[there.allowed]
-    found = hypervolume(allowed, worst) if len(allowed) else 0.0
-    return float(found / front.dominated_volume(front.reference))
+    volume = hypervolume(allowed, worst) if len(allowed) else 0.0
+    return float(volume / front.dominated_volume(front.reference))

@@ -2,7 +2,7 @@
 
 from ._chunks import map_in_chunks as map_in_chunks
 from ._export import check_export as check_export, export as export
-from ._labels import CodeCounts as CodeCounts, count_codes as count_codes
+from ._labels import count_codes as count_codes
 from ._plan import PlanName as PlanName
 from ._sizes import block_size as block_size
 from ._store import open_store as open_store

@@ -53,8 +53,8 @@ class _Settings(NamedTuple):
 
     @property
     def question(self) -> Question:
-        found = sources() if self.findings else None
-        return Question(self.quantities, self.gradients, found, self.size)
+        margins = sources() if self.findings else None
+        return Question(self.quantities, self.gradients, margins, self.size)
 
     @property
     def arguments(self) -> dict[str, Any]:

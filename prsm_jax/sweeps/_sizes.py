@@ -58,16 +58,16 @@ def _accelerated() -> bool:
 
 def _cache_share(caches: Path) -> int | None:
     """One core's share of the largest cache [B]; `None` where it is unknown."""
-    found: list[int] = []
+    sizes: list[int] = []
     try:
         for entry in caches.glob("index*"):
             size = (entry / "size").read_text(encoding="ascii").strip()
             factor = {"K": 2**10, "M": 2**20, "G": 2**30}[size[-1]]
             cores = (entry / "shared_cpu_list").read_text(encoding="ascii")
-            found.append(int(size[:-1]) * factor // _cores_in(cores))
+            sizes.append(int(size[:-1]) * factor // _cores_in(cores))
     except (OSError, ValueError, KeyError, IndexError):
         return None
-    return max(found, default=None)
+    return max(sizes, default=None)
 
 
 def _cores_in(text: str) -> int:

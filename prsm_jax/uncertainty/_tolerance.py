@@ -208,8 +208,8 @@ def _sampled(
     flat = deviations.reshape(-1, deviations.shape[-1])
     # The ends of the zones are further designs of the same program.
     everything = np.concatenate([flat, zone_points(inputs)])
-    found, *flags = evaluate_points(inputs, everything, selected, at[0], at[1], checks, progress)
-    values = {label: array[: len(flat)].reshape(shape) for label, array in found.items()}
+    columns, *flags = evaluate_points(inputs, everything, selected, at[0], at[1], checks, progress)
+    values = {label: array[: len(flat)].reshape(shape) for label, array in columns.items()}
     codes, errors = (array[: len(flat)] for array in flags)
     usable = (codes == 0).reshape(shape)
     estimates = {
@@ -234,5 +234,5 @@ def _sampled(
         errors={name: count for name, count in counts.items() if count},
         samples=len(flat),
         values={label: array.ravel() for label, array in values.items()},
-        ends=zone_ends({label: array[len(flat) :] for label, array in found.items()}),
+        ends=zone_ends({label: array[len(flat) :] for label, array in columns.items()}),
     )

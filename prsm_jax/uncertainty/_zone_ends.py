@@ -38,8 +38,8 @@ def zone_points(inputs: Inputs) -> np.ndarray:
 
 def zone_ends(values: dict[str, np.ndarray]) -> dict[str, ZoneEnds]:
     """Values of each quantity at the points of `zone_points`: nominal, lower and upper ends."""
-    found: dict[str, ZoneEnds] = {}
+    by_label: dict[str, ZoneEnds] = {}
     for label, array in values.items():
         lower, upper = np.split(array[1:], 2)
-        found[label] = ZoneEnds(float(array[0]), lower, upper)
-    return found
+        by_label[label] = ZoneEnds(float(array[0]), lower, upper)
+    return by_label

@@ -47,7 +47,7 @@ from .wu2022 import (  # isort: skip
     _wu2022_indefinite as _wu2022_indefinite,
     _wu2022_trends as _wu2022_trends,
 )
-from . import _lin_parker1999 as _lin_parker1999  # isort: skip
+from .lin_parker1999 import _lin_parker1999 as _lin_parker1999  # isort: skip
 from .li import (  # isort: skip
     _li2020 as _li2020,
     _li2020_details as _li2020_details,

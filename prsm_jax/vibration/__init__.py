@@ -1,7 +1,6 @@
 """Vibration of one stage: bending–torsional, and in space."""
 
 from ._dense import (
-    FrequencySlopes as FrequencySlopes,
     dense_modes as dense_modes,
     directional_derivatives as directional_derivatives,
     family_modes as family_modes,

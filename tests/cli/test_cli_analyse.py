@@ -167,7 +167,7 @@ def test_locking_is_reported_as_an_invalid_state(prsm_json):
 def test_quantities_catalogue(prsm_json):
     known = prsm_json("quantities")["quantities"]
     assert {"name", "symbol", "unit", "description"} == set(known[0])
-    assert {q.name for q in prsm_jax.catalogue()} == {entry["name"] for entry in known}
+    assert {q.name for q in prsm_jax.quantities.catalogue()} == {entry["name"] for entry in known}
 
 
 def test_example_prints_a_file_that_can_be_read(prsm):

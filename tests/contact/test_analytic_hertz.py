@@ -207,7 +207,7 @@ def test_methods_are_the_ones_that_are_documented():
     names = {"antoine", "power", "hamrock_brewe", "hamrock_brewe_log", "lisowski"}
     assert set(APPROXIMATIONS) == names
     with pytest.raises(ValueError, match="choose one of exact, antoine"):
-        hertz_contact(array(1.0), array(1.0), array(0.0), array(1.0), "hertz")  # type: ignore[arg-type]
+        hertz_contact(array(1.0), array(1.0), array(0.0), array(1.0), "hertz")
 
 
 def test_inverse_cube_root_over_forty_decades():

@@ -14,7 +14,6 @@ from prsm_jax.geometry import (
     matched_profile_angle,
     ring_gap,
     ring_vertex,
-    shape_coefficient,
 )
 from prsm_jax.halfspace import ring_contact
 from tests.present import present
@@ -43,7 +42,9 @@ def under(contact, force=55.0):
 def test_coefficient_in_closed_form():
     """tan j d/(2 r (d − r)) is exact without a lead, and 1.4 % low with 5°."""
     radius = array(9e-3)
-    closed = shape_coefficient(flanks(), radius)
+    ring = flanks()
+    slope, distance = jnp.tan(ring.screw_profile_angle), ring.centre_distance
+    closed = slope * distance / (2 * radius * (distance - radius))
     without, with_lead = (_vertex(flanks(psi), radius) for psi in (0.0, 5.0))
     assert float(without.coefficient) == pytest.approx(float(closed), rel=1e-12)
     assert abs(float(without.arc)) < 1e-15

@@ -11,7 +11,7 @@ from claims_contact import HERTZ, SURFACES, _grid_errors, _ring
 from scenes import array
 
 from prsm_jax.contact import hertz_contact, line_contact_under_force, subsurface_stress
-from prsm_jax.geometry import ring_vertex, shape_coefficient
+from prsm_jax.geometry import ring_vertex
 from prsm_jax.halfspace import grid_over, solve_contact, subsurface_stress_field
 from prsm_jax.validation._shape_function import _solved
 
@@ -63,7 +63,9 @@ def _steeper() -> list[float]:
     contact, _, found = _ring(5.0)
     middle = found.slices.radius[len(found.slices.radius) // 2]
     here = eqx.filter_jit(ring_vertex)(contact, middle).coefficient
-    return [100 * (float(here / shape_coefficient(contact, middle)) - 1)]
+    slope, distance = np.tan(contact.screw_profile_angle), contact.centre_distance
+    on_the_line = slope * distance / (2 * middle * (distance - middle))
+    return [100 * (float(here / on_the_line) - 1)]
 
 
 def _by_slices() -> list[float]:

@@ -21,7 +21,7 @@ from prsm_jax.mechanism import Mechanism, Stage
 
 #: Its name in the package is that of the function.
 room = importlib.import_module("prsm_jax.explanation._explain")
-EXAMPLES = prsm.example_names()
+EXAMPLES = prsm.file.example_names()
 
 
 def _modules_in(hint):

@@ -28,7 +28,7 @@ def test_old_names_of_arguments():
 
 
 def test_old_name_of_the_argument_of_a_chart():
-    shared = prsm.load_distribution(prsm.load("actuator_load_sharing"))
+    shared = prsm.load_sharing.load_distribution(prsm.load("actuator_load_sharing"))
     with pytest.warns(DeprecationWarning, match="thread_load_chart: found is now distribution"):
         figure = thread_load_chart(found=shared)  # type: ignore[call-arg]
     assert figure.axes

@@ -17,7 +17,6 @@ from prsm_jax.fields import ANY, Declared, Limit, declared, limit_of
 from prsm_jax.file import TableChoice, table_choices
 from prsm_jax.mechanism import (
     DISTRIBUTIONS,
-    GAP_LISTS,
     AxialPlay,
     Constraint,
     DesignProblem,
@@ -39,6 +38,8 @@ from tests.present import present
 
 _NAMES = st.from_regex(r"[a-z][a-z_]{0,20}", fullmatch=True)
 _LARGEST = 1e120
+#: The lists of one number per thread.
+_GAP_LISTS = tuple(one.name for one in declared(LoadSharing) if one.is_list)
 
 
 def numbers(limit: Limit) -> st.SearchStrategy[float]:
@@ -124,7 +125,7 @@ def sharing_lists(draw, thread_count: int, split_nut: SplitNut | None):
     if split_nut is not None:
         count = max(count, 2)
         split_nut = dataclasses.replace(split_nut, after_thread=draw(st.integers(1, count - 1)))
-    names = draw(st.sets(st.sampled_from(GAP_LISTS)))
+    names = draw(st.sets(st.sampled_from(_GAP_LISTS)))
     lists = {
         name: draw(st.lists(numbers(_limit(LoadSharing, name)), min_size=count, max_size=count))
         for name in sorted(names)

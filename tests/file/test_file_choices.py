@@ -153,7 +153,7 @@ def test_every_word_of_a_stage_is_set_by_its_name():
         assert read(prsm.set_parameter(mechanism, key, word).stages[0]) == word
     with pytest.raises(FileError, match="'left' is not one of same_end, opposite_end"):
         file.apply_settings(mechanism, ["mounting=left"])
-    assert not any(one.words for one in prsm.all_parameters(mechanism))
+    assert not any(one.words for one in prsm.mechanism.all_parameters(mechanism))
 
 
 @pytest.mark.usefixtures("unchecked")

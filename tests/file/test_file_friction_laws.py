@@ -102,7 +102,7 @@ def test_a_limit_stays_where_the_unit_is_another(churning):
     name = "friction.thrust_bearing.resistance"
     table = ("[stage.friction.thrust_bearing]", 'law = "churning"')
     mechanism = file.loads(_replaced(*table, 'resistance = "2 mN m s"'))
-    (one,) = [p for p in prsm.all_parameters(mechanism) if p.path.endswith(name)]
+    (one,) = [p for p in prsm.mechanism.all_parameters(mechanism) if p.path.endswith(name)]
     assert (one.unit, one.limit) == ("N·m·s", limit_of("N·s/m"))
     with pytest.raises(FileError, match=r"resistance = .*must be 0 or more"):
         file.loads(_replaced(*table, 'resistance = "-2 mN m s"'))

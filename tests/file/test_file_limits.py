@@ -31,7 +31,7 @@ def _outside(limit):
 def _bounded(name):
     return [
         (parameter, _outside(parameter.limit))
-        for parameter in prsm.all_parameters(example(name))
+        for parameter in prsm.mechanism.all_parameters(example(name))
         if not parameter.static and _outside(parameter.limit) is not None
     ]
 

@@ -15,15 +15,15 @@ from prsm_jax._errors import FileError
 from prsm_jax.fields import ANY, POSITIVE, declared
 from prsm_jax.mechanism import find_parameters, set_parameter
 from prsm_jax.scenario import (
-    LOADS_OF_MOTION,
-    PROFILES,
     ConstantProfile,
     HingeLoad,
+    Profile,
     Scenario,
     SequenceProfile,
     SumLoad,
     TorqueScenario,
 )
+from prsm_jax.scenario._loads import LoadOfMotion
 from tests.present import present
 
 MISSION = file.example_text("actuator_mission")
@@ -88,9 +88,9 @@ def _parts(cls, kinds, depth):
     return st.lists(one, min_size=1, max_size=2)
 
 
-_OF_SPEED = tuple(PROFILES.values())
-_OF_OTHERS = tuple(cls for name, cls in PROFILES.items() if not name.endswith("_move"))
-_LOADS = st.one_of(_numbers(), _functions(_OF_OTHERS + tuple(LOADS_OF_MOTION.values())))
+_OF_SPEED, _LOADS_OF_MOTION = typing.get_args(Profile), typing.get_args(LoadOfMotion)
+_OF_OTHERS = tuple(cls for cls in _OF_SPEED if not cls.kind.endswith("_move"))
+_LOADS = st.one_of(_numbers(), _functions(_OF_OTHERS + _LOADS_OF_MOTION))
 
 
 @st.composite
@@ -117,7 +117,7 @@ def test_any_scenario_survives_exactly(identical, scenario):
 
 def test_every_kind_can_be_written():
     """No profile or load whose fields the table does not know."""
-    for cls in (*PROFILES.values(), *LOADS_OF_MOTION.values()):
+    for cls in (*_OF_SPEED, *_LOADS_OF_MOTION):
         hints = typing.get_type_hints(cls)
         for field in dataclasses.fields(cls):
             known = "unit" in field.metadata or field.name == "part"

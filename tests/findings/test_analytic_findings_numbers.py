@@ -11,7 +11,7 @@ from scenes import STEEL, example, stage, thread
 
 import prsm_jax as prsm
 from prsm_jax import file
-from prsm_jax.findings import mass_findings, stiffness_findings
+from prsm_jax.findings import check, mass_findings
 from prsm_jax.geometry import dimension_margins, dimension_names
 from prsm_jax.mechanism import (
     Carrier,
@@ -34,6 +34,11 @@ SOUND: dict[str, Any] = {
 }
 
 
+def _of_stiffness(mechanism):
+    names = ("negative_stiffness", "torsional_support")
+    return tuple(one for one in check(mechanism) if one.name in names)
+
+
 def _mechanism(**bodies):
     return prsm.Mechanism((stage(**(SOUND | bodies)),))
 
@@ -46,7 +51,7 @@ def _inertias(**bodies):
 def test_sound_bodies_have_none():
     mechanism = _mechanism()
     assert not mass_findings(mechanism)
-    assert not stiffness_findings(mechanism)
+    assert not _of_stiffness(mechanism)
 
 
 @pytest.mark.parametrize(
@@ -131,7 +136,7 @@ def test_mass_against_length_and_density(factor, found, density):
 
 def _screw(stiffness, **more):
     screw = Screw(support=Support(torsional_stiffness=stiffness), **more)
-    return {f.name: f for f in stiffness_findings(_mechanism(screw=screw))}
+    return {f.name: f for f in _of_stiffness(_mechanism(screw=screw))}
 
 
 @pytest.mark.parametrize("length", [None, 0.3])
@@ -167,7 +172,7 @@ def test_units_that_would_fit_are_named():
 def test_no_torsional_support_is_no_finding():
     assert not _screw(0.0)
     screw = Screw(support=Support(radial_stiffness=1e8))
-    assert not stiffness_findings(_mechanism(screw=screw))
+    assert not _of_stiffness(_mechanism(screw=screw))
 
 
 def _past_checks(cls, springs):
@@ -198,7 +203,7 @@ def test_negative_support(changes, name, eigenvalues):
         body: dataclasses.replace(getattr(stage_, body), support=_past_checks(Support, springs))
         for body, springs in changes.items()
     }
-    found = [f for f in stiffness_findings(_with(**bodies)) if f.name == "negative_stiffness"]
+    found = [f for f in _of_stiffness(_with(**bodies)) if f.name == "negative_stiffness"]
     assert len(found) == 1
     assert found[0].severity == "error"
     assert name in found[0].message
@@ -212,9 +217,7 @@ def test_negative_mesh():
     """All N rollers then release energy: at least the N − 3 roller modes are unstable."""
     springs = {"screw_roller": -6e8, "nut_roller": 2.198e8, "ring_roller": 2.464e8}
     given = _past_checks(GivenStiffness, springs)
-    (found,) = [
-        f for f in stiffness_findings(_with(stiffness=given)) if f.name == "negative_stiffness"
-    ]
+    (found,) = [f for f in _of_stiffness(_with(stiffness=given)) if f.name == "negative_stiffness"]
     assert found.value == -6e8
     assert "stage.stiffness.screw_roller is -6e+08 N/m" in found.message
     count = int(found.message.split("(")[1].split()[0])
@@ -222,7 +225,7 @@ def test_negative_mesh():
     # It cannot be made so, but a search may come there.
     roller = UnequalRoller(number=3, stiffness_factor=1.0)
     roller = eqx.tree_at(lambda one: one.stiffness_factor, roller, jnp.asarray(-1.0))
-    names = [f.message for f in stiffness_findings(_with(unequal_roller=(roller,)))]
+    names = [f.message for f in _of_stiffness(_with(unequal_roller=(roller,)))]
     assert any(
         "stiffness_factor of roller 3 is -1, a negative stiffness:" in message for message in names
     )
@@ -230,7 +233,7 @@ def test_negative_mesh():
 
 def test_negative_stiffness_without_the_data_for_a_matrix():
     support = _past_checks(Support, {"radial_stiffness": -1.0})
-    found = stiffness_findings(prsm.Mechanism((stage(nut=Nut(mass=2.0, support=support)),)))
+    found = _of_stiffness(prsm.Mechanism((stage(nut=Nut(mass=2.0, support=support)),)))
     assert [f.name for f in found] == ["negative_stiffness"]
     assert "can be indefinite" in found[0].message
 

@@ -17,7 +17,6 @@ from scenes import array, example, mechanism, simulate, stage
 
 import prsm_jax as prsm
 from prsm_jax import file
-from prsm_jax.contact import hertz_contact
 from prsm_jax.friction import CoulombFriction, Friction
 from prsm_jax.quantities import _catalogue
 from prsm_jax.report import analyse, report_section, write_report
@@ -95,23 +94,6 @@ def test_a_file_says_which_function_it_cannot_hold(part):
         prsm.FileError, match=rf"scenario.{part} is a \w+, which a file cannot hold"
     ):
         file.dumps(dataclasses.replace(_one(), scenario=scene))
-
-
-def test_an_approximation_is_exact_where_it_claims_to_be():
-    circle = extension("circle").circle
-    both = [
-        hertz_contact(array(100.0), array(50.0), array(0.0), array(1e11), method)
-        for method in ("exact", circle)
-    ]
-    for name in ("max_pressure", "approach", "semi_major"):
-        exact, own = (float(getattr(one, name)) for one in both)
-        assert own == pytest.approx(exact, rel=1e-13)
-    exact, own = (
-        float(prsm.thread_contacts(example("actuator"), 15e3, method=m)[0].screw.hertz.max_pressure)
-        for m in ("exact", circle)
-    )
-    assert own == pytest.approx(exact, rel=0.3)
-    assert own != pytest.approx(exact, rel=1e-3)
 
 
 @pytest.fixture

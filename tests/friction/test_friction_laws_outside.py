@@ -400,7 +400,7 @@ def test_the_closed_form_of_settling_is_for_constant_coefficients():
 
 def test_numbers_of_a_law_are_those_of_the_mechanism():
     one = _one(_solid())
-    paths = {p.path: p for p in prsm.all_parameters(one)}
+    paths = {p.path: p for p in prsm.mechanism.all_parameters(one)}
     parameter = paths["stage.1.friction.thread.shear_strength"]
     assert (parameter.unit, parameter.description) == ("Pa", "shear strength of the film, τ₀")
     found = prsm.sensitivity(one, ["efficiency"], ["shear_strength"])

@@ -483,14 +483,14 @@ def test_errors_name_what_is_missing():
     with pytest.raises(ValueError, match="choose a smaller number"):
         LoadSharing(4, split_nut=SplitNut(4, offset=1e-6))
     with pytest.raises(prsm.MissingDataError, match="no load_sharing"):
-        prsm.load_distribution(prsm.load("wu2022"))
+        prsm.load_sharing.load_distribution(prsm.load("wu2022"))
     with pytest.raises(ValueError, match="stages 1 to 1"):
-        prsm.load_distribution(mechanism(sharing_stage()), stage=2)
+        prsm.load_sharing.load_distribution(mechanism(sharing_stage()), stage=2)
     with pytest.raises(ValueError, match="either loads or deflections"):
-        prsm.force_deflection(mechanism(sharing_stage()))
+        prsm.load_sharing.force_deflection(mechanism(sharing_stage()))
     bare = eqx.tree_at(lambda m: m.stages[0].nut.wall_thickness, mechanism(sharing_stage()), None)
     with pytest.raises(prsm.MissingDataError, match="wall_thickness"):
-        prsm.load_distribution(bare)
+        prsm.load_sharing.load_distribution(bare)
     assert TOOTH > 0
 
 

@@ -28,6 +28,7 @@ _TESTS: tuple[tuple[str, str], ...] = (
     ("contact/_truncation", "analytic/truncation gradients/truncation"),
     ("contact/_edge_pressure", "analytic/edge_pressure"),
     ("contact/_slip_and_spin", "analytic/slip_and_spin analytic/spin_losses analytic/steady"),
+    ("contact/hertz/_methods", "approximations/outside analytic/hertz"),
     ("contact", "analytic/hertz literature/contact analytic/subsurface gradients/limits"),
     ("halfspace/_peak", "analytic/halfspace_peak analytic/halfspace"),
     ("halfspace/_equilibrium", "gradients/halfspace analytic/halfspace extreme/halfspace"),

@@ -45,7 +45,9 @@ def _positions(front):
 
 def test_two_bowls(bowls):
     """Squared distances from two points: √f₁ + √f₂ is the distance between them."""
-    front = pareto(scenes.mechanism(), {"bowl_a": "minimise", "hill_b": "maximise"}, BOX, points=15)
+    front = pareto(
+        scenes.frictionless(), {"bowl_a": "minimise", "hill_b": "maximise"}, BOX, points=15
+    )
     assert front.converged, str(front)
     assert len(front.points) == 15
     first, second = front.values.T
@@ -71,7 +73,7 @@ def test_two_bowls(bowls):
 def test_a_front_that_is_hollow(bowls):
     """Concave towards the ideal point: no weighted sum has its middle as a minimum."""
     front = pareto(
-        scenes.mechanism(), {"hollow_a": "minimise", "hollow_b": "minimise"}, BOX, points=15
+        scenes.frictionless(), {"hollow_a": "minimise", "hollow_b": "minimise"}, BOX, points=15
     )
     assert front.converged, str(front)
     first, second = front.values.T
@@ -86,7 +88,7 @@ def test_a_front_that_is_hollow(bowls):
 def test_a_front_along_a_limit(bowls):
     """Both centres lie beyond x ≤ 5: the designs are on x = 5, between the two heights."""
     front = pareto(
-        scenes.mechanism(),
+        scenes.frictionless(),
         {"bowl_a": "minimise", "bowl_b": "minimise"},
         BOX,
         {"first_number": (None, 5.0)},
@@ -104,7 +106,7 @@ def test_a_front_along_a_limit(bowls):
 def test_three_bowls(bowls):
     """The designs fill the triangle of the centres, and divide it as the weights say."""
     names = ("bowl_a", "bowl_b", "bowl_c")
-    front = pareto(scenes.mechanism(), dict.fromkeys(names, "minimise"), BOX, points=28)
+    front = pareto(scenes.frictionless(), dict.fromkeys(names, "minimise"), BOX, points=28)
     assert front.converged, str(front)
     assert len(front.points) >= 25
     corners = np.stack([A, B, C])
@@ -125,7 +127,7 @@ def test_objectives_without_conflict_have_one_design(own_quantities):
     own_quantities("one_bowl", lambda a: _squared(a, A))
     own_quantities("same_bowl", lambda a: 3 * _squared(a, A) + 7)
     front = pareto(
-        scenes.mechanism(), {"one_bowl": "minimise", "same_bowl": "minimise"}, BOX, points=5
+        scenes.frictionless(), {"one_bowl": "minimise", "same_bowl": "minimise"}, BOX, points=5
     )
     assert len(front.points) == 1
     assert "do not conflict" in front.message
@@ -134,7 +136,7 @@ def test_objectives_without_conflict_have_one_design(own_quantities):
 
 def test_no_feasible_design_is_a_report(bowls):
     front = pareto(
-        scenes.mechanism(),
+        scenes.frictionless(),
         {"bowl_a": "minimise", "bowl_b": "minimise"},
         BOX,
         {"first_number": (None, 3.0)},
@@ -149,7 +151,9 @@ def test_no_feasible_design_is_a_report(bowls):
 
 
 def test_the_result_is_plain_and_gives_mechanisms(bowls):
-    front = pareto(scenes.mechanism(), {"bowl_a": "minimise", "bowl_b": "minimise"}, BOX, points=3)
+    front = pareto(
+        scenes.frictionless(), {"bowl_a": "minimise", "bowl_b": "minimise"}, BOX, points=3
+    )
     plain = front.to_dict()
     assert {"points", "hypervolume", "evaluations", "derivative_evaluations"} <= set(plain)
     assert {"variables", "quantities", "kkt_residual"} <= set(plain["points"][0])
@@ -207,7 +211,7 @@ def test_dominance_keeps_one_of_equal_points():
 )
 def test_errors_name_the_thing(unchecked, bowls, arguments, words):
     with pytest.raises(ValueError, match=words):
-        pareto(scenes.mechanism(), variables=BOX, **arguments)
+        pareto(scenes.frictionless(), variables=BOX, **arguments)
 
 
 def test_the_same_objective_twice_is_refused(bowls):
@@ -215,7 +219,7 @@ def test_the_same_objective_twice_is_refused(bowls):
         (Variable("lead", 4e-3, 14e-3),), (Objective("bowl_a"), Objective("bowl_a", "maximise"))
     )
     with pytest.raises(ValueError, match="different objectives"):
-        pareto(scenes.mechanism(), problem=problem)
+        pareto(scenes.frictionless(), problem=problem)
 
 
 @pytest.mark.parametrize(("lead", "missed"), [(8.2e-3, ""), (10e-3, "far_a")])
@@ -228,7 +232,7 @@ def test_an_objective_whose_search_stays_at_a_broken_limit(own_quantities, lead,
     own_quantities("far_a", lambda a: _squared(a, np.array([4.5, 4.0])))
     own_quantities("far_b", lambda a: _squared(a, np.array([13.5, 12.0])))
     own_quantities("wavy", lambda a: jnp.sin(2.5 * _point(a)[0]) + 0.4 * (_point(a)[0] - 9.0) ** 2)
-    start = prsm.set_parameter(scenes.mechanism(), "lead", lead)
+    start = prsm.set_parameter(scenes.frictionless(), "lead", lead)
     objectives = {"far_a": "minimise", "far_b": "minimise"}
     front = pareto(start, objectives, BOX, {"wavy": (None, -0.9)}, points=3)
     assert front.points, str(front)
@@ -243,7 +247,7 @@ def test_a_design_without_derivatives_is_not_optimal(own_quantities):
     """√|x − 9|⁠: at its kink the value is finite and the derivative is not."""
     own_quantities("cusp", lambda a: jnp.sqrt(jnp.abs(_point(a)[0] - 9.0)))
     own_quantities("slope", lambda a: (_point(a)[1] - 8.0) ** 2 + (_point(a)[0] - 9.0) ** 2)
-    start = prsm.set_parameter(scenes.mechanism(), "lead", 9e-3)
+    start = prsm.set_parameter(scenes.frictionless(), "lead", 9e-3)
     front = pareto(start, {"cusp": "minimise", "slope": "minimise"}, BOX, points=3)
     for one in (*front.points, *front.dropped):
         assert one.status != "optimal" or abs(one.variables["lead"] - 9e-3) > 1e-12, str(front)

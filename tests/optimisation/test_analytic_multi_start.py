@@ -32,7 +32,7 @@ def valleys(own_quantities):
 
 def test_the_deepest_of_many_valleys(valleys):
     best = optimise(
-        scenes.mechanism(), BOX, minimise="many_valleys", method="multi-start", starts=100
+        scenes.frictionless(), BOX, minimise="many_valleys", method="multi-start", starts=100
     )
     assert best.converged, str(best)
     assert best.method == "multi-start"
@@ -44,14 +44,14 @@ def test_the_deepest_of_many_valleys(valleys):
     starts = [list(run.start.variables.values()) for run in best.runs]
     apart = [np.max(np.abs((np.array(a) - b) / [10e-3, 1.0])) for a in starts for b in starts]
     assert all(one == 0 or one > 0.05 for one in apart)
-    one = optimise(scenes.mechanism(), BOX, minimise="many_valleys", method="slsqp", starts=1)
+    one = optimise(scenes.frictionless(), BOX, minimise="many_valleys", method="slsqp", starts=1)
     assert best.optimum.objective < one.optimum.objective
 
 
 def test_limits_count_in_the_first_search(valleys):
     """With x ≤ 10 the best valley is that at x = 9, or the slope at the limit."""
     best = optimise(
-        scenes.mechanism(),
+        scenes.frictionless(),
         BOX,
         None,
         "many_valleys",
@@ -68,7 +68,7 @@ def test_limits_count_in_the_first_search(valleys):
 
 def test_designs_that_fail_do_not_stop_the_others(valleys):
     best = optimise(
-        scenes.mechanism(), BOX, minimise="walled_valleys", method="multi-start", starts=100
+        scenes.frictionless(), BOX, minimise="walled_valleys", method="multi-start", starts=100
     )
     assert best.converged, str(best)
     np.testing.assert_allclose(list(best.optimum.variables.values()), [11e-3, 0.9], rtol=1e-5)
@@ -76,7 +76,7 @@ def test_designs_that_fail_do_not_stop_the_others(valleys):
 
 def test_no_usable_start_is_a_report(valleys):
     best = optimise(
-        scenes.mechanism(), BOX, minimise="never_finite", method="multi-start", starts=5
+        scenes.frictionless(), BOX, minimise="never_finite", method="multi-start", starts=5
     )
     assert not best.converged
     assert "start fails" in best.message

@@ -84,8 +84,8 @@ def _bowl(lower=None, upper=None) -> Any:
 def test_a_word_stands_for_an_object(hollow, word, method, options, limit):
     constraints = {} if limit is None else {"hollow_limit": (None, limit)}
     arguments = {"minimise": "hollow", "constraints": constraints, "starts": 2}
-    of_word = optimise(scenes.mechanism(), BOX, method=word, **options, **arguments)
-    of_object = optimise(scenes.mechanism(), BOX, method=method(**options), **arguments)
+    of_word = optimise(scenes.frictionless(), BOX, method=word, **options, **arguments)
+    of_object = optimise(scenes.frictionless(), BOX, method=method(**options), **arguments)
     assert of_word.to_dict() == of_object.to_dict()
     assert of_object.method == word
 
@@ -115,14 +115,14 @@ def test_the_problem_carries_the_options_of_its_method(hollow):
         method="adam",
         method_options=(("max_iterations", 3),),
     )
-    best = optimise(scenes.mechanism(), problem=problem)
-    same = optimise(scenes.mechanism(), BOX, minimise="hollow", method=Adam(max_iterations=3))
+    best = optimise(scenes.frictionless(), problem=problem)
+    same = optimise(scenes.frictionless(), BOX, minimise="hollow", method=Adam(max_iterations=3))
     assert [run.iterations for run in best.runs] == [3]
     assert best.optimum.variables == same.optimum.variables
     wrong = replace(problem, method_options=(("steps", 3),))
     with pytest.raises(ValueError, match="'adam' takes learning_rate, max_iterations, but not st"):
-        optimise(scenes.mechanism(), problem=wrong)
-    assert optimise(scenes.mechanism(), problem=wrong, method=Adam(max_iterations=3)) is not None
+        optimise(scenes.frictionless(), problem=wrong)
+    assert optimise(scenes.frictionless(), problem=wrong, method=Adam(max_iterations=3)) is not None
     with pytest.raises(ValueError, match="method_options are steps, steps; give each one once"):
         replace(problem, method_options=(("steps", 3), ("steps", 4)))
 
@@ -137,7 +137,7 @@ def test_whole_numbers_by_an_object(own_quantities):
     own_quantities("starts_away", lambda a: (starts(a) - 5.3) ** 2 + 1)
     found = [
         optimise(
-            scenes.mechanism(scenes.stage(5)),
+            scenes.frictionless(roller_count=5),
             {"starts_at_fixed_pitch": (3.2, 8.7)},
             minimise="starts_away",
             method=method,
@@ -289,13 +289,13 @@ def test_options_and_iterations_reach_scipy():
 def test_methods_of_scipy_on_a_mechanism(hollow):
     """The judgement is the same for every method, and the result says which it was."""
     limited = {"minimise": "hollow", "constraints": {"hollow_limit": (None, 14.0)}}
-    expected = optimise(scenes.mechanism(), BOX, method="slsqp", **limited).optimum
-    best = optimise(scenes.mechanism(), BOX, method=Scipy("COBYQA"), **limited)
+    expected = optimise(scenes.frictionless(), BOX, method="slsqp", **limited).optimum
+    best = optimise(scenes.frictionless(), BOX, method=Scipy("COBYQA"), **limited)
     assert best.method == "SciPy COBYQA"
     assert best.converged, str(best)
     for name, value in expected.variables.items():
         assert best.optimum.variables[name] == pytest.approx(value, rel=1e-5)
-    free = optimise(scenes.mechanism(), BOX, minimise="hollow", method=Optax(optax.adam(0.02)))
+    free = optimise(scenes.frictionless(), BOX, minimise="hollow", method=Optax(optax.adam(0.02)))
     assert free.method == "Optax"
     assert free.optimum.variables["lead"] == pytest.approx(7e-3, rel=1e-4)
 
@@ -316,7 +316,7 @@ class _Ends(SearchMethod):
 def test_a_search_of_ones_own_ends_within_the_bounds(hollow):
     """Minimum at (0.3, 0.6) of the box; the end outside is moved to the bound, as the KKT see."""
     method = _Ends(((0.3, -0.4), (0.2, 0.6)), (0.3, 1.7))
-    best = optimise(scenes.mechanism(), BOX, minimise="hollow", method=method)
+    best = optimise(scenes.frictionless(), BOX, minimise="hollow", method=method)
     assert best.method == "_Ends"
     assert best.optimum.variables == pytest.approx({"lead": 7e-3, "contact_angle": 1.3})
     assert best.bounds_active == {"contact_angle": "upper"}
@@ -341,7 +341,7 @@ class _OwnStarts(_Ends):
 def test_a_search_of_ones_own_chooses_its_starts(hollow):
     starts = ((0.3, 0.5), (0.3, 0.6), (0.1, 0.6))
     method = _OwnStarts(starts, (0.0, 0.0))
-    best = optimise(scenes.mechanism(), BOX, minimise="hollow", method=method)
+    best = optimise(scenes.frictionless(), BOX, minimise="hollow", method=method)
     assert len(best.runs) == 3
     # The minimum is at the second.
     assert best.optimum.variables == pytest.approx({"lead": 7e-3, "contact_angle": 0.8}, rel=0.2)
@@ -357,7 +357,7 @@ def test_the_best_design_within_the_bounds_counts_if_the_end_is_no_design(own_qu
         accepts_constraints = True
 
     best = optimise(
-        scenes.mechanism(),
+        scenes.frictionless(),
         {"lead": (8e-3, 14e-3)},
         minimise="hollow_at_seven",
         constraints={"hollow_wall": (None, 12.0)},
@@ -373,7 +373,7 @@ def test_the_search_of_the_page_finds_the_deeper_valley(own_quantities):
         lambda a: (_point(a)[0] - 5) ** 2 * (_point(a)[0] - 12) ** 2 / 50 - 0.3 * _point(a)[0],
     )
     own_quantities("hollow_reach", lambda a: _point(a)[0])
-    start = scenes.mechanism(scenes.stage(geometry=scenes.thread(lead=5.5e-3)))
+    start = scenes.frictionless(geometry=scenes.thread(lead=5.5e-3))
     evolution = extension("differential_evolution").DifferentialEvolution(generations=8)
 
     def found(method, least):

@@ -29,7 +29,7 @@ def bowl(own_quantities):
 
 @pytest.mark.parametrize("method", ["lbfgs", "adam", "slsqp", "trust-constr"])
 def test_minimum_of_a_bowl(bowl, method):
-    best = optimise(scenes.mechanism(), BOX, minimise="bowl", method=method)
+    best = optimise(scenes.frictionless(), BOX, minimise="bowl", method=method)
     assert best.converged, str(best)
     assert best.kkt_residual < 1e-6
     assert best.method == method
@@ -41,8 +41,8 @@ def test_minimum_of_a_bowl(bowl, method):
 
 
 def test_auto_takes_optax_without_constraints_and_slsqp_with(bowl):
-    assert optimise(scenes.mechanism(), BOX, minimise="bowl").method == "lbfgs"
-    limited = optimise(scenes.mechanism(), BOX, None, "bowl", {"sum_of_both": (None, 100.0)})
+    assert optimise(scenes.frictionless(), BOX, minimise="bowl").method == "lbfgs"
+    limited = optimise(scenes.frictionless(), BOX, None, "bowl", {"sum_of_both": (None, 100.0)})
     assert limited.method == "slsqp"
     # The limit is far away: reported, not active, free of charge.
     assert not limited.constraints[0].active
@@ -52,7 +52,7 @@ def test_auto_takes_optax_without_constraints_and_slsqp_with(bowl):
 
 @pytest.mark.parametrize("method", ["lbfgs", "slsqp"])
 def test_minimum_at_a_bound(bowl, method):
-    best = optimise(scenes.mechanism(), BOX, minimise="outer_bowl", method=method)
+    best = optimise(scenes.frictionless(), BOX, minimise="outer_bowl", method=method)
     assert best.converged, str(best)
     assert best.bounds_active == {"lead": "upper"}
     # d/dx (x − 20)² at 14 mm, per metre: what raising the bound gains.
@@ -61,7 +61,7 @@ def test_minimum_at_a_bound(bowl, method):
 
 def test_maximum_is_reported_in_its_own_sense(own_quantities):
     own_quantities("hill", lambda a: 5 - (_point(a)[0] - 9) ** 2)
-    best = optimise(scenes.mechanism(), {"lead": (4e-3, 14e-3)}, maximise="hill")
+    best = optimise(scenes.frictionless(), {"lead": (4e-3, 14e-3)}, maximise="hill")
     assert best.optimum.objective == pytest.approx(5.0, abs=1e-9)
     assert best.start.objective == pytest.approx(4.0)
 
@@ -72,7 +72,11 @@ def test_constrained_bowl_and_its_price(bowl, method, equality):
     """Nearest point of x + 10 y = 10 in the metric of the bowl: λ = 2 d/(1 + 10)."""
     limit = 10.0 if equality else (None, 10.0)
     best = optimise(
-        scenes.mechanism(), BOX, minimise="bowl", constraints={"sum_of_both": limit}, method=method
+        scenes.frictionless(),
+        BOX,
+        minimise="bowl",
+        constraints={"sum_of_both": limit},
+        method=method,
     )
     assert best.converged, str(best)
     # Stationarity 2 (x − 7) = λ, 20 (y − 0.9) = 10 λ gives x − 7 = λ/2, y − 0.9 = λ/2.
@@ -91,7 +95,7 @@ def test_constrained_bowl_and_its_price(bowl, method, equality):
 
 def test_infeasible_is_reported_with_what_is_violated(bowl):
     best = optimise(
-        scenes.mechanism(),
+        scenes.frictionless(),
         BOX,
         minimise="bowl",
         constraints={"sum_of_both": (None, 5.0), "nut_speed": (0.0, None)},
@@ -113,7 +117,7 @@ def test_contradicting_constraints_keep_the_report(own_quantities):
         (Objective("contradiction"),),
         (Constraint("contradiction", lower=12.0), Constraint("contradiction", upper=6.0)),
     )
-    best = optimise(scenes.mechanism(), problem=problem)
+    best = optimise(scenes.frictionless(), problem=problem)
     assert not best.converged
     assert best.violated
 
@@ -138,7 +142,9 @@ def test_a_start_that_fails_does_not_stop_the_others(own_quantities):
     own_quantities(
         "half_missing", lambda a: jnp.where(_point(a)[0] > 11, (_point(a)[0] - 12) ** 2, jnp.nan)
     )
-    best = optimise(scenes.mechanism(), {"lead": (4e-3, 14e-3)}, minimise="half_missing", starts=6)
+    best = optimise(
+        scenes.frictionless(), {"lead": (4e-3, 14e-3)}, minimise="half_missing", starts=6
+    )
     assert best.runs[0].end is None
     assert "start fails" in best.runs[0].message
     assert best.converged
@@ -148,7 +154,7 @@ def test_a_start_that_fails_does_not_stop_the_others(own_quantities):
 
 def test_no_usable_start_is_a_report(own_quantities):
     own_quantities("never", lambda a: _point(a)[0] * jnp.nan)
-    given = scenes.mechanism()
+    given = scenes.frictionless()
     best = optimise(given, {"lead": (4e-3, 14e-3)}, minimise="never", starts=2)
     assert not best.converged
     assert "none of 2 starts" in best.message
@@ -178,7 +184,7 @@ def test_several_starts_find_the_deeper_valley(own_quantities):
         return jnp.cos(jnp.pi * (x - 2) / 3) - 0.05 * x
 
     own_quantities("valleys", valleys)
-    near_first = scenes.mechanism(scenes.stage(geometry=scenes.thread(lead=5e-3)))
+    near_first = scenes.frictionless(geometry=scenes.thread(lead=5e-3))
     box = {"lead": (4e-3, 13e-3)}
     one = optimise(near_first, box, minimise="valleys", starts=1)
     many = optimise(near_first, box, minimise="valleys", starts=6, seed=1)
@@ -192,7 +198,7 @@ def test_weights_form_one_sum(own_quantities):
     own_quantities("towards_six", lambda a: (_point(a)[0] - 6) ** 2)
     own_quantities("away_from_ten", lambda a: -((_point(a)[0] - 10) ** 2))
     best = optimise(
-        scenes.mechanism(),
+        scenes.frictionless(),
         {"lead": (4e-3, 14e-3)},
         {"away_from_ten": 1.0},
         {"towards_six": 3.0},
@@ -221,7 +227,7 @@ def test_optimality_tells_right_from_wrong():
 
 
 def test_result_prints_and_is_plain(bowl):
-    best = optimise(scenes.mechanism(), BOX, None, "bowl", {"sum_of_both": (None, 10.0)})
+    best = optimise(scenes.frictionless(), BOX, None, "bowl", {"sum_of_both": (None, 10.0)})
     text = str(best)
     assert "minimise bowl" in text
     assert "active" in text
@@ -265,7 +271,7 @@ def test_result_prints_and_is_plain(bowl):
 def test_errors_name_the_thing(unchecked, bowl, arguments, words):
     wu = scenes.example("wu2022") if arguments.get("minimise") == "torsional_frequencies" else None
     with pytest.raises(ValueError, match=words):
-        optimise(scenes.mechanism() if wu is None else wu, **arguments)
+        optimise(scenes.frictionless() if wu is None else wu, **arguments)
 
 
 def test_stages_that_differ_have_no_common_start(bowl):

@@ -40,7 +40,7 @@ def valley(own_quantities):
 
 def test_the_best_of_all_combinations(valley):
     best = optimise(
-        scenes.mechanism(),
+        scenes.frictionless(),
         ANGLE,
         minimise="stepped_valley",
         choices={"lead": [5e-3, 8e-3, 10e-3], "roller_count": range(7, 10)},
@@ -75,7 +75,7 @@ def test_the_best_of_a_maximised_objective(valley, own_quantities):
 
     own_quantities("hill", function)
     best = optimise(
-        scenes.mechanism(), ANGLE, maximise="hill", choices={"lead": [5e-3, 10e-3, 8e-3]}
+        scenes.frictionless(), ANGLE, maximise="hill", choices={"lead": [5e-3, 10e-3, 8e-3]}
     )
     assert [one.status for one in best.choices] == ["worse", "best", "worse"]
     assert best.optimum.objective == pytest.approx(15.0, abs=1e-9)
@@ -102,7 +102,7 @@ def test_choices_that_only_go_together(valley):
 def test_an_error_of_the_search_is_no_choice_that_cannot_be_built(valley):
     with pytest.raises(ValueError, match=r"^(?!none of).*tolerance"):
         optimise(
-            scenes.mechanism(),
+            scenes.frictionless(),
             ANGLE,
             minimise="stepped_valley",
             choices={"lead": [5e-3, 8e-3]},
@@ -112,7 +112,7 @@ def test_an_error_of_the_search_is_no_choice_that_cannot_be_built(valley):
 
 def test_what_breaks_a_limit_is_dropped_with_its_reason(valley):
     best = optimise(
-        scenes.mechanism(),
+        scenes.frictionless(),
         ANGLE,
         minimise="stepped_valley",
         constraints={"lead_in_mm": (None, 7.0)},
@@ -127,7 +127,7 @@ def test_what_breaks_a_limit_is_dropped_with_its_reason(valley):
 def test_a_combination_with_an_error_of_check_is_dropped(valley):
     """Twenty rollers overlap: an error of `check` that the angle does not change."""
     best = optimise(
-        scenes.mechanism(), ANGLE, minimise="stepped_valley", choices={"roller_count": [8, 20]}
+        scenes.frictionless(), ANGLE, minimise="stepped_valley", choices={"roller_count": [8, 20]}
     )
     assert [one.status for one in best.choices] == ["best", "infeasible"]
     assert "none of the variables changes the error" in best.choices[1].message
@@ -176,7 +176,7 @@ def test_the_file_has_choices(tmp_path):
 )
 def test_errors_name_the_thing(unchecked, valley, choices, words):
     with pytest.raises(ValueError, match=words):
-        optimise(scenes.mechanism(), ANGLE, minimise="stepped_valley", choices=choices)
+        optimise(scenes.frictionless(), ANGLE, minimise="stepped_valley", choices=choices)
 
 
 @pytest.fixture
@@ -230,7 +230,7 @@ def test_a_front_refuses_open_choices(valley):
         choices=(Choice("lead", (5e-3, 8e-3)),),
     )
     with pytest.raises(ValueError, match="has choices of lead"):
-        pareto(scenes.mechanism(), problem=problem)
+        pareto(scenes.frictionless(), problem=problem)
 
 
 def test_numbers_of_rollers_share_a_program(valley, monkeypatch):
@@ -245,13 +245,13 @@ def test_numbers_of_rollers_share_a_program(valley, monkeypatch):
     monkeypatch.setattr(_outputs, "outputs_at", counted)
     arguments = {"minimise": "stepped_valley", "constraints": {"lead_in_mm": (None, 20.0)}}
     counts = [3, 6, 7, 9, 12]
-    best = optimise(scenes.mechanism(), ANGLE, choices={"roller_count": counts}, **arguments)
+    best = optimise(scenes.frictionless(), ANGLE, choices={"roller_count": counts}, **arguments)
     # Values and derivatives of a traced number once, of three rollers once.
     assert [isinstance(one, int) for one in traced] == [True, True, False, False]
     for count, one in zip(counts, best.choices, strict=True):
         assert one.choices == {"roller_count": count}
         assert one.objective == pytest.approx(1.8**2 + (count - 8) ** 2 / 4, abs=1e-8)
-    alone = optimise(scenes.mechanism(scenes.stage(9)), ANGLE, **arguments)
+    alone = optimise(scenes.frictionless(roller_count=9), ANGLE, **arguments)
     assert best.optimum.variables == pytest.approx(alone.optimum.variables, rel=1e-9)
     assert best.mechanism.stages[0].roller_count == 7
     assert isinstance(best.mechanism.stages[0].roller_count, int)
@@ -266,7 +266,7 @@ def test_a_quantity_that_needs_the_number_itself(own_quantities):
 
     own_quantities("sum_over_rollers", function)
     best = optimise(
-        scenes.mechanism(),
+        scenes.frictionless(),
         ANGLE,
         minimise="sum_over_rollers",
         choices={"roller_count": [9, 11]},

@@ -24,7 +24,7 @@ def power(own_quantities):
 
 def test_the_lead_gives_the_screw_speed_that_is_wanted(power):
     """ω = 2π v/L is 150 rad/s at L = 2π·0.2/150 = 8.38 mm."""
-    best = optimise(scenes.mechanism(), BOX, minimise="screw_speed_bowl", nut_speed=0.2)
+    best = optimise(scenes.frictionless(), BOX, minimise="screw_speed_bowl", nut_speed=0.2)
     assert best.converged, str(best)
     assert best.optimum.variables["lead"] == pytest.approx(2 * np.pi * 0.2 / 150, rel=1e-5)
     assert best.problem.nut_speed == 0.2
@@ -32,7 +32,7 @@ def test_the_lead_gives_the_screw_speed_that_is_wanted(power):
 
 def test_the_nut_has_its_speed_in_every_design_of_a_front(power):
     front = pareto(
-        scenes.mechanism(),
+        scenes.frictionless(),
         {"screw_speed_itself": "minimise", "nut_speed_itself": "maximise"},
         BOX,
         nut_speed=0.2,
@@ -66,4 +66,4 @@ def test_the_file_has_a_nut_speed():
 )
 def test_errors_name_the_thing(power, arguments, words):
     with pytest.raises(ValueError, match=words):
-        optimise(scenes.mechanism(), BOX, minimise="screw_speed_bowl", **arguments)
+        optimise(scenes.frictionless(), BOX, minimise="screw_speed_bowl", **arguments)

@@ -27,7 +27,7 @@ def bowls(own_quantities):
 
 def test_the_mean_by_shares(bowls):
     """The mean of (x − 6)² and three times (x − 9)² is least at 8.25, with 27/16."""
-    best = optimise(scenes.mechanism(), BOX, minimise="speed_bowl", operating_points=CASES)
+    best = optimise(scenes.frictionless(), BOX, minimise="speed_bowl", operating_points=CASES)
     assert best.converged, str(best)
     assert best.optimum.variables["lead"] == pytest.approx(8.25e-3, rel=1e-6)
     assert best.optimum.objective == pytest.approx(27 / 16, rel=1e-9)
@@ -37,7 +37,7 @@ def test_the_mean_by_shares(bowls):
 def test_a_limit_holds_at_every_point(bowls):
     """x F ≤ 50 N m: with 8 kN a lead of 6.25 mm, with 5 kN one of 10 mm."""
     best = optimise(
-        scenes.mechanism(),
+        scenes.frictionless(),
         BOX,
         None,
         "speed_bowl",
@@ -54,7 +54,7 @@ def test_a_limit_holds_at_every_point(bowls):
 
 def test_a_front_of_means(bowls):
     front = pareto(
-        scenes.mechanism(),
+        scenes.frictionless(),
         {"speed_bowl": "minimise", "load_times_lead": "minimise"},
         BOX,
         operating_points=CASES,
@@ -111,4 +111,4 @@ def test_the_file_has_operating_points():
 )
 def test_errors_name_the_thing(unchecked, bowls, arguments, words):
     with pytest.raises(ValueError, match=words):
-        optimise(scenes.mechanism(), BOX, minimise="speed_bowl", **arguments)
+        optimise(scenes.frictionless(), BOX, minimise="speed_bowl", **arguments)

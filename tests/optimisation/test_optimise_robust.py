@@ -59,7 +59,7 @@ def toleranced(**changes):
 def test_the_worst_of_several_points(bowls):
     """The larger of (x − 6)² and (x − 9)² is least half-way, with 9/4; x = 7 never counts."""
     best = optimise(
-        scenes.mechanism(),
+        scenes.frictionless(),
         BOX,
         minimise="robust_bowl",
         operating_points=CASES,
@@ -81,7 +81,7 @@ def test_a_worst_case_beside_a_mean(bowls):
         given = problem_of(
             Objective("robust_bowl", over="worst"), Objective("robust_load", weight=weight / 7)
         )
-        best = optimise(scenes.mechanism(), problem=given, respect_findings=False)
+        best = optimise(scenes.frictionless(), problem=given, respect_findings=False)
         assert best.converged, str(best)
         assert best.optimum.variables["lead"] == pytest.approx(1e-3 * least, rel=1e-6)
 
@@ -89,7 +89,7 @@ def test_a_worst_case_beside_a_mean(bowls):
 def test_the_range_of_a_level_follows_the_search(bowls):
     """(x − 8)⁴ − 4 x is −35 at x = 9 and up to 10⁶ in the box; the same at all points."""
     best = optimise(
-        scenes.mechanism(),
+        scenes.frictionless(),
         {"lead": (4e-3, 40e-3)},
         minimise="robust_fourth",
         operating_points=CASES,
@@ -155,7 +155,9 @@ def test_an_objective_with_its_standard_deviation(bowls):
 
 def test_the_middle_of_a_zone_counts(bowls):
     """A zone from 0 to 0.6 mm has its middle at 0.3 mm."""
-    mechanism = dataclasses.replace(scenes.mechanism(), tolerances=(Tolerance("lead", 0.0, 6e-4),))
+    mechanism = dataclasses.replace(
+        scenes.frictionless(), tolerances=(Tolerance("lead", 0.0, 6e-4),)
+    )
     best = optimise(
         mechanism,
         BOX,
@@ -192,7 +194,7 @@ def test_the_duty_cycle_as_operating_points(bowls):
     """The mean by durations of (x − 6)², (x − 9)² and (x − 7)² is least at (6 + 27 + 7) / 5."""
     speeds, loads, durations = np.array(CASES).T
     cycle = DutyCycle(durations, speeds, loads)
-    mechanism = dataclasses.replace(scenes.mechanism(), duty_cycle=cycle)
+    mechanism = dataclasses.replace(scenes.frictionless(), duty_cycle=cycle)
     best = optimise(
         mechanism,
         BOX,
@@ -209,7 +211,7 @@ def test_a_front_over_a_duty_cycle(bowls):
     speeds, loads, durations = np.array(CASES).T
     cycle = DutyCycle(durations, speeds, loads)
     front = pareto(
-        dataclasses.replace(scenes.mechanism(), duty_cycle=cycle),
+        dataclasses.replace(scenes.frictionless(), duty_cycle=cycle),
         {"robust_bowl": "minimise", "robust_load": "minimise"},
         BOX,
         operating_points="duty_cycle",
@@ -256,7 +258,7 @@ def test_a_front_with_tolerances(bowls):
 
 def test_many_starts_at_once_for_a_worst_case(bowls):
     best = optimise(
-        scenes.mechanism(),
+        scenes.frictionless(),
         problem=problem_of(Objective("robust_bowl", over="worst")),
         method=MultiStart(steps=10, keep=1),
         starts=8,
@@ -321,10 +323,10 @@ def test_the_file_says_the_same():
 )
 def test_errors_name_the_thing(unchecked, bowls, arguments, words):
     with pytest.raises(ValueError, match=words):
-        optimise(scenes.mechanism(), BOX, minimise="robust_bowl", **arguments)
+        optimise(scenes.frictionless(), BOX, minimise="robust_bowl", **arguments)
 
 
 def test_a_front_refuses_a_worst_case(bowls):
     problem = problem_of(Objective("robust_bowl", over="worst"), Objective("robust_load"))
     with pytest.raises(ValueError, match="a front takes means"):
-        pareto(scenes.mechanism(), problem=problem)
+        pareto(scenes.frictionless(), problem=problem)

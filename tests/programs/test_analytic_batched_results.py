@@ -73,12 +73,12 @@ MADE = {
     ),
     "load_distribution": (
         "actuator_load_sharing",
-        prsm.load_distribution,
+        prsm.load_sharing.load_distribution,
         "LoadDistribution SideLoads",
     ),
     "force_deflection": (
         "actuator_load_sharing",
-        lambda m: prsm.force_deflection(m, jnp.asarray([1e3, 9e3])),
+        lambda m: prsm.load_sharing.force_deflection(m, jnp.asarray([1e3, 9e3])),
         "ForceDeflection",
     ),
     "body_forces": ("li2020_two_stage", _torque, "BodyForces"),

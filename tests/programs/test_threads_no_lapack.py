@@ -144,7 +144,7 @@ def test_responses_and_contacts():
         )
     assert not _called(prsm.campbell, mechanism)
     shared = example("actuator_load_sharing")
-    assert not _called(prsm.load_distribution, shared)
+    assert not _called(prsm.load_sharing.load_distribution, shared)
     assert not _called(
         lambda m: prsm.halfspace.flank_contact(m.stages[0], "screw", 100.0, (8, 8)), shared
     )

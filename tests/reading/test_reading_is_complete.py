@@ -2,6 +2,7 @@
 
 import ast
 import importlib
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,9 @@ _REPORT = _HERE.parents[1] / "prsm_jax" / "report"
 
 
 def _read(kind):
-    for path in sorted(_HERE.glob("test_reading_*.py")):
+    for path in sorted(_HERE.rglob("test_reading_*.py")):
+        if str(path.parent) not in sys.path:
+            sys.path.insert(0, str(path.parent))
         importlib.import_module(path.stem)
     return set(READ[kind])
 

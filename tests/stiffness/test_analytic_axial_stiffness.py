@@ -149,14 +149,14 @@ def test_former_names_are_other_names_of_these():
         "axial_stiffness_shared": "nut_axial_stiffness_tangent",
     }
     found = _compute(_mechanism(), tuple(pairs) + tuple(pairs.values()))
-    words = {one.name: one.description for one in prsm.catalogue()}
+    words = {one.name: one.description for one in prsm.quantities.catalogue()}
     for former, name in pairs.items():
         assert float(found[former]) == float(found[name])
         assert name in words[former]
 
 
 def test_names_say_secant_or_tangent_and_descriptions_what_gives_way():
-    words = {one.name: one.description for one in prsm.catalogue() if one.name in NAMES}
+    words = {one.name: one.description for one in prsm.quantities.catalogue() if one.name in NAMES}
     assert set(words) == set(NAMES)
     for name, text in words.items():
         assert ("secant F/x" in text) == name.endswith("secant")

@@ -187,7 +187,7 @@ def _shared(load, cycle=None):
 
 @eqx.filter_jit
 def _distribution(one, load):
-    found = prsm.load_distribution(one, load)
+    found = prsm.load_sharing.load_distribution(one, load)
     return [side.thread_load[0] for side in (found.screw, found.nut)]
 
 

@@ -314,7 +314,7 @@ def test_scaling_of_a_whole_mechanism():
 
     def scaled(names):
         moved = wu
-        for parameter in prsm.all_parameters(wu):
+        for parameter in prsm.mechanism.all_parameters(wu):
             if parameter.path.rsplit(".", 1)[1] in names:
                 moved = parameter.set(moved, 4 * parameter.get(moved))
         return moved

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from prsm_jax.validation import sources, validate
-from prsm_jax.validation._lin_parker1999 import (
+from prsm_jax.validation.lin_parker1999._lin_parker1999 import (
     PLANET,
     ROTATIONAL,
     TRANSLATIONAL,

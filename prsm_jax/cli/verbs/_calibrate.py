@@ -20,14 +20,14 @@ _DEFAULT = Common()
 
 def _friction(mechanism: Mechanism) -> list[str]:
     """Friction coefficients of the file: the parameters of a fit if none are named."""
-    found = [
+    paths = [
         one.path
         for one in all_parameters(mechanism)
         if ".friction." in one.path and one.path.endswith("coefficient") and not one.static
     ]
-    if not found:
+    if not paths:
         raise PrsmError("the file has no friction coefficient; name numbers with --parameters")
-    return found
+    return paths
 
 
 def _bound(mechanism: Mechanism, text: str) -> tuple[str, tuple[float | None, float | None]]:

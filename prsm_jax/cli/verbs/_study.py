@@ -120,7 +120,7 @@ def study(
     folder = Path("out") if common.out is None else common.out
     store = folder / f"{Path(file).stem}-study.zarr"
     with folder_for_results(folder):
-        found = run_study(
+        results = run_study(
             mechanism,
             drivers,
             senses,
@@ -133,14 +133,14 @@ def study(
             progress=_Progress(),
         )
     findings = checked(mechanism)
-    if found.front.points:
+    if results.front.points:
         # Errors are constraints: those of the present design are not those of the front.
         findings = tuple(one for one in findings if one.severity != "error")
     doing("drawing and writing the report")
     faults: list[str] = []
     report = write_study(
         folder,
-        found,
+        results,
         command=f"prsm study {file} --out {folder}",
         attachments={
             "study.json": json.dumps(plain(found.to_dict()), indent=2, ensure_ascii=False) + "\n",
@@ -152,9 +152,9 @@ def study(
         print(f"prsm: warning: the report is not complete: {fault}", file=sys.stderr)
     valid = emit(
         common,
-        {"report": report, "store": store, **found.to_dict()},
-        lambda: found.text(terminal_width()) + f"\n\n{report}\n{store}",
-        found.assumptions,
+        {"report": report, "store": store, **results.to_dict()},
+        lambda: results.text(terminal_width()) + f"\n\n{report}\n{store}",
+        results.assumptions,
         findings,
     )
-    return int(not (valid and found.front.converged) or bool(faults))
+    return int(not (valid and results.front.converged) or bool(faults))

@@ -4,7 +4,6 @@ from ._approximations import (
     APPROXIMATIONS as APPROXIMATIONS,
     lisowski_coefficients as lisowski_coefficients,
 )
-from ._axis_ratio import axis_ratio_of as axis_ratio_of
 from ._hertz import (
     HertzContact as HertzContact,
     HertzMethod as HertzMethod,
@@ -12,3 +11,4 @@ from ._hertz import (
     contact_modulus as contact_modulus,
     hertz_contact as hertz_contact,
 )
+from ._methods import axis_ratio_of as axis_ratio_of

@@ -109,13 +109,7 @@ def _slope_of_d(parameter: Real) -> Real:
 
 
 def contact_ellipse(anisotropy: Real) -> tuple[Real, Real, Real]:
-    """κ, K(1 − κ²) and E(1 − κ²) of the contact ellipse; see `axis_ratio_of`."""
-    axis_ratio, b, d = _ellipse(anisotropy)
-    return axis_ratio, b + d, b + axis_ratio**2 * d
-
-
-def axis_ratio_of(anisotropy: Real) -> Real:
-    """Axis ratio κ = b/a of the contact ellipse, exact Hertz theory.
+    """κ, K(1 − κ²) and E(1 − κ²) of the contact ellipse, exact Hertz theory.
 
     Solves `A/B = (K − E)/(E/κ² − K)`, written as `κ² D/B` so that the circle is an ordinary
     point; the derivative is that of the root, not of the iterations.
@@ -123,7 +117,6 @@ def axis_ratio_of(anisotropy: Real) -> Real:
     **Arguments:**
 
     - `anisotropy`: τ = (B − A)/(A + B) in [0, 1); 0 is a circular contact.
-
-    **Returns:** κ in (0, 1].
     """
-    return contact_ellipse(anisotropy)[0]
+    axis_ratio, b, d = _ellipse(anisotropy)
+    return axis_ratio, b + d, b + axis_ratio**2 * d

@@ -1,25 +1,19 @@
 """Elliptical Hertz contact: pressure, semi-axes, approach and stiffness."""
 
-from collections.abc import Callable
-from typing import Literal, TypeAlias
+from typing import TypeAlias
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 
 from ...fields import Scalar
-from ...mechanism import Material
+from ...mechanism import ContactMethod, Material
 from ...numerics import above_or_nan
 from ...programs import physics
-from ._approximations import APPROXIMATIONS
-from ._axis_ratio import contact_ellipse
+from ._methods import ellipse_by
 
 #: A name, or a function of τ = (B − A)/(A + B) that returns κ = b/a, K and E.
-HertzMethod: TypeAlias = (
-    Literal["exact", "antoine", "power", "hamrock_brewe", "hamrock_brewe_log", "lisowski"]
-    | Callable[[Scalar], tuple[Scalar, Scalar, Scalar]]
-)
-
+HertzMethod: TypeAlias = ContactMethod
 
 #: Cube of a semi-axis below which there is no contact [m³]; `_inverse_cube_root` is valid above
 #: 1e-142.
@@ -107,8 +101,8 @@ def hertz_contact(
     - `total`: A + B [1/m]; results are NaN where it or E* is not above 0 and finite.
     - `difference_squared`: (B − A)² [1/m²].
     - `modulus`: contact modulus E* [Pa].
-    - `method`: `"exact"`, a named approximation for κ, K and E, or a function of your own that
-      takes τ = (B − A)/(A + B) and returns these three.
+    - `method`: `"exact"`, the name of an approximation for κ, K and E, or a function of your own
+      that takes τ = (B − A)/(A + B) and returns these three.
 
     **Raises:** `ValueError` for an unknown method.
     """
@@ -116,17 +110,7 @@ def hertz_contact(
     possible = (total > 0) & (total < jnp.inf) & (modulus > 0) & (modulus < jnp.inf)
     total = jnp.where(possible, total, jnp.nan)
     anisotropy = anisotropy_of(total, difference_squared)
-    if method == "exact":
-        axis_ratio, first, second = contact_ellipse(anisotropy)
-    elif callable(method):
-        axis_ratio, first, second = method(anisotropy)
-    elif method in APPROXIMATIONS:
-        axis_ratio, first, second = APPROXIMATIONS[method](anisotropy)
-    else:
-        raise ValueError(
-            f"Hertz method is {method!r}; choose one of exact, {', '.join(APPROXIMATIONS)}, "
-            "or give a function"
-        )
+    axis_ratio, first, second = ellipse_by(method, anisotropy)
     # Without a load (or in tension, which a contact cannot carry) everything is 0, and so are the
     # derivatives: those with respect to the load are infinite there, and must not become NaN.
     cube = jax.lax.stop_gradient(force * second / (modulus * axis_ratio**2 * total))

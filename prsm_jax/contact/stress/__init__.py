@@ -9,7 +9,6 @@ from ._stress_measures import (
 )
 from ._stress_peak import (
     AxisMeasure as AxisMeasure,
-    StressMeasure as StressMeasure,
     StressPeak as StressPeak,
     stress_peak as stress_peak,
     stress_peak_on_axis as stress_peak_on_axis,

@@ -114,7 +114,7 @@ def contact_resistance(stage: Stage, kinematics: StageKinematics) -> ContactResi
     for name, frame, side in zip(("screw", "nut"), frames, sides, strict=True):
         try:
             threads = engaged_threads(stage)
-            hertz = side_contact(stage, name, frame, force / threads, "exact").hertz
+            hertz = side_contact(stage, name, frame, force / threads).hertz
         except MissingDataError as error:
             needs = "spin, rolling losses, and friction by pressure need the ellipses"
             raise MissingDataError(f"{needs}: {error}") from error

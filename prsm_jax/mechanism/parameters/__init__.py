@@ -8,7 +8,6 @@ from ._follows import (
 )
 from ._parameters import (
     DESIGN_VARIABLES as DESIGN_VARIABLES,
-    DesignVariable as DesignVariable,
     Parameter as Parameter,
     all_parameters as all_parameters,
     check_parameter as check_parameter,
@@ -21,7 +20,6 @@ from ._set_parameters import (
     set_parameters as set_parameters,
 )
 from ._tolerance_zones import (
-    ToleranceZones as ToleranceZones,
     tolerance_zones as tolerance_zones,
 )
 from ._traced_counts import (

@@ -147,7 +147,7 @@ def _walk(
                 if isinstance(element, eqx.Module):
                     inner = _walk(element, (*path, _number_of(element, index)), unit)
                     yield from (entry for entry in inner if not entry[1].static)
-        elif value is None or one.is_list or callable(value):
+        elif value is None or one.is_list or (callable(value) and not one.registered):
             continue
         elif one.unit is not None or one.whole or one.words:
             yield path, one

@@ -35,6 +35,6 @@ def stages_of_count(mechanism: Mechanism, name: str) -> tuple[int, ...]:
     Empty for other whole numbers, and where rollers differ: each of them has its own equations.
     """
     paths = {f"stage.{i + 1}.roller_count": i for i in range(len(mechanism.stages))}
-    found = [paths.get(parameter.path) for parameter in find_parameters(mechanism, name)]
-    known = tuple(i for i in found if i is not None and not mechanism.stages[i].unequal_roller)
-    return known if len(known) == len(found) else ()
+    stages = [paths.get(parameter.path) for parameter in find_parameters(mechanism, name)]
+    known = tuple(i for i in stages if i is not None and not mechanism.stages[i].unequal_roller)
+    return known if len(known) == len(stages) else ()

@@ -31,9 +31,7 @@ from ._design_problem import (
 )
 from ._line_contact import LineContact as LineContact
 from ._load_sharing import (
-    GAP_LISTS as GAP_LISTS,
     LoadSharing as LoadSharing,
-    Mounting as Mounting,
     SplitNut as SplitNut,
     ThreadTooth as ThreadTooth,
 )

@@ -13,7 +13,6 @@ from ...fields import (
     OptionalNumber,
     OptionalNumbers,
     choice,
-    declared,
     number,
     optional_number,
     optional_numbers,
@@ -159,7 +158,3 @@ class LoadSharing(Limited):
     def has_reverse_flanks(self) -> bool:
         """Whether the flanks that carry a negative load are modelled."""
         return self.backlash is not None or self.split_nut is not None
-
-
-#: The lists of one number per thread.
-GAP_LISTS = tuple(one.name for one in declared(LoadSharing) if one.is_list)

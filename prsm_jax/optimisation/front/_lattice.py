@@ -30,7 +30,7 @@ def reference(index: tuple[int, ...], count: int) -> np.ndarray:
 
 def neighbours(index: tuple[int, ...], count: int) -> list[tuple[int, ...]]:
     """The reference points next to one, within the projection of the unit cube onto the plane."""
-    found = []
+    weights = []
     for up in range(len(index)):
         for down in range(len(index)):
             if up != down:
@@ -38,5 +38,5 @@ def neighbours(index: tuple[int, ...], count: int) -> list[tuple[int, ...]]:
                 step[up] += 1
                 step[down] -= 1
                 if max(step) - min(step) <= count:
-                    found.append(tuple(step))
-    return found
+                    weights.append(tuple(step))
+    return weights

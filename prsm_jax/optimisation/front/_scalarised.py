@@ -146,7 +146,7 @@ class _Search:
         )
         active = max(self.tolerance, 1e-9)
         if self.target is None:
-            found = optimality(
+            judged = optimality(
                 position,
                 self.weights @ slopes,
                 rows,
@@ -155,8 +155,8 @@ class _Search:
                 self.upper,
                 active_tolerance=active,
             )
-            return found.residual, self.weights
-        found, multipliers = worst_case_optimality(
+            return judged.residual, self.weights
+        judged, multipliers = worst_case_optimality(
             position,
             self.weights @ slopes,
             rows,
@@ -166,7 +166,7 @@ class _Search:
             [(objectives - self.target, slopes)],
             active_tolerance=active,
         )
-        return found.residual, self.weights - multipliers
+        return judged.residual, self.weights - multipliers
 
     def look(self, joint: np.ndarray) -> None:
         """Check an iterate, and end the search if the iterate meets the tolerance."""

@@ -60,10 +60,12 @@ class FrontSearch:
         self._scale_from(good[0])
         count = len(goals.matrix)
         self._expected = 3 * count * len(good)
-        found = [self._alone(objective, good) for objective in range(count)]
+        ends_of_each = [self._alone(objective, good) for objective in range(count)]
         differ = np.zeros(count, dtype=bool)
-        feasible = [one.point.position for ends in found for one in ends if self.feasible(one)]
-        for place, ends in enumerate(found):
+        feasible = [
+            one.point.position for ends in ends_of_each for one in ends if self.feasible(one)
+        ]
+        for place, ends in enumerate(ends_of_each):
             # If all searches ended at violated limits: again from designs that satisfy the limits.
             if not any(map(self.feasible, ends)):
                 ends += self._alone(place, feasible)
@@ -73,24 +75,24 @@ class FrontSearch:
                 min(
                     filter(self.feasible, ends), key=lambda one: one.objectives[place], default=None
                 )
-                for place, ends in enumerate(found)
+                for place, ends in enumerate(ends_of_each)
             ]
             raw = np.array([goals.raw(one.point) for one in best if one is not None])
             if len(raw) < count:
-                self.ends = [end for ends in found for end in ends]
+                self.ends = [end for ends in ends_of_each for end in ends]
                 self.message = self._infeasible(self.ends)
                 return
             ideal, nadir = raw.min(axis=0), raw.max(axis=0)
             differ = nadir - ideal > SAME * np.maximum(np.abs(ideal), np.abs(nadir))
             goals.offset, goals.scale = ideal, np.where(differ, nadir - ideal, goals.scale)
-            found = [
+            ends_of_each = [
                 self._alone(place, [one.point.position for one in filter(self.feasible, ends)])
-                for place, ends in enumerate(found)
+                for place, ends in enumerate(ends_of_each)
             ]
-        self.ends = [end for ends in found for end in ends]
+        self.ends = [end for ends in ends_of_each for end in ends]
         missed = [
             name
-            for name, ends in zip(self._names, found, strict=True)
+            for name, ends in zip(self._names, ends_of_each, strict=True)
             if not any(map(self.converged, ends))
         ]
         if missed:
@@ -144,11 +146,11 @@ class FrontSearch:
         weights = np.full(len(self.goals.matrix), AUGMENTATION)
         weights[objective] = 1.0
         weights /= weights.sum()
-        found = []
+        solutions = []
         for position in positions:
-            found.append(solve(self.goals, position, weights, None, _ALONE * self.tolerance))
+            solutions.append(solve(self.goals, position, weights, None, _ALONE * self.tolerance))
             self._tell()
-        return [one for one in found if one is not None]
+        return [one for one in solutions if one is not None]
 
     def _tell(self) -> None:
         self._finished += 1

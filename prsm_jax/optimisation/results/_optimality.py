@@ -138,7 +138,7 @@ def worst_case_optimality(
         blocks.append(np.concatenate([slopes, columns], axis=1))
         above.append(functions - np.max(functions))
     more = sum(map(len, above))
-    found = optimality(
+    judged = optimality(
         # A level inside of the box has no bounds.
         np.append(position, np.full(levels, 0.5)),
         np.append(gradient, np.ones(levels)),
@@ -149,13 +149,13 @@ def worst_case_optimality(
         active_tolerance=active_tolerance,
     )
     design = replace(
-        found,
-        multipliers=found.multipliers[:rows],
-        active=found.active[:rows],
-        bound_multipliers=found.bound_multipliers[:variables],
-        active_bounds=found.active_bounds[:variables],
+        judged,
+        multipliers=judged.multipliers[:rows],
+        active=judged.active[:rows],
+        bound_multipliers=judged.bound_multipliers[:variables],
+        active_bounds=judged.active_bounds[:variables],
     )
-    return design, found.multipliers[rows:]
+    return design, judged.multipliers[rows:]
 
 
 def _non_negative_least_squares(

@@ -102,8 +102,8 @@ def planes_of(study: DriverStudy) -> tuple[Plane, ...]:
 
 def handles_of(panels: Any) -> list[Any]:
     """Entries of a legend, each once, of several panels."""
-    found: dict[str, Any] = {}
+    by_label: dict[str, Any] = {}
     for axes in panels:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-            found.setdefault(label, handle)
-    return list(found.values())
+            by_label.setdefault(label, handle)
+    return list(by_label.values())

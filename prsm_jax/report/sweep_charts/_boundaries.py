@@ -110,13 +110,13 @@ def _between(
 
 def crossings(x: np.ndarray, excess: np.ndarray) -> list[tuple[float, bool]]:
     """Where a quantity is at its limit along an axis, and whether designs above it are outside."""
-    found: list[tuple[float, bool]] = []
+    places: list[tuple[float, bool]] = []
     for left, right in itertools.pairwise(range(len(x))):
         first, second = excess[left], excess[right]
         if np.isfinite(first) and np.isfinite(second) and (first > 0) != (second > 0):
             share = first / (first - second)
-            found.append((float(x[left] + share * (x[right] - x[left])), bool(second > 0)))
-    return found
+            places.append((float(x[left] + share * (x[right] - x[left])), bool(second > 0)))
+    return places
 
 
 def outside_ranges(x: np.ndarray, excesses: Sequence[np.ndarray]) -> list[tuple[float, float]]:
@@ -174,14 +174,14 @@ def draw_levels(
     """
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     span = high - low or abs(high)
-    found: list[bool] = []
+    shown_of_each: list[bool] = []
     for index, limit in enumerate(limits):
         shown = limit.quantity == quantity and low - span <= limit.limit <= high + span
-        found.append(shown)
+        shown_of_each.append(shown)
         if shown:
             line = axes.axhline(unit(limit.limit), zorder=1.5, **style_of(index))
             line.set_path_effects(_edges(limit, _LEFT if limit.sign == "≤" else _RIGHT))
-    return found
+    return shown_of_each
 
 
 def limit_entries(

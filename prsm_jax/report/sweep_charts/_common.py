@@ -65,19 +65,19 @@ def mark_best(
 
 def sweep_legend(figure: Figure, more: Iterable[Any] = (), most: int = 4) -> None:
     """A legend of all panels, each entry once, and `more` entries after them."""
-    found: dict[str, Any] = {}
+    by_label: dict[str, Any] = {}
     for axes in figure.axes:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-            found.setdefault(label, handle)
-    legend_below(figure, [*found.values(), *more], most=most, fontsize=SMALL)
+            by_label.setdefault(label, handle)
+    legend_below(figure, [*by_label.values(), *more], most=most, fontsize=SMALL)
 
 
 def place_in_words(part: Any, names: Sequence[str], places: Iterable[int]) -> str:
     """Values of fixed axes in words: "load 9.000 kN, roller count 10"."""
     words = []
     for name, place in zip(names, places, strict=False):
-        found = part[name].values[place]
+        coordinate = part[name].values[place]
         whole = np.issubdtype(part[name].dtype, np.integer)
-        value = str(found) if whole else in_unit(float(found), unit_of(part[name]))
+        value = str(coordinate) if whole else in_unit(float(coordinate), unit_of(part[name]))
         words.append(f"{readable(name.rpartition('.')[2])} {value}")
     return ", ".join(words)

@@ -51,14 +51,14 @@ def constraints_in(dataset: Any, constraints: Constraints) -> tuple[Constraint, 
 
     **Raises:** `ValueError` for limits that make no sense, or a quantity that the data lack.
     """
-    found = () if constraints is None else constraints_of(constraints)
-    for one in found:
+    checked = () if constraints is None else constraints_of(constraints)
+    for one in checked:
         if one.quantity not in dataset:
             raise ValueError(
                 f"the sweep has no {one.quantity!r}, which has a limit; add it to the quantities "
                 "of the sweep, or leave it out of the constraints"
             )
-    return found
+    return checked
 
 
 def limits_of(
@@ -72,7 +72,7 @@ def limits_of(
     - `constraints`: of quantities that it has.
     - `designs`: dimensions of the designs.
     """
-    found: list[QuantityLimit] = []
+    limits: list[QuantityLimit] = []
     for one in constraints:
         data = dataset[one.quantity]
         own = [d for d in data.dims if d not in designs]
@@ -81,14 +81,14 @@ def limits_of(
             parts = data.stack(component=own) if own else data.expand_dims("component")
             for index in range(parts.sizes["component"]):
                 part = parts.isel(component=index, drop=True)
-                found.append(_limit(data, "=", one.equal, part - one.equal))
+                limits.append(_limit(data, "=", one.equal, part - one.equal))
         if one.upper is not None:
             worst = data.max(own, skipna=False)
-            found.append(_limit(data, "≤", one.upper, worst - one.upper))
+            limits.append(_limit(data, "≤", one.upper, worst - one.upper))
         if one.lower is not None:
             worst = data.min(own, skipna=False)
-            found.append(_limit(data, "≥", one.lower, one.lower - worst))
-    return tuple(found)
+            limits.append(_limit(data, "≥", one.lower, one.lower - worst))
+    return tuple(limits)
 
 
 def _limit(data: Any, sign: str, limit: float, excess: Any) -> QuantityLimit:

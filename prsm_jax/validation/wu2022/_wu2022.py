@@ -7,12 +7,12 @@ import numpy as np
 
 from ...mechanism import body_inertia
 from ...stiffness import gear_mesh_stiffness
-from .._cylinders import sleeve_radius, solid_length
 from .._difference import differs, fault, inconsistent, not_comparable, unexplained
 from .._examples import example, given
 from .._registry import rows_of
 from .._row import Row, misprint, number
 from .._thread_contacts import LOADS, pairs_of_threads
+from ._cylinders import sleeve_radius, solid_length
 
 #: Axial force on one thread at which contact stiffnesses are quoted [N].
 _THREAD_LOAD = LOADS[-1]

@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from .._cylinders import DENSITY, cantilever_length, sleeve_radius, solid_length, torsional
 from .._difference import differs, not_comparable
 from .._examples import example, given
 from .._registry import rows_of
 from .._row import Row
+from ._cylinders import DENSITY, cantilever_length, sleeve_radius, solid_length, torsional
 
 #: Table 4, for the roller, whose bending stiffness the paper's model never uses [N/m].
 _ROLLER_BENDING = 2.199e5

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 import prsm_jax as prsm
 from benchmarks.method_options import taken
-from benchmarks.references.dynamics import Chain
+from benchmarks.references.transients.dynamics import Chain
 from prsm_jax import Scenario
 from prsm_jax.dynamics import all_kinematics, carrier_inertia, choose_method, states_at
 from prsm_jax.dynamics.forces._reduced_chain import reduced_chain, reduced_rates

@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
 import prsm_jax as prsm
-from benchmarks.references.torque_runs import TorqueChain
+from benchmarks.references.transients.torque_runs import TorqueChain
 from prsm_jax.dynamics.torque_drive._driven_carriers import Carriers, leaving, slip_geometry
 from prsm_jax.dynamics.torque_drive._torque_balance import torque_problem
 from prsm_jax.friction import CoulombFriction, Friction, ThrustBearingFriction

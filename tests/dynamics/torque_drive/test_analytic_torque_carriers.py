@@ -1,7 +1,7 @@
 """Prescribed torque with carriers as states, against SciPy on equations written apart.
 
-The reference (`benchmarks.references.torque_runs`) integrates Cartesian speeds by Radau, with
-events of its own.
+The reference (`benchmarks.references.transients.torque_runs`) integrates Cartesian speeds by Radau,
+with events of its own.
 """
 
 import dataclasses
@@ -14,7 +14,7 @@ import pytest
 from scenes import array, mechanism, stage, thread
 
 import prsm_jax as prsm
-from benchmarks.references.torque_runs import TorqueChain
+from benchmarks.references.transients.torque_runs import TorqueChain
 from prsm_jax.dynamics import carrier_inertia
 from prsm_jax.dynamics.histories._transient_result import Phase
 from prsm_jax.dynamics.solvers import MethodName

@@ -1,7 +1,7 @@
 """Prescribed torque with carriers as states, in ellipses that spin: against SciPy.
 
-The reference (`benchmarks.references.torque_spin`) puts slip and spin, integrated over the ellipse
-itself, into the equations of `benchmarks.references.torque_runs`; only Hertz's ellipse is the
+The reference (`benchmarks.references.transients.torque_spin`) puts slip and spin, integrated over
+the ellipse itself, into the equations of `torque_runs` beside it; only Hertz's ellipse is the
 package's.
 """
 
@@ -13,7 +13,7 @@ import pytest
 from scenes import Swing, array, mechanism, stage, thread
 
 import prsm_jax as prsm
-from benchmarks.references.torque_spin import SpinningChain
+from benchmarks.references.transients.torque_spin import SpinningChain
 from prsm_jax.friction import CoulombFriction, Friction, SpinFriction
 
 LOAD, DURATION, SAMPLES = 300.0, 0.5, 41

@@ -7,9 +7,9 @@ import mpmath
 
 from prsm_jax.mechanism import Stage
 
-from ..references.contact import gaps
-from ..references.geometry_chain import cylinder, gear_stiffness
-from ..references.hertz import exact_hertz
+from ...references.contact import gaps
+from ...references.geometry_chain import cylinder, gear_stiffness
+from ...references.hertz import exact_hertz
 from .chain import Contact, NoReference, Number, need
 
 

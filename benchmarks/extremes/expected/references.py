@@ -14,8 +14,8 @@ import numpy as np
 from mpmath import mpf
 from mpmath.libmp import NoConvergence
 
-from ..references.hertz import exact_hertz
-from ..references.meshing import Design, mesh_point
+from ...references.hertz import exact_hertz
+from ...references.meshing import Design, mesh_point
 from .chain import Chain, NoReference, Number
 from .stage import StageNumbers, modes_of
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from .cells import KINDS, STATUSES, Table
+from ..cells import KINDS, STATUSES, Table
 
 #: Worst first: the colour of a pair is that of the worst of its three cells.
 _RANK = ("crash", "hang", "not_finite", "wrong_value", "wrong_gradient", "accepted")

@@ -13,7 +13,7 @@ import mpmath
 from prsm_jax.friction import CoulombFriction, SplineFriction, ThrustBearingFriction
 from prsm_jax.mechanism import Mechanism, Stage, body_inertia, body_mass
 
-from .meshing import DIGITS, Design, frame_of, mesh_point
+from ..meshing import DIGITS, Design, frame_of, mesh_point
 
 
 @dataclass(frozen=True)

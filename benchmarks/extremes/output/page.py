@@ -4,10 +4,10 @@
 
 from pathlib import Path
 
-from ..harness import row_of, write_text
-from .cells import KINDS, STATUSES, Table, is_bad, total
+from ...harness import row_of, write_text
+from ..cells import KINDS, STATUSES, Table, is_bad, total
+from ..structures import STRUCTURES, structure
 from .picture import GROUPS, write_pictures
-from .structures import STRUCTURES, structure
 
 _HEAD = """\
 # The matrix of extremes

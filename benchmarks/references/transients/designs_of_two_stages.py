@@ -119,7 +119,7 @@ def _row(mechanism: Mechanism, kinematics, speed, force, frequency, width):
 
 
 def numbers_of(mechanism: Mechanism, designs: Designs, kinematics, frequency, width) -> np.ndarray:
-    """What `references.compiled` wants of all designs: the same right-hand side as the package."""
+    """What `compiled` wants of all designs: the same right-hand side as the package."""
 
     def row(factors, geometry, speed, force):
         return _row(design(mechanism, factors), geometry, speed, force, frequency, width)

@@ -15,8 +15,8 @@ from prsm_jax.dynamics.friction._contact_losses import with_resistance
 from prsm_jax.dynamics.steady._steady import all_kinematics
 from prsm_jax.mechanism import Mechanism
 
+from ..slip_and_spin import slip_and_spin
 from .dynamics import StageNumbers
-from .slip_and_spin import slip_and_spin
 from .torque_runs import TorqueChain
 
 

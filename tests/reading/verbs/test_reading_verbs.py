@@ -320,7 +320,7 @@ def test_quantities(run):
     found, printed = run("quantities")
     known = [
         {"name": q.name, "symbol": q.symbol, "unit": q.unit, "description": q.description}
-        for q in prsm_jax.catalogue()
+        for q in prsm_jax.quantities.catalogue()
     ]
     assert_json(found, {"quantities": known})
     for one in known:

@@ -3,7 +3,7 @@
 """Steady turning and carrier rates of a chain of stages, for mpmath's numbers and for floats.
 
 Coulomb friction in threads, splines and thrust bearings, constant drag; a load on the last nut
-against its motion at positive speed (Li et al. 2020 and 2021, as `references.dynamics`).
+against its motion at positive speed (Li et al. 2020 and 2021, as `references.transients.dynamics`).
 """
 
 from typing import Any
@@ -13,7 +13,7 @@ import mpmath
 from prsm_jax.friction import CoulombFriction, SplineFriction, ThrustBearingFriction
 from prsm_jax.mechanism import Mechanism
 
-from ..references.meshing import Design, frame_of, mesh_point
+from ...references.meshing import Design, frame_of, mesh_point
 
 #: mpf or float.
 Number = Any

@@ -8,16 +8,16 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 
-from ..vibration import (
+from ...vibration import (
     CarrierBody,
     CentralBody,
     RollerTranslation,
     VibrationSystem,
     symmetric_modes,
 )
-from ._difference import differs
-from ._registry import rows_of
-from ._row import Row, number
+from .._difference import differs
+from .._registry import rows_of
+from .._row import Row, number
 
 _CITATION = (
     "J. Lin, R. G. Parker, Analytical characterization of the unique properties of planetary gear "

@@ -1,0 +1,1 @@
+"""Expected values of the matrix, apart from the package."""

@@ -1,0 +1,1 @@
+"""Transients apart from the package: settling, prescribed torque, and programs for rivals."""

@@ -1,0 +1,1 @@
+"""Lin and Parker 1999: natural frequencies of planetary gears."""
