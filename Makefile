@@ -8,6 +8,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 DEMO_STAMP := $(VENV)/.installed-demo
 TEST_STAMP := $(VENV)/.installed-test
+DOCS_STAMP := $(VENV)/.installed-docs
 WORKERS ?= 2
 
 .PHONY: help demo test slow versions lint bench guard docs notebooks clean
@@ -40,6 +41,11 @@ $(TEST_STAMP): pyproject.toml constraints.txt | $(BIN)/python
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test,lint]'
 	@touch $@ $(DEMO_STAMP)
 
+$(DOCS_STAMP): pyproject.toml constraints.txt | $(BIN)/python
+	@echo "installing prsm_jax with the tools of its documentation"
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[all,docs]'
+	@touch $@ $(DEMO_STAMP)
+
 demo: $(DEMO_STAMP)
 	@$(BIN)/prsm demo --out out/demo
 
@@ -70,9 +76,9 @@ guard: $(TEST_STAMP)
 	$(BIN)/python -m benchmarks --quick --compare hertz meshing --out out/guard
 	$(BIN)/python -m benchmarks joint --quick --example wu2022
 
-docs: | $(BIN)/python
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[all,docs]'
-	$(BIN)/sphinx-build -W -b html docs out/docs
+# All warnings are shown; each is an error.
+docs: $(DOCS_STAMP)
+	$(BIN)/sphinx-build -W --keep-going -b html docs out/docs
 
 notebooks: $(TEST_STAMP)
 	$(BIN)/python notebooks/build.py

@@ -35,6 +35,8 @@ from prsm_jax.validation import (
 from prsm_jax.validation._row import half_unit
 from prsm_jax.validation.wu2022._wu2022_frequencies import stable_frequencies
 from prsm_jax.validation.wu2022._wu2022_matrix import published_matrices, published_modes
+from tests.docs.printed import differences
+from tests.docs.validation_page import PAGE, page
 from tests.present import present
 
 #: Rows whose reason can be put in, and how near the printed number then comes (see the notes).
@@ -143,6 +145,12 @@ def test_wider_tolerances_are_few_and_explained(rows):
         "Table 2: largest depth of contact",
         "Table 2: deviation of the model from finite elements, largest pressure",
     }
+
+
+def test_the_page_of_published_numbers_is_that_of_the_rows(rows):
+    """Written by `python -m tests.docs.validation_page`."""
+    wrong = differences(PAGE.read_text(encoding="utf-8"), page(rows))
+    assert not wrong, wrong
 
 
 def test_only_the_known_claims_are_not_reproduced(rows):
