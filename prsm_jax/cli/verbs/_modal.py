@@ -16,6 +16,7 @@ from .._assumed import VIBRATION
 from .._common import Common, checked, emit, value_of
 from .._progress import doing, expect_programs
 from .._tables import table
+from ._spatial import Spatial, spatial_pictures, spatial_results, spatial_text
 
 _DEFAULT = Common()
 _modes = eqx.filter_jit(run_modal)
@@ -132,10 +133,19 @@ def modal(
         str | None, Parameter(name="--to", allow_leading_hyphen=True, help="Last value.")
     ] = None,
     points: Annotated[int, Parameter(help="Number of values, both ends included.")] = 201,
+    spatial: Annotated[
+        bool,
+        Parameter(
+            negative="",
+            help="Vibration in space: bodies also move along the axis, motor and load with them.",
+        ),
+    ] = False,
     common: Common = _DEFAULT,
 ) -> int:
     """Natural frequencies and families of one stage; pictures of the modes with --out."""
     mechanism = common.load(file)
+    if spatial:
+        return _spatial(file, mechanism, stage, shapes, against, common)
     if against is None and (first is not None or last is not None):
         raise PrsmError("--from and --to: give the name of their number with --against")
     values = None if against is None else _values(mechanism, against, first, last, points)
@@ -172,6 +182,37 @@ def modal(
         return lines
 
     valid = emit(common, results, text, assumptions(mechanism, VIBRATION), checked(mechanism))
+    return int(not valid)
+
+
+def _spatial(
+    file: str,
+    mechanism: Mechanism,
+    stage: int,
+    shapes: bool,
+    against: str | None,
+    common: Common,
+) -> int:
+    if against is not None:
+        raise PrsmError(
+            f"--against {against}: not with --spatial; use prsm sweep with --quantities "
+            "first_axial_frequency,antiresonance_frequency"
+        )
+    expect_programs("spatial_modal")
+    found = Spatial(mechanism, stage)
+    results = spatial_results(found, shapes)
+    written: tuple[Path, ...] = ()
+    if common.out is not None:
+        doing("drawing")
+        written = spatial_pictures(common.out, found)
+        results["pictures"] = written
+
+    def text() -> str:
+        lines = spatial_text(found, file)
+        return lines + (f"{len(written)} pictures in {common.out}\n" if written else "")
+
+    assumed = assumptions(mechanism, ("first_axial_frequency",))
+    valid = emit(common, results, text, assumed, checked(mechanism))
     return int(not valid)
 
 
