@@ -129,7 +129,7 @@ def test_shapes_in_a_longitudinal_section(modes):
             signed = length * np.sign(y_data(line)[1] - y_data(line)[0])
             assert signed == pytest.approx(-factor.value * truth * travel * turn, rel=1e-9)
             chart.take(line)
-        shares = list(_strain(modes, at).items())[:5]
+        shares = [pair for pair in _strain(modes, at).items() if pair[1] >= 0.005][:5]
         assert chart.ticks(bars) == [words for words, _ in shares]
         for bar, (_, share) in zip(bars.patches, shares, strict=True):
             assert box_of(bar).get_width() / 100 == pytest.approx(share, rel=1e-12)
@@ -171,7 +171,7 @@ def test_numbers_against_the_position_of_the_nut():
     for axes in (upper, lower):
         chart.level(axes, 0.21, "m", "x")
     assert handles(chart.figure) == [
-        *("first axial", "first torsional", "motor held"),
+        *("first axial", "first torsional", "first, motor held"),
         *("motor held", "on the controller's gain"),
     ]
     chart.finish()
@@ -180,13 +180,15 @@ def test_numbers_against_the_position_of_the_nut():
 
 
 def _compliance() -> AxisCompliance:
-    hertz = jnp.geomspace(2.0, 2e3, 60)
+    hertz = np.geomspace(2.0, 2e3, 60)
     values = [
-        made.odds(60, scale=scale) * jnp.exp(1j * made.odds(60)) for scale in (2e-8, 3e-8, 0.02)
+        np.asarray(made.odds(60, scale=scale)) * np.exp(1j * np.asarray(made.odds(60)))
+        for scale in (2e-8, 3e-8, 0.02)
     ]
-    pole = jnp.zeros(60, bool).at[7].set(True)
-    values = [jnp.where(pole, jnp.inf + 0j, value) for value in values]
-    return AxisCompliance(hertz, *values, pole)
+    pole = np.arange(60) == 7
+    for value in values:
+        value[pole] = np.inf
+    return AxisCompliance(jnp.asarray(hertz), *map(jnp.asarray, values), jnp.asarray(pole))
 
 
 @reads("chart", "axis_compliance_chart")

@@ -31,9 +31,10 @@ ENERGY = 1e-3
 #: Largest displacement drawn, as a share of the drawing's length.
 _LARGEST = 0.06
 #: Widths and heights on the page [mm].
-_LEFT, _SECTION, _GAP, _BARS = 3.0, 112.0, 33.0, 26.0
-_HEADING, _OVER, _PANEL, _FOOT = 8.0, 6.5, 25.0, 14.0
-_SPRINGS_SHOWN = 5
+_LEFT, _SECTION, _GAP, _BARS = 3.0, 110.0, 32.0, 33.0
+_HEADING, _OVER, _PANEL, _FOOT = 8.0, 6.5, 25.0, 19.0
+#: Springs beside each mode, and the smallest share of one; the arrow's length that has a head [mm].
+_SPRINGS_SHOWN, _LEAST, _HEAD = 5, 0.005, 2.5
 _COLOURS = {**BODY_COLOURS, "motor": "#d7d3e6", "load": "#e3d8cf", "tube": "#e9ecef"}
 #: Names of springs for a reader; those of several springs are added.
 SPRING_WORDS = {
@@ -228,7 +229,7 @@ def _draw(
                 (0, size),
                 color=FAMILY_COLOURS["torsional"],
                 lw=1.8,
-                marker="^" if size > 0 else "v",
+                marker="" if abs(size) < _HEAD * tall else "^" if size > 0 else "v",
                 markevery=[1],
                 ms=4,
                 label=f"turn of {part.turned}",
@@ -237,7 +238,7 @@ def _draw(
     axes.set_yticks([])
     for side in ("left", "right", "top", "bottom"):
         axes.spines[side].set_visible(False)
-    axes.tick_params(axis="x", length=2, labelbottom=last)
+    axes.tick_params(axis="x", length=2 if last else 0, labelbottom=last)
     if last:
         axes.set_xlabel("along the axis in mm", fontsize=SMALL)
     words = f"{mode.number}  {mode.family}  {show(mode.frequency, 'Hz')}"
@@ -280,14 +281,14 @@ def _strains(mode: SpatialMode) -> dict[str, float]:
 
 
 def _bars(axes: Axes, shares: dict[str, float]) -> None:
-    shown = list(shares.items())[:_SPRINGS_SHOWN]
+    shown = [pair for pair in shares.items() if pair[1] >= _LEAST][:_SPRINGS_SHOWN]
     for row, (_, share) in enumerate(shown):
         axes.barh(row, 100 * share, height=0.62, color="#9db8cf", edgecolor="none")
         axes.text(100 * share + 2, row, f"{100 * share:.1f} %", va="center", fontsize=SMALL)
     axes.set_yticks(range(len(shown)), [words for words, _ in shown])
     axes.tick_params(axis="y", length=0)
     axes.set_ylim(_SPRINGS_SHOWN - 0.4, -0.6)
-    axes.set_xlim(0, 100)
+    axes.set_xlim(0, 135)
     axes.set_xticks([])
     axes.spines["bottom"].set_visible(False)
 

@@ -16,8 +16,7 @@ _MILLIMETRES = DisplayUnit("mm", 1e3)
 NUT_POSITION_QUANTITIES = {
     "first_axial_frequency": "first axial",
     "first_torsional_frequency": "first torsional",
-    "first_transverse_frequency": "first transverse",
-    "antiresonance_frequency": "motor held",
+    "antiresonance_frequency": "first, motor held",
     "held_motor_stiffness": "motor held",
     "servo_stiffness": "on the controller's gain",
 }
@@ -36,8 +35,8 @@ def nut_position_chart(
     **Arguments:**
 
     - `distance`: of the nut from the thrust bearing [m].
-    - `values`: quantities of the catalogue by name, one number for each distance: first axial,
-      torsional and transverse frequency, anti-resonance, stiffness with the motor held and on its
+    - `values`: quantities of the catalogue by name, one number for each distance: first axial and
+      torsional frequency, anti-resonance, stiffness with the motor held and on its
       gain [Hz, N/m]. What is not there or not finite is left out.
     - `given`: distance in the file, drawn as a line [m].
 
@@ -79,9 +78,10 @@ def nut_position_chart(
         every[0].annotate(
             "as given",
             (_MILLIMETRES(float(given)), 1),
-            (2, 2),
+            (3, -3),
             xycoords=("data", "axes fraction"),
             textcoords="offset points",
+            va="top",
             fontsize=SMALL,
             color=MUTED,
         )
