@@ -84,4 +84,5 @@ from .vibration_charts import (
     frequency_loci_chart as frequency_loci_chart,
     nut_position_chart as nut_position_chart,
     response_chart as response_chart,
+    save_axis_pictures as save_axis_pictures,
 )

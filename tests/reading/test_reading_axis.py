@@ -6,12 +6,13 @@ import pytest
 import reading_scenes as made
 import scenes
 from expectations import reads
+from present import present
 from reading_artists import box_of, vertices_of, x_data, y_data
 from reading_figures import Chart, handles
 from reading_tables import assert_json, without_words
 from reading_units import numbers
 
-from prsm_jax.cli.verbs import _modal, _spatial
+from prsm_jax.cli.verbs import _modal
 from prsm_jax.report import axis_compliance_chart, axis_mode_shapes, nut_position_chart
 from prsm_jax.response import AxisCompliance
 from prsm_jax.vibration import Coordinate, ModeGroup, SpatialModes, Spring, SpringNetwork
@@ -83,8 +84,8 @@ def test_shapes_in_a_longitudinal_section(modes):
     names = [str(one) for one in modes.network.coordinates]
     thread = mechanism.stages[0].thread
     travel = float(thread.lead) / (2 * np.pi)
-    radii = dict.fromkeys(("screw", "screw_end", "motor"), float(thread.screw_radius))
-    radii["nut"] = float(thread.nut_radius)
+    radius = float(thread.screw_radius)
+    radii = {"screw": radius, "screw_end": radius, "motor": radius, "nut": float(thread.nut_radius)}
     frequencies = np.asarray(modes.groups[0].frequencies)
     panels = iter(chart.axes)
     # Bodies whose displacement moves the ends of each part.
@@ -107,7 +108,7 @@ def test_shapes_in_a_longitudinal_section(modes):
         expected = {name: list(ends) for name, ends in moved.items()}
         for now, rest in pairs:
             assert rest.get_label() == "rest"
-            ends = expected[now.get_label()].pop(0)
+            ends = expected[str(now.get_label())].pop(0)
             shift = vertices_of(now.get_path()) - vertices_of(rest.get_path())
             for column, body in zip((0, 1), ends, strict=True):
                 size = shapes[names.index(f"{body} z"), at] if body else 0.0
@@ -143,7 +144,7 @@ def test_shapes_in_a_longitudinal_section(modes):
     ends = [
         vertices_of(p.get_path())[1, 0] for p in chart.axes[0].patches if p.get_label() == "rest"
     ]
-    assert pytest.approx(1e3 * float(mechanism.stages[0].screw.length)) in ends
+    assert pytest.approx(1e3 * float(present(mechanism.stages[0].screw.length))) in ends
     assert chart.axes[-2].get_xlabel() == "along the axis in mm"
     assert "turn, as travel θL/2π" in handles(chart.figure)
     chart.text("turn, as travel")
@@ -188,7 +189,8 @@ def _compliance() -> AxisCompliance:
     pole = np.arange(60) == 7
     for value in values:
         value[pole] = np.inf
-    return AxisCompliance(jnp.asarray(hertz), *map(jnp.asarray, values), jnp.asarray(pole))
+    nut, load, motor = map(jnp.asarray, values)
+    return AxisCompliance(jnp.asarray(hertz), nut, load, motor, jnp.asarray(pole))
 
 
 @reads("chart", "axis_compliance_chart")
@@ -223,9 +225,9 @@ def test_compliance_at_nut_load_and_motor(modes):
 def test_the_verb_modal_in_space(run, monkeypatch, modes):
     values = {
         name: float(made.odd(1e7 if unit == "N/m" else 100.0))
-        for name, (_, unit) in _spatial.AXIS_QUANTITIES.items()
+        for name, (_, unit) in _modal.AXIS_QUANTITIES.items()
     }
-    found = object.__new__(_spatial.Spatial)
+    found = object.__new__(_modal.Spatial)
     found.mechanism, found.stage, found.modes = scenes.example("actuator_axis"), 1, modes
     found.elastic, found.held, found.axis = modes.elastic_modes(), modes, values
     monkeypatch.setattr(_modal, "Spatial", lambda *_: found)
@@ -244,7 +246,7 @@ def test_the_verb_modal_in_space(run, monkeypatch, modes):
     ]
     families = ["torsional", "axial", "torsional"]
     keys = {"Hz": "hz", "N/m": "n_per_m"}
-    units = {name: unit for name, (_, unit) in _spatial.AXIS_QUANTITIES.items()}
+    units = {name: unit for name, (_, unit) in _modal.AXIS_QUANTITIES.items()}
     assert_json(
         without_words(results),
         {
@@ -276,7 +278,7 @@ def test_the_verb_modal_in_space(run, monkeypatch, modes):
     ]
     printed.row("Natural frequencies in space: actuator_axis, stage 1")
     printed.table(("family", "f Hz", "times"), rows)
-    for name, (words, unit) in _spatial.AXIS_QUANTITIES.items():
+    for name, (words, unit) in _modal.AXIS_QUANTITIES.items():
         printed.line(words, values[name], unit)
     springs = [
         (f"{at + 1} {families[at]}", (frequencies[at], "Hz"), name.replace("_", " "), (share, "1"))

@@ -287,7 +287,7 @@ def test_static_stiffness_is_that_of_the_load_sharing_where_shafts_are_rigid():
     distribution = eqx.filter_jit(stage_load_distribution)(stage, jnp.asarray(7e3))
     side = distribution.screw.roller_tangent_stiffness, distribution.nut.roller_tangent_stiffness
     threads = ThreadStiffness(*side)
-    expected = float(distribution.tangent_stiffness)
+    expected = number(distribution.tangent_stiffness)
     assert number(axial_stiffness(stage, threads)) == pytest.approx(expected, rel=1e-9)
     stiff = Support(radial_stiffness=1e18, axial_stiffness=1e18, torsional_stiffness=1e18)
     pins = Support(radial_stiffness=1e18)

@@ -9,22 +9,44 @@ from cyclopts import Parameter
 
 from ..._errors import PrsmError
 from ...mechanism import Mechanism, find_parameters
-from ...quantities import assumptions
-from ...vibration import FAMILIES, FrequencyLoci, Modes, frequency_loci, modal as run_modal
+from ...quantities import assumptions, available_quantities, compute
+from ...vibration import (
+    FAMILIES,
+    FrequencyLoci,
+    GroupedModes,
+    Modes,
+    SpatialModes,
+    frequency_loci,
+    modal as run_modal,
+    spatial_modal as run_spatial_modal,
+)
 from .._app import app
 from .._assumed import VIBRATION
 from .._common import Common, checked, emit, value_of
 from .._progress import doing, expect_programs
-from .._tables import table
-from ._spatial import Spatial, spatial_pictures, spatial_results, spatial_text
+from .._tables import in_units, table
 
 _DEFAULT = Common()
 _modes = eqx.filter_jit(run_modal)
+_spatial_modes = eqx.filter_jit(run_spatial_modal)
 #: If the largest value is at least this many times the smallest, values are spaced in equal ratios.
 _WIDE = 50.0
+#: Quantities of the axis: labels of the table, and names of the JSON without their unit.
+AXIS_QUANTITIES = {
+    "first_axial_frequency": ("first axial frequency", "Hz"),
+    "first_torsional_frequency": ("first torsional frequency", "Hz"),
+    "first_transverse_frequency": ("first transverse frequency", "Hz"),
+    "antiresonance_frequency": ("anti-resonance, motor held", "Hz"),
+    "position_loop_frequency": ("position loop", "Hz"),
+    "servo_stiffness": ("servo stiffness at the load", "N/m"),
+    "held_motor_stiffness": ("stiffness with the motor held", "N/m"),
+}
+_KEYS = {"Hz": "hz", "N/m": "n_per_m"}
+#: Modes, and springs of each, in the table of energies; smaller shares are left out.
+_MODES, _SPRINGS, _LEAST = 5, 4, 0.01
 
 
-def modal_results(modes: Modes, stage: int = 1) -> dict[str, Any]:
+def modal_results(modes: GroupedModes, stage: int = 1) -> dict[str, Any]:
     """Natural frequencies by the names of the JSON."""
     return {
         "stage": stage,
@@ -34,7 +56,7 @@ def modal_results(modes: Modes, stage: int = 1) -> dict[str, Any]:
     }
 
 
-def shape_results(modes: Modes) -> dict[str, Any]:
+def shape_results(modes: GroupedModes) -> dict[str, Any]:
     """Mode shapes and energies by the names of the JSON, in the order of the frequencies."""
     return {
         "coordinates": [str(coordinate) for coordinate in modes.coordinates],
@@ -204,7 +226,9 @@ def _spatial(
     written: tuple[Path, ...] = ()
     if common.out is not None:
         doing("drawing")
-        written = spatial_pictures(common.out, found)
+        from ...report import save_axis_pictures
+
+        written = save_axis_pictures(common.out, mechanism, found.modes, found.held)
         results["pictures"] = written
 
     def text() -> str:
@@ -224,3 +248,72 @@ def _loci_table(loci: FrequencyLoci, first: str | None, last: str | None) -> str
     ]
     columns = ["family", f"f Hz at {first}", f"f Hz at {last}"]
     return table(f"against {loci.parameter}", columns, rows)
+
+
+class Spatial:
+    """Modes in space of a mechanism, and numbers of its axis."""
+
+    def __init__(self, mechanism: Mechanism, stage: int):
+        self.mechanism, self.stage = mechanism, stage
+        self.modes: SpatialModes = _spatial_modes(mechanism, stage=stage, shapes=True)
+        self.elastic = self.modes.elastic_modes()
+        self.held: SpatialModes | None = None
+        axis = mechanism.axis
+        if axis is not None and axis.motor is not None:
+            self.held = _spatial_modes(mechanism, stage=stage, shapes=True, motor_held=True)
+        self.axis: dict[str, float] = {}
+        if axis is not None:
+            names = available_quantities(mechanism, tuple(AXIS_QUANTITIES))
+            values = eqx.filter_jit(lambda m: compute(m, names))(mechanism)
+            self.axis = {name: float(values[name]) for name in names}
+
+
+def spatial_results(found: Spatial, shapes: bool) -> dict[str, Any]:
+    """Modes in space by the names of the JSON."""
+    modes = found.modes
+    results: dict[str, Any] = modal_results(modes, found.stage) | {
+        "spatial": True,
+        # The elastic axial–torsional modes, ascending.
+        "axial_torsional": [
+            {
+                "number": mode.number,
+                "family": mode.family,
+                "frequency_hz": mode.frequency,
+                "kinetic_energy_shares": mode.kinetic,
+                "strain_energy_shares": mode.strain,
+            }
+            for mode in found.elastic
+        ],
+    }
+    if found.held is not None:
+        held = [mode.frequency for mode in found.held.elastic_modes()]
+        results["antiresonances_hz"] = held
+    if found.axis:
+        results["axis"] = {
+            f"{name}_{_KEYS[AXIS_QUANTITIES[name][1]]}": value for name, value in found.axis.items()
+        }
+    return results | shape_results(modes) if shapes else results
+
+
+def spatial_text(found: Spatial, file: str) -> str:
+    """Tables of frequencies, of the axis, and of the energies that say what to stiffen."""
+    modes = found.modes
+    values = modes.frequencies.tolist()
+    rows = [
+        (modes.families[at], 0.0 if modes.families[at] == "rigid" else values[at], times)
+        for at, times in ((at, modes.multiplicities[at]) for at in modes.distinct)
+    ]
+    title = f"Natural frequencies in space: {file}, stage {found.stage}"
+    lines = table(title, ["family", "f Hz", "times"], rows)
+    if found.axis:
+        listed = [(*AXIS_QUANTITIES[n], v) for n, v in found.axis.items()]
+        converted = in_units((words, value, unit) for words, unit, value in listed)
+        lines += "\n" + table("Axis", ["", "value", "unit"], converted)
+    shares = [
+        (f"{mode.number} {mode.family}", mode.frequency, name.replace("_", " "), 100 * share)
+        for mode in found.elastic[:_MODES]
+        for name, share in list(mode.strain.items())[:_SPRINGS]
+        if share >= _LEAST
+    ]
+    title = "Strain energy of axial–torsional modes: which springs to stiffen"
+    return lines + "\n" + table(title, ["mode", "f Hz", "spring", "share %"], shares)

@@ -152,11 +152,11 @@ def _parts_of(mechanism: Mechanism) -> list[_Part]:
     parts = [
         _Part("screw", (0.0, middle), (0.0, screw), (near, "screw"), near, 0.1 * middle),
         _Part("screw", (middle, length), (0.0, screw), ("screw", "screw"), "screw", middle),
-        _Part("roller", (middle - roller / 2, middle + roller / 2), between, ("roller",) * 2),
+        _Part("roller", (middle - roller / 2, middle + roller / 2), between, ("roller", "roller")),
         _Part("nut", ends, (nut, outer), ("nut", "nut"), "nut", ends[0] + 0.85 * nut_length),
     ]
     if shaft is None:
-        whole = _Part("screw", (0.0, length), (0.0, screw), ("screw",) * 2, "screw", middle)
+        whole = _Part("screw", (0.0, length), (0.0, screw), ("screw", "screw"), "screw", middle)
         parts = [whole, *parts[2:]]
     if axis is None:
         return parts
