@@ -20,7 +20,7 @@ def test_the_position_loop_is_compared_with_the_first_anti_resonance():
     mechanism = example("actuator_axis")
     loop, held = (float(one) for one in prsm.compute(mechanism, names).values())
     gain = float(prsm.get_parameter(mechanism, _GAIN))
-    # What the motor moves, with the numbers of the file: rotor, screw; nut, rollers, carriers, load.
+    # What the motor moves, by the file: rotor, screw; nut, rollers, carriers, load.
     screw = np.pi * 7850 * 0.5 * 0.012**2
     nut = np.pi * 7850 * 0.08 * (0.03**2 - 0.02**2) + 10 * np.pi * 7850 * 0.05 * 0.004**2
     nut += 2 * np.pi * 7850 * 0.004 * (0.019**2 - 0.013**2)
