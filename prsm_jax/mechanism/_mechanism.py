@@ -244,13 +244,13 @@ def check_axis(mechanism: Mechanism) -> None:
     axis = mechanism.axis
     if axis is None:
         return
-    if len(mechanism.stages) > 1:
+    stage, *others = mechanism.stages
+    if others:
         raise ValueError(
             f"axis: the mechanism has {len(mechanism.stages)} stages, and an axis is modelled "
             "around one; remove the axis, or all stages but one"
         )
-    screw = mechanism.stages[0].screw
-    support = screw.support
+    screw, support = stage.screw, stage.screw.support
     if axis.motor is not None and support is not None and support.torsional_stiffness is not None:
         raise ValueError(
             "axis.motor turns the screw, which stage.screw.support.torsional_stiffness holds "
