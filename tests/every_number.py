@@ -14,6 +14,16 @@ from scenes import example
 import prsm_jax as prsm
 from prsm_jax.quantities import compute_coded
 
+#: Of the axis around a mechanism; the example that has one shares all else with the actuator.
+OF_AN_AXIS = (
+    "first_axial_frequency",
+    "first_torsional_frequency",
+    "first_transverse_frequency",
+    "antiresonance_frequency",
+    "position_loop_frequency",
+    "servo_stiffness",
+    "held_motor_stiffness",
+)
 #: Mechanisms in a batch.
 _BATCH = 64
 

@@ -61,6 +61,7 @@ from ._renamed import old_name as old_name, renamed_arguments as renamed_argumen
 from ._within import (
     Contradiction as Contradiction,
     Limited as Limited,
+    check_distances as check_distances,
     check_fields as check_fields,
     check_number as check_number,
     check_stage as check_stage,

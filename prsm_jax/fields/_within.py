@@ -208,3 +208,27 @@ def check_stage(stage: Any) -> None:
             meaning = f"{body}_major_radius"
             major = _scalar(getattr(line, meaning))
             _below(line, "line_contact", f"{body}_minor_radius", major, meaning)
+
+
+def check_distances(axis: Any, screw: Any) -> None:
+    """Check that the bearings and the nut of an axis lie on its screw, the nut between bearings.
+
+    **Arguments:**
+
+    - `axis`: an `Axis`; numbers that are traced or NaN are left out.
+    - `screw`: its `Screw`.
+
+    **Raises:** `Contradiction` at the first distance that does not fit.
+    """
+    shaft = axis.shaft
+    if shaft is None:
+        return
+    end, meaning = _scalar(screw.length), "the screw's length"
+    if shaft.far_bearing is not None:
+        far = _scalar(shaft.far_bearing.distance)
+        if far is not None and end is not None and not far <= end:
+            message = f"must be at most the screw's length, {_mm(end)}"
+            raise Contradiction(("axis", "shaft", "far_bearing", "distance"), far, message)
+        if far is not None:
+            end, meaning = far, "the far bearing's distance"
+    _below(shaft, "axis.shaft", "nut_distance", end, meaning)

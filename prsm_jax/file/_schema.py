@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..fields import declared
-from ..mechanism import DutyCycle, Mechanism, OperatingPoint, Stage
+from ..mechanism import Axis, DutyCycle, Mechanism, OperatingPoint, Stage
 from ..scenario import Scenario, TorqueScenario
 from .numbers import Misplaced, Place, TableChoice, read_number
 from .tables import (
@@ -58,6 +58,7 @@ def _scenario(data: Any, place: Place) -> Any:
 _KEYS = {
     "title": Key(plain(read_text)),
     "operating_point": Key(lambda v, at: read_module(TableChoice(OperatingPoint), v, at)),
+    "axis": Key(lambda v, at: read_module(TableChoice(Axis), v, at)),
     "stage": Key(_stages, "stages, as [[stage]]"),
     "duty_cycle": Key(_duty_cycle),
     "optimise": Key(read_optimise),

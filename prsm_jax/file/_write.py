@@ -232,6 +232,8 @@ def _lines(mechanism: Mechanism, quantity_units: Mapping[str, str]) -> Iterator[
     for stage in mechanism.stages:
         yield from ("", "[[stage]]")
         yield from _module(stage, "stage")
+    if mechanism.axis is not None:
+        yield from ("", "[axis]", *_module(mechanism.axis, "axis"))
     if mechanism.duty_cycle is not None:
         yield from _duty_cycle(mechanism.duty_cycle)
     if mechanism.scenario is not None:

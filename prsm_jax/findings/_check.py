@@ -7,13 +7,13 @@ from ..geometry import Finding
 from ..mechanism import Mechanism, of_one_known_design
 from ..programs import one_program_where_possible
 from ..quantities import Analysis
-from . import _fit, _locking, _preferred, _stiffness, _strength, _truncation
+from . import _axis, _fit, _locking, _preferred, _stiffness, _strength, _truncation
 from ._margin import Source, evaluate_margins, findings_of, margins_of, sources
 from ._masses import ExpectedMasses, expected_masses, mass_findings_from
 from ._sharing import sharing_findings
 
 #: Modules that declare margins when they are imported.
-DECLARED_IN = (_fit, _preferred, _stiffness, _locking, _strength, _truncation)
+DECLARED_IN = (_fit, _preferred, _stiffness, _locking, _strength, _truncation, _axis)
 
 
 class CheckNumbers(NamedTuple):

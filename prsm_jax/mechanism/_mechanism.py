@@ -14,6 +14,7 @@ from ..fields import (
     Numbers,
     OptionalNumber,
     as_count,
+    check_distances,
     check_stage,
     choice,
     number,
@@ -26,6 +27,7 @@ from ..friction import Friction, FrictionLaw
 from ..scenario import Scenario, TorqueScenario
 from ._contact_methods import ContactMethod, contact_methods
 from .parts import (
+    Axis,
     Carrier,
     Damping,
     DesignProblem,
@@ -226,6 +228,8 @@ class Mechanism(Limited):
         without="no tolerance analysis: scatter, yield and contributions are not defined",
     )
 
+    axis: Axis | None = part("vibration in space is that of the stages alone: no motor, no load")
+
     def __check_init__(self) -> None:
         if not self.stages:
             raise ValueError("stages is empty; a mechanism needs at least one stage")
@@ -235,6 +239,31 @@ class Mechanism(Limited):
                 "stage 1 has friction.spline, but the first screw does not move axially; "
                 "remove it, or give it to the stage whose screw slides in a spline"
             )
+        check_axis(self)
+
+
+def check_axis(mechanism: Mechanism) -> None:
+    """Check that an axis fits its mechanism.
+
+    **Raises:** `ValueError` for an axis around several stages, a motor beside a torsional support
+    of the screw, and known distances that the screw does not have.
+    """
+    axis = mechanism.axis
+    if axis is None:
+        return
+    stage, *others = mechanism.stages
+    if others:
+        raise ValueError(
+            f"axis: the mechanism has {len(mechanism.stages)} stages, and an axis is modelled "
+            "around one; remove the axis, or all stages but one"
+        )
+    screw, support = stage.screw, stage.screw.support
+    if axis.motor is not None and support is not None and support.torsional_stiffness is not None:
+        raise ValueError(
+            "axis.motor turns the screw, which stage.screw.support.torsional_stiffness holds "
+            "against turning; remove one of them (axis.motor.controller holds the motor)"
+        )
+    check_distances(axis, screw)
 
 
 # Set after the class is created: inside it, this would be taken as the default.

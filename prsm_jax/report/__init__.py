@@ -76,8 +76,13 @@ from .study_charts import (
 )
 from .sweep_charts import sweep_figure as sweep_figure, sweep_map as sweep_map
 from .vibration_charts import (
+    NUT_POSITION_QUANTITIES as NUT_POSITION_QUANTITIES,
+    axis_compliance_chart as axis_compliance_chart,
+    axis_mode_shapes as axis_mode_shapes,
     campbell_chart as campbell_chart,
     frequency_chart as frequency_chart,
     frequency_loci_chart as frequency_loci_chart,
+    nut_position_chart as nut_position_chart,
     response_chart as response_chart,
+    save_axis_pictures as save_axis_pictures,
 )

@@ -36,6 +36,7 @@ HATCHES = ("", "////", "....", "\\\\\\\\", "xxxx", "----", "oooo", "++++")
 FAMILY_COLOURS = {
     "rigid": _GREY,
     "carrier": _PURPLE,
+    "axial": _VERMILION,
     "torsional": _BLUE,
     "transverse": _ORANGE,
     "roller": _GREEN,

@@ -1,5 +1,9 @@
 """Forced vibration of one stage: frequency responses, excitation by the contacts, Campbell."""
 
+from ._axis_compliance import (
+    AxisCompliance as AxisCompliance,
+    axis_compliance as axis_compliance,
+)
 from ._campbell import Campbell as Campbell, Crossing as Crossing, campbell as campbell
 from ._dissipation import (
     Dissipation as Dissipation,

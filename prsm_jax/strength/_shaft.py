@@ -6,7 +6,14 @@ import jax.numpy as jnp
 
 from .._errors import MissingDataError
 from ..fields import Scalar
-from ..mechanism import EndConditions, ScrewShaft, Stage, material_of
+from ..mechanism import (
+    EndConditions,
+    ScrewShaft,
+    Stage,
+    material_of,
+    screw_root_radius,
+    screw_section,
+)
 from ..programs import physics
 from ._contacts import strength_of
 
@@ -48,18 +55,8 @@ def root_radius(stage: Stage) -> Scalar:
 
     **Raises:** `MissingDataError` if neither is known.
     """
-    shaft = shaft_of(stage)
-    if shaft.root_radius is not None:
-        return shaft.root_radius
-    sharing = stage.load_sharing
-    if sharing is not None and sharing.tooth is not None:
-        return stage.thread.screw_radius - sharing.tooth.screw_dedendum
-    if stage.thread.roller_addendum is None:
-        raise MissingDataError(
-            "the root radius of the screw is not known; give stage.strength.shaft.root_radius, or "
-            "stage.thread.roller_addendum to derive it"
-        )
-    return stage.thread.screw_radius - stage.thread.roller_addendum
+    shaft_of(stage)
+    return screw_root_radius(stage)
 
 
 def unsupported_length(stage: Stage) -> Scalar:
@@ -89,9 +86,9 @@ def loaded_length(stage: Stage) -> Scalar:
 
 def _section(stage: Stage) -> tuple[Scalar, Scalar]:
     """Area [m²] and square of the radius of gyration [m²] of the root's section."""
-    root, bore = root_radius(stage), stage.screw.bore_radius
-    inner = jnp.zeros_like(root) if bore is None else bore
-    return jnp.pi * (root**2 - inner**2), (root**2 + inner**2) / 4
+    shaft_of(stage)
+    section = screw_section(stage)
+    return section.area, section.gyration_squared
 
 
 def shaft_axial_stiffness(stage: Stage) -> Scalar:

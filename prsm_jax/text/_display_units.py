@@ -39,6 +39,8 @@ _SHOWN: dict[str, tuple[DisplayUnit, ...]] = {
     "N": (DisplayUnit("N", 1.0), DisplayUnit("kN", 1e-3)),
     "N/m": (DisplayUnit("N/µm", 1e-6),),
     "N·m": (DisplayUnit("N·m", 1.0),),
+    "N·m/rad": (DisplayUnit("N·m/rad", 1.0),),
+    "N·m·s/rad": (DisplayUnit("N·m·s/rad", 1.0),),
     "N·s/m": (DisplayUnit("N·s/m", 1.0),),
     "Pa": (DisplayUnit("MPa", 1e-6),),
     "kg": (DisplayUnit("g", 1e3), DisplayUnit("kg", 1.0)),

@@ -59,13 +59,22 @@ from .model import (
     vibration_system as vibration_system,
 )
 from .spatial import (
+    AxisBody as AxisBody,
+    AxisSpring as AxisSpring,
+    AxisSystem as AxisSystem,
     RollerSpring as RollerSpring,
     SpatialBody as SpatialBody,
+    SpatialMode as SpatialMode,
     SpatialModes as SpatialModes,
     SpatialSystem as SpatialSystem,
+    axial_torsional_modes as axial_torsional_modes,
+    axis_system as axis_system,
     spatial_harmonic_network as spatial_harmonic_network,
     spatial_modal as spatial_modal,
     spatial_modes as spatial_modes,
     spatial_network as spatial_network,
     spatial_system as spatial_system,
+    spatial_transverse_modes as spatial_transverse_modes,
+    stage_spatial_system as stage_spatial_system,
+    static_compliance as static_compliance,
 )

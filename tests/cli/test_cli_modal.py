@@ -79,6 +79,8 @@ def test_a_range_prints_a_table(prsm):
         (["--against", "lead", "--from", "8 mm", "--to", "9 mm", "--points", "2"], "--points 2"),
         (["--against", "roller_count", "--from", "2.5", "--to", "4"], "--from 2.5"),
         (["--stage", "2"], "stage is 2"),
+        (["--spatial", "--stage", "2"], "stage is 2"),
+        (["--spatial", "--against", "lead"], "not with --spatial"),
     ],
 )
 def test_what_a_user_can_mend_is_one_line(prsm, tmp_path, words, expected):
@@ -87,3 +89,20 @@ def test_what_a_user_can_mend_is_one_line(prsm, tmp_path, words, expected):
     assert len(err.strip().splitlines()) == 1
     assert expected in err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_in_space_with_pictures_of_the_axis(prsm_json, tmp_path):
+    results = prsm_json("modal", "actuator_axis", "--spatial", "--out", tmp_path / "axis")
+    names = {
+        f"axis-{name}.{suffix}"
+        for name in ("mode-shapes", "compliance", "against-nut-position")
+        for suffix in ("png", "svg")
+    }
+    assert {path.name for path in (tmp_path / "axis").iterdir()} == names
+    assert {path.rsplit("/", 1)[1] for path in results["pictures"]} == names
+    axis, modes = results["axis"], results["axial_torsional"]
+    axial = next(mode for mode in modes if mode["family"] == "axial")
+    assert axial["frequency_hz"] == pytest.approx(axis["first_axial_frequency_hz"], rel=1e-12)
+    assert next(iter(axial["strain_energy_shares"])) == "screw_shaft_axial"
+    held = results["antiresonances_hz"][0]
+    assert held == pytest.approx(axis["antiresonance_frequency_hz"], rel=1e-12)

@@ -84,6 +84,7 @@ GIVEN = {
         r"J\. Appl\. Mech\. 16 \(1949\) 259–268",
         r"\(1985\), section 7\.2",
         r"J\. Vib\. Acoust\.\s121 \(1999\) 316–321",
+        r"AIAA J\. 6 \(1968\) 2426–2429",
     ),
     "docs/response.md": (r"80 teeth on 10 rollers",),
     "docs/dynamics.md": (r"\(17 to 28\)", r"pass 0\.01 rad/s"),

@@ -10,6 +10,7 @@ from tests.present import present
 
 NAMES = (
     "actuator",
+    "actuator_axis",
     "actuator_load_sharing",
     "actuator_mission",
     "actuator_tolerances",

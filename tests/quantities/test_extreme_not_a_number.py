@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 import scenes
-from every_number import quantities_of
+from every_number import OF_AN_AXIS, quantities_of
 from scenes import example
 
 import prsm_jax as prsm
@@ -40,7 +40,7 @@ EXAMPLES = [
         "ring_roller",
         "wu2022",
     )
-]
+] + [("actuator_axis", OF_AN_AXIS)]
 
 
 def _with_each(values, changed):

@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from every_number import extrapolated, quantities_of
+from every_number import OF_AN_AXIS, extrapolated, quantities_of
 
 import prsm_jax as prsm
 from prsm_jax.contact import stress_peak, stress_peak_on_axis
@@ -31,6 +31,7 @@ EXAMPLES = [
             "actuator_load_sharing",
         )
     ),
+    ("actuator_axis", OF_AN_AXIS),
 ]
 #: Relative; the differences know their own error, and what they are derivatives of is computed to
 #: about 1e-12, so that their smallest steps leave this much.

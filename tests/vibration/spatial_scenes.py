@@ -10,7 +10,15 @@ from present import present
 from scenes import example
 
 from prsm_jax import vibration
-from prsm_jax.mechanism import Support
+from prsm_jax.mechanism import (
+    Axis,
+    AxisLoad,
+    AxisShaft,
+    FarBearing,
+    Motor,
+    PositionController,
+    Support,
+)
 from prsm_jax.stiffness import ThreadStiffness
 
 #: Axial stiffness of one roller at the screw and at the nut [N/m].
@@ -42,6 +50,49 @@ def held_stage(roller_count=7):
 @functools.cache
 def held_system(roller_count=7):
     return system_of(held_stage(roller_count), THREADS)
+
+
+#: An axis with every part.
+AXIS = Axis(
+    motor=Motor(
+        inertia=3e-3,
+        shaft_stiffness=1.2e5,
+        coupling_stiffness=4e4,
+        controller=PositionController(proportional_gain=60.0, derivative_gain=0.7),
+    ),
+    shaft=AxisShaft(nut_distance=0.23, far_bearing=FarBearing(0.37, 2e8)),
+    load=AxisLoad(mass=150.0, tube_stiffness=4.5e8),
+)
+
+
+def axis_stage(roller_count=7):
+    """The held stage with an elastic screw that a motor may turn, and a nut that a load moves."""
+    stage = held_stage(roller_count)
+
+    def without(body, name):
+        support = dataclasses.replace(present(body.support), **{name: None})
+        return dataclasses.replace(body, support=support)
+
+    screw = without(stage.screw, "torsional_stiffness")
+    return dataclasses.replace(
+        stage,
+        screw=dataclasses.replace(screw, length=0.4, bore_radius=3e-3),
+        nut=without(stage.nut, "axial_stiffness"),
+        carrier=without(present(stage.carrier), "axial_stiffness"),
+    )
+
+
+def rolling_stage():
+    """The same with rollers that only the threads hold: no pins, teeth, or support of carriers."""
+    stage = axis_stage()
+    return dataclasses.replace(
+        stage,
+        roller=dataclasses.replace(stage.roller, support=None),
+        carrier=dataclasses.replace(present(stage.carrier), support=None),
+        ring_gear=dataclasses.replace(present(stage.ring_gear), support=None),
+        gear=None,
+        stiffness=dataclasses.replace(present(stage.stiffness), ring_roller=None),
+    )
 
 
 def free_stage(stage):

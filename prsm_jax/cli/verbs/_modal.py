@@ -8,22 +8,42 @@ from cyclopts import Parameter
 
 from ..._errors import PrsmError
 from ...mechanism import Mechanism, find_parameters
-from ...programs import one_program_where_possible
-from ...quantities import assumptions
-from ...vibration import FAMILIES, FrequencyLoci, Modes, frequency_loci, modal as run_modal
+from ...quantities import assumptions, available_quantities, compute
+from ...vibration import (
+    FAMILIES,
+    FrequencyLoci,
+    GroupedModes,
+    Modes,
+    SpatialModes,
+    frequency_loci,
+    modal as run_modal,
+    spatial_modal as run_spatial_modal,
+)
 from .._app import app
 from .._assumed import VIBRATION
 from .._common import Common, checked, emit, value_of
 from .._progress import doing, expect_programs
-from .._tables import table
+from .._tables import in_units, table
 
 _DEFAULT = Common()
-_modes = one_program_where_possible(run_modal)
 #: If the largest value is at least this many times the smallest, values are spaced in equal ratios.
 _WIDE = 50.0
+#: Quantities of the axis: labels of the table, and names of the JSON without their unit.
+AXIS_QUANTITIES = {
+    "first_axial_frequency": ("first axial frequency", "Hz"),
+    "first_torsional_frequency": ("first torsional frequency", "Hz"),
+    "first_transverse_frequency": ("first transverse frequency", "Hz"),
+    "antiresonance_frequency": ("anti-resonance, motor held", "Hz"),
+    "position_loop_frequency": ("position loop", "Hz"),
+    "servo_stiffness": ("servo stiffness at the load", "N/m"),
+    "held_motor_stiffness": ("stiffness with the motor held", "N/m"),
+}
+_KEYS = {"Hz": "hz", "N/m": "n_per_m"}
+#: Modes, and springs of each, in the table of energies; smaller shares are left out.
+_MODES, _SPRINGS, _LEAST = 5, 4, 0.01
 
 
-def modal_results(modes: Modes, stage: int = 1) -> dict[str, Any]:
+def modal_results(modes: GroupedModes, stage: int = 1) -> dict[str, Any]:
     """Natural frequencies by the names of the JSON."""
     return {
         "stage": stage,
@@ -33,7 +53,7 @@ def modal_results(modes: Modes, stage: int = 1) -> dict[str, Any]:
     }
 
 
-def shape_results(modes: Modes) -> dict[str, Any]:
+def shape_results(modes: GroupedModes) -> dict[str, Any]:
     """Mode shapes and energies by the names of the JSON, in the order of the frequencies."""
     return {
         "coordinates": [str(coordinate) for coordinate in modes.coordinates],
@@ -132,15 +152,24 @@ def modal(
         str | None, Parameter(name="--to", allow_leading_hyphen=True, help="Last value.")
     ] = None,
     points: Annotated[int, Parameter(help="Number of values, both ends included.")] = 201,
+    spatial: Annotated[
+        bool,
+        Parameter(
+            negative="",
+            help="Vibration in space: bodies also move along the axis, motor and load with them.",
+        ),
+    ] = False,
     common: Common = _DEFAULT,
 ) -> int:
     """Natural frequencies and families of one stage; pictures of the modes with --out."""
     mechanism = common.load(file)
+    if spatial:
+        return _spatial(file, mechanism, stage, shapes, against, common)
     if against is None and (first is not None or last is not None):
         raise PrsmError("--from and --to: give the name of their number with --against")
     values = None if against is None else _values(mechanism, against, first, last, points)
     expect_programs("modal")
-    modes = _modes(mechanism, stage=stage, shapes=shapes or common.out is not None)
+    modes = run_modal(mechanism, stage=stage, shapes=shapes or common.out is not None)
     loci = None
     if against is not None and values is not None:
         doing(f"frequencies against {against}")
@@ -175,6 +204,39 @@ def modal(
     return int(not valid)
 
 
+def _spatial(
+    file: str,
+    mechanism: Mechanism,
+    stage: int,
+    shapes: bool,
+    against: str | None,
+    common: Common,
+) -> int:
+    if against is not None:
+        raise PrsmError(
+            f"--against {against}: not with --spatial; use prsm sweep with --quantities "
+            "first_axial_frequency,antiresonance_frequency"
+        )
+    expect_programs("spatial_modal")
+    found = Spatial(mechanism, stage)
+    results = spatial_results(found, shapes)
+    written: tuple[Path, ...] = ()
+    if common.out is not None:
+        doing("drawing")
+        from ...report import save_axis_pictures
+
+        written = save_axis_pictures(common.out, mechanism, found.modes, found.held)
+        results["pictures"] = written
+
+    def text() -> str:
+        lines = spatial_text(found, file)
+        return lines + (f"{len(written)} pictures in {common.out}\n" if written else "")
+
+    assumed = assumptions(mechanism, ("first_axial_frequency",))
+    valid = emit(common, results, text, assumed, checked(mechanism))
+    return int(not valid)
+
+
 def _loci_table(loci: FrequencyLoci, first: str | None, last: str | None) -> str:
     rows = [
         (family if family in FAMILIES else "", float(curve[0]), float(curve[-1]))
@@ -183,3 +245,72 @@ def _loci_table(loci: FrequencyLoci, first: str | None, last: str | None) -> str
     ]
     columns = ["family", f"f Hz at {first}", f"f Hz at {last}"]
     return table(f"against {loci.parameter}", columns, rows)
+
+
+class Spatial:
+    """Modes in space of a mechanism, and numbers of its axis."""
+
+    def __init__(self, mechanism: Mechanism, stage: int):
+        self.mechanism, self.stage = mechanism, stage
+        self.modes: SpatialModes = run_spatial_modal(mechanism, stage=stage, shapes=True)
+        self.elastic = self.modes.elastic_modes()
+        self.held: SpatialModes | None = None
+        axis = mechanism.axis
+        if axis is not None and axis.motor is not None:
+            self.held = run_spatial_modal(mechanism, stage=stage, shapes=True, motor_held=True)
+        self.axis: dict[str, float] = {}
+        if axis is not None:
+            names = available_quantities(mechanism, tuple(AXIS_QUANTITIES))
+            values = compute(mechanism, names)
+            self.axis = {name: float(values[name]) for name in names}
+
+
+def spatial_results(found: Spatial, shapes: bool) -> dict[str, Any]:
+    """Modes in space by the names of the JSON."""
+    modes = found.modes
+    results: dict[str, Any] = modal_results(modes, found.stage) | {
+        "spatial": True,
+        # The elastic axial–torsional modes, ascending.
+        "axial_torsional": [
+            {
+                "number": mode.number,
+                "family": mode.family,
+                "frequency_hz": mode.frequency,
+                "kinetic_energy_shares": mode.kinetic,
+                "strain_energy_shares": mode.strain,
+            }
+            for mode in found.elastic
+        ],
+    }
+    if found.held is not None:
+        held = [mode.frequency for mode in found.held.elastic_modes()]
+        results["antiresonances_hz"] = held
+    if found.axis:
+        results["axis"] = {
+            f"{name}_{_KEYS[AXIS_QUANTITIES[name][1]]}": value for name, value in found.axis.items()
+        }
+    return results | shape_results(modes) if shapes else results
+
+
+def spatial_text(found: Spatial, file: str) -> str:
+    """Tables of frequencies, of the axis, and of the energies that say what to stiffen."""
+    modes = found.modes
+    values = modes.frequencies.tolist()
+    rows = [
+        (modes.families[at], 0.0 if modes.families[at] == "rigid" else values[at], times)
+        for at, times in ((at, modes.multiplicities[at]) for at in modes.distinct)
+    ]
+    title = f"Natural frequencies in space: {file}, stage {found.stage}"
+    lines = table(title, ["family", "f Hz", "times"], rows)
+    if found.axis:
+        listed = [(*AXIS_QUANTITIES[n], v) for n, v in found.axis.items()]
+        converted = in_units((words, value, unit) for words, unit, value in listed)
+        lines += "\n" + table("Axis", ["", "value", "unit"], converted)
+    shares = [
+        (f"{mode.number} {mode.family}", mode.frequency, name.replace("_", " "), 100 * share)
+        for mode in found.elastic[:_MODES]
+        for name, share in list(mode.strain.items())[:_SPRINGS]
+        if share >= _LEAST
+    ]
+    title = "Strain energy of axial–torsional modes: which springs to stiffen"
+    return lines + "\n" + table(title, ["mode", "f Hz", "spring", "share %"], shares)

@@ -1,4 +1,4 @@
-"""Masses, and whether dimensions are possible."""
+"""Masses, sections, and whether dimensions are possible."""
 
 from ._masses import (
     body_inertia as body_inertia,
@@ -11,3 +11,4 @@ from ._masses import (
     stage_mass as stage_mass,
 )
 from ._possible import numbers_possible as numbers_possible
+from ._sections import screw_root_radius as screw_root_radius, screw_section as screw_section

@@ -29,7 +29,7 @@ from ...fields import (
     check_stage,
     values_of,
 )
-from .._mechanism import Mechanism
+from .._mechanism import Mechanism, check_axis
 from ..parts import Thread
 
 
@@ -242,7 +242,7 @@ def _numbers_and_words(mechanism: Mechanism) -> Iterator[Parameter]:
         (f"stage.{index + 1}", _stage_at(index), stage)
         for index, stage in enumerate(mechanism.stages)
     ]
-    for name in ("operating_point", "scenario"):
+    for name in ("operating_point", "scenario", "axis"):
         if getattr(mechanism, name) is not None:
             parts.append((name, lambda m, name=name: getattr(m, name), getattr(mechanism, name)))
     for index, (name, where, part) in enumerate(parts):
@@ -366,9 +366,10 @@ def check_parameter(mechanism: Mechanism, name: str, value: Any) -> None:
 
 
 def check_stages(mechanism: Mechanism) -> None:
-    """**Raises:** `ValueError` if known numbers of a stage exclude each other."""
+    """**Raises:** `ValueError` if known numbers of a stage, or of an axis, exclude each other."""
     for stage in mechanism.stages:
         check_stage(stage)
+    check_axis(mechanism)
 
 
 def get_parameter(mechanism: Mechanism, name: str) -> Array | int:

@@ -1,5 +1,13 @@
-"""The parts of a stage."""
+"""The parts of a stage, and the axis around it."""
 
+from ._axis import (
+    Axis as Axis,
+    AxisLoad as AxisLoad,
+    AxisShaft as AxisShaft,
+    FarBearing as FarBearing,
+    Motor as Motor,
+    PositionController as PositionController,
+)
 from ._bodies import (
     Carrier as Carrier,
     Gear as Gear,

@@ -2,6 +2,7 @@
 
 from . import (
     _axial_stiffness as _axial_stiffness,
+    _axis as _axis,
     _contact as _contact,
     _dimensions as _dimensions,
     _load_sharing as _load_sharing,

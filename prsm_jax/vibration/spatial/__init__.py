@@ -1,18 +1,35 @@
-"""Vibration in space of one stage: every body moves along and around its axis, and sideways."""
+"""Vibration in space: every body moves along and around its axis, and sideways; the axis too."""
 
-from ._modes import SpatialModes as SpatialModes, spatial_modes as spatial_modes
+from ._axis import (
+    AxisBody as AxisBody,
+    AxisSpring as AxisSpring,
+    AxisSystem as AxisSystem,
+    axis_system as axis_system,
+)
+from ._bodies import SpatialBody as SpatialBody
+from ._modes import (
+    SpatialMode as SpatialMode,
+    SpatialModes as SpatialModes,
+    axial_torsional_modes as axial_torsional_modes,
+    is_torsional as is_torsional,
+    spatial_modes as spatial_modes,
+    spatial_transverse_modes as spatial_transverse_modes,
+)
 from ._network import (
     spatial_harmonic_network as spatial_harmonic_network,
     spatial_network as spatial_network,
 )
-from ._spatial_modal import spatial_modal as spatial_modal
+from ._spatial_modal import (
+    spatial_modal as spatial_modal,
+    stage_spatial_system as stage_spatial_system,
+)
 from ._springs import (
     RollerSpring as RollerSpring,
     contact_spring as contact_spring,
     tangential_ratio as tangential_ratio,
 )
+from ._statics import static_compliance as static_compliance
 from ._system import (
-    SpatialBody as SpatialBody,
     SpatialSystem as SpatialSystem,
     spatial_system as spatial_system,
 )

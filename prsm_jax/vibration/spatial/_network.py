@@ -8,21 +8,32 @@ import jax.numpy as jnp
 from ...fields import Scalar
 from ...programs import physics
 from ..model import Coordinate, NetworkBuilder, Spring, SpringNetwork
-from ._system import SpatialBody, SpatialSystem
+from ._axis import AxisSystem
+from ._bodies import SpatialBody
+from ._system import SpatialSystem
 
 #: Directions of a roller, in the order of `RollerSpring.roller`.
 ROLLER_DIRECTIONS = ("radial", "tangential", "z", "u")
 
 
-def spatial_coordinates(system: SpatialSystem) -> tuple[Coordinate, ...]:
-    """The degrees of freedom: x, y, z, u of bodies on the axis (no z of a carrier), and radial,
-    tangential, z, u of each roller."""
+def _on_axis(system: SpatialSystem, directions: str) -> list[Coordinate]:
+    """The degrees of freedom of the stage's bodies on the axis, without one that is held."""
+    held = None if system.axis is None else system.axis.held_coordinate
     degrees = [
         Coordinate(body.name, direction)
         for body in system.bodies
-        for direction in "xyzu"
+        for direction in directions
         if direction != "z" or body.axial_mass is not None
     ]
+    return [one for one in degrees if one != held]
+
+
+def spatial_coordinates(system: SpatialSystem) -> tuple[Coordinate, ...]:
+    """The degrees of freedom: x, y, z, u of bodies on the axis (no z of a carrier), z and u of the
+    parts of the axis around them, and radial, tangential, z, u of each roller."""
+    degrees = _on_axis(system, "xyzu")
+    if system.axis is not None:
+        degrees += system.axis.coordinates
     for direction in ROLLER_DIRECTIONS:
         count = len(system.roller_positions)
         degrees += [Coordinate(f"roller {number}", direction) for number in range(1, count + 1)]
@@ -51,6 +62,19 @@ def _add_bodies(builder: NetworkBuilder, system: SpatialSystem, degrees) -> dict
             spring = Spring(f"{coordinate.body}_support_{word}")
             builder.add((spring,), stiffness, [(coordinate, jnp.ones_like(stiffness))])
     return mass
+
+
+def _add_axis(builder: NetworkBuilder, axis: AxisSystem, degrees) -> dict[Coordinate, Any]:
+    """Springs of the axis; returns the masses of its own coordinates."""
+    for spring in axis.springs:
+        ends = [Coordinate(body, spring.direction) for body in spring.bodies]
+        for name, stiffness in zip(spring.names, spring.shares, strict=True):
+            one = jnp.ones_like(stiffness)
+            stretch = [(end, sign * one) for end, sign in zip(ends, (1, -1), strict=False)]
+            kept = [pair for pair in stretch if pair[0] in degrees]
+            if kept:
+                builder.add((Spring(name),), stiffness, kept)
+    return {one: axis.mass(one) for one in axis.coordinates}
 
 
 def _roller_mass(system: SpatialSystem, direction: str) -> Scalar:
@@ -89,6 +113,8 @@ def spatial_network(system: SpatialSystem) -> SpringNetwork:
         names = tuple(Spring(spring.name, number) for number in numbers)
         builder.add(names, spring.stiffness, elongation)
     mass = _add_bodies(builder, system, degrees)
+    if system.axis is not None:
+        mass |= _add_axis(builder, system.axis, degrees)
     for coordinate in degrees:
         if coordinate not in mass:
             mass[coordinate] = _roller_mass(system, coordinate.direction)
@@ -111,12 +137,10 @@ def spatial_harmonic_network(system: SpatialSystem, harmonic: int) -> SpringNetw
     - `harmonic`: 0, 1 or 2; 2 stands for every higher one.
     """
     directions = {0: "zu", 1: "w"}.get(harmonic, "")
-    degrees = tuple(
-        Coordinate(body.name, direction)
-        for body in system.bodies
-        for direction in directions
-        if direction != "z" or body.axial_mass is not None
-    )
+    axis = system.axis if harmonic == 0 else None
+    degrees = _on_axis(system, directions)
+    if axis is not None:
+        degrees += axis.coordinates
     rollers = tuple(Coordinate("roller", direction) for direction in ROLLER_DIRECTIONS)
     count = jnp.asarray(system.roller_count).astype(system.roller_mass.dtype)
     factor = jnp.sqrt(count if harmonic == 0 else count / 2)
@@ -134,5 +158,7 @@ def spatial_harmonic_network(system: SpatialSystem, harmonic: int) -> SpringNetw
                     elongation.append((coordinate, value))
         builder.add((Spring(spring.name),), spring.stiffness, elongation)
     mass = _add_bodies(builder, system, degrees)
+    if axis is not None:
+        mass |= _add_axis(builder, axis, degrees)
     mass |= {roller: _roller_mass(system, roller.direction) for roller in rollers}
     return builder.network(mass)

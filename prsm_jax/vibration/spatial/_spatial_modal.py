@@ -9,7 +9,31 @@ from ...mechanism import Mechanism, of_one_design, stage_at
 from ...programs import one_program, physics
 from ...stiffness import loaded_threads, thread_stiffness
 from ._modes import SpatialModes, spatial_modes
-from ._system import spatial_system
+from ._system import SpatialSystem, spatial_system
+
+
+def stage_spatial_system(
+    mechanism: Mechanism,
+    stage: int = 1,
+    load: float | Scalar | None = None,
+    *,
+    sticking: bool = True,
+    motor_held: bool = False,
+) -> SpatialSystem:
+    """Masses and springs in space of one stage of a mechanism, and of the axis around it.
+
+    **Arguments, raises:** as `spatial_modal`.
+    """
+    chosen = stage_at(mechanism, stage)
+    meshing = mesh(chosen.thread)
+    threads = thread_stiffness(
+        chosen,
+        lambda: loaded_threads(chosen, jnp.abs(load_of(mechanism, load)), meshing),
+        tangent=True,
+    )
+    return spatial_system(
+        chosen, threads, meshing, sticking=sticking, axis=mechanism.axis, motor_held=motor_held
+    )
 
 
 @of_one_design
@@ -22,6 +46,7 @@ def spatial_modal(
     load: float | Scalar | None = None,
     sticking: bool = True,
     shapes: bool = False,
+    motor_held: bool = False,
 ) -> SpatialModes:
     """Natural frequencies and families of one stage whose bodies move in space.
 
@@ -32,6 +57,10 @@ def spatial_modal(
     roller that no pin ties to the carrier, because it rolls in the nut while the screw's thread
     slides on it.
 
+    Where the mechanism has an `axis`, motor, elastic screw and load vibrate with the stage. The
+    proportional gain of a position controller is a spring; damping is left out (see
+    `prsm_jax.response.axis_compliance`).
+
     **Arguments:**
 
     - `mechanism`: the mechanism; the stage needs masses and inertias, and either given thread
@@ -41,16 +70,12 @@ def spatial_modal(
       point, and not needed where the stiffnesses are given.
     - `sticking`: whether contacts at the nut, which roll, have Mindlin's tangential stiffness.
     - `shapes`: also give mass-normalised mode shapes and energy shares.
+    - `motor_held`: whether the rotor of the axis' motor does not turn. The frequencies of the group
+      `axial_torsional` are then the anti-resonances at the motor.
 
     **Raises:** `MissingDataError` if data are missing; `ValueError` for a stage that does not
-    exist, fewer than 3 or unequal rollers, and supports that differ in x and y.
+    exist, fewer than 3 or unequal rollers, supports that differ in x and y, and a motor that is to
+    be held and does not exist.
     """
-    chosen = stage_at(mechanism, stage)
-    meshing = mesh(chosen.thread)
-    threads = thread_stiffness(
-        chosen,
-        lambda: loaded_threads(chosen, jnp.abs(load_of(mechanism, load)), meshing),
-        tangent=True,
-    )
-    system = spatial_system(chosen, threads, meshing, sticking=sticking)
+    system = stage_spatial_system(mechanism, stage, load, sticking=sticking, motor_held=motor_held)
     return spatial_modes(system, shapes=shapes)

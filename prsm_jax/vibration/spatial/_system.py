@@ -6,9 +6,11 @@ from jaxtyping import Array, Float
 
 from ...fields import CountOrTraced, Scalar, as_count, plain
 from ...geometry import Meshing, mesh
-from ...mechanism import Stage, Support, body_inertia, body_mass, material_of
+from ...mechanism import Axis, Stage, Support, body_inertia, body_mass, material_of
 from ...programs import physics
 from ...stiffness import ThreadStiffness, ring_roller_stiffness
+from ._axis import AxisSystem, axis_system
+from ._bodies import SpatialBody
 from ._springs import (
     RollerSpring,
     contact_spring,
@@ -17,22 +19,6 @@ from ._springs import (
     tangential_ratio,
     tangents,
 )
-
-
-class SpatialBody(eqx.Module):
-    """A body on the axis with its springs to the housing."""
-
-    #: In x and y [kg].
-    mass: Scalar
-    #: J/r² [kg].
-    equivalent_mass: Scalar
-    radial_support: Scalar
-    torsional_support: Scalar
-    name: str = eqx.field(static=True)
-    #: Along z, with everything that is fixed to it in this direction [kg]; `None` if the body
-    #: itself is fixed to another one in z.
-    axial_mass: Scalar | None = None
-    axial_support: Scalar | None = None
 
 
 class SpatialSystem(eqx.Module):
@@ -44,6 +30,8 @@ class SpatialSystem(eqx.Module):
     #: J/r² [kg].
     roller_equivalent_mass: Scalar
     roller_count: CountOrTraced = eqx.field(converter=as_count)
+    #: The axis around the stage, which harmonic 0 moves.
+    axis: AxisSystem | None = None
 
     @property
     def roller_positions(self) -> Float[Array, " rollers"]:
@@ -144,6 +132,8 @@ def spatial_system(
     meshing: Meshing | None = None,
     *,
     sticking: bool = True,
+    axis: Axis | None = None,
+    motor_held: bool = False,
 ) -> SpatialSystem:
     """Collect the masses and springs of one stage whose bodies move in space.
 
@@ -163,6 +153,8 @@ def spatial_system(
     - `meshing`: its meshing, if already known.
     - `sticking`: whether contacts at the nut have a tangential stiffness; needs the materials of
       roller and nut.
+    - `axis`: the axis around the stage (`axis_system`); default none.
+    - `motor_held`: whether the rotor of its motor does not turn.
 
     **Raises:** `MissingDataError` if masses or materials are missing; `ValueError` for fewer than 3
     or unequal rollers, and for supports that differ in x and y.
@@ -224,10 +216,17 @@ def spatial_system(
                 name="carrier",
             )
         )
+    around: AxisSystem | None = None
+    on_axis = tuple(bodies)
+    if axis is not None:
+        on_axis, around = axis_system(axis, stage, on_axis, motor_held)
+    elif motor_held:
+        raise ValueError("motor_held is True, but the mechanism has no axis; give [axis.motor]")
     return SpatialSystem(
-        bodies=tuple(bodies),
+        bodies=on_axis,
         springs=tuple(springs),
         roller_mass=body_mass(stage, "roller"),
         roller_equivalent_mass=body_inertia(stage, "roller") / thread.roller_radius**2,
         roller_count=stage.roller_count,
+        axis=around,
     )

@@ -1,0 +1,146 @@
+"""Modes and static stiffness of the axis around a mechanism, for the quantities of an analysis."""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._errors import MissingDataError
+from ..fields import Scalar
+from ..mechanism import Axis, Motor
+from ..numerics import above_or_nan, below_or_nan
+from ..vibration import (
+    RIGID_SHARE,
+    Coordinate,
+    SpatialSystem,
+    axial_torsional_modes,
+    spatial_harmonic_network,
+    spatial_system,
+    static_compliance,
+)
+from ._analysis import Analysis
+
+
+class AxialModes(NamedTuple):
+    """Frequencies of harmonic 0, and the axial share of each."""
+
+    frequencies: Float[Array, " modes"]
+    axial_share: Float[Array, " modes"]
+
+    @property
+    def elastic(self) -> Array:
+        """Whether each is no rigid motion."""
+        return above_or_nan(self.frequencies, RIGID_SHARE * jnp.max(self.frequencies))
+
+    def first(self, *, axial: bool | None = None) -> Scalar:
+        """The lowest elastic one: of the axial ones, of the others, or of all; else infinite."""
+        chosen = self.elastic
+        if axial is not None:
+            side = above_or_nan if axial else below_or_nan
+            chosen = chosen & side(self.axial_share, 0.5)
+        return jnp.min(jnp.where(chosen, self.frequencies, jnp.inf))
+
+
+def axis_of(analysis: Analysis) -> Axis:
+    """The axis of the mechanism.
+
+    **Raises:** `MissingDataError` if there is none.
+    """
+    if analysis.mechanism.axis is None:
+        raise MissingDataError(
+            "the mechanism has no axis around it; give [axis] with [axis.motor], [axis.shaft] or "
+            "[axis.load]"
+        )
+    return analysis.mechanism.axis
+
+
+def motor_of(analysis: Analysis) -> Motor:
+    """The motor of the axis.
+
+    **Raises:** `MissingDataError` if there is none.
+    """
+    motor = axis_of(analysis).motor
+    if motor is None:
+        raise MissingDataError("the axis has no motor; give [axis.motor]")
+    return motor
+
+
+def axis_spatial_system(analysis: Analysis, motor_held: bool = False) -> SpatialSystem:
+    """Masses and springs of the stage and the axis, with the motor free or held.
+
+    **Raises:** `MissingDataError` if there is no axis, or data are missing for it.
+    """
+    axis = axis_of(analysis)
+
+    def make() -> SpatialSystem:
+        stage = analysis.mechanism.stages[0]
+        try:
+            return spatial_system(
+                stage,
+                analysis.tangent_threads[0],
+                analysis.kinematics[0].meshing,
+                axis=axis,
+                motor_held=motor_held,
+            )
+        except ValueError as error:
+            # A quantity that a mechanism cannot have is left out, like one without data.
+            raise MissingDataError(str(error)) from error
+
+    return analysis.once(("axis_system", int(motor_held)), make)
+
+
+def axial_modes(analysis: Analysis, motor_held: bool = False) -> AxialModes:
+    """The axial–torsional modes of stage and axis."""
+
+    def make() -> AxialModes:
+        group, share = axial_torsional_modes(axis_spatial_system(analysis, motor_held))
+        return AxialModes(group.frequencies, share)
+
+    return analysis.once(("axial_modes", int(motor_held)), make)
+
+
+def axis_stiffness(analysis: Analysis, motor_held: bool) -> Scalar:
+    """Static force per displacement at the load [N/m].
+
+    **Raises:** `MissingDataError` if nothing holds the screw along the axis or the nut against
+    turning.
+    """
+    axis, stage = axis_of(analysis), analysis.mechanism.stages[0]
+    support, far = stage.screw.support, None if axis.shaft is None else axis.shaft.far_bearing
+    if far is None and (support is None or support.axial_stiffness is None):
+        raise MissingDataError(
+            "nothing holds the screw along the axis; give stage.screw.support.axial_stiffness, "
+            "that of its thrust bearing"
+        )
+    on_nut = [stage.nut.support, None if stage.ring_gear is None else stage.ring_gear.support]
+    if not any(one is not None and one.torsional_stiffness is not None for one in on_nut):
+        raise MissingDataError(
+            "nothing keeps the nut from turning; give stage.nut.support.torsional_stiffness"
+        )
+
+    def make() -> Scalar:
+        system = axis_spatial_system(analysis, motor_held)
+        assert system.axis is not None
+        network = spatial_harmonic_network(system, 0)
+        return 1 / static_compliance(network, Coordinate(system.axis.load, "z"))
+
+    return analysis.once(("axis_stiffness", int(motor_held)), make)
+
+
+def reduced_inertia(analysis: Analysis) -> Scalar:
+    """Moment of inertia at the motor of everything that it moves, with rigid springs [kg·m²].
+
+    Rotor and screw turn; nut, rollers, carriers and load move by the lead for each turn. The
+    rollers' own rotation and their motion around the screw are left out.
+    """
+    system = axis_spatial_system(analysis)
+    assert system.axis is not None
+    stage = analysis.mechanism.stages[0]
+    travel = stage.thread.lead / (2 * jnp.pi)
+    bodies = (*system.bodies, *system.axis.bodies)
+    turning = [b.equivalent_mass for b in bodies if b.name in ("screw", "screw_end", "motor")]
+    moving = [b.axial_mass for b in bodies if b.name in ("nut", "load")]
+    moving.append(stage.present_roller_count * system.roller_mass)
+    inertia = jnp.sum(jnp.stack([one for one in turning if one is not None]))
+    mass = jnp.sum(jnp.stack([one for one in moving if one is not None]))
+    return inertia * system.axis.radius**2 + mass * travel**2
