@@ -69,6 +69,7 @@ from .parts import (
     DesignProblem as DesignProblem,
     Distribution as Distribution,
     EndConditions as EndConditions,
+    FatigueRule as FatigueRule,
     Gear as Gear,
     GivenStiffness as GivenStiffness,
     LineContact as LineContact,
