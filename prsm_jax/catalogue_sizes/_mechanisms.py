@@ -18,15 +18,15 @@ def catalogue_mechanism(
     | number of rollers | pitch circles that fit, less one |
     | nut | diameter, length given, or fitted to 90 sizes |
     | roller | nut's length less 14 mm, at least 0.65 of it |
-    | loaded threads | nut's length less 22 mm, at least 0.45 of it |
+    | loaded threads | nut's length less 20 mm, at least 0.45 of it |
     | gears | a quarter of the roller without loaded thread each |
     | carriers | 2, as wide as the roller's radius, 0.02 of the nut's length |
-    | profile radius | 4 pitches |
+    | profile radius | 3.7 pitches; 4.6 pitches from a pitch of 3.5 mm on |
     | contact angle | 45° |
     | teeth | a standard module with at least 16 teeth, 20° |
     | screw | solid, one metre long |
     | steel | 210 GPa, 0.3, 7850 kg/m³, 4.2 GPa for $C_{0a}$ |
-    | $C_a$ | equivalent balls, material factor 0.8 |
+    | $C_a$ | equivalent balls, material factor 0.81 |
     | friction coefficient | $0.027 (n-1)$ |
     | axial play | 0.02, 0.04 or 0.07 mm by the pitch |
     | operating point | 25 MPa times $d_0^2$; 30 000 mm rpm over $d_0$ |

@@ -161,9 +161,7 @@ def built(
             starts=starts,
             roller_radius=roller_radius,
             contact_angle=math.pi / 4,
-            roller_profile_radius=(
-                None if chosen.profile_ratio is None else chosen.profile_ratio * pitch
-            ),
+            roller_profile_radius=chosen.profile_radius(pitch),
             screw_addendum=addendum,
             roller_addendum=roller_addendum,
         ),

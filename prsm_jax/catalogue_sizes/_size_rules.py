@@ -7,6 +7,8 @@ from ..mechanism import FatigueRule
 
 #: Smallest addendum of a roller for which a roller more is given up, over the pitch.
 _LEAST_ADDENDUM = 0.1
+#: Pitch from which on the sizes have larger capacities: between 3 and 4 mm, at all diameters [m].
+_COARSE = 3.5e-3
 #: Largest axial play [m] below a pitch [m]: the table prints three values, by the pitch alone.
 _PLAY = ((1.8e-3, 20e-6), (2.5e-3, 40e-6), (math.inf, 70e-6))
 
@@ -32,6 +34,8 @@ class SizeRules:
     spare_rollers: int | None
     #: Profile radius of the roller over the pitch; `None`: centred on the roller's axis.
     profile_ratio: float | None
+    #: The same for coarse pitches.
+    coarse_profile_ratio: float | None
     #: Theory of the dynamic capacity, and its material factor.
     fatigue_rule: FatigueRule
     material_factor: float
@@ -48,6 +52,11 @@ class SizeRules:
     def threaded_length(self, nut_length: float | int) -> float:
         """Length of a roller's thread that carries load [m]."""
         return max(nut_length - self.thread_ends, self.least_thread * nut_length)
+
+    def profile_radius(self, pitch: float | int) -> float | None:
+        """Profile radius of a roller; `None` if it is centred on the roller's axis [m]."""
+        ratio = self.profile_ratio if pitch < _COARSE else self.coarse_profile_ratio
+        return None if ratio is None else ratio * pitch
 
     def rollers(
         self,
@@ -88,19 +97,20 @@ class SizeRules:
         return next(play for limit, play in _PLAY if pitch < limit)
 
 
-#: The lengths, the profile radius, the material factor and the friction are fits of the
+#: The lengths, the profile radii, the material factor and the friction are fits of the
 #: sizes of 8, 21, 30, 44, 56, 68 and 92 mm (`docs/catalogue_witness.md`). Small nuts are shorter
 #: than these ends allow; their least shares are those of the smallest size.
 FITTED = SizeRules(
     roller_ends=14e-3,
-    thread_ends=22e-3,
+    thread_ends=20e-3,
     least_roller=0.65,
     least_thread=0.45,
     gap=0.01,
     spare_rollers=1,
-    profile_ratio=4.0,
+    profile_ratio=3.7,
+    coarse_profile_ratio=4.6,
     fatigue_rule="equivalent_balls",
-    material_factor=0.8,
+    material_factor=0.81,
     friction=0.0,
     friction_by_starts=0.027,
     estimates_play=True,
@@ -115,6 +125,7 @@ PLAIN = SizeRules(
     gap=0.02,
     spare_rollers=None,
     profile_ratio=None,
+    coarse_profile_ratio=None,
     fatigue_rule="lundberg_palmgren",
     material_factor=1.1,
     friction=0.06,

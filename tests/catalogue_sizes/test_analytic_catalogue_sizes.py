@@ -56,12 +56,24 @@ def test_fitted_rules_of_one_size():
     # 12 pitch circles fit on 40 mm, 2·20·sin(π/12) = 10.35 mm; one is left out.
     assert stage.roller_count == 11
     np.testing.assert_allclose(stage.roller.length, (85 - 14) * 1e-3, rtol=1e-12)
-    np.testing.assert_allclose(stage.engaged_threads, (85 - 22) / 2, rtol=1e-12)
-    np.testing.assert_allclose(stage.thread.roller_profile_radius, 4 * 2e-3, rtol=1e-12)
+    np.testing.assert_allclose(stage.engaged_threads, (85 - 20) / 2, rtol=1e-12)
+    np.testing.assert_allclose(stage.thread.roller_profile_radius, 3.7 * 2e-3, rtol=1e-12)
     np.testing.assert_allclose(stage.thread.roller_addendum, 0.4e-3, rtol=1e-9)
+    coarse = _stage(catalogue_mechanism(0.03, 0.02, 5, **GIVEN))
+    np.testing.assert_allclose(coarse.thread.roller_profile_radius, 4.6 * 4e-3, rtol=1e-12)
     assert stage.strength.fatigue_rule == "equivalent_balls"
-    np.testing.assert_allclose(stage.strength.material_factor, 0.8)
+    np.testing.assert_allclose(stage.strength.material_factor, 0.81)
     np.testing.assert_allclose(stage.friction.thread.coefficient, 0.027 * 4, rtol=1e-12)
+
+
+def test_capacities_of_one_size():
+    """30 × 5 mm: printed are 280 and 123 kN; the rules are within 5 % there."""
+    size = catalogue_mechanism(
+        0.03, 0.005, 5, **(GIVEN | {"crest_diameter_mm": 30.3, "root_diameter_mm": 29.5})
+    )
+    found = prsm.compute(size, ["static_capacity", "dynamic_capacity"])
+    np.testing.assert_allclose(found["static_capacity"], [280e3], rtol=0.05)
+    np.testing.assert_allclose(found["dynamic_capacity"], [123e3], rtol=0.05)
 
 
 @pytest.mark.parametrize(("lead", "play"), [(8e-3, 20e-6), (10e-3, 40e-6), (15e-3, 70e-6)])

@@ -57,9 +57,9 @@ def test_sizes_of_a_file(capsys, tmp_path):
     median = found["catalogue"]["columns"]["static_capacity_kn"]["all"]["median"]
     assert median == pytest.approx(1.0, abs=0.15)
     assert len(found["rows"]) == len(found["catalogue"]["sizes"]) == 90
-    row = found["rows"][24]
-    assert row["item"] == "30 x 2 mm, 5 starts: static capacity"
-    assert row["published"] == 139.5
+    row = found["rows"][26]
+    assert row["item"] == "30 x 5 mm, 5 starts: static capacity"
+    assert row["published"] == 140
     assert row["verdict"] == "not reproduced"
-    assert row["computed"] == pytest.approx(2 * 139.5, rel=0.1)
+    assert row["computed"] == pytest.approx(280, rel=0.1)
     assert row["unit"] == "kN"

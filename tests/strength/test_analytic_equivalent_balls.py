@@ -36,17 +36,21 @@ def _by_hand(lead=5e-3, profile=4e-3, rollers=7, threads=20.0):
     ball = 2 * math.sqrt(1e3 * profile * 5.0 / sine)
     ratio = 5.0 / 20.0
     normal_per_axial = 1 / (math.cos(math.atan(lead / (2 * math.pi * 25e-3))) * sine)
-    ring = 98.1 * ratio**0.3 * ball**1.8 * (rollers * threads) ** (2 / 3) / normal_per_axial
+    # ISO 281 has 3.647 D^1.4 for balls above 25.4 mm.
+    power = ball**1.8 if ball <= 25.4 else 3.647 * ball**1.4
+    ring = 98.1 * ratio**0.3 * power * (rollers * threads) ** (2 / 3) / normal_per_axial
     inner = ring * (1 - ratio) ** 1.39 / (1 + ratio) ** (1 / 3)
     outer = ring * (1 + ratio) ** 1.39 / (1 - ratio) ** (1 / 3)
     return (inner ** (-10 / 3) + outer ** (-10 / 3)) ** -0.3
 
 
-@pytest.mark.parametrize(("lead", "profile"), [(5e-3, 4e-3), (2e-3, 1.6e-3), (20e-3, 16e-3)])
+@pytest.mark.parametrize(("lead", "profile"), [(5e-3, 4e-3), (2e-3, 1.6e-3), (20e-3, 60e-3)])
 def test_capacity_by_hand(lead, profile):
     one = _stage(lead=lead, profile=profile, engaged_threads=20.0)
     expected = FACTOR * _by_hand(lead, profile, one.roller_count)
-    np.testing.assert_allclose(dynamic_capacity(one), expected, rtol=1e-12)
+    # The last ball is 41 mm thick; the standard rounds 25.4^0.4 = 3.64695 to 3.647.
+    tolerance = 1e-12 if profile < 0.02 else 2e-5
+    np.testing.assert_allclose(dynamic_capacity(one), expected, rtol=tolerance)
 
 
 def test_a_profile_in_proportion_to_the_pitch_gives_the_exponent_of_ball_screws():
@@ -101,9 +105,13 @@ def test_derivatives_against_central_differences(name):
         )
 
     step = 1e-5 * value
-    central = (capacity(jnp.asarray(value + step)) - capacity(jnp.asarray(value - step))) / 2 / step
-    forward = jax.jacfwd(capacity)(jnp.asarray(value))
-    reverse = jax.grad(capacity)(jnp.asarray(value))
+
+    @jax.jit
+    def slopes(x):
+        central = (capacity(x + step) - capacity(x - step)) / 2 / step
+        return central, jax.jacfwd(capacity)(x), jax.grad(capacity)(x)
+
+    central, forward, reverse = slopes(jnp.asarray(value))
     # Truncation of a central difference of relative step h: about h².
     np.testing.assert_allclose(forward, central, rtol=1e-8)
     np.testing.assert_allclose(reverse, forward, rtol=1e-12)

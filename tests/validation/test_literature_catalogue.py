@@ -15,7 +15,7 @@ from prsm_jax.validation.catalogue._fit import fitted_rules
 from tests.present import present
 
 #: Median and 90th percentile of the sizes that were not fitted.
-CAPACITIES = {"static_capacity_kn": (0.08, 0.16), "dynamic_capacity_kn": (0.04, 0.15)}
+CAPACITIES = {"static_capacity_kn": (0.06, 0.11), "dynamic_capacity_kn": (0.025, 0.07)}
 #: Median of all sizes, and 90th percentile beyond the rounding of the printed number.
 BODIES = {
     "nut_mass_kg": (0.055, 0.07),
@@ -60,11 +60,14 @@ def test_efficiencies_and_play(comparison):
 def test_the_shipped_rules_are_the_rounded_fit_of_the_first_half(comparison):
     fit = fitted_rules(comparison, ~comparison.predicted_half)
     assert round(present(fit.profile_ratio), 1) == FITTED.profile_ratio
+    coarse = round(present(fit.coarse_profile_ratio), 1)
+    assert coarse == FITTED.coarse_profile_ratio
     assert round(fit.thread_ends, 3) == FITTED.thread_ends
     assert round(fit.roller_ends, 3) == FITTED.roller_ends
     assert round(fit.material_factor, 2) == FITTED.material_factor
     assert round(fit.friction_by_starts, 3) == FITTED.friction_by_starts
     # Nothing else was fitted.
-    names = ("profile_ratio", "thread_ends", "roller_ends", "material_factor")
-    own = {name: getattr(FITTED, name) for name in (*names, "friction_by_starts")}
+    ratios, ends = ("profile_ratio", "coarse_profile_ratio"), ("thread_ends", "roller_ends")
+    names = (*ratios, *ends, "material_factor", "friction_by_starts")
+    own = {name: getattr(FITTED, name) for name in names}
     assert dataclasses.replace(fit, **own) == FITTED

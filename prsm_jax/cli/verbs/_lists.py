@@ -104,7 +104,7 @@ def validate(
     def text() -> str:
         width = max(terminal_width(), 70)
         parts = [] if rows is not None else [validation_table(found, width)]
-        parts += [one.text(width) for one in tables]
+        parts += [one.text(width).rstrip() for one in tables]
         if output.out is not None:
             parts.append(f"{len(results['pictures'])} pictures and the table in {output.out}")
         return "\n\n".join(parts)

@@ -41,8 +41,10 @@ class CapacityModel:
 
         - `rules`: their profile ratio, lengths of thread and material factor.
         """
-        ratio = rules.profile_ratio
-        radii = self.centred if ratio is None else ratio * self._pitch
+        by_pitch = [rules.profile_radius(float(one)) for one in self._pitch]
+        radii = np.array(
+            [c if one is None else one for one, c in zip(by_pitch, self.centred, strict=True)]
+        )
         threads = np.array([rules.threaded_length(one) for one in self._length]) / self._pitch
         # The program of all columns is compiled already; their evaluation takes milliseconds.
         batch = eqx.tree_at(
@@ -73,7 +75,7 @@ class CapacityModel:
             computed, _ = self.capacities(rules_of(np.exp(logarithms)))
             return (np.log(computed) - static)[where]
 
-        rules = dataclasses.replace(rules_of(_fit(residuals, start)), material_factor=1.0)
+        rules = dataclasses.replace(rules_of(fit_numbers(residuals, start)), material_factor=1.0)
         missing = dynamic - np.log(self.capacities(rules)[1])
         return dataclasses.replace(rules, material_factor=float(np.exp(missing[where].mean())))
 
@@ -88,10 +90,17 @@ def _rated(mechanism: Mechanism, fatigue_rule: FatigueRule) -> Mechanism:
     return dataclasses.replace(mechanism, stages=(dataclasses.replace(stage, strength=strength),))
 
 
-def _fit(residuals: Callable[[np.ndarray], np.ndarray], start: Sequence[float]) -> np.ndarray:
+def fit_numbers(
+    residuals: Callable[[np.ndarray], np.ndarray], start: Sequence[float]
+) -> np.ndarray:
     """Numbers with the least squares of differences of logarithms.
 
     Relative errors of both signs weigh the same, and the numbers stay above 0.
+
+    **Arguments:**
+
+    - `residuals`: as a function of the logarithms of the numbers.
+    - `start`: the numbers to start from.
     """
     from scipy.optimize import least_squares
 
@@ -100,9 +109,9 @@ def _fit(residuals: Callable[[np.ndarray], np.ndarray], start: Sequence[float]) 
 
 
 def fitted_rules(comparison: CatalogueComparison, where: Bool[np.ndarray, " sizes"]) -> SizeRules:
-    """The rules with their five numbers fitted to some sizes.
+    """The rules with their six numbers fitted to some sizes.
 
-    Profile ratio and ends of the thread are fitted to the static capacity, the material factor to
+    Profile ratios and ends of the thread are fitted to the static capacity, the material factor to
     the dynamic one; the ends of the roller to the rollers' inertia, which is in proportion to their
     length; the friction to both efficiencies, by (1 − η)/(1 + η) at 45°.
 
@@ -113,12 +122,17 @@ def fitted_rules(comparison: CatalogueComparison, where: Bool[np.ndarray, " size
     """
 
     def rules_of(numbers: np.ndarray) -> SizeRules:
-        ratio, ends = map(float, numbers)
-        return dataclasses.replace(FITTED, profile_ratio=ratio, thread_ends=1e-3 * ends)
+        fine, coarse, ends = map(float, numbers)
+        return dataclasses.replace(
+            FITTED,
+            profile_ratio=fine,
+            coarse_profile_ratio=coarse,
+            thread_ends=1e-3 * ends,
+        )
 
     model = CapacityModel(comparison, FITTED.fatigue_rule)
     return dataclasses.replace(
-        model.fitted(where, rules_of, (4.0, 23.0)),
+        model.fitted(where, rules_of, (4.0, 5.0, 22.0)),
         roller_ends=_roller_ends(comparison, where),
         friction_by_starts=_friction_by_starts(comparison, where),
     )
@@ -138,7 +152,7 @@ def _roller_ends(comparison: CatalogueComparison, where: np.ndarray) -> float:
         rolled = np.array([rules.roller_length(one) for one in lengths])[where]
         return np.log(unit * rolled / printed)
 
-    return 1e-3 * float(_fit(residuals, (13.0,))[0])
+    return 1e-3 * float(fit_numbers(residuals, (13.0,))[0])
 
 
 def _friction_by_starts(comparison: CatalogueComparison, where: np.ndarray) -> float:

@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float
 from ...catalogue_sizes import FITTED, SizeRules
 from ...mechanism import FatigueRule
 from ._comparison import CatalogueComparison
-from ._fit import CapacityModel
+from ._fit import CapacityModel, fit_numbers
 
 
 @dataclasses.dataclass(frozen=True)
@@ -24,36 +24,50 @@ class Hypothesis:
     dynamic: Float[np.ndarray, " sizes"]
 
 
-def _centred_share(numbers: np.ndarray) -> SizeRules:
-    share = float(numbers[0])
-    return dataclasses.replace(FITTED, profile_ratio=None, thread_ends=np.inf, least_thread=share)
+def _rules(ends: float, least: float, *ratios: float) -> SizeRules:
+    """Ends [mm] and least share of the thread; ratios of the profile for fine and coarse pitches.
 
-
-def _centred_ends(numbers: np.ndarray) -> SizeRules:
-    return dataclasses.replace(FITTED, profile_ratio=None, thread_ends=1e-3 * float(numbers[0]))
-
-
-def _pitch_share(numbers: np.ndarray) -> SizeRules:
+    Without ratios the profile is centred on the roller's axis; one is for all pitches.
+    """
+    fine, coarse = (ratios[0], ratios[-1]) if ratios else (None, None)
     return dataclasses.replace(
-        FITTED, profile_ratio=float(numbers[0]), thread_ends=np.inf, least_thread=0.6
+        FITTED,
+        thread_ends=1e-3 * ends,
+        least_thread=least,
+        profile_ratio=fine,
+        coarse_profile_ratio=coarse,
     )
 
 
+def _centred_share(numbers: np.ndarray) -> SizeRules:
+    return _rules(np.inf, *map(float, numbers))
+
+
+def _centred_ends(numbers: np.ndarray) -> SizeRules:
+    return _rules(*map(float, numbers), FITTED.least_thread)
+
+
+def _pitch_share(numbers: np.ndarray) -> SizeRules:
+    return _rules(np.inf, 0.6, *map(float, numbers))
+
+
 def _pitch_ends(numbers: np.ndarray) -> SizeRules:
-    ratio, ends = map(float, numbers)
-    return dataclasses.replace(FITTED, profile_ratio=ratio, thread_ends=1e-3 * ends)
+    ends, *ratios = map(float, numbers)
+    return _rules(ends, FITTED.least_thread, *ratios)
 
 
 _CENTRED, _BY_PITCH = "profile centred on the roller's axis", "profile in proportion to the pitch"
 _SHARE, _ENDS = "thread a share of the nut", "ends without thread"
+_COARSE = "another proportion for coarse pitches"
 _Rules = Callable[[np.ndarray], SizeRules]
 #: Name, rules, start of the numbers that are fitted, theory of the dynamic capacity.
 _BY_RULES: tuple[tuple[str, _Rules, tuple[float, ...], FatigueRule], ...] = (
     (f"{_CENTRED}, {_SHARE}", _centred_share, (0.6,), "lundberg_palmgren"),
-    (f"{_CENTRED}, {_ENDS}", _centred_ends, (23.0,), "lundberg_palmgren"),
+    (f"{_CENTRED}, {_ENDS}", _centred_ends, (22.0,), "lundberg_palmgren"),
     (f"{_BY_PITCH}, {_SHARE}", _pitch_share, (4.0,), "equivalent_balls"),
-    (f"{_BY_PITCH}, {_ENDS}", _pitch_ends, (4.0, 23.0), "lundberg_palmgren"),
-    (f"{_BY_PITCH}, {_ENDS}", _pitch_ends, (4.0, 23.0), "equivalent_balls"),
+    (f"{_BY_PITCH}, {_ENDS}", _pitch_ends, (22.0, 4.0), "lundberg_palmgren"),
+    (f"{_BY_PITCH}, {_ENDS}", _pitch_ends, (22.0, 4.0), "equivalent_balls"),
+    (f"{_BY_PITCH}, {_ENDS}, {_COARSE}", _pitch_ends, (22.0, 4.0, 5.0), "equivalent_balls"),
 )
 
 
@@ -86,14 +100,25 @@ def _line_contact(comparison: CatalogueComparison, where: np.ndarray) -> Hypothe
         np.array([row[name] for row in comparison.rows])
         for name in ("nut_length_mm", "nominal_diameter_mm", "starts")
     )
-    thread = length - 1e3 * FITTED.thread_ends
     roller = diameter / (starts - 2)
     # Pitch circles of 3 (n − 1) rollers fit; one is left out.
     count = 3 * (starts - 1) - 1
-    static = count * thread / (1 / roller + 1 / diameter)
-    dynamic = count**0.75 * thread ** (7 / 9) * roller ** (29 / 27)
-    scaled = [
-        one * np.exp(np.mean(np.log(comparison.printed[name] / one)[where]))
-        for name, one in (("static_capacity_kn", static), ("dynamic_capacity_kn", dynamic))
-    ]
-    return Hypothesis(f"flank in line contact, {_ENDS}; roller bearings", None, *scaled)
+    printed = [comparison.printed[name] for name in ("static_capacity_kn", "dynamic_capacity_kn")]
+
+    def scaled(values: np.ndarray, known: np.ndarray) -> np.ndarray:
+        return values * np.exp(np.mean(np.log(known / values)[where]))
+
+    def static(ends: float) -> np.ndarray:
+        return scaled(count * (length - ends) / (1 / roller + 1 / diameter), printed[0])
+
+    def residuals(logarithms: np.ndarray) -> np.ndarray:
+        return np.log(static(float(np.exp(logarithms[0]))) / printed[0])[where]
+
+    ends = float(fit_numbers(residuals, (22.0,))[0])
+    dynamic = count**0.75 * (length - ends) ** (7 / 9) * roller ** (29 / 27)
+    return Hypothesis(
+        f"flank in line contact, {_ENDS}; roller bearings",
+        None,
+        static(ends),
+        scaled(dynamic, printed[1]),
+    )
