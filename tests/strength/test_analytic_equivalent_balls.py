@@ -11,6 +11,7 @@ from scenes import mechanism, stage, thread
 
 import prsm_jax as prsm
 from prsm_jax import strength
+from prsm_jax.findings._truncation import _taken
 from prsm_jax.mechanism import AxialPlay, Strength
 
 FACTOR = 0.8
@@ -92,6 +93,8 @@ def test_ends_of_flanks_do_not_matter():
     sentences = prsm.assumptions(mechanism(cut), ["dynamic_capacity"])
     assert any("formula of ball screws" in one for one in sentences)
     assert not any("ellipse" in one for one in sentences)
+    assert _taken(cut) == "The static capacity and pressures"
+    assert _taken(_stage(Strength(material_factor=1.0))) == "Capacities, life and pressures"
 
 
 @pytest.mark.parametrize("name", ["roller_profile_radius", "roller_radius", "contact_angle"])
