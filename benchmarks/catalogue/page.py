@@ -246,8 +246,8 @@ def page_of(document: Mapping[str, Any]) -> str:
 
 _RESULTS = """\
 A size counts as improved if capacity and stiffness are larger and the mass is smaller, all by more
-than a millionth. The independent evaluation builds each result by `catalogue_mechanism` with a
-fixed number of rollers and calls `prsm.compute` and `prsm.check`; its difference is relative. The
+than a millionth. The independent evaluation builds each result by `plain_catalogue_mechanism` with
+a fixed number of rollers and calls `prsm.compute` and `prsm.check`; its difference is relative. The
 KKT residual is the largest component of the gradient of the Lagrangian by t and by the variables
 over their ranges, with the multipliers of active limits and bounds, none of them negative. The
 lines with κ are results with another upper bound of κ. Ratios are to the size's own design;

@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float
 
 import prsm_jax as prsm
-from prsm_jax.catalogue_sizes import catalogue_rows
+from prsm_jax.catalogue_sizes import catalogue_rows, plain_catalogue_mechanism
 from prsm_jax.mechanism import Mechanism
 from prsm_jax.quantities import Analysis, evaluate_checked
 
@@ -25,7 +25,7 @@ VARIABLES = ("contact_angle", "profile_ratio", "length_ratio", "roller_count")
 #: profile radius of twice that which is centred on the roller's axis is a nearly straight flank.
 LOWER = (math.radians(43), 0.5, 0.5)
 UPPER = (math.radians(60), 2.0, 1.0)
-#: Rollers: at least these; at most as many as fit by the rule of `catalogue_mechanism`.
+#: Rollers: at least these; at most as many as fit by the rules of `plain_catalogue_mechanism`.
 FEWEST_ROLLERS = 4
 #: Most starts, and the smallest diameter of a roller: 16 teeth of module 0.2 mm [m].
 MOST_STARTS, THINNEST_ROLLER = 8, 3.2e-3
@@ -92,7 +92,7 @@ def sizes() -> tuple[Size, ...]:
 
 
 def dimensioned(size: Size, starts: int, length_ratio: float = 1.0) -> Mechanism:
-    """A mechanism within the envelope of a size, by the rules of `catalogue_mechanism`.
+    """A mechanism within the envelope of a size, by the rules of `plain_catalogue_mechanism`.
 
     Masses follow from dimensions. Heights of thread are in proportion to the pitch, the wall of
     the nut is that of the size.
@@ -109,7 +109,7 @@ def dimensioned(size: Size, starts: int, length_ratio: float = 1.0) -> Mechanism
         if name in row:
             columns[name] = nominal + (row[name] - nominal) * size.starts / starts
     nut_radius = starts * size.roller_radius(starts)
-    mechanism = prsm.catalogue_mechanism(
+    mechanism = plain_catalogue_mechanism(
         size.diameter,
         row["lead_mm"] * 1e-3,
         starts,

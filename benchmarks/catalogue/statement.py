@@ -18,9 +18,10 @@ units where a name has no unit.
 ## The problem
 
 A size gives the nominal diameter d₀, the lead L, the starts n₀, and the outer diameter D₀ and the
-length l₀ of the nut. Its own design is that of `prsm.catalogue_mechanism` from these dimensions,
-the printed diameters of crest and root, and the axial play. Masses are not given, so they follow
-from the dimensions. The shaft is 25 d₀ long; this length does not affect the objectives.
+length l₀ of the nut. Its own design is that of `prsm_jax.catalogue_sizes.plain_catalogue_mechanism`
+from these dimensions, the printed diameters of crest and root, and the axial play. Masses are not
+given, so they follow from the dimensions. The shaft is 25 d₀ long; this length does not affect the
+objectives.
 
 | free | symbol | own value | bounds |
 | --- | --- | --- | --- |
@@ -41,19 +42,20 @@ The other dimensions follow from these:
   the pitch; the roller's addendum is the depth of the screw's thread less 0.05 p, but at least
   0.1 p;
 * as many rollers as fit: N with a sin(π/N) ≥ 1.02 r + addendum of the roller and a = d₀/2 + r;
-* gears by the rules of `catalogue_mechanism`; they have no effect on the measures below.
+* gears by the rules of `plain_catalogue_mechanism`; they have no effect on the measures below.
 
 ```python
 import dataclasses, math
 import jax.numpy as jnp
 import prsm_jax as prsm
+from prsm_jax.catalogue_sizes import plain_catalogue_mechanism
 
 # 30 x 5 mm, 5 starts: nut of 64 x 85 mm, crest 30.3 and root 29.5 mm; here with 6 starts.
 d, lead, own, n = 30e-3, 5e-3, 5, 6
 angle, ratio, length, rollers = math.radians(50), 1.2, 0.95, 14
 r = d / (2 * (n - 2))
 wall = 64e-3 / 2 - own * d / (2 * (own - 2))
-design = prsm.catalogue_mechanism(
+design = plain_catalogue_mechanism(
     d, lead, n,
     nut_outer_diameter_mm=2e3 * (n * r + wall), nut_length_mm=85 * length,
     crest_diameter_mm=30 + 0.3 * own / n, root_diameter_mm=30 - 0.5 * own / n,

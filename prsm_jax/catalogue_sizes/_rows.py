@@ -1,30 +1,112 @@
-"""The table of a maker's sizes: 90 planetary roller screws of 8 to 120 mm."""
+"""Tables of a maker's sizes: the 90 planetary roller screws of 8 to 120 mm, or other files."""
 
 import csv
+import math
 from pathlib import Path
+
+from .._errors import FileError, closest
 
 _TABLE = Path(__file__).parent / "data" / "roller_screws.csv"
 #: Columns that are arguments of their own, in other units.
 SIZE = ("nominal_diameter_mm", "lead_mm", "starts")
+#: Columns that are dimensions of the parts; crest and root are printed for some sizes only.
+DIMENSIONS = (
+    "crest_diameter_mm",
+    "root_diameter_mm",
+    "nut_outer_diameter_mm",
+    "nut_length_mm",
+    "roller_circle_diameter_mm",
+)
+#: Columns without which a size of a file cannot be compared.
+_NEEDED = (*SIZE, "nut_outer_diameter_mm", "nut_length_mm")
 #: Columns that are results of a mechanism, and cannot be given.
 CAPACITIES = ("dynamic_capacity_kn", "static_capacity_kn")
 
 
-def catalogue_rows() -> tuple[dict[str, float], ...]:
-    """All sizes, by column, in the units that the names of the columns end with.
+def _header(path: Path) -> tuple[str, ...]:
+    with path.open(encoding="utf-8-sig", newline="") as file:
+        return tuple(cell.strip() for cell in next(csv.reader(file), []))
 
-    A cell that the maker leaves empty is absent. `nut_mass_kg` includes the rollers, and shafts
-    are printed per metre.
-    """
-    with _TABLE.open(encoding="utf-8", newline="") as file:
-        return tuple(
-            {name: float(cell) for name, cell in row.items() if cell}
-            for row in csv.DictReader(file)
-        )
+
+def all_columns() -> tuple[str, ...]:
+    """All columns of the table, in its order."""
+    return _header(_TABLE)
 
 
 def columns() -> tuple[str, ...]:
     """Columns that `catalogue_mechanism` takes, beside the size."""
-    with _TABLE.open(encoding="utf-8", newline="") as file:
-        names = next(csv.reader(file))
-    return tuple(name for name in names if name not in (*SIZE, *CAPACITIES))
+    return tuple(name for name in all_columns() if name not in (*SIZE, *CAPACITIES))
+
+
+def _checked_header(path: Path) -> tuple[str, ...]:
+    found, known = _header(path), all_columns()
+    for name in found:
+        if name not in known:
+            raise FileError(
+                f"{path}: unknown column {name!r}; {closest(name, known)} (a name ends with its "
+                "unit, and other units are not converted)"
+            )
+        if found.count(name) > 1:
+            raise FileError(f"{path}: the column {name} is there {found.count(name)} times")
+    if missing := [name for name in _NEEDED if name not in found]:
+        raise FileError(
+            f"{path}: the header lacks {', '.join(missing)}; a size needs {', '.join(_NEEDED)}"
+        )
+    if not set(found) - {*SIZE, *DIMENSIONS}:
+        raise FileError(
+            f"{path}: nothing to compare with; give a printed result, for example "
+            "static_capacity_kn"
+        )
+    return found
+
+
+def _number(path: Path, line: int, name: str, cell: str) -> float:
+    try:
+        value = float(cell)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise FileError(f"{path}, line {line}: {name} is {cell!r}; give a finite number")
+    return value
+
+
+def catalogue_rows(path: str | Path | None = None) -> tuple[dict[str, float], ...]:
+    """All sizes, by column, in the units that the names of the columns end with.
+
+    A cell that the maker leaves empty is absent. `nut_mass_kg` includes the rollers, and shafts
+    are printed per metre.
+
+    **Arguments:**
+
+    - `path`: a CSV file with columns of the shipped table under the same names; it needs the size
+      and the diameter and length of the nut, and at least one printed result. Default: the table.
+
+    **Raises:** `FileError` for a file that cannot be read or has no rows, for an unknown, missing
+    or repeated column, a line with more or fewer cells than the header, and for a cell that is not
+    a number or may not be empty.
+    """
+    path = _TABLE if path is None else Path(path)
+    try:
+        names = _checked_header(path)
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            reader = csv.reader(file)
+            lines = [(reader.line_num, cells) for cells in reader if cells][1:]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise FileError(f"{path}: cannot be read as a CSV file: {error}") from error
+    if not lines:
+        raise FileError(f"{path}: there is a header, but no size below it")
+    rows: list[dict[str, float]] = []
+    for number, cells in lines:
+        if len(cells) != len(names):
+            raise FileError(
+                f"{path}, line {number}: {len(cells)} cells, but the header has {len(names)}"
+            )
+        row = {
+            name: _number(path, number, name, cell)
+            for name, cell in zip(names, map(str.strip, cells), strict=True)
+            if cell
+        }
+        if empty := [name for name in _NEEDED if name not in row]:
+            raise FileError(f"{path}, line {number}: {', '.join(empty)} may not be empty")
+        rows.append(row)
+    return tuple(rows)

@@ -22,23 +22,22 @@ from ..mechanism import (
     Thread,
 )
 from ._rows import CAPACITIES, columns
+from ._size_rules import SizeRules
 
 #: Heights of the screw's thread above and below the nominal diameter, over the pitch: medians of
 #: the sizes that print crest and root.
 _ADDENDUM, _DEDENDUM = 0.15, 0.25
 #: Tip clearance between the roller's crest and the screw's root, over the pitch.
 _TIP_CLEARANCE = 0.05
-#: Half of the smallest gap between crests of neighbouring rollers, over the roller's radius.
-_GAP = 0.02
-#: Length of the roller, and of its thread, over that of the nut. Printed inertias of the rollers
-#: give 0.78 to 0.96 for the first; gears and journals take the rest.
-_ROLLER_SHARE, _THREAD_SHARE, _GEAR_SHARE = 0.85, 0.6, 0.0625
+#: Length of one gear over that of the roller's end without loaded thread; journals take the rest.
+_GEAR_SHARE = 0.5
 #: Largest relative error of a given circle of the roller axes: the 90 sizes print it exactly.
 _CIRCLE_TOLERANCE = 0.01
 #: Wall and length of the nut by nominal diameter, d in mm: fits of 90 sizes, good to a third.
 _WALL, _LENGTH = (1.14, 0.53), (7.97, 0.69)
-#: Smallest number of teeth of a roller.
-_FEWEST_TEETH = 16
+#: Smallest number of teeth of a roller, and the smallest module of rollers that are too small for
+#: the usual ones [mm].
+_FEWEST_TEETH, _LEAST_MODULE = 16, 0.1
 #: Mean pressure of the operating load on the square of the nominal diameter: about a fifth of a
 #: printed dynamic capacity [Pa].
 _LOAD = 25e6
@@ -61,44 +60,21 @@ def _checked(row: dict[str, float | int]) -> None:
             raise ValueError(f"{name} is {value}; it must be 0 or more")
 
 
-def rollers_that_fit(centre_distance: float, largest_radius: float) -> int:
-    """Largest number of rollers beside each other: 2 a sin(π/N) ≥ 2 r, at least 3."""
-    return max(3, math.floor(math.pi / math.asin(largest_radius / centre_distance) + 1e-9))
-
-
-def catalogue_mechanism(
-    nominal_diameter: float | int, lead: float | int, starts: float | int, **row: float | int
+def built(
+    chosen: SizeRules,
+    nominal_diameter: float | int,
+    lead: float | int,
+    starts: float | int,
+    row: dict[str, float | int],
 ) -> Mechanism:
-    r"""A standard roller screw of a catalogue's size, completed by rules.
-
-    | number | rule |
-    |---|---|
-    | radius of the roller | $r_s/(n-2)$ |
-    | addendum and dedendum of the screw | from crest and root, or 0.15 and 0.25 pitches |
-    | addendum of the roller | dedendum of the screw less 0.05 pitches |
-    | number of rollers | as many as fit with gaps of 0.04 radii between crests; at least 3 |
-    | nut | outer diameter and length given, or fitted to 90 sizes |
-    | roller | 0.85 of the nut's length; threads on 0.6, a gear on 0.0625 at either end |
-    | carriers | 2, as wide as the roller's radius, 0.02 of the nut's length each |
-    | contact angle, profile radius | 45°, $r_R/\sin\alpha$ |
-    | gear | a standard module with at least 16 teeth of the roller, 20° |
-    | screw | solid, one metre long |
-    | steel | 210 GPa, 0.3, 7850 kg/m³, hardened; friction coefficient 0.06 |
-    | operating point | 25 MPa times $d_0^2$; 30 000 mm rpm over $d_0$ |
-
-    Equal shares of the load in all threads are assumed.
+    """A standard roller screw of a catalogue's size.
 
     **Arguments:**
 
-    - `nominal_diameter`: of the screw, $d_0$ [m].
-    - `lead`: [m].
-    - `starts`: of screw and nut, $n > 2$.
-    - `row`: further columns of `catalogue_rows` by their names, in their units; without the
-      capacities, which are results. The rules give all columns that are missing. The efficiencies
-      and the torque of the preload are results too, and are ignored.
+    - `chosen`: the rules.
+    - `nominal_diameter`, `lead`, `starts`, `row`: as in `catalogue_mechanism`.
 
-    **Raises:** `UnknownNameError` for another column; `ValueError` for a capacity, for a number
-    that is not finite or is negative, and for dimensions that do not make a screw.
+    **Raises:** as `catalogue_mechanism`.
     """
     _checked(row)
     for name, value in {"nominal_diameter": nominal_diameter, "lead": lead}.items():
@@ -134,13 +110,12 @@ def catalogue_mechanism(
             f"{nominal_diameter * 1e3:.4g}, must lie between them"
         )
     roller_addendum = max(screw_radius - root_radius - _TIP_CLEARANCE * pitch, 0.1 * pitch)
-    largest = roller_radius * (1 + _GAP) + roller_addendum
-    if largest >= circle / 2:
+    if roller_radius * (1 + chosen.gap) + roller_addendum >= circle / 2:
         raise ValueError(
             f"lead is {lead} m: rollers with threads of this pitch do not fit beside a screw of "
             f"{nominal_diameter * 1e3:.4g} mm"
         )
-    count = rollers_that_fit(circle / 2, largest)
+    count, roller_addendum = chosen.rollers(circle / 2, roller_radius, roller_addendum, pitch)
 
     nut_radius = starts * roller_radius
     millimetres = nominal_diameter * 1e3
@@ -152,21 +127,24 @@ def catalogue_mechanism(
             f"nut's thread, {nut_radius * 2e3:.4g} mm"
         )
     length = given("nut_length_mm", 1e-3, 1e-3 * _LENGTH[0] * millimetres ** _LENGTH[1])
-    fitting = [m for m in USUAL_MODULES if 2e3 * roller_radius / m >= _FEWEST_TEETH]
-    if not fitting:
+    largest_module = 2e3 * roller_radius / _FEWEST_TEETH
+    if largest_module < _LEAST_MODULE:
         raise ValueError(
             f"nominal_diameter is {nominal_diameter} m: the rollers are too small for a gear of "
-            f"{_FEWEST_TEETH} teeth with the smallest module, {USUAL_MODULES[0]:g} mm"
+            f"{_FEWEST_TEETH} teeth with the smallest module, {_LEAST_MODULE:g} mm"
         )
-    module = 1e-3 * max(fitting)
+    module = 1e-3 * max((m for m in USUAL_MODULES if m <= largest_module), default=_LEAST_MODULE)
 
     steel = Material(210e9, 0.3, 7850.0)
-    roller = Roller(length=_ROLLER_SHARE * length)
+    roller_length, threaded = chosen.roller_length(length), chosen.threaded_length(length)
+    gear_width = _GEAR_SHARE * (roller_length - threaded) / 2
+    roller = Roller(length=roller_length)
     carrier = Carrier(length=0.02 * length, radial_width=roller_radius, count=2)
     masses: dict[str, Any] = {}
     if "nut_mass_kg" in row:
-        planets = count * math.pi * 7850.0 * roller_radius**2 * _ROLLER_SHARE * length
-        masses["mass"] = max(row["nut_mass_kg"] - planets, 0.1 * row["nut_mass_kg"])
+        planets = count * math.pi * 7850.0 * roller_radius**2 * roller_length
+        rings = 4 * math.pi * 7850.0 * circle / 2 * roller_radius * 0.02 * length
+        masses["mass"] = max(row["nut_mass_kg"] - planets - rings, 0.1 * row["nut_mass_kg"])
     if "nut_inertia_kg_mm2" in row:
         masses["inertia"] = 1e-6 * row["nut_inertia_kg_mm2"]
     shaft: dict[str, Any] = {}
@@ -174,18 +152,21 @@ def catalogue_mechanism(
         shaft["mass"] = row["shaft_mass_kg_per_m"]
     if "shaft_inertia_kg_mm2_per_m" in row:
         shaft["inertia"] = 1e-6 * row["shaft_inertia_kg_mm2_per_m"]
-    play = row.get("largest_axial_play_mm")
+    play = chosen.play(pitch)
+    if "largest_axial_play_mm" in row:
+        play = 1e-3 * row["largest_axial_play_mm"]
     stage = Stage(
         thread=Thread(
             lead=lead,
             starts=starts,
             roller_radius=roller_radius,
             contact_angle=math.pi / 4,
+            roller_profile_radius=chosen.profile_radius(pitch),
             screw_addendum=addendum,
             roller_addendum=roller_addendum,
         ),
         roller_count=count,
-        engaged_threads=_THREAD_SHARE * length / pitch,
+        engaged_threads=threaded / pitch,
         sharing="equal",
         screw=Screw(length=1.0, **shaft),
         roller=roller,
@@ -194,15 +175,16 @@ def catalogue_mechanism(
         gear=Gear(
             pressure_angle=math.radians(20),
             roller_teeth=round(2 * roller_radius / module),
-            face_width=_GEAR_SHARE * length,
+            face_width=gear_width,
         ),
         material=steel,
-        friction=Friction(thread=CoulombFriction(0.06)),
+        friction=Friction(thread=CoulombFriction(chosen.friction_coefficient(starts))),
         strength=Strength(
             permissible_pressure=4.2e9,
-            material_factor=1.1,
+            material_factor=chosen.material_factor,
+            fatigue_rule=chosen.fatigue_rule,
             shaft=ScrewShaft("fixed_supported", root_radius=root_radius),
-            play=None if play is None else AxialPlay(axial_backlash=1e-3 * play),
+            play=None if play is None else AxialPlay(axial_backlash=play),
         ),
     )
     title = f"Roller screw {millimetres:g} × {lead * 1e3:g} mm, {starts:g} starts"

@@ -140,10 +140,17 @@ def _message(reading: Reading, index: int, side: str, kind: str, body: str) -> s
             onset = numbers[which] * (distance / half) ** 3
     return (
         f"above {onset * 1e-3:.4g} kN the contact ellipse on the {side} side passes {place}: "
-        f"{', '.join(parts)}. Capacities, life and pressures take this into account, "
+        f"{', '.join(parts)}. {_taken(stage)} take this into account, "
         "but not the concentration of pressure at the edge. Remedy: "
         + _remedy(stage, kind, body, -reading.value)
     )
+
+
+def _taken(stage: Stage) -> str:
+    """What the truncation is part of."""
+    data = stage.strength
+    rated = data is not None and data.fatigue_rule == "equivalent_balls"
+    return "The static capacity and pressures" if rated else "Capacities, life and pressures"
 
 
 def _remedy(stage: Stage, kind: str, body: str, missing: float) -> str:

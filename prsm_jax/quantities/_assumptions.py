@@ -10,6 +10,7 @@ from .._errors import MissingDataError
 from ..dynamics import has_contact_losses
 from ..geometry import flanks_end
 from ..mechanism import Mechanism, Stage, material_of
+from ..strength import cuts_fatigue
 
 Sentence = Callable[[Stage], str | None]
 
@@ -221,6 +222,13 @@ def life_theory(stage: Stage) -> str | None:
     """Theory of the dynamic capacity."""
     if not derives_dynamic_capacity(stage):
         return None
+    assert stage.strength is not None
+    if stage.strength.fatigue_rule == "equivalent_balls":
+        return (
+            "The dynamic capacity is rated by the formula of ball screws, with balls of equal "
+            "curvature in place of the thread contacts and the material factor of the file; no "
+            "standard exists for roller screws."
+        )
     return (
         "The dynamic capacity is an estimate by the theory of ball bearings (Lundberg and "
         "Palmgren) with the material factor of the file; no standard exists for roller screws."
@@ -273,7 +281,8 @@ def flanks_of_static(stage: Stage) -> str | None:
 @assumption("flanks_of_dynamic")
 def flanks_of_dynamic(stage: Stage) -> str | None:
     """For a dynamic capacity that is computed from the contacts, and for all lives."""
-    return _flanks(stage) if derives_dynamic_capacity(stage) else None
+    cut = derives_dynamic_capacity(stage) and cuts_fatigue(stage)
+    return _flanks(stage) if cut else None
 
 
 #: Where one of the assumptions above applies, the numbers depend on contact ellipses.

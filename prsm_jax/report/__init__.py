@@ -23,6 +23,7 @@ from .design_charts import (
     Limit as Limit,
     Optimisation as Optimisation,
     calibration_chart as calibration_chart,
+    catalogue_chart as catalogue_chart,
     contribution_bars as contribution_bars,
     cost_chart as cost_chart,
     front_chart as front_chart,

@@ -11,7 +11,12 @@ from ._edges import (
     end_reaches as end_reaches,
     side_edges as side_edges,
 )
+from ._equivalent_balls import (
+    equivalent_ball_capacity as equivalent_ball_capacity,
+    equivalent_ball_diameter as equivalent_ball_diameter,
+)
 from ._fatigue import (
+    cuts_fatigue as cuts_fatigue,
     cycles_per_turn as cycles_per_turn,
     dynamic_capacity as dynamic_capacity,
     fatigue_sharing_factor as fatigue_sharing_factor,

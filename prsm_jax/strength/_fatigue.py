@@ -23,6 +23,7 @@ from ..mechanism import ContactMethod, Stage
 from ..numerics import above_or_nan
 from ..programs import physics
 from ._contacts import REFERENCE_LOAD, known_contact, strength_of, thread_share
+from ._equivalent_balls import equivalent_ball_capacity
 from ._load_spectrum import mean_load
 from ._subsurface import orthogonal_shear
 from ._truncation import SideOnset, ThreadShares, TruncatedFatigue, side_onsets
@@ -93,7 +94,8 @@ def dynamic_capacity(
     As given, or an estimate if `material_factor` is given: every engaged thread of screw, nut and
     rollers is a track of Lundberg and Palmgren, and $L^{-10/9} = \sum L_i^{-10/9}$. The stroke is
     assumed to be short: the screw's life is that of the threads under the nut. For a preloaded pair
-    it is the capacity of one nut, or of one half.
+    it is the capacity of one nut, or of one half. With `fatigue_rule = "equivalent_balls"` it is
+    that of `equivalent_ball_capacity`, the way in which makers rate: whole ellipses, one track.
 
     Range of the estimate: hardened bearing steel, full film, pressures that stay elastic (below
     about 3 GPa); sliding and spin in the contacts, and the pressure concentration at the ends of
@@ -121,6 +123,9 @@ def dynamic_capacity(
             "stage.strength.material_factor for an estimate (1 for Lundberg and Palmgren's steel, "
             "1.3 for that of ISO 281)"
         )
+    if strength.fatigue_rule == "equivalent_balls":
+        rated = equivalent_ball_capacity(stage, meshing)
+        return strength.material_factor * rated / sharing_factor
     meshing, contact = known_contact(stage, meshing, contact)
     risk = fatigue_risk(stage, meshing, contact)
     life = (RATED / risk) ** (1 / WEIBULL_SLOPE)
@@ -129,6 +134,14 @@ def dynamic_capacity(
     if fatigue is None:
         fatigue = truncated_fatigue(stage, meshing, contact, sharing_factor)
     return capacity if fatigue is None else fatigue.capacity(capacity)
+
+
+def cuts_fatigue(stage: Stage) -> bool:
+    """Whether ends of flanks, if there are any, lower the dynamic capacity and the life."""
+    strength = stage.strength
+    if strength is None or strength.dynamic_capacity is not None:
+        return False
+    return strength.fatigue_rule == "lundberg_palmgren"
 
 
 def truncated_fatigue(
@@ -141,16 +154,17 @@ def truncated_fatigue(
 ) -> TruncatedFatigue | None:
     """Fatigue with ellipses cut by the ends of the flanks; `None` if no flank has an end.
 
-    Also `None` if the dynamic capacity is given: a test includes the truncation. If threads share
-    unequally, each is truncated under its own load; without `threads` all are truncated like a
-    thread that carries `sharing_factor` times the mean.
+    Also `None` if the dynamic capacity is given, since a test includes the truncation, or is that
+    of equivalent balls, which have whole ellipses. If threads share unequally, each is truncated
+    under its own load; without `threads` all are truncated like a thread that carries
+    `sharing_factor` times the mean.
 
     **Arguments:** as in `dynamic_capacity`, and
 
     - `sides`: `side_onsets` of the stage, if already known.
     - `threads`: loads of the threads over the mean, on the screw and the nut side.
     """
-    if stage.strength is None or stage.strength.dynamic_capacity is not None:
+    if not cuts_fatigue(stage):
         return None
     meshing, contact = known_contact(stage, meshing, contact)
     if sides is None:

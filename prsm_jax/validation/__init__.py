@@ -64,3 +64,10 @@ from . import (  # isort: skip
     _shape_function as _shape_function,
     _closed_forms as _closed_forms,
 )
+from .catalogue import (  # isort: skip
+    PREDICTED as PREDICTED,
+    CatalogueComparison as CatalogueComparison,
+    ErrorSummary as ErrorSummary,
+    compare_catalogue as compare_catalogue,
+)
+from .catalogue import _rows as _rows  # isort: skip

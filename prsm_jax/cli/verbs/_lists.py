@@ -1,8 +1,9 @@
 """Verbs that list: quantities, example, validate."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 from cyclopts import Parameter
 
 from ..._errors import PrsmError
@@ -13,7 +14,12 @@ from .._common import Output, emit, save_tables, write_text
 from .._progress import doing
 from .._tables import TextTable, terminal_width
 
+if TYPE_CHECKING:
+    from ...validation import CatalogueComparison
+
 _DEFAULT = Output()
+#: Head of the tables of errors of a catalogue.
+_SUMMARY = ("column", "sizes", "median", "90th", "largest", "90th beyond rounding")
 
 
 @app.command
@@ -59,35 +65,125 @@ def example(
 def validate(
     source: Annotated[str | None, Parameter(help="Only rows of this source.")] = None,
     *,
+    rows: Annotated[
+        Path | None,
+        Parameter(help="With catalogue: sizes of a CSV file with columns of the shipped table."),
+    ] = None,
+    every_size: Annotated[
+        bool, Parameter(name="--all", negative="", help="With catalogue: errors of every size.")
+    ] = False,
     output: Output = _DEFAULT,
 ) -> int:
     """Published numbers beside the computed ones, with verdicts; --out draws the figures."""
-    from ...validation import markdown, table as validation_table, validate as run
+    from ...validation import (
+        compare_catalogue,
+        markdown,
+        table as validation_table,
+        validate as run,
+    )
 
+    if source != "catalogue" and (rows is not None or every_size):
+        option = "--rows" if rows is not None else "--all"
+        raise PrsmError(f"{option} belongs to prsm validate catalogue; {source or 'all'} was asked")
     output.check_targets()
     doing("computing published numbers")
-    rows = run(source) if source is not None else run()
-    results: dict[str, Any] = {"rows": [row.to_dict() for row in rows]}
+    comparison = compare_catalogue(rows) if source == "catalogue" else None
+    if comparison is not None and rows is not None:
+        found = comparison.rows_of_numbers()
+    else:
+        found = run(source) if source is not None else run()
+    results: dict[str, Any] = {"rows": [row.to_dict() for row in found]}
+    tables: list[TextTable] = []
+    if comparison is not None:
+        every = every_size or rows is not None
+        results["catalogue"], tables = _catalogue_results(comparison, rows is None, every)
     if output.out is not None:
-        results["pictures"] = _published_pictures(output.out, source)
-        write_text(output.out / f"{source or 'all'}.md", markdown(rows) + "\n")
+        results["pictures"] = _published_pictures(output.out, source, comparison)
+        write_text(output.out / f"{source or 'all'}.md", markdown(found) + "\n")
 
     def text() -> str:
-        lines = validation_table(rows, max(terminal_width(), 70))
+        width = max(terminal_width(), 70)
+        parts = [] if rows is not None else [validation_table(found, width)]
+        parts += [one.text(width).rstrip() for one in tables]
         if output.out is not None:
-            lines += f"\n\n{len(results['pictures'])} pictures and the table in {output.out}"
-        return lines
+            parts.append(f"{len(results['pictures'])} pictures and the table in {output.out}")
+        return "\n\n".join(parts)
 
     emit(output, results, text)
     return 0
 
 
-def _published_pictures(folder: Path, source: str | None) -> tuple[Path, ...]:
-    """Draw the figures of the papers."""
-    from ...report import published_figure, published_pressure, save_figures
-    from ...validation import published_figures, published_pressures
+def _catalogue_results(
+    comparison: "CatalogueComparison", halves: bool, every: bool
+) -> tuple[dict[str, Any], list[TextTable]]:
+    """Errors as JSON types and as tables.
+
+    **Arguments:**
+
+    - `comparison`: the sizes.
+    - `halves`: whether those that were not fitted have a table of their own.
+    - `every`: whether each size is listed.
+    """
+    results = comparison.to_dict()
+    tables = [_summary(comparison, "Errors of all sizes", None)]
+    if halves:
+        half = comparison.predicted_half
+        tables.append(_summary(comparison, "Errors of the diameters that are predicted", half))
+    if every:
+        tables.append(_sizes(comparison))
+    else:
+        del results["sizes"]
+    return results, tables
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.1f} %"
+
+
+def _summary(comparison: "CatalogueComparison", title: str, where: Any) -> TextTable:
+    from ...validation import PREDICTED
+
+    rows = []
+    for name, column in PREDICTED.items():
+        found = comparison.summary(name, where)
+        if found is not None:
+            errors = found.median, found.percentile_90, found.largest, found.beyond_rounding_90
+            rows.append((column.name, str(found.sizes), *map(_percent, errors)))
+    return TextTable(title, _SUMMARY, rows)
+
+
+def _sizes(comparison: "CatalogueComparison") -> TextTable:
+    """Printed and computed capacities, and the errors of all columns, by size."""
+    from ...validation import PREDICTED
+
+    rows = [
+        (
+            size,
+            column.name,
+            f"{comparison.printed[name][index]:.6g}",
+            f"{comparison.computed[name][index]:.4g}",
+            "" if column.unit == "1" else column.unit,
+            f"{100 * comparison.errors(name)[index]:+.1f} %",
+        )
+        for index, size in enumerate(comparison.names)
+        for name, column in PREDICTED.items()
+        if np.isfinite(comparison.printed[name][index])
+    ]
+    return TextTable("Sizes", ("size", "column", "printed", "computed", "unit", "error"), rows)
+
+
+def _published_pictures(
+    folder: Path, source: str | None, comparison: "CatalogueComparison | None"
+) -> tuple[Path, ...]:
+    """Draw the figures of the papers, and the catalogue."""
+    from ...report import catalogue_chart, published_figure, published_pressure, save_figures
+    from ...validation import compare_catalogue, published_figures, published_pressures
 
     # Everything that can fail is done before the folder is made.
     drawn = {figure.file_name: published_figure(figure) for figure in published_figures(source)}
     drawn |= {one.file_name: published_pressure(one) for one in published_pressures(source)}
+    if source is None:
+        comparison = compare_catalogue()
+    if comparison is not None:
+        drawn["catalogue-computed-against-printed"] = catalogue_chart(comparison)
     return save_figures(folder, drawn)

@@ -47,6 +47,7 @@ from ._strength import (
     END_CONDITIONS as END_CONDITIONS,
     AxialPlay as AxialPlay,
     EndConditions as EndConditions,
+    FatigueRule as FatigueRule,
     ScrewShaft as ScrewShaft,
     Strength as Strength,
 )

@@ -21,6 +21,7 @@ EndConditions: TypeAlias = Literal[
 ]
 END_CONDITIONS: tuple[EndConditions, ...] = get_args(EndConditions)
 PreloadArrangement: TypeAlias = Literal["double_nut", "split_nut"]
+FatigueRule: TypeAlias = Literal["lundberg_palmgren", "equivalent_balls"]
 
 
 class ScrewShaft(Limited):
@@ -108,6 +109,10 @@ class Strength(Limited):
     Capacities are given, e.g. from catalogues and tests, or follow from the contacts: the static
     one from `permissible_pressure`, the dynamic one from `material_factor`. Results with missing
     data are not evaluated.
+
+    Static: `fatigue_rule`, by which the dynamic capacity is derived.
+
+    **Raises:** `ValueError` at construction for an unknown rule.
     """
 
     permissible_pressure: OptionalNumber = optional_number(
@@ -125,6 +130,12 @@ class Strength(Limited):
         "1",
         "capacity of the steel over that of Lundberg and Palmgren, b_m; to estimate C_a",
         limit=POSITIVE,
+    )
+    fatigue_rule: FatigueRule = choice(
+        "estimate of C_a: Lundberg and Palmgren's theory for the contact ellipses, or the formula "
+        "of ball screws with equivalent balls, as makers rate",
+        default="lundberg_palmgren",
+        implied=True,
     )
     reliability: OptionalNumber = optional_number(
         "1",

@@ -168,9 +168,7 @@ def truncated_fatigue_of(
     analysis: Analysis, index: int, stage: Stage
 ) -> strength.TruncatedFatigue | None:
     """Effect of the ends of flanks on the fatigue of a stage; `None` where they have none."""
-    if not flanks_end(stage) or stage.strength is None:
-        return None
-    if stage.strength.dynamic_capacity is not None:
+    if not (flanks_end(stage) and strength.cuts_fatigue(stage)):
         return None
     return analysis.once(
         ("truncated_fatigue", index),
@@ -190,8 +188,8 @@ def truncated_fatigue_of(
     "C_a",
     "N",
     "dynamic axial capacity for 1e6 turns: given, or estimated by the theory of ball bearings "
-    "(Lundberg and Palmgren), as no standard exists for roller screws; load sharing under the "
-    "equivalent load",
+    "(Lundberg and Palmgren) or the formula of ball screws, as no standard exists for roller "
+    "screws; load sharing under the equivalent load",
     ("stage",),
     assumes=("dynamic_sharing", "life_theory", "flanks_of_dynamic"),
     shares=("equivalent",),

@@ -1,6 +1,7 @@
 """Charts of a design: life, limits, sensitivities, tolerances, changes by an optimiser."""
 
 from ._calibration_chart import calibration_chart as calibration_chart
+from ._catalogue_chart import catalogue_chart as catalogue_chart
 from ._front_chart import front_chart as front_chart
 from ._life_chart import life_chart as life_chart
 from ._optimisation import (
