@@ -78,6 +78,9 @@ def _stage_rows(stage: Stage):
     def angle(value) -> str:
         return f"{trimmed(math.degrees(float(value)), 2)}°"
 
+    if stage.type != "standard":
+        yield "type", f"{stage.type}: {thread.family.radii}; travel per turn {thread.family.travel}"
+        yield "body that turns", thread.family.turning
     present, positions = stage.present_roller_count, stage.roller_count
     yield "rollers", str(present) if present == positions else f"{present} in {positions} places"
     yield "thread starts of screw and nut", trimmed(float(thread.starts))

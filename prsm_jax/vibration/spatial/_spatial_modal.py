@@ -5,7 +5,7 @@ import jax.numpy as jnp
 from ...contact import load_of
 from ...fields import Scalar
 from ...geometry import mesh
-from ...mechanism import Mechanism, of_one_design, stage_at
+from ...mechanism import Mechanism, of_one_design, require_type, stage_at
 from ...programs import one_program, physics
 from ...stiffness import loaded_threads, thread_stiffness
 from ._modes import SpatialModes, spatial_modes
@@ -42,10 +42,12 @@ def spatial_modal(
     - `sticking`: whether contacts at the nut, which roll, have Mindlin's tangential stiffness.
     - `shapes`: also give mass-normalised mode shapes and energy shares.
 
-    **Raises:** `MissingDataError` if data are missing; `ValueError` for a stage that does not
-    exist, fewer than 3 or unequal rollers, and supports that differ in x and y.
+    **Raises:** `MissingDataError` if data are missing, or if it is not a standard roller screw;
+    `ValueError` for a stage that does not exist, fewer than 3 or unequal rollers, and supports that
+    differ in x and y.
     """
     chosen = stage_at(mechanism, stage)
+    require_type((chosen,), "vibration in space (spatial_modal) is")
     meshing = mesh(chosen.thread)
     threads = thread_stiffness(
         chosen,
