@@ -80,6 +80,9 @@ def roller_support_forces(
             pin_tangential = -both_pins / 2
     gear_tangential = (tangential_inertia - on_roller[1]) / 2 - pin_tangential
     pin_radial, gear_force = (inward - on_roller[0]) / 2, jnp.abs(gear_tangential)
+    if thread.family.no_gear:
+        # Friction of the threads that roll takes the place of the teeth.
+        gear_force = jnp.zeros_like(gear_force)
     if stage.gear is not None:
         gear_radial, gear_force = _tooth_forces(stage.gear, gear_tangential)
         pin_radial = pin_radial - gear_radial

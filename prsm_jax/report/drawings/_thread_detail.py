@@ -92,9 +92,8 @@ def _contact_marks(sheet: Sheet, dims: DrawingDimensions, between) -> None:
 
 def _pitch(sheet: Sheet, dims: DrawingDimensions) -> None:
     y = dims.nut_radius + sheet.paper(3.4)
-    words = (
-        f"pitch {trimmed(dims.pitch)}   (lead {trimmed(dims.lead)}, {trimmed(dims.starts)} starts)"
-    )
+    starts = "1 start" if dims.starts == 1 else f"{trimmed(dims.starts)} starts"
+    words = f"pitch {trimmed(dims.pitch)}   (lead {trimmed(dims.lead)}, {starts})"
     sheet.horizontal_dimension(0, dims.pitch, y, "", dims.nut_radius)
     sheet.text(dims.pitch / 2, y + sheet.paper(0.9), words, va="bottom")
 
@@ -128,7 +127,8 @@ def _profile_radius(sheet: Sheet, dims: DrawingDimensions) -> None:
     """An arrow from the arc's centre, or from the edge of the drawing, to the flank."""
     left, right = sheet.axes.get_xlim()
     radius, angle = dims.profile_radius, dims.flank_angle
-    tooth = dims.pitch * (math.floor(0.3 * right / dims.pitch) + 0.5)
+    place = 0.5 if dims.shifted_at_nut else 0.0
+    tooth = dims.pitch * (math.floor(0.3 * right / dims.pitch) + place)
     tip_x = tooth + float(roller_half_thickness(dims, 0.0))
     tip_y = dims.nut_radius
     direction = (-math.cos(angle), -math.sin(angle))
