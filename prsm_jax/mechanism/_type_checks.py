@@ -1,17 +1,14 @@
 """Whether the numbers and parts of a stage fit its type of roller screw."""
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import Any
 
 from .._errors import MissingDataError
 from ..fields import check_related
 from .parts import FAMILIES, ROLLER_SCREW_TYPES, RollerScrewType
 
-if TYPE_CHECKING:
-    from ._mechanism import Stage
 
-
-def check_type(stage: "Stage") -> None:
+def check_type(stage: Any) -> None:
     """Check that starts, radii, gear and conventions fit the type of a stage.
 
     **Raises:** `ValueError` at the first that does not, with the type, the value and the remedy.
@@ -54,7 +51,7 @@ def check_type(stage: "Stage") -> None:
 
 
 def require_type(
-    stages: "Iterable[Stage]", what: str, known: tuple[RollerScrewType, ...] = ("standard",)
+    stages: Iterable[Any], what: str, known: tuple[RollerScrewType, ...] = ("standard",)
 ) -> None:
     """Refuse what is not known for the type of a stage.
 
@@ -74,7 +71,7 @@ def require_type(
             )
 
 
-def check_types_in_series(stages: "tuple[Stage, ...]") -> None:
+def check_types_in_series(stages: tuple[Any, ...]) -> None:
     """**Raises:** `ValueError` if one of several stages in series is not a standard one."""
     others = [(number, one) for number, one in enumerate(stages, 1) if one.type != "standard"]
     if len(stages) > 1 and others:

@@ -136,7 +136,8 @@ def nut_unit_mass(stage: Stage) -> Scalar:
 
     **Raises:** `MissingDataError` as in `body_mass`.
     """
-    mass = body_mass(stage, stage.thread.family.held) + stage.present_roller_count * mean_roller_mass(stage)
+    held = body_mass(stage, stage.thread.family.held)
+    mass = held + stage.present_roller_count * mean_roller_mass(stage)
     if stage.ring_gear is not None:
         mass = mass + body_mass(stage, "ring_gear")
     if stage.carrier is not None:

@@ -75,14 +75,6 @@ def _with(thread: Thread, **changes) -> Thread:
     )
 
 
-def _ratio_of(thread: Thread, screw_ratio: Scalar) -> dict[str, Scalar]:
-    """The number of a thread that sets its ratio of radii, for a ratio r_s/r_R."""
-    beyond = thread.family.ratio_beyond_starts
-    shift = 2 - (beyond or 0)
-    ratio = shift + screw_ratio if shift else screw_ratio
-    return {"radius_ratio" if beyond is None else "starts": ratio}
-
-
 #: Design variables in addition to the thread's numbers. Each states what is fixed and what follows.
 DESIGN_VARIABLES: tuple[DesignVariable, ...] = (
     DesignVariable(
@@ -122,7 +114,7 @@ DESIGN_VARIABLES: tuple[DesignVariable, ...] = (
         "m",
         "roller radius at fixed screw radius and lead; starts 2 + r_s/r_R follow as a real number",
         lambda t: t.roller_radius,
-        lambda t, v: _with(t, roller_radius=v, **_ratio_of(t, t.screw_radius / v)),
+        lambda t, v: _with(t, roller_radius=v, **t.for_screw_ratio(t.screw_radius / v)),
         OF_A_THREAD,
     ),
     DesignVariable(

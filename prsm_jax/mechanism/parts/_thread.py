@@ -130,6 +130,12 @@ class Thread(Limited):
         """Screw radius over roller radius r_s/r_R; n − 2 in a standard roller screw."""
         return self._radii_apart(2)
 
+    def for_screw_ratio(self, ratio: Scalar) -> dict[str, Scalar]:
+        """The number that sets the ratio of the radii, by name, for a ratio r_s/r_R."""
+        beyond = self.family.ratio_beyond_starts
+        shift = 2 - (beyond or 0)
+        return {"radius_ratio" if beyond is None else "starts": shift + ratio if shift else ratio}
+
     @property
     def nut_ratio(self) -> Scalar:
         """Nut radius over roller radius r_n/r_R; n in a standard roller screw."""

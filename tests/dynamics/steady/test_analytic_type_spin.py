@@ -13,7 +13,7 @@ from prsm_jax.friction import CoulombFriction, Friction, SpinFriction
 from prsm_jax.geometry import flanks_of
 from prsm_jax.geometry._flanks import nut_side_hessian, screw_side_hessian
 from prsm_jax.mechanism import Mechanism
-from tests.dynamics.steady.test_analytic_types import _slips, mechanism
+from tests.dynamics.steady.test_analytic_type_motion import _slips, mechanism
 
 SPEED, LOAD, MU = 100.0, 20e3, 0.08
 

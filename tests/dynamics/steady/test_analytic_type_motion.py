@@ -16,6 +16,8 @@ from scenes import STEEL, array, mesh, simulate, steady_state
 
 import prsm_jax as prsm
 from prsm_jax._errors import MissingDataError
+from prsm_jax.dynamics import all_kinematics, states_at
+from prsm_jax.dynamics.forces import roller_support_forces
 from prsm_jax.friction import CoulombFriction, Drag, Friction, ThrustBearingFriction
 from prsm_jax.mechanism import (
     ROLLER_SCREW_TYPES,
@@ -286,3 +288,22 @@ def test_what_is_not_known_names_the_type(kind):
         prsm.dynamics.body_forces(one, steady_state(one, SPEED, LOAD))
     with pytest.raises(MissingDataError, match=f'not for type = "{kind}"'):
         prsm.compute(one, ["self_locking_margin"], speed=SPEED, load=LOAD)
+
+
+@pytest.mark.parametrize("kind", ["standard", "inverted", "differential"])
+def test_forces_on_a_roller_balance_in_newtons_form(kind):
+    """Moments about the roller's axis, which Lagrange's equation of the carriers does not use.
+
+    Relative to the largest moment, the normal force of the screw at the roller's radius.
+    """
+    one = mechanism(kind, extra=False)
+    (stage,) = one.stages
+    kinematics = all_kinematics(one)
+    ratio = steady_state(one, SPEED, LOAD).carrier_ratio
+    scenario = prsm.Scenario(SPEED, LOAD, 1.0)
+    (state,) = states_at(one, kinematics, scenario, array(0.0), ratio * SPEED)
+    support = roller_support_forces(stage, kinematics[0], state, None)
+    size = state.forces.contact_force * stage.thread.roller_radius
+    assert abs(float(support.moment_residual / size)) < 1e-9
+    assert float(support.ring_gear_tangential) != 0
+    assert (float(support.ring_gear_force) == 0) == (kind == "differential")
