@@ -47,10 +47,11 @@ def _results(name):
 
 #: Left out are those whose physics another has: the mechanisms of the mission and of the tolerances
 #: are parts of the actuator, Li's second pair of stages has the laws of the first, and the annular
-#: rollers' nearest threaded mechanism those of the actuator. Load sharing has tests of its own.
+#: rollers' nearest threaded mechanism those of the actuator. Load sharing has tests of its own, and
+#: so has the motion of recirculating and differential roller screws.
 _LIKE_OTHERS = {
     *("actuator_mission", "actuator_tolerances", "actuator_load_sharing"),
-    *("li2021_two_stage", "ring_roller"),
+    *("li2021_two_stage", "ring_roller", "recirculating_stage", "differential_stage"),
 }
 NAMES = [name for name in file.example_names() if name not in _LIKE_OTHERS]
 
